@@ -1,0 +1,1 @@
+//! Lie brackets, distributions, accessibility and the functions that no input influences.

@@ -1,0 +1,1 @@
+//! Optimal control on Clarabel: multiple shooting, SQP, real-time iteration.

@@ -1,0 +1,1 @@
+//! Machine code for expression tapes, through Cranelift.

@@ -1,0 +1,1 @@
+//! The vibrating hyper-plate: published model, experiments, objects and scenarios.

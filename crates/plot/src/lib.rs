@@ -1,0 +1,1 @@
+//! Figures: time series, plan views, friction bands; SVG and PNG.

@@ -1,0 +1,1 @@
+//! Piecewise-smooth simulation: events, sliding and sticking, dense output.

@@ -1,0 +1,1 @@
+//! Interned symbolic expressions: parse, print, differentiate, simplify, decide zero and rank exactly, compile.
