@@ -1,1 +1,23 @@
 //! Interned symbolic expressions: parse, print, differentiate, simplify, decide zero and rank exactly, compile.
+//!
+//! Everything starts with a [`Pool`], the arena that owns the expressions.
+//!
+//! ```
+//! use bracketry_symbolic::Pool;
+//! let mut p = Pool::new();
+//! let e = p.parse("x^2*sin(x)").unwrap();
+//! let x = p.symbol("x");
+//! let d = p.diff(e, x);
+//! assert_eq!(p.text(d), "2*x*sin(x) + x^2*cos(x)");
+//! ```
+
+mod diff;
+mod parse;
+mod pool;
+mod tape;
+mod text;
+
+pub use dashu_ratio::RBig as Rational;
+pub use parse::{Names, ParseError, closest_name};
+pub use pool::{Expr, Func, Func2, Node, Pool, Symbol};
+pub use tape::{CompileError, Instruction, Op, Tape};

@@ -1,0 +1,478 @@
+//! Text to expressions: a precedence-climbing parser whose errors name the place and the remedy.
+
+use dashu_int::{IBig, UBig};
+use dashu_ratio::RBig;
+
+use crate::pool::{Expr, Func, Func2, Pool};
+
+/// Where the names in a text come from.
+pub trait Names {
+    /// The expression that `name` stands for, `None` if it is not known.
+    fn lookup(&mut self, pool: &mut Pool, name: &str) -> Option<Expr>;
+    /// The expression for `der(name, order)`, the time derivative of an input; `None` if `name` is not an input.
+    fn derivative(&mut self, _pool: &mut Pool, _name: &str, _order: u32) -> Option<Expr> {
+        None
+    }
+    /// All known names, for suggestions.
+    fn known(&self) -> Vec<String>;
+}
+
+/// Every name is an indeterminate.
+struct Free;
+
+impl Names for Free {
+    fn lookup(&mut self, pool: &mut Pool, name: &str) -> Option<Expr> {
+        Some(pool.var(name))
+    }
+    fn known(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// A text that is not an expression.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message} (at column {}, near `{found}`): {remedy}", .offset + 1)]
+pub struct ParseError {
+    /// Character offset into the text, from 0.
+    pub offset: usize,
+    /// The offending text.
+    pub found: String,
+    /// What is wrong.
+    pub message: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+const MAX_DEPTH: u32 = 200;
+const MAX_DECIMAL_EXPONENT: i64 = 400;
+const MAX_LENGTH: usize = 1 << 20;
+
+#[derive(Clone, Debug, PartialEq)]
+enum Token {
+    Number(RBig),
+    Name(String),
+    Op(char),
+    Power,
+    End,
+}
+
+struct Lexed {
+    token: Token,
+    start: usize,
+    end: usize,
+}
+
+fn error<T>(
+    offset: usize,
+    found: impl Into<String>,
+    message: impl Into<String>,
+    remedy: impl Into<String>,
+) -> Result<T, ParseError> {
+    let found: String = found.into();
+    Err(ParseError { offset, found, message: message.into(), remedy: remedy.into() })
+}
+
+fn lex(text: &str) -> Result<Vec<Lexed>, ParseError> {
+    let chars: Vec<char> = text.chars().collect();
+    if chars.len() > MAX_LENGTH {
+        return error(
+            0,
+            "",
+            format!("the expression is longer than {MAX_LENGTH} characters"),
+            "split it into definitions",
+        );
+    }
+    let mut out = Vec::new();
+    let mut i = 0;
+    while i < chars.len() {
+        let c = chars[i];
+        let start = i;
+        if c.is_whitespace() {
+            i += 1;
+            continue;
+        }
+        let token = if c.is_ascii_digit() || (c == '.' && chars.get(i + 1).is_some_and(char::is_ascii_digit)) {
+            let (value, end) = lex_number(&chars, i)?;
+            i = end;
+            Token::Number(value)
+        } else if c.is_alphabetic() || c == '_' {
+            while i < chars.len() && (chars[i].is_alphanumeric() || chars[i] == '_') {
+                i += 1;
+            }
+            Token::Name(chars[start..i].iter().collect())
+        } else if c == '*' && chars.get(i + 1) == Some(&'*') {
+            i += 2;
+            Token::Power
+        } else if c == '^' {
+            i += 1;
+            Token::Power
+        } else if "+-*/(),".contains(c) {
+            i += 1;
+            Token::Op(c)
+        } else if c == '−' {
+            i += 1;
+            Token::Op('-')
+        } else {
+            return error(
+                i,
+                c.to_string(),
+                format!("`{c}` is not part of an expression"),
+                "use + - * / ^ ( ) , numbers and names",
+            );
+        };
+        out.push(Lexed { token, start, end: i });
+    }
+    out.push(Lexed { token: Token::End, start: chars.len(), end: chars.len() });
+    Ok(out)
+}
+
+/// A decimal number, read exactly.
+fn lex_number(chars: &[char], start: usize) -> Result<(RBig, usize), ParseError> {
+    let mut i = start;
+    let mut digits = String::new();
+    let mut scale: i64 = 0;
+    while i < chars.len() && chars[i].is_ascii_digit() {
+        digits.push(chars[i]);
+        i += 1;
+    }
+    if i < chars.len() && chars[i] == '.' {
+        i += 1;
+        while i < chars.len() && chars[i].is_ascii_digit() {
+            digits.push(chars[i]);
+            scale -= 1;
+            i += 1;
+        }
+    }
+    if i < chars.len() && (chars[i] == 'e' || chars[i] == 'E') {
+        let mut j = i + 1;
+        if j < chars.len() && (chars[j] == '+' || chars[j] == '-') {
+            j += 1;
+        }
+        let first = j;
+        while j < chars.len() && chars[j].is_ascii_digit() {
+            j += 1;
+        }
+        if j > first {
+            let text: String = chars[i + 1..j].iter().collect();
+            let exponent = text.parse::<i64>().unwrap_or(i64::MAX);
+            if exponent.abs() > MAX_DECIMAL_EXPONENT {
+                let found: String = chars[start..j].iter().collect();
+                return error(
+                    start,
+                    found,
+                    "the decimal exponent is out of range",
+                    format!("keep it within ±{MAX_DECIMAL_EXPONENT}"),
+                );
+            }
+            scale += exponent;
+            i = j;
+        }
+    }
+    if i < chars.len() && (chars[i].is_alphabetic() || chars[i] == '_' || chars[i] == '.') {
+        let found: String = chars[start..=i].iter().collect();
+        return error(start, found, "a number runs into a name", "write the product with `*`");
+    }
+    let mantissa: IBig = digits.parse().unwrap_or(IBig::ZERO);
+    let power = UBig::from(10u8).pow(scale.unsigned_abs() as usize);
+    let value = if scale < 0 { RBig::from_parts(mantissa, power) } else { RBig::from(mantissa * IBig::from(power)) };
+    Ok((value, i))
+}
+
+struct Parser<'a, N: Names> {
+    pool: &'a mut Pool,
+    names: &'a mut N,
+    chars: Vec<char>,
+    tokens: Vec<Lexed>,
+    at: usize,
+    depth: u32,
+}
+
+impl<N: Names> Parser<'_, N> {
+    fn peek(&self) -> &Token {
+        &self.tokens[self.at].token
+    }
+
+    fn found(&self) -> String {
+        let t = &self.tokens[self.at];
+        if t.token == Token::End { "end of expression".into() } else { self.chars[t.start..t.end].iter().collect() }
+    }
+
+    fn fail<T>(&self, message: impl Into<String>, remedy: impl Into<String>) -> Result<T, ParseError> {
+        error(self.tokens[self.at].start, self.found(), message, remedy)
+    }
+
+    fn take(&mut self, op: char) -> bool {
+        let hit = *self.peek() == Token::Op(op);
+        self.at += usize::from(hit);
+        hit
+    }
+
+    fn expect(&mut self, op: char, context: &str) -> Result<(), ParseError> {
+        if self.take(op) { Ok(()) } else { self.fail(format!("expected `{op}` {context}"), format!("add `{op}`")) }
+    }
+
+    fn deeper<T>(&mut self, f: impl FnOnce(&mut Self) -> Result<T, ParseError>) -> Result<T, ParseError> {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            return self.fail(format!("nested more than {MAX_DEPTH} deep"), "split it into definitions");
+        }
+        let r = f(self);
+        self.depth -= 1;
+        r
+    }
+
+    fn sum(&mut self) -> Result<Expr, ParseError> {
+        let mut left = self.product()?;
+        loop {
+            if self.take('+') {
+                let right = self.product()?;
+                left = self.pool.add(left, right);
+            } else if self.take('-') {
+                let right = self.product()?;
+                left = self.pool.sub(left, right);
+            } else {
+                return Ok(left);
+            }
+        }
+    }
+
+    fn product(&mut self) -> Result<Expr, ParseError> {
+        let mut left = self.unary()?;
+        loop {
+            if self.take('*') {
+                let right = self.unary()?;
+                left = self.pool.mul(left, right);
+            } else if *self.peek() == Token::Op('/') {
+                self.at += 1;
+                let start = self.at;
+                let right = self.unary()?;
+                if self.pool.is_zero(right) {
+                    self.at = start;
+                    return self.fail("division by zero", "divide by something that is not zero");
+                }
+                left = self.pool.div(left, right);
+            } else {
+                return Ok(left);
+            }
+        }
+    }
+
+    /// A sign binds weaker than `^`: −x² is −(x²).
+    fn unary(&mut self) -> Result<Expr, ParseError> {
+        if self.take('-') {
+            let e = self.deeper(Self::unary)?;
+            Ok(self.pool.neg(e))
+        } else if self.take('+') {
+            self.deeper(Self::unary)
+        } else {
+            self.power()
+        }
+    }
+
+    fn power(&mut self) -> Result<Expr, ParseError> {
+        let base = self.atom()?;
+        if *self.peek() != Token::Power {
+            return Ok(base);
+        }
+        self.at += 1;
+        let start = self.at;
+        let exponent = self.deeper(Self::unary)?;
+        if self.pool.is_zero(base) && self.pool.number(exponent).is_some_and(|k| *k < RBig::ZERO) {
+            self.at = start;
+            return self.fail("zero to a negative power", "divide by something that is not zero");
+        }
+        Ok(self.pool.pow(base, exponent))
+    }
+
+    fn atom(&mut self) -> Result<Expr, ParseError> {
+        match self.peek().clone() {
+            Token::Number(x) => {
+                self.at += 1;
+                Ok(self.pool.rational(x))
+            }
+            Token::Op('(') => {
+                self.at += 1;
+                let e = self.deeper(Self::sum)?;
+                self.expect(')', "to close the parenthesis")?;
+                Ok(e)
+            }
+            Token::Name(name) => {
+                let is_call = self.tokens[self.at + 1].token == Token::Op('(');
+                if is_call { self.call(&name) } else { self.name(&name) }
+            }
+            Token::End => self.fail("the expression ends too early", "an operand is missing here"),
+            _ => self.fail("an operand is missing", "put a number, a name or a parenthesis here"),
+        }
+    }
+
+    fn name(&mut self, name: &str) -> Result<Expr, ParseError> {
+        if name == "pi" {
+            self.at += 1;
+            return Ok(self.pool.pi());
+        }
+        if is_function(name) {
+            return self.fail(format!("`{name}` is a function"), format!("write `{name}(…)`"));
+        }
+        match self.names.lookup(self.pool, name) {
+            Some(e) => {
+                self.at += 1;
+                Ok(e)
+            }
+            None => self.unknown(name),
+        }
+    }
+
+    fn unknown<T>(&self, name: &str) -> Result<T, ParseError> {
+        let known = self.names.known();
+        let remedy = match closest_name(name, known.iter().map(String::as_str)) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "declare it as a state, an input, a parameter or a definition".into(),
+        };
+        self.fail(format!("unknown name `{name}`"), remedy)
+    }
+
+    fn call(&mut self, name: &str) -> Result<Expr, ParseError> {
+        let start = self.at;
+        if name == "der" {
+            return self.input_derivative();
+        }
+        if !is_function(name) {
+            let known: Vec<&str> = function_names().collect();
+            let remedy = match closest_name(name, known.iter().copied()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None if self.names.known().iter().any(|n| n == name) => "write the product with `*`".into(),
+                None => format!("the functions are {}", known.join(" ")),
+            };
+            return self.fail(format!("unknown function `{name}`"), remedy);
+        }
+        self.at += 2;
+        let mut arguments = vec![self.deeper(Self::sum)?];
+        while self.take(',') {
+            arguments.push(self.deeper(Self::sum)?);
+        }
+        self.expect(')', &format!("after the arguments of `{name}`"))?;
+        let wanted = if Func2::ALL.iter().any(|(_, n)| *n == name) { 2 } else { 1 };
+        if arguments.len() != wanted {
+            self.at = start;
+            return self.fail(
+                format!(
+                    "`{name}` takes {wanted} argument{}, not {}",
+                    if wanted == 1 { "" } else { "s" },
+                    arguments.len()
+                ),
+                "correct the number of arguments",
+            );
+        }
+        let (a, b) = (arguments[0], arguments[arguments.len() - 1]);
+        if name == "sqrt" {
+            return Ok(self.pool.sqrt(a));
+        }
+        if let Some((f, _)) = Func::ALL.iter().find(|(_, n)| *n == name) {
+            return Ok(self.pool.call(*f, a));
+        }
+        match Func2::ALL.iter().find(|(_, n)| *n == name) {
+            Some((f, _)) => Ok(self.pool.call2(*f, a, b)),
+            None => self.unknown(name),
+        }
+    }
+
+    /// `der(u)` or `der(u, k)`
+    fn input_derivative(&mut self) -> Result<Expr, ParseError> {
+        self.at += 2;
+        let at_name = self.at;
+        let Token::Name(input) = self.peek().clone() else {
+            return self.fail("`der` needs the name of an input", "write `der(u)` or `der(u, 2)`");
+        };
+        self.at += 1;
+        let mut order = 1;
+        if self.take(',') {
+            let k = match self.peek() {
+                Token::Number(x) if x.is_int() => u32::try_from(x.numerator()).ok().filter(|k| (1..=20).contains(k)),
+                _ => None,
+            };
+            let Some(k) = k else {
+                return self.fail("the order of a derivative is an integer from 1 to 20", "write `der(u, 2)`");
+            };
+            order = k;
+            self.at += 1;
+        }
+        self.expect(')', "after the arguments of `der`")?;
+        if let Some(e) = self.names.derivative(self.pool, &input, order) {
+            return Ok(e);
+        }
+        self.at = at_name;
+        if self.names.known().contains(&input) {
+            return self.fail(
+                format!("`{input}` is not an input"),
+                "only inputs have `der(…)`; use the state's own equation instead",
+            );
+        }
+        self.unknown(&input)
+    }
+}
+
+fn function_names() -> impl Iterator<Item = &'static str> {
+    Func::ALL.iter().map(|(_, n)| *n).chain(Func2::ALL.iter().map(|(_, n)| *n)).chain(["sqrt", "der"])
+}
+
+fn is_function(name: &str) -> bool {
+    function_names().any(|n| n == name)
+}
+
+impl Pool {
+    /// Reads an expression in which every name is an indeterminate.
+    ///
+    /// # Errors
+    /// [`ParseError`] with the place, the offending text and the remedy.
+    pub fn parse(&mut self, text: &str) -> Result<Expr, ParseError> {
+        self.parse_with(text, &mut Free)
+    }
+
+    /// Reads an expression whose names come from `names`.
+    ///
+    /// # Errors
+    /// [`ParseError`] with the place, the offending text and the remedy.
+    pub fn parse_with<N: Names>(&mut self, text: &str, names: &mut N) -> Result<Expr, ParseError> {
+        let tokens = lex(text)?;
+        let mut p = Parser { pool: self, names, chars: text.chars().collect(), tokens, at: 0, depth: 0 };
+        if *p.peek() == Token::End {
+            return p.fail("the expression is empty", "write an expression, for instance 0");
+        }
+        let e = p.sum()?;
+        match p.peek() {
+            Token::End => Ok(e),
+            Token::Op(')') => p.fail("a parenthesis is closed that was not opened", "remove it or add `(`"),
+            Token::Number(_) | Token::Name(_) | Token::Op('(') => {
+                p.fail("an operator is missing", "write the product with `*`")
+            }
+            _ => p.fail("this does not belong here", "remove it"),
+        }
+    }
+}
+
+/// The name nearest to `name` in edit distance, if one is near enough to be meant.
+pub fn closest_name<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = (name.chars().count() / 3).max(1);
+    known
+        .map(|k| (distance(name, k), k))
+        .filter(|(d, k)| *d <= limit && *d < k.chars().count().max(2))
+        .min_by_key(|(d, _)| *d)
+        .map(|(_, k)| k)
+}
+
+/// Levenshtein distance, where a change of case counts nothing.
+fn distance(a: &str, b: &str) -> usize {
+    let a: Vec<char> = a.to_lowercase().chars().collect();
+    let b: Vec<char> = b.to_lowercase().chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for i in 1..=a.len() {
+        let mut diagonal = row[0];
+        row[0] = i;
+        for j in 1..=b.len() {
+            let change = diagonal + usize::from(a[i - 1] != b[j - 1]);
+            diagonal = row[j];
+            row[j] = change.min(row[j] + 1).min(row[j - 1] + 1);
+        }
+    }
+    row[b.len()]
+}

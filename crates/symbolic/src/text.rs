@@ -1,0 +1,227 @@
+//! Expressions to text that the parser reads back.
+
+use std::cmp::Ordering;
+
+use dashu_base::Abs;
+use dashu_int::UBig;
+use dashu_ratio::RBig;
+
+use crate::pool::{Expr, Node, Pool};
+
+/// Binding strength, weakest first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Strength {
+    Sum,
+    Product,
+    Power,
+    Atom,
+}
+
+/// The terms of a (nested) sum, left to right; shared with the other printers.
+pub(crate) fn terms(pool: &Pool, e: Expr) -> Vec<Expr> {
+    flatten(pool, e, |n| if let Node::Add(a, b) = n { Some((a, b)) } else { None })
+}
+
+/// The factors of a (nested) product, left to right.
+pub(crate) fn factors(pool: &Pool, e: Expr) -> Vec<Expr> {
+    flatten(pool, e, |n| if let Node::Mul(a, b) = n { Some((a, b)) } else { None })
+}
+
+fn flatten(pool: &Pool, e: Expr, split: impl Fn(Node) -> Option<(Expr, Expr)>) -> Vec<Expr> {
+    let mut out = Vec::new();
+    let mut stack = vec![e];
+    while let Some(x) = stack.pop() {
+        match split(pool.node(x)) {
+            Some((a, b)) => {
+                stack.push(b);
+                stack.push(a);
+            }
+            None => out.push(x),
+        }
+    }
+    out
+}
+
+/// A product taken apart for printing: sign, numerator and denominator factors with positive exponents.
+pub(crate) struct Fraction {
+    pub(crate) negative: bool,
+    /// Absolute value of the numeric coefficient.
+    pub(crate) coefficient: RBig,
+    /// (base, exponent); the exponent is a positive number or any symbolic expression.
+    pub(crate) top: Vec<(Expr, Exponent)>,
+    /// (base, exponent), exponents positive.
+    pub(crate) bottom: Vec<(Expr, Exponent)>,
+}
+
+#[derive(Clone)]
+pub(crate) enum Exponent {
+    Number(RBig),
+    Symbolic(Expr),
+}
+
+pub(crate) fn fraction(pool: &Pool, e: Expr) -> Fraction {
+    let mut f = Fraction { negative: false, coefficient: RBig::ONE, top: Vec::new(), bottom: Vec::new() };
+    for x in factors(pool, e) {
+        match pool.node(x) {
+            Node::Num(_) => {
+                if let Some(c) = pool.number(x) {
+                    f.coefficient *= c;
+                }
+            }
+            Node::Pow(b, k) => match pool.number(k) {
+                Some(k) if *k < RBig::ZERO => f.bottom.push((b, Exponent::Number(-k.clone()))),
+                Some(k) => f.top.push((b, Exponent::Number(k.clone()))),
+                None => f.top.push((b, Exponent::Symbolic(k))),
+            },
+            _ => f.top.push((x, Exponent::Number(RBig::ONE))),
+        }
+    }
+    f.negative = f.coefficient < RBig::ZERO;
+    f.coefficient = f.coefficient.abs();
+    f
+}
+
+/// A decimal where it is finite and short, `p/q` otherwise.
+pub(crate) fn number_text(x: &RBig) -> (String, bool) {
+    if x.is_int() {
+        return (x.numerator().to_string(), true);
+    }
+    let mut q = x.denominator().clone();
+    let mut digits = 0usize;
+    for p in [2u8, 5] {
+        let mut n = 0;
+        while (&q % UBig::from(p)) == UBig::ZERO {
+            q /= UBig::from(p);
+            n += 1;
+        }
+        digits = digits.max(n);
+    }
+    if q == UBig::ONE && digits <= 12 {
+        let scaled = x.clone() * RBig::from(UBig::from(10u8).pow(digits));
+        let mut s = scaled.numerator().clone().abs().to_string();
+        while s.len() <= digits {
+            s.insert(0, '0');
+        }
+        s.insert(s.len() - digits, '.');
+        if *x < RBig::ZERO {
+            s.insert(0, '-');
+        }
+        return (s, true);
+    }
+    (format!("{}/{}", x.numerator(), x.denominator()), false)
+}
+
+impl Pool {
+    /// The expression as text, in the syntax of model files.
+    pub fn text(&self, e: Expr) -> String {
+        self.write(e).0
+    }
+
+    fn wrapped(&self, e: Expr, at_least: Strength) -> String {
+        let (s, strength) = self.write(e);
+        if strength < at_least { format!("({s})") } else { s }
+    }
+
+    fn write(&self, e: Expr) -> (String, Strength) {
+        match self.node(e) {
+            Node::Num(_) => {
+                let x = self.number(e).cloned().unwrap_or(RBig::ZERO);
+                let (s, atomic) = number_text(&x);
+                let strength = match (x.cmp(&RBig::ZERO), atomic) {
+                    (Ordering::Less, _) => Strength::Sum,
+                    (_, true) => Strength::Atom,
+                    (_, false) => Strength::Product,
+                };
+                (s, strength)
+            }
+            Node::Pi => ("pi".into(), Strength::Atom),
+            Node::Sym(s) => (self.name(s).to_owned(), Strength::Atom),
+            Node::Call(f, a) => (format!("{}({})", f.name(), self.text(a)), Strength::Atom),
+            Node::Call2(f, a, b) => (format!("{}({}, {})", f.name(), self.text(a), self.text(b)), Strength::Atom),
+            Node::Add(..) => (self.write_sum(e), Strength::Sum),
+            Node::Mul(..) | Node::Pow(..) => self.write_fraction(e),
+        }
+    }
+
+    fn write_sum(&self, e: Expr) -> String {
+        let mut out = String::new();
+        // A number leads the node; it reads better at the end.
+        let mut all = terms(self, e);
+        if self.number(all[0]).is_some() {
+            all.rotate_left(1);
+        }
+        for (i, t) in all.into_iter().enumerate() {
+            let s = self.wrapped(t, Strength::Sum);
+            match (i, s.strip_prefix('-')) {
+                (0, _) => out.push_str(&s),
+                (_, Some(rest)) => {
+                    out.push_str(" - ");
+                    out.push_str(rest);
+                }
+                (_, None) => {
+                    out.push_str(" + ");
+                    out.push_str(&s);
+                }
+            }
+        }
+        out
+    }
+
+    fn write_power(&self, base: Expr, k: &Exponent) -> (String, Strength) {
+        let half = RBig::from(1) / RBig::from(2);
+        match k {
+            Exponent::Number(k) if *k == RBig::ONE => self.write(base),
+            Exponent::Number(k) if *k == half => (format!("sqrt({})", self.text(base)), Strength::Atom),
+            Exponent::Number(k) => {
+                let (s, atomic) = number_text(k);
+                let s = if atomic { s } else { format!("({s})") };
+                (format!("{}^{s}", self.wrapped(base, Strength::Atom)), Strength::Power)
+            }
+            Exponent::Symbolic(k) => (
+                format!("{}^{}", self.wrapped(base, Strength::Atom), self.wrapped(*k, Strength::Atom)),
+                Strength::Power,
+            ),
+        }
+    }
+
+    fn write_fraction(&self, e: Expr) -> (String, Strength) {
+        let f = fraction(self, e);
+        let side = |list: &[(Expr, Exponent)]| -> Vec<String> {
+            list.iter()
+                .map(|(b, k)| {
+                    let (s, strength) = self.write_power(*b, k);
+                    if strength < Strength::Power { format!("({s})") } else { s }
+                })
+                .collect()
+        };
+        let mut top = side(&f.top);
+        let mut bottom = side(&f.bottom);
+        let single = f.bottom.is_empty() && f.coefficient == RBig::ONE && !f.negative && top.len() == 1;
+        if single && let [(b, k)] = f.top.as_slice() {
+            return self.write_power(*b, k);
+        }
+        if f.coefficient != RBig::ONE {
+            let (s, atomic) = number_text(&f.coefficient);
+            if atomic {
+                top.insert(0, s);
+            } else {
+                if f.coefficient.numerator() != &IBIG_ONE || top.is_empty() {
+                    top.insert(0, f.coefficient.numerator().to_string());
+                }
+                bottom.insert(0, f.coefficient.denominator().to_string());
+            }
+        }
+        let mut s = if top.is_empty() { "1".to_owned() } else { top.join("*") };
+        match bottom.len() {
+            0 => {}
+            1 => s = format!("{s}/{}", bottom[0]),
+            _ => s = format!("{s}/({})", bottom.join("*")),
+        }
+        if f.negative {
+            return (format!("-{s}"), Strength::Sum);
+        }
+        (s, Strength::Product)
+    }
+}
+
+const IBIG_ONE: dashu_int::IBig = dashu_int::IBig::ONE;
