@@ -188,7 +188,7 @@ impl Pool {
     }
 
     /// The node of `e` made again from the images of its operands.
-    pub(crate) fn rebuild(&mut self, e: Expr, image: impl Fn(Expr) -> Expr) -> Expr {
+    pub fn rebuild(&mut self, e: Expr, image: impl Fn(Expr) -> Expr) -> Expr {
         let node = self.node(e);
         if node.operands().all(|o| image(o) == o) {
             return e;

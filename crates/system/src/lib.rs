@@ -1,1 +1,12 @@
 //! Control systems: model files, parameters, switching modes, affine forms, compiled right-hand sides.
+
+mod document;
+mod model_file;
+mod switching;
+mod system;
+
+pub use bracketry_symbolic as symbolic;
+pub use document::{Document, FileError, Table, Value};
+pub use model_file::RESERVED;
+pub use switching::{MAX_ENUMERATED_SWITCHES, Mode, Switch, SwitchKind, SwitchedForm, TooManyModes};
+pub use system::{InputDerivative, Parameter, Point, System};

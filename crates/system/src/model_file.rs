@@ -1,0 +1,428 @@
+//! Model files: reading with located errors, and writing.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use bracketry_symbolic::{Expr, Names, Pool, Rational, Symbol, closest_name};
+use rustc_hash::FxHashMap;
+use serde::Serialize;
+
+use crate::document::{Document, FileError, Table, Value};
+use crate::system::{InputDerivative, Parameter, Point, System};
+
+/// Names that a model may not declare.
+pub const RESERVED: [&str; 19] = [
+    "pi", "der", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt",
+    "abs", "sign", "min", "max",
+];
+
+const KEYS: [&str; 8] = ["name", "states", "inputs", "parameters", "definitions", "dynamics", "outputs", "point"];
+const PARAMETER_KEYS: [&str; 5] = ["value", "unit", "min", "max", "about"];
+
+type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
+
+impl System {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// One [`FileError`] with file, line, column, the offending text and the remedy.
+    pub fn read(path: impl AsRef<Path>) -> Result<System, FileError> {
+        let doc = Document::read(path.as_ref())?;
+        let stem = path.as_ref().file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned());
+        Reader::new(&doc).system(&stem)
+    }
+
+    /// Reads a model from text; `file` is how errors call it.
+    ///
+    /// # Errors
+    /// As [`System::read`].
+    pub fn parse(file: &str, text: &str) -> Result<System, FileError> {
+        Reader::new(&Document::new(file, text)).system(file)
+    }
+}
+
+struct Reader<'d> {
+    doc: &'d Document,
+    pool: Pool,
+    states: Vec<Symbol>,
+    inputs: Vec<Symbol>,
+    parameters: Vec<Parameter>,
+}
+
+/// The names that equations may use.
+struct Scope<'a> {
+    plain: &'a FxHashMap<String, Expr>,
+    inputs: &'a [String],
+    /// der(u, k) met so far: (input, order) → symbol.
+    derivatives: &'a mut BTreeMap<(usize, u32), Symbol>,
+}
+
+impl Names for Scope<'_> {
+    fn lookup(&mut self, _pool: &mut Pool, name: &str) -> Option<Expr> {
+        self.plain.get(name).copied()
+    }
+
+    fn derivative(&mut self, pool: &mut Pool, name: &str, order: u32) -> Option<Expr> {
+        let input = self.inputs.iter().position(|u| u == name)?;
+        let text = if order == 1 { format!("der({name})") } else { format!("der({name}, {order})") };
+        let s = *self.derivatives.entry((input, order)).or_insert_with(|| pool.symbol(&text));
+        Some(pool.sym(s))
+    }
+
+    fn known(&self) -> Vec<String> {
+        self.plain.keys().cloned().collect()
+    }
+}
+
+/// Only numbers, `pi` and functions.
+struct Constants;
+
+impl Names for Constants {
+    fn lookup(&mut self, _pool: &mut Pool, _name: &str) -> Option<Expr> {
+        None
+    }
+    fn known(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+impl<'d> Reader<'d> {
+    fn new(doc: &'d Document) -> Self {
+        Reader { doc, pool: Pool::new(), states: Vec::new(), inputs: Vec::new(), parameters: Vec::new() }
+    }
+
+    fn system(mut self, default_name: &str) -> Result<System, FileError> {
+        let doc = self.doc;
+        let table = doc.table()?;
+        doc.only_keys(&table, &KEYS, "a model file")?;
+        let name = doc.string(&table, "name")?.unwrap_or_else(|| default_name.to_owned());
+        let mut declared: FxHashMap<String, &'static str> = FxHashMap::default();
+        self.states = self.names(&table, "states", "state", &mut declared)?;
+        if self.states.is_empty() {
+            return Err(doc.missing("the model has no states", "add `states = [\"x\", …]` at the top"));
+        }
+        self.inputs = self.names(&table, "inputs", "input", &mut declared)?;
+        self.read_parameters(&table, &mut declared)?;
+
+        let mut plain: FxHashMap<String, Expr> = FxHashMap::default();
+        let symbols: Vec<Symbol> =
+            self.states.iter().chain(&self.inputs).copied().chain(self.parameters.iter().map(|p| p.symbol)).collect();
+        for s in symbols {
+            let e = self.pool.sym(s);
+            plain.insert(self.pool.name(s).to_owned(), e);
+        }
+        let input_names: Vec<String> = self.inputs.iter().map(|&s| self.pool.name(s).to_owned()).collect();
+        let mut derivatives = BTreeMap::new();
+        let definitions = self.read_definitions(&table, &mut plain, &input_names, &mut derivatives, &mut declared)?;
+
+        let mut scope = Scope { plain: &plain, inputs: &input_names, derivatives: &mut derivatives };
+        let dynamics = self.read_dynamics(&table, &mut scope)?;
+        let mut outputs = Vec::new();
+        if let Some(t) = doc.sub_table(&table, "outputs")? {
+            for (key, value) in t {
+                outputs.push((
+                    key.get_ref().to_string(),
+                    doc.expression(value, key.get_ref(), &mut self.pool, &mut scope)?,
+                ));
+            }
+        }
+        let point = self.read_point(&table)?;
+        let input_derivatives =
+            derivatives.into_iter().map(|((input, order), symbol)| InputDerivative { input, order, symbol }).collect();
+        Ok(System {
+            name,
+            pool: self.pool,
+            states: self.states,
+            inputs: self.inputs,
+            input_derivatives,
+            parameters: self.parameters,
+            definitions,
+            dynamics,
+            outputs,
+            point,
+        })
+    }
+
+    fn declare(
+        &self,
+        name: &str,
+        kind: &'static str,
+        span: std::ops::Range<usize>,
+        declared: &mut FxHashMap<String, &'static str>,
+    ) -> Result<(), FileError> {
+        let mut chars = name.chars();
+        let well_formed = chars.next().is_some_and(|c| c.is_alphabetic() || c == '_')
+            && chars.all(|c| c.is_alphanumeric() || c == '_');
+        if !well_formed {
+            return Err(self.doc.error(
+                span,
+                format!("`{name}` is not a name"),
+                "use letters, digits and _, not starting with a digit",
+            ));
+        }
+        if RESERVED.contains(&name) {
+            return Err(self.doc.error(span, format!("`{name}` is reserved"), "choose another name"));
+        }
+        if let Some(other) = declared.insert(name.to_owned(), kind) {
+            let message = format!("{kind} `{name}` is already declared as a {other}");
+            return Err(self.doc.error(span, message, "each name may stand for one thing; rename one of them"));
+        }
+        Ok(())
+    }
+
+    /// The list of names under `key`.
+    fn names(
+        &mut self,
+        table: &Table<'_>,
+        key: &str,
+        kind: &'static str,
+        declared: &mut FxHashMap<String, &'static str>,
+    ) -> Result<Vec<Symbol>, FileError> {
+        let Some(value) = table.get(key) else { return Ok(Vec::new()) };
+        let remedy = format!("write {key} = [\"a\", \"b\"]");
+        let Value::Array(list) = value.get_ref() else {
+            return Err(self.doc.error(value.span(), format!("`{key}` must be a list of names"), remedy));
+        };
+        let mut out = Vec::new();
+        for item in list {
+            let Value::String(name) = item.get_ref() else {
+                return Err(self.doc.error(item.span(), format!("`{key}` must hold names in quotes"), remedy));
+            };
+            self.declare(name, kind, item.span(), declared)?;
+            out.push(self.pool.symbol(name));
+        }
+        Ok(out)
+    }
+
+    fn read_parameters(
+        &mut self,
+        table: &Table<'_>,
+        declared: &mut FxHashMap<String, &'static str>,
+    ) -> Result<(), FileError> {
+        let doc = self.doc;
+        let Some(t) = doc.sub_table(table, "parameters")? else { return Ok(()) };
+        for (key, value) in t {
+            let name: &str = key.get_ref();
+            self.declare(name, "parameter", key.span(), declared)?;
+            let symbol = self.pool.symbol(name);
+            let Value::Table(entries) = value.get_ref() else {
+                let value = doc.exact_number(value, name)?;
+                self.parameters.push(Parameter { symbol, value, min: None, max: None, unit: None, about: None });
+                continue;
+            };
+            doc.only_keys(entries, &PARAMETER_KEYS, "a parameter")?;
+            let bound = |k: &str| entries.get(k).map(|v| doc.exact_number(v, k)).transpose();
+            let Some(number) = bound("value")? else {
+                return Err(doc.error(
+                    key.span(),
+                    format!("parameter `{name}` has no value"),
+                    format!("write {name} = {{ value = 1.0 }}"),
+                ));
+            };
+            let (min, max) = (bound("min")?, bound("max")?);
+            let out_of_range = min.as_ref().is_some_and(|m| number < *m) || max.as_ref().is_some_and(|m| number > *m);
+            if let (Some(lo), Some(hi)) = (&min, &max)
+                && lo > hi
+            {
+                return Err(doc.error(key.span(), format!("parameter `{name}` has min above max"), "exchange them"));
+            }
+            if out_of_range {
+                return Err(doc.error(
+                    key.span(),
+                    format!("parameter `{name}` lies outside its own min…max"),
+                    "correct the value or the bounds",
+                ));
+            }
+            let (unit, about) = (doc.string(entries, "unit")?, doc.string(entries, "about")?);
+            self.parameters.push(Parameter { symbol, value: number, min, max, unit, about });
+        }
+        Ok(())
+    }
+
+    /// Definitions in dependency order; they may be written in any order but not in a circle.
+    fn read_definitions(
+        &mut self,
+        table: &Table<'_>,
+        plain: &mut FxHashMap<String, Expr>,
+        inputs: &[String],
+        derivatives: &mut BTreeMap<(usize, u32), Symbol>,
+        declared: &mut FxHashMap<String, &'static str>,
+    ) -> Result<Vec<(String, Expr)>, FileError> {
+        let doc = self.doc;
+        let Some(t) = doc.sub_table(table, "definitions")? else { return Ok(Vec::new()) };
+        let mut entries: Vec<(String, std::ops::Range<usize>, Located<'_, '_>, Expr)> = Vec::new();
+        for (key, value) in t {
+            let name: &str = key.get_ref();
+            self.declare(name, "definition", key.span(), declared)?;
+            let placeholder = self.pool.var(name);
+            plain.insert(name.to_owned(), placeholder);
+            entries.push((name.to_owned(), key.span(), value, placeholder));
+        }
+        let mut raw: Vec<Expr> = Vec::new();
+        for (name, _, value, _) in &entries {
+            let mut scope = Scope { plain, inputs, derivatives };
+            raw.push(doc.expression(value, name, &mut self.pool, &mut scope)?);
+        }
+        // Expand by depth-first search; grey nodes on the path mean a circle.
+        let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
+        let mut order = Vec::new();
+        let mut state = vec![0u8; entries.len()];
+        for start in 0..entries.len() {
+            let mut stack = vec![start];
+            while let Some(&i) = stack.last() {
+                if state[i] == 2 {
+                    stack.pop();
+                    continue;
+                }
+                state[i] = 1;
+                let uses = self.pool.symbols_of(&[raw[i]]);
+                let open = (0..entries.len())
+                    .find(|&j| state[j] != 2 && uses.iter().any(|&s| self.pool.name(s) == entries[j].0));
+                match open {
+                    Some(j) if state[j] == 1 => {
+                        let names: Vec<&str> =
+                            stack.iter().skip_while(|&&k| k != j).map(|&k| entries[k].0.as_str()).collect();
+                        let circle = format!("{} → {}", names.join(" → "), entries[j].0);
+                        return Err(doc.error(
+                            entries[j].1.clone(),
+                            format!("cyclic definition: {circle}"),
+                            "define one of them without the others",
+                        ));
+                    }
+                    Some(j) => stack.push(j),
+                    None => {
+                        let full = self.pool.substitute(raw[i], &map);
+                        map.insert(entries[i].3, full);
+                        plain.insert(entries[i].0.clone(), full);
+                        order.push((entries[i].0.clone(), full));
+                        state[i] = 2;
+                        stack.pop();
+                    }
+                }
+            }
+        }
+        Ok(order)
+    }
+
+    fn read_dynamics(&mut self, table: &Table<'_>, scope: &mut Scope<'_>) -> Result<Vec<Expr>, FileError> {
+        let doc = self.doc;
+        let Some(t) = doc.sub_table(table, "dynamics")? else {
+            return Err(doc.missing("the model has no equations", "add a table [dynamics] with one entry per state"));
+        };
+        let names: Vec<String> = self.states.iter().map(|&s| self.pool.name(s).to_owned()).collect();
+        for key in t.keys() {
+            let name: &str = key.get_ref();
+            if !names.iter().any(|n| n == name) {
+                let remedy = match closest_name(name, names.iter().map(String::as_str)) {
+                    Some(near) => {
+                        format!("did you mean `{near}`? Otherwise add `{name}` to states or remove the equation")
+                    }
+                    None => format!("add `{name}` to states or remove the equation"),
+                };
+                return Err(doc.error(key.span(), format!("surplus equation: `{name}` is not a state"), remedy));
+            }
+        }
+        let mut out = Vec::new();
+        for name in &names {
+            let Some(value) = t.get(name.as_str()) else {
+                let message = format!("missing equation: state `{name}` has no entry in [dynamics]");
+                return Err(doc.missing(message, format!("add {name} = \"…\" (its time derivative) to [dynamics]")));
+            };
+            out.push(doc.expression(value, name, &mut self.pool, scope)?);
+        }
+        Ok(out)
+    }
+
+    fn read_point(&mut self, table: &Table<'_>) -> Result<Option<Point>, FileError> {
+        let doc = self.doc;
+        let Some(t) = doc.sub_table(table, "point")? else { return Ok(None) };
+        let zero = self.pool.int(0);
+        let mut point = Point { states: vec![zero; self.states.len()], inputs: vec![zero; self.inputs.len()] };
+        for (key, value) in t {
+            let name: &str = key.get_ref();
+            let number = doc.expression(value, name, &mut self.pool, &mut Constants)?;
+            let at = |list: &[Symbol]| list.iter().position(|&s| self.pool.name(s) == name);
+            if let Some(i) = at(&self.states) {
+                point.states[i] = number;
+            } else if let Some(i) = at(&self.inputs) {
+                point.inputs[i] = number;
+            } else {
+                let known: Vec<&str> = self.states.iter().chain(&self.inputs).map(|&s| self.pool.name(s)).collect();
+                let remedy = match closest_name(name, known.iter().copied()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => "a point gives values to states and inputs".into(),
+                };
+                return Err(doc.error(key.span(), format!("`{name}` is neither a state nor an input"), remedy));
+            }
+        }
+        Ok(Some(point))
+    }
+}
+
+/// A model file as plain data, for writing as TOML or JSON.
+#[derive(Serialize)]
+struct Plain {
+    name: String,
+    states: Vec<String>,
+    inputs: Vec<String>,
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    parameters: toml::Table,
+    dynamics: toml::Table,
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    outputs: toml::Table,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    point: Option<toml::Table>,
+}
+
+impl System {
+    /// The system as the text of a model file; definitions stay expanded.
+    ///
+    /// # Errors
+    /// If the TOML writer refuses, which it does not for a valid system.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string_pretty(&self.plain())
+    }
+
+    fn plain(&self) -> Plain {
+        let text = |e: Expr| toml::Value::String(self.pool.text(e));
+        let number = |r: &Rational| toml::Value::Float(r.to_f64().value());
+        let mut parameters = toml::Table::new();
+        for p in &self.parameters {
+            let mut t = toml::Table::new();
+            t.insert("value".into(), number(&p.value));
+            for (k, v) in [("min", &p.min), ("max", &p.max)] {
+                if let Some(v) = v {
+                    t.insert(k.into(), number(v));
+                }
+            }
+            for (k, v) in [("unit", &p.unit), ("about", &p.about)] {
+                if let Some(v) = v {
+                    t.insert(k.into(), toml::Value::String(v.clone()));
+                }
+            }
+            let value = if t.len() == 1 { number(&p.value) } else { toml::Value::Table(t) };
+            parameters.insert(self.pool.name(p.symbol).to_owned(), value);
+        }
+        let point = self.point.as_ref().map(|p| {
+            let states = self.states.iter().zip(&p.states);
+            let inputs = self.inputs.iter().zip(&p.inputs);
+            let nonzero = states.chain(inputs).filter(|(_, v)| !self.pool.is_zero(**v));
+            nonzero.map(|(s, v)| (self.pool.name(*s).to_owned(), text(*v))).collect()
+        });
+        Plain {
+            name: self.name.clone(),
+            states: self.state_names(),
+            inputs: self.input_names(),
+            parameters,
+            dynamics: self.state_names().into_iter().zip(self.dynamics.iter().map(|&e| text(e))).collect(),
+            outputs: self.outputs.iter().map(|(n, e)| (n.clone(), text(*e))).collect(),
+            point,
+        }
+    }
+}
+
+impl Serialize for System {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.plain().serialize(serializer)
+    }
+}

@@ -1,0 +1,151 @@
+//! A control system x' = f(x, u, u', …; p) with outputs and a point of interest.
+
+use bracketry_symbolic::{CompileError, Expr, Pool, Rational, Symbol, Tape};
+use rustc_hash::FxHashMap;
+
+/// A named constant of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its symbol in the system's pool.
+    pub symbol: Symbol,
+    /// Exact value.
+    pub value: Rational,
+    /// Smallest admissible value.
+    pub min: Option<Rational>,
+    /// Largest admissible value.
+    pub max: Option<Rational>,
+    /// Unit, as free text.
+    pub unit: Option<String>,
+    /// Description.
+    pub about: Option<String>,
+}
+
+/// A time derivative of an input that the equations use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InputDerivative {
+    /// Index of the input.
+    pub input: usize,
+    /// Order, from 1.
+    pub order: u32,
+    /// The symbol that stands for it.
+    pub symbol: Symbol,
+}
+
+/// Where local statements are made: constant expressions for every state and input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Point {
+    /// One value per state.
+    pub states: Vec<Expr>,
+    /// One value per input.
+    pub inputs: Vec<Expr>,
+}
+
+/// A control system x' = f(x, u, u', …; p), read from a model file or made by an analysis.
+///
+/// Definitions are expanded; parameters stay symbols with exact values.
+#[derive(Clone)]
+pub struct System {
+    /// Name of the model.
+    pub name: String,
+    /// The arena of every expression below.
+    pub pool: Pool,
+    /// The states, in order.
+    pub states: Vec<Symbol>,
+    /// The inputs, in order.
+    pub inputs: Vec<Symbol>,
+    /// Input derivatives that occur in the equations, by input and order.
+    pub input_derivatives: Vec<InputDerivative>,
+    /// The parameters, in order.
+    pub parameters: Vec<Parameter>,
+    /// Named sub-expressions of the model file, expanded.
+    pub definitions: Vec<(String, Expr)>,
+    /// Time derivative of each state.
+    pub dynamics: Vec<Expr>,
+    /// Measured outputs.
+    pub outputs: Vec<(String, Expr)>,
+    /// Where local statements are made.
+    pub point: Option<Point>,
+}
+
+impl System {
+    /// Name of a symbol.
+    pub fn symbol_name(&self, s: Symbol) -> &str {
+        self.pool.name(s)
+    }
+
+    /// Names of the states, in order.
+    pub fn state_names(&self) -> Vec<String> {
+        self.states.iter().map(|&s| self.pool.name(s).to_owned()).collect()
+    }
+
+    /// Names of the inputs, in order.
+    pub fn input_names(&self) -> Vec<String> {
+        self.inputs.iter().map(|&s| self.pool.name(s).to_owned()).collect()
+    }
+
+    /// Index of the state called `name`.
+    pub fn state_index(&self, name: &str) -> Option<usize> {
+        self.states.iter().position(|&s| self.pool.name(s) == name)
+    }
+
+    /// Index of the input called `name`.
+    pub fn input_index(&self, name: &str) -> Option<usize> {
+        self.inputs.iter().position(|&s| self.pool.name(s) == name)
+    }
+
+    /// Gives a parameter another value; false if there is none of that name.
+    pub fn set_parameter(&mut self, name: &str, value: Rational) -> bool {
+        let pool = &self.pool;
+        match self.parameters.iter_mut().find(|p| pool.name(p.symbol) == name) {
+            Some(p) => {
+                p.value = value;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// The expressions with every parameter replaced by its exact value.
+    pub fn with_values(&mut self, expressions: &[Expr]) -> Vec<Expr> {
+        let mut map = FxHashMap::default();
+        for p in &self.parameters {
+            let s = self.pool.sym(p.symbol);
+            let v = self.pool.rational(p.value.clone());
+            map.insert(s, v);
+        }
+        self.pool.substitute_all(expressions, &map)
+    }
+
+    /// Compiles expressions as functions of `arguments`, parameters at their values.
+    ///
+    /// # Errors
+    /// [`CompileError::Unbound`] if something else than arguments and parameters is used.
+    pub fn compile(&mut self, arguments: &[Symbol], expressions: &[Expr]) -> Result<Tape, CompileError> {
+        let values = self.with_values(expressions);
+        Tape::compile(&self.pool, arguments, &values)
+    }
+
+    /// States, then inputs, then input derivatives: the usual arguments of a compiled right-hand side.
+    pub fn arguments(&self) -> Vec<Symbol> {
+        let mut a = self.states.clone();
+        a.extend(&self.inputs);
+        a.extend(self.input_derivatives.iter().map(|d| d.symbol));
+        a
+    }
+}
+
+impl std::fmt::Debug for System {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let equations: Vec<String> = self
+            .states
+            .iter()
+            .zip(&self.dynamics)
+            .map(|(&s, &e)| format!("{}' = {}", self.pool.name(s), self.pool.text(e)))
+            .collect();
+        f.debug_struct("System")
+            .field("name", &self.name)
+            .field("inputs", &self.input_names())
+            .field("dynamics", &equations)
+            .finish_non_exhaustive()
+    }
+}
