@@ -1,1 +1,23 @@
 //! Piecewise-smooth simulation: events, sliding and sticking, dense output.
+//!
+//! A system `x' = f(t, x, s)` with set-valued signs `s_i ∈ Sgn(σ_i(t, x))` (Filippov) is integrated by an adaptive
+//! Dormand–Prince 5(4) method between events. Each switching function is in one of three modes: sliding with `s = ±1`, or
+//! sticking, where `s` solves `σ̇ = 0` and holds as long as `|s| ≤ 1`. Events are located to about 1e-12 s, all switching
+//! functions that vanish together are settled together, and what sticks is kept on `σ = 0` so that it does not creep.
+
+mod events;
+mod multipliers;
+mod resolve;
+mod settings;
+mod simulate;
+mod stages;
+mod stepper;
+mod switched;
+mod tableau;
+mod trajectory;
+
+pub use settings::{Settings, SimError};
+pub use simulate::{Simulation, simulate};
+pub use stepper::Stepper;
+pub use switched::{Closures, Switched};
+pub use trajectory::{Mode, ModeInterval, Outcome, Statistics, StopReason, Trajectory, Transition};

@@ -1,0 +1,343 @@
+//! The signs of sticking switches: `s_K` such that `σ̇_K(t, x, s) = 0`.
+//!
+//! `σ̇_i = ∂σ_i/∂t + ∇σ_i · f(t, x, s)`. In every mechanical system with dry friction `f` is affine in `s`, so that Newton
+//! ends after one step; Broyden's update keeps the inverse Jacobian from one evaluation to the next.
+
+use crate::{Mode, Switched};
+use nalgebra::DMatrix;
+
+/// Residual of `σ̇_i = 0`, relative to the influence of the signs on it.
+const RESIDUAL: f64 = 1e-14;
+/// Rounding of one sum of products.
+const ROUNDING: f64 = 4e-15;
+
+/// How far a sticking sign may pass 1 before the switch breaks loose: far above its rounding, far below notice.
+pub(crate) const STICKING_EXCESS: f64 = 1e-11;
+
+/// Solver of the sticking signs, with its scratch memory.
+#[derive(Debug, Clone)]
+pub(crate) struct Multipliers {
+    n: usize,
+    /// The signs, `k`: ±1 where sliding, the solution where sticking.
+    pub(crate) s: Vec<f64>,
+    /// `∂σ_i/∂x_j` at the last point.
+    pub(crate) gradient: Vec<f64>,
+    /// `∂σ_i/∂t` at the last point.
+    pub(crate) partial_t: Vec<f64>,
+    /// The sticking switches, in order.
+    sticking: Vec<usize>,
+    /// Inverse of `∂σ̇_K/∂s_K`; absent until it is needed.
+    inverse: Option<DMatrix<f64>>,
+    /// Row sums of `|∂σ̇_K/∂s_K|`.
+    influence: Vec<f64>,
+    residual: Vec<f64>,
+    previous: Vec<f64>,
+    delta: Vec<f64>,
+    image: Vec<f64>,
+    row: Vec<f64>,
+    scratch: Vec<f64>,
+    /// Evaluations of the right-hand side.
+    pub(crate) evaluations: usize,
+}
+
+impl Multipliers {
+    pub(crate) fn new(n: usize, k: usize) -> Self {
+        Self {
+            n,
+            s: vec![1.0; k],
+            gradient: vec![0.0; n * k],
+            partial_t: vec![0.0; k],
+            sticking: Vec::with_capacity(k),
+            inverse: None,
+            influence: vec![0.0; k],
+            residual: vec![0.0; k],
+            previous: vec![0.0; k],
+            delta: vec![0.0; k],
+            image: vec![0.0; k],
+            row: vec![0.0; k],
+            scratch: vec![0.0; n],
+            evaluations: 0,
+        }
+    }
+
+    /// Takes over the modes: sets the sliding signs, and forgets the Jacobian if the sticking set is another.
+    pub(crate) fn set_modes(&mut self, modes: &[Mode]) {
+        let same = self
+            .sticking
+            .iter()
+            .copied()
+            .eq((0..modes.len()).filter(|&i| modes[i] == Mode::Sticking));
+        if !same {
+            self.sticking.clear();
+            self.sticking
+                .extend((0..modes.len()).filter(|&i| modes[i] == Mode::Sticking));
+            self.inverse = None;
+        }
+        for (s, mode) in self.s.iter_mut().zip(modes) {
+            match mode {
+                Mode::Sticking => *s = s.clamp(-1.0, 1.0),
+                sliding => *s = sliding.sign(),
+            }
+        }
+    }
+
+    /// Evaluates the gradients of the switching functions at a point, for [`Multipliers::rate`].
+    pub(crate) fn gradients(&mut self, system: &mut impl Switched, t: f64, x: &[f64]) {
+        system.switching_gradient(t, x, &mut self.gradient, &mut self.partial_t);
+    }
+
+    /// `σ̇_i` for the velocity `dx`, by the gradients of the last point.
+    pub(crate) fn rate(&self, i: usize, dx: &[f64]) -> f64 {
+        let row = &self.gradient[i * self.n..(i + 1) * self.n];
+        row.iter()
+            .zip(dx)
+            .fold(self.partial_t[i], |sum, (g, v)| sum + g * v)
+    }
+
+    /// Size of the terms of `σ̇_i`.
+    fn rate_scale(&self, i: usize, dx: &[f64]) -> f64 {
+        let row = &self.gradient[i * self.n..(i + 1) * self.n];
+        row.iter()
+            .zip(dx)
+            .fold(self.partial_t[i].abs(), |sum, (g, v)| sum + (g * v).abs())
+    }
+
+    /// Writes `f(t, x, s)` with the sticking signs solved for; false if there is no solution (or nothing finite).
+    pub(crate) fn field(
+        &mut self,
+        system: &mut impl Switched,
+        t: f64,
+        x: &[f64],
+        dx: &mut [f64],
+    ) -> bool {
+        if self.sticking.is_empty() {
+            system.rhs(t, x, &self.s, dx);
+            self.evaluations += 1;
+            return true;
+        }
+        self.gradients(system, t, x);
+        let m = self.sticking.len();
+        if self.inverse.is_none() {
+            self.differentiate(system, t, x, dx);
+        }
+        for attempt in 0..2 {
+            if self.newton(system, t, x, dx, 3 + 2 * m) {
+                return true;
+            }
+            if attempt == 0 {
+                if !self.s.iter().all(|s| s.is_finite()) {
+                    self.reset_sticking();
+                }
+                self.differentiate(system, t, x, dx);
+            }
+        }
+        false
+    }
+
+    fn reset_sticking(&mut self) {
+        for &i in &self.sticking {
+            self.s[i] = 0.0;
+        }
+    }
+
+    /// Newton's iteration with Broyden's update of the inverse Jacobian.
+    fn newton(
+        &mut self,
+        system: &mut impl Switched,
+        t: f64,
+        x: &[f64],
+        dx: &mut [f64],
+        iterations: usize,
+    ) -> bool {
+        let m = self.sticking.len();
+        for iteration in 0..=iterations {
+            system.rhs(t, x, &self.s, dx);
+            self.evaluations += 1;
+            let mut converged = true;
+            for (a, &i) in self.sticking.iter().enumerate() {
+                let r = self.rate(i, dx);
+                let scale = ROUNDING * self.rate_scale(i, dx) + RESIDUAL * self.influence[a];
+                converged &= r.abs() <= scale;
+                self.residual[a] = r;
+            }
+            if converged {
+                return true;
+            }
+            if !self.residual[..m].iter().all(|r| r.is_finite()) {
+                return false;
+            }
+            if iteration > 0 {
+                self.broyden();
+            }
+            let Some(inverse) = &self.inverse else {
+                return false;
+            };
+            for a in 0..m {
+                let step: f64 = (0..m).map(|b| -inverse[(a, b)] * self.residual[b]).sum();
+                self.delta[a] = step;
+            }
+            for (a, &i) in self.sticking.iter().enumerate() {
+                self.s[i] += self.delta[a];
+                self.previous[a] = self.residual[a];
+            }
+        }
+        false
+    }
+
+    /// Broyden's update of the inverse Jacobian (Sherman–Morrison form) for the last change `Δ` of the signs and `y` of
+    /// the residual: `H += (Δ − H y) Δᵀ H / (Δᵀ H y)`.
+    fn broyden(&mut self) {
+        let m = self.sticking.len();
+        let Some(inverse) = &mut self.inverse else {
+            return;
+        };
+        for b in 0..m {
+            self.previous[b] = self.residual[b] - self.previous[b];
+        }
+        for a in 0..m {
+            self.image[a] = (0..m).map(|b| inverse[(a, b)] * self.previous[b]).sum();
+        }
+        let denominator: f64 = (0..m).map(|a| self.delta[a] * self.image[a]).sum();
+        let norm: f64 = (0..m).map(|a| self.delta[a] * self.delta[a]).sum();
+        if denominator.abs() <= 1e-3 * norm {
+            return;
+        }
+        for b in 0..m {
+            self.row[b] = (0..m).map(|a| self.delta[a] * inverse[(a, b)]).sum();
+        }
+        for a in 0..m {
+            let gain = (self.delta[a] - self.image[a]) / denominator;
+            for b in 0..m {
+                inverse[(a, b)] += gain * self.row[b];
+            }
+        }
+    }
+
+    /// The Jacobian `∂σ̇_K/∂s_K` by differences of unit length (exact where `f` is affine in `s`), and its
+    /// (pseudo-)inverse: redundant switching functions share their force.
+    fn differentiate(&mut self, system: &mut impl Switched, t: f64, x: &[f64], dx: &mut [f64]) {
+        let m = self.sticking.len();
+        system.rhs(t, x, &self.s, dx);
+        self.evaluations += 1 + m;
+        let mut jacobian = DMatrix::zeros(m, m);
+        let mut velocity = std::mem::take(&mut self.scratch);
+        for b in 0..m {
+            let j = self.sticking[b];
+            let s = self.s[j];
+            let step = if s > 0.0 { -1.0 } else { 1.0 };
+            self.s[j] = s + step;
+            system.rhs(t, x, &self.s, &mut velocity);
+            self.s[j] = s;
+            for a in 0..m {
+                let i = self.sticking[a];
+                let row = &self.gradient[i * self.n..(i + 1) * self.n];
+                let difference: f64 = (0..self.n).map(|l| row[l] * (velocity[l] - dx[l])).sum();
+                jacobian[(a, b)] = difference / step;
+            }
+        }
+        self.scratch = velocity;
+        for a in 0..m {
+            self.influence[a] = jacobian.row(a).iter().map(|v: &f64| v.abs()).sum();
+        }
+        if jacobian.iter().all(|v| v.is_finite()) {
+            let size = jacobian.amax();
+            self.inverse = match jacobian.clone().try_inverse() {
+                Some(inverse) if inverse.amax() * size < 1e12 => Some(inverse),
+                _ => jacobian.pseudo_inverse(1e-12 * size).ok(),
+            };
+        } else {
+            self.inverse = None;
+        }
+    }
+
+    /// Solves at a point for the given modes and tells whether the modes are consistent there: sticking signs within
+    /// `[−1, 1]`, sliding switches of the zero set `zero` moving off to their own side (`strict`) or not to the other.
+    pub(crate) fn consistent(
+        &mut self,
+        system: &mut impl Switched,
+        (t, x): (f64, &[f64]),
+        modes: &[Mode],
+        zero: &[usize],
+        strict: bool,
+        dx: &mut [f64],
+    ) -> bool {
+        self.set_modes(modes);
+        if !self.field(system, t, x, dx) {
+            return false;
+        }
+        if self.sticking.is_empty() {
+            self.gradients(system, t, x);
+        }
+        zero.iter().all(|&i| match modes[i] {
+            Mode::Sticking => self.s[i].abs() <= 1.0 + STICKING_EXCESS,
+            sliding => {
+                let away = sliding.sign() * self.rate(i, dx);
+                if strict {
+                    away > 0.0
+                } else {
+                    away >= -1e-9 * self.rate_scale(i, dx)
+                }
+            }
+        })
+    }
+
+    /// Rounding to expect in `σ_i` after a step of length `h` from `x` with velocity `dx`.
+    pub(crate) fn noise(&self, i: usize, x: &[f64], dx: &[f64], h: f64) -> f64 {
+        let row = &self.gradient[i * self.n..(i + 1) * self.n];
+        (0..self.n).fold(0.0, |sum, j| {
+            sum + row[j].abs() * (x[j].abs() + h * dx[j].abs())
+        }) * 8.0
+            * f64::EPSILON
+    }
+
+    /// Moves `x` by the shortest way to `σ_K(t, x) = 0`, so that what sticks does not creep.
+    pub(crate) fn project(
+        &mut self,
+        system: &mut impl Switched,
+        t: f64,
+        x: &mut [f64],
+        sigma: &mut [f64],
+    ) {
+        let m = self.sticking.len();
+        if m == 0 {
+            return;
+        }
+        for _ in 0..3 {
+            system.switching(t, x, sigma);
+            if self.sticking.iter().all(|&i| sigma[i] == 0.0) {
+                return;
+            }
+            self.gradients(system, t, x);
+            let rows = |a: usize| {
+                let i = self.sticking[a];
+                &self.gradient[i * self.n..(i + 1) * self.n]
+            };
+            let dot = |a: usize, b: usize| -> f64 {
+                rows(a).iter().zip(rows(b)).map(|(p, q)| p * q).sum()
+            };
+            if m == 1 {
+                let gain = sigma[self.sticking[0]] / dot(0, 0);
+                if !gain.is_finite() {
+                    return;
+                }
+                for (j, g) in rows(0).iter().enumerate() {
+                    x[j] -= gain * g;
+                }
+                continue;
+            }
+            let gram = DMatrix::from_fn(m, m, dot);
+            let size = gram.amax();
+            let Ok(inverse) = gram.pseudo_inverse(1e-12 * size) else {
+                return;
+            };
+            for a in 0..m {
+                let gain: f64 = (0..m)
+                    .map(|b| inverse[(a, b)] * sigma[self.sticking[b]])
+                    .sum();
+                for (j, g) in rows(a).iter().enumerate() {
+                    x[j] -= gain * g;
+                }
+            }
+        }
+    }
+}

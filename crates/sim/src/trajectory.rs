@@ -1,0 +1,330 @@
+//! The outcome of a simulation: states at any time, transitions, modes.
+
+use serde::{Deserialize, Serialize};
+
+/// The mode of one switching function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Mode {
+    /// `σ > 0`, `s = +1`.
+    Positive,
+    /// `σ < 0`, `s = −1`.
+    Negative,
+    /// `σ = 0` stays so, by an `s` in `[−1, 1]`.
+    Sticking,
+}
+
+impl Mode {
+    /// `+1`, `−1`, and 0 for sticking.
+    pub fn sign(self) -> f64 {
+        match self {
+            Mode::Positive => 1.0,
+            Mode::Negative => -1.0,
+            Mode::Sticking => 0.0,
+        }
+    }
+
+    /// The other way of sliding; sticking stays sticking.
+    pub(crate) fn opposite(self) -> Self {
+        match self {
+            Mode::Positive => Mode::Negative,
+            Mode::Negative => Mode::Positive,
+            Mode::Sticking => Mode::Sticking,
+        }
+    }
+
+    pub(crate) fn of_sign(sign: f64) -> Self {
+        if sign < 0.0 {
+            Mode::Negative
+        } else {
+            Mode::Positive
+        }
+    }
+}
+
+/// A change of mode.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Transition {
+    /// Time in seconds.
+    pub t: f64,
+    /// Index of the switching function.
+    pub switch: usize,
+    /// Mode before.
+    pub from: Mode,
+    /// Mode after.
+    pub to: Mode,
+}
+
+/// A time interval during which a switching function keeps its mode.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ModeInterval {
+    /// Start in seconds.
+    pub from: f64,
+    /// End in seconds.
+    pub to: f64,
+    /// The mode.
+    pub mode: Mode,
+}
+
+/// Why a simulation ended early.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum StopReason {
+    /// A state or its derivative is no longer a finite number.
+    NonFinite,
+    /// The step became shorter than the resolution of time: the solution blows up, or is too stiff.
+    StepTooSmall,
+    /// More than `limit` events within `window` seconds.
+    TooManyEvents {
+        /// The cap on events.
+        limit: usize,
+        /// The window in seconds.
+        window: f64,
+    },
+    /// More than `limit` steps.
+    TooManySteps {
+        /// The cap on steps.
+        limit: usize,
+    },
+    /// No combination of sliding and sticking is consistent for the switches in the list, whose functions vanish together.
+    NoConsistentMode {
+        /// The switches.
+        switches: Vec<usize>,
+    },
+    /// More switching functions vanish together than can be enumerated, and the active-set search found no mode.
+    TooManySimultaneous {
+        /// How many vanish.
+        count: usize,
+        /// The cap.
+        limit: usize,
+    },
+    /// The system announced a segment that does not end after it begins.
+    EmptySegment,
+}
+
+impl std::fmt::Display for StopReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NonFinite => write!(f, "a state or its derivative is not a finite number"),
+            Self::StepTooSmall => write!(f, "the step became too small (blow-up or stiffness)"),
+            Self::TooManyEvents { limit, window } => {
+                write!(f, "more than {limit} events within {window} s (chattering)")
+            }
+            Self::TooManySteps { limit } => write!(f, "more than {limit} steps"),
+            Self::NoConsistentMode { switches } => {
+                write!(
+                    f,
+                    "no combination of sliding and sticking is consistent for the switches {switches:?}"
+                )
+            }
+            Self::TooManySimultaneous { count, limit } => {
+                write!(
+                    f,
+                    "{count} switching functions vanish together, more than the {limit} that are enumerated"
+                )
+            }
+            Self::EmptySegment => write!(f, "an input segment does not end after it begins"),
+        }
+    }
+}
+
+/// How a simulation ended.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Outcome {
+    /// It reached the end time.
+    Finished,
+    /// It stopped before.
+    Stopped {
+        /// Why.
+        reason: StopReason,
+        /// When, in seconds.
+        t: f64,
+        /// The last valid state.
+        state: Vec<f64>,
+    },
+}
+
+impl Outcome {
+    /// Whether the end time was reached.
+    pub fn is_finished(&self) -> bool {
+        matches!(self, Outcome::Finished)
+    }
+}
+
+/// Counts of work done.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Rejected steps.
+    pub rejected: usize,
+    /// Located events.
+    pub events: usize,
+    /// Evaluations of the right-hand side.
+    pub rhs: usize,
+}
+
+/// One step's continuous extension.
+#[derive(Debug, Clone)]
+struct Piece {
+    t: f64,
+    h: f64,
+}
+
+/// States at any time of a simulation, with the transitions between modes.
+#[derive(Debug, Clone)]
+pub struct Trajectory {
+    dim: usize,
+    start: f64,
+    end: f64,
+    initial_state: Vec<f64>,
+    final_state: Vec<f64>,
+    initial_modes: Vec<Mode>,
+    pieces: Vec<Piece>,
+    /// Five coefficient vectors per piece.
+    coefficients: Vec<f64>,
+    transitions: Vec<Transition>,
+}
+
+impl Trajectory {
+    pub(crate) fn new(t: f64, x: &[f64], modes: &[Mode]) -> Self {
+        Self {
+            dim: x.len(),
+            start: t,
+            end: t,
+            initial_state: x.to_vec(),
+            final_state: x.to_vec(),
+            initial_modes: modes.to_vec(),
+            pieces: Vec::new(),
+            coefficients: Vec::new(),
+            transitions: Vec::new(),
+        }
+    }
+
+    pub(crate) fn push(&mut self, t: f64, h: f64, coefficients: &[f64], end_state: &[f64]) {
+        self.pieces.push(Piece { t, h });
+        self.coefficients.extend_from_slice(coefficients);
+        self.end = t + h;
+        self.final_state.copy_from_slice(end_state);
+    }
+
+    pub(crate) fn push_transition(&mut self, transition: Transition) {
+        self.transitions.push(transition);
+    }
+
+    /// Number of states.
+    pub fn dim(&self) -> usize {
+        self.dim
+    }
+
+    /// First time, in seconds.
+    pub fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Last time, in seconds.
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// State at the last time.
+    pub fn final_state(&self) -> &[f64] {
+        &self.final_state
+    }
+
+    /// Writes the state at `t` into `x`; times outside the simulated span give the first or the last state.
+    pub fn sample_into(&self, t: f64, x: &mut [f64]) {
+        if t >= self.end {
+            x.copy_from_slice(&self.final_state);
+            return;
+        }
+        let index = self.pieces.partition_point(|piece| piece.t <= t);
+        if index == 0 {
+            x.copy_from_slice(&self.initial_state);
+            return;
+        }
+        let piece = &self.pieces[index - 1];
+        let width = 5 * self.dim;
+        let coefficients = &self.coefficients[(index - 1) * width..index * width];
+        interpolate(
+            coefficients,
+            self.dim,
+            ((t - piece.t) / piece.h).min(1.0),
+            x,
+        );
+    }
+
+    /// The state at `t`; see [`Trajectory::sample_into`].
+    pub fn sample(&self, t: f64) -> Vec<f64> {
+        let mut x = vec![0.0; self.dim];
+        self.sample_into(t, &mut x);
+        x
+    }
+
+    /// The times at which steps begin, and the end.
+    pub fn times(&self) -> impl Iterator<Item = f64> + '_ {
+        self.pieces
+            .iter()
+            .map(|piece| piece.t)
+            .chain(std::iter::once(self.end))
+    }
+
+    /// The changes of mode, in order of time.
+    pub fn transitions(&self) -> &[Transition] {
+        &self.transitions
+    }
+
+    /// The mode of switching function `switch` at `t` (after the transition, at a transition).
+    pub fn mode(&self, switch: usize, t: f64) -> Option<Mode> {
+        let mut mode = *self.initial_modes.get(switch)?;
+        for transition in self.transitions.iter().filter(|e| e.switch == switch) {
+            if transition.t > t {
+                break;
+            }
+            mode = transition.to;
+        }
+        Some(mode)
+    }
+
+    /// The modes of switching function `switch` in time; empty if there is no such function.
+    pub fn mode_intervals(&self, switch: usize) -> Vec<ModeInterval> {
+        let Some(&first) = self.initial_modes.get(switch) else {
+            return Vec::new();
+        };
+        let mut intervals = Vec::new();
+        let (mut from, mut mode) = (self.start, first);
+        for transition in self.transitions.iter().filter(|e| e.switch == switch) {
+            if transition.t > from {
+                intervals.push(ModeInterval {
+                    from,
+                    to: transition.t,
+                    mode,
+                });
+            }
+            (from, mode) = (transition.t, transition.to);
+        }
+        intervals.push(ModeInterval {
+            from,
+            to: self.end,
+            mode,
+        });
+        intervals
+    }
+
+    /// Joins a later trajectory that begins where this one ends; its transitions follow.
+    pub fn append(&mut self, later: &Trajectory) {
+        self.pieces.extend_from_slice(&later.pieces);
+        self.coefficients.extend_from_slice(&later.coefficients);
+        self.transitions.extend_from_slice(&later.transitions);
+        self.end = later.end;
+        self.final_state.copy_from_slice(&later.final_state);
+    }
+}
+
+/// The continuous extension at `theta ∈ [0, 1]` of a step with the five coefficient vectors `r` (Hairer's `rcont`).
+pub(crate) fn interpolate(r: &[f64], n: usize, theta: f64, x: &mut [f64]) {
+    let rest = 1.0 - theta;
+    for j in 0..n {
+        x[j] = r[j]
+            + theta
+                * (r[n + j] + rest * (r[2 * n + j] + theta * (r[3 * n + j] + rest * r[4 * n + j])));
+    }
+}
