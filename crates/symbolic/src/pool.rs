@@ -1,10 +1,10 @@
 //! The arena: hash-consed binary nodes with light local rules.
 
-use std::hash::{BuildHasher, Hash, Hasher};
+use std::hash::BuildHasher;
 
 use dashu_ratio::RBig;
 use hashbrown::HashTable;
-use rustc_hash::{FxBuildHasher, FxHashMap, FxHasher};
+use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
 
 /// An expression: an index into the [`Pool`] that made it.
 ///
@@ -204,9 +204,7 @@ pub struct Pool {
 }
 
 fn hash_node(node: &Node) -> u64 {
-    let mut h: FxHasher = FxBuildHasher.build_hasher();
-    node.hash(&mut h);
-    h.finish()
+    FxBuildHasher.hash_one(node)
 }
 
 impl Pool {
@@ -589,14 +587,14 @@ impl Pool {
 
     /// Every node that `roots` use, ascending (operands before users), each once.
     pub fn reachable(&self, roots: &[Expr]) -> Vec<Expr> {
-        let mut seen: FxHashMap<Expr, ()> = FxHashMap::default();
+        let mut seen: FxHashSet<Expr> = FxHashSet::default();
         let mut stack = roots.to_vec();
         while let Some(e) = stack.pop() {
-            if seen.insert(e, ()).is_none() {
+            if seen.insert(e) {
                 stack.extend(self.node(e).operands());
             }
         }
-        let mut all: Vec<Expr> = seen.into_keys().collect();
+        let mut all: Vec<Expr> = seen.into_iter().collect();
         all.sort_unstable();
         all
     }
