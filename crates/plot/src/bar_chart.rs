@@ -1,0 +1,171 @@
+//! Grouped bars.
+
+use crate::axes::{Axes, TICK_ROOM, Title, tick_width};
+use crate::canvas::{Align, Look, Rect, Stroke, paint};
+use crate::color::Color;
+use crate::drawing::Drawing;
+use crate::error::{PlotError, Result, check_finite, check_lengths};
+use crate::legend::{Legend, Sample};
+use crate::stack::{BORDER, RIGHT, WIDTH};
+use crate::text::{self, LEADING, SIZE};
+use crate::ticks::{Scale, format_number, padded_range};
+
+/// Groups of bars: one group per category, one bar per series in each.
+///
+/// ```
+/// use bracketry_plot::BarChart;
+/// let drawing = BarChart::new("dimension", ["1", "2", "3"])
+///     .series("sliding", [3.0, 5.0, 7.0])
+///     .series("sticking", [2.0, 2.0, 2.0])
+///     .category_label("bracket length")
+///     .draw()?;
+/// assert!(drawing.svg().contains("bracket length"));
+/// # Ok::<(), bracketry_plot::PlotError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct BarChart {
+    /// Title; empty for none.
+    pub title: String,
+    /// Label of the vertical axis, with its unit.
+    pub value_label: String,
+    /// Label below the categories; empty for none.
+    pub category_label: String,
+    /// Names of the groups, from left to right.
+    pub categories: Vec<String>,
+    /// Name and values of each series, one value for each category.
+    pub series: Vec<(String, Vec<f64>)>,
+}
+
+impl BarChart {
+    /// A chart without bars.
+    pub fn new<S: Into<String>>(value_label: impl Into<String>, categories: impl IntoIterator<Item = S>) -> Self {
+        Self {
+            title: String::new(),
+            value_label: value_label.into(),
+            category_label: String::new(),
+            categories: categories.into_iter().map(Into::into).collect(),
+            series: Vec::new(),
+        }
+    }
+
+    /// Sets the title.
+    #[must_use]
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// Sets the label below the categories.
+    #[must_use]
+    pub fn category_label(mut self, label: impl Into<String>) -> Self {
+        self.category_label = label.into();
+        self
+    }
+
+    /// Adds one bar to each group.
+    #[must_use]
+    pub fn series(mut self, name: impl Into<String>, values: impl Into<Vec<f64>>) -> Self {
+        self.series.push((name.into(), values.into()));
+        self
+    }
+
+    /// Draws the figure.
+    ///
+    /// # Errors
+    /// [`PlotError::NoContent`] without categories; a series whose length is not the number of categories; a
+    /// value that is not finite.
+    pub fn draw(&self) -> Result<Drawing> {
+        if self.categories.is_empty() {
+            return Err(PlotError::NoContent { missing: "category" });
+        }
+        for (name, values) in &self.series {
+            check_lengths(name, self.categories.len(), values.len())?;
+            check_finite(name, values)?;
+        }
+        let plot_height = 320.0;
+        let values = self.series.iter().flat_map(|s| s.1.iter().copied());
+        let (low, high) = padded_range(values.chain([0.0]), 0.08);
+        // Bars stand on zero: no room beyond it unless values lie there.
+        let low = if self.series.iter().any(|s| s.1.iter().any(|v| *v < 0.0)) { low } else { 0.0 };
+        let y = Scale::new(low, high, plot_height / 45.0, false);
+
+        let label = text::wrap(&self.value_label, plot_height, SIZE, false, 3);
+        let label_gap = tick_width(&y) + 8.0;
+        let left = BORDER + label_gap + label.len() as f64 * SIZE * LEADING;
+        let right = WIDTH - RIGHT;
+        let slot = (right - left) / self.categories.len() as f64;
+        let names: Vec<Vec<String>> =
+            self.categories.iter().map(|c| text::wrap(c, slot - 6.0, SIZE, false, 3)).collect();
+        let name_lines = names.iter().map(Vec::len).max().unwrap_or(0);
+        let below = text::wrap(&self.category_label, right - left, SIZE, false, 3);
+
+        let entry = |(k, s): (usize, &(String, Vec<f64>))| (Sample::Patch(Color::series(k)), s.0.clone());
+        let legend = Legend::new(self.series.iter().enumerate().map(entry).collect(), right - left);
+        let title = Title::figure(&self.title, right - BORDER);
+        let factor_room = if y.factor.is_empty() { 0.0 } else { SIZE * LEADING };
+        let legend_top = BORDER + title.height();
+        let top = legend_top + (legend.height() + 4.0).max(factor_room);
+        let rect = Rect { left, top, right, bottom: top + plot_height };
+        let line = SIZE * LEADING;
+        let height = rect.bottom + TICK_ROOM + (name_lines.max(1) - 1 + below.len()) as f64 * line + BORDER;
+        let axes = Axes {
+            rect,
+            x: Scale { low: 0.0, high: self.categories.len() as f64, ticks: Vec::new(), factor: String::new() },
+            y,
+        };
+        let bar = (0.8 * slot / self.series.len().max(1) as f64).min(70.0);
+        let group = bar * self.series.len() as f64;
+
+        paint(WIDTH, height, |canvas| {
+            title.draw(canvas, BORDER, BORDER)?;
+            legend.draw(canvas, left, legend_top)?;
+            axes.grid_y(canvas)?;
+            let zero = axes.page_y(0.0);
+            for (g, lines) in names.iter().enumerate() {
+                let center = axes.page_x(g as f64 + 0.5);
+                for (k, (_, values)) in self.series.iter().enumerate() {
+                    let end = axes.page_y(values[g]);
+                    let bar_left = center - group / 2.0 + k as f64 * bar;
+                    let body = Rect {
+                        left: bar_left + 0.04 * bar,
+                        top: end.min(zero),
+                        right: bar_left + 0.96 * bar,
+                        bottom: end.max(zero),
+                    };
+                    canvas.rect(body, Color::series(k))?;
+                    let value = three_digits(values[g]);
+                    if text::width(&value, SIZE, false) <= bar {
+                        let base = if values[g] < 0.0 { end + 0.95 * SIZE } else { end - 4.0 };
+                        canvas.text(&value, (bar_left + bar / 2.0, base), Align::Center, Look::PLAIN)?;
+                    }
+                }
+                for (k, text) in lines.iter().enumerate() {
+                    let base = rect.bottom + 0.5 * SIZE + (k as f64 + 0.8) * line;
+                    canvas.text(text, (center, base), Align::Center, Look::PLAIN)?;
+                }
+            }
+            canvas.line(&[(left, zero), (right, zero)], Stroke::solid(Color::INK, 1.0))?;
+            for (k, text) in below.iter().enumerate() {
+                let base = rect.bottom + 0.5 * SIZE + ((name_lines + k) as f64 + 0.9) * line;
+                let middle = f64::midpoint(left, right);
+                canvas.text(text, (middle, base), Align::Center, Look::PLAIN)?;
+            }
+            axes.frame(canvas)?;
+            axes.label_left(canvas, &label, label_gap)
+        })
+    }
+}
+
+/// `value` with up to three significant digits, whole numbers as they are.
+fn three_digits(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{value:.1e}").replace('-', "\u{2212}");
+    }
+    let decimals = if value == value.round() { 0 } else { (2 - size.log10().floor() as i32).max(0) as usize };
+    let text = format_number(value, decimals);
+    if decimals == 0 {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}

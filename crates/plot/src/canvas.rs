@@ -1,0 +1,270 @@
+//! Lines, areas and texts in figure pixels, drawn through plotters' SVG back end.
+//!
+//! The back end has whole-number coordinates, knows no dashes and centres text by a rule that differs between
+//! viewers. So it gets [`UNITS`] units per pixel (the SVG's view box scales them back), the last decimal digit
+//! of a stroke width names the dash pattern, put in when the document is finished, and every text is placed by its
+//! base line.
+
+use std::fmt::Write as _;
+
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, IntoDrawingArea};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
+use plotters::prelude::SVGBackend;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontDesc, FontFamily, FontStyle, FontTransform, RGBAColor, ShapeStyle};
+
+use crate::color::Color;
+use crate::drawing::Drawing;
+use crate::error::Result;
+use crate::text::{FAMILY, SIZE};
+
+/// Back-end units per figure pixel: stroke widths in quarters of a pixel are multiples of ten.
+const UNITS: f64 = 40.0;
+/// Offset of the base line from the position the back end gets, in em.
+const TOP_TO_BASE: f64 = 0.76;
+/// The back end divides font sizes by this.
+const FONT_DIVISOR: f64 = 1.24;
+
+/// How a line is broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Dash {
+    /// Unbroken.
+    #[default]
+    Solid,
+    /// Long strokes.
+    Dashed,
+    /// Dots.
+    Dotted,
+    /// Strokes and dots in turn.
+    DashDot,
+}
+
+impl Dash {
+    const ALL: [Self; 4] = [Self::Solid, Self::Dashed, Self::Dotted, Self::DashDot];
+
+    /// Lengths of strokes and gaps in pixels.
+    fn pattern(self) -> &'static [f64] {
+        match self {
+            Self::Solid => &[],
+            Self::Dashed => &[7.0, 4.0],
+            Self::Dotted => &[2.0, 3.0],
+            Self::DashDot => &[8.0, 3.0, 2.0, 3.0],
+        }
+    }
+}
+
+/// Colour, width in pixels and dashes of a line.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stroke {
+    pub(crate) color: Color,
+    pub(crate) width: f64,
+    pub(crate) dash: Dash,
+}
+
+impl Stroke {
+    pub(crate) fn solid(color: Color, width: f64) -> Self {
+        let dash = Dash::Solid;
+        Self { color, width, dash }
+    }
+}
+
+/// Which point of a text its position means.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Align {
+    Left,
+    Center,
+    Right,
+}
+
+/// A rectangle in figure pixels, y downwards.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rect {
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) right: f64,
+    pub(crate) bottom: f64,
+}
+
+impl Rect {
+    pub(crate) fn width(&self) -> f64 {
+        self.right - self.left
+    }
+
+    pub(crate) fn height(&self) -> f64 {
+        self.bottom - self.top
+    }
+}
+
+/// Size, weight and direction of a text.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Look {
+    pub(crate) size: f64,
+    pub(crate) bold: bool,
+    /// Read from bottom to top.
+    pub(crate) upright: bool,
+}
+
+impl Look {
+    pub(crate) const PLAIN: Self = Self { size: SIZE, bold: false, upright: false };
+}
+
+/// The sheet that figures are drawn on.
+pub(crate) struct Canvas<'a> {
+    area: DrawingArea<SVGBackend<'a>, Shift>,
+}
+
+/// Draws on a white sheet of `width` × `height` pixels.
+pub(crate) fn paint(width: f64, height: f64, draw: impl FnOnce(&Canvas) -> Result<()>) -> Result<Drawing> {
+    let (width, height) = (width.ceil() as u32, height.ceil() as u32);
+    let units = UNITS as u32;
+    let mut svg = String::new();
+    {
+        let backend = SVGBackend::with_string(&mut svg, (width * units, height * units));
+        let canvas = Canvas { area: backend.into_drawing_area() };
+        let page = Rect { left: 0.0, top: 0.0, right: f64::from(width), bottom: f64::from(height) };
+        canvas.rect(page, Color(255, 255, 255))?;
+        draw(&canvas)?;
+        canvas.area.present()?;
+    }
+    Ok(Drawing::new(finish(&svg, width, height), width, height))
+}
+
+/// How a stroke width stands in the document.
+const KEY: &str = "stroke-width=\"";
+
+/// Gives the document its size in pixels and the dash patterns.
+fn finish(svg: &str, width: u32, height: u32) -> String {
+    let units = UNITS as u32;
+    let mut out = format!(
+        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" xmlns=\"http://www.w3.org/2000/svg\" stroke-linejoin=\"round\">\n",
+        width * units,
+        height * units
+    );
+    for line in svg.lines().skip(1) {
+        let dashed = line.starts_with("<polyline").then(|| line.split_once(KEY)).flatten();
+        let Some((before, (number, after))) = dashed.and_then(|(b, rest)| Some((b, rest.split_once('"')?))) else {
+            out.push_str(line);
+            out.push('\n');
+            continue;
+        };
+        let code: usize = number.parse().unwrap_or(0);
+        out.push_str(before);
+        let _ = write!(out, "{KEY}{}\"", code - code % 10);
+        let pattern = Dash::ALL.get(code % 10).map_or(&[][..], |d| d.pattern());
+        if !pattern.is_empty() {
+            let lengths: Vec<String> = pattern.iter().map(|l| (l * UNITS).to_string()).collect();
+            let _ = write!(out, " stroke-dasharray=\"{}\"", lengths.join(" "));
+        }
+        out.push_str(after);
+        out.push('\n');
+    }
+    out
+}
+
+fn units(point: (f64, f64)) -> (i32, i32) {
+    ((point.0 * UNITS).round() as i32, (point.1 * UNITS).round() as i32)
+}
+
+fn style(color: Color, stroke_width: u32, filled: bool) -> ShapeStyle {
+    ShapeStyle { color: RGBAColor(color.0, color.1, color.2, 1.0), filled, stroke_width }
+}
+
+impl Canvas<'_> {
+    /// An open line through `points`.
+    pub(crate) fn line(&self, points: &[(f64, f64)], stroke: Stroke) -> Result<()> {
+        if points.len() < 2 {
+            return Ok(());
+        }
+        let quarters = (stroke.width * 4.0).round().max(1.0) as u32;
+        let code = Dash::ALL.iter().position(|d| *d == stroke.dash).unwrap_or(0) as u32;
+        let path: Vec<_> = points.iter().map(|p| units(*p)).collect();
+        let look = style(stroke.color, quarters * 10 + code, false);
+        Ok(self.area.draw(&PathElement::new(path, look))?)
+    }
+
+    /// A filled polygon.
+    pub(crate) fn polygon(&self, points: &[(f64, f64)], color: Color) -> Result<()> {
+        let path: Vec<_> = points.iter().map(|p| units(*p)).collect();
+        Ok(self.area.draw(&Polygon::new(path, style(color, 0, true)))?)
+    }
+
+    /// A filled rectangle.
+    pub(crate) fn rect(&self, rect: Rect, color: Color) -> Result<()> {
+        let corners = [units((rect.left, rect.top)), units((rect.right, rect.bottom))];
+        Ok(self.area.draw(&Rectangle::new(corners, style(color, 0, true)))?)
+    }
+
+    /// The border of a rectangle.
+    pub(crate) fn border(&self, r: Rect, stroke: Stroke) -> Result<()> {
+        let corners = [(r.left, r.top), (r.right, r.top), (r.right, r.bottom), (r.left, r.bottom), (r.left, r.top)];
+        self.line(&corners, stroke)
+    }
+
+    /// A filled disk.
+    pub(crate) fn disk(&self, center: (f64, f64), radius: f64, color: Color) -> Result<()> {
+        let radius = (radius * UNITS).round() as i32;
+        Ok(self.area.draw(&Circle::new(units(center), radius, style(color, 0, true)))?)
+    }
+
+    /// One line of text whose base line runs through `at`.
+    pub(crate) fn text(&self, text: &str, at: (f64, f64), align: Align, look: Look) -> Result<()> {
+        // Control characters and noncharacters are not allowed in XML.
+        let clean: String = text
+            .chars()
+            .map(|c| if c.is_control() || ('\u{fffe}'..='\u{ffff}').contains(&c) { ' ' } else { c })
+            .collect();
+        let up = TOP_TO_BASE * look.size;
+        let (at, turn) = if look.upright {
+            ((at.0 - up, at.1), FontTransform::Rotate270)
+        } else {
+            ((at.0, at.1 - up), FontTransform::None)
+        };
+        let anchor = match align {
+            Align::Left => HPos::Left,
+            Align::Center => HPos::Center,
+            Align::Right => HPos::Right,
+        };
+        let weight = if look.bold { FontStyle::Bold } else { FontStyle::Normal };
+        let ink = Color::INK;
+        let font = FontDesc::new(FontFamily::Name(FAMILY), look.size * UNITS * FONT_DIVISOR, weight)
+            .transform(turn)
+            .color(&RGBAColor(ink.0, ink.1, ink.2, 1.0))
+            .pos(Pos::new(anchor, VPos::Top));
+        Ok(self.area.draw(&Text::new(clean, units(at), font))?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dashes_reach_the_document_and_widths_are_true() -> Result<()> {
+        let drawing = paint(100.0, 50.0, |canvas| {
+            for dash in Dash::ALL {
+                let stroke = Stroke { color: Color::INK, width: 1.5, dash };
+                canvas.line(&[(0.0, 0.0), (10.5, 20.25)], stroke)?;
+            }
+            Ok(())
+        })?;
+        let svg = drawing.svg();
+        assert_eq!(svg.matches("stroke-width=\"60\"").count(), 4);
+        assert_eq!(svg.matches("stroke-dasharray=\"280 160\"").count(), 1);
+        assert_eq!(svg.matches("stroke-dasharray").count(), 3);
+        assert_eq!(svg.matches("420,810").count(), 4);
+        assert!(svg.starts_with("<svg width=\"100\" height=\"50\" viewBox=\"0 0 4000 2000\""));
+        Ok(())
+    }
+
+    #[test]
+    fn markup_and_control_characters_in_texts_are_harmless() -> Result<()> {
+        let drawing = paint(100.0, 50.0, |canvas| {
+            let name = "a<b>&\u{1} stroke-width=\"61\"";
+            canvas.text(name, (10.0, 20.0), Align::Left, Look::PLAIN)
+        })?;
+        assert!(drawing.svg().contains("a&lt;b&gt;&amp;  stroke-width=&quot;61&quot;"));
+        assert!(drawing.png().is_ok());
+        Ok(())
+    }
+}

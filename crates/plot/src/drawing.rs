@@ -1,0 +1,87 @@
+//! A finished figure: the SVG, and the PNG rendered from that very SVG.
+
+use std::path::{Path, PathBuf};
+
+use resvg::{tiny_skia, usvg};
+
+use crate::error::{PlotError, Result};
+use crate::text;
+
+/// A finished figure.
+#[derive(Debug, Clone)]
+pub struct Drawing {
+    svg: String,
+    width: u32,
+    height: u32,
+}
+
+/// The files that [`Drawing::save`] wrote.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Saved {
+    /// The vector image.
+    pub svg: PathBuf,
+    /// The raster image.
+    pub png: PathBuf,
+}
+
+impl Drawing {
+    /// PNG pixels per figure pixel.
+    pub const PNG_SCALE: u32 = 2;
+
+    pub(crate) fn new(svg: String, width: u32, height: u32) -> Self {
+        Self { svg, width, height }
+    }
+
+    /// The SVG document.
+    pub fn svg(&self) -> &str {
+        &self.svg
+    }
+
+    /// Width and height in figure pixels (96 per inch); the PNG has [`Self::PNG_SCALE`] times as many.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    /// The PNG image, rendered from the SVG with the embedded fonts only.
+    ///
+    /// # Errors
+    /// [`PlotError::Rasterise`] or [`PlotError::Encode`], the latter when the image does not fit in memory.
+    pub fn png(&self) -> Result<Vec<u8>> {
+        let options = usvg::Options {
+            fontdb: text::font_database(),
+            font_family: "DejaVu Sans".to_owned(),
+            ..usvg::Options::default()
+        };
+        let tree = usvg::Tree::from_str(&self.svg, &options)?;
+        let (width, height) = (self.width * Self::PNG_SCALE, self.height * Self::PNG_SCALE);
+        let failed = || PlotError::Encode { width, height };
+        let mut pixmap = tiny_skia::Pixmap::new(width, height).ok_or_else(failed)?;
+        let scale = Self::PNG_SCALE as f32;
+        let transform = tiny_skia::Transform::from_scale(scale, scale);
+        resvg::render(&tree, transform, &mut pixmap.as_mut());
+        pixmap.encode_png().map_err(|_| failed())
+    }
+
+    /// Writes `<stem>.svg` and `<stem>.png`, creating the folder if it is missing. Both endings are added to
+    /// the stem as it is, so `run.1` gives `run.1.svg`.
+    ///
+    /// # Errors
+    /// [`PlotError::Write`] with the path that could not be written, or an error of [`Self::png`].
+    pub fn save(&self, stem: impl AsRef<Path>) -> Result<Saved> {
+        let stem = stem.as_ref();
+        let named = |ending: &str| {
+            let mut name = stem.as_os_str().to_owned();
+            name.push(ending);
+            PathBuf::from(name)
+        };
+        let saved = Saved { svg: named(".svg"), png: named(".png") };
+        let png = self.png()?;
+        if let Some(folder) = stem.parent() {
+            std::fs::create_dir_all(folder).map_err(|source| PlotError::Write { path: folder.to_owned(), source })?;
+        }
+        for (path, content) in [(&saved.svg, self.svg.as_bytes()), (&saved.png, &png)] {
+            std::fs::write(path, content).map_err(|source| PlotError::Write { path: path.clone(), source })?;
+        }
+        Ok(saved)
+    }
+}

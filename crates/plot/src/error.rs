@@ -1,0 +1,102 @@
+//! What can go wrong when drawing.
+
+use std::path::PathBuf;
+
+use plotters::drawing::DrawingAreaErrorKind;
+use resvg::usvg;
+
+/// The result of this crate's fallible functions.
+pub type Result<T> = std::result::Result<T, PlotError>;
+
+/// Why a figure could not be drawn or written.
+#[derive(Debug, thiserror::Error)]
+pub enum PlotError {
+    /// A value is NaN, infinite or beyond ±1e300, where scales overflow.
+    #[error(
+        "`{series}`: value {value} at index {index} cannot be drawn; every value must be finite (and within ±1e300)"
+    )]
+    NotFinite {
+        /// The series, bound or interval that holds the value.
+        series: String,
+        /// The position of the value in it, from 0.
+        index: usize,
+        /// The value itself.
+        value: f64,
+    },
+    /// The columns of one series differ in length.
+    #[error("`{series}`: {expected} abscissas but {found} values; both must have the same length")]
+    LengthMismatch {
+        /// The series.
+        series: String,
+        /// Length of the first column (abscissas, times, category names).
+        expected: usize,
+        /// Length of the other column.
+        found: usize,
+    },
+    /// An interval ends before it starts.
+    #[error("`{name}`: the interval from {start} to {end} is reversed")]
+    ReversedInterval {
+        /// The interval's category, or the axis whose limits they are.
+        name: String,
+        /// Given start.
+        start: f64,
+        /// Given end.
+        end: f64,
+    },
+    /// The figure has no panel, scene or group to draw.
+    #[error("the figure has nothing to draw: add at least one {missing}")]
+    NoContent {
+        /// What is missing.
+        missing: &'static str,
+    },
+    /// A file could not be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The operating system's reason.
+        source: std::io::Error,
+    },
+    /// The drawing back end failed.
+    #[error("cannot draw: {0}")]
+    Backend(#[from] DrawingAreaErrorKind<std::io::Error>),
+    /// The SVG could not be read back for rasterising.
+    #[error("cannot rasterise: {0}")]
+    Rasterise(#[from] usvg::Error),
+    /// The image is too large or could not be encoded as PNG.
+    #[error("cannot encode a {width} × {height} PNG image")]
+    Encode {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+    },
+}
+
+/// Largest magnitude that is drawn: sums and differences of two such values stay finite.
+const LARGEST: f64 = 1e300;
+
+/// Checks that all `values` can be drawn.
+pub(crate) fn check_finite(series: &str, values: &[f64]) -> Result<()> {
+    match values.iter().position(|v| v.is_nan() || v.abs() > LARGEST) {
+        None => Ok(()),
+        Some(index) => Err(PlotError::NotFinite { series: series.to_owned(), index, value: values[index] }),
+    }
+}
+
+/// Checks that two columns of a series have the same length.
+pub(crate) fn check_lengths(series: &str, expected: usize, found: usize) -> Result<()> {
+    if expected == found {
+        return Ok(());
+    }
+    Err(PlotError::LengthMismatch { series: series.to_owned(), expected, found })
+}
+
+/// Checks that an interval is finite and not reversed.
+pub(crate) fn check_interval(name: &str, start: f64, end: f64) -> Result<()> {
+    check_finite(name, &[start, end])?;
+    if start <= end {
+        return Ok(());
+    }
+    Err(PlotError::ReversedInterval { name: name.to_owned(), start, end })
+}

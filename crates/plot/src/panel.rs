@@ -1,0 +1,322 @@
+//! A panel's content: lines, targets, bounds and shaded intervals.
+
+use crate::axes::Axes;
+use crate::canvas::{Canvas, Dash, Rect, Stroke};
+use crate::color::Color;
+use crate::decimate::{clip_to_strip, decimate};
+use crate::error::{Result, check_finite, check_interval, check_lengths};
+use crate::legend::{Marker, Sample};
+
+/// Width of the columns by which long lines are thinned: one pixel of the PNG.
+pub(crate) const COLUMN: f64 = 0.5;
+const LINE_WIDTH: f64 = 1.75;
+pub(crate) const TARGET_BAND: Color = Color(214, 238, 226);
+
+/// A named line: values over abscissas.
+#[derive(Debug, Clone)]
+pub struct Series {
+    /// Name in the legend; an empty one leaves the line out of it.
+    pub name: String,
+    /// Abscissas (times).
+    pub x: Vec<f64>,
+    /// Values, one for each abscissa.
+    pub y: Vec<f64>,
+    /// Colour; `None` takes the next one of [`Color::series`].
+    pub color: Option<Color>,
+    /// Dashes.
+    pub dash: Dash,
+    /// Whether each value holds until the next abscissa, as a sampled input does.
+    pub step: bool,
+    /// Whether every point gets a marker.
+    pub markers: bool,
+}
+
+impl Series {
+    /// A solid line through the points `(x[i], y[i])`.
+    pub fn new(name: impl Into<String>, x: impl Into<Vec<f64>>, y: impl Into<Vec<f64>>) -> Self {
+        Self {
+            name: name.into(),
+            x: x.into(),
+            y: y.into(),
+            color: None,
+            dash: Dash::Solid,
+            step: false,
+            markers: false,
+        }
+    }
+
+    /// Sets the colour.
+    #[must_use]
+    pub fn color(mut self, color: Color) -> Self {
+        self.color = Some(color);
+        self
+    }
+
+    /// Sets the dashes.
+    #[must_use]
+    pub fn dash(mut self, dash: Dash) -> Self {
+        self.dash = dash;
+        self
+    }
+
+    /// Holds each value until the next abscissa.
+    #[must_use]
+    pub fn step(mut self) -> Self {
+        self.step = true;
+        self
+    }
+
+    /// Marks every point.
+    #[must_use]
+    pub fn markers(mut self) -> Self {
+        self.markers = true;
+        self
+    }
+
+    fn check(&self) -> Result<()> {
+        check_lengths(&self.name, self.x.len(), self.y.len())?;
+        check_finite(&self.name, &self.x)?;
+        check_finite(&self.name, &self.y)
+    }
+
+    fn stroke(&self, index: usize) -> Stroke {
+        Stroke { color: self.color.unwrap_or_else(|| Color::series(index)), width: LINE_WIDTH, dash: self.dash }
+    }
+
+    fn marker(&self, index: usize) -> Option<Marker> {
+        self.markers.then(|| Marker::series(index))
+    }
+}
+
+/// An interval of the horizontal axis that belongs to a category, such as a friction mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interval {
+    /// Start.
+    pub start: f64,
+    /// End, not before the start.
+    pub end: f64,
+    /// Name of the category in the legend.
+    pub category: String,
+}
+
+impl Interval {
+    /// The interval from `start` to `end`, of category `category`.
+    pub fn new(start: f64, end: f64, category: impl Into<String>) -> Self {
+        let category = category.into();
+        Self { start, end, category }
+    }
+}
+
+/// A value marked across a panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// Name in the legend, which lists every name once.
+    pub name: String,
+    /// The value.
+    pub value: f64,
+}
+
+impl Level {
+    /// The level `value`, called `name` in the legend.
+    pub fn new(name: impl Into<String>, value: f64) -> Self {
+        let name = name.into();
+        Self { name, value }
+    }
+}
+
+/// One plot: lines over a common horizontal axis, with targets, bounds and shaded intervals.
+#[derive(Debug, Clone)]
+pub struct Panel {
+    /// Label of the vertical axis, with its unit.
+    pub label: String,
+    /// The lines.
+    pub series: Vec<Series>,
+    /// Values to be reached, drawn dashed.
+    pub targets: Vec<Level>,
+    /// Values not to be crossed, drawn dotted.
+    pub bounds: Vec<Level>,
+    /// Tolerance around a target, `(low, high)`, shaded.
+    pub target_band: Option<(f64, f64)>,
+    /// Shaded intervals of this panel alone.
+    pub intervals: Vec<Interval>,
+    /// Range of the vertical axis; `None` fits it to the content.
+    pub limits: Option<(f64, f64)>,
+    /// Height in figure pixels; `None` lets the figure choose.
+    pub height: Option<f64>,
+}
+
+impl Panel {
+    /// An empty panel; `label` names the quantity and its unit, such as `θ̇ [rad/s]`.
+    pub fn new(label: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            series: Vec::new(),
+            targets: Vec::new(),
+            bounds: Vec::new(),
+            target_band: None,
+            intervals: Vec::new(),
+            limits: None,
+            height: None,
+        }
+    }
+
+    /// Adds a line.
+    #[must_use]
+    pub fn series(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// Adds a dashed line, `target` in the legend, at a value to be reached.
+    #[must_use]
+    pub fn target(self, value: f64) -> Self {
+        self.named_target("target", value)
+    }
+
+    /// Adds a dashed line with a name of its own at a value to be reached.
+    #[must_use]
+    pub fn named_target(mut self, name: impl Into<String>, value: f64) -> Self {
+        self.targets.push(Level::new(name, value));
+        self
+    }
+
+    /// Adds a dotted line, `bound` in the legend, at a value not to be crossed.
+    #[must_use]
+    pub fn bound(self, value: f64) -> Self {
+        self.named_bound("bound", value)
+    }
+
+    /// Adds a dotted line with a name of its own at a value not to be crossed.
+    #[must_use]
+    pub fn named_bound(mut self, name: impl Into<String>, value: f64) -> Self {
+        self.bounds.push(Level::new(name, value));
+        self
+    }
+
+    /// Shades the values from `low` to `high` as good enough.
+    #[must_use]
+    pub fn target_band(mut self, low: f64, high: f64) -> Self {
+        self.target_band = Some((low, high));
+        self
+    }
+
+    /// Adds a shaded interval to this panel.
+    #[must_use]
+    pub fn interval(mut self, interval: Interval) -> Self {
+        self.intervals.push(interval);
+        self
+    }
+
+    /// Sets the range of the vertical axis; what lies outside is cut off.
+    #[must_use]
+    pub fn limits(mut self, low: f64, high: f64) -> Self {
+        self.limits = Some((low, high));
+        self
+    }
+
+    /// Sets the height in figure pixels (at least 60, at most 2000).
+    #[must_use]
+    pub fn height(mut self, pixels: f64) -> Self {
+        self.height = Some(pixels);
+        self
+    }
+
+    pub(crate) fn check(&self) -> Result<()> {
+        self.series.iter().try_for_each(Series::check)?;
+        for level in self.targets.iter().chain(&self.bounds) {
+            check_finite(&format!("{} of {}", level.name, self.label), &[level.value])?;
+        }
+        check_finite(&format!("height of {}", self.label), self.height.as_slice())?;
+        if let Some((low, high)) = self.target_band {
+            check_interval(&format!("target band of {}", self.label), low, high)?;
+        }
+        if let Some((low, high)) = self.limits {
+            check_interval(&format!("limits of {}", self.label), low, high)?;
+        }
+        self.intervals.iter().try_for_each(|i| check_interval(&i.category, i.start, i.end))
+    }
+
+    /// All values that the vertical axis should show.
+    pub(crate) fn values(&self) -> impl Iterator<Item = f64> {
+        let lines = self.series.iter().flat_map(|s| s.y.iter().copied());
+        let levels = self.targets.iter().chain(&self.bounds).map(|l| l.value);
+        let band = self.target_band.into_iter().flat_map(|(low, high)| [low, high]);
+        lines.chain(levels).chain(band)
+    }
+
+    /// All abscissas that the horizontal axis should show.
+    pub(crate) fn abscissas(&self) -> impl Iterator<Item = f64> {
+        let lines = self.series.iter().flat_map(|s| s.x.iter().copied());
+        lines.chain(self.intervals.iter().flat_map(|i| [i.start, i.end]))
+    }
+
+    /// Legend of the lines.
+    pub(crate) fn entries(&self) -> Vec<(Sample, String)> {
+        let entry = |(k, s): (usize, &Series)| (Sample::Line(s.stroke(k), s.marker(k)), s.name.clone());
+        self.series.iter().enumerate().map(entry).collect()
+    }
+
+    /// Draws the lines, targets and bounds; `spread` is the distance in pixels by which the lines are set
+    /// beside each other.
+    pub(crate) fn draw_lines(&self, canvas: &Canvas, axes: &Axes, spread: f64) -> Result<()> {
+        let r = axes.rect;
+        for (levels, stroke) in [(&self.bounds, bound_stroke()), (&self.targets, target_stroke())] {
+            for y in levels.iter().map(|l| axes.page_y(l.value)) {
+                if (r.top..=r.bottom).contains(&y) {
+                    canvas.line(&[(r.left, y), (r.right, y)], stroke)?;
+                }
+            }
+        }
+        let middle = (self.series.len().max(1) - 1) as f64 / 2.0;
+        for (k, series) in self.series.iter().enumerate() {
+            let shift = (k as f64 - middle) * spread;
+            let place = |x: f64, y: f64| (axes.page_x(x) + shift, axes.page_y(y));
+            let data = || series.x.iter().zip(&series.y).map(|(x, y)| (*x, *y));
+            let mut points = Vec::with_capacity(series.x.len() * (1 + usize::from(series.step)));
+            for (x, y) in data() {
+                if let (true, Some((_, held))) = (series.step, points.last()) {
+                    points.push((place(x, y).0, *held));
+                }
+                points.push(place(x, y));
+            }
+            let stroke = series.stroke(k);
+            for part in clip_to_strip(&decimate(&points, COLUMN), r.top, r.bottom) {
+                match part.as_slice() {
+                    [only] => canvas.disk(*only, 3.0, stroke.color)?,
+                    line => canvas.line(line, stroke)?,
+                }
+            }
+            if let Some(marker) = series.marker(k) {
+                let inside = data().map(|(x, y)| place(x, y)).filter(|p| (r.top..=r.bottom).contains(&p.1));
+                let marks = decimate(&inside.collect::<Vec<_>>(), COLUMN);
+                marks.into_iter().try_for_each(|p| marker.draw(canvas, p, stroke.color))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Shades the target band.
+    pub(crate) fn draw_target_band(&self, canvas: &Canvas, axes: &Axes) -> Result<()> {
+        let Some((low, high)) = self.target_band else {
+            return Ok(());
+        };
+        let r = axes.rect;
+        let band = Rect {
+            top: axes.page_y(high).clamp(r.top, r.bottom),
+            bottom: axes.page_y(low).clamp(r.top, r.bottom),
+            ..r
+        };
+        canvas.rect(band, TARGET_BAND)?;
+        let edge = Stroke::solid(Color::GREEN.mix(TARGET_BAND, 0.5), 0.75);
+        canvas.line(&[(r.left, band.top), (r.right, band.top)], edge)?;
+        canvas.line(&[(r.left, band.bottom), (r.right, band.bottom)], edge)
+    }
+}
+
+pub(crate) fn target_stroke() -> Stroke {
+    Stroke { color: Color::INK, width: 1.25, dash: Dash::Dashed }
+}
+
+pub(crate) fn bound_stroke() -> Stroke {
+    Stroke { color: Color::GREY, width: 1.5, dash: Dash::Dotted }
+}

@@ -1,0 +1,449 @@
+//! Views from above: an object moving in the plane.
+
+use crate::axes::{Axes, TICK_ROOM, Title, tick_width};
+use crate::canvas::{Canvas, Dash, Rect, Stroke, paint};
+use crate::color::Color;
+use crate::decimate::decimate;
+use crate::drawing::Drawing;
+use crate::error::{PlotError, Result, check_finite, check_lengths};
+use crate::legend::{Legend, Sample};
+use crate::panel::COLUMN;
+use crate::stack::{BORDER, LEGEND_GAP, RIGHT, WIDTH};
+use crate::text::{self, LEADING, SIZE};
+use crate::ticks::{Scale, format_number, padded_range};
+
+/// Position and orientation in the plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// To the right.
+    pub x: f64,
+    /// Upwards.
+    pub y: f64,
+    /// Angle from x towards y, in radians.
+    pub phi: f64,
+}
+
+impl Pose {
+    /// The pose at `(x, y)`, turned by `phi` radians from x towards y.
+    pub fn new(x: f64, y: f64, phi: f64) -> Self {
+        Self { x, y, phi }
+    }
+
+    fn place(self, (u, v): (f64, f64)) -> (f64, f64) {
+        let (s, c) = self.phi.sin_cos();
+        (self.x + c * u - s * v, self.y + s * u + c * v)
+    }
+}
+
+/// The shape of the object in its own frame, the heading along the first axis.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outline {
+    /// An ellipse with semi-axis `a` along the heading and `b` across.
+    Ellipse {
+        /// Along the heading.
+        a: f64,
+        /// Across.
+        b: f64,
+    },
+    /// A polygon through these points, closed by itself. Fewer than two points draw no outline.
+    Polygon(Vec<(f64, f64)>),
+}
+
+impl Outline {
+    /// The corners in the object's frame, the first one repeated at the end.
+    fn points(&self) -> Vec<(f64, f64)> {
+        match self {
+            Self::Ellipse { a, b } => (0..=96)
+                .map(|k| (f64::from(k) * std::f64::consts::TAU / 96.0).sin_cos())
+                .map(|(s, c)| (a * c, b * s))
+                .collect(),
+            Self::Polygon(points) => points.iter().chain(points.first()).copied().collect(),
+        }
+    }
+
+    /// Where the heading leaves the outline: the farthest crossing of the first axis.
+    fn nose(&self) -> f64 {
+        let crossing = |w: &[(f64, f64)]| {
+            let ((x0, y0), (x1, y1)) = (w[0], w[1]);
+            if y0 * y1 > 0.0 {
+                return 0.0;
+            }
+            if y0 == y1 { x0.max(x1) } else { x0 - y0 * (x1 - x0) / (y1 - y0) }
+        };
+        self.points().windows(2).map(crossing).fold(0.0, f64::max)
+    }
+}
+
+/// A recorded motion.
+#[derive(Debug, Clone)]
+pub struct Trajectory {
+    /// Name in the legend; may be empty.
+    pub name: String,
+    /// Times in seconds, not decreasing.
+    pub time: Vec<f64>,
+    /// Horizontal position at each time.
+    pub x: Vec<f64>,
+    /// Vertical position at each time.
+    pub y: Vec<f64>,
+    /// Orientation at each time, in radians from x towards y.
+    pub phi: Vec<f64>,
+}
+
+impl Trajectory {
+    /// A motion through `(x[i], y[i], phi[i])` at `time[i]`.
+    pub fn new(
+        name: impl Into<String>,
+        time: impl Into<Vec<f64>>,
+        x: impl Into<Vec<f64>>,
+        y: impl Into<Vec<f64>>,
+        phi: impl Into<Vec<f64>>,
+    ) -> Self {
+        Self { name: name.into(), time: time.into(), x: x.into(), y: y.into(), phi: phi.into() }
+    }
+
+    fn check(&self) -> Result<()> {
+        check_finite(&self.name, &self.time)?;
+        for column in [&self.x, &self.y, &self.phi] {
+            check_lengths(&self.name, self.time.len(), column.len())?;
+            check_finite(&self.name, column)?;
+        }
+        Ok(())
+    }
+
+    fn pose(&self, k: usize) -> Pose {
+        Pose::new(self.x[k], self.y[k], self.phi[k])
+    }
+
+    /// First and last time.
+    fn span(&self) -> Option<(f64, f64)> {
+        self.time.first().copied().zip(self.time.last().copied())
+    }
+
+    /// Fraction of the whole time at sample `k`.
+    fn fraction(&self, k: usize) -> f64 {
+        match self.span() {
+            Some((start, end)) if end > start => (self.time[k] - start) / (end - start),
+            _ => 1.0,
+        }
+    }
+
+    /// Samples nearest to `count + 1` times equally far apart.
+    fn stamps(&self, count: usize) -> Vec<usize> {
+        let Some((start, end)) = self.span() else {
+            return Vec::new();
+        };
+        let mut stamps: Vec<usize> = (0..=count)
+            .map(|k| {
+                let t = start + (end - start) * k as f64 / count.max(1) as f64;
+                let after = self.time.partition_point(|v| *v < t).min(self.time.len() - 1);
+                let before = after.saturating_sub(1);
+                if t - self.time[before] < self.time[after] - t { before } else { after }
+            })
+            .collect();
+        stamps.dedup();
+        stamps
+    }
+}
+
+/// One view: trajectories over each other, of one object.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Title; may be empty.
+    pub title: String,
+    /// The object's shape.
+    pub outline: Outline,
+    /// The motions, each in a colour of its own.
+    pub trajectories: Vec<Trajectory>,
+    /// Where the object should arrive.
+    pub target: Option<Pose>,
+}
+
+impl Scene {
+    /// A view of an object of this shape, still without motions.
+    pub fn new(title: impl Into<String>, outline: Outline) -> Self {
+        Self { title: title.into(), outline, trajectories: Vec::new(), target: None }
+    }
+
+    /// Adds a motion.
+    #[must_use]
+    pub fn trajectory(mut self, trajectory: Trajectory) -> Self {
+        self.trajectories.push(trajectory);
+        self
+    }
+
+    /// Sets the pose to be reached.
+    #[must_use]
+    pub fn target(mut self, pose: Pose) -> Self {
+        self.target = Some(pose);
+        self
+    }
+
+    fn check(&self) -> Result<()> {
+        let (u, v): (Vec<f64>, Vec<f64>) = self.outline.points().into_iter().unzip();
+        let outline = format!("outline of {}", self.title);
+        check_finite(&outline, &u)?;
+        check_finite(&outline, &v)?;
+        if let Some(p) = self.target {
+            check_finite(&format!("target of {}", self.title), &[p.x, p.y, p.phi])?;
+        }
+        self.trajectories.iter().try_for_each(Trajectory::check)
+    }
+
+    /// All points that the view should show.
+    fn extent(&self, stamps: usize) -> Vec<(f64, f64)> {
+        let shape = self.outline.points();
+        let paths = self.trajectories.iter().flat_map(|t| t.x.iter().copied().zip(t.y.iter().copied()));
+        let stamped = self.trajectories.iter().flat_map(|t| t.stamps(stamps).into_iter().map(|k| t.pose(k)));
+        let poses: Vec<Pose> = stamped.chain(self.target).collect();
+        let outlines = poses.iter().flat_map(|p| {
+            let corners = shape.iter().map(|q| p.place(*q));
+            corners.chain([(p.x, p.y)])
+        });
+        paths.chain(outlines).collect()
+    }
+
+    /// Legend of the motions.
+    fn entries(&self) -> Vec<(Sample, String)> {
+        let entry = |(k, trajectory): (usize, &Trajectory)| {
+            let (start, end) = trajectory.span()?;
+            let times = format!("{} to {} s", short(start), short(end));
+            let name = match trajectory.name.as_str() {
+                "" => times,
+                name => format!("{name}, {times}"),
+            };
+            Some((Sample::Ramp(Color::series(k)), name))
+        };
+        self.trajectories.iter().enumerate().filter_map(entry).collect()
+    }
+
+    fn draw(&self, canvas: &Canvas, axes: &Axes, stamps: usize) -> Result<()> {
+        let shape = self.outline.points();
+        let nose = self.outline.nose();
+        let rim = |pose: Pose| -> Vec<(f64, f64)> { shape.iter().map(|q| axes.page(pose.place(*q))).collect() };
+        let heading = |pose: Pose, color: Color, radius: f64| {
+            let tip = axes.page(pose.place((nose, 0.0)));
+            if nose > 0.0 {
+                canvas.line(&[axes.page(pose.place((0.82 * nose, 0.0))), tip], Stroke::solid(color, 1.5))?;
+            }
+            canvas.disk(tip, radius, color)
+        };
+        for (k, trajectory) in self.trajectories.iter().enumerate() {
+            let marks = trajectory.stamps(stamps);
+            let last = marks.len().saturating_sub(1);
+            for (i, sample) in marks.iter().enumerate() {
+                let color = Color::series(k).shade(trajectory.fraction(*sample));
+                let pose = trajectory.pose(*sample);
+                let width = if i == last { 2.25 } else { 1.0 };
+                if i > 0 {
+                    canvas.line(&rim(pose), Stroke::solid(color, width))?;
+                    heading(pose, color, if i == last { 4.0 } else { 2.5 })?;
+                }
+            }
+            self.draw_path(canvas, axes, k)?;
+            for sample in marks {
+                let color = Color::series(k).shade(trajectory.fraction(sample));
+                canvas.disk(axes.page((trajectory.x[sample], trajectory.y[sample])), 2.5, color)?;
+            }
+        }
+        for trajectory in self.trajectories.iter().filter(|t| !t.time.is_empty()) {
+            let start = trajectory.pose(0);
+            canvas.line(&rim(start), start_stroke())?;
+            heading(start, start_stroke().color, 4.0)?;
+        }
+        if let Some(target) = self.target {
+            canvas.line(&rim(target), target_stroke())?;
+            heading(target, target_stroke().color, 4.0)?;
+            let (x, y) = axes.page((target.x, target.y));
+            let stroke = Stroke::solid(target_stroke().color, 1.5);
+            canvas.line(&[(x - 6.0, y), (x + 6.0, y)], stroke)?;
+            canvas.line(&[(x, y - 6.0), (x, y + 6.0)], stroke)?;
+        }
+        Ok(())
+    }
+
+    /// The path of the object's centre, shaded by time.
+    fn draw_path(&self, canvas: &Canvas, axes: &Axes, index: usize) -> Result<()> {
+        const SHADES: f64 = 24.0;
+        let trajectory = &self.trajectories[index];
+        let place = |k: usize| axes.page((trajectory.x[k], trajectory.y[k]));
+        let shade = |k: usize| (trajectory.fraction(k) * SHADES).floor();
+        let mut start = 0;
+        for k in 1..trajectory.time.len() {
+            if shade(k) != shade(start) || k + 1 == trajectory.time.len() {
+                let piece: Vec<_> = (start..=k).map(place).collect();
+                let color = Color::series(index).shade(trajectory.fraction(start));
+                canvas.line(&decimate(&piece, COLUMN), Stroke::solid(color, 2.0))?;
+                start = k;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `value` with up to three decimals, without trailing zeros.
+fn short(value: f64) -> String {
+    let text = format_number(value, 3);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn start_stroke() -> Stroke {
+    Stroke { color: Color::GREY, width: 2.0, dash: Dash::Dotted }
+}
+
+fn target_stroke() -> Stroke {
+    Stroke { color: Color::INK, width: 2.0, dash: Dash::Dashed }
+}
+
+/// Views from above with equal scales on both axes, side by side where there are several.
+///
+/// ```
+/// use bracketry_plot::{Outline, PlanView, Pose, Scene, Trajectory};
+/// let motion = Trajectory::new("push", [0.0, 1.0], [0.48, 0.54], [-0.03, 0.0], [0.0, 1.57]);
+/// let scene = Scene::new("Simultaneous", Outline::Ellipse { a: 0.15, b: 0.1 })
+///     .trajectory(motion)
+///     .target(Pose::new(0.54, 0.0, 1.57));
+/// let drawing = PlanView::new().scene(scene).draw()?;
+/// assert!(drawing.svg().contains("Simultaneous"));
+/// # Ok::<(), bracketry_plot::PlotError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct PlanView {
+    /// Title; empty for none.
+    pub title: String,
+    /// Label of the horizontal axis.
+    pub x_label: String,
+    /// Label of the vertical axis.
+    pub y_label: String,
+    /// The views, from left to right, at most three in a row.
+    pub scenes: Vec<Scene>,
+    /// Number of equal time steps after each of which the outline is drawn, 1 to 200.
+    pub stamps: usize,
+}
+
+impl Default for PlanView {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl PlanView {
+    /// A figure without views, with axes `x [m]` and `y [m]` and the outline drawn at six equal time steps.
+    pub fn new() -> Self {
+        Self {
+            title: String::new(),
+            x_label: "x [m]".to_owned(),
+            y_label: "y [m]".to_owned(),
+            scenes: Vec::new(),
+            stamps: 6,
+        }
+    }
+
+    /// Sets the title.
+    #[must_use]
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// Sets the labels of the axes.
+    #[must_use]
+    pub fn labels(mut self, x: impl Into<String>, y: impl Into<String>) -> Self {
+        (self.x_label, self.y_label) = (x.into(), y.into());
+        self
+    }
+
+    /// Adds a view.
+    #[must_use]
+    pub fn scene(mut self, scene: Scene) -> Self {
+        self.scenes.push(scene);
+        self
+    }
+
+    /// Sets after how many equal time steps the outline is drawn.
+    #[must_use]
+    pub fn stamps(mut self, count: usize) -> Self {
+        self.stamps = count;
+        self
+    }
+
+    /// Draws the figure.
+    ///
+    /// # Errors
+    /// [`PlotError::NoContent`] without views; otherwise what is wrong with the data.
+    pub fn draw(&self) -> Result<Drawing> {
+        if self.scenes.is_empty() {
+            return Err(PlotError::NoContent { missing: "scene" });
+        }
+        self.scenes.iter().try_for_each(Scene::check)?;
+        let stamps = self.stamps.clamp(1, 200);
+        let columns = self.scenes.len().min(3);
+        let max_height = [520.0, 430.0, 340.0][columns - 1];
+
+        // The views share their ranges, so that they can be compared.
+        let (x, y): (Vec<f64>, Vec<f64>) = self.scenes.iter().flat_map(|s| s.extent(stamps)).unzip();
+        let (x, y) = (padded_range(x, 0.06), padded_range(y, 0.06));
+        let (wide, high) = (x.1 - x.0, y.1 - y.0);
+        let cell = (WIDTH - BORDER) / columns as f64;
+        // The final vertical range may be wider, to fill its height: leave room for such labels.
+        let tallest = Scale::new(y.0 - high, y.1 + high, 12.0, false);
+        let label_gap = tick_width(&tallest).max(tick_width(&Scale::new(y.0, y.1, 6.0, false))) + 6.0;
+        let margin = label_gap + SIZE * LEADING;
+        let width = cell - margin - RIGHT;
+        let per_unit = (width / wide).min(max_height / high);
+        let height = (high * per_unit).max(120.0);
+        let fit = |(low, high): (f64, f64), pixels: f64| {
+            let (center, half) = (f64::midpoint(low, high), pixels / per_unit / 2.0);
+            Scale::new(center - half, center + half, pixels / 60.0, false)
+        };
+
+        let title = Title::figure(&self.title, WIDTH - BORDER - RIGHT);
+        let titles: Vec<Title> = self.scenes.iter().map(|s| Title::plot(&s.title, width)).collect();
+        let legends: Vec<Legend> = self.scenes.iter().map(|s| Legend::new(s.entries(), width)).collect();
+        let x_label = text::wrap(&self.x_label, width, SIZE, false, 2);
+        let y_label = text::wrap(&self.y_label, height, SIZE, false, 1);
+        let mut shared = Vec::new();
+        if self.scenes.iter().any(|s| s.trajectories.iter().any(|t| !t.time.is_empty())) {
+            shared.push((Sample::Line(start_stroke(), None), "start".to_owned()));
+        }
+        if self.scenes.iter().any(|s| s.target.is_some()) {
+            shared.push((Sample::Line(target_stroke(), None), "target".to_owned()));
+        }
+        if !shared.is_empty() {
+            shared.push((Sample::Heading(Color::INK), "heading".to_owned()));
+        }
+        let common = Legend::new(shared, WIDTH - BORDER - RIGHT - margin);
+        let above = |row: usize| {
+            let cells = row * columns..((row + 1) * columns).min(self.scenes.len());
+            cells.map(|k| titles[k].height() + legends[k].height() + LEGEND_GAP).fold(0.0, f64::max)
+        };
+        let below = TICK_ROOM + x_label.len() as f64 * SIZE * LEADING + BORDER;
+        let rows = self.scenes.len().div_ceil(columns);
+        let common_top = BORDER + title.height();
+        let mut tops = vec![common_top + common.height() + 4.0];
+        for row in 0..rows {
+            tops.push(tops[row] + above(row) + height + below);
+        }
+
+        paint(WIDTH, tops[rows], |canvas| {
+            title.draw(canvas, BORDER, BORDER)?;
+            common.draw(canvas, BORDER + margin, common_top)?;
+            for (k, scene) in self.scenes.iter().enumerate() {
+                let (row, column) = (k / columns, k % columns);
+                let left = BORDER + column as f64 * cell + margin;
+                let top = tops[row] + above(row);
+                let rect = Rect { left, top, right: left + width, bottom: top + height };
+                let axes = Axes { rect, x: fit(x, width), y: fit(y, height) };
+                let legend_top = top - legends[k].height() - LEGEND_GAP;
+                titles[k].draw(canvas, left, legend_top - titles[k].height())?;
+                legends[k].draw(canvas, left, legend_top)?;
+                axes.grid_x(canvas)?;
+                axes.grid_y(canvas)?;
+                scene.draw(canvas, &axes, stamps)?;
+                axes.frame(canvas)?;
+                axes.label_left(canvas, &y_label, label_gap)?;
+                axes.label_below(canvas, &x_label)?;
+            }
+            Ok(())
+        })
+    }
+}

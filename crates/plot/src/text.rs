@@ -1,0 +1,124 @@
+//! The embedded font: widths of texts and their breaking into lines.
+
+use std::sync::{Arc, OnceLock};
+
+use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
+use resvg::usvg::fontdb;
+
+static REGULAR: &[u8] = include_bytes!("../assets/DejaVuSans-subset.ttf");
+static BOLD: &[u8] = include_bytes!("../assets/DejaVuSans-Bold-subset.ttf");
+
+/// The font family as written into the SVG: the embedded font first, for viewers without it any sans serif.
+pub(crate) const FAMILY: &str = "DejaVu Sans, sans-serif";
+
+/// Font size of labels, legends and ticks in figure pixels (96 per inch, so 11.25 points).
+pub(crate) const SIZE: f64 = 15.0;
+/// Font size of figure titles.
+pub(crate) const TITLE_SIZE: f64 = 17.0;
+/// Distance between the lines of a text, as a multiple of its size.
+pub(crate) const LEADING: f64 = 1.3;
+
+/// Height that the font's own metrics give an em (ascent 0.928, descent 0.236), by which the measuring library
+/// scales.
+const HEIGHT_PER_EM: f64 = 1.164;
+
+/// The fonts that rasterising uses: only the embedded ones, so that a figure looks the same on every machine.
+pub(crate) fn font_database() -> Arc<fontdb::Database> {
+    static DATABASE: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
+    let build = || {
+        let mut database = fontdb::Database::new();
+        for data in [REGULAR, BOLD] {
+            database.load_font_source(fontdb::Source::Binary(Arc::new(data)));
+        }
+        database.set_sans_serif_family("DejaVu Sans");
+        Arc::new(database)
+    };
+    DATABASE.get_or_init(build).clone()
+}
+
+/// Width of one line of text in pixels at font size `size`.
+pub(crate) fn width(text: &str, size: f64, bold: bool) -> f64 {
+    static REGISTERED: OnceLock<bool> = OnceLock::new();
+    let registered = *REGISTERED.get_or_init(|| {
+        register_font(FAMILY, FontStyle::Normal, REGULAR).is_ok()
+            && register_font(FAMILY, FontStyle::Bold, BOLD).is_ok()
+    });
+    // Widths come back as whole numbers, so measure large and scale down.
+    let style = if bold { FontStyle::Bold } else { FontStyle::Normal };
+    let font = FontDesc::new(FontFamily::Name(FAMILY), 1000.0 * HEIGHT_PER_EM, style);
+    match font.box_size(text) {
+        Ok((w, _)) if registered => f64::from(w) / 1000.0 * size,
+        _ => 0.65 * size * text.chars().count() as f64,
+    }
+}
+
+/// Breaks `text` into at most `max_lines` lines no wider than `available`, at spaces where possible; what does
+/// not fit ends in `…`. An empty text has no lines.
+pub(crate) fn wrap(text: &str, available: f64, size: f64, bold: bool, max_lines: usize) -> Vec<String> {
+    let fits = |s: &str| width(s, size, bold) <= available;
+    let mut lines: Vec<String> = Vec::new();
+    let mut line = String::new();
+    for word in text.split_whitespace() {
+        let joined = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
+        if fits(&joined) {
+            line = joined;
+            continue;
+        }
+        if !line.is_empty() {
+            lines.push(std::mem::take(&mut line));
+        }
+        // A word wider than a line is cut; stop early, a hostile name may be megabytes long.
+        for c in word.chars() {
+            line.push(c);
+            if !fits(&line) && line.chars().count() > 1 {
+                line.pop();
+                lines.push(std::mem::replace(&mut line, c.to_string()));
+                if lines.len() > max_lines {
+                    break;
+                }
+            }
+        }
+        if lines.len() > max_lines {
+            break;
+        }
+    }
+    if !line.is_empty() {
+        lines.push(line);
+    }
+    if lines.len() > max_lines {
+        lines.truncate(max_lines);
+        if let Some(last) = lines.last_mut() {
+            while !fits(&format!("{last}…")) && last.pop().is_some() {}
+            last.push('…');
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widths_are_those_of_the_font() {
+        // Advance widths of DejaVu Sans in 1/2048 em: m 1995, i 569.
+        assert!((width("m", 2048.0, false) - 1995.0).abs() < 3.0);
+        assert!((width("i", 2048.0, false) - 569.0).abs() < 3.0);
+        assert!(width("m", 15.0, true) > width("m", 15.0, false));
+        // A combining dot takes no room.
+        assert_eq!(width("θ\u{307}", 15.0, false), width("θ", 15.0, false));
+    }
+
+    #[test]
+    fn lines_fit_and_lose_nothing_until_the_limit() {
+        let text = "position of the centre of mass in the plate frame";
+        let lines = wrap(text, 120.0, 15.0, false, 9);
+        assert!(lines.len() > 1);
+        assert!(lines.iter().all(|l| width(l, 15.0, false) <= 120.0));
+        assert_eq!(lines.join(" "), text);
+        let cut = wrap(&"x".repeat(100_000), 120.0, 15.0, false, 2);
+        assert_eq!(cut.len(), 2);
+        assert!(cut[1].ends_with('…'));
+        assert!(wrap("", 120.0, 15.0, false, 2).is_empty());
+    }
+}
