@@ -35,10 +35,7 @@ impl<S: Switched> Stepper<S> {
         let t = self.t + theta * h;
         self.system.switching(t, &self.stage, &mut self.sigma);
         let sticks = self.modes.contains(&Mode::Sticking);
-        let solved = !sticks
-            || self
-                .multipliers
-                .field(&mut self.system, t, &self.stage, &mut self.end_velocity);
+        let solved = !sticks || self.multipliers.field(&mut self.system, t, &self.stage, &mut self.end_velocity);
         for (i, mode) in self.modes.iter().enumerate() {
             self.gaps[i] = match mode {
                 Mode::Sticking if solved => 1.0 + STICKING_EXCESS - self.multipliers.s[i].abs(),
@@ -59,14 +56,12 @@ impl<S: Switched> Stepper<S> {
         // Rates at both ends, and the rounding to expect.
         let sliding = self.modes.iter().any(|&mode| mode != Mode::Sticking);
         if sliding {
-            self.multipliers
-                .gradients(&mut self.system, self.t, &self.x);
+            self.multipliers.gradients(&mut self.system, self.t, &self.x);
             for i in 0..switches {
                 self.rates[0][i] = h * self.modes[i].sign() * self.multipliers.rate(i, &self.k[0]);
                 self.noise[i] = self.multipliers.noise(i, &self.x, &self.k[0], h);
             }
-            self.multipliers
-                .gradients(&mut self.system, self.t + h, &self.end);
+            self.multipliers.gradients(&mut self.system, self.t + h, &self.end);
             for i in 0..switches {
                 self.rates[1][i] = h * self.modes[i].sign() * self.multipliers.rate(i, &self.k[6]);
             }
@@ -110,8 +105,7 @@ impl<S: Switched> Stepper<S> {
         let (mut deviation, mut size, mut least) = (0.0f64, 0.0f64, f64::INFINITY);
         for (theta, value) in SAMPLES.into_iter().zip(g) {
             let (p, q) = (theta, 1.0 - theta);
-            let cubic = q * q * ((1.0 + 2.0 * p) * g[0] + p * r0)
-                + p * p * ((1.0 + 2.0 * q) * g[4] - q * r1);
+            let cubic = q * q * ((1.0 + 2.0 * p) * g[0] + p * r0) + p * p * ((1.0 + 2.0 * q) * g[4] - q * r1);
             deviation = deviation.max((cubic - value).abs());
             size = size.max(value.abs());
             least = least.min(*value);
@@ -135,13 +129,7 @@ impl<S: Switched> Stepper<S> {
     }
 
     /// Searches below a gap whose samples are all positive: at interior minima, and next to the ends by the rates.
-    fn bracket_below_minimum(
-        &mut self,
-        i: usize,
-        g: &[f64; 5],
-        noise: f64,
-        h: f64,
-    ) -> Option<(f64, f64)> {
+    fn bracket_below_minimum(&mut self, i: usize, g: &[f64; 5], noise: f64, h: f64) -> Option<(f64, f64)> {
         let sticking = self.modes[i] == Mode::Sticking;
         let size = g.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         for a in 0..5 {
@@ -171,11 +159,7 @@ impl<S: Switched> Stepper<S> {
                 }
                 let slope = 0.5 * (g[a + 1] - g[a - 1]);
                 let curvature = g[a + 1] - 2.0 * g[a] + g[a - 1];
-                let dip = if curvature > 0.0 {
-                    slope * slope / (2.0 * curvature)
-                } else {
-                    0.0
-                };
+                let dip = if curvature > 0.0 { slope * slope / (2.0 * curvature) } else { 0.0 };
                 (SAMPLES[a - 1], SAMPLES[a + 1], g[a] - dip)
             };
             if least > 0.1 * size {
@@ -226,11 +210,7 @@ impl<S: Switched> Stepper<S> {
             if b - a <= resolution || gb == 0.0 {
                 break;
             }
-            let mut m = if iteration % 8 == 7 {
-                0.5 * (a + b)
-            } else {
-                b - gb * (b - a) / (gb - ga)
-            };
+            let mut m = if iteration % 8 == 7 { 0.5 * (a + b) } else { b - gb * (b - a) / (gb - ga) };
             if !(m > a && m < b) {
                 m = 0.5 * (a + b);
             }
@@ -274,8 +254,7 @@ impl<S: Switched> Stepper<S> {
         let mut length = theta * h;
         if length > self.shortest() {
             let near = theta * (1.0 - 1e-3);
-            let secant =
-                (self.gap(switch, theta, h) - self.gap(switch, near, h)) / ((theta - near) * h);
+            let secant = (self.gap(switch, theta, h) - self.gap(switch, near, h)) / ((theta - near) * h);
             let mut solved = self.attempt_to_event(length);
             for _ in 0..3 {
                 if !solved {
@@ -322,8 +301,7 @@ impl<S: Switched> Stepper<S> {
     /// time from zero.
     fn gather(&mut self, switch: usize, breaks: bool) {
         self.zero.clear();
-        self.multipliers
-            .gradients(&mut self.system, self.t, &self.x);
+        self.multipliers.gradients(&mut self.system, self.t, &self.x);
         self.system.switching(self.t, &self.x, &mut self.sigma);
         let window = SIMULTANEOUS * self.t.abs().max(1.0);
         for (i, &mode) in self.modes.iter().enumerate() {
@@ -339,8 +317,7 @@ impl<S: Switched> Stepper<S> {
                     let here = self.sigma[i].abs() <= noise + rate.abs() * window;
                     if i == switch || here {
                         let passes = i == switch || rate < 0.0;
-                        self.zero
-                            .push(i, if passes { sliding.opposite() } else { sliding }, false);
+                        self.zero.push(i, if passes { sliding.opposite() } else { sliding }, false);
                     }
                 }
             }

@@ -4,9 +4,16 @@
 //! Dormand–Prince 5(4) method between events. Each switching function is in one of three modes: sliding with `s = ±1`, or
 //! sticking, where `s` solves `σ̇ = 0` and holds as long as `|s| ≤ 1`. Events are located to about 1e-12 s, all switching
 //! functions that vanish together are settled together, and what sticks is kept on `σ = 0` so that it does not creep.
+//!
+//! [`Model`] compiles a [`bracketry_system::System`] with [`Inputs`]; [`simulate`] runs it; [`Stepper`] and [`Plant`] do so
+//! piece by piece, as in a control loop.
 
+mod drive;
 mod events;
+mod inputs;
+mod model;
 mod multipliers;
+mod plant;
 mod resolve;
 mod settings;
 mod simulate;
@@ -16,6 +23,9 @@ mod switched;
 mod tableau;
 mod trajectory;
 
+pub use inputs::{Hold, InputError, Inputs, Samples};
+pub use model::Model;
+pub use plant::{Plant, PlantError};
 pub use settings::{Settings, SimError};
 pub use simulate::{Simulation, simulate};
 pub use stepper::Stepper;

@@ -62,15 +62,10 @@ impl Multipliers {
 
     /// Takes over the modes: sets the sliding signs, and forgets the Jacobian if the sticking set is another.
     pub(crate) fn set_modes(&mut self, modes: &[Mode]) {
-        let same = self
-            .sticking
-            .iter()
-            .copied()
-            .eq((0..modes.len()).filter(|&i| modes[i] == Mode::Sticking));
+        let same = self.sticking.iter().copied().eq((0..modes.len()).filter(|&i| modes[i] == Mode::Sticking));
         if !same {
             self.sticking.clear();
-            self.sticking
-                .extend((0..modes.len()).filter(|&i| modes[i] == Mode::Sticking));
+            self.sticking.extend((0..modes.len()).filter(|&i| modes[i] == Mode::Sticking));
             self.inverse = None;
         }
         for (s, mode) in self.s.iter_mut().zip(modes) {
@@ -89,27 +84,17 @@ impl Multipliers {
     /// `σ̇_i` for the velocity `dx`, by the gradients of the last point.
     pub(crate) fn rate(&self, i: usize, dx: &[f64]) -> f64 {
         let row = &self.gradient[i * self.n..(i + 1) * self.n];
-        row.iter()
-            .zip(dx)
-            .fold(self.partial_t[i], |sum, (g, v)| sum + g * v)
+        row.iter().zip(dx).fold(self.partial_t[i], |sum, (g, v)| sum + g * v)
     }
 
     /// Size of the terms of `σ̇_i`.
     fn rate_scale(&self, i: usize, dx: &[f64]) -> f64 {
         let row = &self.gradient[i * self.n..(i + 1) * self.n];
-        row.iter()
-            .zip(dx)
-            .fold(self.partial_t[i].abs(), |sum, (g, v)| sum + (g * v).abs())
+        row.iter().zip(dx).fold(self.partial_t[i].abs(), |sum, (g, v)| sum + (g * v).abs())
     }
 
     /// Writes `f(t, x, s)` with the sticking signs solved for; false if there is no solution (or nothing finite).
-    pub(crate) fn field(
-        &mut self,
-        system: &mut impl Switched,
-        t: f64,
-        x: &[f64],
-        dx: &mut [f64],
-    ) -> bool {
+    pub(crate) fn field(&mut self, system: &mut impl Switched, t: f64, x: &[f64], dx: &mut [f64]) -> bool {
         if self.sticking.is_empty() {
             system.rhs(t, x, &self.s, dx);
             self.evaluations += 1;
@@ -141,14 +126,7 @@ impl Multipliers {
     }
 
     /// Newton's iteration with Broyden's update of the inverse Jacobian.
-    fn newton(
-        &mut self,
-        system: &mut impl Switched,
-        t: f64,
-        x: &[f64],
-        dx: &mut [f64],
-        iterations: usize,
-    ) -> bool {
+    fn newton(&mut self, system: &mut impl Switched, t: f64, x: &[f64], dx: &mut [f64], iterations: usize) -> bool {
         let m = self.sticking.len();
         for iteration in 0..=iterations {
             system.rhs(t, x, &self.s, dx);
@@ -272,11 +250,7 @@ impl Multipliers {
             Mode::Sticking => self.s[i].abs() <= 1.0 + STICKING_EXCESS,
             sliding => {
                 let away = sliding.sign() * self.rate(i, dx);
-                if strict {
-                    away > 0.0
-                } else {
-                    away >= -1e-9 * self.rate_scale(i, dx)
-                }
+                if strict { away > 0.0 } else { away >= -1e-9 * self.rate_scale(i, dx) }
             }
         })
     }
@@ -284,20 +258,11 @@ impl Multipliers {
     /// Rounding to expect in `σ_i` after a step of length `h` from `x` with velocity `dx`.
     pub(crate) fn noise(&self, i: usize, x: &[f64], dx: &[f64], h: f64) -> f64 {
         let row = &self.gradient[i * self.n..(i + 1) * self.n];
-        (0..self.n).fold(0.0, |sum, j| {
-            sum + row[j].abs() * (x[j].abs() + h * dx[j].abs())
-        }) * 8.0
-            * f64::EPSILON
+        (0..self.n).fold(0.0, |sum, j| sum + row[j].abs() * (x[j].abs() + h * dx[j].abs())) * 8.0 * f64::EPSILON
     }
 
     /// Moves `x` by the shortest way to `σ_K(t, x) = 0`, so that what sticks does not creep.
-    pub(crate) fn project(
-        &mut self,
-        system: &mut impl Switched,
-        t: f64,
-        x: &mut [f64],
-        sigma: &mut [f64],
-    ) {
+    pub(crate) fn project(&mut self, system: &mut impl Switched, t: f64, x: &mut [f64], sigma: &mut [f64]) {
         let m = self.sticking.len();
         if m == 0 {
             return;
@@ -312,9 +277,7 @@ impl Multipliers {
                 let i = self.sticking[a];
                 &self.gradient[i * self.n..(i + 1) * self.n]
             };
-            let dot = |a: usize, b: usize| -> f64 {
-                rows(a).iter().zip(rows(b)).map(|(p, q)| p * q).sum()
-            };
+            let dot = |a: usize, b: usize| -> f64 { rows(a).iter().zip(rows(b)).map(|(p, q)| p * q).sum() };
             if m == 1 {
                 let gain = sigma[self.sticking[0]] / dot(0, 0);
                 if !gain.is_finite() {
@@ -331,9 +294,7 @@ impl Multipliers {
                 return;
             };
             for a in 0..m {
-                let gain: f64 = (0..m)
-                    .map(|b| inverse[(a, b)] * sigma[self.sticking[b]])
-                    .sum();
+                let gain: f64 = (0..m).map(|b| inverse[(a, b)] * sigma[self.sticking[b]]).sum();
                 for (j, g) in rows(a).iter().enumerate() {
                     x[j] -= gain * g;
                 }

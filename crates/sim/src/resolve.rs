@@ -52,9 +52,7 @@ pub(crate) fn resolve(
     let mut order: Vec<(u32, u32, u32)> = (0..3u32.pow(z as u32))
         .map(|code| {
             let digits = (0..z as u32).map(|a| code / 3u32.pow(a) % 3);
-            let (sliding, turned) = digits.fold((0, 0), |(n, m), d| {
-                (n + u32::from(d > 0), m + u32::from(d == 2))
-            });
+            let (sliding, turned) = digits.fold((0, 0), |(n, m), d| (n + u32::from(d > 0), m + u32::from(d == 2)));
             (sliding, turned, code)
         })
         .collect();
@@ -70,7 +68,9 @@ pub(crate) fn resolve(
                     1 => zero.preferred[a],
                     _ => zero.preferred[a].opposite(),
                 };
-                allowed &= restick || !(zero.loose[a] && modes[i] == Mode::Sticking);
+                if modes[i] == Mode::Sticking {
+                    allowed &= system.sticks(i) && (restick || !zero.loose[a]);
+                }
                 rest /= 3;
             }
             if allowed && multipliers.consistent(system, point, modes, &zero.switches, strict, dx) {
@@ -78,9 +78,7 @@ pub(crate) fn resolve(
             }
         }
     }
-    Err(StopReason::NoConsistentMode {
-        switches: zero.switches.clone(),
-    })
+    Err(StopReason::NoConsistentMode { switches: zero.switches.clone() })
 }
 
 /// For zero sets too large to enumerate: starts with all sticking, lets go what needs more than the full sign, and
@@ -96,11 +94,7 @@ fn active_set(
 ) -> Result<(), StopReason> {
     let z = zero.switches.len();
     for (a, &i) in zero.switches.iter().enumerate() {
-        modes[i] = if zero.loose[a] {
-            zero.preferred[a]
-        } else {
-            Mode::Sticking
-        };
+        modes[i] = if zero.loose[a] || !system.sticks(i) { zero.preferred[a] } else { Mode::Sticking };
     }
     for _ in 0..=2 * z {
         if multipliers.consistent(system, point, modes, &zero.switches, false, dx) {
@@ -110,11 +104,8 @@ fn active_set(
         for &i in &zero.switches {
             let next = match modes[i] {
                 Mode::Sticking if multipliers.s[i].abs() > 1.0 => Mode::of_sign(multipliers.s[i]),
-                sliding
-                    if sliding != Mode::Sticking
-                        && sliding.sign() * multipliers.rate(i, dx) < 0.0 =>
-                {
-                    Mode::Sticking
+                sliding if sliding != Mode::Sticking && sliding.sign() * multipliers.rate(i, dx) < 0.0 => {
+                    if system.sticks(i) { Mode::Sticking } else { sliding.opposite() }
                 }
                 same => same,
             };

@@ -63,11 +63,7 @@ impl Settings {
     /// Checks that every field has a meaning.
     pub(crate) fn check(&self) -> Result<(), SimError> {
         let positive = |name, value: f64| {
-            if value > 0.0 {
-                Ok(())
-            } else {
-                Err(SimError::BadSetting { name, value })
-            }
+            if value > 0.0 { Ok(()) } else { Err(SimError::BadSetting { name, value }) }
         };
         positive("rtol", self.rtol)?;
         positive("atol", self.atol)?;

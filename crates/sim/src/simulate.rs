@@ -27,9 +27,5 @@ pub fn simulate(
 ) -> Result<Simulation, SimError> {
     let mut stepper = Stepper::new(system, t0, x0, settings)?;
     let (trajectory, outcome) = stepper.record(t_end)?;
-    Ok(Simulation {
-        trajectory,
-        outcome,
-        statistics: stepper.statistics(),
-    })
+    Ok(Simulation { trajectory, outcome, statistics: stepper.statistics() })
 }

@@ -22,9 +22,7 @@ impl<S: Switched> Stepper<S> {
     /// Evaluates the first stage at the current point; false if nothing holds what should stick.
     pub(crate) fn first_stage(&mut self) -> bool {
         self.multipliers.set_modes(&self.modes);
-        let solved = self
-            .multipliers
-            .field(&mut self.system, self.t, &self.x, &mut self.k[0]);
+        let solved = self.multipliers.field(&mut self.system, self.t, &self.x, &mut self.k[0]);
         self.signs[0].copy_from_slice(&self.multipliers.s);
         self.first_stage_known = solved;
         solved
@@ -38,11 +36,7 @@ impl<S: Switched> Stepper<S> {
             d0 = d0.max(x.abs() / scale(*x));
             d1 = d1.max(v.abs() / scale(*x));
         }
-        let h = if d0 < 1e-5 || d1 < 1e-5 {
-            1e-6
-        } else {
-            0.01 * d0 / d1
-        };
+        let h = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
         h.clamp(10.0 * self.shortest(), 1e-2).min(remaining)
     }
 
@@ -55,15 +49,8 @@ impl<S: Switched> Stepper<S> {
                 self.stage[j] = self.x[j] + h * sum;
             }
             let t = self.t + C[i] * h;
-            if !self
-                .multipliers
-                .field(&mut self.system, t, &self.stage, &mut self.k[i])
-            {
-                return if self.stage.iter().all(|v| v.is_finite()) {
-                    Attempt::Unsolvable
-                } else {
-                    Attempt::NonFinite
-                };
+            if !self.multipliers.field(&mut self.system, t, &self.stage, &mut self.k[i]) {
+                return if self.stage.iter().all(|v| v.is_finite()) { Attempt::Unsolvable } else { Attempt::NonFinite };
             }
             if !self.k[i].iter().all(|v| v.is_finite()) {
                 return Attempt::NonFinite;
@@ -73,8 +60,7 @@ impl<S: Switched> Stepper<S> {
         self.end.copy_from_slice(&self.stage);
         let mut sum = 0.0;
         for j in 0..n {
-            let scale =
-                self.settings.atol + self.settings.rtol * self.x[j].abs().max(self.end[j].abs());
+            let scale = self.settings.atol + self.settings.rtol * self.x[j].abs().max(self.end[j].abs());
             let e: f64 = (0..7).map(|i| E[i] * self.k[i][j]).sum::<f64>() * h / scale;
             sum += e * e;
             let difference = self.end[j] - self.x[j];
@@ -92,11 +78,7 @@ impl<S: Switched> Stepper<S> {
                 error = error.max(e.abs() / SIGN_TOLERANCE);
             }
         }
-        if error.is_nan() {
-            Attempt::NonFinite
-        } else {
-            Attempt::Error(error)
-        }
+        if error.is_nan() { Attempt::NonFinite } else { Attempt::Error(error) }
     }
 
     /// Takes over the attempted step.
@@ -106,8 +88,7 @@ impl<S: Switched> Stepper<S> {
         }
         std::mem::swap(&mut self.x, &mut self.end);
         self.t += h;
-        self.multipliers
-            .project(&mut self.system, self.t, &mut self.x, &mut self.sigma);
+        self.multipliers.project(&mut self.system, self.t, &mut self.x, &mut self.sigma);
         self.k.swap(0, 6);
         self.signs.swap(0, 6);
         self.multipliers.s.copy_from_slice(&self.signs[0]);

@@ -63,11 +63,7 @@ impl<S: Switched> Stepper<S> {
         settings.check()?;
         let (n, k) = (system.dim(), system.switches());
         if x.len() != n {
-            return Err(SimError::WrongLength {
-                what: "the state",
-                expected: n,
-                found: x.len(),
-            });
+            return Err(SimError::WrongLength { what: "the state", expected: n, found: x.len() });
         }
         if !t.is_finite() {
             return Err(SimError::BadTimeSpan { from: t, to: t });
@@ -130,10 +126,7 @@ impl<S: Switched> Stepper<S> {
 
     /// Work done so far.
     pub fn statistics(&self) -> Statistics {
-        Statistics {
-            rhs: self.multipliers.evaluations,
-            ..self.statistics
-        }
+        Statistics { rhs: self.multipliers.evaluations, ..self.statistics }
     }
 
     /// Puts the system into another state at another time; the modes follow from the switching functions there.
@@ -142,11 +135,7 @@ impl<S: Switched> Stepper<S> {
     /// [`SimError`] for a state of the wrong length or a time that is not finite.
     pub fn set_state(&mut self, t: f64, x: &[f64]) -> Result<(), SimError> {
         if x.len() != self.x.len() {
-            return Err(SimError::WrongLength {
-                what: "the state",
-                expected: self.x.len(),
-                found: x.len(),
-            });
+            return Err(SimError::WrongLength { what: "the state", expected: self.x.len(), found: x.len() });
         }
         if !t.is_finite() {
             return Err(SimError::BadTimeSpan { from: t, to: t });
@@ -164,11 +153,7 @@ impl<S: Switched> Stepper<S> {
         self.system.switching(self.t, &self.x, &mut self.sigma);
         for i in 0..self.modes.len() {
             self.departing[i] = false;
-            self.modes[i] = if self.sigma[i] == 0.0 {
-                Mode::Sticking
-            } else {
-                Mode::of_sign(self.sigma[i])
-            };
+            self.modes[i] = if self.sigma[i] == 0.0 { Mode::Sticking } else { Mode::of_sign(self.sigma[i]) };
         }
         self.first_stage_known = false;
         self.h = 0.0;
@@ -185,10 +170,7 @@ impl<S: Switched> Stepper<S> {
     /// [`SimError::BadTimeSpan`] if `t_end` is not a number, or lies before the current time.
     pub fn record(&mut self, t_end: f64) -> Result<(Trajectory, Outcome), SimError> {
         if t_end.is_nan() || t_end < self.t {
-            return Err(SimError::BadTimeSpan {
-                from: self.t,
-                to: t_end,
-            });
+            return Err(SimError::BadTimeSpan { from: self.t, to: t_end });
         }
         let mut trajectory = Trajectory::new(self.t, &self.x, &self.modes);
         let outcome = self.run(t_end, Some(&mut trajectory));
@@ -198,19 +180,11 @@ impl<S: Switched> Stepper<S> {
     fn run(&mut self, t_end: f64, mut trajectory: Option<&mut Trajectory>) -> Outcome {
         match self.run_segments(t_end, &mut trajectory) {
             Ok(()) => Outcome::Finished,
-            Err(reason) => Outcome::Stopped {
-                reason,
-                t: self.t,
-                state: self.x.clone(),
-            },
+            Err(reason) => Outcome::Stopped { reason, t: self.t, state: self.x.clone() },
         }
     }
 
-    fn run_segments(
-        &mut self,
-        t_end: f64,
-        trajectory: &mut Option<&mut Trajectory>,
-    ) -> Result<(), StopReason> {
+    fn run_segments(&mut self, t_end: f64, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StopReason> {
         self.restart(trajectory)?;
         let first = self.statistics.steps + self.statistics.rejected;
         while self.t < t_end {
@@ -218,9 +192,7 @@ impl<S: Switched> Stepper<S> {
                 self.restart(trajectory)?;
             }
             if self.statistics.steps + self.statistics.rejected - first >= self.settings.max_steps {
-                return Err(StopReason::TooManySteps {
-                    limit: self.settings.max_steps,
-                });
+                return Err(StopReason::TooManySteps { limit: self.settings.max_steps });
             }
             self.step(t_end.min(self.segment_end), trajectory)?;
         }
@@ -246,8 +218,7 @@ impl<S: Switched> Stepper<S> {
             return Err(StopReason::NonFinite);
         }
         let before = self.modes.clone();
-        self.multipliers
-            .gradients(&mut self.system, self.t, &self.x);
+        self.multipliers.gradients(&mut self.system, self.t, &self.x);
         self.zero.clear();
         for i in 0..switches {
             let size = self.multipliers.noise(i, &self.x, &self.k[0], 0.0);
@@ -255,12 +226,9 @@ impl<S: Switched> Stepper<S> {
             let side = Mode::of_sign(sigma);
             match self.modes[i] {
                 Mode::Sticking if sigma.abs() <= 1e5 * size => {
-                    self.zero
-                        .push(i, Mode::of_sign(self.multipliers.s[i]), false);
+                    self.zero.push(i, Mode::of_sign(self.multipliers.s[i]), false);
                 }
-                sliding
-                    if sliding != Mode::Sticking && (self.departing[i] || sigma.abs() <= size) =>
-                {
+                sliding if sliding != Mode::Sticking && (self.departing[i] || sigma.abs() <= size) => {
                     self.zero.push(i, sliding, false);
                 }
                 _ => self.modes[i] = side,
@@ -288,17 +256,11 @@ impl<S: Switched> Stepper<S> {
         for &i in &self.zero.switches {
             self.departing[i] = self.modes[i] != Mode::Sticking;
         }
-        self.multipliers
-            .project(&mut self.system, self.t, &mut self.x, &mut self.sigma);
+        self.multipliers.project(&mut self.system, self.t, &mut self.x, &mut self.sigma);
         if let Some(trajectory) = trajectory {
             for (switch, (&from, &to)) in before.iter().zip(&self.modes).enumerate() {
                 if from != to {
-                    trajectory.push_transition(Transition {
-                        t: self.t,
-                        switch,
-                        from,
-                        to,
-                    });
+                    trajectory.push_transition(Transition { t: self.t, switch, from, to });
                 }
             }
         }
@@ -312,11 +274,7 @@ impl<S: Switched> Stepper<S> {
     }
 
     /// One accepted step, or one event, not beyond `limit`.
-    fn step(
-        &mut self,
-        limit: f64,
-        trajectory: &mut Option<&mut Trajectory>,
-    ) -> Result<(), StopReason> {
+    fn step(&mut self, limit: f64, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StopReason> {
         let remaining = limit - self.t;
         if remaining <= self.shortest() {
             self.t = limit;
@@ -381,14 +339,9 @@ impl<S: Switched> Stepper<S> {
             if at_limit {
                 self.t = limit;
             }
-            let growth =
-                (0.9 * error.max(1e-10).powf(-0.2)).clamp(0.2, if rejected { 1.0 } else { 8.0 });
+            let growth = (0.9 * error.max(1e-10).powf(-0.2)).clamp(0.2, if rejected { 1.0 } else { 8.0 });
             // A step cut short by its limit says nothing against the length before.
-            self.h = if at_limit {
-                self.h.max(h * growth)
-            } else {
-                h * growth
-            };
+            self.h = if at_limit { self.h.max(h * growth) } else { h * growth };
             return Ok(());
         }
     }
@@ -398,8 +351,7 @@ impl<S: Switched> Stepper<S> {
         self.zero.clear();
         for (i, mode) in self.modes.iter().enumerate() {
             if *mode == Mode::Sticking {
-                self.zero
-                    .push(i, Mode::of_sign(self.multipliers.s[i]), true);
+                self.zero.push(i, Mode::of_sign(self.multipliers.s[i]), true);
             }
         }
         let before = self.modes.clone();
@@ -413,9 +365,7 @@ impl<S: Switched> Stepper<S> {
         self.statistics.events += 1;
         self.stalled += 1;
         if self.stalled > 8 + 4 * self.modes.len() {
-            return Err(StopReason::NoConsistentMode {
-                switches: self.zero.switches.clone(),
-            });
+            return Err(StopReason::NoConsistentMode { switches: self.zero.switches.clone() });
         }
         let (limit, window) = (self.settings.max_events, self.settings.event_window);
         self.recent.push_back(self.t);

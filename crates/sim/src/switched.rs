@@ -19,13 +19,14 @@ pub trait Switched {
     fn switching(&mut self, t: f64, x: &[f64], sigma: &mut [f64]);
 
     /// Writes `∂σ_i/∂x_j` into `gradient[i * n + j]` and `∂σ_i/∂t` into `partial_t[i]`.
-    fn switching_gradient(
-        &mut self,
-        t: f64,
-        x: &[f64],
-        gradient: &mut [f64],
-        partial_t: &mut [f64],
-    );
+    fn switching_gradient(&mut self, t: f64, x: &[f64], gradient: &mut [f64], partial_t: &mut [f64]);
+
+    /// Whether `s_i` may take any value in `[−1, 1]` where `σ_i = 0`. Not so for `|σ_i|` written as `s_i σ_i`, whose
+    /// surface is merely crossed.
+    fn sticks(&self, switch: usize) -> bool {
+        let _ = switch;
+        true
+    }
 
     /// Makes the smooth segment that begins at `t` the current one and returns the time at which it ends.
     ///
@@ -92,13 +93,7 @@ where
         (self.switching)(t, x, sigma);
     }
 
-    fn switching_gradient(
-        &mut self,
-        t: f64,
-        x: &[f64],
-        gradient: &mut [f64],
-        partial_t: &mut [f64],
-    ) {
+    fn switching_gradient(&mut self, t: f64, x: &[f64], gradient: &mut [f64], partial_t: &mut [f64]) {
         gradient.fill(0.0);
         partial_t.fill(0.0);
         (self.gradient)(t, x, gradient, partial_t);

@@ -33,11 +33,7 @@ impl Mode {
     }
 
     pub(crate) fn of_sign(sign: f64) -> Self {
-        if sign < 0.0 {
-            Mode::Negative
-        } else {
-            Mode::Positive
-        }
+        if sign < 0.0 { Mode::Negative } else { Mode::Positive }
     }
 }
 
@@ -110,16 +106,10 @@ impl std::fmt::Display for StopReason {
             }
             Self::TooManySteps { limit } => write!(f, "more than {limit} steps"),
             Self::NoConsistentMode { switches } => {
-                write!(
-                    f,
-                    "no combination of sliding and sticking is consistent for the switches {switches:?}"
-                )
+                write!(f, "no combination of sliding and sticking is consistent for the switches {switches:?}")
             }
             Self::TooManySimultaneous { count, limit } => {
-                write!(
-                    f,
-                    "{count} switching functions vanish together, more than the {limit} that are enumerated"
-                )
+                write!(f, "{count} switching functions vanish together, more than the {limit} that are enumerated")
             }
             Self::EmptySegment => write!(f, "an input segment does not end after it begins"),
         }
@@ -244,12 +234,7 @@ impl Trajectory {
         let piece = &self.pieces[index - 1];
         let width = 5 * self.dim;
         let coefficients = &self.coefficients[(index - 1) * width..index * width];
-        interpolate(
-            coefficients,
-            self.dim,
-            ((t - piece.t) / piece.h).min(1.0),
-            x,
-        );
+        interpolate(coefficients, self.dim, ((t - piece.t) / piece.h).min(1.0), x);
     }
 
     /// The state at `t`; see [`Trajectory::sample_into`].
@@ -261,10 +246,7 @@ impl Trajectory {
 
     /// The times at which steps begin, and the end.
     pub fn times(&self) -> impl Iterator<Item = f64> + '_ {
-        self.pieces
-            .iter()
-            .map(|piece| piece.t)
-            .chain(std::iter::once(self.end))
+        self.pieces.iter().map(|piece| piece.t).chain(std::iter::once(self.end))
     }
 
     /// The changes of mode, in order of time.
@@ -293,19 +275,11 @@ impl Trajectory {
         let (mut from, mut mode) = (self.start, first);
         for transition in self.transitions.iter().filter(|e| e.switch == switch) {
             if transition.t > from {
-                intervals.push(ModeInterval {
-                    from,
-                    to: transition.t,
-                    mode,
-                });
+                intervals.push(ModeInterval { from, to: transition.t, mode });
             }
             (from, mode) = (transition.t, transition.to);
         }
-        intervals.push(ModeInterval {
-            from,
-            to: self.end,
-            mode,
-        });
+        intervals.push(ModeInterval { from, to: self.end, mode });
         intervals
     }
 
@@ -323,8 +297,6 @@ impl Trajectory {
 pub(crate) fn interpolate(r: &[f64], n: usize, theta: f64, x: &mut [f64]) {
     let rest = 1.0 - theta;
     for j in 0..n {
-        x[j] = r[j]
-            + theta
-                * (r[n + j] + rest * (r[2 * n + j] + theta * (r[3 * n + j] + rest * r[4 * n + j])));
+        x[j] = r[j] + theta * (r[n + j] + rest * (r[2 * n + j] + theta * (r[3 * n + j] + rest * r[4 * n + j])));
     }
 }

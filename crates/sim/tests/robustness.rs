@@ -1,9 +1,7 @@
 //! Order, agreement with an independent integrator, and honest ends where a solution ends.
 #![allow(clippy::unwrap_used)]
 
-use bracketry_sim::{
-    Closures, Mode, Outcome, Settings, SimError, Stepper, StopReason, Switched, simulate,
-};
+use bracketry_sim::{Closures, Mode, Outcome, Settings, SimError, Stepper, StopReason, Switched, simulate};
 use proptest::prelude::*;
 
 fn smooth<F: FnMut(f64, &[f64], &[f64], &mut [f64])>(dim: usize, rhs: F) -> impl Switched {
@@ -23,9 +21,7 @@ fn the_error_falls_with_the_fifth_power_of_the_step() {
             dx[0] = x[1];
             dx[1] = -x[0];
         });
-        let settings = Settings::default()
-            .with_tolerance(1.0, 1.0)
-            .with_max_step(h);
+        let settings = Settings::default().with_tolerance(1.0, 1.0).with_max_step(h);
         let run = simulate(pendulum, 0.0, &[1.0, 0.0], 8.0, &settings).unwrap();
         let x = run.trajectory.final_state();
         (x[0] - 8.0f64.cos()).hypot(x[1] + 8.0f64.sin())
@@ -71,11 +67,7 @@ fn events_keep_the_tolerance() {
             gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g[1] = 1.0,
         };
         let settings = Settings::default().with_tolerance(rtol, rtol * 0.1);
-        simulate(system, 0.0, &[0.0, 0.0], 30.0, &settings)
-            .unwrap()
-            .trajectory
-            .final_state()
-            .to_vec()
+        simulate(system, 0.0, &[0.0, 0.0], 30.0, &settings).unwrap().trajectory.final_state().to_vec()
     };
     let (reference, coarse, fine) = (end(1e-12), end(1e-6), end(1e-9));
     assert!((coarse[0] - reference[0]).abs() < 1e-5);
@@ -88,13 +80,8 @@ fn blow_up_ends_with_time_and_state() {
         dx[0] = x[0] * x[0];
     });
     let run = simulate(system, 0.0, &[1.0], 2.0, &Settings::default()).unwrap();
-    let Outcome::Stopped { reason, t, state } = run.outcome else {
-        panic!("x' = x² ends at t = 1")
-    };
-    assert!(matches!(
-        reason,
-        StopReason::StepTooSmall | StopReason::NonFinite
-    ));
+    let Outcome::Stopped { reason, t, state } = run.outcome else { panic!("x' = x² ends at t = 1") };
+    assert!(matches!(reason, StopReason::StepTooSmall | StopReason::NonFinite));
     assert!((t - 1.0).abs() < 1e-6 && state[0] > 1e6 && state[0].is_finite());
     assert_eq!(run.trajectory.end(), t);
 }
@@ -107,20 +94,11 @@ fn not_a_number_is_reported_where_it_arises() {
         })
     };
     let run = simulate(root(), 0.0, &[0.0], 2.0, &Settings::default()).unwrap();
-    let Outcome::Stopped { reason, t, state } = run.outcome else {
-        panic!("√(1−t) ends at 1")
-    };
+    let Outcome::Stopped { reason, t, state } = run.outcome else { panic!("√(1−t) ends at 1") };
     assert_eq!(reason, StopReason::NonFinite);
     assert!((t - 1.0).abs() < 1e-6 && (state[0] - 2.0 / 3.0).abs() < 1e-6);
     let run = simulate(root(), 0.0, &[f64::NAN], 0.5, &Settings::default()).unwrap();
-    assert!(matches!(
-        run.outcome,
-        Outcome::Stopped {
-            reason: StopReason::NonFinite,
-            t: 0.0,
-            ..
-        }
-    ));
+    assert!(matches!(run.outcome, Outcome::Stopped { reason: StopReason::NonFinite, t: 0.0, .. }));
 }
 
 /// Filippov's spiral: `x' = −sgn x + 2 sgn y`, `y' = −2 sgn x − sgn y` reaches the origin after infinitely many switchings.
@@ -151,16 +129,8 @@ fn infinitely_many_switchings_are_passed_or_stopped_by_the_guard() {
     assert!((last.t - 0.5).abs() < 1e-9);
     let guarded = Settings::default().with_event_limit(12, 0.1);
     let run = simulate(spiral(), 0.0, &[1.0, 0.0], 3.0, &guarded).unwrap();
-    let Outcome::Stopped { reason, t, .. } = run.outcome else {
-        panic!("the guard must stop it")
-    };
-    assert_eq!(
-        reason,
-        StopReason::TooManyEvents {
-            limit: 12,
-            window: 0.1
-        }
-    );
+    let Outcome::Stopped { reason, t, .. } = run.outcome else { panic!("the guard must stop it") };
+    assert_eq!(reason, StopReason::TooManyEvents { limit: 12, window: 0.1 });
     assert!(t < 0.5);
 }
 
@@ -182,12 +152,7 @@ fn a_switch_that_nothing_can_hold_passes_through() {
     let energy = |x: &[f64]| 0.5 * x[1] * x[1] + x[0].abs().powi(3) / 3.0;
     assert!((energy(run.trajectory.final_state()) - energy(&[0.5, 0.0])).abs() < 1e-9);
     assert!(run.trajectory.transitions().len() > 5);
-    assert!(
-        run.trajectory
-            .transitions()
-            .iter()
-            .all(|e| e.to != Mode::Sticking)
-    );
+    assert!(run.trajectory.transitions().iter().all(|e| e.to != Mode::Sticking));
 }
 
 #[test]
@@ -207,18 +172,12 @@ fn a_grazing_contact_with_zero_is_no_event_and_a_crossing_by_a_hair_is_two() {
         let run = simulate(system, 0.0, &[1.0 + gap, -2.0], 5.0, &Settings::default()).unwrap();
         assert!(run.outcome.is_finished());
         assert!((run.trajectory.final_state()[0] - 16.0 - gap).abs() < 1e-9);
-        run.trajectory
-            .transitions()
-            .iter()
-            .map(|e| e.t)
-            .collect::<Vec<_>>()
+        run.trajectory.transitions().iter().map(|e| e.t).collect::<Vec<_>>()
     };
     assert!(transitions(1e-9).is_empty());
     let crossings = transitions(-1e-8);
     assert_eq!(crossings.len(), 2);
-    assert!(
-        (crossings[0] - (1.0 - 1e-4)).abs() < 1e-9 && (crossings[1] - (1.0 + 1e-4)).abs() < 1e-9
-    );
+    assert!((crossings[0] - (1.0 - 1e-4)).abs() < 1e-9 && (crossings[1] - (1.0 + 1e-4)).abs() < 1e-9);
 }
 
 #[test]
@@ -246,21 +205,11 @@ fn misuse_is_an_error() {
     let settings = Settings::default();
     assert_eq!(
         simulate(system(), 0.0, &[1.0], 1.0, &settings).unwrap_err(),
-        SimError::WrongLength {
-            what: "the state",
-            expected: 2,
-            found: 1
-        }
+        SimError::WrongLength { what: "the state", expected: 2, found: 1 }
     );
-    assert!(matches!(
-        simulate(system(), 1.0, &[0.0; 2], 0.0, &settings),
-        Err(SimError::BadTimeSpan { .. })
-    ));
+    assert!(matches!(simulate(system(), 1.0, &[0.0; 2], 0.0, &settings), Err(SimError::BadTimeSpan { .. })));
     let bad = Settings::default().with_tolerance(0.0, 1e-9);
-    assert!(matches!(
-        simulate(system(), 0.0, &[0.0; 2], 1.0, &bad),
-        Err(SimError::BadSetting { name: "rtol", .. })
-    ));
+    assert!(matches!(simulate(system(), 0.0, &[0.0; 2], 1.0, &bad), Err(SimError::BadSetting { name: "rtol", .. })));
 }
 
 /// Two coupled oscillators with friction between each other and the ground.
@@ -289,10 +238,7 @@ fn pair_fixed_step(mu: [f64; 2], drive: [f64; 2], omega: f64, t_end: f64) -> [f6
     for i in 0..(t_end / dt).round() as usize {
         let t = (i as f64 + 0.5) * dt;
         let spring = 5.0 * (x[0] - x[1]);
-        let force = [
-            drive[0] * (omega * t).sin() - spring,
-            drive[1] * (omega * t).cos() + spring,
-        ];
+        let force = [drive[0] * (omega * t).sin() - spring, drive[1] * (omega * t).cos() + spring];
         for b in 0..2 {
             let free = x[2 + b] + dt * force[b];
             let after = free.signum() * (free.abs() - dt * mu[b]).max(0.0);

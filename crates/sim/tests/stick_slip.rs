@@ -51,10 +51,7 @@ fn a_slide_stops_at_v_over_mu_g_and_stays() {
         assert!((run.trajectory.final_state()[0] - way).abs() < 1e-9);
         assert_eq!(run.trajectory.final_state()[1], 0.0);
         assert_eq!(run.trajectory.sample(10.0)[1], 0.0);
-        assert_eq!(
-            run.trajectory.sample(10.0)[0],
-            run.trajectory.final_state()[0]
-        );
+        assert_eq!(run.trajectory.sample(10.0)[0], run.trajectory.final_state()[0]);
     }
 }
 
@@ -62,26 +59,14 @@ fn a_slide_stops_at_v_over_mu_g_and_stays() {
 fn an_incline_holds_below_the_friction_angle_and_slides_above() {
     let mu = 0.3f64;
     let critical = mu.atan();
-    for (angle, slides) in [
-        (critical - 1e-6, false),
-        (critical + 1e-6, true),
-        (0.1, false),
-        (0.6, true),
-    ] {
+    for (angle, slides) in [(critical - 1e-6, false), (critical + 1e-6, true), (0.1, false), (0.6, true)] {
         let (sin, cos) = angle.sin_cos();
         let system = block(mu * cos, move |_| -G * sin);
         let run = run(system, &[0.0, 0.0], 3.0);
         let a = if slides { -G * sin + mu * G * cos } else { 0.0 };
         assert!((run.trajectory.final_state()[1] - a * 3.0).abs() < 1e-9);
         assert!((run.trajectory.final_state()[0] - a * 4.5).abs() < 1e-9);
-        assert_eq!(
-            run.trajectory.mode(0, 1.0),
-            Some(if slides {
-                Mode::Negative
-            } else {
-                Mode::Sticking
-            })
-        );
+        assert_eq!(run.trajectory.mode(0, 1.0), Some(if slides { Mode::Negative } else { Mode::Sticking }));
     }
 }
 
@@ -94,19 +79,8 @@ fn an_incline_stops_an_uphill_slide_and_lets_a_steep_one_return() {
         let stop = v0 / (G * (sin + mu * cos));
         let event = run.trajectory.transitions()[0];
         assert!((event.t - stop).abs() < 1e-10);
-        assert_eq!(
-            event.to,
-            if returns {
-                Mode::Negative
-            } else {
-                Mode::Sticking
-            }
-        );
-        let v = if returns {
-            -G * (sin - mu * cos) * (2.0 - stop)
-        } else {
-            0.0
-        };
+        assert_eq!(event.to, if returns { Mode::Negative } else { Mode::Sticking });
+        let v = if returns { -G * (sin - mu * cos) * (2.0 - stop) } else { 0.0 };
         assert!((run.trajectory.final_state()[1] - v).abs() < 1e-9);
     }
 }
@@ -125,20 +99,14 @@ fn a_block_on_a_vibrating_base_switches_at_the_analytic_times() {
     assert!(t3 > t2);
     let run = run(block(mu, move |t| a * (omega * t).sin()), &[0.0, 0.0], 0.95);
     let events = run.trajectory.transitions();
-    let expected = [
-        (t1, Mode::Positive),
-        (t2, Mode::Sticking),
-        (t3, Mode::Negative),
-        (t3 + t2 - t1, Mode::Sticking),
-    ];
+    let expected = [(t1, Mode::Positive), (t2, Mode::Sticking), (t3, Mode::Negative), (t3 + t2 - t1, Mode::Sticking)];
     assert_eq!(events.len(), expected.len(), "{events:?}");
     for (event, (t, to)) in events.iter().zip(expected) {
         assert!((event.t - t).abs() < 1e-10, "{} {t}", event.t);
         assert_eq!(event.to, to);
     }
     let way = |t: f64| {
-        a / omega
-            * ((omega * t1).cos() * (t - t1) - ((omega * t).sin() - (omega * t1).sin()) / omega)
+        a / omega * ((omega * t1).cos() * (t - t1) - ((omega * t).sin() - (omega * t1).sin()) / omega)
             - f * (t - t1) * (t - t1) / 2.0
     };
     assert!((run.trajectory.sample(0.5 * (t2 + t3))[0] - way(t2)).abs() < 1e-9);
@@ -150,12 +118,7 @@ fn a_block_on_a_vibrating_base_switches_at_the_analytic_times() {
 fn strong_vibration_passes_through_zero_without_sticking() {
     let (mu, a, omega) = (0.1, 20.0, 80.0);
     let run = run(block(mu, move |t| a * (omega * t).sin()), &[0.0, 0.0], 80.0);
-    let late: Vec<_> = run
-        .trajectory
-        .transitions()
-        .iter()
-        .filter(|e| e.t > 70.0)
-        .collect();
+    let late: Vec<_> = run.trajectory.transitions().iter().filter(|e| e.t > 70.0).collect();
     assert!(late.len() > 20);
     assert!(late.iter().all(|e| e.to != Mode::Sticking));
     // Steady state: reversals half a period apart.
@@ -169,19 +132,10 @@ fn the_shortest_excursion_of_the_sticking_force_is_found() {
     // The driving force exceeds the friction by one part in a hundred thousand, once per period of 1 ms.
     let omega = 2000.0 * std::f64::consts::PI;
     let f = 0.3 * G;
-    let run = run(
-        block(0.3, move |t| f * 1.00001 * (omega * t).sin()),
-        &[0.0, 0.0],
-        1.0,
-    );
+    let run = run(block(0.3, move |t| f * 1.00001 * (omega * t).sin()), &[0.0, 0.0], 1.0);
     let first = run.trajectory.transitions()[0];
     assert!((first.t - (1.0f64 / 1.00001).asin() / omega).abs() < 1e-10);
-    let breaks = run
-        .trajectory
-        .transitions()
-        .iter()
-        .filter(|e| e.from == Mode::Sticking)
-        .count();
+    let breaks = run.trajectory.transitions().iter().filter(|e| e.from == Mode::Sticking).count();
     assert_eq!(breaks, 2000);
 }
 
@@ -189,9 +143,7 @@ fn the_shortest_excursion_of_the_sticking_force_is_found() {
 fn nothing_creeps_on_a_tilted_plate_for_a_minute() {
     let (mu, tilt) = (0.3, 10.0f64.to_radians());
     // The object slides into its place first, and the plate trembles below the limit.
-    let system = block(mu * tilt.cos(), move |t| {
-        -G * tilt.sin() + 0.5 * (50.0 * t).sin()
-    });
+    let system = block(mu * tilt.cos(), move |t| -G * tilt.sin() + 0.5 * (50.0 * t).sin());
     let run = run(system, &[0.03, 0.1], 60.0);
     let stop = run.trajectory.transitions()[0].t;
     assert_eq!(run.trajectory.transitions().len(), 1);
@@ -221,11 +173,7 @@ fn two_blocks_that_stop_together_both_stick() {
     let stop = 1.0 / (mu * G);
     let events = run.trajectory.transitions();
     assert_eq!(events.len(), 2);
-    assert!(
-        events
-            .iter()
-            .all(|e| e.to == Mode::Sticking && (e.t - stop).abs() < 1e-10)
-    );
+    assert!(events.iter().all(|e| e.to == Mode::Sticking && (e.t - stop).abs() < 1e-10));
     let x = run.trajectory.final_state();
     assert!((x[0] - stop / 2.0).abs() < 1e-9 && (x[1] + stop).abs() < 1e-9);
 }
@@ -258,9 +206,7 @@ fn a_pushed_stack_moves_together_until_the_push_exceeds_the_joint() {
     assert_eq!(events.len(), 2, "{events:?}");
     assert!((events[0].t - first).abs() < 1e-10 && events[0].switch == 0);
     assert!((events[1].t - second).abs() < 1e-10 && events[1].switch == 1);
-    let joint_speed = (4.0 * (second * second - first * first) / 2.0
-        - mu_floor * 3.0 * G * (second - first))
-        / 3.0;
+    let joint_speed = (4.0 * (second * second - first * first) / 2.0 - mu_floor * 3.0 * G * (second - first)) / 3.0;
     assert!((run.trajectory.sample(second)[1] - joint_speed).abs() < 1e-9);
     let upper = joint_speed + mu_joint * G * (4.0 - second);
     assert!((run.trajectory.final_state()[1] - upper).abs() < 1e-9);
@@ -307,13 +253,7 @@ fn a_belt_that_changes_speed_at_once_sets_the_block_sliding() {
         fn switching(&mut self, _t: f64, x: &[f64], sigma: &mut [f64]) {
             sigma[0] = x[0] - self.speed;
         }
-        fn switching_gradient(
-            &mut self,
-            _t: f64,
-            _x: &[f64],
-            gradient: &mut [f64],
-            partial_t: &mut [f64],
-        ) {
+        fn switching_gradient(&mut self, _t: f64, _x: &[f64], gradient: &mut [f64], partial_t: &mut [f64]) {
             gradient[0] = 1.0;
             partial_t[0] = 0.0;
         }

@@ -1,0 +1,207 @@
+//! What drives the inputs of a model: expressions in time, samples, or values held until they are set.
+
+use std::collections::BTreeMap;
+
+/// How a sampled signal continues between its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Hold {
+    /// Each value lasts until the next sample (zero-order hold).
+    #[default]
+    Previous,
+    /// Straight lines between samples.
+    Linear,
+}
+
+/// A sampled signal. Before the first and after the last sample it keeps the value there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Samples {
+    pub(crate) times: Vec<f64>,
+    pub(crate) values: Vec<f64>,
+    pub(crate) hold: Hold,
+}
+
+impl Samples {
+    /// A signal with `values[i]` at `times[i]` (seconds).
+    ///
+    /// # Errors
+    /// [`InputError::BadSamples`] unless there are as many values as times, at least one, all finite, and the times increase.
+    pub fn new(times: Vec<f64>, values: Vec<f64>, hold: Hold) -> Result<Self, InputError> {
+        if times.len() != values.len() || times.is_empty() {
+            return Err(InputError::BadSamples {
+                row: times.len().min(values.len()),
+                problem: "times and values differ in number, or there are none",
+            });
+        }
+        for (row, (t, v)) in times.iter().zip(&values).enumerate() {
+            if !t.is_finite() || !v.is_finite() {
+                return Err(InputError::BadSamples { row, problem: "not a finite number" });
+            }
+            if row > 0 && times[row - 1] >= *t {
+                return Err(InputError::BadSamples { row, problem: "the time does not increase" });
+            }
+        }
+        Ok(Self { times, values, hold })
+    }
+
+    /// Index of the interval that begins at or before `t`, from 0 (before the first sample) to `len`.
+    pub(crate) fn interval(&self, t: f64) -> usize {
+        self.times.partition_point(|&at| at <= t)
+    }
+
+    /// Value at `t` by the formula of the given interval.
+    pub(crate) fn value(&self, interval: usize, t: f64) -> f64 {
+        let last = self.values.len() - 1;
+        if interval == 0 {
+            return self.values[0];
+        }
+        let left = interval - 1;
+        match self.hold {
+            Hold::Linear if left < last => self.values[left] + self.slope(interval) * (t - self.times[left]),
+            _ => self.values[left.min(last)],
+        }
+    }
+
+    /// Slope in the given interval.
+    pub(crate) fn slope(&self, interval: usize) -> f64 {
+        if self.hold == Hold::Previous || interval == 0 || interval >= self.values.len() {
+            return 0.0;
+        }
+        let (a, b) = (interval - 1, interval);
+        (self.values[b] - self.values[a]) / (self.times[b] - self.times[a])
+    }
+}
+
+/// What drives one input.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Drive {
+    /// An expression in `t`, in parameters and in live names; its derivatives are symbolic.
+    Expression(String),
+    /// Samples.
+    Samples(Samples),
+}
+
+/// What drives the inputs of a model, by name. An input that is not mentioned is *held*: it is zero until
+/// [`crate::Model::set_input`] gives it another value, and its derivatives are zero.
+///
+/// ```
+/// use bracketry_sim::{Hold, Inputs, Samples};
+/// let inputs = Inputs::new()
+///     .expression("theta", "A*sin(6*pi*t)*(1 - exp(-t))")
+///     .live("A", 0.1)
+///     .samples("X", Samples::new(vec![0.0, 0.5], vec![0.0, 0.01], Hold::Linear)?);
+/// # Ok::<(), bracketry_sim::InputError>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Inputs {
+    pub(crate) drives: BTreeMap<String, Drive>,
+    pub(crate) derivatives: BTreeMap<(String, u32), Samples>,
+    pub(crate) live: Vec<(String, f64)>,
+}
+
+impl Inputs {
+    /// All inputs held.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Drives `input` by an expression in `t` (seconds), the model's parameters and live names. Its time derivatives
+    /// are taken symbolically; `sign`, `abs`, `min`, `max` in it become switching functions.
+    #[must_use]
+    pub fn expression(mut self, input: &str, text: &str) -> Self {
+        self.drives.insert(input.to_owned(), Drive::Expression(text.to_owned()));
+        self
+    }
+
+    /// Drives `input` by samples. Time derivatives that the model uses must be given by [`Inputs::derivative`], except
+    /// the first derivative of a linear signal.
+    #[must_use]
+    pub fn samples(mut self, input: &str, samples: Samples) -> Self {
+        self.drives.insert(input.to_owned(), Drive::Samples(samples));
+        self
+    }
+
+    /// Gives the derivative of `order` of a sampled `input` by samples, as from a column `der(X,2)`.
+    #[must_use]
+    pub fn derivative(mut self, input: &str, order: u32, samples: Samples) -> Self {
+        self.derivatives.insert((input.to_owned(), order), samples);
+        self
+    }
+
+    /// Keeps `name` as a number that can be changed while the model runs ([`crate::Model::set_live`]): a parameter of
+    /// the model, or a new name that expressions use.
+    #[must_use]
+    pub fn live(mut self, name: &str, value: f64) -> Self {
+        self.live.push((name.to_owned(), value));
+        self
+    }
+}
+
+/// Inputs that do not fit the model, or that mean nothing.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum InputError {
+    /// The model has no such input.
+    #[error("the model has no input `{name}`; its inputs are: {}", .known.join(", "))]
+    UnknownInput {
+        /// The name given.
+        name: String,
+        /// The inputs of the model.
+        known: Vec<String>,
+    },
+    /// There is no such live name.
+    #[error("`{name}` is not a live name of this model")]
+    UnknownLive {
+        /// The name given.
+        name: String,
+    },
+    /// A live name that is a state or an input.
+    #[error("`{name}` is a state or an input and cannot be a live number")]
+    NameTaken {
+        /// The name given.
+        name: String,
+    },
+    /// An expression that cannot be read.
+    #[error("input `{input}`: {source}")]
+    Expression {
+        /// The input.
+        input: String,
+        /// What is wrong with it.
+        source: bracketry_symbolic::ParseError,
+    },
+    /// A sampled input whose derivative the model uses and nothing gives.
+    #[error(
+        "the model uses der({input}, {order}), which samples of `{input}` do not give: add a column der({input},{order})"
+    )]
+    MissingDerivative {
+        /// The input.
+        input: String,
+        /// Order of the derivative.
+        order: u32,
+    },
+    /// Samples that are no signal.
+    #[error("sample {row}: {problem}")]
+    BadSamples {
+        /// Index of the sample, from 0.
+        row: usize,
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// A switching function that depends on the sign of another.
+    #[error("the switching function `{outer}` depends on the sign of `{inner}`, which jumps")]
+    NestedJump {
+        /// The outer switching function.
+        outer: String,
+        /// The inner one.
+        inner: String,
+    },
+    /// An expression of the model that cannot be compiled.
+    #[error(transparent)]
+    Compile(#[from] bracketry_symbolic::CompileError),
+    /// A vector has the wrong length.
+    #[error("{found} input values for {expected} inputs")]
+    WrongLength {
+        /// Number of inputs.
+        expected: usize,
+        /// Number of values.
+        found: usize,
+    },
+}

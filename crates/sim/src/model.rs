@@ -1,0 +1,291 @@
+//! A control system compiled for simulation.
+
+use crate::Switched;
+use crate::drive::{Driven, Source, drive};
+use crate::inputs::{InputError, Inputs, Samples};
+use bracketry_symbolic::{Expr, Func, Symbol, Tape};
+use bracketry_system::{Switch, SwitchKind, System};
+use rustc_hash::FxHashMap;
+
+/// A compiled [`System`] with its inputs: a [`Switched`] system.
+///
+/// Expressions that drive inputs are substituted, with their symbolic derivatives; held values, samples and live numbers
+/// are arguments of the compiled functions.
+#[derive(Debug, Clone)]
+pub struct Model {
+    n: usize,
+    switches: Vec<Switch>,
+    input_names: Vec<String>,
+    /// The slot of each held input.
+    held: Vec<Option<usize>>,
+    /// The slot of each live number.
+    live: Vec<(String, usize)>,
+    sources: Vec<Source>,
+    tables: Vec<Samples>,
+    /// The current interval of each table.
+    intervals: Vec<usize>,
+    /// Whether a slot changes within a segment.
+    moving: bool,
+    /// `t`, states, slots, signs.
+    arguments: Vec<f64>,
+    field: Tape,
+    surfaces: Tape,
+    gradients: Tape,
+    inputs: Tape,
+    outputs: Tape,
+    work: Vec<f64>,
+    results: Vec<f64>,
+}
+
+impl Model {
+    /// Compiles a system with its parameters at their values and the given inputs.
+    ///
+    /// # Errors
+    /// [`InputError`] if the inputs do not fit the system or cannot be read.
+    ///
+    /// ```
+    /// use bracketry_sim::{simulate, Inputs, Model, Settings};
+    /// use bracketry_system::System;
+    /// let text = r#"
+    ///     states = ["x", "v"]
+    ///     inputs = ["a"]
+    ///     parameters = { mu = 0.3, g = 9.81 }
+    ///     dynamics = { x = "v", v = "a - mu*g*sign(v)" }
+    /// "#;
+    /// let system = System::parse("block.toml", text).unwrap();
+    /// let model = Model::new(&system, &Inputs::new().expression("a", "6*sin(10*t)")).unwrap();
+    /// let run = simulate(model, 0.0, &[0.0, 0.0], 1.0, &Settings::default()).unwrap();
+    /// let first = run.trajectory.transitions()[0];
+    /// assert!((first.t - (0.3f64 * 9.81 / 6.0).asin() / 10.0).abs() < 1e-10);
+    /// ```
+    pub fn new(system: &System, inputs: &Inputs) -> Result<Self, InputError> {
+        let input_names = system.input_names();
+        let mut driven = drive(system, inputs)?;
+        let form = driven.system.switched_form();
+        let n = driven.system.states.len();
+        let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
+        let gradients = surface_gradients(&mut driven, &form.switches)?;
+
+        let mut smooth_arguments = vec![driven.time];
+        smooth_arguments.extend(&driven.system.states);
+        smooth_arguments.extend(&driven.slots);
+        let mut arguments = smooth_arguments.clone();
+        arguments.extend(form.switches.iter().map(|s| s.sign));
+
+        let Driven { mut system, values, outputs, .. } = driven;
+        let mut compile = |arguments: &[Symbol], expressions: &[Expr]| {
+            let expressions = system.pool.substitute_all(expressions, &values);
+            Tape::compile(&system.pool, arguments, &expressions)
+        };
+        let field = compile(&arguments, &form.dynamics)?;
+        let surfaces = compile(&smooth_arguments, &surfaces)?;
+        let gradients = compile(&smooth_arguments, &gradients)?;
+        let (measured, driving) = outputs.split_at(outputs.len() - input_names.len());
+        let inputs_tape = compile(&smooth_arguments, driving)?;
+        let outputs_tape = compile(&smooth_arguments, measured)?;
+        let mut model = Self {
+            n,
+            input_names,
+            held: driven.held,
+            live: driven.live,
+            intervals: vec![0; driven.tables.len()],
+            moving: driven.tables.iter().any(|table| table.hold == crate::Hold::Linear),
+            arguments: vec![0.0; arguments.len()],
+            results: vec![0.0; gradients.n_outputs()],
+            sources: driven.sources,
+            tables: driven.tables,
+            switches: form.switches,
+            field,
+            surfaces,
+            gradients,
+            inputs: inputs_tape,
+            outputs: outputs_tape,
+            work: Vec::new(),
+        };
+        model.load(0.0);
+        Ok(model)
+    }
+
+    /// Names of the switching functions, as printed expressions.
+    pub fn switch_names(&self) -> impl Iterator<Item = &str> {
+        self.switches.iter().map(|s| s.name.as_str())
+    }
+
+    /// Names of the inputs, in order.
+    pub fn input_names(&self) -> &[String] {
+        &self.input_names
+    }
+
+    /// Sets all held inputs: one value per input of the model; those of driven inputs are ignored.
+    ///
+    /// # Errors
+    /// [`InputError::WrongLength`].
+    pub fn set_inputs(&mut self, u: &[f64]) -> Result<(), InputError> {
+        if u.len() != self.held.len() {
+            return Err(InputError::WrongLength { expected: self.held.len(), found: u.len() });
+        }
+        for (slot, value) in self.held.iter().zip(u) {
+            if let Some(slot) = slot {
+                self.sources[*slot] = Source::Held(*value);
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets one held input; false if there is none of that name.
+    pub fn set_input(&mut self, name: &str, value: f64) -> bool {
+        let slot = self.input_names.iter().position(|n| n == name).and_then(|i| self.held[i]);
+        self.set_slot(slot, value)
+    }
+
+    /// Sets a live number; false if there is none of that name.
+    pub fn set_live(&mut self, name: &str, value: f64) -> bool {
+        let slot = self.live.iter().find(|(n, _)| n == name).map(|(_, slot)| *slot);
+        self.set_slot(slot, value)
+    }
+
+    fn set_slot(&mut self, slot: Option<usize>, value: f64) -> bool {
+        let Some(slot) = slot else {
+            return false;
+        };
+        self.sources[slot] = Source::Held(value);
+        true
+    }
+
+    /// The inputs at `t`, as they drive the model in the segment that begins at or before `t`.
+    pub fn input_values(&mut self, t: f64) -> Vec<f64> {
+        self.enter_segment(t);
+        let mut values = vec![0.0; self.inputs.n_outputs()];
+        self.point(t, None);
+        let last = self.arguments.len() - self.switches.len();
+        self.inputs.eval(&self.arguments[..last], &mut self.work, &mut values);
+        values
+    }
+
+    /// The outputs at `t` in state `x`, with `sign(0) = 0`.
+    pub fn output_values(&mut self, t: f64, x: &[f64]) -> Vec<f64> {
+        self.enter_segment(t);
+        let mut values = vec![0.0; self.outputs.n_outputs()];
+        self.point(t, Some(x));
+        let last = self.arguments.len() - self.switches.len();
+        self.outputs.eval(&self.arguments[..last], &mut self.work, &mut values);
+        values
+    }
+
+    /// Writes time and state into the arguments, and slots that move with time.
+    fn point(&mut self, t: f64, x: Option<&[f64]>) {
+        self.arguments[0] = t;
+        if let Some(x) = x {
+            self.arguments[1..=self.n].copy_from_slice(x);
+        }
+        if self.moving {
+            self.load(t);
+        }
+    }
+
+    /// Writes the slots.
+    fn load(&mut self, t: f64) {
+        let first = 1 + self.n;
+        for (slot, source) in self.sources.iter().enumerate() {
+            self.arguments[first + slot] = match source {
+                Source::Held(value) => *value,
+                Source::Value(table) => self.tables[*table].value(self.intervals[*table], t),
+                Source::Slope(table) => self.tables[*table].slope(self.intervals[*table]),
+            };
+        }
+    }
+}
+
+impl Switched for Model {
+    fn dim(&self) -> usize {
+        self.n
+    }
+
+    fn switches(&self) -> usize {
+        self.switches.len()
+    }
+
+    fn sticks(&self, switch: usize) -> bool {
+        self.switches[switch].kind == SwitchKind::Jump
+    }
+
+    fn rhs(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64]) {
+        self.point(t, Some(x));
+        let first = self.arguments.len() - self.switches.len();
+        self.arguments[first..].copy_from_slice(s);
+        self.field.eval(&self.arguments, &mut self.work, dx);
+    }
+
+    fn switching(&mut self, t: f64, x: &[f64], sigma: &mut [f64]) {
+        self.point(t, Some(x));
+        let last = self.arguments.len() - self.switches.len();
+        self.surfaces.eval(&self.arguments[..last], &mut self.work, sigma);
+    }
+
+    fn switching_gradient(&mut self, t: f64, x: &[f64], gradient: &mut [f64], partial_t: &mut [f64]) {
+        self.point(t, Some(x));
+        let last = self.arguments.len() - self.switches.len();
+        self.gradients.eval(&self.arguments[..last], &mut self.work, &mut self.results);
+        let (by_state, by_time) = self.results.split_at(gradient.len());
+        gradient.copy_from_slice(by_state);
+        partial_t.copy_from_slice(by_time);
+    }
+
+    fn enter_segment(&mut self, t: f64) -> f64 {
+        let mut end = f64::INFINITY;
+        for (interval, table) in self.intervals.iter_mut().zip(&self.tables) {
+            *interval = table.interval(t);
+            if let Some(next) = table.times.get(*interval) {
+                end = end.min(*next);
+            }
+        }
+        self.load(t);
+        end
+    }
+}
+
+/// The surfaces with the signs of inner switches as functions again (an inner switch comes before an outer one).
+fn plain_surfaces(system: &mut System, switches: &[Switch]) -> Result<Vec<Expr>, InputError> {
+    let mut signs: FxHashMap<Expr, Expr> = FxHashMap::default();
+    let mut surfaces = Vec::new();
+    for (a, outer) in switches.iter().enumerate() {
+        let used = system.pool.symbols_of(&[outer.surface]);
+        if let Some(inner) =
+            switches[..a].iter().find(|inner| inner.kind == SwitchKind::Jump && used.contains(&inner.sign))
+        {
+            return Err(InputError::NestedJump { outer: outer.name.clone(), inner: inner.name.clone() });
+        }
+        let surface = system.pool.substitute(outer.surface, &signs);
+        let symbol = system.pool.sym(outer.sign);
+        let sign = system.pool.call(Func::Sign, surface);
+        signs.insert(symbol, sign);
+        surfaces.push(surface);
+    }
+    Ok(surfaces)
+}
+
+/// `∂σ_i/∂x_j` by rows, then `∂σ_i/∂t` including what moves with time.
+fn surface_gradients(driven: &mut Driven, switches: &[Switch]) -> Result<Vec<Expr>, InputError> {
+    let plain = plain_surfaces(&mut driven.system, switches)?;
+    let pool = &mut driven.system.pool;
+    let mut signs: FxHashMap<Expr, Expr> = FxHashMap::default();
+    for (switch, surface) in switches.iter().zip(&plain) {
+        let symbol = pool.sym(switch.sign);
+        let sign = pool.call(Func::Sign, *surface);
+        signs.insert(symbol, sign);
+    }
+    let mut all = Vec::new();
+    for switch in switches {
+        all.extend(pool.gradient(switch.surface, &driven.system.states));
+    }
+    for switch in switches {
+        let mut sum = pool.diff(switch.surface, driven.time);
+        for (symbol, rate) in &driven.rates {
+            let by_slot = pool.diff(switch.surface, *symbol);
+            let term = pool.mul(by_slot, *rate);
+            sum = pool.add(sum, term);
+        }
+        all.push(sum);
+    }
+    Ok(pool.substitute_all(&all, &signs))
+}

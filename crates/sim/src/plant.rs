@@ -1,0 +1,89 @@
+//! A model in a control loop: inputs held constant from sample to sample.
+
+use crate::{InputError, Inputs, Mode, Model, Outcome, Settings, SimError, Statistics, Stepper};
+use bracketry_system::System;
+
+/// A [`System`] simulated from one control sample to the next with its inputs held constant, on exact stick and slip.
+///
+/// ```
+/// use bracketry_sim::{Plant, Settings};
+/// use bracketry_system::System;
+/// let text = r#"
+///     states = ["x", "v"]
+///     inputs = ["a"]
+///     dynamics = { x = "v", v = "a - sign(v)" }
+/// "#;
+/// let system = System::parse("block.toml", text).unwrap();
+/// let mut plant = Plant::new(&system, &[0.0, 0.0], &Settings::default()).unwrap();
+/// assert!(plant.step(&[0.9], 0.01).unwrap().is_finished()); // too weak: it holds
+/// assert_eq!(plant.state(), &[0.0, 0.0]);
+/// assert!(plant.step(&[3.0], 0.01).unwrap().is_finished()); // v' = 3 − 1
+/// assert!((plant.state()[1] - 0.02).abs() < 1e-12);
+/// ```
+#[derive(Debug, Clone)]
+pub struct Plant {
+    stepper: Stepper<Model>,
+}
+
+/// A plant that cannot be made or used so.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PlantError {
+    /// The inputs do not fit.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The state or the settings do not fit.
+    #[error(transparent)]
+    Sim(#[from] SimError),
+}
+
+impl Plant {
+    /// A plant at time 0 in state `x0`, all inputs held.
+    ///
+    /// # Errors
+    /// [`PlantError`] if the system cannot be compiled, or for a wrong state or settings.
+    pub fn new(system: &System, x0: &[f64], settings: &Settings) -> Result<Self, PlantError> {
+        let model = Model::new(system, &Inputs::new())?;
+        Ok(Self { stepper: Stepper::new(model, 0.0, x0, settings)? })
+    }
+
+    /// Holds the inputs at `u` (one value per input, in order) for `dt` seconds.
+    ///
+    /// # Errors
+    /// [`PlantError`] for a wrong number of inputs or a negative `dt`. A solution that ends is an [`Outcome`].
+    pub fn step(&mut self, u: &[f64], dt: f64) -> Result<Outcome, PlantError> {
+        self.stepper.system_mut().set_inputs(u)?;
+        let (from, to) = (self.stepper.time(), self.stepper.time() + dt);
+        if to.is_nan() || to < from {
+            return Err(SimError::BadTimeSpan { from, to }.into());
+        }
+        Ok(self.stepper.advance(to))
+    }
+
+    /// Current time in seconds.
+    pub fn time(&self) -> f64 {
+        self.stepper.time()
+    }
+
+    /// Current state.
+    pub fn state(&self) -> &[f64] {
+        self.stepper.state()
+    }
+
+    /// Current modes, one per switching function.
+    pub fn modes(&self) -> &[Mode] {
+        self.stepper.modes()
+    }
+
+    /// Puts the plant into another state; the modes follow from it.
+    ///
+    /// # Errors
+    /// [`PlantError`] for a state of the wrong length.
+    pub fn set_state(&mut self, x: &[f64]) -> Result<(), PlantError> {
+        Ok(self.stepper.set_state(self.stepper.time(), x)?)
+    }
+
+    /// Work done so far.
+    pub fn statistics(&self) -> Statistics {
+        self.stepper.statistics()
+    }
+}
