@@ -72,7 +72,7 @@ impl Axes {
             let base = self.page_y(*v) + CAP / 2.0 * SIZE;
             canvas.text(text, (r.left - TICK_GAP, base), Align::Right, Look::PLAIN)?;
         }
-        let factor_at = (r.left - TICK_GAP, r.top - 0.6 * SIZE);
+        let factor_at = (r.left - TICK_GAP, r.top - 0.72 * SIZE);
         canvas.text(&self.y.factor, factor_at, Align::Right, Look::PLAIN)?;
         let upright = Look { upright: true, ..Look::PLAIN };
         for (k, line) in label.iter().rev().enumerate() {

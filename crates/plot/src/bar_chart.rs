@@ -89,7 +89,7 @@ impl BarChart {
         let low = if self.series.iter().any(|s| s.1.iter().any(|v| *v < 0.0)) { low } else { 0.0 };
         let y = Scale::new(low, high, plot_height / 45.0, false);
 
-        let label = text::wrap(&self.value_label, plot_height, SIZE, false, 3);
+        let label = text::wrap_label(&self.value_label, plot_height);
         let label_gap = tick_width(&y) + 8.0;
         let left = BORDER + label_gap + label.len() as f64 * SIZE * LEADING;
         let right = WIDTH - RIGHT;
@@ -102,7 +102,7 @@ impl BarChart {
         let entry = |(k, s): (usize, &(String, Vec<f64>))| (Sample::Patch(Color::series(k)), s.0.clone());
         let legend = Legend::new(self.series.iter().enumerate().map(entry).collect(), right - left);
         let title = Title::figure(&self.title, right - BORDER);
-        let factor_room = if y.factor.is_empty() { 0.0 } else { SIZE * LEADING };
+        let factor_room = if y.factor.is_empty() { 0.0 } else { SIZE * LEADING + 4.0 };
         let legend_top = BORDER + title.height();
         let top = legend_top + (legend.height() + 4.0).max(factor_room);
         let rect = Rect { left, top, right, bottom: top + plot_height };
@@ -114,6 +114,9 @@ impl BarChart {
             y,
         };
         let bar = (0.8 * slot / self.series.len().max(1) as f64).min(70.0);
+        // Values stand on the bars if all of them have room.
+        let mut all = self.series.iter().flat_map(|s| &s.1);
+        let label_bars = all.all(|v| text::width(&three_digits(*v), SIZE, false) <= bar);
         let group = bar * self.series.len() as f64;
 
         paint(WIDTH, height, |canvas| {
@@ -133,8 +136,8 @@ impl BarChart {
                         bottom: end.max(zero),
                     };
                     canvas.rect(body, Color::series(k))?;
-                    let value = three_digits(values[g]);
-                    if text::width(&value, SIZE, false) <= bar {
+                    if label_bars {
+                        let value = three_digits(values[g]);
                         let base = if values[g] < 0.0 { end + 0.95 * SIZE } else { end - 4.0 };
                         canvas.text(&value, (bar_left + bar / 2.0, base), Align::Center, Look::PLAIN)?;
                     }

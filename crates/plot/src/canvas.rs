@@ -16,11 +16,13 @@ use plotters::style::{FontDesc, FontFamily, FontStyle, FontTransform, RGBAColor,
 
 use crate::color::Color;
 use crate::drawing::Drawing;
-use crate::error::Result;
+use crate::error::{PlotError, Result};
 use crate::text::{FAMILY, SIZE};
 
 /// Back-end units per figure pixel: stroke widths in quarters of a pixel are multiples of ten.
 const UNITS: f64 = 40.0;
+/// Greatest height in pixels, within the range of back-end units.
+const TALLEST: u32 = 1_000_000;
 /// Offset of the base line from the position the back end gets, in em.
 const TOP_TO_BASE: f64 = 0.76;
 /// The back end divides font sizes by this.
@@ -41,15 +43,15 @@ pub enum Dash {
 }
 
 impl Dash {
-    const ALL: [Self; 4] = [Self::Solid, Self::Dashed, Self::Dotted, Self::DashDot];
+    pub(crate) const ALL: [Self; 4] = [Self::Solid, Self::Dashed, Self::Dotted, Self::DashDot];
 
-    /// Lengths of strokes and gaps in pixels.
+    /// Lengths of strokes and gaps in pixels, to which round ends add the line's width.
     fn pattern(self) -> &'static [f64] {
         match self {
             Self::Solid => &[],
-            Self::Dashed => &[7.0, 4.0],
-            Self::Dotted => &[2.0, 3.0],
-            Self::DashDot => &[8.0, 3.0, 2.0, 3.0],
+            Self::Dashed => &[6.0, 5.0],
+            Self::Dotted => &[0.5, 4.0],
+            Self::DashDot => &[6.5, 4.5, 0.5, 4.5],
         }
     }
 }
@@ -117,6 +119,9 @@ pub(crate) struct Canvas<'a> {
 /// Draws on a white sheet of `width` × `height` pixels.
 pub(crate) fn paint(width: f64, height: f64, draw: impl FnOnce(&Canvas) -> Result<()>) -> Result<Drawing> {
     let (width, height) = (width.ceil() as u32, height.ceil() as u32);
+    if height > TALLEST {
+        return Err(PlotError::TooLarge { width, height });
+    }
     let units = UNITS as u32;
     let mut svg = String::new();
     {
@@ -137,7 +142,7 @@ const KEY: &str = "stroke-width=\"";
 fn finish(svg: &str, width: u32, height: u32) -> String {
     let units = UNITS as u32;
     let mut out = format!(
-        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" xmlns=\"http://www.w3.org/2000/svg\" stroke-linejoin=\"round\">\n",
+        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" xmlns=\"http://www.w3.org/2000/svg\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n",
         width * units,
         height * units
     );
@@ -250,7 +255,7 @@ mod tests {
         })?;
         let svg = drawing.svg();
         assert_eq!(svg.matches("stroke-width=\"60\"").count(), 4);
-        assert_eq!(svg.matches("stroke-dasharray=\"280 160\"").count(), 1);
+        assert_eq!(svg.matches("stroke-dasharray=\"240 200\"").count(), 1);
         assert_eq!(svg.matches("stroke-dasharray").count(), 3);
         assert_eq!(svg.matches("420,810").count(), 4);
         assert!(svg.starts_with("<svg width=\"100\" height=\"50\" viewBox=\"0 0 4000 2000\""));

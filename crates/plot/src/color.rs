@@ -29,10 +29,13 @@ impl Color {
     /// Mid grey.
     pub const GREY: Self = Self(110, 110, 110);
 
+    /// Number of different colours of series.
+    pub(crate) const SERIES: usize = 7;
+
     /// The colour of series number `index`, after Okabe and Ito (2008), slightly darkened for thin lines; from
     /// the eighth series on the colours repeat.
     pub fn series(index: usize) -> Self {
-        const COLORS: [Color; 7] =
+        const COLORS: [Color; Color::SERIES] =
             [Color::BLUE, Color::VERMILLION, Color::GREEN, Color::PURPLE, Color::ORANGE, Color::SKY, Color::INK];
         COLORS[index % COLORS.len()]
     }

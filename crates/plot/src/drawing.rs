@@ -45,7 +45,7 @@ impl Drawing {
     /// The PNG image, rendered from the SVG with the embedded fonts only.
     ///
     /// # Errors
-    /// [`PlotError::Rasterise`] or [`PlotError::Encode`], the latter when the image does not fit in memory.
+    /// [`PlotError::TooLarge`] when the image does not fit in memory, or [`PlotError::Rasterise`].
     pub fn png(&self) -> Result<Vec<u8>> {
         let options = usvg::Options {
             fontdb: text::font_database(),
@@ -54,7 +54,7 @@ impl Drawing {
         };
         let tree = usvg::Tree::from_str(&self.svg, &options)?;
         let (width, height) = (self.width * Self::PNG_SCALE, self.height * Self::PNG_SCALE);
-        let failed = || PlotError::Encode { width, height };
+        let failed = || PlotError::TooLarge { width, height };
         let mut pixmap = tiny_skia::Pixmap::new(width, height).ok_or_else(failed)?;
         let scale = Self::PNG_SCALE as f32;
         let transform = tiny_skia::Transform::from_scale(scale, scale);

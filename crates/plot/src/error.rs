@@ -63,9 +63,9 @@ pub enum PlotError {
     /// The SVG could not be read back for rasterising.
     #[error("cannot rasterise: {0}")]
     Rasterise(#[from] usvg::Error),
-    /// The image is too large or could not be encoded as PNG.
-    #[error("cannot encode a {width} × {height} PNG image")]
-    Encode {
+    /// The image is too large to be drawn or held in memory.
+    #[error("an image of {width} × {height} pixels is too large")]
+    TooLarge {
         /// Width in pixels.
         width: u32,
         /// Height in pixels.

@@ -11,7 +11,7 @@ const SAMPLE: f64 = 28.0;
 const GAP: f64 = 7.0;
 const BETWEEN: f64 = 22.0;
 /// Lines that a very long name may take.
-const MAX_LINES: usize = 3;
+const MAX_LINES: usize = 4;
 
 /// The shape of a data point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +57,8 @@ pub(crate) enum Sample {
     Patch(Color),
     /// A line going from pale to dark.
     Ramp(Color),
+    /// A dot.
+    Dot(Color),
     /// A short line ending in a dot.
     Heading(Color),
 }
@@ -86,6 +88,7 @@ impl Sample {
                     canvas.line(&piece, Stroke::solid(shade, 4.0))
                 })
             }
+            Self::Dot(color) => canvas.disk((left + SAMPLE / 2.0, middle), 4.0, color),
             Self::Heading(color) => {
                 let tip = (left + 0.85 * SAMPLE, middle);
                 canvas.line(&[(left + 0.15 * SAMPLE, middle), tip], Stroke::solid(color, 1.5))?;

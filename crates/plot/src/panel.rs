@@ -80,7 +80,12 @@ impl Series {
     }
 
     fn stroke(&self, index: usize) -> Stroke {
-        Stroke { color: self.color.unwrap_or_else(|| Color::series(index)), width: LINE_WIDTH, dash: self.dash }
+        // Where the colours start over, solid lines become dashed, then dotted.
+        let dash = match (self.dash, self.color) {
+            (Dash::Solid, None) => Dash::ALL[index / Color::SERIES % Dash::ALL.len()],
+            (dash, _) => dash,
+        };
+        Stroke { color: self.color.unwrap_or_else(|| Color::series(index)), width: LINE_WIDTH, dash }
     }
 
     fn marker(&self, index: usize) -> Option<Marker> {

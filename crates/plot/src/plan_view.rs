@@ -314,7 +314,7 @@ pub struct PlanView {
     pub x_label: String,
     /// Label of the vertical axis.
     pub y_label: String,
-    /// The views, from left to right, at most three in a row.
+    /// The views, from left to right, two or three in a row.
     pub scenes: Vec<Scene>,
     /// Number of equal time steps after each of which the outline is drawn, 1 to 200.
     pub stamps: usize,
@@ -376,7 +376,7 @@ impl PlanView {
         }
         self.scenes.iter().try_for_each(Scene::check)?;
         let stamps = self.stamps.clamp(1, 200);
-        let columns = self.scenes.len().min(3);
+        let columns = if self.scenes.len() == 4 { 2 } else { self.scenes.len().min(3) };
         let max_height = [520.0, 430.0, 340.0][columns - 1];
 
         // The views share their ranges, so that they can be compared.
@@ -401,14 +401,17 @@ impl PlanView {
         let legends: Vec<Legend> = self.scenes.iter().map(|s| Legend::new(s.entries(), width)).collect();
         let x_label = text::wrap(&self.x_label, width, SIZE, false, 2);
         let y_label = text::wrap(&self.y_label, height, SIZE, false, 1);
+        // Objects without extent have neither outline nor heading: dots mark where they start and should arrive.
+        let shaped = self.scenes.iter().any(|s| s.outline.nose() > 0.0);
+        let mark = |stroke: Stroke| if shaped { Sample::Line(stroke, None) } else { Sample::Dot(stroke.color) };
         let mut shared = Vec::new();
         if self.scenes.iter().any(|s| s.trajectories.iter().any(|t| !t.time.is_empty())) {
-            shared.push((Sample::Line(start_stroke(), None), "start".to_owned()));
+            shared.push((mark(start_stroke()), "start".to_owned()));
         }
         if self.scenes.iter().any(|s| s.target.is_some()) {
-            shared.push((Sample::Line(target_stroke(), None), "target".to_owned()));
+            shared.push((mark(target_stroke()), "target".to_owned()));
         }
-        if !shared.is_empty() {
+        if shaped && !shared.is_empty() {
             shared.push((Sample::Heading(Color::INK), "heading".to_owned()));
         }
         let common = Legend::new(shared, WIDTH - BORDER - RIGHT - margin);
@@ -440,7 +443,7 @@ impl PlanView {
                 axes.grid_y(canvas)?;
                 scene.draw(canvas, &axes, stamps)?;
                 axes.frame(canvas)?;
-                axes.label_left(canvas, &y_label, label_gap)?;
+                axes.label_left(canvas, &y_label, tick_width(&axes.y) + 6.0)?;
                 axes.label_below(canvas, &x_label)?;
             }
             Ok(())

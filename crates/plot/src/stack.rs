@@ -202,12 +202,8 @@ impl Layout<'_> {
             self.panels.iter().map(|p| p.height.unwrap_or(self.height).clamp(60.0, 2000.0)).collect();
         let scales: Vec<Scale> = self.panels.iter().zip(&heights).map(|(p, h)| self.y_scale(p, *h)).collect();
         let tick_room = scales.iter().map(tick_width).fold(0.0, f64::max);
-        let labels: Vec<Vec<String>> = self
-            .panels
-            .iter()
-            .zip(&heights)
-            .map(|(p, h)| text::wrap(&p.label, h + PANEL_GAP, SIZE, false, 3))
-            .collect();
+        let labels: Vec<Vec<String>> =
+            self.panels.iter().zip(&heights).map(|(p, h)| text::wrap_label(&p.label, h + PANEL_GAP)).collect();
         let label_lines = labels.iter().map(Vec::len).max().unwrap_or(0);
         let label_gap = tick_room + 8.0;
         let left = BORDER + label_gap + label_lines as f64 * SIZE * LEADING;

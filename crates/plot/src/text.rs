@@ -22,6 +22,9 @@ pub(crate) const LEADING: f64 = 1.3;
 /// scales.
 const HEIGHT_PER_EM: f64 = 1.164;
 
+/// Characters of a text beyond which the rest is ignored.
+const LONGEST: usize = 1000;
+
 /// The fonts that rasterising uses: only the embedded ones, so that a figure looks the same on every machine.
 pub(crate) fn font_database() -> Arc<fontdb::Database> {
     static DATABASE: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
@@ -56,10 +59,15 @@ pub(crate) fn width(text: &str, size: f64, bold: bool) -> f64 {
 /// not fit ends in `…`. An empty text has no lines.
 pub(crate) fn wrap(text: &str, available: f64, size: f64, bold: bool, max_lines: usize) -> Vec<String> {
     let fits = |s: &str| width(s, size, bold) <= available;
+    // No figure has room for more, and a hostile name may be megabytes long.
+    let text: String = text.chars().take(LONGEST).collect();
+    // Lines break at spaces and after underscores.
+    let words = text.split_whitespace().flat_map(|w| w.split_inclusive('_').enumerate());
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
-    for word in text.split_whitespace() {
-        let joined = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
+    for (part, word) in words {
+        let space = if part > 0 || line.is_empty() { "" } else { " " };
+        let joined = format!("{line}{space}{word}");
         if fits(&joined) {
             line = joined;
             continue;
@@ -67,19 +75,13 @@ pub(crate) fn wrap(text: &str, available: f64, size: f64, bold: bool, max_lines:
         if !line.is_empty() {
             lines.push(std::mem::take(&mut line));
         }
-        // A word wider than a line is cut; stop early, a hostile name may be megabytes long.
+        // A word wider than a line is cut.
         for c in word.chars() {
             line.push(c);
             if !fits(&line) && line.chars().count() > 1 {
                 line.pop();
                 lines.push(std::mem::replace(&mut line, c.to_string()));
-                if lines.len() > max_lines {
-                    break;
-                }
             }
-        }
-        if lines.len() > max_lines {
-            break;
         }
     }
     if !line.is_empty() {
@@ -93,6 +95,20 @@ pub(crate) fn wrap(text: &str, available: f64, size: f64, bold: bool, max_lines:
         }
     }
     lines
+}
+
+/// Breaks an axis label into at most three lines; if it has to be cut, the unit in brackets at its end stays.
+pub(crate) fn wrap_label(text: &str, available: f64) -> Vec<String> {
+    let lines = wrap(text, available, SIZE, false, 3);
+    let cut = lines.last().is_some_and(|l| l.ends_with('…'));
+    match text.rfind('[') {
+        Some(at) if cut && text.ends_with(']') => {
+            let mut lines = wrap(&text[..at], available, SIZE, false, 2);
+            lines.extend(wrap(&text[at..], available, SIZE, false, 1));
+            lines
+        }
+        _ => lines,
+    }
 }
 
 #[cfg(test)]
@@ -120,5 +136,15 @@ mod tests {
         assert_eq!(cut.len(), 2);
         assert!(cut[1].ends_with('…'));
         assert!(wrap("", 120.0, 15.0, false, 2).is_empty());
+        assert_eq!(wrap("viscous_friction", 100.0, 15.0, false, 2), ["viscous_", "friction"]);
+    }
+
+    #[test]
+    fn a_label_that_is_cut_keeps_its_unit() {
+        let lines = wrap_label("position of the centre of mass along the rotation axis of the plate [m]", 120.0);
+        assert_eq!(lines.len(), 3);
+        assert!(lines[1].ends_with('…'));
+        assert_eq!(lines[2], "[m]");
+        assert_eq!(wrap_label("x [m]", 120.0), ["x [m]"]);
     }
 }
