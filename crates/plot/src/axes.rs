@@ -110,6 +110,21 @@ pub(crate) fn tick_width(scale: &Scale) -> f64 {
     widest + TICK_GAP
 }
 
+/// The scale of a horizontal axis of `pixels` length with ticks `spacing` pixels apart, or farther where their labels
+/// need more room.
+pub(crate) fn horizontal_scale((low, high): (f64, f64), pixels: f64, spacing: f64, integer: bool) -> Scale {
+    let mut count = pixels / spacing;
+    loop {
+        let scale = Scale::new(low, high, count, integer);
+        let widest = scale.ticks.iter().map(|t| text::width(&t.1, SIZE, false)).fold(0.0, f64::max);
+        let apart = scale.ticks.windows(2).map(|w| (w[1].0 - w[0].0) / (high - low) * pixels);
+        if count < 1.0 || apart.fold(f64::INFINITY, f64::min) >= widest + 12.0 {
+            return scale;
+        }
+        count *= 0.8;
+    }
+}
+
 /// A title broken into lines, drawn left-aligned.
 pub(crate) struct Title(Vec<String>, f64);
 

@@ -1,6 +1,6 @@
 //! Grouped bars.
 
-use crate::axes::{Axes, TICK_ROOM, Title, tick_width};
+use crate::axes::{Axes, Title, tick_width};
 use crate::canvas::{Align, Look, Rect, Stroke, paint};
 use crate::color::Color;
 use crate::drawing::Drawing;
@@ -9,6 +9,9 @@ use crate::legend::{Legend, Sample};
 use crate::stack::{BORDER, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, format_number, padded_range};
+
+/// Height in pixels that names turned upright may take.
+const UPRIGHT_ROOM: f64 = 200.0;
 
 /// Groups of bars: one group per category, one bar per series in each.
 ///
@@ -94,9 +97,18 @@ impl BarChart {
         let left = BORDER + label_gap + label.len() as f64 * SIZE * LEADING;
         let right = WIDTH - RIGHT;
         let slot = (right - left) / self.categories.len() as f64;
+        let line = SIZE * LEADING;
+        // Names whose words do not fit side by side are turned upright.
+        let too_wide = |word: &str| text::width(word, SIZE, false) > slot - 6.0;
+        let upright = self.categories.iter().any(|c| c.split_whitespace().any(too_wide));
+        let (available, max_lines) = if upright { (UPRIGHT_ROOM, 1) } else { (slot - 6.0, 3) };
         let names: Vec<Vec<String>> =
-            self.categories.iter().map(|c| text::wrap(c, slot - 6.0, SIZE, false, 3)).collect();
-        let name_lines = names.iter().map(Vec::len).max().unwrap_or(0);
+            self.categories.iter().map(|c| text::wrap(c, available, SIZE, false, max_lines)).collect();
+        let names_room = if upright {
+            names.iter().flatten().map(|n| text::width(n, SIZE, false)).fold(0.0, f64::max) + 0.5 * line
+        } else {
+            names.iter().map(Vec::len).max().unwrap_or(0) as f64 * line
+        };
         let below = text::wrap(&self.category_label, right - left, SIZE, false, 3);
 
         let entry = |(k, s): (usize, &(String, Vec<f64>))| (Sample::Patch(Color::series(k)), s.0.clone());
@@ -106,8 +118,7 @@ impl BarChart {
         let legend_top = BORDER + title.height();
         let top = legend_top + (legend.height() + 4.0).max(factor_room);
         let rect = Rect { left, top, right, bottom: top + plot_height };
-        let line = SIZE * LEADING;
-        let height = rect.bottom + TICK_ROOM + (name_lines.max(1) - 1 + below.len()) as f64 * line + BORDER;
+        let height = rect.bottom + 0.5 * SIZE + names_room + below.len() as f64 * line + BORDER;
         let axes = Axes {
             rect,
             x: Scale { low: 0.0, high: self.categories.len() as f64, ticks: Vec::new(), factor: String::new() },
@@ -143,13 +154,19 @@ impl BarChart {
                     }
                 }
                 for (k, text) in lines.iter().enumerate() {
-                    let base = rect.bottom + 0.5 * SIZE + (k as f64 + 0.8) * line;
-                    canvas.text(text, (center, base), Align::Center, Look::PLAIN)?;
+                    let top = rect.bottom + 0.5 * SIZE;
+                    if upright {
+                        let look = Look { upright: true, ..Look::PLAIN };
+                        canvas.text(text, (center + 0.36 * SIZE, top), Align::Right, look)?;
+                    } else {
+                        let base = top + (k as f64 + 0.8) * line;
+                        canvas.text(text, (center, base), Align::Center, Look::PLAIN)?;
+                    }
                 }
             }
             canvas.line(&[(left, zero), (right, zero)], Stroke::solid(Color::INK, 1.0))?;
             for (k, text) in below.iter().enumerate() {
-                let base = rect.bottom + 0.5 * SIZE + ((name_lines + k) as f64 + 0.9) * line;
+                let base = rect.bottom + 0.5 * SIZE + names_room + (k as f64 + 0.9) * line;
                 let middle = f64::midpoint(left, right);
                 canvas.text(text, (middle, base), Align::Center, Look::PLAIN)?;
             }

@@ -28,6 +28,36 @@ pub(crate) fn decimate(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
     kept
 }
 
+/// Leaves out the points of a polyline that lie within `tolerance` of the line through the kept ones (Ramer, Douglas
+/// and Peucker), so that smooth lines take few points.
+pub(crate) fn simplify(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
+    let Some(last) = points.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let mut keep = vec![false; points.len()];
+    (keep[0], keep[last]) = (true, true);
+    let mut open = vec![(0, last)];
+    while let Some((start, end)) = open.pop() {
+        let distance = |k: usize| distance_to_segment(points[k], points[start], points[end]);
+        let farthest = (start + 1..end).map(|k| (k, distance(k))).max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((k, distance)) = farthest
+            && distance > tolerance
+        {
+            keep[k] = true;
+            open.extend([(start, k), (k, end)]);
+        }
+    }
+    points.iter().zip(keep).filter_map(|(p, kept)| kept.then_some(*p)).collect()
+}
+
+fn distance_to_segment(p: (f64, f64), a: (f64, f64), b: (f64, f64)) -> f64 {
+    let (ux, uy) = (b.0 - a.0, b.1 - a.1);
+    let (vx, vy) = (p.0 - a.0, p.1 - a.1);
+    let length2 = ux * ux + uy * uy;
+    let s = if length2 > 0.0 { ((ux * vx + uy * vy) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    (vx - s * ux).hypot(vy - s * uy)
+}
+
 /// The parts of a polyline inside the horizontal strip `top ≤ y ≤ bottom`, cut exactly at its edges.
 pub(crate) fn clip_to_strip(points: &[(f64, f64)], top: f64, bottom: f64) -> Vec<Vec<(f64, f64)>> {
     let mut parts: Vec<Vec<(f64, f64)>> = Vec::new();
@@ -98,6 +128,21 @@ mod tests {
         assert_eq!(decimate(&points, 0.5), points);
         assert!(decimate(&[], 0.5).is_empty());
         assert_eq!(decimate(&points[..1], 0.5), &points[..1]);
+    }
+
+    #[test]
+    fn smooth_lines_take_few_points_and_corners_stay() {
+        let sine: Vec<(f64, f64)> =
+            (0..3000).map(|k| (f64::from(k) * 0.25, 50.0 * (f64::from(k) * 0.005).sin())).collect();
+        let thin = simplify(&sine, 0.05);
+        assert!(thin.len() < 200, "{} points", thin.len());
+        for p in &sine {
+            let near = thin.windows(2).map(|w| distance_to_segment(*p, w[0], w[1])).fold(f64::INFINITY, f64::min);
+            assert!(near <= 0.05);
+        }
+        let square = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0), (0.0, 0.0)];
+        assert_eq!(simplify(&square, 0.05), [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0), (0.0, 0.0)]);
+        assert!(simplify(&[], 0.05).is_empty());
     }
 
     #[test]

@@ -3,12 +3,14 @@
 use crate::axes::Axes;
 use crate::canvas::{Canvas, Dash, Rect, Stroke};
 use crate::color::Color;
-use crate::decimate::{clip_to_strip, decimate};
+use crate::decimate::{clip_to_strip, decimate, simplify};
 use crate::error::{Result, check_finite, check_interval, check_lengths};
 use crate::legend::{Marker, Sample};
 
 /// Width of the columns by which long lines are thinned: one pixel of the PNG.
 pub(crate) const COLUMN: f64 = 0.5;
+/// Distance in pixels by which a line may be off for having fewer points.
+pub(crate) const TOLERANCE: f64 = 0.05;
 const LINE_WIDTH: f64 = 1.75;
 pub(crate) const TARGET_BAND: Color = Color(214, 238, 226);
 
@@ -288,7 +290,7 @@ impl Panel {
             for part in clip_to_strip(&decimate(&points, COLUMN), r.top, r.bottom) {
                 match part.as_slice() {
                     [only] => canvas.disk(*only, 3.0, stroke.color)?,
-                    line => canvas.line(line, stroke)?,
+                    line => canvas.line(&simplify(line, TOLERANCE), stroke)?,
                 }
             }
             if let Some(marker) = series.marker(k) {

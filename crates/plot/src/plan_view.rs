@@ -1,13 +1,13 @@
 //! Views from above: an object moving in the plane.
 
-use crate::axes::{Axes, TICK_ROOM, Title, tick_width};
+use crate::axes::{Axes, TICK_ROOM, Title, horizontal_scale, tick_width};
 use crate::canvas::{Canvas, Dash, Rect, Stroke, paint};
 use crate::color::Color;
-use crate::decimate::decimate;
+use crate::decimate::{decimate, simplify};
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_lengths};
 use crate::legend::{Legend, Sample};
-use crate::panel::COLUMN;
+use crate::panel::{COLUMN, TOLERANCE};
 use crate::stack::{BORDER, LEGEND_GAP, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, format_number, padded_range};
@@ -206,7 +206,7 @@ impl Scene {
     fn entries(&self) -> Vec<(Sample, String)> {
         let entry = |(k, trajectory): (usize, &Trajectory)| {
             let (start, end) = trajectory.span()?;
-            let times = format!("{} to {} s", short(start), short(end));
+            let times = format!("{}\u{a0}to\u{a0}{}\u{a0}s", short(start), short(end));
             let name = match trajectory.name.as_str() {
                 "" => times,
                 name => format!("{name}, {times}"),
@@ -272,7 +272,7 @@ impl Scene {
             if shade(k) != shade(start) || k + 1 == trajectory.time.len() {
                 let piece: Vec<_> = (start..=k).map(place).collect();
                 let color = Color::series(index).shade(trajectory.fraction(start));
-                canvas.line(&decimate(&piece, COLUMN), Stroke::solid(color, 2.0))?;
+                canvas.line(&simplify(&decimate(&piece, COLUMN), TOLERANCE), Stroke::solid(color, 2.0))?;
                 start = k;
             }
         }
@@ -393,8 +393,12 @@ impl PlanView {
         let height = (high * per_unit).max(120.0);
         let fit = |(low, high): (f64, f64), pixels: f64| {
             let (center, half) = (f64::midpoint(low, high), pixels / per_unit / 2.0);
-            Scale::new(center - half, center + half, pixels / 60.0, false)
+            (center - half, center + half)
         };
+
+        let x_scale = horizontal_scale(fit(x, width), width, 60.0, false);
+        let (low, high) = fit(y, height);
+        let y_scale = Scale::new(low, high, height / 60.0, false);
 
         let title = Title::figure(&self.title, WIDTH - BORDER - RIGHT);
         let titles: Vec<Title> = self.scenes.iter().map(|s| Title::plot(&s.title, width)).collect();
@@ -435,7 +439,7 @@ impl PlanView {
                 let left = BORDER + column as f64 * cell + margin;
                 let top = tops[row] + above(row);
                 let rect = Rect { left, top, right: left + width, bottom: top + height };
-                let axes = Axes { rect, x: fit(x, width), y: fit(y, height) };
+                let axes = Axes { rect, x: x_scale.clone(), y: y_scale.clone() };
                 let legend_top = top - legends[k].height() - LEGEND_GAP;
                 titles[k].draw(canvas, left, legend_top - titles[k].height())?;
                 legends[k].draw(canvas, left, legend_top)?;

@@ -1,6 +1,6 @@
 //! Figures of panels: stacked over a common time axis, or one alone.
 
-use crate::axes::{Axes, TICK_ROOM, Title, tick_width};
+use crate::axes::{Axes, TICK_ROOM, Title, horizontal_scale, tick_width};
 use crate::canvas::{Canvas, Rect, paint};
 use crate::color::Color;
 use crate::drawing::Drawing;
@@ -277,7 +277,7 @@ impl Layout<'_> {
         let own = self.panels.iter().flat_map(Panel::abscissas);
         let common = self.intervals.iter().flat_map(|i| [i.start, i.end]);
         let (low, high) = padded_range(own.chain(common), self.x_margin);
-        Scale::new(low, high, width / 85.0, self.integer)
+        horizontal_scale((low, high), width, 85.0, self.integer)
     }
 
     /// The categories in order of appearance, with their colours.

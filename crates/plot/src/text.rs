@@ -61,8 +61,9 @@ pub(crate) fn wrap(text: &str, available: f64, size: f64, bold: bool, max_lines:
     let fits = |s: &str| width(s, size, bold) <= available;
     // No figure has room for more, and a hostile name may be megabytes long.
     let text: String = text.chars().take(LONGEST).collect();
-    // Lines break at spaces and after underscores.
-    let words = text.split_whitespace().flat_map(|w| w.split_inclusive('_').enumerate());
+    // Lines break at spaces, unless they are no-break spaces, and after underscores.
+    let gap = |c: char| c.is_whitespace() && c != '\u{a0}';
+    let words = text.split(gap).filter(|w| !w.is_empty()).flat_map(|w| w.split_inclusive('_').enumerate());
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
     for (part, word) in words {

@@ -209,6 +209,24 @@ fn awkward_data_still_give_a_figure() {
 }
 
 #[test]
+fn tick_labels_of_the_time_axis_do_not_touch() {
+    let start = 123_456.0;
+    let t: Vec<f64> = (0..100).map(|k| start + 1e-5 * f64::from(k)).collect();
+    let drawing = one_line(Series::new("", t.clone(), t)).draw().unwrap();
+    let lines: Vec<&str> = drawing.svg().lines().collect();
+    let labels = lines.windows(2).filter(|w| w[0].contains("\"middle\"") && w[1].starts_with("123"));
+    let centers: Vec<(f64, usize)> = labels
+        .map(|w| {
+            let x = w[0].split_once(" x=\"").unwrap().1.split('"').next().unwrap();
+            (x.parse::<f64>().unwrap() / 40.0, w[1].chars().count())
+        })
+        .collect();
+    assert!(centers.len() >= 2);
+    // A digit of the font is 0.636 em wide.
+    assert!(centers.windows(2).all(|w| w[1].0 - w[0].0 > 0.6 * 15.0 * w[0].1 as f64), "{centers:?}");
+}
+
+#[test]
 fn chattering_modes_stay_small() {
     let modes = ["slides +x", "slides −x"];
     let bands = (0..40_000).map(|k| Interval::new(k as f64 * 1e-4, (k + 1) as f64 * 1e-4, modes[k % 2]));
