@@ -12,12 +12,14 @@
 //! ```
 
 mod diff;
+mod exact;
 mod parse;
 mod pool;
 mod tape;
 mod text;
 
 pub use dashu_ratio::RBig as Rational;
+pub use exact::{Bindings, Certificate, Echelon, Fp, Rank, Residue, Samples, Undecided, ZeroTest};
 pub use parse::{Names, ParseError, closest_name};
 pub use pool::{Expr, Func, Func2, Node, Pool, Symbol};
 pub use tape::{CompileError, Instruction, Op, Tape};

@@ -1,0 +1,202 @@
+//! Sines and cosines: points on the unit circle over the field, one generator per base angle.
+
+use rustc_hash::FxHashMap;
+
+use super::field::{Residue, gcd};
+use super::linear::combination;
+use super::lower::{FRACTION_BOUND, Lowering, Stop};
+use super::program::{Generator, Reg, Step};
+use crate::pool::{Expr, Func, Func2, Node};
+
+/// A register of an angle, and those of the cosine and sine of the D-th part of it (none for an inverse function).
+struct Angle {
+    value: Reg,
+    point: Option<(Reg, Reg)>,
+    parts: u64,
+}
+
+/// Angles met so far that are no rational combinations of each other and π.
+#[derive(Default)]
+pub(super) struct Circle {
+    basis: Vec<Angle>,
+    points: FxHashMap<Expr, (Reg, Reg)>,
+    inverse: Option<(Func, Vec<Expr>, Reg)>,
+}
+
+/// Larger multiples of a base angle are refused.
+pub(super) const MAX_MULTIPLE: u64 = 1 << 32;
+/// Trial points beyond the number of unknowns of a linear relation.
+pub(super) const SPARE: usize = 6;
+
+impl<const C: u64> Lowering<'_, C> {
+    /// Registers of the cosine and sine of `arg`.
+    pub(super) fn angle(&mut self, arg: Expr) -> Result<(Reg, Reg), Stop> {
+        if let Some(&p) = self.circle.points.get(&arg) {
+            return Ok(p);
+        }
+        let value = self.registers[&arg];
+        let mut basis = vec![self.pi()];
+        basis.extend(self.circle.basis.iter().map(|a| a.value));
+        let point = match self.relation(arg, &basis, value)? {
+            None => {
+                let parts = self.requirements.angles.get(&self.circle.basis.len()).copied().unwrap_or(1);
+                let slot = self.generator(Generator::Circle);
+                let base = (self.push(Step::Slot(slot)), self.push(Step::Slot(slot + 1)));
+                self.circle.basis.push(Angle { value, point: Some(base), parts });
+                self.multiple(base, parts as i64)
+            }
+            Some(coefficients) => self.combined(arg, &coefficients)?,
+        };
+        self.circle.points.insert(arg, point);
+        Ok(point)
+    }
+
+    /// The rational coefficients by which register `value` is a combination of `basis`; `None` if it is independent.
+    pub(super) fn relation(&self, e: Expr, basis: &[Reg], value: Reg) -> Result<Option<Vec<(i64, i64)>>, Stop> {
+        let mut all = basis.to_vec();
+        all.push(value);
+        let n = basis.len() + SPARE;
+        let at = self.trials(&all, n);
+        if at.len() < n {
+            return Err(self.kernel(e, "its argument has no value at most points"));
+        }
+        let columns: Vec<_> = basis.iter().map(|&r| self.values(r, &at)).collect();
+        let Ok(found) = combination(&columns, &self.values(value, &at)) else {
+            return Err(self.kernel(e, "arguments of such functions are related in a way that was not resolved"));
+        };
+        let Some(c) = found else { return Ok(None) };
+        match c.iter().map(|c| c.to_fraction(FRACTION_BOUND)).collect() {
+            Some(fractions) => Ok(Some(fractions)),
+            None => Err(self.kernel(e, "its argument is an irrational multiple of others")),
+        }
+    }
+
+    /// cos and sin of a rational combination of π and the base angles.
+    fn combined(&mut self, arg: Expr, coefficients: &[(i64, i64)]) -> Result<(Reg, Reg), Stop> {
+        let mut restart = false;
+        for (j, &(_, d)) in coefficients[1..].iter().enumerate() {
+            let parts = self.circle.basis[j].parts;
+            if !parts.is_multiple_of(d.unsigned_abs()) {
+                let finer = parts / gcd(parts, d.unsigned_abs()) * d.unsigned_abs();
+                if finer > MAX_MULTIPLE {
+                    return Err(self.kernel(arg, "its argument is too fine a multiple of others"));
+                }
+                self.requirements.angles.insert(j, finer);
+                restart = true;
+            }
+        }
+        if restart {
+            return Err(Stop::Restart);
+        }
+        let (c, s) = self.part_of_pi(arg, coefficients[0])?;
+        let mut point = (self.constant(c), self.constant(s));
+        let mut trivial = s.is_zero() && c == Residue::ONE;
+        for (j, &(n, d)) in coefficients[1..].iter().enumerate() {
+            if n == 0 {
+                continue;
+            }
+            let a = &self.circle.basis[j];
+            let Some(base) = a.point else {
+                return Err(self.kernel(arg, "it is a function of its inverse"));
+            };
+            let multiple = n.unsigned_abs().saturating_mul(a.parts / d.unsigned_abs());
+            if multiple > MAX_MULTIPLE {
+                return Err(self.kernel(arg, "its argument is too large a multiple of others"));
+            }
+            let p = self.multiple(base, multiple as i64 * n.signum());
+            point = if trivial { p } else { self.rotated(point, p) };
+            trivial = false;
+        }
+        Ok(point)
+    }
+
+    /// Point of the sum of two angles.
+    fn rotated(&mut self, p: (Reg, Reg), q: (Reg, Reg)) -> (Reg, Reg) {
+        let cc = self.push(Step::Mul(p.0, q.0));
+        let ss = self.push(Step::Mul(p.1, q.1));
+        let minus = self.scaled(-Residue::ONE, ss);
+        let sc = self.push(Step::Mul(p.1, q.0));
+        let cs = self.push(Step::Mul(p.0, q.1));
+        (self.push(Step::Add(cc, minus)), self.push(Step::Add(sc, cs)))
+    }
+
+    /// Point of n times an angle.
+    fn multiple(&mut self, p: (Reg, Reg), n: i64) -> (Reg, Reg) {
+        let mut base = if n < 0 { (p.0, self.scaled(-Residue::ONE, p.1)) } else { p };
+        let mut k = n.unsigned_abs();
+        let mut result = None;
+        while k > 0 {
+            if k & 1 == 1 {
+                result = Some(result.map_or(base, |r| self.rotated(r, base)));
+            }
+            k >>= 1;
+            if k > 0 {
+                base = self.rotated(base, base);
+            }
+        }
+        result.unwrap_or_else(|| (self.constant(Residue::ONE), self.constant(Residue::ZERO)))
+    }
+
+    /// cos and sin of n/d·π, for multiples of π/12.
+    fn part_of_pi(&mut self, arg: Expr, (n, d): (i64, i64)) -> Result<(Residue<C>, Residue<C>), Stop> {
+        if 12 % d != 0 {
+            return Err(self.kernel(arg, "only multiples of pi/12 have known sines and cosines"));
+        }
+        let twelfths = (i128::from(n) * i128::from(12 / d)).rem_euclid(24) as u32;
+        let half = Residue::new(2).inv().unwrap_or_default();
+        let root = |n: u64| Residue::<C>::new(n).sqrt();
+        let (zero, one) = (Residue::ZERO, Residue::ONE);
+        let eighth = root(2).map(|r| (r * half, r * half));
+        let sixth = root(3).map(|r| (r * half, half));
+        let turn =
+            |p: (Residue<C>, Residue<C>), q: (Residue<C>, Residue<C>)| (p.0 * q.0 - p.1 * q.1, p.1 * q.0 + p.0 * q.1);
+        let (unit, steps) = match twelfths {
+            t if t % 6 == 0 => (Some((zero, one)), t / 6),
+            t if t % 3 == 0 => (eighth, t / 3),
+            t if t % 2 == 0 => (sixth, t / 2),
+            // π/12 = π/4 − π/6
+            t => (eighth.zip(sixth).map(|(e, s)| turn(e, (s.0, -s.1))), t),
+        };
+        let Some(unit) = unit else {
+            return Err(self.other_prime(arg, "the field lacks a root of 3"));
+        };
+        Ok((0..steps).fold((one, zero), |p, _| turn(p, unit)))
+    }
+
+    /// asin, acos, atan, atan2: a single such angle that has nothing to do with sines and cosines is a generator.
+    pub(super) fn inverse_angle(&mut self, e: Expr) -> Result<Reg, Stop> {
+        let (kind, operands) = match self.pool.node(e) {
+            Node::Call(Func::Acos, a) => (Func::Asin, vec![a]),
+            Node::Call(f, a) => (f, vec![a]),
+            Node::Call2(Func2::Atan2, a, b) => (Func::Atan, vec![a, b]),
+            _ => return Err(self.kernel(e, "which operand it takes depends on the point")),
+        };
+        let value = if let Some((f, o, r)) = &self.circle.inverse {
+            if *f != kind || *o != operands {
+                return Err(self.kernel(e, "it may be related to another inverse trigonometric function"));
+            }
+            *r
+        } else {
+            let circular = |&x: &Expr| matches!(self.pool.node(x), Node::Call(Func::Sin | Func::Cos | Func::Tan, _));
+            if self.pool.reachable(&operands).iter().any(circular) {
+                return Err(self.kernel(e, "it is an inverse function of trigonometric functions"));
+            }
+            if operands.iter().all(|o| self.program.is_constant(self.registers[o])) {
+                return Err(self.kernel(e, "it is an angle of unknown relation to pi"));
+            }
+            let slot = self.generator(Generator::Free);
+            let value = self.push(Step::Slot(slot));
+            self.circle.basis.push(Angle { value, point: None, parts: 1 });
+            self.circle.inverse = Some((kind, operands, value));
+            value
+        };
+        if matches!(self.pool.node(e), Node::Call(Func::Acos, _)) {
+            // acos = π/2 − asin
+            let pi = self.pi();
+            let quarter = self.scaled(Residue::new(2).inv().unwrap_or_default(), pi);
+            let minus = self.scaled(-Residue::ONE, value);
+            return Ok(self.push(Step::Add(quarter, minus)));
+        }
+        Ok(value)
+    }
+}

@@ -1,0 +1,283 @@
+//! Arithmetic modulo a prime just below 2^61, and rational reconstruction.
+
+use std::fmt;
+use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use dashu_base::UnsignedAbs;
+use dashu_int::{IBig, UBig};
+use dashu_ratio::RBig;
+
+/// An integer modulo the prime 2^61 − `C`; see [`Fp`] for the one in general use.
+///
+/// `C` must be below 2^30 and 2^61 − `C` a prime that is 3 modulo 4, so that
+/// −1 is no square and a root of a square is a single power.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub struct Residue<const C: u64>(u64);
+
+/// An integer modulo the Mersenne prime 2^61 − 1.
+pub type Fp = Residue<1>;
+
+/// The second prime, 2^61 − 365500713, for expressions with roots: 2 … 53 are
+/// squares modulo it, and cube, fifth, seventh, 11th and 13th roots are unique.
+pub(crate) const ROOTED: u64 = 365_500_713;
+
+const MASK: u64 = (1 << 61) - 1;
+
+impl<const C: u64> Residue<C> {
+    /// The prime.
+    pub const MODULUS: u64 = (1 << 61) - C;
+    /// Neutral element of addition.
+    pub const ZERO: Self = Self(0);
+    /// Neutral element of multiplication.
+    pub const ONE: Self = Self(1);
+
+    /// The class of `n`.
+    pub fn new(n: u64) -> Self {
+        Self(n % Self::MODULUS)
+    }
+
+    /// The class of `n`.
+    pub fn from_i64(n: i64) -> Self {
+        let r = Self::new(n.unsigned_abs());
+        if n < 0 { -r } else { r }
+    }
+
+    /// The representative in 0 … p − 1.
+    pub fn value(self) -> u64 {
+        self.0
+    }
+
+    /// True for the class of 0.
+    pub fn is_zero(self) -> bool {
+        self.0 == 0
+    }
+
+    fn reduce(x: u128) -> Self {
+        // 2^61 ≡ C, so the high part is folded in C times; a second fold brings the rest below 2p.
+        let (lo, hi) = (x as u64 & MASK, (x >> 61) as u64);
+        let r = if C == 1 {
+            lo + hi
+        } else {
+            let y = u128::from(hi) * u128::from(C) + u128::from(lo);
+            (y as u64 & MASK) + ((y >> 61) as u64) * C
+        };
+        Self(if r >= Self::MODULUS { r - Self::MODULUS } else { r })
+    }
+
+    /// `self` to the power `k`.
+    #[must_use]
+    pub fn pow(self, mut k: u64) -> Self {
+        let (mut base, mut r) = (self, Self::ONE);
+        while k > 0 {
+            if k & 1 == 1 {
+                r *= base;
+            }
+            base *= base;
+            k >>= 1;
+        }
+        r
+    }
+
+    /// The multiplicative inverse; `None` for 0.
+    pub fn inv(self) -> Option<Self> {
+        // Extended Euclid: a·s ≡ r throughout.
+        if self.0 == 0 {
+            return None;
+        }
+        let (mut r0, mut r1) = (Self::MODULUS as i64, self.0 as i64);
+        let (mut s0, mut s1) = (0_i64, 1_i64);
+        while r1 != 0 {
+            let q = r0 / r1;
+            (r0, r1) = (r1, r0 - q * r1);
+            (s0, s1) = (s1, s0 - q * s1);
+        }
+        Some(Self(if s0 < 0 { (s0 + Self::MODULUS as i64) as u64 } else { s0 as u64 }))
+    }
+
+    /// True if `self` is a square other than 0.
+    pub fn is_residue(self) -> bool {
+        self.pow((Self::MODULUS - 1) / 2) == Self::ONE
+    }
+
+    /// The square root that is itself a square; `None` if `self` is not a square.
+    pub fn sqrt(self) -> Option<Self> {
+        let r = self.pow(Self::MODULUS.div_ceil(4));
+        (r * r == self).then_some(r)
+    }
+
+    /// The class of an exact rational; `None` if the prime divides its denominator.
+    pub fn from_rational(r: &RBig) -> Option<Self> {
+        let p = UBig::from(Self::MODULUS);
+        let den = Self(u64::try_from(r.denominator() % &p).ok()?).inv()?;
+        let num = Self(u64::try_from(r.numerator().unsigned_abs() % &p).ok()?);
+        let q = num * den;
+        Some(if *r.numerator() < IBig::ZERO { -q } else { q })
+    }
+
+    /// The fraction n/d with |n| ≤ `bound` and 0 < d ≤ `bound` in this class
+    /// (Wang's rational reconstruction), if there is one.
+    ///
+    /// It is unique because `bound` counts as 2^30 − 1 at most.
+    pub fn to_fraction(self, bound: u64) -> Option<(i64, i64)> {
+        let bound = bound.min((1 << 30) - 1) as i64;
+        let (mut r0, mut r1) = (Self::MODULUS as i64, self.0 as i64);
+        let (mut s0, mut s1) = (0_i64, 1_i64);
+        while r1 > bound {
+            let q = r0 / r1;
+            (r0, r1) = (r1, r0 - q * r1);
+            (s0, s1) = (s1, s0 - q * s1);
+        }
+        if s1 == 0 || s1.abs() > bound || gcd(r1.unsigned_abs(), s1.unsigned_abs()) != 1 {
+            return None;
+        }
+        Some(if s1 < 0 { (-r1, -s1) } else { (r1, s1) })
+    }
+
+    /// [`Residue::to_fraction`] as a rational number.
+    pub fn to_rational(self, bound: u64) -> Option<RBig> {
+        let (n, d) = self.to_fraction(bound)?;
+        Some(RBig::from(n) / RBig::from(d))
+    }
+}
+
+/// Greatest common divisor.
+pub(crate) fn gcd(mut a: u64, mut b: u64) -> u64 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+impl<const C: u64> Add for Residue<C> {
+    type Output = Self;
+    fn add(self, o: Self) -> Self {
+        let s = self.0 + o.0;
+        Self(if s >= Self::MODULUS { s - Self::MODULUS } else { s })
+    }
+}
+
+impl<const C: u64> Sub for Residue<C> {
+    type Output = Self;
+    fn sub(self, o: Self) -> Self {
+        self + -o
+    }
+}
+
+impl<const C: u64> Neg for Residue<C> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(if self.0 == 0 { 0 } else { Self::MODULUS - self.0 })
+    }
+}
+
+impl<const C: u64> Mul for Residue<C> {
+    type Output = Self;
+    fn mul(self, o: Self) -> Self {
+        Self::reduce(u128::from(self.0) * u128::from(o.0))
+    }
+}
+
+impl<const C: u64> AddAssign for Residue<C> {
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+
+impl<const C: u64> SubAssign for Residue<C> {
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}
+
+impl<const C: u64> MulAssign for Residue<C> {
+    fn mul_assign(&mut self, o: Self) {
+        *self = *self * o;
+    }
+}
+
+impl<const C: u64> fmt::Display for Residue<C> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl<const C: u64> fmt::Debug for Residue<C> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// Deterministic random numbers (`SplitMix64`: Steele, Lea and Flood 2014).
+#[derive(Clone, Debug)]
+pub(crate) struct Random(u64);
+
+impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A uniformly distributed residue other than 0.
+    pub(crate) fn residue<const C: u64>(&mut self) -> Residue<C> {
+        loop {
+            let v = self.next() >> 3;
+            if v > 0 && v < Residue::<C>::MODULUS {
+                return Residue(v);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn field_laws<const C: u64>() {
+        let mut rng = Random::new(7);
+        for _ in 0..200 {
+            let (a, b, c): (Residue<C>, Residue<C>, Residue<C>) = (rng.residue(), rng.residue(), rng.residue());
+            assert_eq!(a * (b + c), a * b + a * c);
+            assert_eq!(a * a.inv().unwrap(), Residue::ONE);
+            assert_eq!(a.pow(Residue::<C>::MODULUS - 1), Residue::ONE);
+            let product = u128::from(a.value()) * u128::from(b.value()) % u128::from(Residue::<C>::MODULUS);
+            assert_eq!(u128::from((a * b).value()), product);
+            let root = (a * a).sqrt().unwrap();
+            assert!((root == a || root == -a) && root.is_residue());
+            assert!(a.is_residue() != (-a).is_residue());
+        }
+    }
+
+    #[test]
+    fn both_primes_give_fields_in_which_minus_one_is_no_square() {
+        field_laws::<1>();
+        field_laws::<ROOTED>();
+    }
+
+    #[test]
+    fn the_second_prime_has_the_roots_it_was_chosen_for() {
+        for n in [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53] {
+            assert!(Residue::<ROOTED>::new(n).is_residue(), "{n}");
+        }
+        for q in [3, 5, 7, 11, 13] {
+            assert_ne!((Residue::<ROOTED>::MODULUS - 1) % q, 0, "{q}");
+        }
+    }
+
+    #[test]
+    fn fractions_are_reconstructed() {
+        for (n, d) in [(0, 1), (1, 1), (-3, 7), (981, 100), (1_000_003, 999_983), (-1, 1 << 20)] {
+            let r = Fp::from_i64(n) * Fp::from_i64(d).inv().unwrap();
+            assert_eq!(r.to_fraction(1 << 20), Some((n, d)));
+            assert_eq!(Fp::from_rational(&r.to_rational(1 << 20).unwrap()), Some(r));
+        }
+        assert_eq!(Fp::new(2).sqrt().unwrap().to_fraction(1 << 20), None);
+    }
+}

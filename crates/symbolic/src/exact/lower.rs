@@ -1,0 +1,356 @@
+//! Expressions to field programs: rational operations directly, kernels through algebraically independent generators.
+//!
+//! While the program is written, every sub-expression below the argument of a
+//! kernel is also evaluated at a number of trial points; relations between
+//! the kernels are found from these values.
+
+use dashu_ratio::RBig;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::circle::Circle;
+use super::constants::exact_value;
+use super::explog::ExpLog;
+use super::field::{Random, Residue};
+use super::program::{Generator, Program, Reg, Step, draw};
+use super::roots::Roots;
+use super::{Bindings, Undecided};
+use crate::pool::{Expr, Func, Node, Pool};
+
+/// Fractions in linear relations have numerators and denominators up to this.
+pub(super) const FRACTION_BOUND: u64 = 1 << 20;
+/// Trial points beyond the number of kernels.
+const SPARE_POINTS: usize = 24;
+/// Trial points when signs of squares have to be told apart; each level of nesting halves them.
+const SIGN_POINTS: usize = 512;
+const TRIAL_SEED: u64 = 0x7269_616c;
+const MAX_RESTARTS: usize = 64;
+
+/// Why lowering stopped.
+pub(super) enum Stop {
+    /// A generator must be a power of a finer one, which is noted; begin again.
+    Restart,
+    /// The field lacks a constant; another prime may have it.
+    OtherPrime(Undecided),
+    /// No verdict.
+    Undecided(Undecided),
+}
+
+impl From<Undecided> for Stop {
+    fn from(u: Undecided) -> Self {
+        Stop::Undecided(u)
+    }
+}
+
+/// Values of a register at the trial points; none where a root or quotient does not exist.
+type Column<const C: u64> = Vec<Option<Residue<C>>>;
+
+/// What earlier attempts found out about generators.
+#[derive(Default)]
+pub(super) struct Requirements {
+    /// Angle number j is D_j times its generator.
+    pub(super) angles: FxHashMap<usize, u64>,
+    /// Exponent number j is D_j times its generator.
+    pub(super) exponents: FxHashMap<usize, u64>,
+    /// Radicands of which 2^K-th roots are needed, by register of the radicand.
+    pub(super) levels: FxHashMap<Expr, u32>,
+}
+
+/// Program under construction.
+pub(super) struct Lowering<'a, const C: u64> {
+    pub(super) pool: &'a Pool,
+    pub(super) exact: FxHashMap<Expr, RBig>,
+    pub(super) program: Program<C>,
+    pub(super) registers: FxHashMap<Expr, Reg>,
+    rng: Random,
+    points: Vec<Vec<Residue<C>>>,
+    columns: Vec<Option<Column<C>>>,
+    watching: bool,
+    pub(super) requirements: &'a mut Requirements,
+    pi: Option<Reg>,
+    pub(super) circle: Circle,
+    pub(super) explog: ExpLog,
+    pub(super) roots: Roots,
+    /// Large factors of integer constants met so far.
+    pub(super) found: Vec<u64>,
+}
+
+/// A finished program.
+pub(super) struct Lowered<const C: u64> {
+    pub(super) program: Program<C>,
+    pub(super) outputs: Vec<Reg>,
+    /// Exact values of those roots that are rational constants.
+    pub(super) exact: Vec<Option<RBig>>,
+    /// Roots whose sign could not be fixed: √(s²) is s or −s.
+    pub(super) ambiguous: u32,
+    /// Roots that must exist at a point (log2 of the expected number of tries).
+    pub(super) conditions: u32,
+    /// Degree of the algebraic extension.
+    pub(super) extension: f64,
+}
+
+/// Writes the program for `roots`.
+pub(super) fn lower<const C: u64>(pool: &Pool, roots: &[Expr], bindings: &Bindings) -> Result<Lowered<C>, Stop> {
+    let nodes = pool.reachable(roots);
+    let mut exact = FxHashMap::default();
+    for &e in &nodes {
+        if let Some(v) = exact_value(pool, e, bindings, &exact) {
+            exact.insert(e, v);
+        }
+    }
+    let kernels: Vec<Expr> = nodes.iter().copied().filter(|&e| is_kernel(pool, &exact, e)).collect();
+    let arguments: Vec<Expr> = kernels.iter().flat_map(|&k| pool.node(k).operands()).collect();
+    let below: FxHashSet<Expr> = pool.reachable(&arguments).into_iter().collect();
+    let signs = kernels.iter().any(|&k| matches!(pool.node(k), Node::Pow(..)));
+    let trials = kernels.len() + if signs { SIGN_POINTS } else { SPARE_POINTS };
+    let mut requirements = Requirements::default();
+    for &k in &kernels {
+        if let Node::Pow(base, exponent) = pool.node(k)
+            && let Some(q) = exact.get(&exponent)
+        {
+            let level = q.denominator().trailing_zeros().unwrap_or(0) as u32;
+            let known = requirements.levels.entry(base).or_insert(0);
+            *known = level.max(*known);
+        }
+    }
+    for _ in 0..MAX_RESTARTS {
+        let mut l = Lowering {
+            pool,
+            exact: std::mem::take(&mut exact),
+            program: Program::default(),
+            registers: FxHashMap::default(),
+            rng: Random::new(TRIAL_SEED),
+            points: vec![Vec::new(); if kernels.is_empty() { 0 } else { trials }],
+            columns: Vec::new(),
+            watching: false,
+            requirements: &mut requirements,
+            pi: None,
+            circle: Circle::default(),
+            explog: ExpLog::default(),
+            roots: Roots::default(),
+            found: Vec::new(),
+        };
+        match l.nodes(&nodes, &below) {
+            Ok(()) => {
+                return Ok(Lowered {
+                    outputs: roots.iter().map(|r| l.registers[r]).collect(),
+                    exact: roots.iter().map(|r| l.exact.get(r).cloned()).collect(),
+                    ambiguous: l.roots.ambiguous,
+                    conditions: l.roots.conditions,
+                    extension: l.roots.extension,
+                    program: l.program,
+                });
+            }
+            Err(Stop::Restart) => exact = l.exact,
+            Err(stop) => return Err(stop),
+        }
+    }
+    Err(Undecided::TooComplex.into())
+}
+
+/// True if `e` is not a rational operation.
+fn is_kernel(pool: &Pool, exact: &FxHashMap<Expr, RBig>, e: Expr) -> bool {
+    if exact.contains_key(&e) {
+        return false;
+    }
+    match pool.node(e) {
+        Node::Call(..) | Node::Call2(..) => true,
+        Node::Pow(_, k) => exact.get(&k).is_none_or(|k| !k.is_int()),
+        _ => false,
+    }
+}
+
+impl<const C: u64> Lowering<'_, C> {
+    fn nodes(&mut self, nodes: &[Expr], below: &FxHashSet<Expr>) -> Result<(), Stop> {
+        for &e in nodes {
+            self.watching = below.contains(&e) || is_kernel(self.pool, &self.exact, e);
+            let r = self.node(e)?;
+            self.registers.insert(e, r);
+        }
+        Ok(())
+    }
+
+    fn node(&mut self, e: Expr) -> Result<Reg, Stop> {
+        if let Some(v) = self.exact.get(&e) {
+            let c = Residue::from_rational(v).ok_or(Undecided::DivisionByZero)?;
+            return Ok(self.constant(c));
+        }
+        match self.pool.node(e) {
+            Node::Num(_) | Node::Sym(_) => {
+                let s = self.generator(Generator::Free);
+                Ok(self.push(Step::Slot(s)))
+            }
+            Node::Pi => Ok(self.pi()),
+            Node::Add(a, b) => Ok(self.push(Step::Add(self.registers[&a], self.registers[&b]))),
+            Node::Mul(a, b) => Ok(self.push(Step::Mul(self.registers[&a], self.registers[&b]))),
+            Node::Pow(a, b) => self.power(e, a, b),
+            Node::Call(f, a) => self.call(e, f, a),
+            Node::Call2(_, _, _) => self.inverse_angle(e),
+        }
+    }
+
+    fn power(&mut self, e: Expr, a: Expr, b: Expr) -> Result<Reg, Stop> {
+        let base = self.registers[&a];
+        let Some(q) = self.exact.get(&b).cloned() else {
+            // a^b = exp(b log a)
+            let log = self.logarithm(a)?;
+            let exponent = self.push(Step::Mul(self.registers[&b], log));
+            return self.exponential(exponent);
+        };
+        let n = i64::try_from(q.numerator()).ok().filter(|n| n.unsigned_abs() < 1 << 40);
+        let d = u64::try_from(q.denominator()).ok().filter(|&d| d < 1 << 40);
+        let (Some(n), Some(d)) = (n, d) else {
+            return Err(self.kernel(e, "its exponent is too large"));
+        };
+        let mut r = base;
+        let levels = d.trailing_zeros();
+        if levels > 0 {
+            r = self.root(a, levels)?;
+        }
+        let odd = d >> levels;
+        if odd > 1 {
+            // The map y → y^odd is one to one in a field of p elements if odd is prime to p − 1.
+            let Some(inverse) = inverse_modulo(odd, Residue::<C>::MODULUS - 1) else {
+                return Err(self.other_prime(e, "the field has no unique root of this degree"));
+            };
+            r = self.push(Step::Power(r, inverse));
+            self.roots.extension *= odd as f64;
+        }
+        Ok(self.integer_power(r, n))
+    }
+
+    pub(super) fn integer_power(&mut self, r: Reg, n: i64) -> Reg {
+        let r = if n < 0 { self.push(Step::Inverse(r)) } else { r };
+        match n.unsigned_abs() {
+            1 => r,
+            k => self.push(Step::Power(r, k)),
+        }
+    }
+
+    fn call(&mut self, e: Expr, f: Func, a: Expr) -> Result<Reg, Stop> {
+        match f {
+            Func::Sin | Func::Cos | Func::Tan => {
+                let (c, s) = self.angle(a)?;
+                Ok(match f {
+                    Func::Sin => s,
+                    Func::Cos => c,
+                    _ => self.quotient(s, c),
+                })
+            }
+            Func::Asin | Func::Acos | Func::Atan => self.inverse_angle(e),
+            Func::Exp => self.exponential(self.registers[&a]),
+            Func::Sinh | Func::Cosh | Func::Tanh => {
+                let x = self.exponential(self.registers[&a])?;
+                let y = self.push(Step::Inverse(x));
+                let minus = self.scaled(-Residue::ONE, y);
+                let (sum, difference) = (self.push(Step::Add(x, y)), self.push(Step::Add(x, minus)));
+                let half = Residue::new(2).inv().unwrap_or_default();
+                Ok(match f {
+                    Func::Sinh => self.scaled(half, difference),
+                    Func::Cosh => self.scaled(half, sum),
+                    _ => self.quotient(difference, sum),
+                })
+            }
+            Func::Log => self.logarithm(a),
+            Func::Abs | Func::Sign => Err(self.kernel(e, "its sign depends on the point")),
+        }
+    }
+
+    // --- building blocks ---
+
+    /// Appends a step and, where it matters, its values at the trial points.
+    pub(super) fn push(&mut self, step: Step<C>) -> Reg {
+        let column = self.watching.then(|| {
+            (0..self.points.len())
+                .map(|i| {
+                    let operand = |r: Reg| self.columns[r].as_ref().and_then(|c| c[i]);
+                    match step {
+                        Step::Const(_) | Step::Slot(_) => {}
+                        Step::Add(a, b) | Step::Mul(a, b) => {
+                            operand(a)?;
+                            operand(b)?;
+                        }
+                        Step::Inverse(a) | Step::Power(a, _) | Step::Root(a, _) => {
+                            operand(a)?;
+                        }
+                    }
+                    Program::value(step, &self.points[i], |r| operand(r).unwrap_or_default()).ok()
+                })
+                .collect()
+        });
+        self.columns.push(column);
+        self.program.push(step)
+    }
+
+    pub(super) fn generator(&mut self, g: Generator) -> usize {
+        for p in &mut self.points {
+            draw(g, &mut self.rng, p);
+        }
+        self.program.generator(g)
+    }
+
+    pub(super) fn constant(&mut self, c: Residue<C>) -> Reg {
+        self.push(Step::Const(c))
+    }
+
+    pub(super) fn scaled(&mut self, c: Residue<C>, r: Reg) -> Reg {
+        if c == Residue::ONE {
+            return r;
+        }
+        let k = self.constant(c);
+        self.push(Step::Mul(k, r))
+    }
+
+    pub(super) fn quotient(&mut self, a: Reg, b: Reg) -> Reg {
+        let i = self.push(Step::Inverse(b));
+        self.push(Step::Mul(a, i))
+    }
+
+    /// π, a transcendental number, is a generator.
+    pub(super) fn pi(&mut self) -> Reg {
+        if let Some(r) = self.pi {
+            return r;
+        }
+        let watching = std::mem::replace(&mut self.watching, true);
+        let s = self.generator(Generator::Free);
+        let r = self.push(Step::Slot(s));
+        self.watching = watching;
+        self.pi = Some(r);
+        r
+    }
+
+    /// Up to `n` trial points at which all `registers` have values.
+    pub(super) fn trials(&self, registers: &[Reg], n: usize) -> Vec<usize> {
+        let has = |i: usize| registers.iter().all(|&r| self.trial(r, i).is_some());
+        (0..self.points.len()).filter(|&i| has(i)).take(n).collect()
+    }
+
+    /// Value of a register at a trial point.
+    pub(super) fn trial(&self, r: Reg, i: usize) -> Option<Residue<C>> {
+        self.columns[r].as_ref().and_then(|c| c[i])
+    }
+
+    /// Values of a register at several trial points.
+    pub(super) fn values(&self, r: Reg, at: &[usize]) -> Vec<Residue<C>> {
+        at.iter().map(|&i| self.trial(r, i).unwrap_or_default()).collect()
+    }
+
+    pub(super) fn kernel(&self, e: Expr, reason: &'static str) -> Stop {
+        Stop::Undecided(Undecided::Kernel { text: self.pool.text(e), reason })
+    }
+
+    pub(super) fn other_prime(&self, e: Expr, reason: &'static str) -> Stop {
+        Stop::OtherPrime(Undecided::Kernel { text: self.pool.text(e), reason })
+    }
+}
+
+/// 1/a modulo m, if they are coprime.
+fn inverse_modulo(a: u64, m: u64) -> Option<u64> {
+    let (mut r0, mut r1) = (i128::from(m), i128::from(a % m));
+    let (mut s0, mut s1) = (0_i128, 1_i128);
+    while r1 != 0 {
+        let q = r0 / r1;
+        (r0, r1) = (r1, r0 - q * r1);
+        (s0, s1) = (s1, s0 - q * s1);
+    }
+    (r0 == 1).then(|| s0.rem_euclid(i128::from(m)) as u64)
+}

@@ -1,0 +1,324 @@
+//! Exact decisions: zero and rank modulo a prime at random points.
+
+mod character;
+mod circle;
+mod constants;
+mod explog;
+mod field;
+mod linear;
+mod lower;
+mod program;
+mod roots;
+
+use std::fmt;
+
+use dashu_ratio::RBig;
+use rustc_hash::FxHashMap;
+use serde::Serialize;
+
+pub use self::field::{Fp, Residue};
+pub use self::linear::Echelon;
+
+use self::field::{ROOTED, Random};
+use self::lower::{Lowered, Stop, lower};
+use self::program::Fault;
+use crate::pool::{Expr, Pool, Symbol};
+
+/// Exact values for some symbols; all others are generic.
+#[derive(Clone, Debug, Default)]
+pub struct Bindings(FxHashMap<Symbol, RBig>);
+
+impl Bindings {
+    /// No symbol has a value.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Gives `s` a value, in place of any other.
+    pub fn bind(&mut self, s: Symbol, value: RBig) {
+        self.0.insert(s, value);
+    }
+
+    /// The value of `s`, if it has one.
+    pub fn get(&self, s: Symbol) -> Option<&RBig> {
+        self.0.get(&s)
+    }
+}
+
+/// How sure a probabilistic statement is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Certificate {
+    /// Number of independent random points.
+    pub points: u32,
+    /// Decimal logarithm of a bound of the probability that the statement is false,
+    /// (d/p)^points for a polynomial of degree d modulo p (Schwartz 1980, Zippel 1979).
+    pub log10_error: f64,
+}
+
+impl Certificate {
+    fn new(points: usize, degree: f64, signs: bool) -> Result<Self, Undecided> {
+        let log10_degree = degree.max(1.0).log10();
+        let each = log10_degree - (Fp::MODULUS as f64).log10();
+        if each.is_nan() || each > -3.0 {
+            return Err(Undecided::Degree { log10_degree });
+        }
+        // Which radicands are squares is read off 64 signs.
+        let floor = if signs { -64.0 * 2.0_f64.log10() } else { f64::NEG_INFINITY };
+        Ok(Self { points: points as u32, log10_error: (points as f64 * each).max(floor) })
+    }
+
+    /// Certificate of two statements together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let (hi, lo) = (self.log10_error.max(other.log10_error), self.log10_error.min(other.log10_error));
+        let log10_error = if lo == f64::NEG_INFINITY { hi } else { hi + (1.0 + 10_f64.powf(lo - hi)).log10() };
+        Self { points: self.points.min(other.points), log10_error }
+    }
+}
+
+impl fmt::Display for Certificate {
+    /// A power of ten above the error probability: `< 1e-15`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "< 1e{}", self.log10_error.ceil())
+    }
+}
+
+/// Answer to "is this expression zero wherever it is defined?".
+#[derive(Clone, Debug, PartialEq)]
+pub enum ZeroTest {
+    /// It is, up to the error probability.
+    Zero(Certificate),
+    /// It is not.
+    NonZero,
+    /// The test cannot tell.
+    Unknown(Undecided),
+}
+
+impl ZeroTest {
+    /// True for [`ZeroTest::Zero`].
+    pub fn is_zero(&self) -> bool {
+        matches!(self, Self::Zero(_))
+    }
+
+    /// True for [`ZeroTest::NonZero`].
+    pub fn is_nonzero(&self) -> bool {
+        matches!(self, Self::NonZero)
+    }
+}
+
+/// Why a question stays open.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Undecided {
+    /// A function that cannot be represented in the field together with the others.
+    #[error("not decided because of `{text}`: {reason}")]
+    Kernel {
+        /// The sub-expression.
+        text: String,
+        /// What stands in the way.
+        reason: &'static str,
+    },
+    /// A denominator vanishes at every point tried.
+    #[error("not decided because a denominator is zero")]
+    DivisionByZero,
+    /// The roots of the expression exist together at none of the points tried.
+    #[error("not decided because no point was found at which all roots exist")]
+    NoPoint,
+    /// √(s²) is s or −s, and the answer depends on which.
+    #[error("not decided because the answer depends on the sign of the root of a square")]
+    Sign,
+    /// exp(c·log(h)) with a fraction c.
+    #[error("not decided because of the exponential of a fraction of a logarithm; write it as a power")]
+    RootOfLogarithm,
+    /// The degree leaves too little certainty.
+    #[error("not decided because the degree of the expression is too high (1e{log10_degree:.0})")]
+    Degree {
+        /// Decimal logarithm of the degree.
+        log10_degree: f64,
+    },
+    /// Too many related functions.
+    #[error("not decided because too many functions are related to each other")]
+    TooComplex,
+}
+
+/// Generic rank of a matrix of expressions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rank {
+    /// The rank at almost every point.
+    pub rank: usize,
+    /// The rows that are independent of those before them, ascending: a maximal independent set.
+    pub independent: Vec<usize>,
+    /// The rank is at least this for certain, and at most this up to the error probability.
+    pub certificate: Certificate,
+}
+
+/// Values of expressions at random points.
+#[derive(Clone, Debug)]
+pub struct Samples<const C: u64 = 1> {
+    /// `values[point][expression]`
+    pub values: Vec<Vec<Residue<C>>>,
+    /// Bound of the degree of the numerators over a common denominator.
+    pub degree: f64,
+    /// Signs of roots of squares that were drawn at random.
+    pub ambiguous_signs: u32,
+    /// True if roots occur.
+    roots: bool,
+    /// Exact values of constant expressions.
+    exact: Vec<Option<RBig>>,
+}
+
+/// Seed of all tests; the same question always has the same answer.
+const SEED: u64 = 0x6272_6163_6b65_7479;
+/// Points of a test in which the sign of no root is open.
+const POINTS: usize = 3;
+/// Open signs beyond this number leave too many cases.
+const MAX_AMBIGUOUS: u32 = 4;
+/// Points per combination of open signs: each is met with probability 1 − e^−48.
+const POINTS_PER_SIGN: usize = 48;
+const TRIES: usize = 64;
+
+impl Pool {
+    /// Decides whether `e` is zero as a function of the symbols that `bindings` leave free.
+    ///
+    /// Works modulo the prime 2^61 − 1 at random points (modulo 2^61 − 365500713
+    /// where roots are needed that the first field lacks). Sines, exponentials,
+    /// logarithms and roots become algebraically independent generators after their
+    /// rational-linear relations are found; independence of constants such as
+    /// e, π and log 2 is taken for granted (Schanuel's conjecture).
+    pub fn zero_test(&mut self, e: Expr, bindings: &Bindings) -> ZeroTest {
+        let decided = match self.zero::<1>(e, bindings) {
+            Err(Stop::OtherPrime(_)) => self.zero::<ROOTED>(e, bindings),
+            d => d,
+        };
+        match decided {
+            Ok(Some(c)) => ZeroTest::Zero(c),
+            Ok(None) => ZeroTest::NonZero,
+            Err(stop) => ZeroTest::Unknown(reason(stop)),
+        }
+    }
+
+    fn zero<const C: u64>(&self, e: Expr, bindings: &Bindings) -> Result<Option<Certificate>, Stop> {
+        let s = self.sampled::<C>(&[e], bindings, None, SEED)?;
+        if let Some(v) = &s.exact[0] {
+            return Ok(if *v == RBig::ZERO { Some(Certificate::new(POINTS, 1.0, false)?) } else { None });
+        }
+        let zeros = s.values.iter().filter(|v| v[0].is_zero()).count();
+        match zeros {
+            0 => Ok(None),
+            n if n == s.values.len() => Ok(Some(Certificate::new(n.min(POINTS), s.degree, s.roots)?)),
+            _ if s.ambiguous_signs > 0 => Err(Undecided::Sign.into()),
+            _ => Ok(None),
+        }
+    }
+
+    /// Rank of the matrix with the given rows, generic in the symbols that `bindings` leave free.
+    ///
+    /// Rows may differ in length; missing entries are zero.
+    ///
+    /// # Errors
+    /// [`Undecided`] if an entry cannot be evaluated in the field or the answer depends on an open sign.
+    pub fn rank(&mut self, rows: &[Vec<Expr>], bindings: &Bindings) -> Result<Rank, Undecided> {
+        match self.rank_modulo::<1>(rows, bindings) {
+            Err(Stop::OtherPrime(_)) => self.rank_modulo::<ROOTED>(rows, bindings),
+            r => r,
+        }
+        .map_err(reason)
+    }
+
+    fn rank_modulo<const C: u64>(&self, rows: &[Vec<Expr>], bindings: &Bindings) -> Result<Rank, Stop> {
+        let flat: Vec<Expr> = rows.iter().flatten().copied().collect();
+        let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+        let s = self.sampled::<C>(&flat, bindings, None, SEED)?;
+        // Rank of the rows 0 … i at each point; the generic one is the largest.
+        let mut prefix = vec![0; rows.len()];
+        for (k, values) in s.values.iter().enumerate() {
+            let mut at = 0;
+            let matrix: Vec<Vec<Residue<C>>> = rows
+                .iter()
+                .map(|r| {
+                    at += r.len();
+                    values[at - r.len()..at].to_vec()
+                })
+                .collect();
+            let e = Echelon::new(&matrix, columns);
+            for (i, p) in prefix.iter_mut().enumerate() {
+                let here = e.independent.partition_point(|&j| j <= i);
+                if s.ambiguous_signs > 0 && k > 0 && here != *p {
+                    return Err(Undecided::Sign.into());
+                }
+                *p = here.max(*p);
+            }
+        }
+        let independent: Vec<usize> =
+            (0..rows.len()).filter(|&i| prefix[i] > if i == 0 { 0 } else { prefix[i - 1] }).collect();
+        let rank = independent.len();
+        // A minor that is one larger has this degree.
+        let degree = s.degree * (rank + 1).min(columns.min(rows.len())).max(1) as f64;
+        let certificate = Certificate::new(s.values.len().min(POINTS), degree, s.roots)?;
+        Ok(Rank { rank, independent, certificate })
+    }
+
+    /// Values of `roots` modulo 2^61 − 1 at random points that depend on `seed` only.
+    ///
+    /// All expressions share each point, so relations between them hold between the values.
+    ///
+    /// # Errors
+    /// [`Undecided`] if an expression cannot be evaluated in this field.
+    pub fn sample(
+        &mut self,
+        roots: &[Expr],
+        bindings: &Bindings,
+        points: usize,
+        seed: u64,
+    ) -> Result<Samples, Undecided> {
+        self.sampled::<1>(roots, bindings, Some(points), seed).map_err(reason)
+    }
+
+    fn sampled<const C: u64>(
+        &self,
+        roots: &[Expr],
+        bindings: &Bindings,
+        points: Option<usize>,
+        seed: u64,
+    ) -> Result<Samples<C>, Stop> {
+        let Lowered { program, outputs, exact, ambiguous, conditions, extension } = lower::<C>(self, roots, bindings)?;
+        if ambiguous > MAX_AMBIGUOUS {
+            return Err(Undecided::Sign.into());
+        }
+        let points = points.unwrap_or(if ambiguous > 0 { POINTS_PER_SIGN << ambiguous } else { POINTS });
+        let mut rng = Random::new(seed);
+        let mut registers = Vec::with_capacity(program.steps.len());
+        let mut values = Vec::with_capacity(points);
+        let mut tries = points.max(1) * (TRIES << conditions.min(12));
+        let mut no_root = false;
+        while values.len() < points {
+            match program.run(&program.point(&mut rng), &mut registers) {
+                Ok(()) => values.push(outputs.iter().map(|&r| registers[r]).collect()),
+                Err(fault) => {
+                    no_root |= fault == Fault::NoRoot;
+                    tries -= 1;
+                    if tries == 0 {
+                        return Err(if no_root {
+                            Stop::OtherPrime(Undecided::NoPoint)
+                        } else {
+                            Undecided::DivisionByZero.into()
+                        });
+                    }
+                }
+            }
+        }
+        Ok(Samples {
+            values,
+            degree: program.common_degree(&outputs) * extension.max(1.0),
+            ambiguous_signs: ambiguous,
+            roots: conditions > 0,
+            exact,
+        })
+    }
+}
+
+fn reason(stop: Stop) -> Undecided {
+    match stop {
+        Stop::Undecided(u) | Stop::OtherPrime(u) => u,
+        Stop::Restart => Undecided::TooComplex,
+    }
+}

@@ -1,0 +1,163 @@
+//! Roots of degree 2^K: which radicands are squares times products of others is read off their quadratic characters.
+
+use dashu_ratio::RBig;
+use rustc_hash::FxHashMap;
+
+use super::character::Relation;
+use super::constants::factors;
+use super::field::Residue;
+use super::linear::combination_mod;
+use super::lower::{Lowering, Stop};
+use super::program::{Generator, Reg, Step};
+use crate::pool::Expr;
+
+/// A radicand that is no square times a product of others.
+struct Radicand {
+    base: Expr,
+    value: Reg,
+    root: Reg,
+    levels: u32,
+}
+
+/// Radicands met so far.
+#[derive(Default)]
+pub(super) struct Roots {
+    free: Vec<Radicand>,
+    known: FxHashMap<Expr, (Reg, u32)>,
+    /// Number of roots of squares, whose sign differs from point to point.
+    pub(super) ambiguous: u32,
+    /// Number of square roots that must exist at a point, each with probability one half.
+    pub(super) conditions: u32,
+    /// Degree of the field extension that the roots generate (less one is 0).
+    pub(super) extension: f64,
+}
+
+/// Trial points beyond the number of radicands: an accidental relation has probability 2^−64.
+const SPARE: usize = 64;
+const MAX_LEVELS: u32 = 16;
+
+impl<const C: u64> Lowering<'_, C> {
+    /// Register of base^(1/2^levels).
+    pub(super) fn root(&mut self, base: Expr, levels: u32) -> Result<Reg, Stop> {
+        let (r, all) = if let Some(&known) = self.roots.known.get(&base) {
+            known
+        } else {
+            let all = self.requirements.levels.get(&base).copied().unwrap_or(0).max(levels);
+            if all > MAX_LEVELS {
+                return Err(self.kernel(base, "the degree of its root is too large"));
+            }
+            let r = self.new_root(base, all)?;
+            self.roots.known.insert(base, (r, all));
+            (r, all)
+        };
+        Ok(self.integer_power(r, 1 << (all - levels)))
+    }
+
+    fn new_root(&mut self, base: Expr, levels: u32) -> Result<Reg, Stop> {
+        if let Some(q) = self.exact.get(&base).cloned() {
+            let c = self.rational_root(base, &q, levels)?;
+            return Ok(self.constant(c));
+        }
+        let value = self.registers[&base];
+        if self.program.is_constant(value) {
+            return Err(self.kernel(base, "it is an irrational constant under a root"));
+        }
+        let mut all: Vec<Reg> = self.roots.free.iter().map(|f| f.value).collect();
+        all.push(value);
+        let at = self.nonzero_trials(&all, all.len() + 2 * SPARE);
+        if at.len() < all.len() + SPARE {
+            return Err(self.kernel(base, "it has no value at most points, under a root"));
+        }
+        // Quadratic characters as exponents of −1; the constants (column of ones) are in front.
+        let character =
+            |r: Reg| -> Vec<u64> { self.values(r, &at).into_iter().map(|v| u64::from(!v.is_residue())).collect() };
+        let mut columns = vec![vec![1; at.len()]];
+        // A radicand whose root occurs in `base` is a square wherever `base` has a value.
+        let others = self.roots.free.iter().map(|f| character(f.value));
+        columns.extend(others.filter(|c| c.contains(&1)));
+        let Ok(found) = combination_mod(2, &columns, &character(value)) else {
+            return Err(self.kernel(base, "roots are related in a way that was not resolved"));
+        };
+        match found {
+            None => {
+                let root = self.signed_root(value, levels);
+                self.roots.free.push(Radicand { base, value, root, levels });
+                Ok(root)
+            }
+            Some(_) => self.dependent_root(base, value, levels, &at),
+        }
+    }
+
+    /// The root of a generic sign.
+    fn signed_root(&mut self, value: Reg, levels: u32) -> Reg {
+        let slot = self.generator(Generator::Sign);
+        let sign = self.push(Step::Slot(slot));
+        let root = self.push(Step::Root(value, levels));
+        self.roots.conditions += 1;
+        self.roots.extension = self.roots.extension.max(1.0) * f64::from(1 << levels);
+        self.push(Step::Mul(sign, root))
+    }
+
+    /// Root of a square times a product of the free radicands.
+    fn dependent_root(&mut self, base: Expr, value: Reg, levels: u32, at: &[usize]) -> Result<Reg, Stop> {
+        let others: Vec<Reg> = self.roots.free.iter().map(|f| f.value).collect();
+        let relation = self.multiplicative_relation(&others, value, at);
+        // value^d = t·Π r_j^(n_j), where d must be a power of 2 for the roots to be at hand.
+        let (t, d, n) = match relation {
+            Relation::Product { constant, power, exponents } if power.is_power_of_two() => {
+                (constant, power.trailing_zeros(), exponents)
+            }
+            _ => {
+                // √(c s²) = ±√c s: the sign is that of s, which changes from place to place.
+                self.roots.ambiguous += 1;
+                return Ok(self.signed_root(value, levels));
+            }
+        };
+        let mut root = {
+            let c = self.rational_root(base, &t, levels + d)?;
+            self.constant(c)
+        };
+        for (j, n) in n.into_iter().enumerate().filter(|(_, n)| *n != 0) {
+            let f = &self.roots.free[j];
+            let missing = (levels + d).saturating_sub(f.levels + n.trailing_zeros());
+            if missing > 0 {
+                self.requirements.levels.insert(f.base, f.levels + missing);
+                return Err(Stop::Restart);
+            }
+            // The root r_j^(1/2^levels_j) to the power n_j 2^(levels_j − levels − d).
+            let shift = i64::from(f.levels) - i64::from(levels + d);
+            let k = if shift >= 0 { n << shift } else { n >> -shift };
+            let r = self.integer_power(f.root, k);
+            root = self.push(Step::Mul(root, r));
+        }
+        Ok(root)
+    }
+
+    /// q^(1/2^levels) as a product of powers of the roots of the prime factors of q.
+    fn rational_root(&mut self, e: Expr, q: &RBig, levels: u32) -> Result<Residue<C>, Stop> {
+        if *q == RBig::ZERO {
+            return Ok(Residue::ZERO);
+        }
+        if *q < RBig::ZERO {
+            return Err(self.kernel(e, "it is negative under a root"));
+        }
+        let Some(factors) = factors(q, &mut self.found) else {
+            return Err(self.kernel(e, "the number under a root is too large to be factored"));
+        };
+        let mut product = Residue::ONE;
+        for (n, k) in factors {
+            let mut r = Residue::<C>::new(n);
+            // A whole power of n needs no root of n.
+            let shift = k.trailing_zeros().min(levels);
+            for _ in shift..levels {
+                r = match r.sqrt() {
+                    Some(r) => r,
+                    None => return Err(self.other_prime(e, "the field lacks a root of this number")),
+                };
+            }
+            let r = r.pow(k.unsigned_abs() >> shift);
+            product *= if k < 0 { r.inv().unwrap_or_default() } else { r };
+        }
+        Ok(product)
+    }
+}
