@@ -1,1 +1,43 @@
-//! Optimal control on Clarabel: multiple shooting, SQP, real-time iteration.
+//! Optimal control on Clarabel: multiple shooting, sequential quadratic programming, real-time iteration.
+//!
+//! An [`Ocp`] states the problem
+//!
+//! ```text
+//! min  Σ_k dt·l(x_k, u_k, t_k, r_k) + e(x_N, t_N, r_N) + penalties
+//! s.t. x_{k+1} = F(x_k, u_k),   x_0 given,   u in its bounds (hard),   x in its bounds (soft by default),
+//!      optionally x_N = target (soft, with an exact linear penalty)
+//! ```
+//!
+//! over a [`Dynamics`], whose flow F is a Runge–Kutta method of order 4 with exact sensitivities. [`Sqp`] solves it to
+//! convergence from any guess, with a proximal term for globalisation and, where the dynamics contain `sign` (dry
+//! friction), continuation in the smoothing width. [`Rti`] is the real-time iteration: one quadratic program per sample.
+//! [`run_closed_loop`] puts a [`Controller`] and a [`Plant`] together.
+//!
+//! Results are values: an infeasible problem, an iteration limit or a measurement that is not a number is a status with its
+//! reason; an error is misuse.
+
+mod closed_loop;
+mod convexify;
+mod cost;
+mod dynamics;
+mod error;
+mod ocp;
+mod qp;
+mod rti;
+mod shooting;
+mod smoothing;
+mod sqp;
+mod trajectory;
+mod transcription;
+
+pub use closed_loop::{ClosedLoop, Controller, Counts, Plant, PlantError, RungeKuttaPlant, SolveTimes, SqpController, run_closed_loop};
+pub use cost::CostFunction;
+pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
+pub use error::MpcError;
+pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
+pub use qp::{QpSettings, QpStatus};
+pub use rti::{FallbackReason, Horizon, Rti, RtiSettings, Step, StepStatus, Timings};
+pub use shooting::Linearisation;
+pub use smoothing::{Smoothed, smooth};
+pub use sqp::{Iteration, Solution, SolveStatus, Sqp, SqpSettings};
+pub use trajectory::Trajectory;

@@ -1,0 +1,148 @@
+//! Cost expressions with gradient and convexified exact Hessian.
+
+use crate::convexify::{clip_to_psd, components};
+use crate::error::{MpcError, check_length};
+use bracketry_symbolic::{Expr, Pool, Symbol, Tape};
+use nalgebra::DMatrix;
+
+/// A scalar function l(x, u, t, r) of states, inputs, time and references, compiled with its derivatives.
+///
+/// Its Hessian with respect to (x, u) is exact where it is positive semidefinite (always, for sums of squares of linear
+/// expressions); elsewhere the negative eigenvalues of each connected block are clipped to zero.
+#[derive(Clone)]
+pub struct CostFunction {
+    variables: usize,
+    references: usize,
+    value: Tape,
+    derivatives: Tape,
+    /// Places (i ≤ j) of the second derivatives that the tape computes after value and gradient.
+    entries: Vec<(usize, usize)>,
+    components: Vec<Vec<usize>>,
+    pattern: Vec<(usize, usize)>,
+    arguments: Vec<f64>,
+    work: Vec<f64>,
+    out: Vec<f64>,
+}
+
+impl CostFunction {
+    /// Compiles `cost` as a function of time, states, inputs and references.
+    ///
+    /// # Errors
+    /// [`MpcError::Compile`] if the expression uses another name.
+    pub fn compile(
+        pool: &mut Pool,
+        time: Symbol,
+        states: &[Symbol],
+        inputs: &[Symbol],
+        references: &[Symbol],
+        cost: Expr,
+    ) -> Result<Self, MpcError> {
+        let variables: Vec<Symbol> = states.iter().chain(inputs).copied().collect();
+        let mut all = variables.clone();
+        all.push(time);
+        all.extend(references);
+        let gradient = pool.gradient(cost, &variables);
+        let mut outputs = vec![cost];
+        outputs.extend(&gradient);
+        let mut entries = Vec::new();
+        for (i, &g) in gradient.iter().enumerate() {
+            for (j, &v) in variables.iter().enumerate().skip(i) {
+                let h = pool.diff(g, v);
+                if !pool.is_zero(h) {
+                    entries.push((i, j));
+                    outputs.push(h);
+                }
+            }
+        }
+        let links: Vec<(usize, usize)> = entries.iter().copied().filter(|(i, j)| i != j).collect();
+        let components = components(variables.len(), &links);
+        let pattern = components
+            .iter()
+            .flat_map(|c| c.iter().enumerate().flat_map(move |(p, &i)| c[p..].iter().map(move |&j| (i, j))))
+            .collect();
+        let derivatives = Tape::compile(pool, &all, &outputs)?;
+        Ok(Self {
+            variables: variables.len(),
+            references: references.len(),
+            value: Tape::compile(pool, &all, &[cost])?,
+            out: vec![0.0; derivatives.n_outputs()],
+            derivatives,
+            entries,
+            components,
+            pattern,
+            arguments: vec![0.0; all.len()],
+            work: Vec::new(),
+        })
+    }
+
+    /// Number of references.
+    pub fn references(&self) -> usize {
+        self.references
+    }
+
+    /// Number of states and inputs.
+    pub fn variables(&self) -> usize {
+        self.variables
+    }
+
+    pub(crate) fn check(&self, what: &'static str, variables: usize) -> Result<(), MpcError> {
+        check_length(what, self.variables, variables)
+    }
+
+    fn load(&mut self, x: &[f64], u: &[f64], t: f64, r: &[f64]) {
+        let (n, m) = (x.len(), u.len());
+        self.arguments[..n].copy_from_slice(x);
+        self.arguments[n..n + m].copy_from_slice(u);
+        self.arguments[n + m] = t;
+        self.arguments[n + m + 1..].copy_from_slice(r);
+    }
+
+    /// The value l(x, u, t, r).
+    pub fn value(&mut self, x: &[f64], u: &[f64], t: f64, r: &[f64]) -> f64 {
+        self.load(x, u, t, r);
+        let mut out = [0.0];
+        self.value.eval(&self.arguments, &mut self.work, &mut out);
+        out[0]
+    }
+
+    /// Places (i ≤ j) that the Hessian can occupy, every diagonal place among them.
+    pub fn hessian_pattern(&self) -> &[(usize, usize)] {
+        &self.pattern
+    }
+
+    /// Adds `weight` times gradient and convexified Hessian (in the order of [`CostFunction::hessian_pattern`]).
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn add_derivatives(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        t: f64,
+        r: &[f64],
+        weight: f64,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+    ) {
+        self.load(x, u, t, r);
+        self.derivatives.eval(&self.arguments, &mut self.work, &mut self.out);
+        let n = self.variables;
+        for (g, v) in gradient.iter_mut().zip(&self.out[1..=n]) {
+            *g += weight * v;
+        }
+        let mut full = DMatrix::zeros(n, n);
+        for (&(i, j), &v) in self.entries.iter().zip(&self.out[1 + n..]) {
+            full[(i, j)] = v;
+            full[(j, i)] = v;
+        }
+        let mut at = 0;
+        for c in &self.components {
+            let mut block = DMatrix::from_fn(c.len(), c.len(), |a, b| full[(c[a], c[b])]);
+            clip_to_psd(&mut block);
+            for a in 0..c.len() {
+                for b in a..c.len() {
+                    hessian[at] += weight * block[(a, b)];
+                    at += 1;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! The dynamics as the optimiser needs them: a field and its exact derivatives.
+
+use crate::error::{MpcError, check_length};
+use crate::smoothing::{relaxation_rates, smooth};
+use bracketry_symbolic::{Expr, Pool, Symbol, Tape};
+
+/// Continuous dynamics x' = f(t, x, u) with exact derivatives.
+pub trait Dynamics: Send {
+    /// Number of states n.
+    fn states(&self) -> usize;
+    /// Number of inputs m.
+    fn inputs(&self) -> usize;
+    /// dx = f(t, x, u).
+    fn field(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]);
+    /// Places (i, j) of the entries of ∂f/∂(x, u) that can differ from zero, 0 ≤ i < n, 0 ≤ j < n + m.
+    fn jacobian_pattern(&self) -> &[(usize, usize)];
+    /// dx = f and the entries of ∂f/∂(x, u) in the order of [`Dynamics::jacobian_pattern`].
+    fn field_and_jacobian(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64], jacobian: &mut [f64]);
+    /// Whether the dynamics contain switching functions that are smoothed.
+    fn is_smoothed(&self) -> bool {
+        false
+    }
+    /// Sets the smoothing width; without effect on smooth dynamics.
+    fn set_smoothing(&mut self, _width: f64) {}
+    /// Speed, in 1/s, at which the smoothed dynamics relax onto a switching surface; 0 for smooth dynamics.
+    fn relaxation_rate(&mut self, _t: f64, _x: &[f64], _u: &[f64]) -> f64 {
+        0.0
+    }
+}
+
+/// Dynamics given by a function that writes f and the dense Jacobian ∂f/∂(x, u), row by row.
+///
+/// ```
+/// use bracketry_mpc::{Dynamics, FieldDynamics};
+/// let mut pendulum = FieldDynamics::new(2, 1, |_t, x, u, dx, jac| {
+///     dx.copy_from_slice(&[x[1], u[0] - x[0].sin()]);
+///     jac.copy_from_slice(&[0.0, 1.0, 0.0, -x[0].cos(), 0.0, 1.0]);
+/// });
+/// let mut dx = [0.0; 2];
+/// pendulum.field(0.0, &[0.0, 2.0], &[3.0], &mut dx);
+/// assert_eq!(dx, [2.0, 3.0]);
+/// ```
+pub struct FieldDynamics<F> {
+    states: usize,
+    inputs: usize,
+    pattern: Vec<(usize, usize)>,
+    scratch: Vec<f64>,
+    function: F,
+}
+
+impl<F: FnMut(f64, &[f64], &[f64], &mut [f64], &mut [f64]) + Send> FieldDynamics<F> {
+    /// Dynamics with `function(t, x, u, dx, jacobian)`; the Jacobian has n rows of n + m entries.
+    pub fn new(states: usize, inputs: usize, function: F) -> Self {
+        let columns = states + inputs;
+        let pattern = (0..states * columns).map(|i| (i / columns, i % columns)).collect();
+        Self { states, inputs, pattern, scratch: vec![0.0; states * columns], function }
+    }
+}
+
+impl<F: FnMut(f64, &[f64], &[f64], &mut [f64], &mut [f64]) + Send> Dynamics for FieldDynamics<F> {
+    fn states(&self) -> usize {
+        self.states
+    }
+    fn inputs(&self) -> usize {
+        self.inputs
+    }
+    fn field(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) {
+        (self.function)(t, x, u, dx, &mut self.scratch);
+    }
+    fn jacobian_pattern(&self) -> &[(usize, usize)] {
+        &self.pattern
+    }
+    fn field_and_jacobian(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64], jacobian: &mut [f64]) {
+        (self.function)(t, x, u, dx, jacobian);
+    }
+}
+
+/// Dynamics compiled from expressions; `sign` is smoothed with a width that can be changed at any time.
+#[derive(Clone)]
+pub struct SymbolicDynamics {
+    states: usize,
+    inputs: usize,
+    parameters: usize,
+    field: Tape,
+    field_and_jacobian: Tape,
+    rates: Tape,
+    pattern: Vec<(usize, usize)>,
+    smoothed: bool,
+    width: f64,
+    arguments: Vec<f64>,
+    work: Vec<f64>,
+    out: Vec<f64>,
+}
+
+/// Names with which a field is written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Variables<'a> {
+    pub(crate) time: Symbol,
+    pub(crate) states: &'a [Symbol],
+    pub(crate) inputs: &'a [Symbol],
+    pub(crate) parameters: &'a [Symbol],
+}
+
+impl SymbolicDynamics {
+    /// Compiles the field `f`, one expression per state, as a function of time, states, inputs and parameters.
+    ///
+    /// The smoothing width starts at 0.01 (in the unit of the sign's argument).
+    ///
+    /// # Errors
+    /// If the lengths do not agree or an expression uses another name.
+    pub fn compile(
+        pool: &mut Pool,
+        time: Symbol,
+        states: &[Symbol],
+        inputs: &[Symbol],
+        parameters: &[(Symbol, f64)],
+        f: &[Expr],
+    ) -> Result<Self, MpcError> {
+        check_length("the field", f.len(), states.len())?;
+        let names: Vec<Symbol> = parameters.iter().map(|p| p.0).collect();
+        let variables = Variables { time, states, inputs, parameters: &names };
+        let mut dynamics = Self::compile_tapes(pool, variables, f)?;
+        let first = 1 + states.len() + inputs.len();
+        for (a, p) in dynamics.arguments[first..].iter_mut().zip(parameters) {
+            *a = p.1;
+        }
+        Ok(dynamics)
+    }
+
+    fn compile_tapes(pool: &mut Pool, v: Variables, f: &[Expr]) -> Result<Self, MpcError> {
+        let width_symbol = pool.symbol("smoothing#width");
+        let width = pool.sym(width_symbol);
+        let smoothed = smooth(pool, f, width);
+        let f = smoothed.expressions;
+        let mut all = vec![v.time];
+        all.extend(v.states.iter().chain(v.inputs).chain(v.parameters));
+        all.push(width_symbol);
+        let columns: Vec<Symbol> = v.states.iter().chain(v.inputs).copied().collect();
+        let mut pattern = Vec::new();
+        let mut outputs = f.clone();
+        for (i, row) in pool.jacobian(&f, &columns).into_iter().enumerate() {
+            for (j, e) in row.into_iter().enumerate() {
+                if !pool.is_zero(e) {
+                    pattern.push((i, j));
+                    outputs.push(e);
+                }
+            }
+        }
+        let rates = relaxation_rates(pool, &f, v.states, &smoothed.arguments, width);
+        let field_and_jacobian = Tape::compile(pool, &all, &outputs)?;
+        Ok(Self {
+            states: v.states.len(),
+            inputs: v.inputs.len(),
+            parameters: v.parameters.len(),
+            field: Tape::compile(pool, &all, &f)?,
+            rates: Tape::compile(pool, &all, &rates)?,
+            out: vec![0.0; field_and_jacobian.n_outputs()],
+            field_and_jacobian,
+            pattern,
+            smoothed: f.iter().any(|&e| pool.depends_on(e, width_symbol)),
+            width: 0.01,
+            arguments: vec![0.0; all.len()],
+            work: Vec::new(),
+        })
+    }
+
+    /// Sets the value of the parameter with this index.
+    ///
+    /// # Errors
+    /// [`MpcError::Length`] if there are fewer parameters.
+    pub fn set_parameter(&mut self, index: usize, value: f64) -> Result<(), MpcError> {
+        if index >= self.parameters {
+            return Err(MpcError::Length { what: "the parameters", found: self.parameters, expected: index + 1 });
+        }
+        self.arguments[1 + self.states + self.inputs + index] = value;
+        Ok(())
+    }
+
+    fn load(&mut self, t: f64, x: &[f64], u: &[f64]) {
+        let (n, m) = (self.states, self.inputs);
+        self.arguments[0] = t;
+        self.arguments[1..=n].copy_from_slice(x);
+        self.arguments[1 + n..1 + n + m].copy_from_slice(u);
+        let last = self.arguments.len() - 1;
+        self.arguments[last] = self.width;
+    }
+}
+
+impl Dynamics for SymbolicDynamics {
+    fn states(&self) -> usize {
+        self.states
+    }
+    fn inputs(&self) -> usize {
+        self.inputs
+    }
+    fn field(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) {
+        self.load(t, x, u);
+        self.field.eval(&self.arguments, &mut self.work, dx);
+    }
+    fn jacobian_pattern(&self) -> &[(usize, usize)] {
+        &self.pattern
+    }
+    fn field_and_jacobian(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64], jacobian: &mut [f64]) {
+        self.load(t, x, u);
+        self.field_and_jacobian.eval(&self.arguments, &mut self.work, &mut self.out);
+        dx.copy_from_slice(&self.out[..self.states]);
+        jacobian.copy_from_slice(&self.out[self.states..]);
+    }
+    fn is_smoothed(&self) -> bool {
+        self.smoothed
+    }
+    fn set_smoothing(&mut self, width: f64) {
+        self.width = width;
+    }
+    fn relaxation_rate(&mut self, t: f64, x: &[f64], u: &[f64]) -> f64 {
+        if self.rates.n_outputs() == 0 {
+            return 0.0;
+        }
+        self.load(t, x, u);
+        let mut rates = vec![0.0; self.rates.n_outputs()];
+        self.rates.eval(&self.arguments, &mut self.work, &mut rates);
+        rates.iter().fold(0.0, |m: f64, r| m.max(r.abs())) / self.width
+    }
+}

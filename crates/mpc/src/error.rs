@@ -1,0 +1,63 @@
+//! What can be wrong with a problem before anything is solved.
+
+use bracketry_symbolic::CompileError;
+
+/// Misuse or bad input; outcomes of a solution process are statuses instead.
+#[derive(Debug, thiserror::Error)]
+pub enum MpcError {
+    /// A vector does not have the length the problem asks for.
+    #[error("{what} has length {found}, expected {expected}")]
+    Length {
+        /// The vector.
+        what: &'static str,
+        /// Length given.
+        found: usize,
+        /// Length needed.
+        expected: usize,
+    },
+    /// A number is not finite or outside its range.
+    #[error("{what} is {value}: {remedy}")]
+    Value {
+        /// The quantity.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// What to do about it.
+        remedy: &'static str,
+    },
+    /// A lower bound lies above its upper bound.
+    #[error("the bounds of {what} {index} contradict each other: min {min} > max {max}")]
+    EmptyBounds {
+        /// `"state"` or `"input"`.
+        what: &'static str,
+        /// Its index, from 0.
+        index: usize,
+        /// Lower bound.
+        min: f64,
+        /// Upper bound.
+        max: f64,
+    },
+    /// An index names no state.
+    #[error("there is no state with index {index}: the model has {states}")]
+    NoSuchState {
+        /// The index, from 0.
+        index: usize,
+        /// Number of states.
+        states: usize,
+    },
+    /// The plant could not be simulated further.
+    #[error("the plant stops at t = {time}: {source}")]
+    Plant {
+        /// Time of the sample, s.
+        time: f64,
+        /// The reason.
+        source: crate::closed_loop::PlantError,
+    },
+    /// An expression uses a name that is neither a state, an input, the time nor a reference.
+    #[error(transparent)]
+    Compile(#[from] CompileError),
+}
+
+pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), MpcError> {
+    if found == expected { Ok(()) } else { Err(MpcError::Length { what, found, expected }) }
+}

@@ -1,0 +1,216 @@
+//! Multiple shooting: the flow over every interval and its exact derivatives.
+//!
+//! The classical Runge–Kutta method of order 4 is differentiated as it stands, so the sensitivities are those of the numbers
+//! it returns: S_{i+1} = S_i + h/6 (D_1 + 2 D_2 + 2 D_3 + D_4), D_j = A_j T_j + [0 B_j].
+
+use crate::dynamics::Dynamics;
+use crate::trajectory::Trajectory;
+
+/// End states of every interval, and their derivatives.
+#[derive(Clone, Debug, Default)]
+pub struct Linearisation {
+    /// F(x_k, u_k), N rows of n entries.
+    pub end: Vec<f64>,
+    /// ∂F/∂(x, u), N blocks of n rows of n + m entries.
+    pub jacobian: Vec<f64>,
+}
+
+/// The integrator with its working memory.
+pub(crate) struct Shooter {
+    n: usize,
+    m: usize,
+    pattern: Vec<(usize, usize)>,
+    /// Entries that the flow's derivative can have: the reflexive and transitive closure of the field's pattern.
+    closure: Vec<bool>,
+    stage: Vec<f64>,
+    k: [Vec<f64>; 4],
+    d: [Vec<f64>; 4],
+    s: Vec<f64>,
+    t: Vec<f64>,
+    jac: Vec<f64>,
+}
+
+const FRACTION: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
+const WEIGHT: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
+
+impl Shooter {
+    pub(crate) fn new(dynamics: &dyn Dynamics) -> Self {
+        let (n, m) = (dynamics.states(), dynamics.inputs());
+        let w = n + m;
+        let pattern = dynamics.jacobian_pattern().to_vec();
+        let mut closure = vec![false; n * w];
+        for i in 0..n {
+            closure[i * w + i] = true;
+        }
+        for &(i, j) in &pattern {
+            closure[i * w + j] = true;
+        }
+        // Warshall: a path i → k → j makes the entry (i, j) possible.
+        for k in 0..n {
+            for i in 0..n {
+                if closure[i * w + k] {
+                    for j in 0..w {
+                        closure[i * w + j] |= closure[k * w + j];
+                    }
+                }
+            }
+        }
+        let row = || vec![0.0; n];
+        let block = || vec![0.0; n * w];
+        Self {
+            n,
+            m,
+            closure,
+            stage: row(),
+            k: [row(), row(), row(), row()],
+            d: [block(), block(), block(), block()],
+            s: block(),
+            t: block(),
+            jac: vec![0.0; pattern.len()],
+            pattern,
+        }
+    }
+
+    /// Which entries of ∂F/∂(x, u) can differ from zero, n rows of n + m.
+    pub(crate) fn closure(&self) -> &[bool] {
+        &self.closure
+    }
+
+    /// Advances `x` over `dt`.
+    pub(crate) fn advance(
+        &mut self,
+        dynamics: &mut dyn Dynamics,
+        t: f64,
+        x: &mut [f64],
+        u: &[f64],
+        dt: f64,
+        substeps: usize,
+    ) {
+        let h = dt / substeps as f64;
+        for step in 0..substeps {
+            let time = t + step as f64 * h;
+            for q in 0..4 {
+                let c = FRACTION[q] * h;
+                for i in 0..self.n {
+                    self.stage[i] = if q == 0 { x[i] } else { x[i] + c * self.k[q - 1][i] };
+                }
+                dynamics.field(time + c, &self.stage, u, &mut self.k[q]);
+            }
+            for i in 0..self.n {
+                x[i] += h * (0..4).map(|q| WEIGHT[q] * self.k[q][i]).sum::<f64>();
+            }
+        }
+    }
+
+    /// As [`Shooter::advance`], and the derivative of the end state with respect to (x, u) into `jacobian`.
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn advance_with_sensitivity(
+        &mut self,
+        dynamics: &mut dyn Dynamics,
+        t: f64,
+        x: &mut [f64],
+        u: &[f64],
+        dt: f64,
+        substeps: usize,
+        jacobian: &mut [f64],
+    ) {
+        let (n, w) = (self.n, self.n + self.m);
+        let h = dt / substeps as f64;
+        self.s.fill(0.0);
+        for i in 0..n {
+            self.s[i * w + i] = 1.0;
+        }
+        for step in 0..substeps {
+            let time = t + step as f64 * h;
+            for q in 0..4 {
+                let c = FRACTION[q] * h;
+                if q == 0 {
+                    self.stage.copy_from_slice(x);
+                    self.t.copy_from_slice(&self.s);
+                } else {
+                    for i in 0..n {
+                        self.stage[i] = x[i] + c * self.k[q - 1][i];
+                    }
+                    for ((t, s), d) in self.t.iter_mut().zip(&self.s).zip(&self.d[q - 1]) {
+                        *t = s + c * d;
+                    }
+                }
+                dynamics.field_and_jacobian(time + c, &self.stage, u, &mut self.k[q], &mut self.jac);
+                let d = &mut self.d[q];
+                d.fill(0.0);
+                for (&(i, j), &a) in self.pattern.iter().zip(&self.jac) {
+                    if j >= n {
+                        d[i * w + j] += a;
+                    } else {
+                        for (d, t) in d[i * w..(i + 1) * w].iter_mut().zip(&self.t[j * w..(j + 1) * w]) {
+                            *d += a * t;
+                        }
+                    }
+                }
+            }
+            for i in 0..n {
+                x[i] += h * (0..4).map(|q| WEIGHT[q] * self.k[q][i]).sum::<f64>();
+            }
+            for i in 0..n * w {
+                self.s[i] += h * (0..4).map(|q| WEIGHT[q] * self.d[q][i]).sum::<f64>();
+            }
+        }
+        jacobian.copy_from_slice(&self.s);
+    }
+
+    /// Linearises every interval of the trajectory from `first` on.
+    pub(crate) fn linearise(
+        &mut self,
+        dynamics: &mut dyn Dynamics,
+        grid: Grid,
+        trajectory: &Trajectory,
+        intervals: std::ops::Range<usize>,
+        out: &mut Linearisation,
+    ) {
+        let (n, w) = (self.n, self.n + self.m);
+        out.end.resize(trajectory.steps() * n, 0.0);
+        out.jacobian.resize(trajectory.steps() * n * w, 0.0);
+        for k in intervals {
+            let end = &mut out.end[k * n..(k + 1) * n];
+            end.copy_from_slice(trajectory.x(k));
+            let block = &mut out.jacobian[k * n * w..(k + 1) * n * w];
+            let t = grid.t0 + k as f64 * grid.dt;
+            self.advance_with_sensitivity(dynamics, t, end, trajectory.u(k), grid.dt, grid.substeps, block);
+        }
+    }
+
+    /// End states only.
+    pub(crate) fn end_states(
+        &mut self,
+        dynamics: &mut dyn Dynamics,
+        grid: Grid,
+        trajectory: &Trajectory,
+        end: &mut Vec<f64>,
+    ) {
+        let n = self.n;
+        end.resize(trajectory.steps() * n, 0.0);
+        for (k, row) in end.chunks_exact_mut(n).enumerate() {
+            row.copy_from_slice(trajectory.x(k));
+            let t = grid.t0 + k as f64 * grid.dt;
+            self.advance(dynamics, t, row, trajectory.u(k), grid.dt, grid.substeps);
+        }
+    }
+
+    /// Replaces the states by those that follow from x_0 and the inputs.
+    pub(crate) fn roll_out(&mut self, dynamics: &mut dyn Dynamics, grid: Grid, trajectory: &mut Trajectory) {
+        for k in 0..trajectory.steps() {
+            let mut x = trajectory.x(k).to_vec();
+            let t = grid.t0 + k as f64 * grid.dt;
+            self.advance(dynamics, t, &mut x, trajectory.u(k), grid.dt, grid.substeps);
+            trajectory.x_mut(k + 1).copy_from_slice(&x);
+        }
+    }
+}
+
+/// Start time, interval and number of integration steps per interval.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grid {
+    pub(crate) t0: f64,
+    pub(crate) dt: f64,
+    pub(crate) substeps: usize,
+}

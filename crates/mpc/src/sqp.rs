@@ -1,0 +1,370 @@
+//! Sequential quadratic programming to convergence.
+//!
+//! Each iteration solves the Gauss–Newton program with a proximal term λ/2 ‖Δ/trust‖² and takes the whole step when the
+//! exact ℓ₁ merit function falls by enough of what the program predicted, else λ grows (Levenberg–Marquardt with slacks:
+//! the program is always feasible). Smoothed switching functions are sharpened along a schedule of widths; between two
+//! widths it is enough to be near the solution.
+
+use crate::dynamics::Dynamics;
+use crate::error::{MpcError, check_length};
+use crate::ocp::Ocp;
+use crate::qp::{Qp, QpSettings, QpStatus};
+use crate::shooting::Linearisation;
+use crate::trajectory::Trajectory;
+use crate::transcription::Transcription;
+use std::time::Instant;
+
+/// Settings of [`Sqp`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct SqpSettings {
+    /// Largest number of quadratic programs at one smoothing width.
+    pub max_iterations: usize,
+    /// The solution is accepted when a step promises less than this fraction of the merit.
+    pub tolerance: f64,
+    /// Largest defect, in units of the state scale, of an accepted solution.
+    pub defect_tolerance: f64,
+    /// Smoothing widths, from wide to narrow; ignored by smooth dynamics, and when empty the width set last is kept.
+    pub smoothing: Vec<f64>,
+    /// Largest number of programs at every width but the last.
+    pub continuation_iterations: usize,
+    /// Promised fraction of the merit below which the next width follows.
+    pub continuation_tolerance: f64,
+    /// Number of whole, undamped steps tried first on smooth dynamics. They often find a good solution through states that a
+    /// merit function forbids; when they do not converge, the guarded iteration starts from the guess.
+    pub full_steps: usize,
+    /// Proximal weight λ of the first program.
+    pub proximal: f64,
+    /// Smallest proximal weight; below it the term is left out.
+    pub min_proximal: f64,
+    /// Settings of the quadratic programs.
+    pub qp: QpSettings,
+}
+
+impl Default for SqpSettings {
+    fn default() -> Self {
+        Self {
+            max_iterations: 100,
+            tolerance: 1e-8,
+            defect_tolerance: 1e-6,
+            smoothing: Vec::new(),
+            continuation_iterations: 25,
+            continuation_tolerance: 0.05,
+            full_steps: 50,
+            proximal: 1.0,
+            min_proximal: 1e-4,
+            qp: QpSettings::default(),
+        }
+    }
+}
+
+/// How the iteration ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SolveStatus {
+    /// No step promises anything more.
+    Converged,
+    /// Converged, but a hard bound cannot be kept: largest violation in units of its state's scale.
+    Infeasible {
+        /// Largest violation.
+        violation: f64,
+    },
+    /// The iteration limit came first.
+    IterationLimit,
+    /// No step lowers the merit, however short.
+    Stalled,
+    /// A quadratic program could not be solved, however strong the proximal term.
+    QpFailed(QpStatus),
+    /// Guess, initial state or dynamics gave a number that is not finite.
+    NotANumber,
+}
+
+/// One line of the log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iteration {
+    /// Smoothing width, 0 if none was set.
+    pub smoothing: f64,
+    /// Cost and penalties before the step.
+    pub objective: f64,
+    /// Largest defect before the step, in units of the state scale.
+    pub defect: f64,
+    /// Fall of the merit that the program predicted.
+    pub predicted: f64,
+    /// What became of it, as a fraction.
+    pub ratio: f64,
+    /// Proximal weight.
+    pub proximal: f64,
+    /// Status of the program.
+    pub qp: QpStatus,
+    /// Interior-point iterations.
+    pub qp_iterations: u32,
+}
+
+/// A trajectory with the verdict on it.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// States and inputs.
+    pub trajectory: Trajectory,
+    /// How the iteration ended.
+    pub status: SolveStatus,
+    /// Stage and terminal cost, without penalties.
+    pub cost: f64,
+    /// Largest defect |F(x_k, u_k) − x_{k+1}|/scale.
+    pub defect: f64,
+    /// What is missing to every target, x_N − target.
+    pub miss: Vec<f64>,
+    /// The log.
+    pub iterations: Vec<Iteration>,
+    /// Time taken, s.
+    pub seconds: f64,
+}
+
+/// The solver: problem, dynamics and memory.
+pub struct Sqp {
+    pub(crate) problem: Transcription,
+    settings: SqpSettings,
+    qp: Qp,
+    lin: Linearisation,
+}
+
+/// How one width ended.
+enum Stop {
+    Converged,
+    Limit,
+    Stalled,
+    QpFailed(QpStatus),
+}
+
+impl Sqp {
+    /// A solver for the problem.
+    ///
+    /// # Errors
+    /// If the problem contradicts itself or the dynamics.
+    pub fn new(dynamics: Box<dyn Dynamics>, ocp: Ocp, settings: SqpSettings) -> Result<Self, MpcError> {
+        let problem = Transcription::new(dynamics, ocp)?;
+        for &w in &settings.smoothing {
+            if !(w > 0.0 && w.is_finite()) {
+                return Err(MpcError::Value {
+                    what: "a smoothing width".into(),
+                    value: w,
+                    remedy: "give a positive number",
+                });
+            }
+        }
+        let qp = Qp::new(&problem.ocp, problem.ocp.steps, problem.shooter.closure(), settings.qp);
+        Ok(Self { problem, settings, qp, lin: Linearisation::default() })
+    }
+
+    /// The problem.
+    pub fn ocp(&self) -> &Ocp {
+        &self.problem.ocp
+    }
+
+    /// Sets the grid point of the run at which the horizon starts (time and references follow it).
+    pub fn set_start(&mut self, k0: usize) {
+        self.problem.k0 = k0;
+    }
+
+    /// Inputs put to use from `x0`: a guess whose states obey the dynamics at the first smoothing width.
+    ///
+    /// # Errors
+    /// If a length is wrong.
+    pub fn guess(&mut self, x0: &[f64], inputs: &[Vec<f64>]) -> Result<Trajectory, MpcError> {
+        let n = self.problem.ocp.states();
+        check_length("the initial state", x0.len(), n)?;
+        check_length("the list of inputs", inputs.len(), self.problem.ocp.steps)?;
+        let mut g = Trajectory::from_rows(&vec![x0.to_vec(); inputs.len() + 1], inputs)?;
+        self.problem.check_trajectory(&g)?;
+        if let Some(&w) = self.settings.smoothing.first() {
+            self.problem.dynamics.set_smoothing(w);
+        }
+        self.problem.choose_substeps(&g);
+        self.problem.roll_out(&mut g);
+        Ok(g)
+    }
+
+    /// Solves from a guess, whose first state is replaced by `x0` and whose inputs are brought into their bounds.
+    ///
+    /// # Errors
+    /// If a length is wrong; everything else is a status.
+    pub fn solve(&mut self, x0: &[f64], guess: &Trajectory) -> Result<Solution, MpcError> {
+        let start = Instant::now();
+        check_length("the initial state", x0.len(), self.problem.ocp.states())?;
+        self.problem.check_trajectory(guess)?;
+        let mut z = guess.clone();
+        z.x_mut(0).copy_from_slice(x0);
+        z.clamp_inputs(&self.problem.ocp.input_bounds);
+        let mut log = Vec::new();
+        let widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
+        let mut lambda = self.settings.proximal;
+        let mut status = SolveStatus::NotANumber;
+        let full = z.is_finite() && widths.is_empty() && self.full_steps(&mut z, &mut log)?;
+        if full {
+            status = SolveStatus::Converged;
+        } else if z.is_finite() {
+            let last = widths.len().saturating_sub(1);
+            for i in 0..=last {
+                if let Some(&w) = widths.get(i) {
+                    self.problem.dynamics.set_smoothing(w);
+                }
+                let width = widths.get(i).copied().unwrap_or(0.0);
+                if i > 0 {
+                    lambda = lambda.max(1e-2 * self.settings.proximal);
+                }
+                status = match self.iterate(&mut z, width, i == last, &mut lambda, &mut log)? {
+                    Stop::QpFailed(QpStatus::NotANumber) => SolveStatus::NotANumber,
+                    Stop::QpFailed(s) => SolveStatus::QpFailed(s),
+                    Stop::Converged => SolveStatus::Converged,
+                    Stop::Limit => SolveStatus::IterationLimit,
+                    Stop::Stalled => SolveStatus::Stalled,
+                };
+                if status == SolveStatus::NotANumber {
+                    break;
+                }
+            }
+        }
+        let violation = self.problem.ocp.hard_violation(&z);
+        if status == SolveStatus::Converged && violation > 1e-5 {
+            status = SolveStatus::Infeasible { violation };
+        }
+        let merit = self.problem.merit(&z, self.settings.qp.hard_weight);
+        let ocp = &mut self.problem.ocp;
+        let miss = ocp.targets.iter().map(|t| z.x(z.steps())[t.state] - t.value).collect();
+        let cost = ocp.cost(self.problem.k0, &z);
+        Ok(Solution {
+            trajectory: z,
+            status,
+            cost,
+            defect: merit.worst_defect,
+            miss,
+            iterations: log,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// Undamped iteration; on failure the trajectory is as it was.
+    fn full_steps(&mut self, z: &mut Trajectory, log: &mut Vec<Iteration>) -> Result<bool, MpcError> {
+        let s = self.settings.clone();
+        let mut at = z.clone();
+        self.problem.choose_substeps(&at);
+        for _ in 0..s.full_steps {
+            self.problem.linearise(&at, 0, at.steps(), &mut self.lin);
+            self.qp.assemble(&mut self.problem.ocp, self.problem.k0, &at, &self.lin, 0.0);
+            let now = self.problem.merit_with(&at, &self.lin.end, s.qp.hard_weight);
+            let qp = self.qp.solve()?;
+            let mut trial = at.moved(1.0, &self.qp.solution.dx, &self.qp.solution.du);
+            trial.clamp_inputs(&self.problem.ocp.input_bounds);
+            let after = self.problem.merit(&trial, s.qp.hard_weight);
+            let weight = self.problem.penalty_weight(&self.qp.solution.multipliers);
+            let predicted = now.value(weight) - after.objective;
+            let fall = now.value(weight) - after.value(weight);
+            log.push(Iteration {
+                smoothing: 0.0,
+                objective: now.objective,
+                defect: now.worst_defect,
+                predicted,
+                ratio: fall / predicted.max(f64::MIN_POSITIVE),
+                proximal: 0.0,
+                qp,
+                qp_iterations: self.qp.solution.iterations,
+            });
+            if !qp.is_usable() || !fall.is_finite() {
+                return Ok(false);
+            }
+            let near = predicted.abs() <= s.tolerance * now.objective.abs().max(1e-12);
+            at = trial;
+            if near && now.worst_defect <= s.defect_tolerance {
+                *z = at;
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// A trajectory moved on by one interval: the last input is held for one more.
+    pub(crate) fn shifted(&mut self, trajectory: &Trajectory) -> Trajectory {
+        let mut z = trajectory.clone();
+        z.shift();
+        self.problem.extend_last(&mut z);
+        z
+    }
+
+    fn iterate(
+        &mut self,
+        z: &mut Trajectory,
+        width: f64,
+        last: bool,
+        lambda: &mut f64,
+        log: &mut Vec<Iteration>,
+    ) -> Result<Stop, MpcError> {
+        let s = self.settings.clone();
+        let steps = z.steps();
+        self.problem.choose_substeps(z);
+        self.problem.linearise(z, 0, steps, &mut self.lin);
+        let (limit, tolerance, defect_tolerance) = if last {
+            (s.max_iterations, s.tolerance, s.defect_tolerance)
+        } else {
+            (s.continuation_iterations, s.continuation_tolerance, s.defect_tolerance.max(1e-2))
+        };
+        let mut weight = 0.0_f64;
+        let mut failures = 0;
+        for _ in 0..limit {
+            let proximal = if *lambda < s.min_proximal { 0.0 } else { *lambda };
+            self.qp.assemble(&mut self.problem.ocp, self.problem.k0, z, &self.lin, proximal);
+            let now = self.problem.merit_with(z, &self.lin.end, s.qp.hard_weight);
+            let qp = self.qp.solve()?;
+            let mut line = Iteration {
+                smoothing: width,
+                objective: now.objective,
+                defect: now.worst_defect,
+                predicted: 0.0,
+                ratio: 0.0,
+                proximal,
+                qp,
+                qp_iterations: self.qp.solution.iterations,
+            };
+            if !qp.is_usable() {
+                log.push(line);
+                if qp == QpStatus::NotANumber || failures > 8 {
+                    return Ok(Stop::QpFailed(qp));
+                }
+                failures += 1;
+                *lambda = (*lambda * 5.0).max(s.min_proximal * 5.0);
+                continue;
+            }
+            weight = self.problem.penalty_weight(&self.qp.solution.multipliers).max(0.8 * weight);
+            let mut trial = z.moved(1.0, &self.qp.solution.dx, &self.qp.solution.du);
+            trial.clamp_inputs(&self.problem.ocp.input_bounds);
+            let before = now.value(weight);
+            let after = self.problem.merit(&trial, s.qp.hard_weight);
+            let predicted = before - after.objective;
+            let fall = before - after.value(weight);
+            line.predicted = predicted;
+            line.ratio = fall / predicted.max(f64::MIN_POSITIVE);
+            log.push(line);
+            let near = predicted <= tolerance * now.objective.abs().max(1e-12);
+            if near && now.worst_defect <= defect_tolerance {
+                // The last step is still worth taking when it helps.
+                if fall > 0.0 {
+                    *z = trial;
+                }
+                return Ok(Stop::Converged);
+            }
+            if fall.is_finite() && line.ratio > 0.05 {
+                *z = trial;
+                self.problem.linearise(z, 0, steps, &mut self.lin);
+                if line.ratio > 0.7 {
+                    *lambda = (*lambda / 5.0).max(s.min_proximal / 5.0);
+                } else if line.ratio < 0.25 {
+                    *lambda *= 2.0;
+                }
+                failures = 0;
+            } else {
+                failures += 1;
+                *lambda = (*lambda * 5.0).max(s.min_proximal * 5.0);
+                if failures > 10 {
+                    return Ok(Stop::Stalled);
+                }
+            }
+        }
+        Ok(Stop::Limit)
+    }
+}

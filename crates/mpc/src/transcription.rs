@@ -1,0 +1,124 @@
+//! Problem, dynamics and integrator together: what both solution methods share.
+
+use crate::dynamics::Dynamics;
+use crate::error::{MpcError, check_length};
+use crate::ocp::{Ocp, Substeps};
+use crate::shooting::{Grid, Linearisation, Shooter};
+use crate::trajectory::Trajectory;
+
+/// Largest product of step and relaxation rate; the method of order 4 is stable up to 2.78 on the negative real axis.
+const STABLE_STEP: f64 = 1.2;
+
+pub(crate) struct Transcription {
+    pub(crate) dynamics: Box<dyn Dynamics>,
+    pub(crate) ocp: Ocp,
+    pub(crate) shooter: Shooter,
+    pub(crate) substeps: usize,
+    /// Grid point of the run at which the horizon starts.
+    pub(crate) k0: usize,
+    ends: Vec<f64>,
+}
+
+/// The parts of the merit function.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Merit {
+    /// Cost and penalties.
+    pub(crate) objective: f64,
+    /// Sum of |defect|/scale over all intervals and states.
+    pub(crate) defects: f64,
+    /// Largest |defect|/scale.
+    pub(crate) worst_defect: f64,
+}
+
+impl Merit {
+    pub(crate) fn value(&self, weight: f64) -> f64 {
+        self.objective + weight * self.defects
+    }
+}
+
+impl Transcription {
+    pub(crate) fn new(dynamics: Box<dyn Dynamics>, ocp: Ocp) -> Result<Self, MpcError> {
+        ocp.check(dynamics.states(), dynamics.inputs())?;
+        let shooter = Shooter::new(dynamics.as_ref());
+        Ok(Self { dynamics, ocp, shooter, substeps: 1, k0: 0, ends: Vec::new() })
+    }
+
+    pub(crate) fn grid(&self) -> Grid {
+        Grid { t0: self.k0 as f64 * self.ocp.dt, dt: self.ocp.dt, substeps: self.substeps }
+    }
+
+    pub(crate) fn check_trajectory(&self, trajectory: &Trajectory) -> Result<(), MpcError> {
+        check_length("the states of the guess", trajectory.states(), self.ocp.states())?;
+        check_length("the inputs of the guess", trajectory.inputs(), self.ocp.inputs())?;
+        check_length("the guess", trajectory.steps(), self.ocp.steps)
+    }
+
+    /// Chooses the number of integration steps for the current smoothing.
+    pub(crate) fn choose_substeps(&mut self, trajectory: &Trajectory) {
+        self.substeps = match self.ocp.substeps {
+            Substeps::Fixed(s) => s,
+            Substeps::AtLeast(s) => {
+                let mut rate = 0.0_f64;
+                for k in 0..trajectory.steps() {
+                    let t = (self.k0 + k) as f64 * self.ocp.dt;
+                    rate = rate.max(self.dynamics.relaxation_rate(t, trajectory.x(k), trajectory.u(k)));
+                }
+                s.max((self.ocp.dt * rate / STABLE_STEP).ceil().min(1e4) as usize)
+            }
+        };
+    }
+
+    pub(crate) fn linearise(&mut self, trajectory: &Trajectory, from: usize, to: usize, lin: &mut Linearisation) {
+        let grid = self.grid();
+        self.shooter.linearise(self.dynamics.as_mut(), grid, trajectory, from..to, lin);
+    }
+
+    pub(crate) fn roll_out(&mut self, trajectory: &mut Trajectory) {
+        let grid = self.grid();
+        self.shooter.roll_out(self.dynamics.as_mut(), grid, trajectory);
+    }
+
+    /// Fills in the last state from the one before it, unless the dynamics fail there.
+    pub(crate) fn extend_last(&mut self, trajectory: &mut Trajectory) {
+        let last = trajectory.steps() - 1;
+        let mut end = trajectory.x(last).to_vec();
+        let grid = self.grid();
+        let t = grid.t0 + last as f64 * grid.dt;
+        let dynamics = self.dynamics.as_mut();
+        self.shooter.advance(dynamics, t, &mut end, trajectory.u(last), grid.dt, grid.substeps);
+        if end.iter().all(|v| v.is_finite()) {
+            trajectory.x_mut(last + 1).copy_from_slice(&end);
+        }
+    }
+
+    /// Merit of a trajectory whose interval ends have been computed.
+    pub(crate) fn merit_with(&mut self, trajectory: &Trajectory, ends: &[f64], hard: f64) -> Merit {
+        let n = self.ocp.states();
+        let (mut sum, mut worst) = (0.0, 0.0_f64);
+        for k in 0..trajectory.steps() {
+            for i in 0..n {
+                let d = (ends[k * n + i] - trajectory.x(k + 1)[i]).abs() / self.ocp.state_scale[i];
+                sum += d;
+                worst = worst.max(d);
+            }
+        }
+        let objective = self.ocp.cost(self.k0, trajectory) + self.ocp.penalty(trajectory, hard);
+        Merit { objective, defects: sum, worst_defect: worst }
+    }
+
+    /// Merit of any trajectory.
+    pub(crate) fn merit(&mut self, trajectory: &Trajectory, hard: f64) -> Merit {
+        let mut ends = std::mem::take(&mut self.ends);
+        let grid = self.grid();
+        self.shooter.end_states(self.dynamics.as_mut(), grid, trajectory, &mut ends);
+        let merit = self.merit_with(trajectory, &ends, hard);
+        self.ends = ends;
+        merit
+    }
+
+    /// Weight that makes the sum of scaled defects an exact penalty for these multipliers.
+    pub(crate) fn penalty_weight(&self, multipliers: &[f64]) -> f64 {
+        let n = self.ocp.states();
+        multipliers.iter().enumerate().fold(0.0, |w: f64, (i, y)| w.max(y.abs() * self.ocp.state_scale[i % n])) * 1.2
+    }
+}
