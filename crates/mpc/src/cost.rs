@@ -2,7 +2,9 @@
 
 use crate::convexify::{clip_to_psd, components};
 use crate::error::{MpcError, check_length};
-use bracketry_symbolic::{Expr, Pool, Symbol, Tape};
+use bracketry_native::{Function, Workspace};
+use bracketry_symbolic::{Expr, Names, Pool, Symbol, Tape};
+use bracketry_system::System;
 use nalgebra::DMatrix;
 
 /// A scalar function l(x, u, t, r) of states, inputs, time and references, compiled with its derivatives.
@@ -13,18 +15,91 @@ use nalgebra::DMatrix;
 pub struct CostFunction {
     variables: usize,
     references: usize,
-    value: Tape,
-    derivatives: Tape,
+    value: Function,
+    derivatives: Function,
     /// Places (i ≤ j) of the second derivatives that the tape computes after value and gradient.
     entries: Vec<(usize, usize)>,
     components: Vec<Vec<usize>>,
     pattern: Vec<(usize, usize)>,
     arguments: Vec<f64>,
-    work: Vec<f64>,
+    work: Workspace,
     out: Vec<f64>,
 }
 
+/// Which variables a cost may use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CostKind {
+    /// States and inputs: the integrand.
+    Stage,
+    /// States only: the cost of the end.
+    Terminal,
+}
+
+/// The names of a cost expression.
+pub(crate) struct CostNames<'a> {
+    pub(crate) system: &'a System,
+    pub(crate) kind: CostKind,
+    pub(crate) references: &'a [String],
+}
+
+impl Names for CostNames<'_> {
+    fn lookup(&mut self, pool: &mut Pool, name: &str) -> Option<Expr> {
+        let known = |s: &Symbol| self.system.symbol_name(*s) == name;
+        if let Some(p) = self.system.parameters.iter().find(|p| known(&p.symbol)) {
+            return Some(pool.rational(p.value.clone()));
+        }
+        let inputs: &[Symbol] = if self.kind == CostKind::Stage { &self.system.inputs } else { &[] };
+        let found = self.system.states.iter().chain(inputs).any(known);
+        (found || name == "t" || self.references.iter().any(|r| r == name)).then(|| pool.var(name))
+    }
+    fn known(&self) -> Vec<String> {
+        let mut names = self.system.state_names();
+        if self.kind == CostKind::Stage {
+            names.extend(self.system.input_names());
+        }
+        names.push("t".into());
+        names.extend(self.system.parameters.iter().map(|p| self.system.symbol_name(p.symbol).to_owned()));
+        names.extend(self.references.iter().cloned());
+        names
+    }
+}
+
 impl CostFunction {
+    /// Reads a cost over the names of a system, the time `t` and references.
+    ///
+    /// ```
+    /// use bracketry_mpc::{CostFunction, CostKind};
+    /// use bracketry_system::System;
+    /// let text = r#"states = ["p"]
+    /// inputs = ["u"]
+    /// dynamics = { p = "u" }"#;
+    /// let system = System::parse("integrator.toml", text).unwrap();
+    /// let mut cost = CostFunction::parse(&system, CostKind::Stage, &["goal"], "(p - goal)^2 + u^2").unwrap();
+    /// assert_eq!(cost.value(&[3.0], &[2.0], 0.0, &[1.0]), 8.0);
+    /// ```
+    ///
+    /// # Errors
+    /// A syntax error, or a name that may not stand there.
+    pub fn parse(system: &System, kind: CostKind, references: &[&str], text: &str) -> Result<Self, MpcError> {
+        let mut pool = system.pool.clone();
+        let references: Vec<String> = references.iter().map(|s| (*s).to_owned()).collect();
+        let cost = pool.parse_with(text, &mut CostNames { system, kind, references: &references })?;
+        Self::of_system(system, kind, &references, &mut pool, cost)
+    }
+
+    pub(crate) fn of_system(
+        system: &System,
+        kind: CostKind,
+        references: &[String],
+        pool: &mut Pool,
+        cost: Expr,
+    ) -> Result<Self, MpcError> {
+        let time = pool.symbol("t");
+        let references: Vec<Symbol> = references.iter().map(|r| pool.symbol(r)).collect();
+        let inputs: &[Symbol] = if kind == CostKind::Stage { &system.inputs } else { &[] };
+        Self::compile(pool, time, &system.states, inputs, &references, cost)
+    }
+
     /// Compiles `cost` as a function of time, states, inputs and references.
     ///
     /// # Errors
@@ -60,18 +135,18 @@ impl CostFunction {
             .iter()
             .flat_map(|c| c.iter().enumerate().flat_map(move |(p, &i)| c[p..].iter().map(move |&j| (i, j))))
             .collect();
-        let derivatives = Tape::compile(pool, &all, &outputs)?;
+        let derivatives = Function::new(Tape::compile(pool, &all, &outputs)?);
         Ok(Self {
             variables: variables.len(),
             references: references.len(),
-            value: Tape::compile(pool, &all, &[cost])?,
+            value: Function::new(Tape::compile(pool, &all, &[cost])?),
             out: vec![0.0; derivatives.n_outputs()],
             derivatives,
             entries,
             components,
             pattern,
             arguments: vec![0.0; all.len()],
-            work: Vec::new(),
+            work: Workspace::default(),
         })
     }
 
@@ -101,7 +176,7 @@ impl CostFunction {
     pub fn value(&mut self, x: &[f64], u: &[f64], t: f64, r: &[f64]) -> f64 {
         self.load(x, u, t, r);
         let mut out = [0.0];
-        self.value.eval(&self.arguments, &mut self.work, &mut out);
+        self.value.call(&self.arguments, &mut self.work, &mut out);
         out[0]
     }
 
@@ -123,7 +198,7 @@ impl CostFunction {
         hessian: &mut [f64],
     ) {
         self.load(x, u, t, r);
-        self.derivatives.eval(&self.arguments, &mut self.work, &mut self.out);
+        self.derivatives.call(&self.arguments, &mut self.work, &mut self.out);
         let n = self.variables;
         for (g, v) in gradient.iter_mut().zip(&self.out[1..=n]) {
             *g += weight * v;

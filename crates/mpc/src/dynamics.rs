@@ -2,7 +2,9 @@
 
 use crate::error::{MpcError, check_length};
 use crate::smoothing::{relaxation_rates, smooth};
-use bracketry_symbolic::{Expr, Pool, Symbol, Tape};
+use bracketry_native::{Function, Workspace};
+use bracketry_symbolic::{Expr, Pool, Rational, Symbol, Tape};
+use bracketry_system::System;
 
 /// Continuous dynamics x' = f(t, x, u) with exact derivatives.
 pub trait Dynamics: Send {
@@ -76,19 +78,35 @@ impl<F: FnMut(f64, &[f64], &[f64], &mut [f64], &mut [f64]) + Send> Dynamics for 
 }
 
 /// Dynamics compiled from expressions; `sign` is smoothed with a width that can be changed at any time.
+///
+/// ```
+/// use bracketry_mpc::{Dynamics, SymbolicDynamics};
+/// use bracketry_system::System;
+/// let block = System::parse("block.toml", r#"
+///     states = ["x", "v"]
+///     inputs = ["a"]
+///     dynamics = { x = "v", v = "a - sign(v)" }
+/// "#).unwrap();
+/// let mut dynamics = SymbolicDynamics::new(&block).unwrap();
+/// dynamics.set_smoothing(0.5);
+/// let mut dx = [0.0; 2];
+/// dynamics.field(0.0, &[0.0, 1.0], &[3.0], &mut dx);
+/// assert_eq!(dx, [1.0, 3.0 - 2f64.tanh()]);
+/// assert_eq!(dynamics.relaxation_rate(0.0, &[0.0, 1.0], &[3.0]), 1.0 / 0.5);
+/// ```
 #[derive(Clone)]
 pub struct SymbolicDynamics {
     states: usize,
     inputs: usize,
     parameters: usize,
-    field: Tape,
-    field_and_jacobian: Tape,
-    rates: Tape,
+    field: Function,
+    field_and_jacobian: Function,
+    rates: Function,
     pattern: Vec<(usize, usize)>,
     smoothed: bool,
     width: f64,
     arguments: Vec<f64>,
-    work: Vec<f64>,
+    work: Workspace,
     out: Vec<f64>,
 }
 
@@ -102,6 +120,21 @@ pub(crate) struct Variables<'a> {
 }
 
 impl SymbolicDynamics {
+    /// Compiles the dynamics of a system, its parameters adjustable with [`SymbolicDynamics::set_parameter`] by their index
+    /// in the system.
+    ///
+    /// # Errors
+    /// [`MpcError::InputDerivative`] if the equations use a derivative of an input.
+    pub fn new(system: &System) -> Result<Self, MpcError> {
+        if let Some(d) = system.input_derivatives.first() {
+            return Err(MpcError::InputDerivative { name: system.symbol_name(d.symbol).to_owned() });
+        }
+        let parameters: Vec<(Symbol, f64)> = system.parameters.iter().map(|p| (p.symbol, to_f64(&p.value))).collect();
+        let mut pool = system.pool.clone();
+        let time = pool.symbol("t");
+        Self::compile(&mut pool, time, &system.states, &system.inputs, &parameters, &system.dynamics)
+    }
+
     /// Compiles the field `f`, one expression per state, as a function of time, states, inputs and parameters.
     ///
     /// The smoothing width starts at 0.01 (in the unit of the sign's argument).
@@ -147,20 +180,20 @@ impl SymbolicDynamics {
             }
         }
         let rates = relaxation_rates(pool, &f, v.states, &smoothed.arguments, width);
-        let field_and_jacobian = Tape::compile(pool, &all, &outputs)?;
+        let field_and_jacobian = Function::new(Tape::compile(pool, &all, &outputs)?);
         Ok(Self {
             states: v.states.len(),
             inputs: v.inputs.len(),
             parameters: v.parameters.len(),
-            field: Tape::compile(pool, &all, &f)?,
-            rates: Tape::compile(pool, &all, &rates)?,
+            field: Function::new(Tape::compile(pool, &all, &f)?),
+            rates: Function::new(Tape::compile(pool, &all, &rates)?),
             out: vec![0.0; field_and_jacobian.n_outputs()],
             field_and_jacobian,
             pattern,
             smoothed: f.iter().any(|&e| pool.depends_on(e, width_symbol)),
             width: 0.01,
             arguments: vec![0.0; all.len()],
-            work: Vec::new(),
+            work: Workspace::default(),
         })
     }
 
@@ -195,14 +228,14 @@ impl Dynamics for SymbolicDynamics {
     }
     fn field(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) {
         self.load(t, x, u);
-        self.field.eval(&self.arguments, &mut self.work, dx);
+        self.field.call(&self.arguments, &mut self.work, dx);
     }
     fn jacobian_pattern(&self) -> &[(usize, usize)] {
         &self.pattern
     }
     fn field_and_jacobian(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64], jacobian: &mut [f64]) {
         self.load(t, x, u);
-        self.field_and_jacobian.eval(&self.arguments, &mut self.work, &mut self.out);
+        self.field_and_jacobian.call(&self.arguments, &mut self.work, &mut self.out);
         dx.copy_from_slice(&self.out[..self.states]);
         jacobian.copy_from_slice(&self.out[self.states..]);
     }
@@ -218,7 +251,11 @@ impl Dynamics for SymbolicDynamics {
         }
         self.load(t, x, u);
         let mut rates = vec![0.0; self.rates.n_outputs()];
-        self.rates.eval(&self.arguments, &mut self.work, &mut rates);
+        self.rates.call(&self.arguments, &mut self.work, &mut rates);
         rates.iter().fold(0.0, |m: f64, r| m.max(r.abs())) / self.width
     }
+}
+
+pub(crate) fn to_f64(x: &Rational) -> f64 {
+    x.to_f64().value()
 }

@@ -53,6 +53,15 @@ pub enum MpcError {
         /// The reason.
         source: crate::closed_loop::PlantError,
     },
+    /// The equations use a derivative of an input.
+    #[error("the equations use {name}: make the model affine first, so that this derivative becomes an input")]
+    InputDerivative {
+        /// The derivative.
+        name: String,
+    },
+    /// A cost cannot be read.
+    #[error(transparent)]
+    Parse(#[from] bracketry_symbolic::ParseError),
     /// An expression uses a name that is neither a state, an input, the time nor a reference.
     #[error(transparent)]
     Compile(#[from] CompileError),

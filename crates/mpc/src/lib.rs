@@ -30,8 +30,10 @@ mod sqp;
 mod trajectory;
 mod transcription;
 
-pub use closed_loop::{ClosedLoop, Controller, Counts, Plant, PlantError, RungeKuttaPlant, SolveTimes, SqpController, run_closed_loop};
-pub use cost::CostFunction;
+pub use closed_loop::{
+    ClosedLoop, Controller, Counts, Plant, PlantError, RungeKuttaPlant, SolveTimes, SqpController, run_closed_loop,
+};
+pub use cost::{CostFunction, CostKind};
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::MpcError;
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};

@@ -179,7 +179,11 @@ impl Ocp {
                 return Err(MpcError::NoSuchState { index: t.state, states });
             }
             if !t.value.is_finite() {
-                return Err(MpcError::Value { what: "a target".into(), value: t.value, remedy: "give a finite number" });
+                return Err(MpcError::Value {
+                    what: "a target".into(),
+                    value: t.value,
+                    remedy: "give a finite number",
+                });
             }
             weight("a target's linear weight", t.linear)?;
             weight("a target's quadratic weight", t.quadratic)?;

@@ -9,7 +9,9 @@ use crate::shooting::Linearisation;
 use crate::trajectory::Trajectory;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::SupportedConeT::{NonnegativeConeT, ZeroConeT};
-use clarabel::solver::{DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use clarabel::solver::{
+    DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
+};
 
 /// Settings of the interior-point solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -442,9 +444,8 @@ impl Qp {
         if !(finite(&self.p.nzval) && finite(&self.q) && finite(&self.a.nzval) && finite(&self.b)) {
             return Ok(QpStatus::NotANumber);
         }
-        let updated = self.solver.as_mut().is_some_and(|s| {
-            s.update_data(&self.p.nzval, &self.q, &self.a.nzval, &self.b).is_ok()
-        });
+        let updated =
+            self.solver.as_mut().is_some_and(|s| s.update_data(&self.p.nzval, &self.q, &self.a.nzval, &self.b).is_ok());
         if !updated {
             let settings = self.settings.clarabel()?;
             // A structure that the solver refuses would be a defect of this module; it is reported as a failed program.

@@ -207,11 +207,7 @@ impl Rti {
     pub fn feedback(&mut self, x: &[f64]) -> Result<Step, MpcError> {
         check_length("the measured state", x.len(), self.problem.ocp.states())?;
         if self.used_up() {
-            return Ok(Step {
-                u: self.planned_input(),
-                status: StepStatus::PlayedOut,
-                timings: Timings::default(),
-            });
+            return Ok(Step { u: self.planned_input(), status: StepStatus::PlayedOut, timings: Timings::default() });
         }
         self.prepare();
         self.prepared = false;

@@ -4,31 +4,38 @@
 mod common;
 
 use bracketry_mpc::{
-    Ocp, Rti, RtiSettings, RungeKuttaPlant, Sqp, SqpController, SqpSettings, Substeps, Trajectory, run_closed_loop,
+    CostFunction, CostKind, Ocp, Rti, RtiSettings, RungeKuttaPlant, Sqp, SqpController, SqpSettings, Substeps,
+    SymbolicDynamics, Trajectory, run_closed_loop,
 };
+use bracketry_system::System;
 use std::f64::consts::PI;
 
 const X0: [f64; 4] = [0.0, PI, 0.0, 0.0];
 
-fn problem() -> (common::Model, Ocp) {
-    let mut model = common::cart_pole();
+fn problem() -> (System, Ocp) {
+    let system = common::cart_pole();
     let mut ocp = Ocp::new(4, 1, 40, 0.02);
     ocp.substeps = Substeps::Fixed(1);
-    ocp.stage = Some(model.stage("1e3*p^2 + 1e3*th^2 + 1e-2*v^2 + 1e-2*w^2 + 1e-2*u^2"));
-    ocp.terminal = Some(model.terminal("1e3*p^2 + 1e3*th^2 + 1e-2*v^2 + 1e-2*w^2"));
+    ocp.stage = Some(
+        CostFunction::parse(&system, CostKind::Stage, &[], "1e3*p^2 + 1e3*th^2 + 1e-2*v^2 + 1e-2*w^2 + 1e-2*u^2")
+            .unwrap(),
+    );
+    ocp.terminal = Some(
+        CostFunction::parse(&system, CostKind::Terminal, &[], "1e3*p^2 + 1e3*th^2 + 1e-2*v^2 + 1e-2*w^2").unwrap(),
+    );
     ocp.input_bounds = vec![(-80.0, 80.0)];
-    (model, ocp)
+    (system, ocp)
 }
 
 fn rti_cost(initial_iterations: usize) -> f64 {
-    let (mut model, ocp) = problem();
-    let plant_dynamics = model.dynamics();
+    let (system, ocp) = problem();
     let guess = Trajectory::constant(40, &X0, &[0.0]);
-    let mut rti = Rti::new(Box::new(model.dynamics()), ocp, guess, RtiSettings::default()).unwrap();
+    let mut rti =
+        Rti::new(Box::new(SymbolicDynamics::new(&system).unwrap()), ocp, guess, RtiSettings::default()).unwrap();
     for _ in 1..initial_iterations {
         rti.feedback(&X0).unwrap();
     }
-    let mut plant = RungeKuttaPlant::new(Box::new(plant_dynamics), 2);
+    let mut plant = RungeKuttaPlant::new(Box::new(SymbolicDynamics::new(&system).unwrap()), 2);
     let run = run_closed_loop(&mut rti, &mut plant, &X0, 100, |_, _| {}).unwrap();
     assert_eq!(run.counts.fallback, 0);
     run.cost
@@ -48,12 +55,11 @@ fn real_time_iteration_from_a_cold_start_costs_a_fifth_more() {
 
 #[test]
 fn converged_sqp_reaches_the_reference_cost() {
-    let (mut model, ocp) = problem();
-    let plant_dynamics = model.dynamics();
-    let sqp = Sqp::new(Box::new(model.dynamics()), ocp, SqpSettings::default()).unwrap();
+    let (system, ocp) = problem();
+    let sqp = Sqp::new(Box::new(SymbolicDynamics::new(&system).unwrap()), ocp, SqpSettings::default()).unwrap();
     let guess = Trajectory::constant(40, &X0, &[0.0]);
     let mut controller = SqpController::new(sqp, guess);
-    let mut plant = RungeKuttaPlant::new(Box::new(plant_dynamics), 2);
+    let mut plant = RungeKuttaPlant::new(Box::new(SymbolicDynamics::new(&system).unwrap()), 2);
     let run = run_closed_loop(&mut controller, &mut plant, &X0, 100, |_, _| {}).unwrap();
     assert!((run.cost / 2047.463 - 1.0).abs() < 1e-3, "{}", run.cost);
 }
