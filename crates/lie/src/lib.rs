@@ -1,1 +1,50 @@
 //! Lie brackets, distributions, accessibility and the functions that no input influences.
+//!
+//! The system is control-affine, `x' = f(x) + Σ u_i g_i(x)`. Which states the inputs can reach is
+//! decided by the Lie algebra of f and the g_i under the bracket `[a, b] = Db·a − Da·b`. Every
+//! rank is exact, modulo a large prime at random points, with the probability of error in the report.
+//!
+//! [`analyse`] gives the whole report on a [`System`](bracketry_system::System); [`VectorFields`]
+//! has the single analyses.
+//!
+//! ```
+//! use bracketry_lie::{Evidence, VectorFields};
+//! use bracketry_symbolic::{Bindings, Pool};
+//! let mut p = Pool::new();
+//! let states = ["x", "y", "th"].map(|s| p.symbol(s)).to_vec();
+//! let mut field = |c: [&str; 3]| c.map(|s| p.parse(s).unwrap()).to_vec();
+//! let drive = field(["cos(th)", "sin(th)", "0"]);
+//! let turn = field(["0", "0", "1"]);
+//! let drift = field(["0", "0", "0"]);
+//! let unicycle = VectorFields::new(states, drift, vec![drive, turn], Bindings::new()).unwrap();
+//! let mut evidence = Evidence::default();
+//! let reach = unicycle.accessibility(&mut p, &mut evidence).unwrap();
+//! assert_eq!(reach.growth, [2, 3]);
+//! assert!(evidence.log10_error() < -15.0);
+//! ```
+
+mod analyse;
+mod answer;
+mod autonomous;
+mod echelon;
+mod error;
+mod evidence;
+mod fields;
+mod growth;
+mod linear;
+mod local;
+mod observability;
+mod report;
+mod stlc;
+
+pub use analyse::{ModeFields, Options, analyse, mode_fields};
+pub use answer::Answer;
+pub use autonomous::Autonomous;
+pub use error::Error;
+pub use evidence::Evidence;
+pub use fields::{Field, VectorFields, adjoint, bracket};
+pub use growth::Closure;
+pub use local::{Limits, LocalAccessibility};
+pub use observability::Observability;
+pub use report::{Dimensions, ModeReport, Named, ObservabilityReport, PointReport, Report, SmoothedReport};
+pub use stlc::{Stlc, Verdict};

@@ -1,0 +1,339 @@
+//! The whole analysis of a control-affine system.
+
+use std::time::Instant;
+
+use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol, Undecided, ZeroTest};
+use bracketry_system::{Point, System};
+use rustc_hash::FxHashMap;
+
+use crate::Error;
+use crate::answer::Answer;
+use crate::evidence::Evidence;
+use crate::fields::{Field, VectorFields};
+use crate::growth::Closure;
+use crate::linear::{Linearisation, uncontrollable_modes_decay};
+use crate::local::{Frame, Limits};
+use crate::report::{Dimensions, ModeReport, Named, ObservabilityReport, PointReport, Report, SmoothedReport};
+use crate::stlc::{self, Verdict};
+
+/// Choices of an analysis.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Width of the tanh that replaces `sign` in the smoothed model.
+    pub epsilon: Rational,
+    /// How far brackets are formed at the point.
+    pub limits: Limits,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { epsilon: Rational::ONE / Rational::from(100), limits: Limits::default() }
+    }
+}
+
+/// Analyses a system that is affine in its inputs (see `System::affinize`).
+///
+/// Statements at the point are made of the mode that holds there; where a switching function
+/// vanishes at the point, of the smoothed model.
+///
+/// # Errors
+/// [`Error::NotAffine`], [`Error::NoStates`], [`Error::Modes`]; what an exact test cannot decide
+/// becomes an unknown of the report instead.
+pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
+    let begin = Instant::now();
+    let mut evidence = Evidence::default();
+    let mut system = system.clone();
+    let modes = mode_fields(&mut system)?;
+    let smooth = modes.len() == 1 && modes[0].signs.is_empty();
+    let pool = &mut system.pool;
+    let mode_reports: Vec<ModeReport> = modes.iter().map(|m| mode_report(pool, m, &mut evidence)).collect();
+    let switched = if smooth {
+        None
+    } else {
+        let family: Vec<VectorFields> = modes.iter().map(|m| m.fields.clone()).collect();
+        let all = VectorFields::switched(pool, &family)?;
+        Some(dimensions(pool, &all, &mut evidence).0)
+    };
+    let mut smoothed_system = None;
+    let smoothed = if smooth {
+        None
+    } else {
+        let width = system.pool.rational(options.epsilon.clone());
+        let mut s = system.smoothed(width);
+        let mut modes = mode_fields(&mut s)?;
+        let fields = modes.remove(0).fields;
+        let (dimensions, _) = dimensions(&mut s.pool, &fields, &mut evidence);
+        smoothed_system = Some((s, fields));
+        Some(SmoothedReport { epsilon: options.epsilon.to_f64().value(), dimensions })
+    };
+    let at_point: Option<Answer<PointReport>> = match &system.point.clone() {
+        None => None,
+        Some(point) => Some(match (active_mode(&mut system, point, &modes), &mut smoothed_system) {
+            (Ok(Some(mode)), _) => {
+                point_report(&mut system.pool, &modes[mode].fields, point, options, &mut evidence).into()
+            }
+            (Ok(None), Some((s, fields))) => match s.point.clone() {
+                Some(point) => point_report(&mut s.pool, fields, &point, options, &mut evidence).into(),
+                None => Answer::Unknown("the smoothed model has no point".to_owned()),
+            },
+            (Ok(None), None) => Answer::Unknown("no mode holds at the point".to_owned()),
+            (Err(why), _) => Answer::Unknown(why.to_string()),
+        }),
+    };
+    let observability = if system.outputs.is_empty() {
+        None
+    } else {
+        Some(match &mut smoothed_system {
+            Some((s, fields)) => observability_report(s, fields, &mut evidence),
+            None => observability_report(&mut system, &modes[0].fields, &mut evidence),
+        })
+    };
+    let (involutive, linearizable) = match &mut smoothed_system {
+        Some((s, fields)) => (
+            fields.is_involutive(&mut s.pool, &mut evidence).into(),
+            fields.static_feedback_linearizable(&mut s.pool, &mut evidence).into(),
+        ),
+        None => (mode_reports[0].involutive.clone(), mode_reports[0].static_feedback_linearizable.clone()),
+    };
+    Ok(Report {
+        modes: mode_reports,
+        switched,
+        smoothed,
+        at_point_reason: at_point.as_ref().and_then(Answer::reason).map(str::to_owned),
+        at_point,
+        involutive,
+        static_feedback_linearizable: linearizable,
+        observability,
+        certificate: evidence,
+        seconds: begin.elapsed().as_secs_f64(),
+    })
+}
+
+/// The fields that hold while all switching functions keep their signs.
+#[derive(Clone)]
+pub struct ModeFields {
+    /// Switching functions and their signs, ±1; none for a smooth system.
+    pub signs: Vec<(String, i8)>,
+    /// Drift and input fields, parameters bound to their values.
+    pub fields: VectorFields,
+}
+
+/// The fields of every mode of a system that is affine in its inputs, all in its pool.
+///
+/// # Errors
+/// [`Error::NotAffine`], also for a switching function that depends on an input;
+/// [`Error::NoStates`], [`Error::Modes`], [`Error::Undecided`].
+pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
+    if !system.input_derivatives.is_empty() {
+        return Err(Error::NotAffine { equation: "a derivative of an input".to_owned() });
+    }
+    let form = system.switched_form();
+    let pool = &mut system.pool;
+    let surfaces: Vec<Expr> = form.switches.iter().map(|s| s.surface).collect();
+    if let Some(s) = form.switches.iter().find(|s| system.inputs.iter().any(|&u| pool.depends_on(s.surface, u))) {
+        return Err(Error::NotAffine { equation: format!("the switching function {}", s.name) });
+    }
+    if surfaces.len() > bracketry_system::MAX_ENUMERATED_SWITCHES {
+        return Err(Error::Modes { switches: surfaces.len() });
+    }
+    let zero = pool.int(0);
+    let no_input: FxHashMap<Expr, Expr> = system.inputs.iter().map(|&u| (pool.sym(u), zero)).collect();
+    let drift = pool.substitute_all(&form.dynamics, &no_input);
+    let mut controls = Vec::new();
+    for &u in &system.inputs {
+        let column: Field = form.dynamics.iter().map(|&e| pool.diff(e, u)).collect();
+        for (i, &d) in column.iter().enumerate() {
+            for &v in &system.inputs {
+                let second = pool.diff(d, v);
+                match pool.zero_test(second, &Bindings::new()) {
+                    ZeroTest::Zero(_) => {}
+                    ZeroTest::NonZero => {
+                        let equation = format!("the derivative of {}", pool.name(system.states[i]));
+                        return Err(Error::NotAffine { equation });
+                    }
+                    ZeroTest::Unknown(why) => return Err(why.into()),
+                }
+            }
+        }
+        controls.push(pool.substitute_all(&column, &no_input));
+    }
+    let mut bindings = Bindings::new();
+    for p in &system.parameters {
+        bindings.bind(p.symbol, p.value.clone());
+    }
+    let k = form.switches.len();
+    let mut modes = Vec::with_capacity(1 << k);
+    for bits in 0..1usize << k {
+        let signs: Vec<i8> = (0..k).map(|i| if bits >> (k - 1 - i) & 1 == 0 { 1 } else { -1 }).collect();
+        let values: FxHashMap<Expr, Expr> =
+            form.switches.iter().zip(&signs).map(|(s, &v)| (pool.sym(s.sign), pool.int(i64::from(v)))).collect();
+        let fields = VectorFields::new(
+            system.states.clone(),
+            pool.substitute_all(&drift, &values),
+            controls.iter().map(|g| pool.substitute_all(g, &values)).collect(),
+            bindings.clone(),
+        )?;
+        let signs = form.switches.iter().map(|s| s.name.clone()).zip(signs).collect();
+        modes.push(ModeFields { signs, fields });
+    }
+    Ok(modes)
+}
+
+/// Generic dimensions, with the strong distribution.
+fn dimensions(
+    pool: &mut Pool,
+    fields: &VectorFields,
+    evidence: &mut Evidence,
+) -> (Dimensions, Result<Closure, Undecided>) {
+    let all = fields.accessibility(pool, evidence);
+    let strong = fields.strong_accessibility(pool, evidence);
+    let growth = |c: &Result<Closure, Undecided>| c.as_ref().map(|c| c.growth.clone()).unwrap_or_default();
+    let dimension = |c: &Result<Closure, Undecided>| -> Answer<usize> {
+        c.as_ref().map(Closure::dimension).map_err(ToString::to_string).into()
+    };
+    let report = Dimensions::new(growth(&all), dimension(&all), growth(&strong), dimension(&strong));
+    (report, strong)
+}
+
+fn mode_report(pool: &mut Pool, mode: &ModeFields, evidence: &mut Evidence) -> ModeReport {
+    let (dimensions, strong) = dimensions(pool, &mode.fields, evidence);
+    let found = strong.and_then(|s| mode.fields.autonomous(pool, &s.basis, evidence));
+    let missing = found.as_ref().map_or(0, |a| a.missing);
+    ModeReport {
+        signs: Named(mode.signs.clone()),
+        dimensions,
+        autonomous: found.map(|a| a.functions.iter().map(|&e| pool.text(e)).collect::<Vec<_>>()).into(),
+        autonomous_not_found: (missing > 0).then_some(missing),
+        involutive: mode.fields.is_involutive(pool, evidence).into(),
+        static_feedback_linearizable: mode.fields.static_feedback_linearizable(pool, evidence).into(),
+    }
+}
+
+/// The mode whose signs are those of the switching functions at the point; `None` if one vanishes there.
+fn active_mode(system: &mut System, point: &Point, modes: &[ModeFields]) -> Result<Option<usize>, Error> {
+    let form = system.switched_form();
+    let mut at: FxHashMap<Expr, Expr> = FxHashMap::default();
+    for (&s, &v) in system.states.iter().zip(&point.states) {
+        let s = system.pool.sym(s);
+        at.insert(s, v);
+    }
+    for p in &system.parameters {
+        let s = system.pool.sym(p.symbol);
+        let v = system.pool.rational(p.value.clone());
+        at.insert(s, v);
+    }
+    let mut signs: Vec<i8> = Vec::new();
+    for s in &form.switches {
+        for (t, &v) in form.switches.iter().zip(&signs) {
+            let inner = system.pool.sym(t.sign);
+            let v = system.pool.int(i64::from(v));
+            at.insert(inner, v);
+        }
+        let value = system.pool.substitute(s.surface, &at);
+        match system.pool.zero_test(value, &Bindings::new()) {
+            ZeroTest::Zero(_) => return Ok(None),
+            ZeroTest::Unknown(why) => return Err(why.into()),
+            ZeroTest::NonZero => {}
+        }
+        let number = system.compile(&[], &[value]).map_or(f64::NAN, |tape| {
+            let mut out = [f64::NAN];
+            tape.eval(&[], &mut Vec::new(), &mut out);
+            out[0]
+        });
+        if number.is_nan() || number == 0.0 {
+            return Err(Error::NoValue { what: s.name.clone() });
+        }
+        signs.push(if number > 0.0 { 1 } else { -1 });
+    }
+    Ok(modes.iter().position(|m| m.signs.iter().map(|s| s.1).eq(signs.iter().copied())))
+}
+
+fn point_report(
+    pool: &mut Pool,
+    fields: &VectorFields,
+    point: &Point,
+    options: &Options,
+    evidence: &mut Evidence,
+) -> Result<PointReport, Error> {
+    let n = fields.states.len();
+    let frame = Frame::new(pool, fields, &point.states, &point.inputs)?;
+    let equilibrium = frame.is_equilibrium(pool, evidence)?;
+    let generic = fields.accessibility(pool, evidence)?.dimension();
+    let generic_strong = fields.strong_accessibility(pool, evidence)?.dimension();
+    let local = frame.accessibility(pool, generic, generic_strong, &options.limits, evidence)?;
+    let linearisation = if equilibrium { Some(Linearisation::at(pool, &frame, evidence)?) } else { None };
+    let stlc =
+        stlc::decide(pool, &frame, equilibrium, &local.dimension, linearisation.as_ref(), &options.limits, evidence)?;
+    let rank = linearisation.as_ref().map(|l| l.controllable().rank());
+    let stabilizable = rank.map(|rank| match uncontrollable_modes_decay(pool, &frame, rank) {
+        Answer::Known(true) => (Answer::Known(true), "the uncontrollable modes of the linearisation decay"),
+        Answer::Known(false) => (Answer::Known(false), "the linearisation has an unstable uncontrollable mode"),
+        // Coron 1995: the sufficient conditions for STLC used here give stabilisation by
+        // continuous, periodic feedback in any dimension but 2 and 3; without drift (Coron 1992) in all.
+        Answer::Unknown(_)
+            if stlc.verdict == Verdict::Yes && (n != 2 && n != 3 || fields.drift.iter().all(|&e| pool.is_zero(e))) =>
+        {
+            (Answer::Known(true), "by continuous time-periodic feedback, from small-time controllability (Coron)")
+        }
+        unknown @ Answer::Unknown(_) => (unknown, ""),
+    });
+    let stabilizable_reason = stabilizable.as_ref().map(|(a, why)| a.reason().map_or((*why).to_owned(), str::to_owned));
+    Ok(PointReport {
+        equilibrium: Answer::Known(equilibrium),
+        dimensions: Dimensions::new(local.growth, local.dimension, local.strong_growth, local.strong_dimension),
+        linear_controllability_rank: rank,
+        stabilizable: stabilizable.map(|s| s.0),
+        stabilizable_reason,
+        stlc,
+    })
+}
+
+fn observability_report(system: &mut System, fields: &VectorFields, evidence: &mut Evidence) -> ObservabilityReport {
+    let outputs: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
+    let parameters: Vec<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
+    let pool = &mut system.pool;
+    let mut report = ObservabilityReport {
+        rank: Answer::Known(0),
+        unobservable: Vec::new(),
+        identifiable: None,
+        rank_with_parameters: None,
+        reason: None,
+    };
+    match determined(pool, fields, &outputs, &[], evidence) {
+        Ok((rank, states)) => {
+            report.rank = Answer::Known(rank);
+            report.unobservable = states.into_iter().filter(|s| !s.1).map(|s| s.0).collect();
+        }
+        Err(why) => {
+            report.rank = Answer::Unknown(why.to_string());
+            report.reason = Some(why.to_string());
+        }
+    }
+    if !parameters.is_empty() {
+        match determined(pool, fields, &outputs, &parameters, evidence) {
+            Ok((rank, all)) => {
+                report.rank_with_parameters = Some(rank);
+                report.identifiable = Some(Named(all.into_iter().skip(fields.states.len()).collect()));
+            }
+            Err(why) => report.reason = report.reason.or(Some(why.to_string())),
+        }
+    }
+    report
+}
+
+/// Rank, and which of the states and unknown parameters the outputs determine.
+fn determined(
+    pool: &mut Pool,
+    fields: &VectorFields,
+    outputs: &[Expr],
+    unknown: &[Symbol],
+    evidence: &mut Evidence,
+) -> Result<(usize, Vec<(String, bool)>), Undecided> {
+    let o = fields.observability(pool, outputs, unknown, evidence)?;
+    let mut list = Vec::new();
+    for &s in &o.variables {
+        let x = pool.sym(s);
+        list.push((pool.name(s).to_owned(), o.determines(pool, x, evidence)?));
+    }
+    Ok((o.rank(), list))
+}

@@ -1,0 +1,77 @@
+//! What all exact decisions of an analysis rest on, taken together.
+
+use bracketry_symbolic::{Certificate, Fp, Samples, Undecided};
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
+
+/// The decisions of an analysis, with the probability that any of them is wrong.
+///
+/// Ranks are taken modulo a prime at random points. A rank found is never too large; the
+/// bound is on the probability that one was found too small.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Evidence {
+    decisions: usize,
+    points: u32,
+    error: f64,
+}
+
+impl Evidence {
+    /// Takes one more decision into account (union bound).
+    pub fn add(&mut self, certificate: &Certificate) {
+        self.decisions += 1;
+        self.points = if self.decisions == 1 { certificate.points } else { self.points.min(certificate.points) };
+        self.error += 10f64.powf(certificate.log10_error);
+    }
+
+    /// Takes a decision on the rank of a matrix of sampled values into account.
+    ///
+    /// # Errors
+    /// [`Undecided::Sign`] if the sampled expressions hold a root of a square, whose sign is open.
+    pub(crate) fn add_rank(&mut self, samples: &Samples, rank: usize) -> Result<(), Undecided> {
+        if samples.ambiguous_signs > 0 {
+            return Err(Undecided::Sign);
+        }
+        // A minor with one more row has this degree (Schwartz–Zippel).
+        let degree = samples.degree.max(1.0) * (rank + 1) as f64;
+        self.add(&Certificate {
+            points: samples.values.len() as u32,
+            log10_error: degree.log10() - (Fp::MODULUS as f64).log10(),
+        });
+        Ok(())
+    }
+
+    /// Number of decisions.
+    pub fn decisions(&self) -> usize {
+        self.decisions
+    }
+
+    /// Random points of the decision that used the fewest.
+    pub fn points(&self) -> u32 {
+        self.points
+    }
+
+    /// Decimal logarithm of the bound on the probability that any decision is wrong.
+    pub fn log10_error(&self) -> f64 {
+        self.error.log10()
+    }
+
+    /// The bound as text, rounded up to a power of ten: `< 1e-15`.
+    pub fn error_text(&self) -> String {
+        if self.decisions == 0 {
+            return "0".to_owned();
+        }
+        // Errors below the smallest normal number vanish in the sum.
+        let exponent = self.error.max(f64::MIN_POSITIVE).log10().floor() + 1.0;
+        format!("< 1e{exponent}")
+    }
+}
+
+impl Serialize for Evidence {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut s = serializer.serialize_struct("Evidence", 3)?;
+        s.serialize_field("prime", "2^61-1")?;
+        s.serialize_field("points", &self.points)?;
+        s.serialize_field("error_probability", &self.error_text())?;
+        s.end()
+    }
+}

@@ -1,0 +1,169 @@
+//! Generic accessibility: dimensions at almost every point.
+
+use bracketry_symbolic::{Bindings, Pool, Symbol, Undecided};
+
+use crate::evidence::Evidence;
+use crate::fields::{Field, VectorFields, bracket, is_plain_zero};
+
+/// The distribution that a closure under brackets ends in, with the dimensions on the way.
+#[derive(Clone, Debug)]
+pub struct Closure {
+    /// Entry k: dimension at a generic point after k rounds of brackets. The list ends when
+    /// the dimension stops growing (the repeated value is kept) or is full.
+    pub growth: Vec<usize>,
+    /// Brackets that span the distribution at a generic point.
+    pub basis: Vec<Field>,
+}
+
+impl Closure {
+    /// Final dimension.
+    pub fn dimension(&self) -> usize {
+        self.basis.len()
+    }
+}
+
+/// The smallest distribution that contains `start` and is closed under brackets with
+/// `generators` and with itself, at a generic point.
+///
+/// Let K be the field of functions and Δ_k the K-span of the fields after k rounds. For
+/// X ∈ `generators`, `[X, aY] = a[X, Y] + (X·a)Y`, so Δ_k + [X, Δ_k] is spanned by Δ_k and
+/// the brackets of X with any K-basis of Δ_k. A basis element that was already in Δ_{k−1}
+/// has its brackets in Δ_k. Hence only the fields that were new in the last round, and of
+/// them only independent ones, need to be bracketed; and by the Jacobi identity brackets of
+/// the form [X_1, [X_2, … ]] span all iterated brackets. Dimension at a generic point is
+/// dimension over K. When a round adds nothing, Δ_k is closed and no later round adds anything.
+fn close(
+    pool: &mut Pool,
+    states: &[Symbol],
+    start: &[Field],
+    generators: &[Field],
+    bindings: &Bindings,
+    evidence: &mut Evidence,
+) -> Result<Closure, Undecided> {
+    let mut basis = independent(pool, start, bindings, evidence)?;
+    let mut fresh = 0..basis.len();
+    let mut growth = vec![basis.len()];
+    while !fresh.is_empty() && basis.len() < states.len() {
+        let known = basis.len();
+        let mut candidates = basis.clone();
+        for x in generators {
+            for y in &basis[fresh.clone()] {
+                let z = bracket(pool, states, x, y);
+                if !is_plain_zero(pool, &z) && !candidates.contains(&z) {
+                    candidates.push(z);
+                }
+            }
+        }
+        basis = independent(pool, &candidates, bindings, evidence)?;
+        fresh = known..basis.len();
+        growth.push(basis.len());
+    }
+    Ok(Closure { growth, basis })
+}
+
+/// A maximal set of fields that are independent at a generic point, greedily from the first.
+pub(crate) fn independent(
+    pool: &mut Pool,
+    fields: &[Field],
+    bindings: &Bindings,
+    evidence: &mut Evidence,
+) -> Result<Vec<Field>, Undecided> {
+    let fields: Vec<Field> = fields.iter().filter(|f| !is_plain_zero(pool, f)).cloned().collect();
+    if fields.is_empty() {
+        return Ok(fields);
+    }
+    let rank = pool.rank(&fields, bindings)?;
+    evidence.add(&rank.certificate);
+    Ok(rank.independent.iter().map(|&i| fields[i].clone()).collect())
+}
+
+impl VectorFields {
+    /// The accessibility distribution: all iterated brackets of {f, g_1 … g_m}.
+    ///
+    /// # Errors
+    /// [`Undecided`] if a function in the fields cannot be evaluated exactly.
+    pub fn accessibility(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Closure, Undecided> {
+        let mut all = vec![self.drift.clone()];
+        all.extend(self.controls.iter().cloned());
+        // [aX, Y] = a[X, Y] − (Y·a)X with X itself in the distribution: a K-basis of generators will do.
+        let generators = independent(pool, &all, &self.bindings, evidence)?;
+        close(pool, &self.states, &generators, &generators, &self.bindings, evidence)
+    }
+
+    /// The strong accessibility distribution: the smallest that contains the g_i and is
+    /// closed under brackets with f and the g_i.
+    ///
+    /// # Errors
+    /// [`Undecided`] if a function in the fields cannot be evaluated exactly.
+    pub fn strong_accessibility(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Closure, Undecided> {
+        let controls = independent(pool, &self.controls, &self.bindings, evidence)?;
+        let mut generators = controls.clone();
+        if !is_plain_zero(pool, &self.drift) {
+            generators.push(self.drift.clone());
+        }
+        close(pool, &self.states, &controls, &generators, &self.bindings, evidence)
+    }
+
+    /// Whether the distribution spanned by the input fields is involutive at a generic point.
+    ///
+    /// # Errors
+    /// [`Undecided`] if a function in the fields cannot be evaluated exactly.
+    pub fn is_involutive(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<bool, Undecided> {
+        let controls = independent(pool, &self.controls, &self.bindings, evidence)?;
+        involutive(pool, &self.states, &controls, &self.bindings, evidence)
+    }
+
+    /// Whether x' = f + Σ u_i g_i can be made linear and controllable near a generic point by
+    /// a change of coordinates and static state feedback.
+    ///
+    /// Hunt–Su–Meyer / Jakubczyk–Respondek: with D_i = span{ad_f^k g_j, k ≤ i}, all of
+    /// D_0 … D_{n−2} are involutive and dim D_{n−1} = n.
+    ///
+    /// # Errors
+    /// [`Undecided`] if a function in the fields cannot be evaluated exactly.
+    pub fn static_feedback_linearizable(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<bool, Undecided> {
+        let n = self.states.len();
+        let mut d = independent(pool, &self.controls, &self.bindings, evidence)?;
+        let mut last = d.clone();
+        for _ in 0..n.saturating_sub(1) {
+            if d.len() == n {
+                return Ok(true);
+            }
+            if !involutive(pool, &self.states, &d, &self.bindings, evidence)? {
+                return Ok(false);
+            }
+            // While D_{i−1} is involutive, [f, aY] ∈ a[f, Y] + D_{i−1}: the new fields suffice.
+            let known = d.len();
+            let next: Vec<Field> = last.iter().map(|y| bracket(pool, &self.states, &self.drift, y)).collect();
+            let mut all = d;
+            all.extend(next);
+            d = independent(pool, &all, &self.bindings, evidence)?;
+            if d.len() == known {
+                return Ok(false);
+            }
+            last = d[known..].to_vec();
+        }
+        Ok(d.len() == n)
+    }
+}
+
+/// Whether the brackets of `basis` (independent fields) stay in its span, at a generic point.
+fn involutive(
+    pool: &mut Pool,
+    states: &[Symbol],
+    basis: &[Field],
+    bindings: &Bindings,
+    evidence: &mut Evidence,
+) -> Result<bool, Undecided> {
+    if basis.len() == states.len() {
+        return Ok(true);
+    }
+    let mut all = basis.to_vec();
+    for (i, a) in basis.iter().enumerate() {
+        for b in &basis[..i] {
+            let z = bracket(pool, states, a, b);
+            all.push(z);
+        }
+    }
+    Ok(independent(pool, &all, bindings, evidence)?.len() == basis.len())
+}
