@@ -1,0 +1,53 @@
+//! The published model of the plate.
+
+use crate::{PlateError, Shape};
+use bracketry_system::System;
+
+const ELLIPSE: &str = include_str!("../../../models/plate_published.toml");
+const DISK: &str = include_str!("../../../models/plate_published_disk.toml");
+
+/// The published model for a shape and a friction coefficient:
+///
+/// ```text
+/// x'' = −X'' − sgn(x') μ g
+/// y'' = −g sin θ − sgn(y') μ (g cos θ + y θ'')
+/// I φ'' = −sgn(x') μ Syy(φ) θ''
+/// ```
+///
+/// with states `x, y, phi, vx, vy, w` and inputs `X, theta` (`models/plate_published.toml`).
+///
+/// # Errors
+/// [`PlateError::BadNumber`] if a length or the coefficient is not a positive finite number.
+///
+/// ```
+/// use bracketry_plate::{published, Shape};
+/// let system = published(Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
+/// assert_eq!(system.state_names(), ["x", "y", "phi", "vx", "vy", "w"]);
+/// ```
+pub fn published(shape: Shape, mu: f64) -> Result<System, PlateError> {
+    let (file, text, lengths) = match shape {
+        Shape::Ellipse { a, b } => ("plate_published.toml", ELLIPSE, vec![("a", a), ("b", b)]),
+        Shape::Disk { radius } => ("plate_published_disk.toml", DISK, vec![("r", radius)]),
+    };
+    let mut system = System::parse(file, text)?;
+    for (name, value) in lengths.into_iter().chain([("mu", mu)]) {
+        set_parameter(&mut system, name, value)?;
+    }
+    Ok(system)
+}
+
+/// Sets a parameter to the shortest decimal that reads as `value`, exactly.
+fn set_parameter(system: &mut System, name: &'static str, value: f64) -> Result<(), PlateError> {
+    let bad = PlateError::BadNumber { name, value };
+    if !(value.is_finite() && value > 0.0) {
+        return Err(bad);
+    }
+    let Ok(number) = system.pool.parse(&format!("{value}")) else {
+        return Err(bad);
+    };
+    let Some(number) = system.pool.number(number).cloned() else {
+        return Err(bad);
+    };
+    system.set_parameter(name, number);
+    Ok(())
+}
