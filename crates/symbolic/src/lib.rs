@@ -13,6 +13,7 @@
 
 mod diff;
 mod exact;
+mod latex;
 mod parse;
 mod pool;
 mod tape;
