@@ -11,6 +11,7 @@
 //! assert_eq!(p.text(d), "2*x*sin(x) + x^2*cos(x)");
 //! ```
 
+mod canonical;
 mod diff;
 mod exact;
 mod latex;
