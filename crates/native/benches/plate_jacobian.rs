@@ -20,21 +20,33 @@ fn evaluate(bencher: Bencher, backend: Backend) {
     });
 }
 
-#[divan::bench]
+#[divan::bench(sample_size = 1000)]
 fn tape(bencher: Bencher) {
     evaluate(bencher, Backend::Tape);
 }
 
-#[divan::bench]
+#[divan::bench(sample_size = 1000)]
 fn native(bencher: Bencher) {
     evaluate(bencher, Backend::Native);
 }
 
-#[divan::bench]
+#[divan::bench(sample_size = 1000)]
 fn by_hand(bencher: Bencher) {
     let mut out = [0.0; model::ROWS * model::COLUMNS];
     bencher.bench_local(|| {
         model::by_hand(black_box(&POINT), &mut out);
+        black_box(&out);
+    });
+}
+
+/// Evaluation of long tapes.
+#[divan::bench(args = [4, 16, 64], consts = [false, true], sample_size = 10)]
+fn long<const NATIVE: bool>(bencher: Bencher, copies: usize) {
+    let backend = if NATIVE { Backend::Native } else { Backend::Tape };
+    let f = Function::with_backend(model::repeated(copies), backend).expect("a supported host");
+    let (mut work, mut out) = (Workspace::default(), vec![0.0; f.n_outputs()]);
+    bencher.counter(divan::counter::ItemsCount::new(f.tape().code().len())).bench_local(|| {
+        f.call(black_box(&POINT), &mut work, &mut out);
         black_box(&out);
     });
 }
