@@ -101,6 +101,11 @@ impl Document {
         &self.file
     }
 
+    /// The whole text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// The document as a located table.
     ///
     /// # Errors

@@ -1,10 +1,12 @@
 //! Control systems: model files, parameters, switching modes, affine forms, compiled right-hand sides.
 
+mod affine;
 mod document;
 mod model_file;
 mod switching;
 mod system;
 
+pub use affine::{AffineError, AffineForm, Affinization, Method};
 pub use bracketry_symbolic as symbolic;
 pub use document::{Document, FileError, Table, Value};
 pub use model_file::RESERVED;

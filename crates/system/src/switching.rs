@@ -159,6 +159,7 @@ impl System {
 
     /// The smooth system in which the sign of σ is tanh(σ/width), `width` being any expression
     /// (a number, or a symbol that is bound when the system is compiled).
+    #[must_use]
     pub fn smoothed(&mut self, width: Expr) -> System {
         let form = self.switched_form();
         let mut values: Vec<Expr> = Vec::new();

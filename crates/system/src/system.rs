@@ -125,6 +125,18 @@ impl System {
         Tape::compile(&self.pool, arguments, &values)
     }
 
+    /// The point as numbers, states and inputs; `None` if the model gives none.
+    pub fn point_values(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+        let point = self.point.as_ref()?;
+        let values = |list: &[Expr]| {
+            let mut out = vec![0.0; list.len()];
+            let tape = Tape::compile(&self.pool, &[], list).ok()?;
+            tape.eval(&[], &mut Vec::new(), &mut out);
+            Some(out)
+        };
+        Some((values(&point.states)?, values(&point.inputs)?))
+    }
+
     /// States, then inputs, then input derivatives: the usual arguments of a compiled right-hand side.
     pub fn arguments(&self) -> Vec<Symbol> {
         let mut a = self.states.clone();

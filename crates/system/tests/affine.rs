@@ -1,0 +1,136 @@
+//! Affine forms: what is affine is recognised, what is not is made so with the least change, and the result is the same system.
+#![allow(clippy::unwrap_used)]
+
+use approx::assert_relative_eq;
+use bracketry_system::{Method, System};
+
+fn model(states: &str, inputs: &str, equations: &[(&str, &str)]) -> System {
+    let list = |s: &str| s.split_whitespace().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(",");
+    let mut text = format!("states=[{}]\ninputs=[{}]\n[dynamics]\n", list(states), list(inputs));
+    for (s, e) in equations {
+        text += &format!("{s} = \"{e}\"\n");
+    }
+    System::parse("test", &text).unwrap()
+}
+
+fn plate() -> System {
+    System::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/plate_published.toml")).unwrap()
+}
+
+#[test]
+fn affine_models_are_left_alone() {
+    for s in [
+        model("x y th", "u1 u2", &[("x", "u1*cos(th)"), ("y", "u1*sin(th)"), ("th", "u2")]),
+        model("x", "u", &[("x", "(x+u)^2 - u^2")]),
+        model("x", "u", &[("x", "u*sin(u)^2 + u*cos(u)^2 - sign(x)")]),
+        model("x", "", &[("x", "-x^3")]),
+    ] {
+        let a = s.affinize().unwrap();
+        assert_eq!(a.method, Method::None, "{s:?}");
+        assert_eq!(a.system.states, s.states);
+    }
+}
+
+#[test]
+fn drift_and_fields_rebuild_the_right_hand_side() {
+    let mut s = model("x y", "u w", &[("x", "(x+u)^2 - u^2 + y*w"), ("y", "sin(x)*w - 2*u")]);
+    let form = s.affine_form().unwrap().unwrap();
+    let (u, w) = (s.pool.var("u"), s.pool.var("w"));
+    for k in 0..2 {
+        let (a, b) = (s.pool.mul(form.fields[0][k], u), s.pool.mul(form.fields[1][k], w));
+        let sum = s.pool.sum([form.drift[k], a, b]);
+        let difference = s.pool.sub(sum, s.dynamics[k]);
+        assert!(s.pool.zero_test(difference, &bracketry_system::symbolic::Bindings::default()).is_zero());
+    }
+}
+
+#[test]
+fn the_plate_needs_four_integrators_and_becomes_a_model_file() {
+    let original = plate();
+    let a = original.affinize().unwrap();
+    assert_eq!(a.method, Method::InputAugmentation);
+    let integrators: Vec<(&str, u32)> = a.integrators.iter().map(|(n, k)| (n.as_str(), *k)).collect();
+    assert_eq!(integrators, [("X", 2), ("theta", 2)]);
+    assert_eq!(a.system.state_names(), ["x", "y", "phi", "vx", "vy", "w", "X", "Xd", "theta", "thetad"]);
+    assert_eq!(a.system.input_names(), ["Xdd", "thetadd"]);
+
+    // Written and read back, it is affine in every mode and equals the original right-hand side.
+    let mut affine = System::parse("affine", &a.system.to_toml().unwrap()).unwrap();
+    for mode in affine.modes().unwrap() {
+        let mut m = mode.system;
+        assert!(m.affine_form().unwrap().is_some());
+    }
+    let mut original = original;
+    let (f, g) = (original.dynamics.clone(), affine.dynamics.clone());
+    let (args_f, args_g) = (original.arguments(), affine.arguments());
+    let (f, g) = (original.compile(&args_f, &f).unwrap(), affine.compile(&args_g, &g).unwrap());
+    let body = [0.5, -0.02, 0.8, 0.3, -0.2, 1.1];
+    let (x, th, xdd, thdd, xd, thd) = (0.04, 0.2, 7.0, -30.0, 0.6, -1.5);
+    let mut left = [0.0; 6];
+    let at: Vec<f64> = body.iter().copied().chain([x, th, xdd, thdd]).collect();
+    f.eval(&at, &mut Vec::new(), &mut left);
+    let mut right = [0.0; 10];
+    let at: Vec<f64> = body.iter().copied().chain([x, xd, th, thd, xdd, thdd]).collect();
+    g.eval(&at, &mut Vec::new(), &mut right);
+    for k in 0..6 {
+        assert_relative_eq!(left[k], right[k], max_relative = 1e-14);
+    }
+    assert_eq!(right[6..], [xd, xdd, thd, thdd]);
+}
+
+#[test]
+fn a_function_of_the_input_becomes_the_input() {
+    let s = model("x", "u", &[("x", "-x + x*u^2")]);
+    let a = s.affinize().unwrap();
+    assert_eq!(a.method, Method::InputChange);
+    assert_eq!(a.system.pool.text(a.input_change[0].1), "u^2");
+    assert_eq!(a.system.state_names(), ["x"]);
+    // Polar to Cartesian: two functions of two inputs.
+    let s = model("x y", "v th", &[("x", "v*cos(th)"), ("y", "2*v*sin(th) - x")]);
+    let a = s.affinize().unwrap();
+    assert_eq!((a.method, a.input_change.len()), (Method::InputChange, 2));
+    // One input enters as it is and keeps its name.
+    let s = model("x y", "u w", &[("x", "u"), ("y", "x*exp(w)")]);
+    let a = s.affinize().unwrap();
+    assert_eq!(a.method, Method::InputChange);
+    assert!(a.system.input_names().contains(&"u".to_owned()));
+}
+
+#[test]
+fn two_functions_of_one_input_need_an_integrator() {
+    let s = model("x y", "u", &[("x", "cos(u)"), ("y", "sin(u)")]);
+    let a = s.affinize().unwrap();
+    assert_eq!(a.method, Method::InputAugmentation);
+    assert_eq!(a.system.state_names(), ["x", "y", "u"]);
+    assert_eq!(a.system.input_names(), ["ud"]);
+}
+
+#[test]
+fn only_the_inputs_that_need_it_get_integrators() {
+    // u·w is bilinear: one integrator, in front of either, suffices.
+    let s = model("x y z", "u w", &[("x", "u"), ("y", "w"), ("z", "u*w")]);
+    let a = s.affinize().unwrap();
+    assert_eq!(a.integrators.values().sum::<u32>(), 1);
+    // The middle of a star of products is the cheapest.
+    let s = model("x y z", "a b c", &[("x", "a*b + b"), ("y", "c*b + a"), ("z", "c + sin(b)")]);
+    let a = s.affinize().unwrap();
+    assert_eq!(a.integrators.keys().collect::<Vec<_>>(), ["b"]);
+    // An input inside a switching function jumps the right-hand side: not affine.
+    let s = model("x", "u", &[("x", "sign(u - x)")]);
+    assert_eq!(s.affinize().unwrap().system.input_names(), ["ud"]);
+}
+
+#[test]
+fn names_already_taken_are_avoided() {
+    let s = model("x ud", "u", &[("x", "cos(u)"), ("ud", "sin(u)")]);
+    assert_eq!(s.affinize().unwrap().system.input_names(), ["ud_"]);
+}
+
+#[test]
+fn inputs_that_act_together_are_one_input() {
+    let s = model("x y", "u w", &[("x", "(u + w)^2"), ("y", "x")]);
+    let a = s.affinize().unwrap();
+    assert_ne!(a.method, Method::None);
+    let mut affine = a.system;
+    assert!(affine.affine_form().unwrap().is_some());
+}
