@@ -63,14 +63,14 @@ pub fn two_step(
         let model = Model::new(system, &experiment.inputs(now))?;
         let mut stepper = Stepper::new(model, now, &state, settings)?;
         let way = (experiment.target - state[index]).signum();
-        let (from, mut met) = (now, false);
+        let (from, last, mut met) = (now, now + limit, false);
         let mut period = 0u32;
-        while outcome.is_finished() && !met && stepper.time() - from < limit {
+        while outcome.is_finished() && !met && stepper.time() < last {
             let amplitude = experiment.amplitude(stepper.state()[index] - experiment.target);
             stepper.system_mut().set_live("A", amplitude);
             period += 1;
             let start = stepper.clone();
-            let end = from + (f64::from(period) * experiment.period).min(limit);
+            let end = (from + f64::from(period) * experiment.period).min(last);
             let (piece, ended) = stepper.record(end)?;
             outcome = ended;
             if let Some(t) = crossing(&piece, index, experiment.target, way) {

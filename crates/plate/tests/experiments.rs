@@ -246,3 +246,18 @@ fn numbers_without_meaning_are_refused() {
     let refused = Experiment::translation_x(3).run(&other, &[0.0], 1.0, &Settings::default());
     assert_eq!(refused.unwrap_err(), PlateError::NoState { name: "x" });
 }
+
+#[test]
+fn a_stage_that_fails_ends_at_its_limit_whatever_the_clock_shows() {
+    let system = published(Shape::REFERENCE_ELLIPSE, 0.4).unwrap();
+    // 0.4 is beyond what experiment 3 can move; the odd limits put the ends where sums round down and up.
+    for i in 1..30 {
+        let limit = 0.1 * f64::from(i);
+        let stages = vec![Experiment::translation_y(); 3];
+        let result = two_step(&system, &stages, &START, limit, &Settings::default()).unwrap();
+        assert!(result.outcome.is_finished());
+        for stage in &result.stages {
+            assert!(!stage.met && (stage.to - stage.from - limit).abs() < 1e-12);
+        }
+    }
+}
