@@ -256,6 +256,6 @@ impl Dynamics for SymbolicDynamics {
     }
 }
 
-pub(crate) fn to_f64(x: &Rational) -> f64 {
+fn to_f64(x: &Rational) -> f64 {
     x.to_f64().value()
 }

@@ -11,7 +11,7 @@
 //! over a [`Dynamics`], whose flow F is a Runge–Kutta method of order 4 with exact sensitivities. [`Sqp`] solves it to
 //! convergence from any guess, with a proximal term for globalisation and, where the dynamics contain `sign` (dry
 //! friction), continuation in the smoothing width. [`Rti`] is the real-time iteration: one quadratic program per sample.
-//! [`run_closed_loop`] puts a [`Controller`] and a [`Plant`] together.
+//! [`run_closed_loop`] puts a [`Controller`] and a [`Plant`] together; [`ControlProblem`] reads all of it from a file.
 //!
 //! Results are values: an infeasible problem, an iteration limit or a measurement that is not a number is a status with its
 //! reason; an error is misuse.
@@ -22,8 +22,11 @@ mod cost;
 mod dynamics;
 mod error;
 mod ocp;
+mod problem;
+mod problem_reader;
 mod qp;
 mod rti;
+mod session;
 mod shooting;
 mod smoothing;
 mod sqp;
@@ -37,8 +40,10 @@ pub use cost::{CostFunction, CostKind};
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::MpcError;
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
+pub use problem::{ControlProblem, Method, ProblemError};
 pub use qp::{QpSettings, QpStatus};
 pub use rti::{FallbackReason, Horizon, Rti, RtiSettings, Step, StepStatus, Timings};
+pub use session::{ControlReport, ControlRun, PlanReport};
 pub use shooting::Linearisation;
 pub use smoothing::{Smoothed, smooth};
 pub use sqp::{Iteration, Solution, SolveStatus, Sqp, SqpSettings};

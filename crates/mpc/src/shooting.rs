@@ -214,3 +214,90 @@ pub(crate) struct Grid {
     pub(crate) dt: f64,
     pub(crate) substeps: usize,
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::dynamics::{FieldDynamics, SymbolicDynamics};
+    use approx::assert_relative_eq;
+    use bracketry_system::System;
+
+    /// A system with friction, products of input and state, and time-free nonlinearity.
+    fn oscillator() -> SymbolicDynamics {
+        let text = r#"
+            states = ["q", "v", "z"]
+            inputs = ["a", "b"]
+            dynamics = { q = "v", v = "-sin(q) - 0.7*sign(v)*(1 + z^2) + a", z = "b*v - z" }
+        "#;
+        let mut d = SymbolicDynamics::new(&System::parse("oscillator.toml", text).unwrap()).unwrap();
+        d.set_smoothing(0.05);
+        d
+    }
+
+    #[test]
+    fn sensitivities_are_the_derivatives_of_the_flow() {
+        let mut d = oscillator();
+        let mut s = Shooter::new(&d);
+        let (x, u) = ([0.3, 0.02, -0.4], [0.6, 1.5]);
+        let mut flow = |x: &[f64], u: &[f64]| {
+            let mut end = x.to_vec();
+            s.advance(&mut d, 0.0, &mut end, u, 0.1, 5);
+            end
+        };
+        let h = 1e-5;
+        let mut expected = vec![0.0; 15];
+        for j in 0..5 {
+            let shifted = |by: f64| {
+                let mut z = [x[0], x[1], x[2], u[0], u[1]];
+                z[j] += by;
+                z
+            };
+            let (plus, minus) = (shifted(h), shifted(-h));
+            let (plus, minus) = (flow(&plus[..3], &plus[3..]), flow(&minus[..3], &minus[3..]));
+            for i in 0..3 {
+                expected[i * 5 + j] = (plus[i] - minus[i]) / (2.0 * h);
+            }
+        }
+        let end = flow(&x, &u);
+        let mut jacobian = vec![0.0; 15];
+        let mut same = x.to_vec();
+        let mut s = Shooter::new(&d);
+        s.advance_with_sensitivity(&mut d, 0.0, &mut same, &u, 0.1, 5, &mut jacobian);
+        assert_eq!(same, end);
+        for (a, b) in jacobian.iter().zip(&expected) {
+            assert_relative_eq!(a, b, epsilon = 1e-7, max_relative = 1e-6);
+        }
+        for (v, possible) in jacobian.iter().zip(s.closure()) {
+            assert!(*possible || *v == 0.0, "an entry outside of the pattern");
+        }
+    }
+
+    #[test]
+    fn the_closure_of_a_chain_is_triangular() {
+        // x1' = x2, x2' = u: everything depends on what comes later, nothing on what comes before.
+        let text = r#"
+            states = ["x1", "x2"]
+            inputs = ["u"]
+            dynamics = { x1 = "x2", x2 = "u" }
+        "#;
+        let d = SymbolicDynamics::new(&System::parse("chain.toml", text).unwrap()).unwrap();
+        assert_eq!(Shooter::new(&d).closure(), [true, true, true, false, true, true]);
+    }
+
+    #[test]
+    fn the_method_has_order_four() {
+        let mut d = FieldDynamics::new(1, 1, |t, x, _u, dx, jac| {
+            dx[0] = x[0] * t.cos();
+            jac.copy_from_slice(&[t.cos(), 0.0]);
+        });
+        let mut s = Shooter::new(&d);
+        let mut error = |steps| {
+            let mut x = [1.0];
+            s.advance(&mut d, 0.0, &mut x, &[0.0], 2.0, steps);
+            (x[0] - 2f64.sin().exp()).abs()
+        };
+        let order = (error(20) / error(40)).log2();
+        assert!((order - 4.0).abs() < 0.15, "{order}");
+    }
+}

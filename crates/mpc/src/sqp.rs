@@ -250,6 +250,9 @@ impl Sqp {
             self.qp.assemble(&mut self.problem.ocp, self.problem.k0, &at, &self.lin, 0.0);
             let now = self.problem.merit_with(&at, &self.lin.end, s.qp.hard_weight);
             let qp = self.qp.solve()?;
+            if !qp.is_usable() {
+                return Ok(false);
+            }
             let mut trial = at.moved(1.0, &self.qp.solution.dx, &self.qp.solution.du);
             trial.clamp_inputs(&self.problem.ocp.input_bounds);
             let after = self.problem.merit(&trial, s.qp.hard_weight);
@@ -266,7 +269,7 @@ impl Sqp {
                 qp,
                 qp_iterations: self.qp.solution.iterations,
             });
-            if !qp.is_usable() || !fall.is_finite() {
+            if !fall.is_finite() {
                 return Ok(false);
             }
             let near = predicted.abs() <= s.tolerance * now.objective.abs().max(1e-12);

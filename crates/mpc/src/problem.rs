@@ -1,0 +1,120 @@
+//! Problem files: model, horizon, cost, constraints and run in one TOML file.
+
+use crate::error::MpcError;
+use crate::ocp::Ocp;
+use crate::problem_reader::{KEYS, Reader};
+use bracketry_system::{Document, FileError, System};
+use std::path::Path;
+
+/// How the closed loop is controlled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// One quadratic program per sample, receding horizon.
+    Rti,
+    /// To convergence at every sample, receding horizon.
+    Sqp,
+    /// A plan solved to convergence first, then one quadratic program per sample on what is left of the horizon.
+    Plan,
+}
+
+/// A problem file that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ProblemError {
+    /// The file, or a model it names, is wrong at a known place.
+    #[error(transparent)]
+    File(#[from] Box<FileError>),
+    /// The pieces do not fit together.
+    #[error(transparent)]
+    Mpc(#[from] MpcError),
+}
+
+impl From<FileError> for ProblemError {
+    fn from(e: FileError) -> Self {
+        Self::File(Box::new(e))
+    }
+}
+
+/// A control problem as its file states it.
+#[derive(Clone)]
+pub struct ControlProblem {
+    /// The controller's model.
+    pub system: System,
+    /// The model of the plant; the controller's where the file names no other.
+    pub plant: System,
+    /// Horizon, cost, constraints and targets.
+    pub ocp: Ocp,
+    /// How the loop is closed.
+    pub method: Method,
+    /// Programs solved before the first input is applied (method `rti`).
+    pub initial_iterations: usize,
+    /// Largest number of programs of a converged solution, at each smoothing width.
+    pub max_iterations: usize,
+    /// Tolerance of a converged solution.
+    pub tolerance: f64,
+    /// Tolerance of the quadratic programs.
+    pub qp_tolerance: f64,
+    /// Widths that replace `sign` in the controller's model, from wide to narrow; the loop uses the last.
+    pub smoothing: Vec<f64>,
+    /// Fraction by which the plan's bounds are tightened, to leave the feedback room (method `plan`).
+    pub margin: f64,
+    /// Weight of the proximal term in the loop.
+    pub proximal: f64,
+    /// Whether steps in the loop are checked against the merit function.
+    pub guarded: bool,
+    /// Inputs of the first guess, one row per interval.
+    pub guess: Vec<Vec<f64>>,
+    /// Initial state.
+    pub x0: Vec<f64>,
+    /// Number of samples of the run.
+    pub samples: usize,
+    /// Integration steps of a smooth plant per sample.
+    pub plant_substeps: usize,
+}
+
+impl ControlProblem {
+    /// Reads a problem file; the model is looked for beside it.
+    ///
+    /// # Errors
+    /// [`ProblemError`] with the place in the file and the remedy.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, ProblemError> {
+        let path = path.as_ref();
+        let doc = Document::read(path)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Self::from_document(&doc, |name| System::read(folder.join(name)).map_err(Box::new))
+    }
+
+    /// Reads a problem from text; `models` finds the models that it names.
+    ///
+    /// # Errors
+    /// As [`ControlProblem::read`].
+    pub fn parse(
+        file: &str,
+        text: &str,
+        models: impl FnMut(&str) -> Result<System, Box<FileError>>,
+    ) -> Result<Self, ProblemError> {
+        Self::from_document(&Document::new(file, text), models)
+    }
+
+    fn from_document(
+        doc: &Document,
+        mut models: impl FnMut(&str) -> Result<System, Box<FileError>>,
+    ) -> Result<Self, ProblemError> {
+        let table = doc.table()?;
+        doc.only_keys(&table, &KEYS, "a problem file")?;
+        let Some(model) = doc.string(&table, "model")? else {
+            return Err(doc.missing("no model is named", "add `model = \"model.toml\"` at the top").into());
+        };
+        let system = models(&model)?;
+        let plant = match doc.string(&table, "plant")? {
+            Some(name) => models(&name)?,
+            None => system.clone(),
+        };
+        if plant.state_names() != system.state_names() || plant.input_names() != system.input_names() {
+            return Err(doc.missing("model and plant differ in their states or inputs", "give both the same").into());
+        }
+        let reader = Reader { doc, system: &system };
+        let problem = reader.problem(&table, plant)?;
+        problem.ocp.check(problem.system.states.len(), problem.system.inputs.len())?;
+        Ok(problem)
+    }
+}

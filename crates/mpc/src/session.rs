@@ -1,0 +1,238 @@
+//! A control problem run from start to end, and what is to be said about it.
+
+use crate::closed_loop::{ClosedLoop, Controller, Counts, Plant, SolveTimes, SqpController, run_closed_loop};
+use crate::dynamics::SymbolicDynamics;
+use crate::error::MpcError;
+use crate::problem::{ControlProblem, Method};
+use crate::qp::QpSettings;
+use crate::rti::{Horizon, Rti, RtiSettings};
+use crate::sqp::{Solution, SolveStatus, Sqp, SqpSettings};
+use crate::trajectory::Trajectory;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Intervals left at which a shrinking horizon is played out instead of solved again.
+const MIN_STEPS: usize = 6;
+
+/// The plan that was made before the run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlanReport {
+    /// How the solution process ended.
+    pub status: String,
+    /// Number of quadratic programs.
+    pub programs: usize,
+    /// Largest mismatch between intervals, in units of the state scales.
+    pub defect: f64,
+    /// Time taken, s.
+    pub seconds: f64,
+}
+
+/// Figures of a closed-loop run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ControlReport {
+    /// Σ dt·stage cost at the sampled states with the applied inputs.
+    pub closed_loop_cost: f64,
+    /// Stage and terminal cost of the first trajectory, as predicted.
+    pub open_loop_cost: f64,
+    /// State at the end.
+    pub x_final: BTreeMap<String, f64>,
+    /// What is missing to every target at the end.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub miss: BTreeMap<String, f64>,
+    /// Number of samples.
+    pub steps: usize,
+    /// Outcomes of the samples.
+    pub status: Counts,
+    /// Times per sample.
+    pub solve_ms: SolveTimes,
+    /// Sampling period, ms.
+    pub period_ms: f64,
+    /// Largest violation of a bound.
+    pub constraint_violation_max: f64,
+    /// The plan, where one was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plan: Option<PlanReport>,
+}
+
+impl fmt::Display for ControlReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(p) = &self.plan {
+            writeln!(f, "plan           {}, {} quadratic programs in {:.2} s", p.status, p.programs, p.seconds)?;
+        }
+        writeln!(
+            f,
+            "cost           {:.6} in closed loop, {:.6} predicted",
+            self.closed_loop_cost, self.open_loop_cost
+        )?;
+        let c = &self.status;
+        writeln!(
+            f,
+            "samples        {}: {} solved, {} inaccurate, {} fallback",
+            self.steps, c.solved, c.inaccurate, c.fallback
+        )?;
+        let s = &self.solve_ms;
+        writeln!(
+            f,
+            "step time      {:.2} ms median, {:.2} ms 99 %, {:.2} ms longest; sampling period {} ms",
+            s.median, s.p99, s.max, self.period_ms
+        )?;
+        writeln!(f, "bounds         violated by at most {:.3e}", self.constraint_violation_max)?;
+        for (name, v) in &self.x_final {
+            write!(f, "final {name:<8} {v:>13.6e}")?;
+            match self.miss.get(name) {
+                Some(e) => writeln!(f, "   misses its target by {e:.3e}")?,
+                None => writeln!(f)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A run with its figures.
+#[derive(Clone, Debug)]
+pub struct ControlRun {
+    /// The figures.
+    pub report: ControlReport,
+    /// Sampled states and inputs.
+    pub closed_loop: ClosedLoop,
+    /// The plan, where one was made.
+    pub plan: Option<Solution>,
+}
+
+impl ControlProblem {
+    fn dynamics(&self) -> Result<Box<SymbolicDynamics>, MpcError> {
+        SymbolicDynamics::new(&self.system).map(Box::new)
+    }
+
+    fn qp(&self) -> QpSettings {
+        QpSettings { tolerance: self.qp_tolerance, ..QpSettings::default() }
+    }
+
+    fn sqp_settings(&self) -> SqpSettings {
+        SqpSettings {
+            max_iterations: self.max_iterations,
+            tolerance: self.tolerance,
+            defect_tolerance: if self.method == Method::Plan { 1e-3 } else { 1e-6 },
+            smoothing: self.smoothing.clone(),
+            qp: self.qp(),
+            ..SqpSettings::default()
+        }
+    }
+
+    /// Solves the problem once, from the guess, with the bounds tightened by the margin.
+    ///
+    /// # Errors
+    /// If the pieces of the problem do not fit together; how the solution process ends is a status.
+    pub fn plan(&self) -> Result<Solution, MpcError> {
+        let ocp = self.ocp.tightened(self.margin);
+        let mut sqp = Sqp::new(self.dynamics()?, ocp, self.sqp_settings())?;
+        let guess = sqp.guess(&self.x0, &self.guess)?;
+        sqp.solve(&self.x0, &guess)
+    }
+
+    /// Real-time iteration along `trajectory`.
+    fn rti(&self, trajectory: Trajectory, horizon: Horizon) -> Result<Rti, MpcError> {
+        let settings = RtiSettings {
+            horizon,
+            smoothing: self.smoothing.last().copied(),
+            proximal: self.proximal,
+            guarded: self.guarded,
+            qp: self.qp(),
+            ..RtiSettings::default()
+        };
+        Rti::new(self.dynamics()?, self.ocp.clone(), trajectory, settings)
+    }
+
+    /// The controller that keeps to a plan: real-time iteration on what is left of the horizon.
+    ///
+    /// # Errors
+    /// If the plan does not fit the problem.
+    pub fn tracker(&self, plan: &Solution) -> Result<Rti, MpcError> {
+        self.rti(plan.trajectory.clone(), Horizon::Shrinking { min_steps: MIN_STEPS })
+    }
+
+    /// Runs the closed loop on a plant.
+    ///
+    /// # Errors
+    /// If the pieces of the problem do not fit together or the plant stops.
+    pub fn run(&self, plant: &mut dyn Plant) -> Result<ControlRun, MpcError> {
+        self.run_disturbed(plant, |_, _| {})
+    }
+
+    /// As [`ControlProblem::run`], with the measured state of every sample changed by `disturb`.
+    ///
+    /// # Errors
+    /// As [`ControlProblem::run`].
+    pub fn run_disturbed(
+        &self,
+        plant: &mut dyn Plant,
+        disturb: impl FnMut(usize, &mut [f64]),
+    ) -> Result<ControlRun, MpcError> {
+        let rest = vec![0.0; self.ocp.inputs()];
+        let mut ocp = self.ocp.clone();
+        let (mut controller, plan, open_loop_cost): (Box<dyn Controller>, Option<Solution>, f64) = match self.method {
+            Method::Plan => {
+                let plan = self.plan()?;
+                (Box::new(self.tracker(&plan)?), Some(plan.clone()), plan.cost)
+            }
+            Method::Rti => {
+                let mut start = Trajectory::constant(self.ocp.steps, &self.x0, &rest);
+                for (k, u) in self.guess.iter().enumerate() {
+                    start.u_mut(k).copy_from_slice(u);
+                }
+                let mut rti = self.rti(start, Horizon::Receding)?;
+                for _ in 1..self.initial_iterations {
+                    rti.feedback(&self.x0)?;
+                }
+                let cost = ocp.cost(0, rti.trajectory());
+                (Box::new(rti), None, cost)
+            }
+            Method::Sqp => {
+                let mut sqp = Sqp::new(self.dynamics()?, self.ocp.clone(), self.sqp_settings())?;
+                let mut start = Trajectory::constant(self.ocp.steps, &self.x0, &rest);
+                for (k, u) in self.guess.iter().enumerate() {
+                    start.u_mut(k).copy_from_slice(u);
+                }
+                let first = sqp.solve(&self.x0, &start)?;
+                (Box::new(SqpController::new(sqp, first.trajectory)), None, first.cost)
+            }
+        };
+        let run = run_closed_loop(controller.as_mut(), plant, &self.x0, self.samples, disturb)?;
+        let end = run.x.last().unwrap_or(&self.x0);
+        let names = self.system.state_names();
+        let report = ControlReport {
+            closed_loop_cost: run.cost,
+            open_loop_cost,
+            x_final: names.iter().cloned().zip(end.iter().copied()).collect(),
+            miss: self.ocp.targets.iter().map(|t| (names[t.state].clone(), end[t.state] - t.value)).collect(),
+            steps: run.steps.len(),
+            status: run.counts,
+            solve_ms: run.times,
+            period_ms: 1e3 * self.ocp.dt,
+            constraint_violation_max: run.constraint_violation_max,
+            plan: plan.as_ref().map(|p| PlanReport {
+                status: p.status.to_string(),
+                programs: p.iterations.len(),
+                defect: p.defect,
+                seconds: p.seconds,
+            }),
+        };
+        Ok(ControlRun { report, closed_loop: run, plan })
+    }
+}
+
+impl fmt::Display for SolveStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Converged => write!(f, "converged"),
+            Self::Infeasible { violation } => {
+                write!(f, "infeasible: a hard bound is violated by {violation:.3e} scales")
+            }
+            Self::IterationLimit => write!(f, "stopped at the iteration limit"),
+            Self::Stalled => write!(f, "stalled: no step lowers the merit"),
+            Self::QpFailed(s) => write!(f, "stopped: a quadratic program ended as {s:?}"),
+            Self::NotANumber => write!(f, "stopped: a number is not finite"),
+        }
+    }
+}
