@@ -221,7 +221,11 @@ impl Multipliers {
             let size = jacobian.amax();
             self.inverse = match jacobian.clone().try_inverse() {
                 Some(inverse) if inverse.amax() * size < 1e12 => Some(inverse),
-                _ => jacobian.pseudo_inverse(1e-12 * size).ok(),
+                _ => {
+                    // Signs without influence are arbitrary: take the smallest.
+                    self.reset_sticking();
+                    jacobian.pseudo_inverse(1e-12 * size).ok()
+                }
             };
         } else {
             self.inverse = None;

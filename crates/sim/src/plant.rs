@@ -53,7 +53,7 @@ impl Plant {
     pub fn step(&mut self, u: &[f64], dt: f64) -> Result<Outcome, PlantError> {
         self.stepper.system_mut().set_inputs(u)?;
         let (from, to) = (self.stepper.time(), self.stepper.time() + dt);
-        if to.is_nan() || to < from {
+        if !to.is_finite() || to < from {
             return Err(SimError::BadTimeSpan { from, to }.into());
         }
         Ok(self.stepper.advance(to))

@@ -8,6 +8,9 @@ use crate::{Mode, Switched};
 /// Error allowed in the sticking signs from one order to the other: enough to see every excursion towards ±1.
 const SIGN_TOLERANCE: f64 = 1e-4;
 
+/// Steps shorter than this part of the time to go need not resolve the signs: where a load vanishes they jump.
+pub(crate) const SIGN_RESOLUTION: f64 = 1e-7;
+
 /// What became of an attempted step.
 pub(crate) enum Attempt {
     /// The scaled error of the step.
@@ -40,8 +43,9 @@ impl<S: Switched> Stepper<S> {
         h.clamp(10.0 * self.shortest(), 1e-2).min(remaining)
     }
 
-    /// The stages of a step of length `h`, its end, its continuous extension and its error.
-    pub(crate) fn attempt(&mut self, h: f64) -> Attempt {
+    /// The stages of a step of length `h`, its end, its continuous extension and its error; the errors of the
+    /// sticking signs count if `control_signs`.
+    pub(crate) fn attempt(&mut self, h: f64, control_signs: bool) -> Attempt {
         let n = self.x.len();
         for i in 1..7 {
             for j in 0..n {
@@ -73,7 +77,7 @@ impl<S: Switched> Stepper<S> {
         }
         let mut error = (sum / n.max(1) as f64).sqrt();
         for (i, mode) in self.modes.iter().enumerate() {
-            if *mode == Mode::Sticking {
+            if control_signs && *mode == Mode::Sticking {
                 let e: f64 = (0..7).map(|l| E[l] * self.signs[l][i]).sum();
                 error = error.max(e.abs() / SIGN_TOLERANCE);
             }
@@ -99,6 +103,6 @@ impl<S: Switched> Stepper<S> {
 
     /// The stages of a step of length `h` without error control, as for the step to an event.
     pub(crate) fn attempt_to_event(&mut self, h: f64) -> bool {
-        matches!(self.attempt(h), Attempt::Error(_))
+        matches!(self.attempt(h, false), Attempt::Error(_))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::multipliers::Multipliers;
 use crate::resolve::{ZeroSet, resolve};
-use crate::stages::Attempt;
+use crate::stages::{Attempt, SIGN_RESOLUTION};
 use crate::trajectory::{Trajectory, Transition};
 use crate::{Mode, Outcome, Settings, SimError, Statistics, StopReason, Switched};
 use std::collections::VecDeque;
@@ -159,7 +159,7 @@ impl<S: Switched> Stepper<S> {
         self.h = 0.0;
     }
 
-    /// Integrates to `t_end`.
+    /// Integrates to `t_end`; does nothing if that lies in the past, and stops at once if it is not finite.
     pub fn advance(&mut self, t_end: f64) -> Outcome {
         self.run(t_end, None)
     }
@@ -167,9 +167,9 @@ impl<S: Switched> Stepper<S> {
     /// Integrates to `t_end` and records the way.
     ///
     /// # Errors
-    /// [`SimError::BadTimeSpan`] if `t_end` is not a number, or lies before the current time.
+    /// [`SimError::BadTimeSpan`] if `t_end` is not finite, or lies before the current time.
     pub fn record(&mut self, t_end: f64) -> Result<(Trajectory, Outcome), SimError> {
-        if t_end.is_nan() || t_end < self.t {
+        if !t_end.is_finite() || t_end < self.t {
             return Err(SimError::BadTimeSpan { from: self.t, to: t_end });
         }
         let mut trajectory = Trajectory::new(self.t, &self.x, &self.modes);
@@ -185,6 +185,9 @@ impl<S: Switched> Stepper<S> {
     }
 
     fn run_segments(&mut self, t_end: f64, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StopReason> {
+        if !t_end.is_finite() {
+            return Err(StopReason::NonFinite);
+        }
         self.restart(trajectory)?;
         let first = self.statistics.steps + self.statistics.rejected;
         while self.t < t_end {
@@ -300,7 +303,7 @@ impl<S: Switched> Stepper<S> {
             if h < self.shortest() && h < remaining {
                 return Err(StopReason::StepTooSmall);
             }
-            let attempt = self.attempt(h);
+            let attempt = self.attempt(h, h > SIGN_RESOLUTION * remaining);
             let error = match attempt {
                 Attempt::Error(error) if error <= 1.0 => error,
                 other => {

@@ -64,7 +64,7 @@ pub struct ModeInterval {
 /// Why a simulation ended early.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum StopReason {
-    /// A state or its derivative is no longer a finite number.
+    /// A state, its derivative, a switching function or the end time is not a finite number.
     NonFinite,
     /// The step became shorter than the resolution of time: the solution blows up, or is too stiff.
     StepTooSmall,
@@ -99,7 +99,9 @@ pub enum StopReason {
 impl std::fmt::Display for StopReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::NonFinite => write!(f, "a state or its derivative is not a finite number"),
+            Self::NonFinite => {
+                write!(f, "a state, its derivative, a switching function or the end time is not a finite number")
+            }
             Self::StepTooSmall => write!(f, "the step became too small (blow-up or stiffness)"),
             Self::TooManyEvents { limit, window } => {
                 write!(f, "more than {limit} events within {window} s (chattering)")
