@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol, Undecided, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol, ZeroTest};
 use bracketry_system::{Point, System};
 use rustc_hash::FxHashMap;
 
-use crate::Error;
 use crate::answer::Answer;
+use crate::error::{Error, Undecided};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields};
 use crate::growth::Closure;
@@ -46,13 +46,15 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let modes = mode_fields(&mut system)?;
     let smooth = modes.len() == 1 && modes[0].signs.is_empty();
     let pool = &mut system.pool;
-    let mode_reports: Vec<ModeReport> = modes.iter().map(|m| mode_report(pool, m, &mut evidence)).collect();
+    let reach: Vec<Reach> = modes.iter().map(|m| Reach::of(pool, &m.fields, &mut evidence)).collect();
+    let mode_reports: Vec<ModeReport> =
+        modes.iter().zip(&reach).map(|(m, r)| mode_report(pool, m, r, &mut evidence)).collect();
     let switched = if smooth {
         None
     } else {
         let family: Vec<VectorFields> = modes.iter().map(|m| m.fields.clone()).collect();
         let all = VectorFields::switched(pool, &family)?;
-        Some(dimensions(pool, &all, &mut evidence).0)
+        Some(Reach::of(pool, &all, &mut evidence).dimensions())
     };
     let mut smoothed_system = None;
     let smoothed = if smooth {
@@ -62,18 +64,19 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         let mut s = system.smoothed(width);
         let mut modes = mode_fields(&mut s)?;
         let fields = modes.remove(0).fields;
-        let (dimensions, _) = dimensions(&mut s.pool, &fields, &mut evidence);
-        smoothed_system = Some((s, fields));
+        let reach = Reach::of(&mut s.pool, &fields, &mut evidence);
+        let dimensions = reach.dimensions();
+        smoothed_system = Some((s, fields, reach));
         Some(SmoothedReport { epsilon: options.epsilon.to_f64().value(), dimensions })
     };
     let at_point: Option<Answer<PointReport>> = match &system.point.clone() {
         None => None,
         Some(point) => Some(match (active_mode(&mut system, point, &modes), &mut smoothed_system) {
             (Ok(Some(mode)), _) => {
-                point_report(&mut system.pool, &modes[mode].fields, point, options, &mut evidence).into()
+                point_report(&mut system.pool, &modes[mode].fields, &reach[mode], point, options, &mut evidence).into()
             }
-            (Ok(None), Some((s, fields))) => match s.point.clone() {
-                Some(point) => point_report(&mut s.pool, fields, &point, options, &mut evidence).into(),
+            (Ok(None), Some((s, fields, reach))) => match s.point.clone() {
+                Some(point) => point_report(&mut s.pool, fields, reach, &point, options, &mut evidence).into(),
                 None => Answer::Unknown("the smoothed model has no point".to_owned()),
             },
             (Ok(None), None) => Answer::Unknown("no mode holds at the point".to_owned()),
@@ -84,12 +87,12 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         None
     } else {
         Some(match &mut smoothed_system {
-            Some((s, fields)) => observability_report(s, fields, &mut evidence),
+            Some((s, fields, _)) => observability_report(s, fields, &mut evidence),
             None => observability_report(&mut system, &modes[0].fields, &mut evidence),
         })
     };
     let (involutive, linearizable) = match &mut smoothed_system {
-        Some((s, fields)) => (
+        Some((s, fields, _)) => (
             fields.is_involutive(&mut s.pool, &mut evidence).into(),
             fields.static_feedback_linearizable(&mut s.pool, &mut evidence).into(),
         ),
@@ -151,7 +154,7 @@ pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
                         let equation = format!("the derivative of {}", pool.name(system.states[i]));
                         return Err(Error::NotAffine { equation });
                     }
-                    ZeroTest::Unknown(why) => return Err(why.into()),
+                    ZeroTest::Unknown(why) => return Err(Undecided::from(why).into()),
                 }
             }
         }
@@ -179,29 +182,36 @@ pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
     Ok(modes)
 }
 
-/// Generic dimensions, with the strong distribution.
-fn dimensions(
-    pool: &mut Pool,
-    fields: &VectorFields,
-    evidence: &mut Evidence,
-) -> (Dimensions, Result<Closure, Undecided>) {
-    let all = fields.accessibility(pool, evidence);
-    let strong = fields.strong_accessibility(pool, evidence);
-    let growth = |c: &Result<Closure, Undecided>| c.as_ref().map(|c| c.growth.clone()).unwrap_or_default();
-    let dimension = |c: &Result<Closure, Undecided>| -> Answer<usize> {
-        c.as_ref().map(Closure::dimension).map_err(ToString::to_string).into()
-    };
-    let report = Dimensions::new(growth(&all), dimension(&all), growth(&strong), dimension(&strong));
-    (report, strong)
+/// The distributions that the inputs generate at a generic point.
+struct Reach {
+    all: Result<Closure, Undecided>,
+    strong: Result<Closure, Undecided>,
 }
 
-fn mode_report(pool: &mut Pool, mode: &ModeFields, evidence: &mut Evidence) -> ModeReport {
-    let (dimensions, strong) = dimensions(pool, &mode.fields, evidence);
+impl Reach {
+    fn of(pool: &mut Pool, fields: &VectorFields, evidence: &mut Evidence) -> Reach {
+        let all = fields.accessibility(pool, evidence);
+        let driftless = fields.drift.iter().all(|&e| pool.is_zero(e));
+        let strong = if driftless { all.clone() } else { fields.strong_accessibility(pool, evidence) };
+        Reach { all, strong }
+    }
+
+    fn dimensions(&self) -> Dimensions {
+        let growth = |c: &Result<Closure, Undecided>| c.as_ref().map(|c| c.growth.clone()).unwrap_or_default();
+        let dimension = |c: &Result<Closure, Undecided>| -> Answer<usize> {
+            c.as_ref().map(Closure::dimension).map_err(ToString::to_string).into()
+        };
+        Dimensions::new(growth(&self.all), dimension(&self.all), growth(&self.strong), dimension(&self.strong))
+    }
+}
+
+fn mode_report(pool: &mut Pool, mode: &ModeFields, reach: &Reach, evidence: &mut Evidence) -> ModeReport {
+    let strong = reach.strong.as_ref().map_err(Clone::clone);
     let found = strong.and_then(|s| mode.fields.autonomous(pool, &s.basis, evidence));
     let missing = found.as_ref().map_or(0, |a| a.missing);
     ModeReport {
         signs: Named(mode.signs.clone()),
-        dimensions,
+        dimensions: reach.dimensions(),
         autonomous: found.map(|a| a.functions.iter().map(|&e| pool.text(e)).collect::<Vec<_>>()).into(),
         autonomous_not_found: (missing > 0).then_some(missing),
         involutive: mode.fields.is_involutive(pool, evidence).into(),
@@ -232,7 +242,7 @@ fn active_mode(system: &mut System, point: &Point, modes: &[ModeFields]) -> Resu
         let value = system.pool.substitute(s.surface, &at);
         match system.pool.zero_test(value, &Bindings::new()) {
             ZeroTest::Zero(_) => return Ok(None),
-            ZeroTest::Unknown(why) => return Err(why.into()),
+            ZeroTest::Unknown(why) => return Err(Undecided::from(why).into()),
             ZeroTest::NonZero => {}
         }
         let number = system.compile(&[], &[value]).map_or(f64::NAN, |tape| {
@@ -251,6 +261,7 @@ fn active_mode(system: &mut System, point: &Point, modes: &[ModeFields]) -> Resu
 fn point_report(
     pool: &mut Pool,
     fields: &VectorFields,
+    reach: &Reach,
     point: &Point,
     options: &Options,
     evidence: &mut Evidence,
@@ -258,9 +269,9 @@ fn point_report(
     let n = fields.states.len();
     let frame = Frame::new(pool, fields, &point.states, &point.inputs)?;
     let equilibrium = frame.is_equilibrium(pool, evidence)?;
-    let generic = fields.accessibility(pool, evidence)?.dimension();
-    let generic_strong = fields.strong_accessibility(pool, evidence)?.dimension();
-    let local = frame.accessibility(pool, generic, generic_strong, &options.limits, evidence)?;
+    let all = reach.all.as_ref().map_err(Clone::clone)?;
+    let strong = reach.strong.as_ref().map_err(Clone::clone)?;
+    let local = frame.accessibility(pool, all, strong, &options.limits, evidence)?;
     let linearisation = if equilibrium { Some(Linearisation::at(pool, &frame, evidence)?) } else { None };
     let stlc =
         stlc::decide(pool, &frame, equilibrium, &local.dimension, linearisation.as_ref(), &options.limits, evidence)?;

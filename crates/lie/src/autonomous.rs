@@ -1,8 +1,9 @@
 //! Functions of the state that no input influences.
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Func, Node, Pool, Rational, Symbol, Undecided};
+use bracketry_symbolic::{Bindings, Expr, Fp, Func, Node, Pool, Rational, Symbol};
 
 use crate::echelon::Echelon;
+use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields, is_plain_zero};
 use crate::growth::independent;

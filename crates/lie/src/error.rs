@@ -1,6 +1,28 @@
 //! Misuse and bad input.
 
-use bracketry_symbolic::Undecided;
+use bracketry_symbolic::Pool;
+
+/// Why a question stays open.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Undecided {
+    /// An exact test cannot tell.
+    #[error(transparent)]
+    Exact(#[from] bracketry_symbolic::Undecided),
+    /// The expressions grew too large.
+    #[error("not decided because the brackets take more than {nodes} nodes")]
+    TooLarge {
+        /// New nodes of the pool that were allowed.
+        nodes: usize,
+    },
+}
+
+/// Most new nodes of the pool in one closure under brackets.
+const MAX_NODES: usize = 1_500_000;
+
+/// Stops a computation that began when the pool had `first` nodes and has made too many.
+pub(crate) fn check_size(pool: &Pool, first: usize) -> Result<(), Undecided> {
+    if pool.len() > first + MAX_NODES { Err(Undecided::TooLarge { nodes: MAX_NODES }) } else { Ok(()) }
+}
 
 /// Why an analysis could not be made at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -42,7 +64,7 @@ pub enum Error {
         /// What.
         what: String,
     },
-    /// A function that cannot be evaluated exactly.
+    /// A question that must be answered first stays open.
     #[error(transparent)]
     Undecided(#[from] Undecided),
 }

@@ -18,9 +18,13 @@ pub struct Evidence {
 impl Evidence {
     /// Takes one more decision into account (union bound).
     pub fn add(&mut self, certificate: &Certificate) {
+        self.points = if self.points == 0 { certificate.points } else { self.points.min(certificate.points) };
+        self.add_error(certificate.log10_error);
+    }
+
+    fn add_error(&mut self, log10_error: f64) {
         self.decisions += 1;
-        self.points = if self.decisions == 1 { certificate.points } else { self.points.min(certificate.points) };
-        self.error += 10f64.powf(certificate.log10_error);
+        self.error += 10f64.powf(log10_error);
     }
 
     /// Takes a decision on the rank of a matrix of sampled values into account.
@@ -33,10 +37,22 @@ impl Evidence {
         }
         // A minor with one more row has this degree (Schwartz–Zippel).
         let degree = samples.degree.max(1.0) * (rank + 1) as f64;
-        self.add(&Certificate {
-            points: samples.values.len() as u32,
-            log10_error: degree.log10() - (Fp::MODULUS as f64).log10(),
-        });
+        self.add_error(degree.log10() - (Fp::MODULUS as f64).log10());
+        Ok(())
+    }
+
+    /// Takes the comparison of all of `count` sampled expressions with each other into account.
+    ///
+    /// # Errors
+    /// [`Undecided::Sign`] if the sampled expressions hold a root of a square, whose sign is open.
+    pub(crate) fn add_equalities(&mut self, samples: &Samples, count: usize) -> Result<(), Undecided> {
+        if samples.ambiguous_signs > 0 {
+            return Err(Undecided::Sign);
+        }
+        let points = samples.values.len();
+        let each = samples.degree.max(1.0).log10() - (Fp::MODULUS as f64).log10();
+        let pairs = 2.0 * (count as f64).log10();
+        self.add_error(points as f64 * each + pairs);
         Ok(())
     }
 
@@ -45,7 +61,7 @@ impl Evidence {
         self.decisions
     }
 
-    /// Random points of the decision that used the fewest.
+    /// Random points of the generic decision that used the fewest.
     pub fn points(&self) -> u32 {
         self.points
     }

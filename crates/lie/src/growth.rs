@@ -1,9 +1,11 @@
 //! Generic accessibility: dimensions at almost every point.
 
-use bracketry_symbolic::{Bindings, Pool, Symbol, Undecided};
+use bracketry_symbolic::{Bindings, Pool, Symbol};
 
+use crate::error::{Undecided, check_size};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields, bracket, is_plain_zero};
+use crate::merge::merge_equal;
 
 /// The distribution that a closure under brackets ends in, with the dimensions on the way.
 #[derive(Clone, Debug)]
@@ -11,7 +13,7 @@ pub struct Closure {
     /// Entry k: dimension at a generic point after k rounds of brackets. The list ends when
     /// the dimension stops growing (the repeated value is kept) or is full.
     pub growth: Vec<usize>,
-    /// Brackets that span the distribution at a generic point.
+    /// Brackets that span the distribution at a generic point, the first `growth[k]` of them after k rounds.
     pub basis: Vec<Field>,
 }
 
@@ -40,6 +42,7 @@ fn close(
     bindings: &Bindings,
     evidence: &mut Evidence,
 ) -> Result<Closure, Undecided> {
+    let first_node = pool.len();
     let mut basis = independent(pool, start, bindings, evidence)?;
     let mut fresh = 0..basis.len();
     let mut growth = vec![basis.len()];
@@ -49,6 +52,7 @@ fn close(
         for x in generators {
             for y in &basis[fresh.clone()] {
                 let z = bracket(pool, states, x, y);
+                check_size(pool, first_node)?;
                 if !is_plain_zero(pool, &z) && !candidates.contains(&z) {
                     candidates.push(z);
                 }
@@ -56,6 +60,9 @@ fn close(
         }
         basis = independent(pool, &candidates, bindings, evidence)?;
         fresh = known..basis.len();
+        if let Ok(merged) = merge_equal(pool, &basis, bindings, evidence) {
+            basis = merged;
+        }
         growth.push(basis.len());
     }
     Ok(Closure { growth, basis })
@@ -110,7 +117,7 @@ impl VectorFields {
     /// [`Undecided`] if a function in the fields cannot be evaluated exactly.
     pub fn is_involutive(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<bool, Undecided> {
         let controls = independent(pool, &self.controls, &self.bindings, evidence)?;
-        involutive(pool, &self.states, &controls, &self.bindings, evidence)
+        involutive(pool, &self.states, &controls, 0, &self.bindings, evidence)
     }
 
     /// Whether x' = f + Σ u_i g_i can be made linear and controllable near a generic point by
@@ -129,10 +136,12 @@ impl VectorFields {
             if d.len() == n {
                 return Ok(true);
             }
-            if !involutive(pool, &self.states, &d, &self.bindings, evidence)? {
+            // The brackets of older fields lie in D_{i−1}, which is involutive.
+            let old = d.len() - last.len();
+            if !involutive(pool, &self.states, &d, old, &self.bindings, evidence)? {
                 return Ok(false);
             }
-            // While D_{i−1} is involutive, [f, aY] ∈ a[f, Y] + D_{i−1}: the new fields suffice.
+            // [f, aY] = a[f, Y] + (f·a)Y, and [f, D_{i−1}] ⊂ D_i: the new fields suffice.
             let known = d.len();
             let next: Vec<Field> = last.iter().map(|y| bracket(pool, &self.states, &self.drift, y)).collect();
             let mut all = d;
@@ -148,20 +157,24 @@ impl VectorFields {
 }
 
 /// Whether the brackets of `basis` (independent fields) stay in its span, at a generic point.
+/// Those among its first `old` fields are known to.
 fn involutive(
     pool: &mut Pool,
     states: &[Symbol],
     basis: &[Field],
+    old: usize,
     bindings: &Bindings,
     evidence: &mut Evidence,
 ) -> Result<bool, Undecided> {
     if basis.len() == states.len() {
         return Ok(true);
     }
+    let first_node = pool.len();
     let mut all = basis.to_vec();
-    for (i, a) in basis.iter().enumerate() {
+    for (i, a) in basis.iter().enumerate().skip(old) {
         for b in &basis[..i] {
             let z = bracket(pool, states, a, b);
+            check_size(pool, first_node)?;
             all.push(z);
         }
     }

@@ -1,11 +1,11 @@
 //! The linearisation at an equilibrium.
 
-use bracketry_symbolic::{Expr, Fp, Pool, Tape, Undecided};
+use bracketry_symbolic::{Expr, Fp, Pool, Tape};
 use nalgebra::DMatrix;
-use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
 use crate::echelon::Echelon;
+use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::Field;
 use crate::local::Frame;
@@ -87,8 +87,11 @@ fn matrices(pool: &mut Pool, frame: &Frame) -> Option<(DMatrix<f64>, DMatrix<f64
     let n = frame.fields.states.len();
     let mut roots: Vec<Expr> = pool.jacobian(&frame.fields.drift, &frame.fields.states).concat();
     roots.extend(frame.fields.controls.concat());
-    let at: FxHashMap<Expr, Expr> = frame.constants(pool, &roots);
-    let roots = pool.substitute_all(&roots, &at);
+    // Twice, because coordinates of the point may be expressions of parameters.
+    for _ in 0..2 {
+        let at = frame.constants(pool, &roots);
+        roots = pool.substitute_all(&roots, &at);
+    }
     let tape = Tape::compile(pool, &[], &roots).ok()?;
     let mut values = vec![0.0; tape.n_outputs()];
     tape.eval(&[], &mut Vec::new(), &mut values);

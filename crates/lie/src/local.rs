@@ -2,14 +2,15 @@
 
 use std::ops::Range;
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Pool, Symbol, Undecided};
+use bracketry_symbolic::{Bindings, Expr, Fp, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
-use crate::Error;
 use crate::answer::Answer;
 use crate::echelon::Echelon;
+use crate::error::{Error, Undecided};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields, bracket, is_plain_zero, subtract};
+use crate::growth::Closure;
 
 /// How far brackets are formed at a point before the answer is "unknown".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -218,14 +219,18 @@ impl Words {
         }
         if all.len() > start {
             let n = all[0].len();
-            let points = all.len() + 1;
-            let samples = pool.sample(&all.concat(), bindings, points, CONSTANTS_SEED)?;
-            evidence.add_rank(&samples, all.len())?;
-            let mut echelon = Echelon::new();
-            for (i, field) in all.into_iter().enumerate() {
-                let row: Vec<Fp> = samples.values.iter().flat_map(|v| v[i * n..(i + 1) * n].iter().copied()).collect();
-                if echelon.insert(row) && i >= start {
-                    self.kept.push(field);
+            let certain = all.len() + 1;
+            // Independence at fewer points is independence; only dependence needs them all.
+            for points in [(all.len() / n + 2).min(certain), certain] {
+                let samples = pool.sample(&all.concat(), bindings, points, CONSTANTS_SEED)?;
+                let mut echelon = Echelon::new();
+                let row = |i: usize| samples.values.iter().flat_map(move |v| v[i * n..(i + 1) * n].iter().copied());
+                let independent: Vec<bool> = (0..all.len()).map(|i| echelon.insert(row(i).collect())).collect();
+                if echelon.rank() == all.len() || points == certain {
+                    evidence.add_rank(&samples, all.len())?;
+                    let new = all.into_iter().zip(independent).skip(start);
+                    self.kept.extend(new.filter_map(|(field, keep)| keep.then_some(field)));
+                    break;
                 }
             }
         }
@@ -265,9 +270,9 @@ impl VectorFields {
         evidence: &mut Evidence,
     ) -> Result<LocalAccessibility, Error> {
         let frame = Frame::new(pool, self, states, inputs)?;
-        let generic = self.accessibility(pool, evidence)?.dimension();
-        let generic_strong = self.strong_accessibility(pool, evidence)?.dimension();
-        Ok(frame.accessibility(pool, generic, generic_strong, limits, evidence)?)
+        let generic = self.accessibility(pool, evidence)?;
+        let generic_strong = self.strong_accessibility(pool, evidence)?;
+        Ok(frame.accessibility(pool, &generic, &generic_strong, limits, evidence)?)
     }
 }
 
@@ -275,12 +280,25 @@ impl Frame {
     pub(crate) fn accessibility(
         &self,
         pool: &mut Pool,
-        generic: usize,
-        generic_strong: usize,
+        generic: &Closure,
+        generic_strong: &Closure,
         limits: &Limits,
         evidence: &mut Evidence,
     ) -> Result<LocalAccessibility, Undecided> {
         let n = self.fields.states.len();
+        // No level can exceed its generic dimension. Where the generic basis stays independent,
+        // every level attains it, and no other bracket needs to be formed.
+        if self.rank(pool, &generic.basis, evidence)? == generic.dimension()
+            && self.rank(pool, &generic_strong.basis, evidence)? == generic_strong.dimension()
+        {
+            return Ok(LocalAccessibility {
+                growth: generic.growth.clone(),
+                dimension: Answer::Known(generic.dimension()),
+                strong_growth: generic_strong.growth.clone(),
+                strong_dimension: Answer::Known(generic_strong.dimension()),
+            });
+        }
+        let (generic, generic_strong) = (generic.dimension(), generic_strong.dimension());
         let first_node = pool.len();
         let bindings = &self.fields.bindings;
         let mut words = Words::default();

@@ -1,7 +1,8 @@
 //! What the outputs tell about states and parameters.
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, Undecided};
+use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
 
+use crate::error::{Undecided, check_size};
 use crate::evidence::Evidence;
 use crate::fields::{VectorFields, is_plain_zero};
 use crate::growth::independent;
@@ -59,6 +60,7 @@ impl VectorFields {
                 bindings.bind(s, v.clone());
             }
         }
+        let first_node = pool.len();
         let mut differentials = Vec::new();
         let mut fresh = Vec::new();
         let mut candidates: Vec<Expr> = outputs.to_vec();
@@ -78,6 +80,7 @@ impl VectorFields {
             for h in fresh.drain(..) {
                 for x in std::iter::once(&self.drift).chain(&self.controls) {
                     let l = pool.lie_derivative(h, &self.states, x);
+                    check_size(pool, first_node)?;
                     if pool.number(l).is_none() {
                         candidates.push(l);
                     }

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use bracketry_symbolic::{Fp, Pool, Undecided};
+use bracketry_symbolic::{Fp, Pool};
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use crate::answer::Answer;
 use crate::echelon::Echelon;
+use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::{Field, bracket, is_plain_zero};
 use crate::linear::Linearisation;

@@ -1,0 +1,143 @@
+//! Systems at the edge of what can be said: the answer is exact, unknown with a reason, or a clear error.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use bracketry_lie::{Answer, Error, Options, PointReport, Report, Verdict, analyse};
+use bracketry_system::System;
+use common::{ratio, system};
+
+fn report(s: &System) -> Report {
+    analyse(s, &Options::default()).unwrap()
+}
+
+fn at_point(r: &Report) -> &PointReport {
+    r.at_point.as_ref().and_then(Answer::known).unwrap()
+}
+
+#[test]
+fn without_inputs_every_state_is_autonomous() {
+    let r = report(&system(&["x", "y"], &[], &[], &["y", "-sin(x) - y"], &[], Some(&[])));
+    assert_eq!(r.modes[0].dimensions.growth, [1, 1]);
+    assert_eq!(r.modes[0].dimensions.strong_growth, [0]);
+    assert_eq!(r.modes[0].autonomous, Answer::Known(vec!["x".into(), "y".into()]));
+    // At rest nothing moves, yet the pendulum's damped equilibrium needs no input.
+    assert_eq!(at_point(&r).dimensions.accessible_dimension, Answer::Known(0));
+    assert_eq!(at_point(&r).stabilizable, Some(Answer::Known(true)));
+    assert_eq!(at_point(&r).stlc.verdict, Verdict::No);
+}
+
+#[test]
+fn an_unstable_mode_out_of_reach_cannot_be_stabilised() {
+    let r = report(&system(&["x", "y"], &["u"], &[], &["u", "2*y"], &[], Some(&[])));
+    assert_eq!(at_point(&r).linear_controllability_rank, Some(1));
+    assert_eq!(at_point(&r).stabilizable, Some(Answer::Known(false)));
+}
+
+/// VTOL aircraft held up by its thrust: an equilibrium only with the input of the point.
+#[test]
+fn the_inputs_of_the_point_count() {
+    let model = |thrust: &str| {
+        let dynamics = ["vx", "vy", "w", "-sin(th)*u1 + ep*cos(th)*u2", "cos(th)*u1 + ep*sin(th)*u2 - gr", "u2"];
+        report(&system(
+            &["x", "y", "th", "vx", "vy", "w"],
+            &["u1", "u2"],
+            &[("gr", ratio(981, 100)), ("ep", ratio(1, 10))],
+            &dynamics,
+            &[],
+            Some(&[("u1", thrust)]),
+        ))
+    };
+    let hover = model("gr");
+    assert_eq!(at_point(&hover).equilibrium, Answer::Known(true));
+    assert_eq!(at_point(&hover).linear_controllability_rank, Some(6));
+    assert_eq!(at_point(&hover).stlc.verdict, Verdict::Yes);
+    let fall = model("0");
+    assert_eq!(at_point(&fall).equilibrium, Answer::Known(false));
+    assert_eq!(at_point(&fall).linear_controllability_rank, None);
+    assert_eq!(at_point(&fall).stlc.verdict, Verdict::Inconclusive);
+}
+
+#[test]
+fn a_point_with_pi_and_sines_of_rationals_is_exact() {
+    let r = report(&system(
+        &["x", "y", "th"],
+        &["u", "v"],
+        &[],
+        &["u*cos(th)", "u*sin(th)", "v"],
+        &[],
+        Some(&[("x", "pi"), ("th", "0.7")]),
+    ));
+    assert_eq!(at_point(&r).dimensions.growth, [2, 3]);
+    let r = report(&system(&["x", "y"], &["u"], &[], &["u", "cos(x)"], &[], Some(&[("x", "pi/2")])));
+    assert_eq!(at_point(&r).equilibrium, Answer::Known(true));
+    assert_eq!(at_point(&r).linear_controllability_rank, Some(2));
+}
+
+#[test]
+fn a_singular_point_is_unknown_with_a_reason() {
+    let r = report(&system(&["x", "y"], &["u"], &[], &["u", "tan(x)/y"], &[], Some(&[])));
+    assert_eq!(r.modes[0].dimensions.accessible_dimension, Answer::Known(2));
+    let json = serde_json::to_value(&r).unwrap();
+    assert_eq!(json["at_point"], "unknown");
+    assert!(json["at_point_reason"].as_str().unwrap().contains("denominator"));
+}
+
+#[test]
+fn a_central_force_moves_a_body_along_one_line() {
+    // The Lie algebra is infinite-dimensional; an invariant plane shows that the rest stays at rest.
+    let r = report(&system(
+        &["x", "y", "th", "vx", "vy", "w"],
+        &["u"],
+        &[],
+        &["vx", "vy", "w", "u*cos(th)", "u*sin(th)", "0"],
+        &[],
+        Some(&[]),
+    ));
+    assert_eq!(at_point(&r).dimensions.growth, [1, 2, 2]);
+    assert_eq!(at_point(&r).dimensions.accessible_dimension, Answer::Known(2));
+    assert_eq!(r.modes[0].dimensions.accessible_dimension, Answer::Known(5));
+    assert_eq!(r.modes[0].dimensions.strongly_accessible_dimension, Answer::Known(4));
+    assert_eq!(r.modes[0].autonomous, Answer::Known(vec!["th".into(), "w".into()]));
+}
+
+#[test]
+fn autonomous_products_are_found() {
+    let r = report(&system(&["x", "y"], &["u"], &[], &["x*u", "y - y*u"], &[], None));
+    assert_eq!(r.modes[0].autonomous, Answer::Known(vec!["x*y".into()]));
+}
+
+#[test]
+fn a_root_is_exact() {
+    let r = report(&system(&["x", "y"], &["u"], &[], &["u", "sqrt(1 + x^2) - 1"], &[], Some(&[])));
+    // ẏ = x²/2 + … moves one way only.
+    assert_eq!(at_point(&r).dimensions.growth, [1, 1, 2]);
+    assert_eq!(at_point(&r).stlc.verdict, Verdict::No);
+}
+
+#[test]
+fn what_is_not_affine_is_an_error() {
+    let square = system(&["x"], &["u"], &[], &["u^2"], &[], None);
+    assert!(matches!(analyse(&square, &Options::default()), Err(Error::NotAffine { .. })));
+    let switched_input = system(&["x"], &["u"], &[], &["sign(u)"], &[], None);
+    assert!(matches!(analyse(&switched_input, &Options::default()), Err(Error::NotAffine { .. })));
+    let many: Vec<String> = (0..11).map(|i| format!("sign(x - {i})")).collect();
+    let switches = system(&["x"], &[], &[], &[&many.join(" + ")], &[], None);
+    assert_eq!(analyse(&switches, &Options::default()).unwrap_err(), Error::Modes { switches: 11 });
+    assert_eq!(analyse(&system(&[], &[], &[], &[], &[], None), &Options::default()).unwrap_err(), Error::NoStates);
+}
+
+#[test]
+fn the_longest_growth_of_trailers_is_found() {
+    let n = 5;
+    let chain = |i: usize| (0..i).map(|j| format!("*cos(t{j} - t{})", j + 1)).collect::<Vec<_>>().concat();
+    let mut states = vec!["x".to_owned(), "y".to_owned()];
+    states.extend((0..=n).map(|i| format!("t{i}")));
+    let mut dynamics = vec![format!("u1*cos(t{n}){}", chain(n)), format!("u1*sin(t{n}){}", chain(n)), "u2".to_owned()];
+    dynamics.extend((1..=n).map(|i| format!("u1{}*sin(t{} - t{i})", chain(i - 1), i - 1)));
+    let states: Vec<&str> = states.iter().map(String::as_str).collect();
+    let dynamics: Vec<&str> = dynamics.iter().map(String::as_str).collect();
+    let r = report(&system(&states, &["u1", "u2"], &[], &dynamics, &[], Some(&[])));
+    assert_eq!(r.modes[0].dimensions.growth, [2, 3, 4, 5, 6, 7, 8]);
+    assert_eq!(at_point(&r).dimensions.growth, [2, 3, 4, 5, 6, 7, 8]);
+}
