@@ -9,7 +9,7 @@ use super::lower::{FRACTION_BOUND, Lowering};
 use super::program::Reg;
 
 /// Homomorphism from the field's multiplicative group to the integers modulo a prime ℓ that divides p − 1.
-struct Character<const C: u64> {
+pub(super) struct Character<const C: u64> {
     order: u64,
     logarithms: FxHashMap<u64, u64>,
 }
@@ -75,7 +75,7 @@ impl<const C: u64> Lowering<'_, C> {
 
     /// The multiplicative relation of register `h` with `others`, from its values at the points `at`.
     pub(super) fn multiplicative_relation(&self, others: &[Reg], h: Reg, at: &[usize]) -> Relation {
-        let character = Character::<C>::new();
+        let character = self.character.get_or_init(Character::new);
         let column = |r: Reg| -> Vec<u64> { self.values(r, at).into_iter().map(|v| character.of(v)).collect() };
         // The column of ones stands for the unknown constant.
         let mut columns = vec![vec![1; at.len()]];

@@ -163,6 +163,17 @@ impl<const C: u64> Lowering<'_, C> {
         Ok((0..steps).fold((one, zero), |p, _| turn(p, unit)))
     }
 
+    /// True if the operand, or the ratio of two operands, has the same value at all trial points.
+    fn is_constant_angle(&self, operands: &[Expr]) -> bool {
+        let registers: Vec<Reg> = operands.iter().map(|o| self.registers[o]).collect();
+        let mut ratios = self.trials(&registers, SPARE).into_iter().map(|i| {
+            let v = registers.iter().map(|&r| self.trial(r, i).unwrap_or_default());
+            v.reduce(|y, x| y * x.inv().unwrap_or_default())
+        });
+        let first = ratios.next();
+        ratios.all(|r| Some(r) == first)
+    }
+
     /// asin, acos, atan, atan2: a single such angle that has nothing to do with sines and cosines is a generator.
     pub(super) fn inverse_angle(&mut self, e: Expr) -> Result<Reg, Stop> {
         let (kind, operands) = match self.pool.node(e) {
@@ -181,8 +192,8 @@ impl<const C: u64> Lowering<'_, C> {
             if self.pool.reachable(&operands).iter().any(circular) {
                 return Err(self.kernel(e, "it is an inverse function of trigonometric functions"));
             }
-            if operands.iter().all(|o| self.program.is_constant(self.registers[o])) {
-                return Err(self.kernel(e, "it is an angle of unknown relation to pi"));
+            if self.is_constant_angle(&operands) {
+                return Err(self.kernel(e, "it is a constant angle of unknown relation to pi"));
             }
             let slot = self.generator(Generator::Free);
             let value = self.push(Step::Slot(slot));

@@ -22,7 +22,7 @@ enum Power {
     /// The generator (in this register) to this power.
     Free(Reg, u64),
     /// The argument of a logarithm.
-    Argument(Reg),
+    Argument(Reg, Expr),
     /// An integer constant.
     Integer(u64, Reg),
 }
@@ -30,7 +30,7 @@ enum Power {
 impl Power {
     fn base(self) -> Reg {
         match self {
-            Power::Free(r, _) | Power::Argument(r) | Power::Integer(_, r) => r,
+            Power::Free(r, _) | Power::Argument(r, _) | Power::Integer(_, r) => r,
         }
     }
 }
@@ -47,13 +47,13 @@ pub(super) struct ExpLog {
 const SPARE: usize = 16;
 
 impl<const C: u64> Lowering<'_, C> {
-    /// Register of exp(a), for the register of a.
-    pub(super) fn exponential(&mut self, a: Reg) -> Result<Reg, Stop> {
+    /// Register of exp(a), for the register of a; errors name `e`.
+    pub(super) fn exponential(&mut self, e: Expr, a: Reg) -> Result<Reg, Stop> {
         if let Some(&r) = self.explog.exponentials.get(&a) {
             return Ok(r);
         }
         let basis: Vec<Reg> = self.explog.basis.iter().map(|b| b.0).collect();
-        let r = match self.relation_of_exponent(&basis, a)? {
+        let r = match self.relation(e, &basis, a)? {
             None => {
                 let parts = self.requirements.exponents.get(&basis.len()).copied().unwrap_or(1);
                 let slot = self.generator(Generator::Free);
@@ -61,30 +61,21 @@ impl<const C: u64> Lowering<'_, C> {
                 self.explog.basis.push((a, Power::Free(g, parts)));
                 self.integer_power(g, parts as i64)
             }
-            Some(c) => self.product_of_powers(&c)?,
+            Some(c) => self.product_of_powers(e, &c)?,
         };
         self.explog.exponentials.insert(a, r);
         Ok(r)
     }
 
-    fn relation_of_exponent(&self, basis: &[Reg], a: Reg) -> Result<Option<Vec<(i64, i64)>>, Stop> {
-        // The message needs an expression: the one whose register this is.
-        let e = self.registers.iter().find(|(_, r)| **r == a).map(|(e, _)| *e);
-        let e = e.or_else(|| self.registers.keys().max().copied()).unwrap_or(Expr(0));
-        self.relation(e, basis, a)
-    }
-
     /// Π exp(a_j)^(c_j)
-    fn product_of_powers(&mut self, c: &[(i64, i64)]) -> Result<Reg, Stop> {
+    fn product_of_powers(&mut self, e: Expr, c: &[(i64, i64)]) -> Result<Reg, Stop> {
         let mut restart = false;
         let mut factors = Vec::new();
         for (j, &(n, d)) in c.iter().enumerate().filter(|(_, c)| c.0 != 0) {
-            let power = self.explog.basis[j].1;
-            let (Power::Free(_, parts), d) = (power, d.unsigned_abs()) else {
-                if d != 1 {
-                    return Err(Stop::Undecided(super::Undecided::RootOfLogarithm));
-                }
-                factors.push((power.base(), n));
+            let (power, d) = (self.explog.basis[j].1, d.unsigned_abs());
+            let Power::Free(_, parts) = power else {
+                let r = self.root_of_argument(e, power, d)?;
+                factors.push((r, n));
                 continue;
             };
             if parts.is_multiple_of(d) {
@@ -106,6 +97,21 @@ impl<const C: u64> Lowering<'_, C> {
             product = Some(product.map_or(p, |q| self.push(Step::Mul(q, p))));
         }
         Ok(product.unwrap_or_else(|| self.constant(Residue::ONE)))
+    }
+
+    /// Register of exp(log(h)/d).
+    fn root_of_argument(&mut self, e: Expr, power: Power, d: u64) -> Result<Reg, Stop> {
+        let levels = d.trailing_zeros();
+        let r = match power {
+            _ if levels == 0 => power.base(),
+            Power::Argument(_, h) => self.root(h, levels)?,
+            Power::Integer(n, _) => {
+                let c = self.rational_root(e, &RBig::from(n), levels)?;
+                self.constant(c)
+            }
+            Power::Free(r, _) => r,
+        };
+        self.odd_root(e, r, d >> levels)
     }
 
     /// Register of log(h).
@@ -141,7 +147,7 @@ impl<const C: u64> Lowering<'_, C> {
             Relation::None => {
                 let slot = self.generator(Generator::Free);
                 let r = self.push(Step::Slot(slot));
-                self.explog.basis.push((r, Power::Argument(value)));
+                self.explog.basis.push((r, Power::Argument(value, h)));
                 Ok(r)
             }
             Relation::Unresolved => Err(self.kernel(h, "it may be related to other logarithms and exponentials")),

@@ -4,9 +4,12 @@
 //! kernel is also evaluated at a number of trial points; relations between
 //! the kernels are found from these values.
 
+use std::cell::OnceCell;
+
 use dashu_ratio::RBig;
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::character::Character;
 use super::circle::Circle;
 use super::constants::exact_value;
 use super::explog::ExpLog;
@@ -64,12 +67,15 @@ pub(super) struct Lowering<'a, const C: u64> {
     rng: Random,
     points: Vec<Vec<Residue<C>>>,
     columns: Vec<Option<Column<C>>>,
+    /// Registers that depend on the root of a square, whose sign is open.
+    open: Vec<bool>,
     watching: bool,
     pub(super) requirements: &'a mut Requirements,
     pi: Option<Reg>,
     pub(super) circle: Circle,
     pub(super) explog: ExpLog,
     pub(super) roots: Roots,
+    pub(super) character: OnceCell<Character<C>>,
     /// Large factors of integer constants met so far.
     pub(super) found: Vec<u64>,
 }
@@ -121,12 +127,14 @@ pub(super) fn lower<const C: u64>(pool: &Pool, roots: &[Expr], bindings: &Bindin
             rng: Random::new(TRIAL_SEED),
             points: vec![Vec::new(); if kernels.is_empty() { 0 } else { trials }],
             columns: Vec::new(),
+            open: Vec::new(),
             watching: false,
             requirements: &mut requirements,
             pi: None,
             circle: Circle::default(),
             explog: ExpLog::default(),
             roots: Roots::default(),
+            character: OnceCell::new(),
             found: Vec::new(),
         };
         match l.nodes(&nodes, &below) {
@@ -162,7 +170,7 @@ fn is_kernel(pool: &Pool, exact: &FxHashMap<Expr, RBig>, e: Expr) -> bool {
 impl<const C: u64> Lowering<'_, C> {
     fn nodes(&mut self, nodes: &[Expr], below: &FxHashSet<Expr>) -> Result<(), Stop> {
         for &e in nodes {
-            self.watching = below.contains(&e) || is_kernel(self.pool, &self.exact, e);
+            self.watching = below.contains(&e);
             let r = self.node(e)?;
             self.registers.insert(e, r);
         }
@@ -184,7 +192,11 @@ impl<const C: u64> Lowering<'_, C> {
             Node::Mul(a, b) => Ok(self.push(Step::Mul(self.registers[&a], self.registers[&b]))),
             Node::Pow(a, b) => self.power(e, a, b),
             Node::Call(f, a) => self.call(e, f, a),
-            Node::Call2(_, _, _) => self.inverse_angle(e),
+            Node::Call2(_, a, b) => {
+                self.refuse_open_sign(self.registers[&a])?;
+                self.refuse_open_sign(self.registers[&b])?;
+                self.watched(|l| l.inverse_angle(e))
+            }
         }
     }
 
@@ -192,9 +204,13 @@ impl<const C: u64> Lowering<'_, C> {
         let base = self.registers[&a];
         let Some(q) = self.exact.get(&b).cloned() else {
             // a^b = exp(b log a)
-            let log = self.logarithm(a)?;
-            let exponent = self.push(Step::Mul(self.registers[&b], log));
-            return self.exponential(exponent);
+            self.refuse_open_sign(base)?;
+            self.refuse_open_sign(self.registers[&b])?;
+            return self.watched(|l| {
+                let log = l.logarithm(a)?;
+                let exponent = l.push(Step::Mul(l.registers[&b], log));
+                l.exponential(e, exponent)
+            });
         };
         let n = i64::try_from(q.numerator()).ok().filter(|n| n.unsigned_abs() < 1 << 40);
         let d = u64::try_from(q.denominator()).ok().filter(|&d| d < 1 << 40);
@@ -204,18 +220,23 @@ impl<const C: u64> Lowering<'_, C> {
         let mut r = base;
         let levels = d.trailing_zeros();
         if levels > 0 {
-            r = self.root(a, levels)?;
+            r = self.watched(|l| l.root(a, levels))?;
         }
-        let odd = d >> levels;
-        if odd > 1 {
-            // The map y → y^odd is one to one in a field of p elements if odd is prime to p − 1.
-            let Some(inverse) = inverse_modulo(odd, Residue::<C>::MODULUS - 1) else {
-                return Err(self.other_prime(e, "the field has no unique root of this degree"));
-            };
-            r = self.push(Step::Power(r, inverse));
-            self.roots.extension *= odd as f64;
-        }
+        let r = self.odd_root(e, r, d >> levels)?;
         Ok(self.integer_power(r, n))
+    }
+
+    /// Register of the root of odd degree; errors name `e`.
+    pub(super) fn odd_root(&mut self, e: Expr, r: Reg, degree: u64) -> Result<Reg, Stop> {
+        if degree == 1 {
+            return Ok(r);
+        }
+        // The map y → y^degree is one to one in a field of p elements if the degree is prime to p − 1.
+        let Some(inverse) = inverse_modulo(degree, Residue::<C>::MODULUS - 1) else {
+            return Err(self.other_prime(e, "the field has no unique root of this degree"));
+        };
+        self.roots.extension = self.roots.extension.max(1.0) * degree as f64;
+        Ok(self.push(Step::Power(r, inverse)))
     }
 
     pub(super) fn integer_power(&mut self, r: Reg, n: i64) -> Reg {
@@ -227,19 +248,20 @@ impl<const C: u64> Lowering<'_, C> {
     }
 
     fn call(&mut self, e: Expr, f: Func, a: Expr) -> Result<Reg, Stop> {
+        self.refuse_open_sign(self.registers[&a])?;
         match f {
             Func::Sin | Func::Cos | Func::Tan => {
-                let (c, s) = self.angle(a)?;
+                let (c, s) = self.watched(|l| l.angle(a))?;
                 Ok(match f {
                     Func::Sin => s,
                     Func::Cos => c,
                     _ => self.quotient(s, c),
                 })
             }
-            Func::Asin | Func::Acos | Func::Atan => self.inverse_angle(e),
-            Func::Exp => self.exponential(self.registers[&a]),
+            Func::Asin | Func::Acos | Func::Atan => self.watched(|l| l.inverse_angle(e)),
+            Func::Exp => self.watched(|l| l.exponential(a, l.registers[&a])),
             Func::Sinh | Func::Cosh | Func::Tanh => {
-                let x = self.exponential(self.registers[&a])?;
+                let x = self.watched(|l| l.exponential(a, l.registers[&a]))?;
                 let y = self.push(Step::Inverse(x));
                 let minus = self.scaled(-Residue::ONE, y);
                 let (sum, difference) = (self.push(Step::Add(x, y)), self.push(Step::Add(x, minus)));
@@ -250,7 +272,7 @@ impl<const C: u64> Lowering<'_, C> {
                     _ => self.quotient(difference, sum),
                 })
             }
-            Func::Log => self.logarithm(a),
+            Func::Log => self.watched(|l| l.logarithm(a)),
             Func::Abs | Func::Sign => Err(self.kernel(e, "its sign depends on the point")),
         }
     }
@@ -278,6 +300,11 @@ impl<const C: u64> Lowering<'_, C> {
                 .collect()
         });
         self.columns.push(column);
+        self.open.push(match step {
+            Step::Const(_) | Step::Slot(_) => false,
+            Step::Add(a, b) | Step::Mul(a, b) => self.open[a] || self.open[b],
+            Step::Inverse(a) | Step::Power(a, _) | Step::Root(a, _) => self.open[a],
+        });
         self.program.push(step)
     }
 
@@ -310,11 +337,17 @@ impl<const C: u64> Lowering<'_, C> {
         if let Some(r) = self.pi {
             return r;
         }
-        let watching = std::mem::replace(&mut self.watching, true);
         let s = self.generator(Generator::Free);
-        let r = self.push(Step::Slot(s));
-        self.watching = watching;
+        let r = self.watched(|l| l.push(Step::Slot(s)));
         self.pi = Some(r);
+        r
+    }
+
+    /// Runs `f` with all registers evaluated at the trial points, because later kernels may use them.
+    fn watched<T>(&mut self, f: impl FnOnce(&mut Self) -> T) -> T {
+        let watching = std::mem::replace(&mut self.watching, true);
+        let r = f(self);
+        self.watching = watching;
         r
     }
 
@@ -322,6 +355,16 @@ impl<const C: u64> Lowering<'_, C> {
     pub(super) fn trials(&self, registers: &[Reg], n: usize) -> Vec<usize> {
         let has = |i: usize| registers.iter().all(|&r| self.trial(r, i).is_some());
         (0..self.points.len()).filter(|&i| has(i)).take(n).collect()
+    }
+
+    /// Marks a register as the root of a square.
+    pub(super) fn open_sign(&mut self, r: Reg) {
+        self.open[r] = true;
+    }
+
+    /// Refuses the argument of a kernel if its sign is open: relations with other kernels would go unnoticed.
+    pub(super) fn refuse_open_sign(&self, r: Reg) -> Result<(), Stop> {
+        if self.open[r] { Err(Undecided::Sign.into()) } else { Ok(()) }
     }
 
     /// Value of a register at a trial point.

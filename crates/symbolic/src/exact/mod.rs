@@ -126,9 +126,6 @@ pub enum Undecided {
     /// √(s²) is s or −s, and the answer depends on which.
     #[error("not decided because the answer depends on the sign of the root of a square")]
     Sign,
-    /// exp(c·log(h)) with a fraction c.
-    #[error("not decided because of the exponential of a fraction of a logarithm; write it as a power")]
-    RootOfLogarithm,
     /// The degree leaves too little certainty.
     #[error("not decided because the degree of the expression is too high (1e{log10_degree:.0})")]
     Degree {

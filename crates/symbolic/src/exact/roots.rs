@@ -50,6 +50,10 @@ impl<const C: u64> Lowering<'_, C> {
             self.roots.known.insert(base, (r, all));
             (r, all)
         };
+        if all < levels {
+            self.requirements.levels.insert(base, levels);
+            return Err(Stop::Restart);
+        }
         Ok(self.integer_power(r, 1 << (all - levels)))
     }
 
@@ -62,29 +66,38 @@ impl<const C: u64> Lowering<'_, C> {
         if self.program.is_constant(value) {
             return Err(self.kernel(base, "it is an irrational constant under a root"));
         }
+        self.refuse_open_sign(value)?;
         let mut all: Vec<Reg> = self.roots.free.iter().map(|f| f.value).collect();
         all.push(value);
         let at = self.nonzero_trials(&all, all.len() + 2 * SPARE);
         if at.len() < all.len() + SPARE {
             return Err(self.kernel(base, "it has no value at most points, under a root"));
         }
+        let others = &all[..all.len() - 1];
+        let few = &at[..at.len().min(all.len() + 16)];
+        if let Relation::Product { constant, power, exponents } = self.multiplicative_relation(others, value, few) {
+            return self.product_root(base, levels, &constant, power, &exponents);
+        }
         // Quadratic characters as exponents of −1; the constants (column of ones) are in front.
         let character =
-            |r: Reg| -> Vec<u64> { self.values(r, &at).into_iter().map(|v| u64::from(!v.is_residue())).collect() };
+            |&r: &Reg| -> Vec<u64> { self.values(r, &at).into_iter().map(|v| u64::from(!v.is_residue())).collect() };
         let mut columns = vec![vec![1; at.len()]];
         // A radicand whose root occurs in `base` is a square wherever `base` has a value.
-        let others = self.roots.free.iter().map(|f| character(f.value));
-        columns.extend(others.filter(|c| c.contains(&1)));
-        let Ok(found) = combination_mod(2, &columns, &character(value)) else {
-            return Err(self.kernel(base, "roots are related in a way that was not resolved"));
-        };
-        match found {
-            None => {
+        columns.extend(others.iter().map(character).filter(|c| c.contains(&1)));
+        match combination_mod(2, &columns, &character(&value)) {
+            Err(()) => Err(self.kernel(base, "roots are related in a way that was not resolved")),
+            Ok(None) => {
                 let root = self.signed_root(value, levels);
                 self.roots.free.push(Radicand { base, value, root, levels });
                 Ok(root)
             }
-            Some(_) => self.dependent_root(base, value, levels, &at),
+            Ok(Some(_)) => {
+                // √(c s²) = ±√c s: the sign is that of s, which changes from place to place.
+                self.roots.ambiguous += 1;
+                let root = self.signed_root(value, levels);
+                self.open_sign(root);
+                Ok(root)
+            }
         }
     }
 
@@ -98,26 +111,14 @@ impl<const C: u64> Lowering<'_, C> {
         self.push(Step::Mul(sign, root))
     }
 
-    /// Root of a square times a product of the free radicands.
-    fn dependent_root(&mut self, base: Expr, value: Reg, levels: u32, at: &[usize]) -> Result<Reg, Stop> {
-        let others: Vec<Reg> = self.roots.free.iter().map(|f| f.value).collect();
-        let relation = self.multiplicative_relation(&others, value, at);
-        // value^d = t·Π r_j^(n_j), where d must be a power of 2 for the roots to be at hand.
-        let (t, d, n) = match relation {
-            Relation::Product { constant, power, exponents } if power.is_power_of_two() => {
-                (constant, power.trailing_zeros(), exponents)
-            }
-            _ => {
-                // √(c s²) = ±√c s: the sign is that of s, which changes from place to place.
-                self.roots.ambiguous += 1;
-                return Ok(self.signed_root(value, levels));
-            }
-        };
+    /// Root of r, where r^power = t·Π r_j^(n_j) over the free radicands.
+    fn product_root(&mut self, base: Expr, levels: u32, t: &RBig, power: u64, n: &[i64]) -> Result<Reg, Stop> {
+        let d = power.trailing_zeros();
         let mut root = {
-            let c = self.rational_root(base, &t, levels + d)?;
+            let c = self.rational_root(base, t, levels + d)?;
             self.constant(c)
         };
-        for (j, n) in n.into_iter().enumerate().filter(|(_, n)| *n != 0) {
+        for (j, n) in n.iter().copied().enumerate().filter(|(_, n)| *n != 0) {
             let f = &self.roots.free[j];
             let missing = (levels + d).saturating_sub(f.levels + n.trailing_zeros());
             if missing > 0 {
@@ -130,11 +131,11 @@ impl<const C: u64> Lowering<'_, C> {
             let r = self.integer_power(f.root, k);
             root = self.push(Step::Mul(root, r));
         }
-        Ok(root)
+        self.odd_root(base, root, power >> d)
     }
 
     /// q^(1/2^levels) as a product of powers of the roots of the prime factors of q.
-    fn rational_root(&mut self, e: Expr, q: &RBig, levels: u32) -> Result<Residue<C>, Stop> {
+    pub(super) fn rational_root(&mut self, e: Expr, q: &RBig, levels: u32) -> Result<Residue<C>, Stop> {
         if *q == RBig::ZERO {
             return Ok(Residue::ZERO);
         }
