@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{Experiment, PlateError, Run, Shape, published, two_step};
-use bracketry_sim::{Mode, Settings, Stepper, Switched};
+use bracketry_sim::{Mode, Model, Settings, Stepper, Switched};
 use bracketry_system::System;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -130,6 +130,35 @@ fn experiment_2_covers_98_per_cent_of_the_way_at_the_reference_times() {
     let tenths = |omega| (10.0 * run(&Experiment::translation_x(omega), 0.3, 4.0).reached.unwrap()).round();
     assert_eq!(tenths(3), 24.0);
     assert_eq!(tenths(4), 15.0);
+}
+
+#[test]
+fn the_jump_of_the_plate_at_a_new_amplitude_matters_little() {
+    // X jumps by (0.51 − 0.5 − 0.1) ξ ΔA and X' by (0.51 − 0.5 − 0.1) ξ' ΔA: the object stays behind by as much.
+    for omega in [3, 4] {
+        let experiment = Experiment::translation_x(omega);
+        let without = run(&experiment, 0.3, 4.0).reached.unwrap();
+        let system = published(Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
+        let model = Model::new(&system, &experiment.inputs(0.0)).unwrap();
+        let mut stepper = Stepper::new(model, 0.0, &START, &Settings::default()).unwrap();
+        let mut held: Option<f64> = None;
+        let reached = (1..40).find_map(|period| {
+            let amplitude = experiment.amplitude(stepper.state()[0] - experiment.target);
+            let change = 0.09 * held.map_or(0.0, |before| amplitude - before);
+            let (t, mut x) = (stepper.time(), stepper.state().to_vec());
+            x[0] += change * (1.0 - (-t).exp());
+            x[3] += change * (-t).exp();
+            stepper.set_state(t, &x).unwrap();
+            held = Some(amplitude);
+            stepper.system_mut().set_live("A", amplitude);
+            let (piece, outcome) = stepper.record(f64::from(period) * experiment.period).unwrap();
+            assert!(outcome.is_finished());
+            let times = (0..=2000).map(|i| t + (piece.end() - t) * f64::from(i) / 2000.0);
+            times.into_iter().find(|&at| piece.sample(at)[0] >= 0.48 + 0.98 * 0.06)
+        });
+        let difference = (reached.unwrap() - without).abs();
+        assert!(difference > 1e-3 && difference < 0.01, "{difference}");
+    }
 }
 
 #[test]

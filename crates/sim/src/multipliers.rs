@@ -119,6 +119,12 @@ impl Multipliers {
         false
     }
 
+    /// Forgets the signs and the Jacobian, which may not be finite.
+    pub(crate) fn reset(&mut self) {
+        self.s.fill(0.0);
+        self.inverse = None;
+    }
+
     fn reset_sticking(&mut self) {
         for &i in &self.sticking {
             self.s[i] = 0.0;
@@ -262,7 +268,8 @@ impl Multipliers {
     /// Rounding to expect in `σ_i` after a step of length `h` from `x` with velocity `dx`.
     pub(crate) fn noise(&self, i: usize, x: &[f64], dx: &[f64], h: f64) -> f64 {
         let row = &self.gradient[i * self.n..(i + 1) * self.n];
-        (0..self.n).fold(0.0, |sum, j| sum + row[j].abs() * (x[j].abs() + h * dx[j].abs())) * 8.0 * f64::EPSILON
+        let way = |j: usize| if h > 0.0 { h * dx[j].abs() } else { 0.0 };
+        (0..self.n).map(|j| row[j].abs() * (x[j].abs() + way(j))).sum::<f64>() * 8.0 * f64::EPSILON
     }
 
     /// Moves `x` by the shortest way to `σ_K(t, x) = 0`, so that what sticks does not creep.

@@ -174,13 +174,20 @@ impl<S: Switched> Stepper<S> {
         }
         let mut trajectory = Trajectory::new(self.t, &self.x, &self.modes);
         let outcome = self.run(t_end, Some(&mut trajectory));
+        trajectory.finish(self.t, &self.x);
         Ok((trajectory, outcome))
     }
 
     fn run(&mut self, t_end: f64, mut trajectory: Option<&mut Trajectory>) -> Outcome {
         match self.run_segments(t_end, &mut trajectory) {
             Ok(()) => Outcome::Finished,
-            Err(reason) => Outcome::Stopped { reason, t: self.t, state: self.x.clone() },
+            Err(reason) => {
+                // Other inputs may lead on from here, with a step length of their own.
+                self.h = 0.0;
+                self.stalled = 0;
+                self.multipliers.reset();
+                Outcome::Stopped { reason, t: self.t, state: self.x.clone() }
+            }
         }
     }
 

@@ -198,6 +198,12 @@ impl Trajectory {
         self.final_state.copy_from_slice(end_state);
     }
 
+    /// The time and state at which the integrator stands, with what sticks projected.
+    pub(crate) fn finish(&mut self, t: f64, x: &[f64]) {
+        self.end = t;
+        self.final_state.copy_from_slice(x);
+    }
+
     pub(crate) fn push_transition(&mut self, transition: Transition) {
         self.transitions.push(transition);
     }

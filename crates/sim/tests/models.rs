@@ -213,6 +213,27 @@ fn a_plant_keeps_its_modes_from_sample_to_sample() {
 }
 
 #[test]
+fn a_plant_goes_on_from_where_it_stopped() {
+    let block =
+        system("states = [\"x\", \"v\"]\ninputs = [\"a\"]\ndynamics = { x = \"v\", v = \"sqrt(a) - sign(v)\" }");
+    for (v0, bad) in [(0.0, f64::NAN), (0.0, f64::INFINITY), (0.5, f64::NAN), (0.5, -1.0)] {
+        let mut plant = Plant::new(&block, &[0.0, v0], &Settings::default()).unwrap();
+        assert!(plant.step(&[0.25], 0.1).unwrap().is_finished());
+        let before = plant.state().to_vec();
+        for _ in 0..3 {
+            assert!(matches!(plant.step(&[bad], 0.1).unwrap(), Outcome::Stopped { .. }));
+            assert_eq!(plant.state(), before);
+        }
+        assert!(plant.step(&[0.25], 0.1).unwrap().is_finished());
+        // Friction 1 against a push of 0.5.
+        let v = (v0 - 0.1f64).max(0.0);
+        close(plant.state(), &[v0 * v0 - v * v, v], 1e-10);
+        assert_eq!(plant.modes(), &[if v > 0.0 { Mode::Positive } else { Mode::Sticking }]);
+        assert!((plant.time() - 0.2).abs() < 1e-15);
+    }
+}
+
+#[test]
 fn wrong_inputs_are_named() {
     let model = |inputs: &Inputs| Model::new(&shaken(), inputs).unwrap_err();
     assert_eq!(
