@@ -3,7 +3,7 @@
 use crate::error::MpcError;
 use crate::ocp::Ocp;
 use crate::problem_reader::{KEYS, Reader};
-use bracketry_system::{Document, FileError, System};
+use bracketry_system::{AffineError, Document, FileError, System};
 use std::path::Path;
 
 /// How the closed loop is controlled.
@@ -23,6 +23,9 @@ pub enum ProblemError {
     /// The file, or a model it names, is wrong at a known place.
     #[error(transparent)]
     File(#[from] Box<FileError>),
+    /// The model uses derivatives of its inputs and could not be made affine.
+    #[error("the model uses derivatives of its inputs and cannot be made affine: {0}")]
+    Affine(#[from] AffineError),
     /// The pieces do not fit together.
     #[error(transparent)]
     Mpc(#[from] MpcError),
@@ -37,7 +40,8 @@ impl From<FileError> for ProblemError {
 /// A control problem as its file states it.
 #[derive(Clone)]
 pub struct ControlProblem {
-    /// The controller's model.
+    /// The controller's model. Where the file's uses derivatives of inputs, as `der(X, 2)`, it has been made affine: `X` and
+    /// `Xd` are states and `Xdd` is the input.
     pub system: System,
     /// The model of the plant; the controller's where the file names no other.
     pub plant: System,
@@ -104,9 +108,9 @@ impl ControlProblem {
         let Some(model) = doc.string(&table, "model")? else {
             return Err(doc.missing("no model is named", "add `model = \"model.toml\"` at the top").into());
         };
-        let system = models(&model)?;
+        let system = with_own_inputs(models(&model)?)?;
         let plant = match doc.string(&table, "plant")? {
-            Some(name) => models(&name)?,
+            Some(name) => with_own_inputs(models(&name)?)?,
             None => system.clone(),
         };
         if plant.state_names() != system.state_names() || plant.input_names() != system.input_names() {
@@ -117,4 +121,9 @@ impl ControlProblem {
         problem.ocp.check(problem.system.states.len(), problem.system.inputs.len())?;
         Ok(problem)
     }
+}
+
+/// A system without derivatives of inputs: integrators in front of those that have them.
+fn with_own_inputs(system: System) -> Result<System, ProblemError> {
+    if system.input_derivatives.is_empty() { Ok(system) } else { Ok(system.affinize()?.system) }
 }
