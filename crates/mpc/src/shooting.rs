@@ -22,6 +22,10 @@ pub(crate) struct Shooter {
     pattern: Vec<(usize, usize)>,
     /// Entries that the flow's derivative can have: the reflexive and transitive closure of the field's pattern.
     closure: Vec<bool>,
+    /// Columns of the possible entries of each row.
+    columns: Vec<Vec<usize>>,
+    /// Positions of all possible entries.
+    entries: Vec<usize>,
     stage: Vec<f64>,
     k: [Vec<f64>; 4],
     d: [Vec<f64>; 4],
@@ -55,12 +59,16 @@ impl Shooter {
                 }
             }
         }
+        let columns = (0..n).map(|i| (0..w).filter(|j| closure[i * w + j]).collect()).collect();
+        let entries = (0..n * w).filter(|&e| closure[e]).collect();
         let row = || vec![0.0; n];
         let block = || vec![0.0; n * w];
         Self {
             n,
             m,
             closure,
+            columns,
+            entries,
             stage: row(),
             k: [row(), row(), row(), row()],
             d: [block(), block(), block(), block()],
@@ -131,19 +139,21 @@ impl Shooter {
                     for i in 0..n {
                         self.stage[i] = x[i] + c * self.k[q - 1][i];
                     }
-                    for ((t, s), d) in self.t.iter_mut().zip(&self.s).zip(&self.d[q - 1]) {
-                        *t = s + c * d;
+                    for &e in &self.entries {
+                        self.t[e] = self.s[e] + c * self.d[q - 1][e];
                     }
                 }
                 dynamics.field_and_jacobian(time + c, &self.stage, u, &mut self.k[q], &mut self.jac);
                 let d = &mut self.d[q];
-                d.fill(0.0);
+                for &e in &self.entries {
+                    d[e] = 0.0;
+                }
                 for (&(i, j), &a) in self.pattern.iter().zip(&self.jac) {
                     if j >= n {
                         d[i * w + j] += a;
                     } else {
-                        for (d, t) in d[i * w..(i + 1) * w].iter_mut().zip(&self.t[j * w..(j + 1) * w]) {
-                            *d += a * t;
+                        for &c in &self.columns[j] {
+                            d[i * w + c] += a * self.t[j * w + c];
                         }
                     }
                 }
@@ -151,8 +161,8 @@ impl Shooter {
             for i in 0..n {
                 x[i] += h * (0..4).map(|q| WEIGHT[q] * self.k[q][i]).sum::<f64>();
             }
-            for i in 0..n * w {
-                self.s[i] += h * (0..4).map(|q| WEIGHT[q] * self.d[q][i]).sum::<f64>();
+            for &e in &self.entries {
+                self.s[e] += h * (0..4).map(|q| WEIGHT[q] * self.d[q][e]).sum::<f64>();
             }
         }
         jacobian.copy_from_slice(&self.s);

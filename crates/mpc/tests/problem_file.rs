@@ -6,27 +6,7 @@ mod common;
 use bracketry_mpc::{ControlProblem, Method, RungeKuttaPlant, Softness, SymbolicDynamics};
 use std::f64::consts::PI;
 
-const CART_POLE: &str = r#"
-model = "cart_pole.toml"
-[horizon]
-steps = 40
-dt = 0.02
-integrator = "rk4"
-substeps = 1
-[cost]
-stage = "1e3*p^2 + 1e3*th^2 + 1e-2*v^2 + 1e-2*w^2 + 1e-2*u^2"
-terminal = "1e3*p^2 + 1e3*th^2 + 1e-2*v^2 + 1e-2*w^2"
-[constraints]
-u = { min = -80, max = 80 }
-[solve]
-method = "rti"
-initial_iterations = 30
-tolerance = 1e-8
-[run]
-x0 = { th = 3.141592653589793 }
-steps = 100
-plant_substeps = 2
-"#;
+const CART_POLE: &str = include_str!("../../../models/cart_pole_swing_up.toml");
 
 fn read(text: &str) -> Result<ControlProblem, String> {
     ControlProblem::parse("problem.toml", text, |_| Ok(common::cart_pole())).map_err(|e| e.to_string())
@@ -69,18 +49,18 @@ fn every_section_reaches_the_problem() {
 #[test]
 fn what_is_wrong_is_named_with_its_place() {
     for (from, to, message, place) in [
-        ("integrator", "integrater", "unknown key `integrater` in [horizon]", "problem.toml:6:1"),
-        ("\"rk4\"", "\"euler\"", "there is no integrator `euler`", "problem.toml:6:14"),
-        ("\"rti\"", "\"magic\"", "there is no method `magic`", "problem.toml:14:10"),
-        ("u = { min = -80", "q = { min = -80", "`q` is no state or input", "problem.toml:12:1"),
-        ("min = -80", "min = 90", "`u` cannot be above 90 and below 80", "problem.toml:12:5"),
-        ("max = 80", "max = 80, soft = [1, 1]", "bounds on inputs are hard", "problem.toml:12:35"),
-        ("x0 = { th", "x0 = { ht", "`ht` is no state", "problem.toml:18:8"),
-        ("steps = 40", "steps = 2.5", "whole number", "problem.toml:4:9"),
-        ("dt = 0.02", "dt = -0.02", "`dt` must be positive", "problem.toml:5:6"),
-        ("1e-2*w^2\"", "1e-2*z^2\"", "`z`", "problem.toml:10:"),
-        ("1e-2*w^2\"", "1e-2*u^2\"", "`u`", "problem.toml:10:"),
-        ("[run]", "[walk]", "unknown key `walk`", "problem.toml:17:2"),
+        ("integrator", "integrater", "unknown key `integrater` in [horizon]", "problem.toml:7:1"),
+        ("\"rk4\"", "\"euler\"", "there is no integrator `euler`", "problem.toml:7:14"),
+        ("\"rti\"", "\"magic\"", "there is no method `magic`", "problem.toml:18:10"),
+        ("u = { min = -80", "q = { min = -80", "`q` is no state or input", "problem.toml:15:1"),
+        ("min = -80", "min = 90", "`u` cannot be above 90 and below 80", "problem.toml:15:5"),
+        ("max = 80", "max = 80, soft = [1, 1]", "bounds on inputs are hard", "problem.toml:15:35"),
+        ("x0 = { th", "x0 = { ht", "`ht` is no state", "problem.toml:23:8"),
+        ("steps = 40", "steps = 2.5", "whole number", "problem.toml:5:9"),
+        ("dt = 0.02", "dt = -0.02", "`dt` must be positive", "problem.toml:6:6"),
+        ("1e-2*w^2\"", "1e-2*z^2\"", "`z`", "problem.toml:12:"),
+        ("1e-2*w^2\"", "1e-2*u^2\"", "`u`", "problem.toml:12:"),
+        ("[run]", "[walk]", "unknown key `walk`", "problem.toml:22:2"),
     ] {
         let error = read(&CART_POLE.replacen(from, to, 1)).err().unwrap();
         assert!(error.contains(message) && error.contains(place), "{to}: {error}");
