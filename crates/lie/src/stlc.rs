@@ -331,8 +331,15 @@ fn degrees(word: &[u8], letters: usize) -> Vec<usize> {
     d
 }
 
-/// All orders of 0 … m − 1.
+/// Beyond this many inputs brackets are not symmetrised.
+const MAX_SYMMETRISED: usize = 5;
+
+/// All orders of 0 … m − 1. For many inputs only the order as it is: to neutralise every bad
+/// bracket is enough, because β sums bad brackets of the same weight.
 fn permutations(m: usize) -> Vec<Vec<u8>> {
+    if m > MAX_SYMMETRISED {
+        return vec![(0..m as u8).collect()];
+    }
     (0..m as u8).fold(vec![Vec::new()], |all, next| {
         all.iter()
             .flat_map(|p: &Vec<u8>| {

@@ -141,3 +141,19 @@ fn the_longest_growth_of_trailers_is_found() {
     assert_eq!(r.modes[0].dimensions.growth, [2, 3, 4, 5, 6, 7, 8]);
     assert_eq!(at_point(&r).dimensions.growth, [2, 3, 4, 5, 6, 7, 8]);
 }
+
+#[test]
+fn many_inputs_are_not_permuted_forever() {
+    // Nine integrators and one product that no linearisation reaches.
+    let names: Vec<String> = (0..9).map(|i| format!("v{i}")).chain(["z".to_owned()]).collect();
+    let inputs: Vec<String> = (0..9).map(|i| format!("u{i}")).collect();
+    let mut dynamics = inputs.clone();
+    dynamics.push("v0*v1".to_owned());
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
+    let dynamics: Vec<&str> = dynamics.iter().map(String::as_str).collect();
+    let r = report(&system(&names, &inputs, &[], &dynamics, &[], Some(&[])));
+    assert_eq!(at_point(&r).linear_controllability_rank, Some(9));
+    // The only bad brackets, [v_i, [f, v_i]], vanish: v0·v1 takes both signs.
+    assert_eq!(at_point(&r).stlc.verdict, Verdict::Yes);
+}
