@@ -277,6 +277,7 @@ fn point_report(
         stlc::decide(pool, &frame, equilibrium, &local.dimension, linearisation.as_ref(), &options.limits, evidence)?;
     let rank = linearisation.as_ref().map(|l| l.controllable().rank());
     let stabilizable = rank.map(|rank| match uncontrollable_modes_decay(pool, &frame, rank) {
+        Answer::Known(true) if rank == n => (Answer::Known(true), "the linearisation is controllable"),
         Answer::Known(true) => (Answer::Known(true), "the uncontrollable modes of the linearisation decay"),
         Answer::Known(false) => (Answer::Known(false), "the linearisation has an unstable uncontrollable mode"),
         // Coron 1995: the sufficient conditions for STLC used here give stabilisation by
