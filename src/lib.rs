@@ -1,1 +1,20 @@
-//! Bracketry
+#![doc = include_str!("../README.md")]
+
+pub use bracketry_lie as lie;
+pub use bracketry_mpc as mpc;
+pub use bracketry_native as native;
+pub use bracketry_plate as plate;
+pub use bracketry_plot as plot;
+pub use bracketry_sim as sim;
+pub use bracketry_symbolic as symbolic;
+pub use bracketry_system as system;
+
+mod analysis;
+mod control;
+mod plate_move;
+mod scenario;
+
+pub use analysis::{AffinizationReport, Analysis, AnalysisError, analyze};
+pub use control::{ControlError, Controlled, ExactPlant, control};
+pub use plate_move::{Arrival, MoveError, plate_move};
+pub use scenario::{Run, Scenario, ScenarioError};

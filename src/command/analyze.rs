@@ -1,0 +1,89 @@
+//! `bracketry analyze` and `bracketry affinize`.
+
+use std::path::Path;
+
+use bracketry::Analysis;
+use bracketry::lie::Options;
+use bracketry::plot::{Panel, Series, XyChart};
+use bracketry::system::System;
+
+use super::output::{folder, json, write};
+use super::{Outcome, OutputArgs};
+
+/// Prints what the inputs of a model reach.
+pub(crate) fn analyze(model: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let system = System::read(model)?;
+    let analysis = bracketry::analyze(&system, &Options::default())?;
+    if let Some(dir) = &output.out {
+        save(&analysis, dir)?;
+    }
+    if output.json {
+        print!("{}", json(&analysis)?);
+    } else {
+        print!("{analysis}");
+        if let Some(dir) = &output.out {
+            println!("written to {}: analysis.json, analysis.txt, affine.toml, growth.svg, growth.png", dir.display());
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+/// Writes report, affine model and growth chart.
+pub(crate) fn save(analysis: &Analysis, dir: &Path) -> anyhow::Result<()> {
+    folder(dir)?;
+    write(&dir.join("analysis.json"), &json(analysis)?)?;
+    write(&dir.join("analysis.txt"), &analysis.to_string())?;
+    write(&dir.join("affine.toml"), &analysis.affinization.model.to_toml()?)?;
+    growth_chart(analysis).draw()?.save(dir.join("growth"))?;
+    Ok(())
+}
+
+/// Dimension reached against the length of brackets.
+fn growth_chart(analysis: &Analysis) -> XyChart {
+    let line = |name: &str, growth: &[usize]| {
+        let x: Vec<f64> = (1..=growth.len()).map(|k| k as f64).collect();
+        let y: Vec<f64> = growth.iter().map(|&d| d as f64).collect();
+        Series::new(name, x, y).markers()
+    };
+    let mut panel = Panel::new("dimension [1]").named_target("all states", analysis.states as f64);
+    let report = &analysis.report;
+    if let Some(m) = report.modes.first() {
+        let name = if m.signs.0.is_empty() { "accessible" } else { "one mode" };
+        panel = panel.series(line(name, &m.dimensions.growth));
+        panel = panel.series(line(&format!("{name}, strongly"), &m.dimensions.strong_growth));
+    }
+    if let Some(d) = &report.switched {
+        panel = panel.series(line("all modes", &d.growth));
+    }
+    if let Some(s) = &report.smoothed {
+        panel = panel.series(line("smoothed", &s.dimensions.growth));
+    }
+    if let Some(p) = report.at_point.as_ref().and_then(|p| p.known()) {
+        panel = panel.series(line("at the point", &p.dimensions.growth));
+    }
+    XyChart::new("length of brackets [1]", panel)
+        .title(format!("Growth of the Lie algebra, {}", analysis.model))
+        .integer()
+}
+
+/// Writes the affine model as a model file.
+pub(crate) fn affinize(model: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let system = System::read(model)?;
+    let affinization = system.affinize()?;
+    let report = bracketry::AffinizationReport::from(&affinization);
+    let text = affinization.system.to_toml()?;
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write(&dir.join("affine.toml"), &text)?;
+    }
+    if output.json {
+        print!("{}", json(&report)?);
+    } else {
+        println!("# {}", report.why);
+        for (v, w) in &report.input_change {
+            println!("# {v} = {w}");
+        }
+        print!("{text}");
+    }
+    Ok(Outcome::Done)
+}

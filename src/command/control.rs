@@ -1,0 +1,85 @@
+//! `bracketry control`: the closed loop of a problem file.
+
+use std::path::Path;
+use std::time::Duration;
+
+use bracketry::mpc::ControlProblem;
+use bracketry::plot::{Panel, Series, TimeSeries};
+use bracketry::{Controlled, control};
+use indicatif::ProgressBar;
+
+use super::bands::{friction_bands, friction_colors};
+use super::output::{csv, folder, json, write};
+use super::{Outcome, OutputArgs};
+
+/// Runs the loop and writes what it gave.
+pub(crate) fn run(path: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let problem = ControlProblem::read(path)?;
+    let spinner = ProgressBar::new_spinner().with_message("closed loop");
+    spinner.enable_steady_tick(Duration::from_millis(100));
+    let controlled = control(&problem)?;
+    spinner.finish_and_clear();
+    let report = &controlled.run.report;
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write(&dir.join("control.json"), &json(report)?)?;
+        write_files(dir, &problem, &controlled)?;
+    }
+    if output.json {
+        print!("{}", json(report)?);
+    } else {
+        print!("{report}");
+        match &output.out {
+            Some(dir) => println!(
+                "written to {}: control.json, closed_loop.csv, closed_loop.svg, closed_loop.png",
+                dir.display()
+            ),
+            None => println!("(--out DIR writes trajectory and plots)"),
+        }
+    }
+    let used = report.status.solved + report.status.inaccurate;
+    Ok(if used == 0 && report.steps > 0 { Outcome::Negative } else { Outcome::Done })
+}
+
+fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) -> anyhow::Result<()> {
+    let run = &controlled.run.closed_loop;
+    let (states, inputs) = (problem.plant.state_names(), problem.plant.input_names());
+    let mut header = vec!["t".to_owned()];
+    header.extend(states.iter().cloned());
+    header.extend(inputs.iter().cloned());
+    // The last state has no input after it: the last applied one stands there.
+    let rows: Vec<Vec<f64>> = (0..run.t.len())
+        .map(|k| {
+            let u = &run.u[k.min(run.u.len() - 1)];
+            std::iter::once(run.t[k]).chain(run.x[k].iter().copied()).chain(u.iter().copied()).collect()
+        })
+        .collect();
+    csv(&dir.join("closed_loop.csv"), &header, rows.iter().map(Vec::as_slice))?;
+
+    let mut figure = friction_colors(TimeSeries::new()).title(format!("Closed loop, {}", problem.system.name));
+    for (k, name) in states.iter().enumerate() {
+        let values: Vec<f64> = run.x.iter().map(|x| x[k]).collect();
+        let mut panel = Panel::new(name.clone()).series(Series::new("", run.t.clone(), values));
+        for target in problem.ocp.targets.iter().filter(|t| t.state == k) {
+            panel = panel.target(target.value);
+        }
+        let b = problem.ocp.state_bounds[k];
+        for bound in [b.min, b.max].into_iter().filter(|b| b.is_finite()) {
+            panel = panel.bound(bound);
+        }
+        panel = friction_bands(panel, &controlled.recording.trajectory, &controlled.switches, name);
+        figure = figure.panel(panel);
+    }
+    for (k, name) in inputs.iter().enumerate() {
+        let values: Vec<f64> = run.u.iter().map(|u| u[k]).collect();
+        let mut panel =
+            Panel::new(format!("input {name}")).series(Series::new("", run.t[..values.len()].to_vec(), values).step());
+        let (min, max) = problem.ocp.input_bounds[k];
+        for bound in [min, max].into_iter().filter(|b| b.is_finite()) {
+            panel = panel.bound(bound);
+        }
+        figure = figure.panel(panel);
+    }
+    figure.draw()?.save(dir.join("closed_loop"))?;
+    Ok(())
+}

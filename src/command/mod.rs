@@ -1,0 +1,87 @@
+//! Subcommands: arguments in, report out, exit code by outcome.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+mod analyze;
+mod bands;
+mod control;
+mod main_job;
+mod output;
+mod simulate;
+
+/// How a command ended; bad input is an error instead.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Outcome {
+    /// Exit code 0.
+    Done,
+    /// Ran, but the answer is negative or was not reached: exit code 1.
+    Negative,
+}
+
+/// What can my inputs reach, how do I get there, and where are the equations wrong?
+///
+/// Without a command: the main job on the vibrating plate, from its equations to a closed loop that moves
+/// position and orientation at the same time; results go to `out/`.
+#[derive(Parser)]
+#[command(version, about, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// Where results go.
+#[derive(Args, Clone)]
+pub(crate) struct OutputArgs {
+    /// Print one JSON object instead of the human report
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Folder for files and plots
+    #[arg(long, global = true, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Affine form, modes, ranks, brackets, and what no input influences
+    #[command(after_help = "Example:\n  bracketry analyze models/plate_published.toml")]
+    Analyze {
+        /// Model file
+        model: PathBuf,
+    },
+    /// Write the model in a form that is affine in its inputs
+    #[command(after_help = "Example:\n  bracketry affinize models/plate_published.toml > plate_affine.toml")]
+    Affinize {
+        /// Model file
+        model: PathBuf,
+    },
+    /// Integrate a model with exact stick–slip friction
+    #[command(
+        after_help = "Example:\n  bracketry simulate models/plate_published.toml --scenario models/plate_experiment_2.toml --out out"
+    )]
+    Simulate(simulate::SimulateArgs),
+    /// Close the loop of a problem file
+    #[command(after_help = "Example:\n  bracketry control models/cart_pole_swing_up.toml --out out")]
+    Control {
+        /// Problem file
+        problem: PathBuf,
+    },
+}
+
+/// Runs what the command line asks for.
+///
+/// # Errors
+/// Bad input: a file or an option, with place and remedy.
+pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
+    let output = cli.output;
+    match cli.command {
+        None => main_job::run(&output),
+        Some(Command::Analyze { model }) => analyze::analyze(&model, &output),
+        Some(Command::Affinize { model }) => analyze::affinize(&model, &output),
+        Some(Command::Simulate(args)) => simulate::run(&args, &output),
+        Some(Command::Control { problem }) => control::run(&problem, &output),
+    }
+}

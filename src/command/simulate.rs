@@ -1,0 +1,153 @@
+//! `bracketry simulate`: trajectory, events, plots.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use bracketry::plot::{Panel, Series, TimeSeries};
+use bracketry::sim::{Hold, Mode, Outcome as SimOutcome, Settings};
+use bracketry::system::System;
+use bracketry::{Run, Scenario};
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use super::bands::{friction_bands, friction_colors};
+use super::output::{csv, folder, json};
+use super::{Outcome, OutputArgs};
+
+/// How samples continue.
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum HoldArg {
+    /// Each value lasts until the next sample
+    Previous,
+    /// Straight lines between samples
+    Linear,
+}
+
+/// Arguments of `simulate`.
+#[derive(Args)]
+pub(crate) struct SimulateArgs {
+    /// Model file
+    model: PathBuf,
+    /// Scenario file (TOML): duration, x0, inputs as expressions in t
+    #[arg(long, conflicts_with = "inputs", required_unless_present = "inputs")]
+    scenario: Option<PathBuf>,
+    /// Table of inputs (CSV): a column t and one per input; der(X,2) for derivatives
+    #[arg(long)]
+    inputs: Option<PathBuf>,
+    /// How the samples of --inputs continue
+    #[arg(long, value_enum, default_value = "previous")]
+    hold: HoldArg,
+}
+
+/// Runs the simulation and writes what it gave.
+pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let system = System::read(&args.model)?;
+    let (scenario, ignored) = match (&args.scenario, &args.inputs) {
+        (Some(path), _) => (Scenario::read(path, &system)?, Vec::new()),
+        (None, Some(path)) => {
+            let hold = match args.hold {
+                HoldArg::Previous => Hold::Previous,
+                HoldArg::Linear => Hold::Linear,
+            };
+            Scenario::from_csv(path, &system, hold)?
+        }
+        (None, None) => anyhow::bail!("give --scenario FILE.toml or --inputs FILE.csv"),
+    };
+    let run = scenario.run(&system, &Settings::default())?;
+    let states = system.state_names();
+    let last = run.trajectory.final_state();
+    let stopped = match &run.outcome {
+        SimOutcome::Finished => None,
+        SimOutcome::Stopped { reason, t, .. } => Some(format!("stopped at t = {t:.6} s: {reason}")),
+    };
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write_files(dir, &system, &run)?;
+    }
+    if output.json {
+        let x_final: serde_json::Map<String, serde_json::Value> =
+            states.iter().cloned().zip(last.iter().map(|v| json!(v))).collect();
+        let transitions: Vec<_> = run
+            .trajectory
+            .transitions()
+            .iter()
+            .map(|e| json!({"t": e.t, "switch": run.switches[e.switch], "from": mode_name(e.from), "to": mode_name(e.to)}))
+            .collect();
+        print!(
+            "{}",
+            json(&json!({"model": system.name, "t_final": run.trajectory.end(), "x_final": x_final,
+                "finished": stopped.is_none(), "stopped": stopped, "events": transitions,
+                "steps": run.statistics.steps, "ignored_columns": ignored}))?
+        );
+    } else {
+        println!(
+            "{}: {} s simulated in {} steps, {} changes of mode",
+            system.name,
+            run.trajectory.end(),
+            run.statistics.steps,
+            run.trajectory.transitions().len()
+        );
+        for name in &ignored {
+            println!("  column `{name}` is not an input and was ignored");
+        }
+        for (n, v) in states.iter().zip(last) {
+            println!("  {n:>10} = {v:.9}");
+        }
+        if let Some(s) = &stopped {
+            println!("{s}");
+        }
+        if let Some(dir) = &output.out {
+            println!("written to {}: trajectory.csv, events.csv, trajectory.svg, trajectory.png", dir.display());
+        } else {
+            println!("(--out DIR writes trajectory, events and plots)");
+        }
+    }
+    Ok(if stopped.is_some() { Outcome::Negative } else { Outcome::Done })
+}
+
+/// A mode in words.
+pub(crate) fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Positive => "+1",
+        Mode::Negative => "-1",
+        Mode::Sticking => "stick",
+    }
+}
+
+fn write_files(dir: &Path, system: &System, run: &Run) -> anyhow::Result<()> {
+    let mut header = vec!["t".to_owned()];
+    header.extend(system.state_names());
+    header.extend(system.input_names());
+    let rows: Vec<Vec<f64>> = run
+        .times
+        .iter()
+        .zip(run.states.iter().zip(&run.inputs))
+        .map(|(t, (x, u))| std::iter::once(*t).chain(x.iter().copied()).chain(u.iter().copied()).collect())
+        .collect();
+    csv(&dir.join("trajectory.csv"), &header, rows.iter().map(Vec::as_slice))?;
+    let events_path = dir.join("events.csv");
+    let mut events =
+        csv::Writer::from_path(&events_path).with_context(|| format!("cannot write {}", events_path.display()))?;
+    events.write_record(["t", "switch", "from", "to"])?;
+    for e in run.trajectory.transitions() {
+        events.write_record([&e.t.to_string(), &run.switches[e.switch], mode_name(e.from), mode_name(e.to)])?;
+    }
+    events.flush()?;
+
+    let mut figure = friction_colors(TimeSeries::new()).title(system.name.clone());
+    let column = |k: usize, rows: &[Vec<f64>]| rows.iter().map(|r| r[k]).collect::<Vec<f64>>();
+    for (k, name) in system.state_names().into_iter().enumerate() {
+        let mut panel = Panel::new(name.clone()).series(Series::new("", run.times.clone(), column(k, &run.states)));
+        panel = friction_bands(panel, &run.trajectory, &run.switches, &name);
+        figure = figure.panel(panel);
+    }
+    for (k, name) in system.input_names().into_iter().enumerate() {
+        figure = figure.panel(Panel::new(format!("input {name}")).series(Series::new(
+            "",
+            run.times.clone(),
+            column(k, &run.inputs),
+        )));
+    }
+    figure.draw()?.save(dir.join("trajectory"))?;
+    Ok(())
+}

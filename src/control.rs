@@ -1,0 +1,96 @@
+//! A control problem run on its plant: exact stick–slip friction where the plant has switching functions, a fixed
+//! Runge–Kutta method where it is smooth.
+
+use std::time::Instant;
+
+use bracketry_mpc::{ControlProblem, ControlRun, MpcError, Plant, PlantError, RungeKuttaPlant, SymbolicDynamics};
+use bracketry_sim::{Hold, InputError, Inputs, Model, Outcome, Samples, Settings, SimError, Simulation, simulate};
+use bracketry_system::System;
+
+/// A control problem that could not be run.
+#[derive(Debug, thiserror::Error)]
+pub enum ControlError {
+    /// The problem contradicts itself or the plant stopped.
+    #[error(transparent)]
+    Mpc(#[from] MpcError),
+    /// The plant cannot be simulated.
+    #[error(transparent)]
+    Plant(#[from] bracketry_sim::PlantError),
+    /// The inputs do not fit the plant.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The recording was refused.
+    #[error(transparent)]
+    Sim(#[from] SimError),
+}
+
+/// A system with set-valued friction as the plant of a control loop.
+pub struct ExactPlant(bracketry_sim::Plant);
+
+impl ExactPlant {
+    /// The system at time 0 in state `x0`.
+    ///
+    /// # Errors
+    /// If the system cannot be compiled or the state does not fit.
+    pub fn new(system: &System, x0: &[f64]) -> Result<Self, bracketry_sim::PlantError> {
+        bracketry_sim::Plant::new(system, x0, &Settings::default()).map(Self)
+    }
+}
+
+impl Plant for ExactPlant {
+    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
+        if self.0.state() != x {
+            self.0.set_state(x)?;
+        }
+        match self.0.step(u, dt)? {
+            Outcome::Finished => {
+                x.copy_from_slice(self.0.state());
+                Ok(())
+            }
+            Outcome::Stopped { reason, t, .. } => Err(format!("{reason} at t = {t} s").into()),
+        }
+    }
+}
+
+/// A closed loop with what the plant did between the samples.
+#[derive(Clone, Debug)]
+pub struct Controlled {
+    /// Figures, samples, plan.
+    pub run: ControlRun,
+    /// The plant between the samples, with its modes: the applied inputs once more, recorded.
+    pub recording: Simulation,
+    /// Names of the plant's switching functions.
+    pub switches: Vec<String>,
+    /// Seconds that plan and loop took, controller and plant.
+    pub wall_seconds: f64,
+}
+
+/// Runs the closed loop of a problem.
+///
+/// # Errors
+/// [`ControlError`]; infeasible programs, fallbacks and missed targets are figures of the report instead.
+pub fn control(problem: &ControlProblem) -> Result<Controlled, ControlError> {
+    let mut plant_system = problem.plant.clone();
+    let smooth = plant_system.switched_form().switches.is_empty();
+    let mut plant: Box<dyn Plant> = if smooth {
+        let dynamics = Box::new(SymbolicDynamics::new(&problem.plant)?);
+        Box::new(RungeKuttaPlant::new(dynamics, problem.plant_substeps))
+    } else {
+        Box::new(ExactPlant::new(&problem.plant, &problem.x0)?)
+    };
+    let begin = Instant::now();
+    let run = problem.run(plant.as_mut())?;
+    let wall_seconds = begin.elapsed().as_secs_f64();
+    let mut inputs = Inputs::new();
+    let applied = &run.closed_loop.u;
+    for (i, name) in problem.plant.input_names().iter().enumerate() {
+        let times = run.closed_loop.t[..applied.len()].to_vec();
+        let values = applied.iter().map(|u| u[i]).collect();
+        inputs = inputs.samples(name, Samples::new(times, values, Hold::Previous)?);
+    }
+    let model = Model::new(&problem.plant, &inputs)?;
+    let switches = model.switch_names().map(str::to_owned).collect();
+    let end = run.closed_loop.t.last().copied().unwrap_or(0.0);
+    let recording = simulate(model, 0.0, &problem.x0, end, &Settings::default())?;
+    Ok(Controlled { run, recording, switches, wall_seconds })
+}

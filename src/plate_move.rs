@@ -1,0 +1,101 @@
+//! The main job's move: position and orientation of the object on the plate at the same time.
+
+use bracketry_mpc::{ControlProblem, ProblemError};
+use bracketry_plate::{PlateError, Shape, published};
+use serde::Serialize;
+
+use crate::control::Controlled;
+
+/// Tolerances of arrival: 2 mm, 2°, 2 °/s for the object; the plate within 1 mm and 0.1° of its middle and slower than
+/// 1 mm/s and 0.1 °/s.
+const NEAR: f64 = 2e-3;
+const NEAR_DEG: f64 = 2.0;
+const PLATE_REST: f64 = 1e-3;
+const PLATE_REST_DEG: f64 = 0.1;
+/// Resolution at which the recording is looked at [s].
+const RESOLUTION: f64 = 1e-3;
+
+/// A move that cannot be set up.
+#[derive(Debug, thiserror::Error)]
+pub enum MoveError {
+    /// The object or the friction coefficient.
+    #[error(transparent)]
+    Plate(#[from] PlateError),
+    /// The problem.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+}
+
+/// The reference move of `models/plate_move.toml` with another object or friction coefficient, in model and plant:
+/// (0.48 m, −0.03 m, 0°) to (0.54 m, 0 m, 90°), stroke ±0.1 m, tilt ±20°, |X''| ≤ 15 m/s², |θ''| ≤ 60 rad/s².
+///
+/// # Errors
+/// [`MoveError`] if a length or coefficient has no meaning.
+pub fn plate_move(shape: Shape, mu: f64) -> Result<ControlProblem, MoveError> {
+    let system = published(shape, mu)?;
+    let text = include_str!("../models/plate_move.toml");
+    Ok(ControlProblem::parse("plate_move.toml", text, |_| Ok(system.clone()))?)
+}
+
+/// What a move achieved, from the recording of the plant. States are those of the affine plate:
+/// x, y, phi, vx, vy, w, X, Xd, theta, thetad.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Arrival {
+    /// Error in x at the end [m].
+    pub x_m: f64,
+    /// Error in y at the end [m].
+    pub y_m: f64,
+    /// Error in yaw at the end [deg].
+    pub phi_deg: f64,
+    /// Spin at the end [deg/s].
+    pub spin_deg_s: f64,
+    /// First time [s] from which on the object stays within 2 mm, 2° and 2 °/s of its target while the plate is and
+    /// stays at rest; absent if it does not.
+    pub settled_s: Option<f64>,
+    /// How far |X| exceeds the stroke at most, looked at every millisecond [m]; 0 when kept.
+    pub stroke_excess_m: f64,
+    /// How far |θ| exceeds the tilt bound at most [deg]; 0 when kept.
+    pub tilt_excess_deg: f64,
+}
+
+impl Arrival {
+    /// Measures a move to `target` (x [m], y [m], yaw [rad]).
+    pub fn of(problem: &ControlProblem, controlled: &Controlled, target: [f64; 3]) -> Arrival {
+        let trajectory = &controlled.recording.trajectory;
+        let end = trajectory.final_state();
+        let count = (trajectory.end() / RESOLUTION).round() as usize;
+        let (mut stroke, mut tilt) = (0.0f64, 0.0f64);
+        let mut last_bad = None;
+        for k in 0..=count {
+            let x = trajectory.sample(k as f64 * RESOLUTION);
+            let near = |i: usize, tolerance: f64| (x[i] - target[i]).abs() <= tolerance;
+            let object =
+                near(0, NEAR) && near(1, NEAR) && near(2, NEAR_DEG.to_radians()) && x[5].abs() <= NEAR_DEG.to_radians();
+            let plate = [x[6], x[7]].iter().all(|v| v.abs() <= PLATE_REST)
+                && [x[8], x[9]].iter().all(|v| v.abs() <= PLATE_REST_DEG.to_radians());
+            if !(object && plate) {
+                last_bad = Some(k);
+            }
+            let beyond = |i: usize| {
+                let b = problem.ocp.state_bounds[i];
+                (x[i] - b.max).max(b.min - x[i])
+            };
+            stroke = stroke.max(beyond(6));
+            tilt = tilt.max(beyond(8));
+        }
+        let settled_s = match last_bad {
+            None => Some(0.0),
+            Some(k) if k == count => None,
+            Some(k) => Some((k + 1) as f64 * RESOLUTION),
+        };
+        Arrival {
+            x_m: end[0] - target[0],
+            y_m: end[1] - target[1],
+            phi_deg: (end[2] - target[2]).to_degrees(),
+            spin_deg_s: end[5].to_degrees(),
+            settled_s,
+            stroke_excess_m: stroke,
+            tilt_excess_deg: tilt.to_degrees(),
+        }
+    }
+}
