@@ -188,20 +188,22 @@ impl Pool {
         let (decimal, short) = number_text(&f.coefficient);
         let (above, below) = if short { (decimal, "1".to_owned()) } else { (numerator, number_text(&denominator).0) };
         let s = if f.bottom.is_empty() && below == "1" {
-            self.latex_product(&above, &f.top)
+            self.latex_product(&above, &f.top, false)
         } else {
-            format!("\\frac{{{}}}{{{}}}", self.latex_product(&above, &f.top), self.latex_product(&below, &f.bottom))
+            let (above, below) =
+                (self.latex_product(&above, &f.top, true), self.latex_product(&below, &f.bottom, true));
+            format!("\\frac{{{above}}}{{{below}}}")
         };
         if f.negative { (format!("-{s}"), Strength::Sum) } else { (s, Strength::Product) }
     }
 
-    /// Factors side by side, a coefficient of 1 left out.
-    fn latex_product(&self, coefficient: &str, list: &[(Expr, Exponent)]) -> String {
+    /// Factors side by side, a coefficient of 1 left out; `delimited` if a single sum needs no parentheses.
+    fn latex_product(&self, coefficient: &str, list: &[(Expr, Exponent)], delimited: bool) -> String {
         let mut parts: Vec<String> = Vec::new();
         if coefficient != "1" || list.is_empty() {
             parts.push(coefficient.to_owned());
         }
-        let alone = list.len() == 1 && parts.is_empty();
+        let alone = delimited && list.len() == 1 && parts.is_empty();
         for (base, k) in list {
             let (s, strength) = self.latex_power(*base, k);
             parts.push(if strength <= Strength::Product && !alone { parentheses(&s) } else { s });

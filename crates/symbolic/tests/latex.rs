@@ -20,6 +20,8 @@ fn expressions_in_latex() {
         ("x^2*y", "x^{2} y"),
         ("(x + y)^2", r"\left(x + y\right)^{2}"),
         ("x*(y - z)", r"x \left(y - z\right)"),
+        ("z - (x + y)", r"z - \left(x + y\right)"),
+        ("-(x + y)/z", r"-\frac{x + y}{z}"),
         ("1/(x + y)", r"\frac{1}{x + y}"),
         ("1/((x + y)*z)", r"\frac{1}{\left(x + y\right) z}"),
         ("sqrt(x + 1)", r"\sqrt{x + 1}"),
@@ -35,7 +37,6 @@ fn expressions_in_latex() {
         ("atan(x) - log(x)", r"\arctan\left(x\right) - \ln\left(x\right)"),
     ] {
         let mut p = Pool::new();
-        // Names in the order of reading, so that operands stand as they are written.
         let e = p.parse(text).unwrap();
         assert_eq!(p.latex(e), latex, "{text}");
     }
