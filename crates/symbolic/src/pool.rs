@@ -201,6 +201,8 @@ pub struct Pool {
     names: Vec<String>,
     name_ids: FxHashMap<String, u32>,
     pub(crate) derivatives: FxHashMap<(Expr, Symbol), Expr>,
+    /// Content and primitive part of canonical sums.
+    pub(crate) primitives: FxHashMap<Expr, (RBig, Expr)>,
 }
 
 fn hash_node(node: &Node) -> u64 {

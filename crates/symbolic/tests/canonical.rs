@@ -252,3 +252,22 @@ proptest! {
         prop_assert_eq!(fresh.text(s), used.text(t));
     }
 }
+
+#[test]
+fn nested_products_of_sums_are_not_written_out() {
+    let mut p = Pool::new();
+    let (x, y, z) = (p.var("x"), p.var("y"), p.var("z"));
+    let third = p.ratio(1, 3);
+    let mut e = x;
+    // Each level uses the one before twice: written out it would have 2^60 parts.
+    for _ in 0..60 {
+        let twice = p.add(e, e);
+        let (a, b) = (p.add(twice, y), p.add(e, x));
+        let ab = p.mul(a, b);
+        let scaled = p.mul(third, z);
+        e = p.mul(scaled, ab);
+    }
+    let s = p.simplify(e);
+    assert!(p.reachable(&[s]).len() <= p.reachable(&[e]).len());
+    assert_eq!(p.simplify(s), s);
+}

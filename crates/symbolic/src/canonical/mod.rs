@@ -13,6 +13,7 @@ use dashu_ratio::RBig;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::pool::{Expr, Func, Func2, Node, Pool};
+use crate::text::terms;
 use product::{Product, scale};
 use sum::Sum;
 
@@ -20,10 +21,14 @@ use sum::Sum;
 const MAX_TERMS: usize = 1000;
 
 /// The same within [`Pool::simplify`], which only tries whether expanding helps.
-const MAX_TRIAL_TERMS: usize = 100;
+const MAX_TRIAL_TERMS: usize = 60;
 
 /// Expressions with more nodes are simplified without trying to expand them.
-const MAX_TRIAL_NODES: usize = 2000;
+const MAX_TRIAL_NODES: usize = 300;
+
+/// Terms per node of the expression after which [`Pool::simplify`] gives a canonical form up: sums that are shared
+/// by sums are written out in each of them, and a result so long would not be simpler.
+const EFFORT_PER_NODE: usize = 4;
 
 impl Pool {
     /// An equal expression that is shorter or the same: like terms and like factors merged, rational
@@ -45,13 +50,15 @@ impl Pool {
         // Every round but the last has fewer nodes than the one before.
         loop {
             let next = self.simpler(now);
-            if next == now {
+            if next == Some(now) {
                 return now;
             }
-            let (old, new) = (self.size(now), self.size(next));
-            if new < old || (new == old && self.simpler(next) == next) {
-                now = next;
-                continue;
+            if let Some(next) = next {
+                let (old, new) = (self.size(now), self.size(next));
+                if new < old || (new == old && self.simpler(next) == Some(next)) {
+                    now = next;
+                    continue;
+                }
             }
             // Flattening would lose sharing; at least the order of operands is made independent of history.
             let ordered = reordered(self, now);
@@ -74,17 +81,19 @@ impl Pool {
     /// assert_eq!(p.text(s), "a^3 + a^2*b - a*b^2 - b^3");
     /// ```
     pub fn expand(&mut self, e: Expr) -> Expr {
-        canonical(self, e, Some(MAX_TERMS))
+        canonical(self, e, Some(MAX_TERMS), usize::MAX).unwrap_or(e)
     }
 
-    /// The smallest of the canonical forms of `e`.
-    fn simpler(&mut self, e: Expr) -> Expr {
-        let collected = canonical(self, e, None);
-        if self.size(e) > MAX_TRIAL_NODES {
-            return collected;
+    /// The smallest of the canonical forms of `e`; `None` if that is out of reach.
+    fn simpler(&mut self, e: Expr) -> Option<Expr> {
+        let nodes = self.size(e);
+        let effort = EFFORT_PER_NODE * nodes;
+        let collected = canonical(self, e, None, effort)?;
+        if nodes > MAX_TRIAL_NODES {
+            return Some(collected);
         }
-        let expanded = canonical(self, e, Some(MAX_TRIAL_TERMS));
-        if self.size(expanded) < self.size(collected) { expanded } else { collected }
+        let expanded = canonical(self, e, Some(MAX_TRIAL_TERMS), effort)?;
+        Some(if self.size(expanded) < self.size(collected) { expanded } else { collected })
     }
 
     /// Number of distinct nodes.
@@ -99,7 +108,7 @@ fn reordered(pool: &mut Pool, e: Expr) -> Expr {
     for n in pool.reachable(&[e]) {
         let pair = |a, b| {
             let (a, b) = (image[&a], image[&b]);
-            if order::compare(pool, a, b).is_gt() { (b, a) } else { (a, b) }
+            if order::compare_nested(pool, a, b).is_gt() { (b, a) } else { (a, b) }
         };
         let node = match pool.node(n) {
             Node::Add(a, b) => {
@@ -121,8 +130,9 @@ fn reordered(pool: &mut Pool, e: Expr) -> Expr {
     image[&e]
 }
 
-/// The canonical form of `e`, with products multiplied out up to a number of terms if one is given.
-fn canonical(pool: &mut Pool, e: Expr, expand: Option<usize>) -> Expr {
+/// The canonical form of `e`, with products multiplied out up to a number of terms if one is given; `None` if its
+/// sums have more than `effort` terms altogether.
+fn canonical(pool: &mut Pool, e: Expr, expand: Option<usize>, effort: usize) -> Option<Expr> {
     let nodes = pool.reachable(&[e]);
     // Sums within sums and products within products are taken in by the outermost one.
     let mut outermost: FxHashSet<Expr> = [e].into_iter().collect();
@@ -133,6 +143,7 @@ fn canonical(pool: &mut Pool, e: Expr, expand: Option<usize>) -> Expr {
         }));
     }
     let mut image: FxHashMap<Expr, Expr> = FxHashMap::default();
+    let mut written = 0;
     for n in nodes {
         if !outermost.contains(&n) {
             continue;
@@ -159,8 +170,14 @@ fn canonical(pool: &mut Pool, e: Expr, expand: Option<usize>) -> Expr {
             Node::Call2(f, a, b) => call2(pool, f, image[&a], image[&b]),
         };
         image.insert(n, c);
+        if let Node::Add(..) = pool.node(c) {
+            written += terms(pool, c).len();
+            if written > effort {
+                return None;
+            }
+        }
     }
-    image[&e]
+    image.get(&e).copied()
 }
 
 fn finish(pool: &mut Pool, p: &Product, expand: Option<usize>) -> Expr {

@@ -44,22 +44,28 @@ fn first_difference(a: &[Expr], b: &[Expr]) -> Result<(Expr, Expr), Ordering> {
     a.iter().zip(b).find(|(x, y)| x != y).map(|(&x, &y)| (x, y)).ok_or_else(|| a.len().cmp(&b.len()))
 }
 
-/// The first difference of flattened operands, or else of how they are nested.
-fn flat_difference(a: &[Expr], b: &[Expr], x: [Expr; 2], y: [Expr; 2]) -> Result<(Expr, Expr), Ordering> {
-    first_difference(a, b).or_else(|o| if o.is_eq() { first_difference(&x, &y) } else { Err(o) })
+/// Total order of canonical expressions of one pool.
+pub(super) fn compare(pool: &Pool, a: Expr, b: Expr) -> Ordering {
+    compare_operands(pool, a, b, |e| if let Node::Mul(..) = pool.node(e) { factors(pool, e) } else { terms(pool, e) })
 }
 
-/// Total order of expressions whose operands are in order. Different ids then mean different
-/// structures, so one path down to the first difference decides.
-pub(super) fn compare(pool: &Pool, mut a: Expr, mut b: Expr) -> Ordering {
+/// Total order of expressions of any nesting whose binary operands are in this order. Nothing is flattened:
+/// a shared sum would be written out as often as it is used.
+pub(super) fn compare_nested(pool: &Pool, a: Expr, b: Expr) -> Ordering {
+    compare_operands(pool, a, b, |e| pool.node(e).operands().collect())
+}
+
+/// Different ids mean different structures, so one path down to the first difference decides.
+fn compare_operands(pool: &Pool, mut a: Expr, mut b: Expr, operands: impl Fn(Expr) -> Vec<Expr>) -> Ordering {
     while a != b {
         let (x, y) = (pool.node(a), pool.node(b));
         let difference = match (x, y) {
             (Node::Num(_), Node::Num(_)) => return pool.number(a).cmp(&pool.number(b)),
             (Node::Sym(s), Node::Sym(t)) => return compare_names(pool.name(s), pool.name(t)),
             (Node::Pow(p, k), Node::Pow(q, l)) => first_difference(&[p, k], &[q, l]),
-            (Node::Mul(p, q), Node::Mul(r, s)) => flat_difference(&factors(pool, a), &factors(pool, b), [p, q], [r, s]),
-            (Node::Add(p, q), Node::Add(r, s)) => flat_difference(&terms(pool, a), &terms(pool, b), [p, q], [r, s]),
+            (Node::Mul(..), Node::Mul(..)) | (Node::Add(..), Node::Add(..)) => {
+                first_difference(&operands(a), &operands(b))
+            }
             (Node::Call(f, p), Node::Call(g, q)) if f == g => Ok((p, q)),
             (Node::Call(f, _), Node::Call(g, _)) => return function(f).cmp(&function(g)),
             (Node::Call2(f, p, q), Node::Call2(g, r, s)) if f == g => first_difference(&[p, q], &[r, s]),

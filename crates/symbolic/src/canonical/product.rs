@@ -6,8 +6,9 @@ use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
 
 use super::order::compare_factors;
-use super::sum::{Sum, join, nodes};
+use super::sum::{Sum, has_sum, join, nodes};
 use crate::pool::{Expr, Func, Node, Pool};
+use crate::text::terms;
 
 /// Numbers are raised to powers up to this size; beyond it they stay symbolic.
 const MAX_EXPONENT: i64 = 256;
@@ -67,11 +68,6 @@ impl Product {
         self.powers.get(&base).cloned().unwrap_or(RBig::ZERO)
     }
 
-    /// The bases and their exponents, in no particular order.
-    pub(super) fn powers(&self) -> impl Iterator<Item = (Expr, &RBig)> {
-        self.powers.iter().map(|(b, k)| (*b, k))
-    }
-
     /// Multiplies by `base^k` without looking into the base.
     pub(super) fn raise(&mut self, base: Expr, k: RBig) {
         let total = self.exponent(base) + k;
@@ -115,7 +111,7 @@ impl Product {
                     }
                 }
                 Node::Add(..) if whole => {
-                    let (content, primitive) = Sum::from(pool, e).primitive(pool);
+                    let (content, primitive) = primitive(pool, e);
                     match number_power(&content, &k) {
                         Some(c) => {
                             self.coefficient *= c;
@@ -165,10 +161,12 @@ impl Product {
         }
         let mut sorted = self.sorted(pool);
         let mut coefficient = self.coefficient.clone();
-        // The coefficient goes into the first sum where that takes fewer nodes.
+        // The coefficient goes into the first sum where that takes fewer nodes; not into sums of products of sums,
+        // where it would go down to the innermost.
         if coefficient != RBig::ONE
             && let Some((base, _)) =
                 sorted.iter_mut().find(|(b, k)| *k == RBig::ONE && matches!(pool.node(*b), Node::Add(..)))
+            && !terms(pool, *base).into_iter().any(|t| has_sum(pool, t))
         {
             let plain = Sum::from(pool, *base).sorted(pool);
             let scaled: Vec<_> = plain.iter().map(|(e, c)| (*e, c * &coefficient)).collect();
@@ -232,6 +230,17 @@ impl Product {
         kept.times(pool, total, &RBig::ONE);
         kept.build(pool)
     }
+}
+
+/// [`Sum::primitive`], remembered: the terms of a sum may contain sums in turn.
+fn primitive(pool: &mut Pool, sum: Expr) -> (RBig, Expr) {
+    if let Some(known) = pool.primitives.get(&sum) {
+        return known.clone();
+    }
+    let (content, primitive) = Sum::from(pool, sum).primitive(pool);
+    pool.primitives.insert(sum, (content.clone(), primitive));
+    pool.primitives.insert(primitive, (RBig::ONE, primitive));
+    (content, primitive)
 }
 
 /// `base^k`, where `base` is as [`Product::times`] leaves it.

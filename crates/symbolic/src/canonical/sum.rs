@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use dashu_base::{Gcd, UnsignedAbs};
+use dashu_base::{BitTest, Gcd, UnsignedAbs};
 use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
@@ -11,6 +11,9 @@ use super::order::TermKey;
 use super::product::Product;
 use crate::pool::{Expr, Func, Node, Pool};
 use crate::text::factors;
+
+/// A common factor with more digits is left in the terms: through nested products it would double at every level.
+const MAX_CONTENT_BITS: usize = 128;
 
 /// Products and their coefficients.
 type Terms = Vec<(Expr, RBig)>;
@@ -117,62 +120,71 @@ impl Sum {
 
     /// Applies sin² + cos² = 1 as long as that leaves fewer terms.
     fn pythagoras(&mut self, pool: &mut Pool) {
-        while let Some((old, new)) = self.pythagorean_step(pool) {
-            for (e, c) in old {
-                self.add_term(e, &-c);
+        loop {
+            let mut changed = false;
+            let mut candidates = self.clone();
+            candidates.terms.retain(|e, _| squares(pool, *e).next().is_some());
+            for (term, _) in candidates.sorted(pool) {
+                if let Some((old, new)) = self.pythagorean_step(pool, term) {
+                    changed = true;
+                    for (e, c) in old {
+                        self.add_term(e, &-c);
+                    }
+                    for (e, c) in new {
+                        self.add(pool, e, &c);
+                    }
+                }
             }
-            for (e, c) in new {
-                self.add(pool, e, &c);
+            if !changed {
+                return;
             }
         }
     }
 
-    /// Terms to take out and fewer terms to put in for them.
-    fn pythagorean_step(&self, pool: &mut Pool) -> Option<(Terms, Terms)> {
-        for (term, a) in self.sorted(pool) {
-            let product = Product::from(pool, term);
-            let mut squares: Vec<(Expr, Func, Expr)> = product
-                .powers()
-                .filter(|(_, k)| k.is_int() && **k >= RBig::from(2))
-                .filter_map(|(base, _)| match pool.node(base) {
-                    Node::Call(f @ (Func::Sin | Func::Cos), u) => Some((base, f, u)),
-                    _ => None,
-                })
-                .collect();
-            squares.sort_by(|x, y| super::order::compare(pool, x.0, y.0));
-            for (base, f, u) in squares {
-                let co = if f == Func::Sin { Func::Cos } else { Func::Sin };
-                let partner = pool.intern(Node::Call(co, u));
-                let mut rest = product.clone();
-                rest.raise(base, RBig::from(-2));
-                let mut other = rest.clone();
-                other.raise(partner, RBig::from(2));
-                let (rest, other) = (rest.build(pool), other.build(pool));
-                let b = self.terms.get(&other);
-                let k = self.terms.get(&rest);
-                match (b, k) {
-                    // a m s² + b m c² = b m + (a − b) m s²: shorter if the m term exists or the coefficients agree.
-                    (Some(b), _) if *b == a => {
-                        return Some((vec![(term, a.clone()), (other, a.clone())], vec![(rest, a)]));
-                    }
-                    (Some(b), Some(_)) => {
-                        let left = &a - b;
-                        let old = vec![(term, a.clone()), (other, b.clone())];
-                        return Some((old, vec![(rest, b.clone()), (term, left)]));
-                    }
-                    // k m − k m s² = k m c²
-                    (None, Some(k)) if *k == -a.clone() => {
-                        return Some((vec![(term, a.clone()), (rest, k.clone())], vec![(other, k.clone())]));
-                    }
-                    _ => {}
+    /// Terms to take out, `term` among them, and fewer terms to put in for them.
+    fn pythagorean_step(&self, pool: &mut Pool, term: Expr) -> Option<(Terms, Terms)> {
+        let a = self.terms.get(&term)?.clone();
+        let product = Product::from(pool, term);
+        let all: Vec<_> = squares(pool, term).collect();
+        for (base, f, u) in all {
+            let co = if f == Func::Sin { Func::Cos } else { Func::Sin };
+            let partner = pool.intern(Node::Call(co, u));
+            let mut rest = product.clone();
+            rest.raise(base, RBig::from(-2));
+            let mut other = rest.clone();
+            other.raise(partner, RBig::from(2));
+            let (rest, other) = (rest.build(pool), other.build(pool));
+            match (self.terms.get(&other), self.terms.get(&rest)) {
+                // a m s² + a m c² = a m
+                (Some(b), _) if *b == a => {
+                    return Some((vec![(term, a.clone()), (other, a.clone())], vec![(rest, a)]));
                 }
+                // a m s² + b m c² = b m + (a − b) m s² is shorter if there is a term with m.
+                (Some(b), Some(_)) => {
+                    let old = vec![(term, a.clone()), (other, b.clone())];
+                    return Some((old, vec![(rest, b.clone()), (term, &a - b)]));
+                }
+                // k m − k m s² = k m c²
+                (None, Some(k)) if *k == -a.clone() => {
+                    return Some((vec![(term, a), (rest, k.clone())], vec![(other, k.clone())]));
+                }
+                _ => {}
             }
         }
         None
     }
 }
 
-/// Greatest common divisor of the coefficients, with the sign of the first; 1 for none.
+/// The sines and cosines with an integer exponent of at least 2 in a product: the base, the function, its argument.
+fn squares(pool: &Pool, product: Expr) -> impl Iterator<Item = (Expr, Func, Expr)> {
+    factors(pool, product).into_iter().filter_map(|f| {
+        let Node::Pow(base, k) = pool.node(f) else { return None };
+        let Node::Call(g @ (Func::Sin | Func::Cos), u) = pool.node(base) else { return None };
+        pool.integer(k).is_some_and(|k| k >= 2).then_some((base, g, u))
+    })
+}
+
+/// Greatest common divisor of the coefficients, with the sign of the first; 1 for none and where it is too long.
 fn content(sorted: &[(Expr, RBig)]) -> RBig {
     let Some((_, first)) = sorted.first() else { return RBig::ONE };
     let (mut numerator, mut denominator) = (UBig::ZERO, UBig::ONE);
@@ -181,12 +193,16 @@ fn content(sorted: &[(Expr, RBig)]) -> RBig {
         numerator = if numerator == UBig::ZERO { p } else { (&numerator).gcd(&p) };
         let common = (&denominator).gcd(q);
         denominator = denominator * q / common;
+        if numerator.bit_len().max(denominator.bit_len()) > MAX_CONTENT_BITS {
+            return RBig::ONE;
+        }
     }
     let size = RBig::from_parts(IBig::from(numerator), denominator);
     if *first < RBig::ZERO { -size } else { size }
 }
 
-fn has_sum(pool: &Pool, product: Expr) -> bool {
+/// True if a factor of the product is a sum.
+pub(super) fn has_sum(pool: &Pool, product: Expr) -> bool {
     factors(pool, product).into_iter().any(|f| matches!(pool.node(f), Node::Add(..)))
 }
 
