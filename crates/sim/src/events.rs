@@ -13,6 +13,10 @@ const SAMPLES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// Events closer than this (times the time, from 1 s on) are one.
 const SIMULTANEOUS: f64 = 1e-12;
 
+/// Part of the absolute tolerance below which a switching function is rounding: what hangs on a sticking velocity
+/// stays there.
+pub(crate) const NEGLIGIBLE: f64 = 1e-4;
+
 /// What the gaps do during a step.
 pub(crate) enum Scan {
     /// Nothing happens.
@@ -59,7 +63,8 @@ impl<S: Switched> Stepper<S> {
             self.multipliers.gradients(&mut self.system, self.t, &self.x);
             for i in 0..switches {
                 self.rates[0][i] = h * self.modes[i].sign() * self.multipliers.rate(i, &self.k[0]);
-                self.noise[i] = self.multipliers.noise(i, &self.x, &self.k[0], h);
+                self.noise[i] = self.multipliers.noise(i, &self.x, &self.k[0], h)
+                    + self.multipliers.spread(i, NEGLIGIBLE * self.settings.atol);
             }
             self.multipliers.gradients(&mut self.system, self.t + h, &self.end);
             for i in 0..switches {
@@ -252,7 +257,9 @@ impl<S: Switched> Stepper<S> {
     ) -> Result<(), StopReason> {
         let breaks = self.modes[switch] == Mode::Sticking;
         let mut length = theta * h;
-        if length > self.shortest() {
+        if length <= self.shortest() {
+            self.failed.push(self.modes.clone());
+        } else {
             let near = theta * (1.0 - 1e-3);
             let secant = (self.gap(switch, theta, h) - self.gap(switch, near, h)) / ((theta - near) * h);
             let mut solved = self.attempt_to_event(length);
@@ -272,7 +279,9 @@ impl<S: Switched> Stepper<S> {
                 solved = self.attempt_to_event(length);
             }
             if !solved {
-                return Err(StopReason::NonFinite);
+                // The field ends before the event: approach it by shorter steps.
+                self.h = 0.5 * length;
+                return if self.h > self.shortest() { Ok(()) } else { self.unsolvable(trajectory) };
             }
             self.accept(length, trajectory);
         }
@@ -313,7 +322,8 @@ impl<S: Switched> Stepper<S> {
                 }
                 sliding => {
                     let rate = sliding.sign() * self.multipliers.rate(i, &self.k[0]);
-                    let noise = self.multipliers.noise(i, &self.x, &self.k[0], 0.0);
+                    let noise = self.multipliers.noise(i, &self.x, &self.k[0], 0.0)
+                        + self.multipliers.spread(i, NEGLIGIBLE * self.settings.atol);
                     let here = self.sigma[i].abs() <= noise + rate.abs() * window;
                     if i == switch || here {
                         let passes = i == switch || rate < 0.0;

@@ -256,11 +256,14 @@ impl Multipliers {
         if self.sticking.is_empty() {
             self.gradients(system, t, x);
         }
+        // What hangs on a sticking switch has the rounding of its force as rate.
+        let rounding = 1e-12 * self.influence[..self.sticking.len()].iter().fold(0.0f64, |m, v| m.max(*v));
         zero.iter().all(|&i| match modes[i] {
             Mode::Sticking => self.s[i].abs() <= 1.0 + STICKING_EXCESS,
             sliding => {
                 let away = sliding.sign() * self.rate(i, dx);
-                if strict { away > 0.0 } else { away >= -1e-9 * self.rate_scale(i, dx) }
+                let slack = 1e-9 * self.rate_scale(i, dx) + self.spread(i, rounding);
+                if strict { away > 0.0 } else { away >= -slack }
             }
         })
     }
@@ -270,6 +273,11 @@ impl Multipliers {
         let row = &self.gradient[i * self.n..(i + 1) * self.n];
         let way = |j: usize| if h > 0.0 { h * dx[j].abs() } else { 0.0 };
         (0..self.n).map(|j| row[j].abs() * (x[j].abs() + way(j))).sum::<f64>() * 8.0 * f64::EPSILON
+    }
+
+    /// How far `σ_i` moves when every state moves by `size`.
+    pub(crate) fn spread(&self, i: usize, size: f64) -> f64 {
+        self.gradient[i * self.n..(i + 1) * self.n].iter().map(|g| g.abs() * size).sum()
     }
 
     /// Moves `x` by the shortest way to `σ_K(t, x) = 0`, so that what sticks does not creep.

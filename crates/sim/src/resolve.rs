@@ -31,12 +31,13 @@ impl ZeroSet {
 /// Finds consistent modes for the zero set at `(t, x)` and writes them into `modes`; the other modes stay.
 ///
 /// All `3^|Z|` combinations are tried, those with most sticking switches first, then those which agree with the
-/// direction of motion; first with switches that truly leave (`σ̇ ≠ 0`), then with those which leave tangentially.
+/// direction of motion; first with switches that truly leave (`σ̇ ≠ 0`), then with those which leave tangentially. Modes in `failed` have been
+/// tried at this instant and could not be kept.
 pub(crate) fn resolve(
     system: &mut impl Switched,
     multipliers: &mut Multipliers,
     point: (f64, &[f64]),
-    zero: &ZeroSet,
+    (zero, failed): (&ZeroSet, &[Vec<Mode>]),
     limit: usize,
     modes: &mut [Mode],
     dx: &mut [f64],
@@ -58,7 +59,7 @@ pub(crate) fn resolve(
         .collect();
     order.sort_unstable();
     // A switch known to be loose sticks again only if nothing else is consistent.
-    for (strict, restick) in [(true, false), (false, false), (true, true)] {
+    for (strict, restick) in [(true, false), (false, false), (true, true), (false, true)] {
         for &(_, _, code) in &order {
             let mut rest = code;
             let mut allowed = true;
@@ -73,6 +74,7 @@ pub(crate) fn resolve(
                 }
                 rest /= 3;
             }
+            allowed &= !failed.iter().any(|f| f == modes);
             if allowed && multipliers.consistent(system, point, modes, &zero.switches, strict, dx) {
                 return Ok(());
             }

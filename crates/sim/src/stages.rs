@@ -99,6 +99,7 @@ impl<S: Switched> Stepper<S> {
         self.departing.fill(false);
         self.statistics.steps += 1;
         self.stalled = 0;
+        self.failed.clear();
     }
 
     /// The stages of a step of length `h` without error control, as for the step to an event.

@@ -1,5 +1,6 @@
 //! The integrator: adaptive Dormand–Prince steps between events, breaks and mode changes.
 
+use crate::events::NEGLIGIBLE;
 use crate::multipliers::Multipliers;
 use crate::resolve::{ZeroSet, resolve};
 use crate::stages::{Attempt, SIGN_RESOLUTION};
@@ -49,6 +50,8 @@ pub struct Stepper<S> {
     pub(crate) samples: Vec<f64>,
     pub(crate) rates: [Vec<f64>; 2],
     pub(crate) noise: Vec<f64>,
+    /// Modes that could not be kept for any time at the current instant.
+    pub(crate) failed: Vec<Vec<Mode>>,
     pub(crate) recent: VecDeque<f64>,
     pub(crate) stalled: usize,
     pub(crate) statistics: Statistics,
@@ -91,6 +94,7 @@ impl<S: Switched> Stepper<S> {
             samples: vec![0.0; 5 * k],
             rates: std::array::from_fn(|_| vec![0.0; k]),
             noise: vec![0.0; k],
+            failed: Vec::new(),
             recent: VecDeque::new(),
             stalled: 0,
             statistics: Statistics::default(),
@@ -185,6 +189,7 @@ impl<S: Switched> Stepper<S> {
                 // Other inputs may lead on from here, with a step length of their own.
                 self.h = 0.0;
                 self.stalled = 0;
+                self.failed.clear();
                 self.multipliers.reset();
                 Outcome::Stopped { reason, t: self.t, state: self.x.clone() }
             }
@@ -219,6 +224,7 @@ impl<S: Switched> Stepper<S> {
             return Err(StopReason::NonFinite);
         }
         self.first_stage_known = false;
+        self.failed.clear();
         let switches = self.modes.len();
         if switches == 0 {
             return Ok(());
@@ -232,13 +238,14 @@ impl<S: Switched> Stepper<S> {
         self.zero.clear();
         for i in 0..switches {
             let size = self.multipliers.noise(i, &self.x, &self.k[0], 0.0);
+            let tiny = size + self.multipliers.spread(i, NEGLIGIBLE * self.settings.atol);
             let sigma = self.sigma[i];
             let side = Mode::of_sign(sigma);
             match self.modes[i] {
-                Mode::Sticking if sigma.abs() <= 1e5 * size => {
+                Mode::Sticking if sigma.abs() <= 1e5 * size + tiny => {
                     self.zero.push(i, Mode::of_sign(self.multipliers.s[i]), false);
                 }
-                sliding if sliding != Mode::Sticking && (self.departing[i] || sigma.abs() <= size) => {
+                sliding if sliding != Mode::Sticking && (self.departing[i] || sigma.abs() <= tiny) => {
                     self.zero.push(i, sliding, false);
                 }
                 _ => self.modes[i] = side,
@@ -257,7 +264,7 @@ impl<S: Switched> Stepper<S> {
             &mut self.system,
             &mut self.multipliers,
             (self.t, &self.x),
-            &self.zero,
+            (&self.zero, &self.failed),
             self.settings.max_zero_set,
             &mut self.modes,
             &mut self.stage,
@@ -356,15 +363,16 @@ impl<S: Switched> Stepper<S> {
         }
     }
 
-    /// The sticking signs have no solution at the current point: what sticks breaks loose.
-    fn unsolvable(&mut self, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StopReason> {
+    /// The sticking signs have no solution at the current point: the modes cannot be kept, others are sought.
+    pub(crate) fn unsolvable(&mut self, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StopReason> {
         self.zero.clear();
         for (i, mode) in self.modes.iter().enumerate() {
             if *mode == Mode::Sticking {
-                self.zero.push(i, Mode::of_sign(self.multipliers.s[i]), true);
+                self.zero.push(i, Mode::of_sign(self.multipliers.s[i]), false);
             }
         }
         let before = self.modes.clone();
+        self.failed.push(self.modes.clone());
         self.count_event()?;
         self.h = self.h.max(1e3 * self.shortest());
         self.settle(&before, trajectory)
@@ -374,7 +382,7 @@ impl<S: Switched> Stepper<S> {
     pub(crate) fn count_event(&mut self) -> Result<(), StopReason> {
         self.statistics.events += 1;
         self.stalled += 1;
-        if self.stalled > 8 + 4 * self.modes.len() {
+        if self.stalled > 8 + 9 * self.modes.len() {
             return Err(StopReason::NoConsistentMode { switches: self.zero.switches.clone() });
         }
         let (limit, window) = (self.settings.max_events, self.settings.event_window);

@@ -132,3 +132,32 @@ fn too_many_steps_are_told() {
     assert_eq!(reason, StopReason::TooManySteps { limit: 50 });
     assert!(t > 0.0 && t < 10.0);
 }
+
+#[test]
+fn a_kink_that_hangs_on_a_sticking_velocity_does_not_chatter() {
+    // v sticks from 0.5 s on; the kink of |2 v| and of max(−v, v) is then met at every instant.
+    let text = r#"
+        states = ["v", "w"]
+        dynamics = { v = "-sign(v) + 0.5*sin(w) - abs(2*v)*v", w = "1 - max(-v, v)" }
+    "#;
+    let run = run(text, &[0.4, 0.0], 10.0);
+    let stop = run.trajectory.transitions().iter().find(|e| e.to == Mode::Sticking).unwrap().t;
+    assert!(stop < 0.6 && run.trajectory.transitions().len() <= 4, "{:?}", run.trajectory.transitions());
+    let end = run.trajectory.final_state();
+    assert!(end[0].abs() < 1e-15);
+    assert!((end[1] - run.trajectory.sample(stop)[1] - (10.0 - stop)).abs() < 1e-9);
+}
+
+#[test]
+fn a_sign_that_cannot_hold_its_own_surface_follows_the_motion() {
+    // v' = −sin 3c starts from v = 0 with v' = 0: no sign of v acts on v, and v turns negative.
+    let text = r#"
+        states = ["v", "w", "c"]
+        dynamics = { v = "-sin(3*c)", w = "-sign(v)", c = "1" }
+    "#;
+    let run = run(text, &[0.0, 0.0, 0.0], 2.0);
+    assert_eq!(run.trajectory.mode(0, 1.0), Some(Mode::Negative));
+    let end = run.trajectory.final_state();
+    assert!((end[0] - (6.0f64.cos() - 1.0) / 3.0).abs() < 1e-9);
+    assert!((end[1] - 2.0).abs() < 1e-6);
+}
