@@ -174,7 +174,7 @@ impl Job {
         let (a, [x, y, phi]) = (&self.arrival, self.two_step_errors());
         let mm = |v: Option<f64>| value(v.map(|v| 1e3 * v), "mm");
         let rows = [
-            ["".to_owned(), "together (MPC)".to_owned(), "two steps".to_owned()],
+            [String::new(), "together (MPC)".to_owned(), "two steps".to_owned()],
             ["time to target".to_owned(), seconds(a.settled_s), seconds(self.two_step_time())],
             ["error in x".to_owned(), mm(Some(a.x_m)), mm(x)],
             ["error in y".to_owned(), mm(Some(a.y_m)), mm(y)],
@@ -186,43 +186,44 @@ impl Job {
             ],
         ];
         let report = &self.together.run.report;
-        let mut out = String::new();
+        let mut out: Vec<String> = Vec::new();
         if let Some(p) = &report.plan {
-            out += &format!("plan: {} after {} quadratic programs in {:.2} s\n\n", p.status, p.programs, p.seconds);
+            out.push(format!("plan: {} after {} quadratic programs in {:.2} s\n", p.status, p.programs, p.seconds));
         }
-        out += "On the same plant with exact set-valued friction, errors at the end:\n\n";
+        out.push("On the same plant with exact set-valued friction, errors at the end:\n".to_owned());
         for r in rows {
-            out += &format!("  {:<16} {:>16} {:>16}\n", r[0], r[1], r[2]);
+            out.push(format!("  {:<16} {:>16} {:>16}", r[0], r[1], r[2]));
         }
-        out.push('\n');
+        out.push(String::new());
         for s in &self.two.stages {
             let verdict = if s.met { "met" } else { "not met" };
-            out += &format!(
-                "  two steps: experiment {} from {:.2} s to {:.2} s, target {verdict}\n",
+            out.push(format!(
+                "  two steps: experiment {} from {:.2} s to {:.2} s, target {verdict}",
                 s.name, s.from, s.to
-            );
+            ));
         }
         if self.two.remaining_spin.abs() > 2f64.to_radians() {
-            out += "  The published model has no yaw friction: once turned, the object goes on spinning while it is moved,\n  \
-                    so the two-step time counts stages that met their targets, not a yaw that stays there.\n";
+            out.push("  The published model has no yaw friction: once turned, the object goes on spinning while it is moved,\n  \
+                    so the two-step time counts stages that met their targets, not a yaw that stays there."
+                .to_owned());
         }
         let [linearise, qp, rest] = self.split();
         let (t, c) = (&report.solve_ms, &report.status);
-        out += &format!(
-            "\n  bounds between samples: stroke exceeded by {:.3} mm, tilt by {:.4}° at most\n",
+        out.push(format!(
+            "\n  bounds between samples: stroke exceeded by {:.3} mm, tilt by {:.4}° at most",
             1e3 * a.stroke_excess_m,
             a.tilt_excess_deg
-        );
-        out += &format!(
+        ));
+        out.push(format!(
             "  control step: median {:.2} ms, 99 % below {:.2} ms, sampling period {:.0} ms; {:.1} × real time\n  \
-             of which, medians: linearise {linearise:.2} ms, quadratic program {qp:.2} ms, rest {rest:.2} ms\n",
+             of which, medians: linearise {linearise:.2} ms, quadratic program {qp:.2} ms, rest {rest:.2} ms",
             t.median,
             t.p99,
             report.period_ms,
             self.real_time_factor()
-        );
-        out += &format!("  samples: {} solved, {} inaccurate, {} fallback\n", c.solved, c.inaccurate, c.fallback);
-        out
+        ));
+        out.push(format!("  samples: {} solved, {} inaccurate, {} fallback\n", c.solved, c.inaccurate, c.fallback));
+        out.join("\n")
     }
 
     /// Both trajectories as CSV, every 5 ms.

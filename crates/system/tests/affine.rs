@@ -6,10 +6,8 @@ use bracketry_system::{Method, System};
 
 fn model(states: &str, inputs: &str, equations: &[(&str, &str)]) -> System {
     let list = |s: &str| s.split_whitespace().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(",");
-    let mut text = format!("states=[{}]\ninputs=[{}]\n[dynamics]\n", list(states), list(inputs));
-    for (s, e) in equations {
-        text += &format!("{s} = \"{e}\"\n");
-    }
+    let lines: String = equations.iter().map(|(s, e)| s.to_string() + " = \"" + e + "\"\n").collect();
+    let text = format!("states=[{}]\ninputs=[{}]\n[dynamics]\n{lines}", list(states), list(inputs));
     System::parse("test", &text).unwrap()
 }
 
