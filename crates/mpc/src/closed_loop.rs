@@ -202,12 +202,6 @@ pub fn run_closed_loop(
         };
         *counter += 1;
         plant.step(t, &mut x, &step.u, dt).map_err(|source| MpcError::Plant { time: t, source })?;
-        for (v, b) in step.u.iter().zip(&ocp.input_bounds) {
-            run.constraint_violation_max = run.constraint_violation_max.max(b.0 - v).max(v - b.1);
-        }
-        for (v, b) in x.iter().zip(&ocp.state_bounds) {
-            run.constraint_violation_max = run.constraint_violation_max.max(b.violation(*v));
-        }
         run.t.push((k + 1) as f64 * dt);
         run.x.push(x.clone());
         run.u.push(step.u.clone());
@@ -216,5 +210,6 @@ pub fn run_closed_loop(
     let solved: Vec<f64> =
         run.steps.iter().filter(|s| s.status != StepStatus::PlayedOut).map(|s| s.timings.total()).collect();
     run.times = SolveTimes::of(&solved);
+    run.constraint_violation_max = ocp.largest_violation(&run.x[1..], &run.u);
     Ok(run)
 }

@@ -126,6 +126,13 @@ impl Ocp {
         self.input_bounds.len()
     }
 
+    /// Largest violation of a bound by states or inputs, each in its own unit; 0 when all are kept.
+    pub fn largest_violation(&self, x: &[Vec<f64>], u: &[Vec<f64>]) -> f64 {
+        let states = x.iter().flat_map(|x| x.iter().zip(&self.state_bounds)).map(|(v, b)| b.violation(*v));
+        let inputs = u.iter().flat_map(|u| u.iter().zip(&self.input_bounds)).map(|(v, b)| (b.0 - v).max(v - b.1));
+        states.chain(inputs).fold(0.0, f64::max)
+    }
+
     /// Brings every bound closer to its middle by `fraction` of the half-width (one-sided bounds stay): room for feedback.
     #[must_use]
     pub fn tightened(&self, fraction: f64) -> Self {

@@ -3,6 +3,7 @@
 use crate::closed_loop::{ClosedLoop, Controller, Counts, Plant, SolveTimes, SqpController, run_closed_loop};
 use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
+use crate::ocp::Ocp;
 use crate::problem::{ControlProblem, Method};
 use crate::qp::QpSettings;
 use crate::rti::{Horizon, Rti, RtiSettings};
@@ -14,6 +15,8 @@ use std::fmt;
 
 /// Intervals left at which a shrinking horizon is played out instead of solved again.
 const MIN_STEPS: usize = 6;
+/// Share of the plan's margin that the loop keeps too: bounds hold at the samples, and a state curves beyond them in between.
+const LOOP_SHARE: f64 = 0.2;
 
 /// The plan that was made before the run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -132,7 +135,7 @@ impl ControlProblem {
     }
 
     /// Real-time iteration along `trajectory`.
-    fn rti(&self, trajectory: Trajectory, horizon: Horizon) -> Result<Rti, MpcError> {
+    fn rti(&self, ocp: Ocp, trajectory: Trajectory, horizon: Horizon) -> Result<Rti, MpcError> {
         let settings = RtiSettings {
             horizon,
             smoothing: self.smoothing.last().copied(),
@@ -141,7 +144,7 @@ impl ControlProblem {
             qp: self.qp(),
             ..RtiSettings::default()
         };
-        Rti::new(self.dynamics()?, self.ocp.clone(), trajectory, settings)
+        Rti::new(self.dynamics()?, ocp, trajectory, settings)
     }
 
     /// The controller that keeps to a plan: real-time iteration on what is left of the horizon.
@@ -149,7 +152,8 @@ impl ControlProblem {
     /// # Errors
     /// If the plan does not fit the problem.
     pub fn tracker(&self, plan: &Solution) -> Result<Rti, MpcError> {
-        self.rti(plan.trajectory.clone(), Horizon::Shrinking { min_steps: MIN_STEPS })
+        let ocp = self.ocp.tightened(LOOP_SHARE * self.margin);
+        self.rti(ocp, plan.trajectory.clone(), Horizon::Shrinking { min_steps: MIN_STEPS })
     }
 
     /// Runs the closed loop on a plant.
@@ -181,7 +185,7 @@ impl ControlProblem {
                 for (k, u) in self.guess.iter().enumerate() {
                     start.u_mut(k).copy_from_slice(u);
                 }
-                let mut rti = self.rti(start, Horizon::Receding)?;
+                let mut rti = self.rti(self.ocp.clone(), start, Horizon::Receding)?;
                 for _ in 1..self.initial_iterations {
                     rti.feedback(&self.x0)?;
                 }
@@ -198,7 +202,8 @@ impl ControlProblem {
                 (Box::new(SqpController::new(sqp, first.trajectory)), None, first.cost)
             }
         };
-        let run = run_closed_loop(controller.as_mut(), plant, &self.x0, self.samples, disturb)?;
+        let mut run = run_closed_loop(controller.as_mut(), plant, &self.x0, self.samples, disturb)?;
+        run.constraint_violation_max = self.ocp.largest_violation(&run.x[1..], &run.u);
         let end = run.x.last().unwrap_or(&self.x0);
         let names = self.system.state_names();
         let report = ControlReport {

@@ -1,0 +1,62 @@
+//! What the report says of the plate, for both shapes.
+#![allow(clippy::unwrap_used)]
+
+use bracketry::Analysis;
+use bracketry::plate::{Shape, published};
+
+fn analysis(shape: Shape) -> Analysis {
+    bracketry::analyze(&published(shape, 0.3).unwrap(), &bracketry::lie::Options::default()).unwrap()
+}
+
+#[test]
+fn over_all_modes_smoothed_and_at_rest_the_shape_does_not_matter() {
+    for shape in [Shape::REFERENCE_ELLIPSE, Shape::REFERENCE_DISK] {
+        let a = analysis(shape);
+        assert_eq!((a.states, a.inputs), (10, 2));
+        assert_eq!(a.affinization.integrators.values().sum::<u32>(), 4);
+        assert_eq!(a.report.switched.as_ref().unwrap().growth, [6, 10], "{shape:?}");
+        assert_eq!(a.report.smoothed.as_ref().unwrap().dimensions.growth, [3, 6, 10], "{shape:?}");
+        let point = a.report.at_point.as_ref().unwrap().known().unwrap();
+        assert_eq!(point.dimensions.growth, [2, 5, 8, 10], "{shape:?}");
+        assert_eq!(point.linear_controllability_rank, Some(7), "{shape:?}");
+    }
+}
+
+#[test]
+fn in_one_mode_an_ellipse_leaves_two_functions_to_themselves() {
+    let a = analysis(Shape::REFERENCE_ELLIPSE);
+    assert_eq!(a.report.modes.len(), 4);
+    for m in &a.report.modes {
+        assert_eq!(m.dimensions.growth, [3, 5, 7, 9, 9]);
+        assert_eq!(m.dimensions.strong_growth, [2, 4, 6, 8, 8]);
+        assert_eq!(m.autonomous.known().unwrap(), &["x + X", "vx + Xd"]);
+    }
+}
+
+#[test]
+fn in_one_mode_a_disk_leaves_its_yaw_to_the_tilt_too() {
+    // Its moment about the plate's axis does not depend on yaw: w' = −s μ/2 θ'', so w + s μ/2 θ' is constant.
+    let a = analysis(Shape::REFERENCE_DISK);
+    for m in &a.report.modes {
+        assert_eq!(m.dimensions.growth, [3, 5, 7, 7]);
+        assert_eq!(m.dimensions.strong_growth, [2, 4, 6, 6]);
+        let functions = m.autonomous.known().unwrap();
+        let forward = m.signs.0.iter().any(|(name, sign)| name == "vx" && *sign > 0);
+        let expected = if forward { "0.15*theta + phi" } else { "phi - 0.15*theta" };
+        let same = |f: &String| {
+            let mut p = bracketry::symbolic::Pool::new();
+            let (a, b) = (p.parse(f).unwrap(), p.parse(expected).unwrap());
+            let difference = p.sub(a, b);
+            p.zero_test(difference, &bracketry::symbolic::Bindings::default()).is_zero()
+        };
+        assert!(functions.iter().any(same), "{expected} among {functions:?}");
+    }
+}
+
+#[test]
+fn the_summary_names_what_stays_and_why_switching_helps() {
+    let summary = analysis(Shape::REFERENCE_ELLIPSE).summary;
+    for part in ["x + X and vx + Xd", "dimension 8 of 10", "difference of two drifts", "10 of 10", "smoothed"] {
+        assert!(summary.contains(part), "`{part}` in: {summary}");
+    }
+}
