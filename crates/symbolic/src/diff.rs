@@ -2,7 +2,8 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::pool::{Expr, Func, Func2, Node, Pool, Symbol};
+use crate::func::{Func, Func2};
+use crate::pool::{Expr, Node, Pool, Symbol};
 
 impl Pool {
     /// ∂e/∂s. The derivative of `sign` is 0 (its value off the switching surface).

@@ -2,7 +2,8 @@
 
 use dashu_ratio::RBig;
 
-use crate::pool::{Expr, Func, Func2, Node, Pool};
+use crate::func::{Func, Func2};
+use crate::pool::{Expr, Node, Pool};
 use crate::text::{Exponent, fraction, number_text, terms};
 
 /// Names that stand for a Greek letter.

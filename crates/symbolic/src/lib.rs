@@ -14,6 +14,7 @@
 mod canonical;
 mod diff;
 mod exact;
+mod func;
 mod latex;
 mod parse;
 mod pool;
@@ -22,6 +23,7 @@ mod text;
 
 pub use dashu_ratio::RBig as Rational;
 pub use exact::{Bindings, Certificate, Echelon, Fp, Rank, Residue, Samples, Undecided, ZeroTest};
+pub use func::{Func, Func2};
 pub use parse::{Names, ParseError, closest_name};
-pub use pool::{Expr, Func, Func2, Node, Pool, Symbol};
+pub use pool::{Expr, Node, Pool, Symbol};
 pub use tape::{CompileError, Instruction, Op, Tape};

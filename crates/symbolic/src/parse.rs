@@ -3,7 +3,8 @@
 use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 
-use crate::pool::{Expr, Func, Func2, Pool};
+use crate::func::{Func, Func2};
+use crate::pool::{Expr, Pool};
 
 /// Where the names in a text come from.
 pub trait Names {

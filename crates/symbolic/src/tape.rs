@@ -8,7 +8,8 @@ use dashu_base::Abs;
 use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
 
-use crate::pool::{Expr, Func, Func2, Node, Pool, Symbol, sign};
+use crate::func::{Func, Func2, sign};
+use crate::pool::{Expr, Node, Pool, Symbol};
 
 /// What an [`Instruction`] computes from its operand registers.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

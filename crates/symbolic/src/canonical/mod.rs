@@ -12,7 +12,8 @@ use std::collections::BTreeMap;
 use dashu_ratio::RBig;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::pool::{Expr, Func, Func2, Node, Pool};
+use crate::func::{Func, Func2};
+use crate::pool::{Expr, Node, Pool};
 use crate::text::terms;
 use product::{Product, scale};
 use sum::Sum;

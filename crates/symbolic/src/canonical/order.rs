@@ -4,7 +4,8 @@ use std::cmp::Ordering;
 
 use dashu_ratio::RBig;
 
-use crate::pool::{Expr, Func, Func2, Node, Pool};
+use crate::func::{Func, Func2};
+use crate::pool::{Expr, Node, Pool};
 use crate::text::{factors, terms};
 
 /// Rank of the kinds of expressions: what is read first in a product comes first.

@@ -7,7 +7,8 @@ use rustc_hash::FxHashMap;
 
 use super::order::compare_factors;
 use super::sum::{Sum, has_sum, join, nodes};
-use crate::pool::{Expr, Func, Node, Pool};
+use crate::func::Func;
+use crate::pool::{Expr, Node, Pool};
 use crate::text::terms;
 
 /// Numbers are raised to powers up to this size; beyond it they stay symbolic.

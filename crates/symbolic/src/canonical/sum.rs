@@ -9,7 +9,8 @@ use rustc_hash::FxHashMap;
 
 use super::order::TermKey;
 use super::product::Product;
-use crate::pool::{Expr, Func, Node, Pool};
+use crate::func::Func;
+use crate::pool::{Expr, Node, Pool};
 use crate::text::factors;
 
 /// A common factor with more digits is left in the terms: through nested products it would double at every level.

@@ -6,7 +6,8 @@ use super::field::{Residue, gcd};
 use super::linear::combination;
 use super::lower::{FRACTION_BOUND, Lowering, Stop};
 use super::program::{Generator, Reg, Step};
-use crate::pool::{Expr, Func, Func2, Node};
+use crate::func::{Func, Func2};
+use crate::pool::{Expr, Node};
 
 /// A register of an angle, and those of the cosine and sine of the D-th part of it (none for an inverse function).
 struct Angle {

@@ -9,7 +9,8 @@ use rustc_hash::FxHashMap;
 
 use super::Bindings;
 use super::field::gcd;
-use crate::pool::{Expr, Func, Func2, Node, Pool};
+use crate::func::{Func, Func2};
+use crate::pool::{Expr, Node, Pool};
 
 /// Larger numerators and denominators are not followed.
 const MAX_BITS: usize = 4096;

@@ -17,7 +17,8 @@ use super::field::{Random, Residue};
 use super::program::{Generator, Program, Reg, Step, draw};
 use super::roots::Roots;
 use super::{Bindings, Undecided};
-use crate::pool::{Expr, Func, Node, Pool};
+use crate::func::Func;
+use crate::pool::{Expr, Node, Pool};
 
 /// Fractions in linear relations have numerators and denominators up to this.
 pub(super) const FRACTION_BOUND: u64 = 1 << 20;
