@@ -109,13 +109,14 @@ fn in_every_mode_of_the_plate() {
 
 #[test]
 fn for_the_plate_with_switching() {
-    let mut plate = ellipse(None);
-    let family: Vec<VectorFields> = mode_fields(&mut plate).unwrap().into_iter().map(|m| m.fields).collect();
-    let all = VectorFields::switched(&mut plate.pool, &family).unwrap();
-    let wanted = exact(&mut plate, &all);
-    assert_eq!(wanted, [6, 10]);
-    for x in &POINTS {
-        assert_eq!(growth(&mut plate.pool, &all, x, 2), wanted);
+    for mut plate in [disk(None), ellipse(None)] {
+        let family: Vec<VectorFields> = mode_fields(&mut plate).unwrap().into_iter().map(|m| m.fields).collect();
+        let all = VectorFields::switched(&mut plate.pool, &family).unwrap();
+        let wanted = exact(&mut plate, &all);
+        assert_eq!(wanted, [6, 10]);
+        for x in &POINTS {
+            assert_eq!(growth(&mut plate.pool, &all, x, 2), wanted);
+        }
     }
 }
 
@@ -130,5 +131,17 @@ fn for_the_smoothed_plate() {
         for x in &POINTS {
             assert_eq!(growth(&mut smooth.pool, &v, x, wanted.len()), wanted);
         }
+    }
+}
+
+#[test]
+fn at_rest_for_the_smoothed_plate() {
+    for mut plate in [disk(None), ellipse(None)] {
+        let width = plate.pool.ratio(1, 2);
+        let mut smooth = plate.smoothed(width);
+        let v = fields(&mut smooth);
+        let mut rest = [0.0; 10];
+        rest[..2].copy_from_slice(&[0.48, -0.03]);
+        assert_eq!(growth(&mut smooth.pool, &v, &rest, 4), [2, 5, 8, 10]);
     }
 }
