@@ -12,7 +12,7 @@ const NEAR: f64 = 2e-3;
 const NEAR_DEG: f64 = 2.0;
 const PLATE_REST: f64 = 1e-3;
 const PLATE_REST_DEG: f64 = 0.1;
-/// Resolution at which the recording is looked at [s].
+/// Resolution at which the recording is looked at (s).
 const RESOLUTION: f64 = 1e-3;
 
 /// A move that cannot be set up.
@@ -41,25 +41,25 @@ pub fn plate_move(shape: Shape, mu: f64) -> Result<ControlProblem, MoveError> {
 /// x, y, phi, vx, vy, w, X, Xd, theta, thetad.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Arrival {
-    /// Error in x at the end [m].
+    /// Error in x at the end (m).
     pub x_m: f64,
-    /// Error in y at the end [m].
+    /// Error in y at the end (m).
     pub y_m: f64,
-    /// Error in yaw at the end [deg].
+    /// Error in yaw at the end (deg).
     pub phi_deg: f64,
-    /// Spin at the end [deg/s].
+    /// Spin at the end (deg/s).
     pub spin_deg_s: f64,
-    /// First time [s] from which on the object stays within 2 mm, 2° and 2 °/s of its target while the plate is and
+    /// First time (s) from which on the object stays within 2 mm, 2° and 2 °/s of its target while the plate is and
     /// stays at rest; absent if it does not.
     pub settled_s: Option<f64>,
-    /// How far |X| exceeds the stroke at most, looked at every millisecond [m]; 0 when kept.
+    /// How far |X| exceeds the stroke at most, looked at every millisecond (m); 0 when kept.
     pub stroke_excess_m: f64,
-    /// How far |θ| exceeds the tilt bound at most [deg]; 0 when kept.
+    /// How far |θ| exceeds the tilt bound at most (deg); 0 when kept.
     pub tilt_excess_deg: f64,
 }
 
 impl Arrival {
-    /// Measures a move to `target` (x [m], y [m], yaw [rad]).
+    /// Measures a move to `target` (x (m), y (m), yaw (rad)).
     pub fn of(problem: &ControlProblem, controlled: &Controlled, target: [f64; 3]) -> Arrival {
         let trajectory = &controlled.recording.trajectory;
         let end = trajectory.final_state();

@@ -16,14 +16,14 @@ use super::{Outcome, OutputArgs, analyze};
 
 mod figures;
 
-/// Start and target of the move in `models/plate_move.toml`: x [m], y [m], yaw [rad].
+/// Start and target of the move in `models/plate_move.toml`: x (m), y (m), yaw (rad).
 const START: [f64; 3] = [0.48, -0.03, 0.0];
 pub(crate) const TARGET: [f64; 3] = [0.54, 0.0, std::f64::consts::FRAC_PI_2];
 /// Samples after the move, in which object and plate must stay at rest.
 const REST_SAMPLES: usize = 30;
-/// Distance of the rows of the trajectories [s].
+/// Distance of the rows of the trajectories (s).
 const CSV_STEP: f64 = 5e-3;
-/// Longest time of one stage of the two-step way [s].
+/// Longest time of one stage of the two-step way (s).
 const STAGE_LIMIT: f64 = 30.0;
 
 /// Collects the report and prints it as it grows.
@@ -118,13 +118,13 @@ impl Job {
         self.two.stages.iter().all(|s| s.met).then(|| self.two.stages.last().map_or(0.0, |s| s.to))
     }
 
-    /// Errors of x [m], y [m] and yaw [deg] at the end of the two-step way, whose stages go yaw, x, y.
+    /// Errors of x (m), y (m) and yaw (deg) at the end of the two-step way, whose stages go yaw, x, y.
     fn two_step_errors(&self) -> [Option<f64>; 3] {
         let error = |i: usize| self.two.final_errors.get(i).copied();
         [error(1), error(2), error(0).map(f64::to_degrees)]
     }
 
-    /// Medians of linearisation, quadratic program and rest over the solved samples [ms].
+    /// Medians of linearisation, quadratic program and rest over the solved samples (ms).
     fn split(&self) -> [f64; 3] {
         let of = |f: fn(&Timings) -> f64| {
             let solved = self.together.run.closed_loop.steps.iter().map(|s| &s.timings).filter(|t| t.total() > 0.0);
