@@ -13,6 +13,29 @@
 //! friction), continuation in the smoothing width. [`Rti`] is the real-time iteration: one quadratic program per sample.
 //! [`run_closed_loop`] puts a [`Controller`] and a [`Plant`] together; [`ControlProblem`] reads all of it from a file.
 //!
+//! Swinging a mass by the shortest way, from rest to rest:
+//!
+//! ```
+//! use bracketry_mpc::{CostFunction, CostKind, Ocp, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, TerminalTarget};
+//! use bracketry_system::System;
+//! let system = System::parse("pendulum.toml", r#"
+//!     states = ["th", "w"]
+//!     inputs = ["u"]
+//!     dynamics = { th = "w", w = "-9.81*sin(th) + u" }
+//! "#).unwrap();
+//! let mut ocp = Ocp::new(2, 1, 40, 0.05);
+//! ocp.stage = Some(CostFunction::parse(&system, CostKind::Stage, &[], "u^2").unwrap());
+//! ocp.input_bounds = vec![(-8.0, 8.0)];
+//! let target = |state, value| TerminalTarget { state, value, linear: 1e3, quadratic: 1e3 };
+//! ocp.targets = vec![target(0, 1.0), target(1, 0.0)];
+//! let dynamics = SymbolicDynamics::new(&system).unwrap();
+//! let mut sqp = Sqp::new(Box::new(dynamics), ocp, SqpSettings::default()).unwrap();
+//! let guess = sqp.guess(&[0.0, 0.0], &vec![vec![0.0]; 40]).unwrap();
+//! let solution = sqp.solve(&[0.0, 0.0], &guess).unwrap();
+//! assert_eq!(solution.status, SolveStatus::Converged);
+//! assert!(solution.miss.iter().all(|e| e.abs() < 1e-6));
+//! ```
+//!
 //! Results are values: an infeasible problem, an iteration limit or a measurement that is not a number is a status with its
 //! reason; an error is misuse.
 
@@ -25,6 +48,7 @@ mod ocp;
 mod problem;
 mod problem_reader;
 mod qp;
+mod qp_layout;
 mod rti;
 mod session;
 mod shooting;

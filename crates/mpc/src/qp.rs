@@ -5,6 +5,7 @@
 
 use crate::error::MpcError;
 use crate::ocp::Ocp;
+use crate::qp_layout::{Index, Pattern};
 use crate::shooting::Linearisation;
 use crate::trajectory::Trajectory;
 use clarabel::algebra::CscMatrix;
@@ -74,44 +75,6 @@ impl QpStatus {
     /// Whether there is a step to use.
     pub fn is_usable(self) -> bool {
         matches!(self, Self::Solved | Self::Inaccurate)
-    }
-}
-
-/// Compressed columns that are filled slot by slot.
-struct Pattern {
-    rows: usize,
-    columns: usize,
-    entries: Vec<(usize, usize)>,
-}
-
-impl Pattern {
-    fn new(rows: usize, columns: usize) -> Self {
-        Self { rows, columns, entries: Vec::new() }
-    }
-
-    /// Adds a place (row, column) and returns its slot.
-    fn place(&mut self, row: usize, column: usize) -> usize {
-        self.entries.push((row, column));
-        self.entries.len() - 1
-    }
-
-    /// The matrix with zeros, and the position in its value array of every slot.
-    fn build(self) -> (CscMatrix<f64>, Vec<usize>) {
-        let mut order: Vec<usize> = (0..self.entries.len()).collect();
-        order.sort_unstable_by_key(|&s| (self.entries[s].1, self.entries[s].0));
-        let mut position = vec![0; order.len()];
-        let mut column_start = vec![0; self.columns + 1];
-        let mut row_index = Vec::with_capacity(order.len());
-        for (p, &s) in order.iter().enumerate() {
-            position[s] = p;
-            row_index.push(self.entries[s].0);
-            column_start[self.entries[s].1 + 1] += 1;
-        }
-        for c in 0..self.columns {
-            column_start[c + 1] += column_start[c];
-        }
-        let values = vec![0.0; order.len()];
-        (CscMatrix::new(self.rows, self.columns, column_start, row_index, values), position)
     }
 }
 
@@ -480,44 +443,5 @@ impl Qp {
             return Ok(QpStatus::Failed);
         }
         Ok(status)
-    }
-}
-
-/// Where the variables of a stage stand.
-#[derive(Clone, Copy)]
-struct Index {
-    n: usize,
-    m: usize,
-    nb: usize,
-    steps: usize,
-}
-
-impl Index {
-    fn stride(self) -> usize {
-        self.n + self.m + self.nb
-    }
-    /// Stage k ≥ 1 starts with dx_k.
-    fn x(self, k: usize, i: usize) -> usize {
-        self.m + (k - 1) * self.stride() + i
-    }
-    /// The last stage has no input: its slacks follow the states.
-    fn slack(self, k: usize, place: usize) -> usize {
-        self.x(k, self.n) + place
-    }
-    fn u(self, k: usize, j: usize) -> usize {
-        if k == 0 { j } else { self.x(k, self.n) + self.nb + j }
-    }
-    fn tau(self, j: usize) -> usize {
-        self.steps * self.stride() + j
-    }
-    /// Variable v of the list (x, u) at grid point k; `None` for x_0, which is fixed.
-    fn variable(self, k: usize, v: usize) -> Option<usize> {
-        if v >= self.n {
-            Some(self.u(k, v - self.n))
-        } else if k > 0 {
-            Some(self.x(k, v))
-        } else {
-            None
-        }
     }
 }

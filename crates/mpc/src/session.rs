@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 /// Intervals left at which a shrinking horizon is played out instead of solved again.
-const MIN_STEPS: usize = 6;
+const MIN_STEPS: usize = 1;
 /// Share of the plan's margin that the loop keeps too: bounds hold at the samples, and a state curves beyond them in between.
 const LOOP_SHARE: f64 = 0.2;
 
