@@ -1,10 +1,9 @@
 //! The dynamics as the optimiser needs them: a field and its exact derivatives.
 
-use crate::error::{MpcError, check_length};
-use crate::smoothing::{relaxation_rates, smooth};
+use crate::error::MpcError;
 use bracketry_native::{Function, Workspace};
-use bracketry_symbolic::{Expr, Pool, Rational, Symbol, Tape};
-use bracketry_system::System;
+use bracketry_symbolic::{Expr, Symbol, Tape};
+use bracketry_system::{SwitchKind, SwitchedForm, System};
 
 /// Continuous dynamics x' = f(t, x, u) with exact derivatives.
 pub trait Dynamics: Send {
@@ -110,18 +109,11 @@ pub struct SymbolicDynamics {
     out: Vec<f64>,
 }
 
-/// Names with which a field is written.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Variables<'a> {
-    pub(crate) time: Symbol,
-    pub(crate) states: &'a [Symbol],
-    pub(crate) inputs: &'a [Symbol],
-    pub(crate) parameters: &'a [Symbol],
-}
-
 impl SymbolicDynamics {
-    /// Compiles the dynamics of a system, its parameters adjustable with [`SymbolicDynamics::set_parameter`] by their index
-    /// in the system.
+    /// Compiles the dynamics of a system with smoothed signs, its parameters adjustable with
+    /// [`SymbolicDynamics::set_parameter`] by their index in the system.
+    ///
+    /// The smoothing width starts at 0.01 (in the unit of the sign's argument).
     ///
     /// # Errors
     /// [`MpcError::InputDerivative`] if the equations use a derivative of an input.
@@ -129,46 +121,22 @@ impl SymbolicDynamics {
         if let Some(d) = system.input_derivatives.first() {
             return Err(MpcError::InputDerivative { name: system.symbol_name(d.symbol).to_owned() });
         }
-        let parameters: Vec<(Symbol, f64)> = system.parameters.iter().map(|p| (p.symbol, to_f64(&p.value))).collect();
-        let mut pool = system.pool.clone();
+        let mut system = system.clone();
+        let form = system.switched_form();
+        let rates = relaxation_rates(&mut system, &form);
+        let width_symbol = system.pool.symbol("smoothing#width");
+        let width = system.pool.sym(width_symbol);
+        let signs = system.smooth_signs(&form, width);
+        let pool = &mut system.pool;
+        let f = pool.substitute_all(&form.dynamics, &signs);
+        let rates = pool.substitute_all(&rates, &signs);
+
         let time = pool.symbol("t");
-        Self::compile(&mut pool, time, &system.states, &system.inputs, &parameters, &system.dynamics)
-    }
-
-    /// Compiles the field `f`, one expression per state, as a function of time, states, inputs and parameters.
-    ///
-    /// The smoothing width starts at 0.01 (in the unit of the sign's argument).
-    ///
-    /// # Errors
-    /// If the lengths do not agree or an expression uses another name.
-    pub fn compile(
-        pool: &mut Pool,
-        time: Symbol,
-        states: &[Symbol],
-        inputs: &[Symbol],
-        parameters: &[(Symbol, f64)],
-        f: &[Expr],
-    ) -> Result<Self, MpcError> {
-        check_length("the field", f.len(), states.len())?;
-        let names: Vec<Symbol> = parameters.iter().map(|p| p.0).collect();
-        let variables = Variables { time, states, inputs, parameters: &names };
-        let mut dynamics = Self::compile_tapes(pool, variables, f)?;
-        let first = 1 + states.len() + inputs.len();
-        for (a, p) in dynamics.arguments[first..].iter_mut().zip(parameters) {
-            *a = p.1;
-        }
-        Ok(dynamics)
-    }
-
-    fn compile_tapes(pool: &mut Pool, v: Variables, f: &[Expr]) -> Result<Self, MpcError> {
-        let width_symbol = pool.symbol("smoothing#width");
-        let width = pool.sym(width_symbol);
-        let smoothed = smooth(pool, f, width);
-        let f = smoothed.expressions;
-        let mut all = vec![v.time];
-        all.extend(v.states.iter().chain(v.inputs).chain(v.parameters));
+        let parameters: Vec<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
+        let columns: Vec<Symbol> = system.states.iter().chain(&system.inputs).copied().collect();
+        let mut all = vec![time];
+        all.extend(columns.iter().chain(&parameters));
         all.push(width_symbol);
-        let columns: Vec<Symbol> = v.states.iter().chain(v.inputs).copied().collect();
         let mut pattern = Vec::new();
         let mut outputs = f.clone();
         for (i, row) in pool.jacobian(&f, &columns).into_iter().enumerate() {
@@ -179,20 +147,23 @@ impl SymbolicDynamics {
                 }
             }
         }
-        let rates = relaxation_rates(pool, &f, v.states, &smoothed.arguments, width);
+        let mut arguments = vec![0.0; all.len()];
+        for (a, p) in arguments[1 + columns.len()..].iter_mut().zip(&system.parameters) {
+            *a = p.value.to_f64().value();
+        }
         let field_and_jacobian = Function::new(Tape::compile(pool, &all, &outputs)?);
         Ok(Self {
-            states: v.states.len(),
-            inputs: v.inputs.len(),
-            parameters: v.parameters.len(),
+            states: system.states.len(),
+            inputs: system.inputs.len(),
+            parameters: parameters.len(),
             field: Function::new(Tape::compile(pool, &all, &f)?),
             rates: Function::new(Tape::compile(pool, &all, &rates)?),
             out: vec![0.0; field_and_jacobian.n_outputs()],
             field_and_jacobian,
             pattern,
-            smoothed: f.iter().any(|&e| pool.depends_on(e, width_symbol)),
+            smoothed: !form.switches.is_empty(),
             width: 0.01,
-            arguments: vec![0.0; all.len()],
+            arguments,
             work: Workspace::default(),
         })
     }
@@ -256,6 +227,14 @@ impl Dynamics for SymbolicDynamics {
     }
 }
 
-fn to_f64(x: &Rational) -> f64 {
-    x.to_f64().value()
+/// For every sign s of a function σ: the rate ∂σ̇/∂s that, divided by the smoothing width, is the speed at which the smoothed
+/// dynamics relax onto σ = 0 (for Coulomb friction: μg). It decides how small an explicit integration step must be.
+fn relaxation_rates(system: &mut System, form: &SwitchedForm) -> Vec<Expr> {
+    let mut rates = Vec::new();
+    for switch in form.switches.iter().filter(|s| s.kind == SwitchKind::Jump) {
+        let gains: Vec<Expr> = form.dynamics.iter().map(|&f| system.pool.diff(f, switch.sign)).collect();
+        let states = system.states.clone();
+        rates.push(system.pool.lie_derivative(switch.surface, &states, &gains));
+    }
+    rates
 }

@@ -120,16 +120,11 @@ impl System {
         self.pool.sym(sign)
     }
 
-    /// This system with the switches replaced by the given expressions.
-    fn with_signs(&mut self, form: &SwitchedForm, signs: &[Expr]) -> System {
-        let mut map = FxHashMap::default();
-        for (s, &value) in form.switches.iter().zip(signs) {
-            let e = self.pool.sym(s.sign);
-            map.insert(e, value);
-        }
+    /// This system with the signs of a switched form replaced.
+    fn with_signs(&mut self, form: &SwitchedForm, signs: &FxHashMap<Expr, Expr>) -> System {
         let mut system = self.clone();
-        system.dynamics = system.pool.substitute_all(&form.dynamics, &map);
-        let outputs = system.pool.substitute_all(&form.outputs, &map);
+        system.dynamics = system.pool.substitute_all(&form.dynamics, signs);
+        let outputs = system.pool.substitute_all(&form.outputs, signs);
         for (o, e) in system.outputs.iter_mut().zip(outputs) {
             o.1 = e;
         }
@@ -149,28 +144,38 @@ impl System {
         let mut modes = Vec::with_capacity(1 << k);
         for bits in 0..1usize << k {
             let signs: Vec<i8> = (0..k).map(|i| if bits >> (k - 1 - i) & 1 == 0 { 1 } else { -1 }).collect();
-            let values: Vec<Expr> = signs.iter().map(|&s| self.pool.int(i64::from(s))).collect();
-            let system = self.with_signs(&form, &values);
+            let fixed = form
+                .switches
+                .iter()
+                .zip(&signs)
+                .map(|(switch, &s)| (self.pool.sym(switch.sign), self.pool.int(i64::from(s))));
+            let fixed = fixed.collect();
+            let system = self.with_signs(&form, &fixed);
             let signs = form.switches.iter().map(|s| s.name.clone()).zip(signs).collect();
             modes.push(Mode { signs, system });
         }
         Ok(modes)
     }
 
-    /// The smooth system in which the sign of σ is tanh(σ/width), `width` being any expression
-    /// (a number, or a symbol that is bound when the system is compiled).
+    /// The smooth signs of a switched form: s ↦ tanh(σ/width) for every switch, to be substituted in its expressions.
+    /// `width` is any expression: a number, or a symbol that gets its value when the expressions are compiled.
+    pub fn smooth_signs(&mut self, form: &SwitchedForm, width: Expr) -> FxHashMap<Expr, Expr> {
+        let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
+        for s in &form.switches {
+            // The surface of a nested switch holds the signs of inner ones, which come first.
+            let surface = self.pool.substitute(s.surface, &map);
+            let ratio = self.pool.div(surface, width);
+            let (sign, smooth) = (self.pool.sym(s.sign), self.pool.call(Func::Tanh, ratio));
+            map.insert(sign, smooth);
+        }
+        map
+    }
+
+    /// The smooth system in which the sign of every σ is tanh(σ/width); see [`System::smooth_signs`].
     #[must_use]
     pub fn smoothed(&mut self, width: Expr) -> System {
         let form = self.switched_form();
-        let mut values: Vec<Expr> = Vec::new();
-        for s in &form.switches {
-            // The surface of a nested switch holds the signs of inner ones, which come first.
-            let inner: FxHashMap<Expr, Expr> =
-                form.switches.iter().zip(&values).map(|(t, &v)| (self.pool.sym(t.sign), v)).collect();
-            let surface = self.pool.substitute(s.surface, &inner);
-            let ratio = self.pool.div(surface, width);
-            values.push(self.pool.call(Func::Tanh, ratio));
-        }
-        self.with_signs(&form, &values)
+        let signs = self.smooth_signs(&form, width);
+        self.with_signs(&form, &signs)
     }
 }
