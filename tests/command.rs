@@ -154,6 +154,30 @@ fn a_solution_that_blows_up_ends_with_code_1_and_its_time() {
 }
 
 #[test]
+fn a_problem_that_cannot_be_solved_ends_with_code_1_and_a_status() {
+    let dir = scratch("infeasible");
+    file(&dir, "cart.toml", "states = ['p', 'v']\ninputs = ['u']\n[dynamics]\np = 'v'\nv = 'u'\n");
+    file(&dir, "root.toml", "states = ['p', 'v']\ninputs = ['u']\n[dynamics]\np = 'v'\nv = 'u + sqrt(v - 1)'\n");
+    let problem = |model: &str, constraint: &str| {
+        format!(
+            "model = '{model}'\n[horizon]\nsteps = 20\ndt = 0.05\n[cost]\nstage = 'p^2 + 0.1*u^2'\n\
+             [constraints]\nu = {{ min = -1, max = 1 }}\n{constraint}\n[run]\nx0 = {{ p = 0 }}\nsteps = 10\n"
+        )
+    };
+    // From p = 0 a hard 2 ≤ p cannot be kept; the root of a negative number is not a number.
+    for (name, text, status) in [
+        ("bound.toml", problem("cart.toml", "p = { min = 2, hard = true }"), "infeasible"),
+        ("nan.toml", problem("root.toml", ""), "fallback"),
+    ] {
+        let path = file(&dir, name, &text);
+        let o = bracketry(&["control", &path, "--json"]);
+        assert_eq!(code(&o), 1, "{name}: {}", String::from_utf8_lossy(&o.stderr));
+        let v: Value = serde_json::from_slice(&o.stdout).unwrap();
+        assert_eq!(v["status"][status], 10, "{name}: {v}");
+    }
+}
+
+#[test]
 fn the_same_input_gives_the_same_output() {
     let run = || {
         let mut v = json(&["analyze", &model("plate_published.toml"), "--json"]);

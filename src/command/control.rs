@@ -37,8 +37,7 @@ pub(crate) fn run(path: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
             None => println!("(--out DIR writes trajectory and plots)"),
         }
     }
-    let used = report.status.solved + report.status.inaccurate;
-    Ok(if used == 0 && report.steps > 0 { Outcome::Negative } else { Outcome::Done })
+    Ok(if report.succeeded() { Outcome::Done } else { Outcome::Negative })
 }
 
 fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) -> anyhow::Result<()> {

@@ -222,7 +222,10 @@ impl Job {
             report.period_ms,
             self.real_time_factor()
         ));
-        out.push(format!("  samples: {} solved, {} inaccurate, {} fallback\n", c.solved, c.inaccurate, c.fallback));
+        out.push(format!(
+            "  samples: {} solved, {} inaccurate, {} infeasible, {} fallback\n",
+            c.solved, c.inaccurate, c.infeasible, c.fallback
+        ));
         out.join("\n")
     }
 

@@ -84,9 +84,8 @@ impl Controller for SqpController {
         let solution = self.sqp.solve(x, &self.trajectory)?;
         let status = match solution.status {
             SolveStatus::Converged => StepStatus::Solved,
-            SolveStatus::Infeasible { .. } | SolveStatus::IterationLimit | SolveStatus::Stalled => {
-                StepStatus::Inaccurate
-            }
+            SolveStatus::Infeasible { .. } => StepStatus::Infeasible,
+            SolveStatus::IterationLimit | SolveStatus::Stalled => StepStatus::Inaccurate,
             SolveStatus::QpFailed(s) => StepStatus::Fallback(FallbackReason::Qp(s)),
             SolveStatus::NotANumber => StepStatus::Fallback(FallbackReason::Measurement),
         };
@@ -114,6 +113,8 @@ pub struct Counts {
     pub solved: usize,
     /// Inputs from less accurate solutions.
     pub inaccurate: usize,
+    /// Inputs from programs in which a hard bound cannot be kept.
+    pub infeasible: usize,
     /// Inputs planned earlier.
     pub fallback: usize,
 }
@@ -198,6 +199,7 @@ pub fn run_closed_loop(
         let counter = match step.status {
             StepStatus::Solved | StepStatus::PlayedOut => &mut run.counts.solved,
             StepStatus::Inaccurate => &mut run.counts.inaccurate,
+            StepStatus::Infeasible => &mut run.counts.infeasible,
             StepStatus::Fallback(_) => &mut run.counts.fallback,
         };
         *counter += 1;

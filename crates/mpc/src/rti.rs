@@ -12,6 +12,10 @@ use crate::trajectory::Trajectory;
 use crate::transcription::Transcription;
 use std::time::Instant;
 
+/// Violation of a hard bound, in units of its state's scale, above which a sample counts as infeasible. A trajectory that
+/// is linearised once per sample misses its bounds by a little.
+const HARD_TOLERANCE: f64 = 1e-3;
+
 /// What happens to the horizon from sample to sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Horizon {
@@ -73,6 +77,8 @@ pub enum StepStatus {
     Solved,
     /// A new input from a program solved to reduced accuracy.
     Inaccurate,
+    /// A new input, but a hard bound cannot be kept: the violation is as small as it can be.
+    Infeasible,
     /// The shrinking horizon is (nearly) used up: the plan is played out.
     PlayedOut,
     /// The planned input, or the input of rest when the plan is used up.
@@ -254,7 +260,7 @@ impl Rti {
         };
         if !self.settings.guarded {
             self.trajectory = step(1.0, &self.problem.ocp.input_bounds);
-            return Ok((outcome, seconds));
+            return Ok((self.judged(outcome), seconds));
         }
         let hard = self.settings.qp.hard_weight;
         let weight = self.problem.penalty_weight(&self.qp.solution.multipliers);
@@ -268,7 +274,16 @@ impl Rti {
             }
         }
         self.trajectory = chosen.unwrap_or(z);
-        Ok((outcome, seconds))
+        Ok((self.judged(outcome), seconds))
+    }
+
+    /// The outcome of a solved program whose trajectory may still break a hard bound.
+    fn judged(&self, outcome: StepStatus) -> StepStatus {
+        if self.problem.ocp.hard_violation(&self.trajectory) > HARD_TOLERANCE {
+            StepStatus::Infeasible
+        } else {
+            outcome
+        }
     }
 
     /// Moves the horizon by one interval.

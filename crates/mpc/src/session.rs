@@ -58,6 +58,15 @@ pub struct ControlReport {
     pub plan: Option<PlanReport>,
 }
 
+impl ControlReport {
+    /// Whether the run did what was asked: the plan, where there is one, converged, no sample was infeasible or fell back on
+    /// an old input, and the end is finite.
+    pub fn succeeded(&self) -> bool {
+        let planned = self.plan.as_ref().is_none_or(|p| p.status == SolveStatus::Converged.to_string());
+        planned && self.status.infeasible + self.status.fallback == 0 && self.x_final.values().all(|v| v.is_finite())
+    }
+}
+
 impl fmt::Display for ControlReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(p) = &self.plan {
@@ -71,8 +80,8 @@ impl fmt::Display for ControlReport {
         let c = &self.status;
         writeln!(
             f,
-            "samples        {}: {} solved, {} inaccurate, {} fallback",
-            self.steps, c.solved, c.inaccurate, c.fallback
+            "samples        {}: {} solved, {} inaccurate, {} infeasible, {} fallback",
+            self.steps, c.solved, c.inaccurate, c.infeasible, c.fallback
         )?;
         let s = &self.solve_ms;
         writeln!(
