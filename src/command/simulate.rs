@@ -14,6 +14,9 @@ use super::bands::{friction_bands, friction_colors};
 use super::output::{csv, folder, json};
 use super::{Outcome, OutputArgs};
 
+/// A column that stays below this is drawn as zero.
+const ROUNDING: f64 = 1e-13;
+
 /// How samples continue.
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum HoldArg {
@@ -135,7 +138,11 @@ fn write_files(dir: &Path, system: &System, run: &Run) -> anyhow::Result<()> {
     events.flush()?;
 
     let mut figure = friction_colors(TimeSeries::new()).title(system.name.clone());
-    let column = |k: usize, rows: &[Vec<f64>]| rows.iter().map(|r| r[k]).collect::<Vec<f64>>();
+    // Rounding on a sticking surface is not worth an axis of its own.
+    let column = |k: usize, rows: &[Vec<f64>]| {
+        let values: Vec<f64> = rows.iter().map(|r| r[k]).collect();
+        if values.iter().all(|v| v.abs() < ROUNDING) { vec![0.0; values.len()] } else { values }
+    };
     for (k, name) in system.state_names().into_iter().enumerate() {
         let mut panel = Panel::new(name.clone()).series(Series::new("", run.times.clone(), column(k, &run.states)));
         panel = friction_bands(panel, &run.trajectory, &run.switches, &name);
