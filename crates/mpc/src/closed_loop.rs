@@ -1,15 +1,12 @@
 //! Controller and plant together.
 
 use crate::dynamics::Dynamics;
-use crate::error::{MpcError, check_length};
+use crate::error::{MpcError, PlantError, check_length};
 use crate::ocp::Ocp;
 use crate::rti::{FallbackReason, Rti, Step, StepStatus, Timings};
 use crate::shooting::Shooter;
 use crate::sqp::{SolveStatus, Sqp};
 use crate::trajectory::Trajectory;
-
-/// Why a plant could not be simulated further.
-pub type PlantError = Box<dyn std::error::Error + Send + Sync>;
 
 /// The thing that is controlled.
 pub trait Plant {

@@ -2,6 +2,9 @@
 
 use bracketry_symbolic::CompileError;
 
+/// Why a plant could not be simulated further.
+pub type PlantError = Box<dyn std::error::Error + Send + Sync>;
+
 /// Misuse or bad input; outcomes of a solution process are statuses instead.
 #[derive(Debug, thiserror::Error)]
 pub enum MpcError {
@@ -51,7 +54,7 @@ pub enum MpcError {
         /// Time of the sample, s.
         time: f64,
         /// The reason.
-        source: crate::closed_loop::PlantError,
+        source: PlantError,
     },
     /// The equations use a derivative of an input.
     #[error("the equations use {name}: make the model affine first, so that this derivative becomes an input")]

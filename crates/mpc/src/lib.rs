@@ -40,6 +40,7 @@
 //! reason; an error is misuse.
 
 mod closed_loop;
+mod control_run;
 mod convexify;
 mod cost;
 mod dynamics;
@@ -50,23 +51,22 @@ mod problem_reader;
 mod qp;
 mod qp_layout;
 mod rti;
-mod session;
 mod shooting;
 mod sqp;
 mod trajectory;
 mod transcription;
 
 pub use closed_loop::{
-    ClosedLoop, Controller, Counts, Plant, PlantError, RungeKuttaPlant, SolveTimes, SqpController, run_closed_loop,
+    ClosedLoop, Controller, Counts, Plant, RungeKuttaPlant, SolveTimes, SqpController, run_closed_loop,
 };
+pub use control_run::{ControlReport, ControlRun, PlanReport};
 pub use cost::{CostFunction, CostKind};
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
-pub use error::MpcError;
+pub use error::{MpcError, PlantError};
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
 pub use problem::{ControlProblem, Method, ProblemError};
 pub use qp::{QpSettings, QpStatus};
 pub use rti::{FallbackReason, Horizon, Rti, RtiSettings, Step, StepStatus, Timings};
-pub use session::{ControlReport, ControlRun, PlanReport};
 pub use shooting::Linearisation;
 pub use sqp::{Iteration, Solution, SolveStatus, Sqp, SqpSettings};
 pub use trajectory::Trajectory;
