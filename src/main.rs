@@ -1,6 +1,6 @@
 //! The command `bracketry`.
-// Its output is the human report on standard output.
-#![allow(clippy::print_stdout, clippy::print_stderr)]
+// Errors and warnings go to standard error.
+#![allow(clippy::print_stderr)]
 
 mod command;
 
@@ -15,9 +15,15 @@ fn main() -> ExitCode {
     match command::run(cli) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Negative) => ExitCode::from(1),
+        // Whoever read the output has seen enough.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(2)
         }
     }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }

@@ -178,6 +178,30 @@ fn a_problem_that_cannot_be_solved_ends_with_code_1_and_a_status() {
 }
 
 #[test]
+fn a_reader_that_goes_away_or_a_full_disk_is_no_panic() {
+    use std::process::Stdio;
+    let full = fs::OpenOptions::new().write(true).open("/dev/full");
+    if let Ok(full) = full {
+        let o = Command::new(env!("CARGO_BIN_EXE_bracketry"))
+            .args(["affinize", &model("plate_published.toml")])
+            .stdout(full)
+            .stderr(Stdio::piped())
+            .output()
+            .unwrap();
+        assert_eq!(code(&o), 2, "{}", String::from_utf8_lossy(&o.stderr));
+    }
+    let mut child = Command::new(env!("CARGO_BIN_EXE_bracketry"))
+        .args(["analyze", &model("plate_published.toml"), "--json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let o = child.wait_with_output().unwrap();
+    assert_eq!(code(&o), 0, "{}", String::from_utf8_lossy(&o.stderr));
+}
+
+#[test]
 fn the_same_input_gives_the_same_output() {
     let run = || {
         let mut v = json(&["analyze", &model("plate_published.toml"), "--json"]);

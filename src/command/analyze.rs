@@ -2,27 +2,33 @@
 
 use std::path::Path;
 
+use anyhow::Context;
 use bracketry::Analysis;
 use bracketry::lie::Options;
 use bracketry::plot::{Panel, Series, XyChart};
 use bracketry::system::System;
 
-use super::output::{folder, json, write};
+use super::output::{figure, folder, json, line, print, spinner, write};
 use super::{Outcome, OutputArgs};
 
 /// Prints what the inputs of a model reach.
 pub(crate) fn analyze(model: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let system = System::read(model)?;
-    let analysis = bracketry::analyze(&system, &Options::default())?;
+    let progress = spinner("brackets and ranks");
+    let analysis = bracketry::analyze(&system, &Options::default()).with_context(|| model.display().to_string())?;
+    progress.finish_and_clear();
     if let Some(dir) = &output.out {
         save(&analysis, dir)?;
     }
     if output.json {
-        print!("{}", json(&analysis)?);
+        print(&json(&analysis)?)?;
     } else {
-        print!("{analysis}");
+        print(&analysis.to_string())?;
         if let Some(dir) = &output.out {
-            println!("written to {}: analysis.json, analysis.txt, affine.toml, growth.svg, growth.png", dir.display());
+            line(&format!(
+                "written to {}: analysis.json, analysis.txt, affine.toml, growth.svg, growth.png",
+                dir.display()
+            ))?;
         }
     }
     Ok(Outcome::Done)
@@ -34,13 +40,13 @@ pub(crate) fn save(analysis: &Analysis, dir: &Path) -> anyhow::Result<()> {
     write(&dir.join("analysis.json"), &json(analysis)?)?;
     write(&dir.join("analysis.txt"), &analysis.to_string())?;
     write(&dir.join("affine.toml"), &analysis.affinization.model.to_toml()?)?;
-    growth_chart(analysis).draw()?.save(dir.join("growth"))?;
+    figure(growth_chart(analysis).draw(), &dir.join("growth"));
     Ok(())
 }
 
 /// Dimension reached against the length of brackets.
 fn growth_chart(analysis: &Analysis) -> XyChart {
-    let line = |name: &str, growth: &[usize]| {
+    let curve = |name: &str, growth: &[usize]| {
         let x: Vec<f64> = (1..=growth.len()).map(|k| k as f64).collect();
         let y: Vec<f64> = growth.iter().map(|&d| d as f64).collect();
         Series::new(name, x, y).markers()
@@ -49,17 +55,17 @@ fn growth_chart(analysis: &Analysis) -> XyChart {
     let report = &analysis.report;
     if let Some(m) = report.modes.first() {
         let name = if m.signs.0.is_empty() { "accessible" } else { "one mode" };
-        panel = panel.series(line(name, &m.dimensions.growth));
-        panel = panel.series(line(&format!("{name}, strongly"), &m.dimensions.strong_growth));
+        panel = panel.series(curve(name, &m.dimensions.growth));
+        panel = panel.series(curve(&format!("{name}, strongly"), &m.dimensions.strong_growth));
     }
     if let Some(d) = &report.switched {
-        panel = panel.series(line("all modes", &d.growth));
+        panel = panel.series(curve("all modes", &d.growth));
     }
     if let Some(s) = &report.smoothed {
-        panel = panel.series(line("smoothed", &s.dimensions.growth));
+        panel = panel.series(curve("smoothed", &s.dimensions.growth));
     }
     if let Some(p) = report.at_point.as_ref().and_then(|p| p.known()) {
-        panel = panel.series(line("at the point", &p.dimensions.growth));
+        panel = panel.series(curve("at the point", &p.dimensions.growth));
     }
     XyChart::new("length of brackets [1]", panel)
         .title(format!("Growth of the Lie algebra, {}", analysis.model))
@@ -69,7 +75,7 @@ fn growth_chart(analysis: &Analysis) -> XyChart {
 /// Writes the affine model as a model file.
 pub(crate) fn affinize(model: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let system = System::read(model)?;
-    let affinization = system.affinize()?;
+    let affinization = system.affinize().with_context(|| model.display().to_string())?;
     let report = bracketry::AffinizationReport::from(&affinization);
     let text = affinization.system.to_toml()?;
     if let Some(dir) = &output.out {
@@ -77,13 +83,10 @@ pub(crate) fn affinize(model: &Path, output: &OutputArgs) -> anyhow::Result<Outc
         write(&dir.join("affine.toml"), &text)?;
     }
     if output.json {
-        print!("{}", json(&report)?);
+        print(&json(&report)?)?;
     } else {
-        println!("# {}", report.why);
-        for (v, w) in &report.input_change {
-            println!("# {v} = {w}");
-        }
-        print!("{text}");
+        line(&format!("# {}", report.why))?;
+        print(&text)?;
     }
     Ok(Outcome::Done)
 }

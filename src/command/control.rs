@@ -1,24 +1,21 @@
 //! `bracketry control`: the closed loop of a problem file.
 
 use std::path::Path;
-use std::time::Duration;
 
 use bracketry::mpc::ControlProblem;
 use bracketry::plot::{Panel, Series, TimeSeries};
 use bracketry::{Controlled, control};
-use indicatif::ProgressBar;
 
 use super::bands::{friction_bands, friction_colors};
-use super::output::{csv, folder, json, write};
+use super::output::{csv, figure, folder, json, line, print, spinner, write};
 use super::{Outcome, OutputArgs};
 
 /// Runs the loop and writes what it gave.
 pub(crate) fn run(path: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let problem = ControlProblem::read(path)?;
-    let spinner = ProgressBar::new_spinner().with_message("closed loop");
-    spinner.enable_steady_tick(Duration::from_millis(100));
+    let progress = spinner("closed loop");
     let controlled = control(&problem)?;
-    spinner.finish_and_clear();
+    progress.finish_and_clear();
     let report = &controlled.run.report;
     if let Some(dir) = &output.out {
         folder(dir)?;
@@ -26,15 +23,15 @@ pub(crate) fn run(path: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
         write_files(dir, &problem, &controlled)?;
     }
     if output.json {
-        print!("{}", json(report)?);
+        print(&json(report)?)?;
     } else {
-        print!("{report}");
+        print(&report.to_string())?;
         match &output.out {
-            Some(dir) => println!(
+            Some(dir) => line(&format!(
                 "written to {}: control.json, closed_loop.csv, closed_loop.svg, closed_loop.png",
                 dir.display()
-            ),
-            None => println!("(--out DIR writes trajectory and plots)"),
+            ))?,
+            None => line("(--out DIR writes trajectory and plots)")?,
         }
     }
     Ok(if report.succeeded() { Outcome::Done } else { Outcome::Negative })
@@ -55,7 +52,7 @@ fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) ->
         .collect();
     csv(&dir.join("closed_loop.csv"), &header, rows.iter().map(Vec::as_slice))?;
 
-    let mut figure = friction_colors(TimeSeries::new()).title(format!("Closed loop, {}", problem.system.name));
+    let mut chart = friction_colors(TimeSeries::new()).title(format!("Closed loop, {}", problem.system.name));
     for (k, name) in states.iter().enumerate() {
         let values: Vec<f64> = run.x.iter().map(|x| x[k]).collect();
         let mut panel = Panel::new(name.clone()).series(Series::new("", run.t.clone(), values));
@@ -67,7 +64,7 @@ fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) ->
             panel = panel.bound(bound);
         }
         panel = friction_bands(panel, &controlled.recording.trajectory, &controlled.switches, name);
-        figure = figure.panel(panel);
+        chart = chart.panel(panel);
     }
     for (k, name) in inputs.iter().enumerate() {
         let values: Vec<f64> = run.u.iter().map(|u| u[k]).collect();
@@ -77,8 +74,8 @@ fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) ->
         for bound in [min, max].into_iter().filter(|b| b.is_finite()) {
             panel = panel.bound(bound);
         }
-        figure = figure.panel(panel);
+        chart = chart.panel(panel);
     }
-    figure.draw()?.save(dir.join("closed_loop"))?;
+    figure(chart.draw(), &dir.join("closed_loop"));
     Ok(())
 }

@@ -8,10 +8,9 @@ use bracketry::mpc::{ControlProblem, SolveTimes, Timings};
 use bracketry::plate::{Experiment, Shape, TwoStep, published, two_step};
 use bracketry::sim::{Settings, Trajectory};
 use bracketry::{Arrival, Controlled, control, plate_move};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
-use super::output::{csv, folder, json, write};
+use super::output::{self, csv, folder, json, write};
 use super::{Outcome, OutputArgs, analyze};
 
 mod figures;
@@ -33,39 +32,37 @@ struct Report {
 }
 
 impl Report {
-    fn line(&mut self, line: &str) {
-        if !self.quiet {
-            println!("{line}");
-        }
+    fn line(&mut self, line: &str) -> anyhow::Result<()> {
         self.text += line;
         self.text.push('\n');
+        if self.quiet { Ok(()) } else { output::line(line) }
     }
 }
 
 /// Runs everything and writes `out/`.
-pub(crate) fn run(output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(options: &OutputArgs) -> anyhow::Result<Outcome> {
     let begin = Instant::now();
-    let out = output.out.clone().unwrap_or_else(|| PathBuf::from("out"));
+    let out = options.out.clone().unwrap_or_else(|| PathBuf::from("out"));
     folder(&out)?;
-    let mut report = Report { text: String::new(), quiet: output.json };
+    let mut report = Report { text: String::new(), quiet: options.json };
     let (shape, mu) = (Shape::REFERENCE_ELLIPSE, 0.3);
     let model = published(shape, mu)?;
 
-    report.line("1. From the published equations to what the inputs reach\n");
+    report.line("1. From the published equations to what the inputs reach\n")?;
     let analysis = with_spinner("brackets and ranks", || bracketry::analyze(&model, &Options::default()))?;
     analyze::save(&analysis, &out)?;
-    report.line(&analysis.to_string());
+    report.line(&analysis.to_string())?;
 
-    report.line("2. Position and orientation together\n");
+    report.line("2. Position and orientation together\n")?;
     let mut problem = plate_move(shape, mu)?;
     // Afterwards everything has to stay where it is.
     problem.samples += REST_SAMPLES;
     let together = with_spinner("plan, then closed loop on exact stick–slip friction", || control(&problem))?;
     let two = with_spinner("the published two-step way on the same plant", || published_way(shape, mu))?;
     let job = Job { shape, arrival: Arrival::of(&problem, &together, TARGET), problem, together, two };
-    report.line(&job.table());
+    report.line(&job.table())?;
 
-    with_spinner("figures", || figures::draw(&out, &job))?;
+    with_spinner("figures", || figures::draw(&out, &job));
     job.write_trajectories(&out)?;
     let summary = job.summary(begin.elapsed());
     write(&out.join("main.json"), &json(&summary)?)?;
@@ -74,23 +71,19 @@ pub(crate) fn run(output: &OutputArgs) -> anyhow::Result<Outcome> {
          and the figures closed_loop, comparison, plan_view, growth (svg and png); {:.1} s in all",
         out.display(),
         begin.elapsed().as_secs_f64()
-    ));
+    ))?;
     write(&out.join("report.txt"), &report.text)?;
-    if output.json {
-        print!("{}", json(&summary)?);
+    if options.json {
+        output::print(&json(&summary)?)?;
     }
     Ok(if job.arrival.settled_s.is_some() { Outcome::Done } else { Outcome::Negative })
 }
 
-/// Runs `work` while a spinner turns on standard error (nothing is drawn where that is no terminal).
+/// Runs `work` while a spinner turns.
 fn with_spinner<T>(message: &str, work: impl FnOnce() -> T) -> T {
-    let spinner = ProgressBar::new_spinner().with_message(message.to_owned());
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} [{elapsed}]") {
-        spinner.set_style(style);
-    }
-    spinner.enable_steady_tick(Duration::from_millis(100));
+    let progress = output::spinner(message);
     let result = work();
-    spinner.finish_and_clear();
+    progress.finish_and_clear();
     result
 }
 

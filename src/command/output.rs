@@ -1,10 +1,45 @@
 //! Files and printing shared by the subcommands.
 
 use std::fs;
+use std::io::Write;
 use std::path::Path;
+use std::time::Duration;
 
 use anyhow::Context;
+use bracketry::plot::{Drawing, PlotError};
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+
+/// Writes to standard output at once. A reader that has gone away is an error like any other, not a panic.
+pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()?;
+    Ok(())
+}
+
+/// [`print`] with a line break at the end.
+pub(crate) fn line(text: &str) -> anyhow::Result<()> {
+    print(&format!("{text}\n"))
+}
+
+/// A turning mark on standard error while work goes on; nothing is drawn where that is no terminal.
+pub(crate) fn spinner(message: &str) -> ProgressBar {
+    let bar = ProgressBar::new_spinner().with_message(message.to_owned());
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} [{elapsed}]") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
+}
+
+/// Saves a figure as SVG and PNG. One that cannot be drawn (numbers too large for an axis) is said to be missing; the
+/// results beside it are worth keeping.
+pub(crate) fn figure(drawing: Result<Drawing, PlotError>, stem: &Path) {
+    if let Err(e) = drawing.and_then(|d| d.save(stem).map(|_| ())) {
+        eprintln!("warning: no figure {}: {e}", stem.display());
+    }
+}
 
 /// Makes a folder with its parents.
 pub(crate) fn folder(path: &Path) -> anyhow::Result<()> {

@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::bands::{friction_bands, friction_colors};
-use super::output::{csv, folder, json};
+use super::output::{csv, figure, folder, json, line, print, spinner};
 use super::{Outcome, OutputArgs};
 
 /// A column that stays below this is drawn as zero.
@@ -56,7 +56,9 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
         }
         (None, None) => anyhow::bail!("give --scenario FILE.toml or --inputs FILE.csv"),
     };
+    let progress = spinner("simulating");
     let run = scenario.run(&system, &Settings::default())?;
+    progress.finish_and_clear();
     let states = system.state_names();
     let last = run.trajectory.final_state();
     let stopped = match &run.outcome {
@@ -76,33 +78,30 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
             .iter()
             .map(|e| json!({"t": e.t, "switch": run.switches[e.switch], "from": mode_name(e.from), "to": mode_name(e.to)}))
             .collect();
-        print!(
-            "{}",
-            json(&json!({"model": system.name, "t_final": run.trajectory.end(), "x_final": x_final,
+        print(&json(&json!({"model": system.name, "t_final": run.trajectory.end(), "x_final": x_final,
                 "finished": stopped.is_none(), "stopped": stopped, "events": transitions,
-                "steps": run.statistics.steps, "ignored_columns": ignored}))?
-        );
+                "steps": run.statistics.steps, "ignored_columns": ignored}))?)?;
     } else {
-        println!(
+        line(&format!(
             "{}: {} s simulated in {} steps, {} changes of mode",
             system.name,
             run.trajectory.end(),
             run.statistics.steps,
             run.trajectory.transitions().len()
-        );
+        ))?;
         for name in &ignored {
-            println!("  column `{name}` is not an input and was ignored");
+            line(&format!("  column `{name}` is not an input and was ignored"))?;
         }
         for (n, v) in states.iter().zip(last) {
-            println!("  {n:>10} = {v:.9}");
+            line(&format!("  {n:>10} = {v:.9}"))?;
         }
         if let Some(s) = &stopped {
-            println!("{s}");
+            line(s)?;
         }
         if let Some(dir) = &output.out {
-            println!("written to {}: trajectory.csv, events.csv, trajectory.svg, trajectory.png", dir.display());
+            line(&format!("written to {}: trajectory.csv, events.csv, trajectory.svg, trajectory.png", dir.display()))?;
         } else {
-            println!("(--out DIR writes trajectory, events and plots)");
+            line("(--out DIR writes trajectory, events and plots)")?;
         }
     }
     Ok(if stopped.is_some() { Outcome::Negative } else { Outcome::Done })
@@ -137,7 +136,7 @@ fn write_files(dir: &Path, system: &System, run: &Run) -> anyhow::Result<()> {
     }
     events.flush()?;
 
-    let mut figure = friction_colors(TimeSeries::new()).title(system.name.clone());
+    let mut chart = friction_colors(TimeSeries::new()).title(system.name.clone());
     // Rounding on a sticking surface is not worth an axis of its own.
     let column = |k: usize, rows: &[Vec<f64>]| {
         let values: Vec<f64> = rows.iter().map(|r| r[k]).collect();
@@ -146,15 +145,15 @@ fn write_files(dir: &Path, system: &System, run: &Run) -> anyhow::Result<()> {
     for (k, name) in system.state_names().into_iter().enumerate() {
         let mut panel = Panel::new(name.clone()).series(Series::new("", run.times.clone(), column(k, &run.states)));
         panel = friction_bands(panel, &run.trajectory, &run.switches, &name);
-        figure = figure.panel(panel);
+        chart = chart.panel(panel);
     }
     for (k, name) in system.input_names().into_iter().enumerate() {
-        figure = figure.panel(Panel::new(format!("input {name}")).series(Series::new(
+        chart = chart.panel(Panel::new(format!("input {name}")).series(Series::new(
             "",
             run.times.clone(),
             column(k, &run.inputs),
         )));
     }
-    figure.draw()?.save(dir.join("trajectory"))?;
+    figure(chart.draw(), &dir.join("trajectory"));
     Ok(())
 }

@@ -8,13 +8,13 @@ use bracketry::sim;
 
 use super::{Job, TARGET};
 use crate::command::bands::{friction_bands, friction_colors};
+use crate::command::output::figure;
 
 /// Draws all of them into `out`.
-pub(crate) fn draw(out: &Path, job: &Job) -> anyhow::Result<()> {
-    closed_loop(job).draw()?.save(out.join("closed_loop"))?;
-    comparison(job).draw()?.save(out.join("comparison"))?;
-    plan_view(job).draw()?.save(out.join("plan_view"))?;
-    Ok(())
+pub(crate) fn draw(out: &Path, job: &Job) {
+    figure(closed_loop(job).draw(), &out.join("closed_loop"));
+    figure(comparison(job).draw(), &out.join("comparison"));
+    figure(plan_view(job).draw(), &out.join("plan_view"));
 }
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -87,16 +87,16 @@ fn comparison(job: &Job) -> TimeSeries {
     if steps.x[2].iter().any(|v| v.abs() * DEGREES > limit) {
         yaw = yaw.limits(-0.1 * limit, limit);
     }
-    let mut figure = TimeSeries::new()
+    let mut chart = TimeSeries::new()
         .title("Together and in two steps, on the same plant")
         .panel(panel("x [m]", 0, 1.0))
         .panel(panel("y [m]", 1, 1.0))
         .panel(yaw);
     let names = ["two steps: turning", "two steps: moving along x", "two steps: moving along y"];
     for (stage, name) in job.two.stages.iter().zip(names) {
-        figure = figure.interval(Interval::new(stage.from, stage.to, name));
+        chart = chart.interval(Interval::new(stage.from, stage.to, name));
     }
-    figure
+    chart
 }
 
 /// Seen from above, both ways side by side.
