@@ -3,7 +3,7 @@
 use std::fmt::{self, Write as _};
 use std::time::Instant;
 
-use bracketry_lie::{Options, Report};
+use bracketry_lie::{Answer, Dimensions, Options, Report, Stlc, Verdict};
 use bracketry_system::{AffineError, Affinization, Method, System};
 use serde::Serialize;
 
@@ -18,6 +18,18 @@ pub enum AnalysisError {
     Lie(#[from] bracketry_lie::Error),
 }
 
+/// A new input.
+#[derive(Clone, Debug, Serialize)]
+pub struct InputChange {
+    /// Its name.
+    pub name: String,
+    /// The function of the old inputs that it stands for.
+    pub function: String,
+    /// The values that it can take, where they are limited.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<String>,
+}
+
 /// How the model became affine in its inputs.
 #[derive(Clone, Debug, Serialize)]
 pub struct AffinizationReport {
@@ -25,9 +37,9 @@ pub struct AffinizationReport {
     pub method: Method,
     /// Integrators in front of each input that got any.
     pub integrators: std::collections::BTreeMap<String, u32>,
-    /// For a change of inputs: each new input as a function of the old ones.
+    /// For a change of inputs: each new input with its function of the old ones and its range, where that is limited.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub input_change: Vec<(String, String)>,
+    pub input_change: Vec<InputChange>,
     /// The affine model.
     pub model: System,
     /// The reason, in a sentence.
@@ -39,7 +51,15 @@ impl From<&Affinization> for AffinizationReport {
         AffinizationReport {
             method: a.method,
             integrators: a.integrators.clone(),
-            input_change: a.input_change.iter().map(|(v, w)| (v.clone(), a.system.pool.text(*w))).collect(),
+            input_change: a
+                .input_change
+                .iter()
+                .map(|v| InputChange {
+                    name: v.name.clone(),
+                    function: a.system.pool.text(v.function),
+                    range: v.range.clone(),
+                })
+                .collect(),
             model: a.system.clone(),
             why: a.why.clone(),
         }
@@ -85,6 +105,7 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     let affinization = system.affinize()?;
     let mut report = bracketry_lie::analyse(&affinization.system, options)?;
     report.seconds = begin.elapsed().as_secs_f64();
+    withhold_local_verdicts(&mut report, &affinization);
     let affine = &affinization.system;
     let mut analysis = Analysis {
         model: system.name.clone(),
@@ -97,6 +118,28 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     };
     analysis.summary = analysis.plain_language();
     Ok(analysis)
+}
+
+/// Small variations of the new inputs are not available where w(u) does not cover a neighbourhood of its value, as u² at
+/// u = 0. What was concluded from them is then open; what is negative even with free inputs stays.
+fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization) {
+    if affinization.regular_at_point != Some(false) {
+        return;
+    }
+    let Some(Answer::Known(point)) = &mut report.at_point else { return };
+    let names: Vec<String> = affinization
+        .input_change
+        .iter()
+        .map(|v| format!("{} = {}", v.name, affinization.system.pool.text(v.function)))
+        .collect();
+    let why = format!("at the point the old inputs do not move {} freely to all sides", names.join(", "));
+    if point.stlc.verdict == Verdict::Yes {
+        point.stlc = Stlc { verdict: Verdict::Inconclusive, reason: why.clone(), weights: None };
+    }
+    if let Some(stabilizable @ Answer::Known(true)) = &mut point.stabilizable {
+        *stabilizable = Answer::Unknown(why);
+        point.stabilizable_reason = None;
+    }
 }
 
 impl Analysis {
@@ -112,32 +155,39 @@ impl Analysis {
             return "What the inputs reach is undecided; the report above gives the reason.".to_owned();
         };
         let functions = worst.autonomous.known().cloned().unwrap_or_default();
+        let full = |d: &Dimensions| d.strongly_accessible_dimension.known().copied();
         if worst.signs.0.is_empty() {
             return if inside == n {
                 format!(
-                    "From almost every state the inputs reach an open set of the {n}-dimensional state space, at every time."
+                    "From almost every state, and at every later time, the inputs reach an open set of the {n}-dimensional \
+                     state space."
                 )
             } else {
                 format!(
                     "At each time the inputs reach only a set of dimension {inside} of {n}. {}",
-                    fixed_functions(&functions)
+                    fixed_functions(&functions, "")
                 )
             };
         }
-        let mut text = format!(
-            "As long as no friction direction changes, the inputs reach at each time only a set of dimension {inside} of {n}. {}",
-            fixed_functions(&functions)
-        );
-        if inside == n {
-            text = format!("Even while no friction direction changes, the inputs reach a set of full dimension {n}.");
-        }
-        let full = |d: &bracketry_lie::Dimensions| d.strongly_accessible_dimension.known().copied();
+        let signs: Vec<String> =
+            worst.signs.0.iter().map(|(s, v)| format!("{s} {} 0", if *v > 0 { ">" } else { "<" })).collect();
+        let signs = signs.join(", ");
+        let mut text = if inside == n {
+            format!("Even while no switching function changes its sign, the inputs reach a set of full dimension {n}.")
+        } else {
+            format!(
+                "While no switching function changes its sign (here: {signs}), the inputs reach at each time only a set of \
+                 dimension {inside} of {n}. {}",
+                fixed_functions(&functions, " there")
+            )
+        };
         if let Some(all) = self.report.switched.as_ref().and_then(full).filter(|all| *all > inside) {
             let _ = write!(
                 text,
-                " Changing the direction of sliding changes the drift, and the difference of two drifts acts like one more \
-                 input: with all modes together the dimension is {all} of {n}, so what one mode cannot reach is reached by \
-                 switching, that is, by letting the object slide to and fro."
+                " Where the motion changes from one mode to another the drift changes, and the difference of two drifts acts \
+                 like one more input: with all modes together the dimension is {all} of {n}. So directions that one mode \
+                 leaves out can be gained by switching, which for dry friction means sliding to and fro, as far as the inputs \
+                 overcome the friction."
             );
         }
         if let Some(s) = &self.report.smoothed
@@ -145,21 +195,24 @@ impl Analysis {
         {
             let _ = write!(
                 text,
-                " The smoothed model (sign replaced by tanh(σ/{})) has dimension {all} for the same reason in one piece: its \
-                 friction depends on the velocity, which couples the directions. That rank speaks of the smoothed model; \
-                 exact dry friction holds the object wherever the inputs do not overcome it.",
+                " The smoothed model, in which sign(σ) is tanh(σ/{}), has dimension {all} in one piece, because the smooth \
+                 sign depends on the state and so couples the directions. That rank speaks of the smoothed model alone: exact \
+                 dry friction holds whatever the inputs do not overcome.",
                 s.epsilon
             );
+        }
+        if worst.signs.0.len() > 1 {
+            text += " Modes are combinations of signs; whether each of them occurs is not checked.";
         }
         text
     }
 }
 
-fn fixed_functions(functions: &[String]) -> String {
+fn fixed_functions(functions: &[String], place: &str) -> String {
     match functions.len() {
         0 => String::new(),
-        1 => format!("The function {} evolves as if there were no input.", functions[0]),
-        _ => format!("The functions {} evolve as if there were no input.", functions.join(" and ")),
+        1 => format!("The function {} evolves{place} as if there were no input.", functions[0]),
+        _ => format!("The functions {} evolve{place} as if there were no input.", functions.join(" and ")),
     }
 }
 
@@ -169,8 +222,15 @@ impl fmt::Display for Analysis {
         let a = &self.affinization;
         writeln!(f, "affine form: {}", a.why)?;
         let model = &a.model;
-        writeln!(f, "  {} states: {}", self.states, model.state_names().join(", "))?;
-        writeln!(f, "  {} inputs: {}", self.inputs, model.input_names().join(", "))?;
+        writeln!(
+            f,
+            "  {} state{}: {}",
+            self.states,
+            if self.states == 1 { "" } else { "s" },
+            model.state_names().join(", ")
+        )?;
+        let plural = |k: usize| if k == 1 { "" } else { "s" };
+        writeln!(f, "  {} input{}: {}", self.inputs, plural(self.inputs), model.input_names().join(", "))?;
         for (s, e) in model.states.iter().zip(&model.dynamics) {
             writeln!(f, "  {}' = {}", model.pool.name(*s), model.pool.text(*e))?;
         }

@@ -14,7 +14,7 @@ mod control;
 mod plate_move;
 mod scenario;
 
-pub use analysis::{AffinizationReport, Analysis, AnalysisError, analyze};
+pub use analysis::{AffinizationReport, Analysis, AnalysisError, InputChange, analyze};
 pub use control::{ControlError, Controlled, ExactPlant, control};
 pub use plate_move::{Arrival, MoveError, plate_move};
 pub use scenario::{Run, Scenario, ScenarioError};

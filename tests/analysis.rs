@@ -56,7 +56,24 @@ fn in_one_mode_a_disk_leaves_its_yaw_to_the_tilt_too() {
 #[test]
 fn the_summary_names_what_stays_and_why_switching_helps() {
     let summary = analysis(Shape::REFERENCE_ELLIPSE).summary;
-    for part in ["x + X and vx + Xd", "dimension 8 of 10", "difference of two drifts", "10 of 10", "smoothed"] {
+    for part in ["x + X and vx + Xd", "dimension 8 of 10", "difference of two drifts", "10 of 10", "smoothed model"] {
         assert!(summary.contains(part), "`{part}` in: {summary}");
     }
+}
+
+#[test]
+fn a_one_sided_input_is_not_called_controllable() {
+    // v' = u² ≥ 0: the affine system v' = v1 is controllable, the original one is not.
+    let text = "states = ['x', 'v']\ninputs = ['u']\n[dynamics]\nx = 'v'\nv = 'u^2'\n[point]\nu = 0";
+    let system = bracketry::system::System::parse("m", text).unwrap();
+    let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
+    assert_eq!(a.affinization.input_change[0].range.as_deref(), Some("v1 ≥ 0"));
+    let point = a.report.at_point.unwrap();
+    let point = point.known().unwrap();
+    assert_eq!(point.stlc.verdict, bracketry::lie::Verdict::Inconclusive);
+    assert_eq!(point.stabilizable.as_ref().unwrap().known(), None);
+    // Around u = 1 the same input goes both ways, but the state does not rest there: no verdict is made up.
+    let system = bracketry::system::System::parse("m", &text.replace("u = 0", "u = 1")).unwrap();
+    let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
+    assert_ne!(a.report.at_point.unwrap().known().unwrap().stlc.verdict, bracketry::lie::Verdict::Yes);
 }

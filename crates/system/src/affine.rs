@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Bindings, Expr, Node, Pool, Symbol, Undecided, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, Undecided, ZeroTest};
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
 
+use crate::input_change::input_change;
 use crate::system::{InputDerivative, Point, System};
 
 /// x' = drift(x) + Σ fields_i(x) u_i.
@@ -29,6 +30,17 @@ pub enum Method {
     InputAugmentation,
 }
 
+/// A new input v = w(u).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NewInput {
+    /// Its name.
+    pub name: String,
+    /// The function w of the old inputs.
+    pub function: Expr,
+    /// The values that w can take where these are limited, such as `v1 ≥ 0`.
+    pub range: Option<String>,
+}
+
 /// A system made affine in its inputs, and how.
 #[derive(Clone, Debug)]
 pub struct Affinization {
@@ -36,8 +48,12 @@ pub struct Affinization {
     pub method: Method,
     /// Integrators in front of each input that got any.
     pub integrators: BTreeMap<String, u32>,
-    /// For [`Method::InputChange`]: each new input and the function of the old ones that it stands for.
-    pub input_change: Vec<(String, Expr)>,
+    /// For [`Method::InputChange`]: each new input, in order.
+    pub input_change: Vec<NewInput>,
+    /// For [`Method::InputChange`] and a model with a point: whether the old inputs reach a whole neighbourhood of the new
+    /// ones' values there (the Jacobian of w has full rank). If not, statements about small inputs at the point do not
+    /// carry over from the affine system to the original one.
+    pub regular_at_point: Option<bool>,
     /// The affine system.
     pub system: System,
     /// The reason, in a sentence.
@@ -50,19 +66,19 @@ pub enum AffineError {
     /// An exact test came out undecided.
     #[error("whether the equations are affine in the inputs is undecided: {0}")]
     Undecided(#[from] Undecided),
-    /// More inputs than the search over subsets takes.
-    #[error("{inputs} inputs are too many for the search over integrators; at most {MAX_INPUTS} are tried")]
+    /// More inputs multiply each other than the search over subsets takes.
+    #[error(
+        "{inputs} inputs multiply each other, too many for the search over integrators (at most {MAX_INPUTS}): write some of \
+         them as states with a new input each"
+    )]
     TooManyInputs {
-        /// Number of inputs.
+        /// Number of such inputs.
         inputs: usize,
     },
 }
 
 const MAX_INPUTS: usize = 16;
-/// Products of sums are multiplied out up to this many terms when looking for functions of the inputs.
-const MAX_TERMS: usize = 2000;
-
-fn is_zero(pool: &mut Pool, e: Expr) -> Result<bool, Undecided> {
+pub(crate) fn is_zero(pool: &mut Pool, e: Expr) -> Result<bool, Undecided> {
     if pool.is_zero(e) {
         return Ok(true);
     }
@@ -133,9 +149,6 @@ impl System {
     /// [`AffineError`] if an exact test is undecided or there are too many inputs.
     pub fn affinize(&self) -> Result<Affinization, AffineError> {
         let mut system = self.clone();
-        if system.inputs.len() > MAX_INPUTS {
-            return Err(AffineError::TooManyInputs { inputs: system.inputs.len() });
-        }
         // The highest derivative of each input that occurs (order 0: the input itself).
         let mut highest: Vec<(u32, Symbol)> = system.inputs.iter().map(|&s| (0, s)).collect();
         for d in &system.input_derivatives {
@@ -152,28 +165,42 @@ impl System {
                     method: Method::None,
                     integrators: BTreeMap::new(),
                     input_change: Vec::new(),
+                    regular_at_point: None,
                     system,
                     why,
                 });
             }
-            if let Some(done) = input_change(&mut system)? {
+            // Where a test stays undecided there are still the integrators.
+            if let Ok(Some(done)) = input_change(&system) {
                 return Ok(done);
             }
         }
-        let extra = least_cover(arguments.len(), &pairs);
+        let extra = least_cover(arguments.len(), &pairs)?;
         Ok(augment(system, &highest, &extra, &pairs))
     }
 }
 
 /// A smallest set of inputs that touches every pair.
-fn least_cover(inputs: usize, pairs: &[(usize, usize)]) -> Vec<bool> {
-    let covers = |bits: usize| pairs.iter().all(|&(i, j)| bits >> i & 1 == 1 || bits >> j & 1 == 1);
-    let best = (0..1usize << inputs).filter(|&b| covers(b)).min_by_key(|b| b.count_ones()).unwrap_or(0);
-    (0..inputs).map(|i| best >> i & 1 == 1).collect()
+fn least_cover(inputs: usize, pairs: &[(usize, usize)]) -> Result<Vec<bool>, AffineError> {
+    let mut chosen: Vec<bool> = (0..inputs).map(|i| pairs.contains(&(i, i))).collect();
+    let open: Vec<(usize, usize)> = pairs.iter().copied().filter(|&(i, j)| !chosen[i] && !chosen[j]).collect();
+    let mut involved: Vec<usize> = open.iter().flat_map(|&(i, j)| [i, j]).collect();
+    involved.sort_unstable();
+    involved.dedup();
+    if involved.len() > MAX_INPUTS {
+        return Err(AffineError::TooManyInputs { inputs: involved.len() });
+    }
+    let holds = |bits: usize, i: usize| involved.iter().position(|&k| k == i).is_some_and(|k| bits >> k & 1 == 1);
+    let covers = |bits: usize| open.iter().all(|&(i, j)| holds(bits, i) || holds(bits, j));
+    let best = (0..1usize << involved.len()).filter(|&b| covers(b)).min_by_key(|b| b.count_ones()).unwrap_or(0);
+    for (k, &i) in involved.iter().enumerate() {
+        chosen[i] |= best >> k & 1 == 1;
+    }
+    Ok(chosen)
 }
 
 /// A name that the system does not use yet.
-fn fresh(pool: &mut Pool, wanted: &str) -> Symbol {
+pub(crate) fn fresh(pool: &mut Pool, wanted: &str) -> Symbol {
     let mut name = wanted.to_owned();
     while pool.find_symbol(&name).is_some() {
         name.push('_');
@@ -235,7 +262,14 @@ fn augment(mut system: System, highest: &[(u32, Symbol)], extra: &[bool], pairs:
     system.inputs = new_inputs;
     system.name = format!("{}_affine", system.name);
     let why = augmentation_reason(&system, &old_inputs, highest, extra, pairs, &integrators);
-    Affinization { method: Method::InputAugmentation, integrators, input_change: Vec::new(), system, why }
+    Affinization {
+        method: Method::InputAugmentation,
+        integrators,
+        input_change: Vec::new(),
+        regular_at_point: None,
+        system,
+        why,
+    }
 }
 
 fn augmentation_reason(
@@ -266,165 +300,8 @@ fn augmentation_reason(
     let total: u32 = integrators.values().sum();
     let plural = if total == 1 { "" } else { "s" };
     format!(
-        "{}; with {total} integrator{plural} the inputs {} enter affinely, and fewer do not suffice",
+        "{}; with {total} integrator{plural} the inputs {} enter affinely, with fewer integrators they do not",
         parts.join(", "),
         system.input_names().join(", ")
     )
-}
-
-/// Terms (factor free of inputs, factor of inputs only); `None` if some factor mixes both.
-fn separate(
-    pool: &mut Pool,
-    e: Expr,
-    inputs: &FxHashSet<Symbol>,
-    other: &FxHashSet<Symbol>,
-) -> Option<Vec<(Expr, Expr)>> {
-    let uses = pool.symbols_of(&[e]);
-    let has_input = uses.iter().any(|s| inputs.contains(s));
-    let has_state = uses.iter().any(|s| other.contains(s));
-    let one = pool.int(1);
-    match (has_input, has_state) {
-        (false, _) => return Some(vec![(e, one)]),
-        (true, false) if !matches!(pool.node(e), Node::Add(..) | Node::Mul(..)) => return Some(vec![(one, e)]),
-        _ => {}
-    }
-    match pool.node(e) {
-        Node::Add(a, b) => {
-            let mut left = separate(pool, a, inputs, other)?;
-            left.extend(separate(pool, b, inputs, other)?);
-            Some(left)
-        }
-        Node::Mul(a, b) => product(pool, a, b, inputs, other),
-        Node::Pow(a, k) => {
-            let k = pool.integer(k).filter(|k| (2..=8).contains(k))?;
-            let rest = pool.powi(a, k - 1);
-            product(pool, a, rest, inputs, other)
-        }
-        _ => None,
-    }
-}
-
-fn product(
-    pool: &mut Pool,
-    a: Expr,
-    b: Expr,
-    inputs: &FxHashSet<Symbol>,
-    other: &FxHashSet<Symbol>,
-) -> Option<Vec<(Expr, Expr)>> {
-    let left = separate(pool, a, inputs, other)?;
-    let right = separate(pool, b, inputs, other)?;
-    if left.len() * right.len() > MAX_TERMS {
-        return None;
-    }
-    let mut out = Vec::with_capacity(left.len() * right.len());
-    for &(p, q) in &left {
-        for &(r, s) in &right {
-            out.push((pool.mul(p, r), pool.mul(q, s)));
-        }
-    }
-    Some(out)
-}
-
-/// New inputs v = w(u), if the equations depend on u through at most as many functions as there are
-/// inputs and these are independent. Checked by putting w(u) back.
-fn input_change(system: &mut System) -> Result<Option<Affinization>, Undecided> {
-    let inputs: FxHashSet<Symbol> = system.inputs.iter().copied().collect();
-    let states: FxHashSet<Symbol> = system.states.iter().copied().collect();
-    // (row, factor of the states, factor of the inputs)
-    let mut terms: Vec<(usize, Expr, Expr)> = Vec::new();
-    for (row, &e) in system.dynamics.clone().iter().enumerate() {
-        let Some(list) = separate(&mut system.pool, e, &inputs, &states) else { return Ok(None) };
-        terms.extend(list.into_iter().map(|(x, u)| (row, x, u)));
-    }
-    let mut functions: Vec<Expr> = Vec::new();
-    for t in &mut terms {
-        let (c, w) = unit_coefficient(&mut system.pool, t.2);
-        t.1 = system.pool.mul(c, t.1);
-        t.2 = w;
-        if !system.pool.is_one(w) && !functions.contains(&w) {
-            functions.push(w);
-        }
-    }
-    if functions.is_empty() || functions.len() > system.inputs.len() {
-        return Ok(None);
-    }
-    let jacobian = system.pool.jacobian(&functions, &system.inputs.clone());
-    if system.pool.rank(&jacobian, &Bindings::default())?.rank < functions.len() {
-        return Ok(None);
-    }
-    let old_inputs = system.inputs.clone();
-    let mut new = Vec::new();
-    for &w in &functions {
-        let plain = old_inputs.iter().copied().find(|&u| system.pool.sym(u) == w);
-        new.push(plain.unwrap_or_else(|| fresh(&mut system.pool, &format!("v{}", new.len() + 1))));
-    }
-    let mut dynamics = vec![system.pool.int(0); system.states.len()];
-    for (row, x, w) in terms {
-        let v = match functions.iter().position(|&f| f == w) {
-            Some(i) => system.pool.sym(new[i]),
-            None => system.pool.int(1),
-        };
-        let term = system.pool.mul(x, v);
-        dynamics[row] = system.pool.add(dynamics[row], term);
-    }
-    // Putting w(u) back must give the old equations.
-    let back: FxHashMap<Expr, Expr> = new.iter().zip(&functions).map(|(&v, &w)| (system.pool.sym(v), w)).collect();
-    let restored = system.pool.substitute_all(&dynamics, &back);
-    let mut check = system.clone();
-    check.dynamics = restored.iter().zip(&system.dynamics.clone()).map(|(&a, &b)| check.pool.sub(a, b)).collect();
-    check.outputs.clear();
-    for e in check.switched_form().dynamics {
-        if !is_zero(&mut check.pool, e)? {
-            return Ok(None);
-        }
-    }
-    let outputs_use_inputs =
-        system.outputs.iter().any(|(_, e)| system.pool.symbols_of(&[*e]).iter().any(|s| inputs.contains(s)));
-    if outputs_use_inputs {
-        return Ok(None);
-    }
-    let at: FxHashMap<Expr, Expr> = match &system.point {
-        Some(p) => old_inputs.iter().zip(&p.inputs).map(|(&u, &v)| (system.pool.sym(u), v)).collect(),
-        None => FxHashMap::default(),
-    };
-    let values = system.pool.substitute_all(&functions, &at);
-    if let Some(p) = &mut system.point {
-        p.inputs = values;
-    }
-    system.dynamics = dynamics;
-    system.inputs.clone_from(&new);
-    let pairs: Vec<(String, Expr)> =
-        new.iter().zip(&functions).map(|(&v, &w)| (system.pool.name(v).to_owned(), w)).collect();
-    let shown: Vec<String> = pairs
-        .iter()
-        .filter(|(v, w)| *v != system.pool.text(*w))
-        .map(|(v, w)| format!("{v} = {}", system.pool.text(*w)))
-        .collect();
-    let why = format!(
-        "the equations depend on the inputs through {} independent function{}: {}",
-        functions.len(),
-        if functions.len() == 1 { "" } else { "s" },
-        shown.join(", ")
-    );
-    let mut done = system.clone();
-    done.name = format!("{}_affine", system.name);
-    Ok(Some(Affinization {
-        method: Method::InputChange,
-        integrators: BTreeMap::new(),
-        input_change: pairs,
-        system: done,
-        why,
-    }))
-}
-
-/// Splits a numeric coefficient off a product: (number, rest).
-fn unit_coefficient(pool: &mut Pool, e: Expr) -> (Expr, Expr) {
-    match pool.node(e) {
-        Node::Mul(a, b) if pool.number(a).is_some() => (a, b),
-        Node::Num(_) => {
-            let one = pool.int(1);
-            (e, one)
-        }
-        _ => (pool.int(1), e),
-    }
 }

@@ -2,11 +2,12 @@
 
 mod affine;
 mod document;
+mod input_change;
 mod model_file;
 mod switching;
 mod system;
 
-pub use affine::{AffineError, AffineForm, Affinization, Method};
+pub use affine::{AffineError, AffineForm, Affinization, Method, NewInput};
 pub use bracketry_symbolic as symbolic;
 pub use document::{Document, FileError, Table, Value};
 pub use model_file::RESERVED;

@@ -81,8 +81,9 @@ fn a_function_of_the_input_becomes_the_input() {
     let s = model("x", "u", &[("x", "-x + x*u^2")]);
     let a = s.affinize().unwrap();
     assert_eq!(a.method, Method::InputChange);
-    assert_eq!(a.system.pool.text(a.input_change[0].1), "u^2");
+    assert_eq!(a.system.pool.text(a.input_change[0].function), "u^2");
     assert_eq!(a.system.state_names(), ["x"]);
+    assert_eq!(a.input_change[0].range.as_deref(), Some("v1 ≥ 0"));
     // Polar to Cartesian: two functions of two inputs.
     let s = model("x y", "v th", &[("x", "v*cos(th)"), ("y", "2*v*sin(th) - x")]);
     let a = s.affinize().unwrap();
@@ -110,7 +111,8 @@ fn only_the_inputs_that_need_it_get_integrators() {
     let a = s.affinize().unwrap();
     assert_eq!(a.integrators.values().sum::<u32>(), 1);
     // The middle of a star of products is the cheapest.
-    let s = model("x y z", "a b c", &[("x", "a*b + b"), ("y", "c*b + a"), ("z", "c + sin(b)")]);
+    let star = [("x", "a*b"), ("y", "c*b"), ("z", "a"), ("p", "c"), ("q", "sin(b)")];
+    let s = model("x y z p q", "a b c", &star);
     let a = s.affinize().unwrap();
     assert_eq!(a.integrators.keys().collect::<Vec<_>>(), ["b"]);
     // An input inside a switching function jumps the right-hand side: not affine.
@@ -131,4 +133,53 @@ fn inputs_that_act_together_are_one_input() {
     assert_ne!(a.method, Method::None);
     let mut affine = a.system;
     assert!(affine.affine_form().unwrap().is_some());
+}
+
+#[test]
+fn functions_are_counted_over_the_constants_not_by_the_term() {
+    // One function of one input, in two terms.
+    let s = model("x", "u", &[("x", "2*u^3 + 2*sin(u) - x")]);
+    let a = s.affinize().unwrap();
+    assert_eq!((a.method, a.input_change.len()), (Method::InputChange, 1));
+    assert_eq!(a.system.pool.text(a.system.dynamics[0]), "-x + 2*v1");
+    // Two functions of two inputs, the second a sum.
+    let s = model("x y", "u v", &[("x", "u*v"), ("y", "u + v")]);
+    assert_eq!(s.affinize().unwrap().method, Method::InputChange);
+    // Proportional combinations with different state factors are one function.
+    let s = model("x y", "u", &[("x", "x*(u^2 + u)"), ("y", "y^2*(3*u + 3*u^2)")]);
+    let a = s.affinize().unwrap();
+    assert_eq!((a.method, a.input_change.len()), (Method::InputChange, 1));
+    // Independent ones are two, and one input is not enough for them.
+    let s = model("x y", "u", &[("x", "x*(u^2 + u)"), ("y", "y^2*(3*u + u^2)")]);
+    assert_eq!(s.affinize().unwrap().method, Method::InputAugmentation);
+}
+
+#[test]
+fn whether_the_new_inputs_are_free_at_the_point_is_told() {
+    let at = |e: &str, u: &str| {
+        let text = format!("states=['x']\ninputs=['u']\n[dynamics]\nx='{e}'\n[point]\nu='{u}'");
+        System::parse("m", &text).unwrap().affinize().unwrap().regular_at_point
+    };
+    assert_eq!(at("u^2", "0"), Some(false));
+    assert_eq!(at("u^2", "1"), Some(true));
+    assert_eq!(at("exp(u)", "0"), Some(true));
+    assert_eq!(at("sin(u)", "pi/2"), Some(false));
+}
+
+#[test]
+fn switching_functions_of_an_input_are_left_to_integrators() {
+    for e in ["min(max(u, -1), 1)", "abs(u)", "sign(u)*u^2"] {
+        let a = model("x", "u", &[("x", e)]).affinize().unwrap();
+        assert_eq!((a.method, a.system.input_names()), (Method::InputAugmentation, vec!["ud".to_owned()]), "{e}");
+    }
+}
+
+#[test]
+fn many_inputs_are_no_obstacle_where_few_multiply_each_other() {
+    let names: Vec<String> = (0..30).map(|i| format!("u{i}")).collect();
+    let states: Vec<String> = (0..30).map(|i| format!("x{i}")).collect();
+    let mut equations: Vec<(&str, &str)> = states.iter().zip(&names).map(|(x, u)| (x.as_str(), u.as_str())).collect();
+    equations.push(("y", "u3*u7 + sin(u5)"));
+    let a = model(&(states.join(" ") + " y"), &names.join(" "), &equations).affinize().unwrap();
+    assert_eq!(a.integrators.values().sum::<u32>(), 2);
 }
