@@ -13,8 +13,8 @@ use crate::fields::{Field, VectorFields};
 use crate::growth::Closure;
 use crate::linear::{Linearisation, uncontrollable_modes_decay};
 use crate::local::{Frame, Limits};
-use crate::report::{Dimensions, ModeReport, Named, ObservabilityReport, PointReport, Report, SmoothedReport};
-use crate::stlc::{self, Verdict};
+use crate::report::{Dimensions, ModeReport, Named, ObservabilityReport, PointReport, Report, SmoothedReport, Subject};
+use crate::stlc::{self, Stlc, Verdict};
 
 /// Choices of an analysis.
 #[derive(Clone, Debug)]
@@ -71,15 +71,17 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     };
     let at_point: Option<Answer<PointReport>> = match &system.point.clone() {
         None => None,
-        Some(point) => Some(match (active_mode(&mut system, point, &modes), &mut smoothed_system) {
-            (Ok(Some(mode)), _) => {
+        Some(point) => Some(match (regime(&mut system, point, &modes), &mut smoothed_system) {
+            (Ok(Regime::Mode(mode)), _) => {
                 point_report(&mut system.pool, &modes[mode].fields, &reach[mode], point, options, &mut evidence).into()
             }
-            (Ok(None), Some((s, fields, reach))) => match s.point.clone() {
-                Some(point) => point_report(&mut s.pool, fields, reach, &point, options, &mut evidence).into(),
+            (Ok(Regime::Switching(vanishing)), Some((s, fields, reach))) => match s.point.clone() {
+                Some(point) => point_report(&mut s.pool, fields, reach, &point, options, &mut evidence)
+                    .map(|p| of_smoothed(p, vanishing, &options.epsilon))
+                    .into(),
                 None => Answer::Unknown("the smoothed model has no point".to_owned()),
             },
-            (Ok(None), None) => Answer::Unknown("no mode holds at the point".to_owned()),
+            (Ok(Regime::Switching(_)), None) => Answer::Unknown("no mode holds at the point".to_owned()),
             (Err(why), _) => Answer::Unknown(why.to_string()),
         }),
     };
@@ -104,6 +106,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         smoothed,
         at_point_reason: at_point.as_ref().and_then(Answer::reason).map(str::to_owned),
         at_point,
+        global_statements_of: (!smooth).then_some(Subject::Smoothed),
         involutive,
         static_feedback_linearizable: linearizable,
         observability,
@@ -219,8 +222,15 @@ fn mode_report(pool: &mut Pool, mode: &ModeFields, reach: &Reach, evidence: &mut
     }
 }
 
-/// The mode whose signs are those of the switching functions at the point; `None` if one vanishes there.
-fn active_mode(system: &mut System, point: &Point, modes: &[ModeFields]) -> Result<Option<usize>, Error> {
+/// What governs the motion at a point.
+enum Regime {
+    /// The mode with this index: no switching function vanishes.
+    Mode(usize),
+    /// The switching functions that vanish.
+    Switching(Vec<String>),
+}
+
+fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -> Result<Regime, Error> {
     let form = system.switched_form();
     let mut at: FxHashMap<Expr, Expr> = FxHashMap::default();
     for (&s, &v) in system.states.iter().zip(&point.states) {
@@ -233,6 +243,7 @@ fn active_mode(system: &mut System, point: &Point, modes: &[ModeFields]) -> Resu
         at.insert(s, v);
     }
     let mut signs: Vec<i8> = Vec::new();
+    let mut vanishing: Vec<String> = Vec::new();
     for s in &form.switches {
         for (t, &v) in form.switches.iter().zip(&signs) {
             let inner = system.pool.sym(t.sign);
@@ -241,9 +252,13 @@ fn active_mode(system: &mut System, point: &Point, modes: &[ModeFields]) -> Resu
         }
         let value = system.pool.substitute(s.surface, &at);
         match system.pool.zero_test(value, &Bindings::new()) {
-            ZeroTest::Zero(_) => return Ok(None),
-            ZeroTest::Unknown(why) => return Err(Undecided::from(why).into()),
-            ZeroTest::NonZero => {}
+            ZeroTest::Zero(_) => vanishing.push(s.name.clone()),
+            ZeroTest::Unknown(why) if vanishing.is_empty() => return Err(Undecided::from(why).into()),
+            ZeroTest::Unknown(_) | ZeroTest::NonZero => {}
+        }
+        // One that vanishes is enough to leave the modes, and has no sign for those that contain it.
+        if !vanishing.is_empty() {
+            continue;
         }
         let number = system.compile(&[], &[value]).map_or(f64::NAN, |tape| {
             let mut out = [f64::NAN];
@@ -255,7 +270,25 @@ fn active_mode(system: &mut System, point: &Point, modes: &[ModeFields]) -> Resu
         }
         signs.push(if number > 0.0 { 1 } else { -1 });
     }
-    Ok(modes.iter().position(|m| m.signs.iter().map(|s| s.1).eq(signs.iter().copied())))
+    let mode = modes.iter().position(|m| m.signs.iter().map(|s| s.1).eq(signs.iter().copied()));
+    Ok(mode.map_or(Regime::Switching(vanishing), Regime::Mode))
+}
+
+/// Says that the statements at a point are those of the smoothed model.
+fn of_smoothed(report: PointReport, vanishing: Vec<String>, epsilon: &Rational) -> PointReport {
+    let say = |reason: &str| {
+        format!(
+            "of the smoothed model: {reason}; exact dry friction may hold the state where the inputs do not overcome it"
+        )
+    };
+    PointReport {
+        of: Subject::Smoothed,
+        epsilon: Some(epsilon.to_f64().value()),
+        vanishing,
+        stabilizable_reason: report.stabilizable_reason.map(|r| say(&r)),
+        stlc: Stlc { reason: say(&report.stlc.reason), ..report.stlc },
+        ..report
+    }
 }
 
 fn point_report(
@@ -291,6 +324,9 @@ fn point_report(
     });
     let stabilizable_reason = stabilizable.as_ref().map(|(a, why)| a.reason().map_or((*why).to_owned(), str::to_owned));
     Ok(PointReport {
+        of: Subject::Model,
+        epsilon: None,
+        vanishing: Vec::new(),
         equilibrium: Answer::Known(equilibrium),
         dimensions: Dimensions::new(local.growth, local.dimension, local.strong_growth, local.strong_dimension),
         linear_controllability_rank: rank,

@@ -84,10 +84,15 @@ impl Evidence {
 
 impl Serialize for Evidence {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut s = serializer.serialize_struct("Evidence", 3)?;
+        let decided = self.decisions > 0;
+        let mut s = serializer.serialize_struct("Evidence", 2 + usize::from(decided))?;
         s.serialize_field("prime", "2^61-1")?;
         s.serialize_field("points", &self.points)?;
-        s.serialize_field("error_probability", &self.error_text())?;
+        if decided {
+            s.serialize_field("error_probability", &self.error_text())?;
+        } else {
+            s.skip_field("error_probability")?;
+        }
         s.end()
     }
 }

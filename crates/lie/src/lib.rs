@@ -26,6 +26,7 @@
 mod analyse;
 mod answer;
 mod autonomous;
+mod display;
 mod echelon;
 mod error;
 mod evidence;
@@ -47,5 +48,5 @@ pub use fields::{Field, VectorFields, adjoint, bracket};
 pub use growth::Closure;
 pub use local::{Limits, LocalAccessibility};
 pub use observability::Observability;
-pub use report::{Dimensions, ModeReport, Named, ObservabilityReport, PointReport, Report, SmoothedReport};
+pub use report::{Dimensions, ModeReport, Named, ObservabilityReport, PointReport, Report, SmoothedReport, Subject};
 pub use stlc::{Stlc, Verdict};

@@ -1,7 +1,5 @@
 //! The result of an analysis, as data and as text.
 
-use std::fmt;
-
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
@@ -80,9 +78,28 @@ pub struct SmoothedReport {
     pub dimensions: Dimensions,
 }
 
+/// Which equations a statement speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Subject {
+    /// The model as it stands.
+    Model,
+    /// The model with every switching function replaced by a smooth one.
+    Smoothed,
+}
+
 /// What holds at the point of the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PointReport {
+    /// Whether the statements are of the model or, where switching functions vanish at the
+    /// point, of the smoothed model. Exact dry friction may hold a state that smoothed friction lets go.
+    pub of: Subject,
+    /// Width of the smoothing; absent if the statements are of the model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub epsilon: Option<f64>,
+    /// Switching functions that vanish at the point; absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub vanishing: Vec<String>,
     /// Whether the state rests there under the inputs given with the point.
     pub equilibrium: Answer<bool>,
     /// Dimensions at the point.
@@ -136,6 +153,10 @@ pub struct Report {
     /// Why the point could not be analysed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_point_reason: Option<String>,
+    /// Of which model `involutive`, `static_feedback_linearizable` and `observability` are: the
+    /// smoothed one if there is switching, absent for a smooth system.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub global_statements_of: Option<Subject>,
     /// Whether the input fields span an involutive distribution; of the smoothed model if there is switching.
     pub involutive: Answer<bool>,
     /// Whether static state feedback makes the system linear near a generic point; of the
@@ -150,120 +171,15 @@ pub struct Report {
     pub seconds: f64,
 }
 
-fn yes_no(answer: &Answer<bool>) -> String {
-    match answer {
-        Answer::Known(true) => "yes".to_owned(),
-        Answer::Known(false) => "no".to_owned(),
-        Answer::Unknown(why) => format!("unknown ({why})"),
-    }
-}
-
-/// A dimension among n, with the growth that leads to it.
-fn dimension_line(f: &mut fmt::Formatter<'_>, label: &str, dimension: &Answer<usize>, growth: &[usize]) -> fmt::Result {
-    let list: Vec<String> = growth.iter().map(ToString::to_string).collect();
-    writeln!(f, "  {label:<22} {dimension}   (growth {})", list.join(", "))
-}
-
-impl fmt::Display for Dimensions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        dimension_line(f, "accessible", &self.accessible_dimension, &self.growth)?;
-        dimension_line(f, "strongly accessible", &self.strongly_accessible_dimension, &self.strong_growth)
-    }
-}
-
-impl fmt::Display for ModeReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.signs.0.is_empty() {
-            writeln!(f, "at a generic point")?;
-        } else {
-            let signs: Vec<String> =
-                self.signs.0.iter().map(|(n, s)| format!("{n} {} 0", if *s > 0 { ">" } else { "<" })).collect();
-            writeln!(f, "while {}", signs.join(", "))?;
-        }
-        write!(f, "{}", self.dimensions)?;
-        match &self.autonomous {
-            Answer::Known(list) => {
-                if !list.is_empty() {
-                    writeln!(f, "  no input influences    {}", list.join(",  "))?;
-                }
-                if let Some(k) = self.autonomous_not_found {
-                    writeln!(f, "  and {k} further independent functions that were not found in closed form")?;
-                }
-            }
-            Answer::Unknown(why) => writeln!(f, "  no input influences    unknown ({why})")?,
-        }
-        if !self.signs.0.is_empty() {
-            writeln!(f, "  involutive inputs      {}", yes_no(&self.involutive))?;
-            writeln!(f, "  feedback linearizable  {}", yes_no(&self.static_feedback_linearizable))?;
-        }
-        Ok(())
-    }
-}
-
-impl fmt::Display for PointReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.dimensions)?;
-        writeln!(f, "  equilibrium            {}", yes_no(&self.equilibrium))?;
-        if let Some(rank) = self.linear_controllability_rank {
-            writeln!(f, "  linear rank            {rank}")?;
-        }
-        if let Some(s) = &self.stabilizable {
-            let why = self.stabilizable_reason.as_deref().filter(|_| s.known().is_some());
-            writeln!(f, "  stabilizable           {}{}", yes_no(s), why.map_or(String::new(), |w| format!(": {w}")))?;
-        }
-        writeln!(f, "  small-time control     {}: {}", self.stlc.verdict, self.stlc.reason)
-    }
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Modes that agree in everything but their signs are told together.
-        let mut told: Vec<&ModeReport> = Vec::new();
-        for mode in &self.modes {
-            let same = |o: &&ModeReport| {
-                o.dimensions == mode.dimensions
-                    && o.autonomous == mode.autonomous
-                    && o.involutive == mode.involutive
-                    && o.static_feedback_linearizable == mode.static_feedback_linearizable
-            };
-            if told.iter().any(same) {
-                continue;
-            }
-            told.push(mode);
-            write!(f, "{mode}")?;
-            let others = self.modes.iter().filter(|o| same(o)).count() - 1;
-            if others > 0 {
-                writeln!(f, "  the same in {others} other modes")?;
-            }
-        }
-        if let Some(d) = &self.switched {
-            write!(f, "switching between all modes\n{d}")?;
-        }
-        if let Some(s) = &self.smoothed {
-            write!(f, "smoothed, width {}\n{}", s.epsilon, s.dimensions)?;
-        }
-        match &self.at_point {
-            Some(Answer::Known(p)) => write!(f, "at the point of the model\n{p}")?,
-            Some(Answer::Unknown(why)) => writeln!(f, "at the point of the model: unknown ({why})")?,
-            None => {}
-        }
-        writeln!(f, "input fields involutive: {}", yes_no(&self.involutive))?;
-        writeln!(f, "linearizable by static feedback: {}", yes_no(&self.static_feedback_linearizable))?;
-        if let Some(o) = &self.observability {
-            writeln!(f, "observability rank: {}", o.rank)?;
-            if !o.unobservable.is_empty() {
-                writeln!(f, "  not determined by the outputs: {}", o.unobservable.join(", "))?;
-            }
-            for (name, yes) in o.identifiable.iter().flat_map(|m| &m.0) {
-                writeln!(f, "  parameter {name}: {}", if *yes { "identifiable" } else { "not identifiable" })?;
-            }
-        }
-        writeln!(
-            f,
-            "exact modulo 2^61-1 at {} points, error probability {}; {:.3} s",
-            self.certificate.points(),
-            self.certificate.error_text(),
-            self.seconds
-        )
+impl Report {
+    /// False if not a single dimension could be decided.
+    pub fn decided(&self) -> bool {
+        let generic = self.modes.iter().map(|m| &m.dimensions);
+        let point = self.at_point.as_ref().and_then(Answer::known).map(|p| &p.dimensions);
+        generic
+            .chain(&self.switched)
+            .chain(self.smoothed.as_ref().map(|s| &s.dimensions))
+            .chain(point)
+            .any(|d| d.accessible_dimension.known().is_some() || d.strongly_accessible_dimension.known().is_some())
     }
 }
