@@ -101,7 +101,11 @@ impl Pool {
     /// assert_eq!(p.latex(e), r"\frac{\mu x_{1}^{2}}{\sqrt{2 \theta}}");
     /// ```
     pub fn latex(&self, e: Expr) -> String {
-        self.write_latex(e).0
+        if self.is_printable(e) {
+            self.write_latex(e).0
+        } else {
+            format!("\\langle\\text{{{:.0e} nodes}}\\rangle", self.tree_size(e))
+        }
     }
 
     fn write_latex(&self, e: Expr) -> (String, Strength) {
@@ -112,15 +116,18 @@ impl Pool {
             }
             Node::Pi => ("\\pi".into(), Strength::Atom),
             Node::Sym(s) => (name(self.name(s)), Strength::Atom),
-            Node::Call(Func::Abs, a) => (format!("\\left|{}\\right|", self.latex(a)), Strength::Atom),
-            Node::Call(f, a) => (format!("{}{}", function(f), parentheses(&self.latex(a))), Strength::Atom),
+            Node::Call(Func::Abs, a) => (format!("\\left|{}\\right|", self.write_latex(a).0), Strength::Atom),
+            Node::Call(f, a) => (format!("{}{}", function(f), parentheses(&self.write_latex(a).0)), Strength::Atom),
             Node::Call2(f, a, b) => {
                 let f = match f {
                     Func2::Atan2 => "\\operatorname{atan2}",
                     Func2::Min => "\\min",
                     Func2::Max => "\\max",
                 };
-                (format!("{f}{}", parentheses(&format!("{}, {}", self.latex(a), self.latex(b)))), Strength::Atom)
+                (
+                    format!("{f}{}", parentheses(&format!("{}, {}", self.write_latex(a).0, self.write_latex(b).0))),
+                    Strength::Atom,
+                )
             }
             Node::Add(..) => (self.latex_sum(e), Strength::Sum),
             Node::Mul(..) | Node::Pow(..) => self.latex_fraction(e),
@@ -155,19 +162,21 @@ impl Pool {
         let half = RBig::from(1) / RBig::from(2);
         let exponent = match k {
             Exponent::Number(k) if *k == RBig::ONE => return self.write_latex(base),
-            Exponent::Number(k) if *k == half => return (format!("\\sqrt{{{}}}", self.latex(base)), Strength::Atom),
+            Exponent::Number(k) if *k == half => {
+                return (format!("\\sqrt{{{}}}", self.write_latex(base).0), Strength::Atom);
+            }
             Exponent::Number(k) if k.is_int() => {
                 // sin²(x), as it is usually written.
                 if let Node::Call(f, a) = self.node(base)
                     && matches!(f, Func::Sin | Func::Cos | Func::Tan | Func::Sinh | Func::Cosh | Func::Tanh)
                 {
-                    let s = format!("{}^{{{k}}}{}", function(f), parentheses(&self.latex(a)));
+                    let s = format!("{}^{{{k}}}{}", function(f), parentheses(&self.write_latex(a).0));
                     return (s, Strength::Power);
                 }
                 k.to_string()
             }
             Exponent::Number(k) => format!("{}/{}", k.numerator(), k.denominator()),
-            Exponent::Symbolic(k) => self.latex(*k),
+            Exponent::Symbolic(k) => self.write_latex(*k).0,
         };
         let (s, strength) = self.write_latex(base);
         let plain = strength == Strength::Atom && !matches!(self.node(base), Node::Call(f, _) if f != Func::Abs);

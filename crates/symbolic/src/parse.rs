@@ -45,7 +45,8 @@ pub struct ParseError {
 }
 
 const MAX_DEPTH: u32 = 200;
-const MAX_DECIMAL_EXPONENT: i64 = 400;
+/// Beyond this a number would not be a finite f64.
+const MAX_DECIMAL_EXPONENT: i64 = 300;
 const MAX_LENGTH: usize = 1 << 20;
 
 #[derive(Clone, Debug, PartialEq)]

@@ -7,6 +7,7 @@ use dashu_int::UBig;
 use dashu_ratio::RBig;
 
 use crate::pool::{Expr, Node, Pool};
+use rustc_hash::FxHashMap;
 
 /// Binding strength, weakest first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -111,10 +112,41 @@ pub(crate) fn number_text(x: &RBig) -> (String, bool) {
     (format!("{}/{}", x.numerator(), x.denominator()), false)
 }
 
+/// Expressions that would print with more nodes than this are named by their size instead.
+const MAX_PRINTED_NODES: f64 = 2e5;
+/// The same for expressions nested deeper than this: printing descends into them.
+const MAX_PRINTED_DEPTH: u32 = 2000;
+
 impl Pool {
-    /// The expression as text, in the syntax of model files.
+    /// Number of nodes that `e` has when nothing is shared, which is what its text repeats. Infinite beyond 1e308.
+    pub fn tree_size(&self, e: Expr) -> f64 {
+        let mut size: FxHashMap<Expr, f64> = FxHashMap::default();
+        let mut total = 1.0;
+        for n in self.reachable(&[e]) {
+            total = 1.0 + self.node(n).operands().map(|o| size[&o]).sum::<f64>();
+            size.insert(n, total);
+        }
+        total
+    }
+
+    /// Whether [`Pool::text`] writes the expression out.
+    pub fn is_printable(&self, e: Expr) -> bool {
+        let mut depth: FxHashMap<Expr, u32> = FxHashMap::default();
+        for n in self.reachable(&[e]) {
+            // Sums of sums and products of products are flattened before they are printed.
+            let flat = |o: Expr| {
+                matches!((self.node(n), self.node(o)), (Node::Add(..), Node::Add(..)) | (Node::Mul(..), Node::Mul(..)))
+            };
+            let level = self.node(n).operands().map(|o| depth[&o] + u32::from(!flat(o))).max().unwrap_or(0);
+            depth.insert(n, level);
+        }
+        depth[&e] <= MAX_PRINTED_DEPTH && self.tree_size(e) <= MAX_PRINTED_NODES
+    }
+
+    /// The expression as text, in the syntax of model files. Sharing multiplies in print: an expression that is not
+    /// [printable](Pool::is_printable) is only named by its size, which does not read back.
     pub fn text(&self, e: Expr) -> String {
-        self.write(e).0
+        if self.is_printable(e) { self.write(e).0 } else { format!("<{:.0e} nodes, not shown>", self.tree_size(e)) }
     }
 
     fn wrapped(&self, e: Expr, at_least: Strength) -> String {
@@ -136,8 +168,8 @@ impl Pool {
             }
             Node::Pi => ("pi".into(), Strength::Atom),
             Node::Sym(s) => (self.name(s).to_owned(), Strength::Atom),
-            Node::Call(f, a) => (format!("{}({})", f.name(), self.text(a)), Strength::Atom),
-            Node::Call2(f, a, b) => (format!("{}({}, {})", f.name(), self.text(a), self.text(b)), Strength::Atom),
+            Node::Call(f, a) => (format!("{}({})", f.name(), self.write(a).0), Strength::Atom),
+            Node::Call2(f, a, b) => (format!("{}({}, {})", f.name(), self.write(a).0, self.write(b).0), Strength::Atom),
             Node::Add(..) => (self.write_sum(e), Strength::Sum),
             Node::Mul(..) | Node::Pow(..) => self.write_fraction(e),
         }
@@ -171,7 +203,7 @@ impl Pool {
         let half = RBig::from(1) / RBig::from(2);
         match k {
             Exponent::Number(k) if *k == RBig::ONE => self.write(base),
-            Exponent::Number(k) if *k == half => (format!("sqrt({})", self.text(base)), Strength::Atom),
+            Exponent::Number(k) if *k == half => (format!("sqrt({})", self.write(base).0), Strength::Atom),
             Exponent::Number(k) => {
                 let (s, atomic) = number_text(k);
                 let s = if atomic { s } else { format!("({s})") };

@@ -157,3 +157,22 @@ fn malformed_text_names_place_and_remedy() {
     let deep = "(".repeat(10_000) + "x" + &")".repeat(10_000);
     assert!(Pool::new().parse(&deep).unwrap_err().message.contains("deep"));
 }
+
+#[test]
+fn what_sharing_hides_is_not_printed_out() {
+    let mut p = Pool::new();
+    let mut e = p.parse("x + 1").unwrap();
+    for _ in 0..60 {
+        let c = p.cos(e);
+        let square = p.mul(e, c);
+        e = p.add(square, e);
+    }
+    assert!(!p.is_printable(e));
+    assert!(p.text(e).contains("nodes, not shown"));
+    assert!(p.latex(e).contains("nodes"));
+    let mut deep = p.parse("x").unwrap();
+    for _ in 0..100_000 {
+        deep = p.sin(deep);
+    }
+    assert!(p.text(deep).contains("nodes, not shown"));
+}

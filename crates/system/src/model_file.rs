@@ -45,6 +45,8 @@ struct Reader<'d> {
     doc: &'d Document,
     pool: Pool,
     states: Vec<Symbol>,
+    /// Where each state is declared.
+    state_spans: Vec<std::ops::Range<usize>>,
     inputs: Vec<Symbol>,
     parameters: Vec<Parameter>,
 }
@@ -88,7 +90,14 @@ impl Names for Constants {
 
 impl<'d> Reader<'d> {
     fn new(doc: &'d Document) -> Self {
-        Reader { doc, pool: Pool::new(), states: Vec::new(), inputs: Vec::new(), parameters: Vec::new() }
+        Reader {
+            doc,
+            pool: Pool::new(),
+            states: Vec::new(),
+            state_spans: Vec::new(),
+            inputs: Vec::new(),
+            parameters: Vec::new(),
+        }
     }
 
     fn system(mut self, default_name: &str) -> Result<System, FileError> {
@@ -190,6 +199,9 @@ impl<'d> Reader<'d> {
             };
             self.declare(name, kind, item.span(), declared)?;
             out.push(self.pool.symbol(name));
+            if kind == "state" {
+                self.state_spans.push(item.span());
+            }
         }
         Ok(out)
     }
@@ -323,10 +335,11 @@ impl<'d> Reader<'d> {
             }
         }
         let mut out = Vec::new();
-        for name in &names {
+        for (name, span) in names.iter().zip(&self.state_spans) {
             let Some(value) = t.get(name.as_str()) else {
                 let message = format!("missing equation: state `{name}` has no entry in [dynamics]");
-                return Err(doc.missing(message, format!("add {name} = \"…\" (its time derivative) to [dynamics]")));
+                let remedy = format!("add {name} = \"…\" (its time derivative) to [dynamics]");
+                return Err(doc.error(span.clone(), message, remedy));
             };
             out.push(doc.expression(value, name, &mut self.pool, scope)?);
         }
@@ -359,6 +372,22 @@ impl<'d> Reader<'d> {
     }
 }
 
+/// A system that cannot be written as a model file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum WriteError {
+    /// An equation whose text would repeat its shared parts too often.
+    #[error("the equation of `{name}` has {nodes:.0e} nodes when its definitions are expanded, too many to be written")]
+    TooLong {
+        /// State or output.
+        name: String,
+        /// Nodes without sharing.
+        nodes: f64,
+    },
+    /// The TOML writer refused.
+    #[error(transparent)]
+    Toml(#[from] toml::ser::Error),
+}
+
 /// A model file as plain data, for writing as TOML or JSON.
 #[derive(Serialize)]
 struct Plain {
@@ -378,9 +407,15 @@ impl System {
     /// The system as the text of a model file; definitions stay expanded.
     ///
     /// # Errors
-    /// If the TOML writer refuses, which it does not for a valid system.
-    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
-        toml::to_string_pretty(&self.plain())
+    /// [`WriteError`] for an equation that is too long to be written out.
+    pub fn to_toml(&self) -> Result<String, WriteError> {
+        let outputs = self.outputs.iter().map(|(n, e)| (n.clone(), *e));
+        for (name, e) in self.state_names().into_iter().zip(self.dynamics.iter().copied()).chain(outputs) {
+            if !self.pool.is_printable(e) {
+                return Err(WriteError::TooLong { name, nodes: self.pool.tree_size(e) });
+            }
+        }
+        Ok(toml::to_string_pretty(&self.plain())?)
     }
 
     fn plain(&self) -> Plain {

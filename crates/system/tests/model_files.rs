@@ -136,7 +136,7 @@ const BAD: &[(&str, &str, usize, &str, &str)] = &[
     ("malformed name", "states=[\"2x\"]\n[dynamics]\nx=\"0\"", 1, "\"2x\"", "not a name"),
     ("reserved name", "states=[\"sin\"]\n[dynamics]\nsin=\"0\"", 1, "\"sin\"", "reserved"),
     ("no equations", "states=[\"x\"]", 0, "", "no equations"),
-    ("missing equation", "states=[\"x\",\"y\"]\n[dynamics]\nx=\"0\"", 0, "", "missing equation: state `y`"),
+    ("missing equation", "states=[\"x\",\"y\"]\n[dynamics]\nx=\"0\"", 1, "\"y\"", "missing equation: state `y`"),
     ("surplus equation", "states=[\"x\"]\n[dynamics]\nx=\"0\"\ny=\"1\"", 4, "y", "surplus equation"),
     ("unknown name", "states=[\"vx\"]\n[dynamics]\nvx=\"-2*vy\"", 3, "vy", "unknown name `vy`"),
     ("unknown function", "states=[\"x\"]\n[dynamics]\nx=\"sen(x)\"", 3, "sen", "unknown function"),
