@@ -453,8 +453,16 @@ impl Pool {
 }
 
 /// The name nearest to `name` in edit distance, if one is near enough to be meant.
+///
+/// ```
+/// use bracketry_symbolic::closest_name;
+/// assert_eq!(closest_name("thetta", ["theta", "x"].into_iter()), Some("theta"));
+/// assert_eq!(closest_name("x", ["g", "X"].into_iter()), Some("X"));
+/// assert_eq!(closest_name("x", ["g", "xi"].into_iter()), None);
+/// ```
 pub fn closest_name<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let limit = (name.chars().count() / 3).max(1);
+    // One letter of a short name is most of it: only case may differ.
+    let limit = name.chars().count() / 3;
     known
         .map(|k| (distance(name, k), k))
         .filter(|(d, k)| *d <= limit && *d < k.chars().count().max(2))
