@@ -268,7 +268,8 @@ impl<S: Switched> Stepper<S> {
             self.settings.max_zero_set,
             &mut self.modes,
             &mut self.stage,
-        )?;
+        )
+        .map_err(|reason| if self.rate_is_finite() { reason } else { StopReason::NonFinite })?;
         self.departing.fill(false);
         for &i in &self.zero.switches {
             self.departing[i] = self.modes[i] != Mode::Sticking;
@@ -283,6 +284,13 @@ impl<S: Switched> Stepper<S> {
         }
         self.first_stage_known = false;
         Ok(())
+    }
+
+    /// Whether the right-hand side at the current point, with some signs, is finite; where it is not, no mode fits.
+    fn rate_is_finite(&mut self) -> bool {
+        let signs: Vec<f64> = self.modes.iter().map(|mode| mode.sign()).collect();
+        self.system.rhs(self.t, &self.x, &signs, &mut self.stage);
+        self.stage.iter().all(|v| v.is_finite())
     }
 
     /// The shortest step that the resolution of time allows.
