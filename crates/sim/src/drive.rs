@@ -1,6 +1,7 @@
 //! Substituting the inputs of a system by what drives them.
 
 use crate::Hold;
+use crate::impulses::jumps;
 use crate::inputs::{Drive, InputError, Inputs, Samples};
 use bracketry_symbolic::{Expr, Names, Pool, Symbol};
 use bracketry_system::System;
@@ -40,6 +41,8 @@ pub(crate) struct Driven {
     pub(crate) live: Vec<(String, usize)>,
     /// Parameters → their values, but for live ones.
     pub(crate) values: FxHashMap<Expr, Expr>,
+    /// Input derivatives, by input and order, whose impulses are left out.
+    pub(crate) impulses: Vec<(String, u32)>,
 }
 
 /// The names an input expression may use.
@@ -126,6 +129,7 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
         held: Vec::new(),
         live: Vec::new(),
         values: FxHashMap::default(),
+        impulses: Vec::new(),
     };
     let mut scope = driven.numbers(inputs)?;
     let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
@@ -136,6 +140,19 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
         derivatives.retain(|d| d.input == input);
         let mut held = None;
         match inputs.drives.get(name) {
+            None if inputs.derivatives.keys().any(|(given, _)| given == name) => {
+                let used = [&driven.system.dynamics[..], &outputs_of(&driven.system)].concat();
+                if driven.system.pool.symbols_of(&used).contains(&symbol) {
+                    return Err(InputError::OnlyDerivatives { input: name.clone() });
+                }
+                driven.slot(symbol, Source::Held(0.0));
+                for d in derivatives {
+                    match inputs.derivatives.get(&(name.clone(), d.order)) {
+                        Some(samples) => driven.follow(d.symbol, samples),
+                        None => return Err(InputError::MissingDerivative { input: name.clone(), order: d.order }),
+                    }
+                }
+            }
             None => {
                 held = Some(driven.slot(symbol, Source::Held(0.0)));
                 for d in derivatives {
@@ -151,11 +168,16 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
                     .map_err(|source| InputError::Expression { input: name.clone(), source })?;
                 map.insert(this, e);
                 let highest = derivatives.iter().map(|d| d.order).max().unwrap_or(0);
+                let mut impulsive = false;
                 for order in 1..=highest {
+                    impulsive = impulsive || jumps(&mut driven.system.pool, e, time);
                     e = driven.system.pool.diff(e, time);
                     for d in derivatives.iter().filter(|d| d.order == order) {
                         let symbol = driven.system.pool.sym(d.symbol);
                         map.insert(symbol, e);
+                        if impulsive {
+                            driven.impulses.push((name.clone(), order));
+                        }
                     }
                 }
             }
@@ -177,10 +199,14 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
         driven.held.push(held);
     }
     let system = &mut driven.system;
-    let measured: Vec<Expr> = system.outputs.iter().map(|(_, e)| *e).collect();
+    let measured = outputs_of(system);
     let inputs: Vec<Expr> = system.inputs.clone().into_iter().map(|s| system.pool.sym(s)).collect();
     system.dynamics = system.pool.substitute_all(&system.dynamics, &map);
     driven.outputs = system.pool.substitute_all(&[measured, inputs].concat(), &map);
     system.outputs.clear();
     Ok(driven)
+}
+
+fn outputs_of(system: &System) -> Vec<Expr> {
+    system.outputs.iter().map(|(_, e)| *e).collect()
 }

@@ -81,7 +81,8 @@ pub(crate) enum Drive {
 }
 
 /// What drives the inputs of a model, by name. An input that is not mentioned is *held*: it is zero until
-/// [`crate::Model::set_input`] gives it another value, and its derivatives are zero.
+/// [`crate::Model::set_input`] gives it another value, and its derivatives are zero. Where only derivatives are given, the
+/// model must not use the input itself.
 ///
 /// ```
 /// use bracketry_sim::{Hold, Inputs, Samples};
@@ -99,6 +100,11 @@ pub struct Inputs {
 }
 
 impl Inputs {
+    /// Whether anything drives `input` or one of its derivatives.
+    pub fn mentions(&self, input: &str) -> bool {
+        self.drives.contains_key(input) || self.derivatives.keys().any(|(name, _)| name == input)
+    }
+
     /// All inputs held.
     pub fn new() -> Self {
         Self::default()
@@ -120,7 +126,8 @@ impl Inputs {
         self
     }
 
-    /// Gives the derivative of `order` of a sampled `input` by samples, as from a column `der(X,2)`.
+    /// Gives the derivative of `order` of an `input` by samples, as from a column `der(X,2)`. The input itself may be
+    /// sampled too, and must be if the model uses it.
     #[must_use]
     pub fn derivative(mut self, input: &str, order: u32, samples: Samples) -> Self {
         self.derivatives.insert((input.to_owned(), order), samples);
@@ -168,14 +175,18 @@ pub enum InputError {
         source: bracketry_symbolic::ParseError,
     },
     /// A sampled input whose derivative the model uses and nothing gives.
-    #[error(
-        "the model uses der({input}, {order}), which samples of `{input}` do not give: add a column der({input},{order})"
-    )]
+    #[error("the model uses der({input}, {order}), which nothing gives: add a column der({input},{order})")]
     MissingDerivative {
         /// The input.
         input: String,
         /// Order of the derivative.
         order: u32,
+    },
+    /// An input that the model uses, of which only derivatives are given.
+    #[error("the model uses `{input}` itself, of which only derivatives are given: add a column {input}")]
+    OnlyDerivatives {
+        /// The input.
+        input: String,
     },
     /// Samples that are no signal.
     #[error("sample {row}: {problem}")]

@@ -10,6 +10,7 @@
 
 mod drive;
 mod events;
+mod impulses;
 mod inputs;
 mod model;
 mod multipliers;

@@ -35,6 +35,7 @@ pub struct Model {
     outputs: Tape,
     work: Vec<f64>,
     results: Vec<f64>,
+    impulses: Vec<(String, u32)>,
 }
 
 impl Model {
@@ -92,6 +93,7 @@ impl Model {
             moving: driven.tables.iter().any(|table| table.hold == crate::Hold::Linear),
             arguments: vec![0.0; arguments.len()],
             results: vec![0.0; gradients.n_outputs()],
+            impulses: driven.impulses,
             sources: driven.sources,
             tables: driven.tables,
             switches: form.switches,
@@ -109,6 +111,12 @@ impl Model {
     /// Names of the switching functions, as printed expressions.
     pub fn switch_names(&self) -> impl Iterator<Item = &str> {
         self.switches.iter().map(|s| s.name.as_str())
+    }
+
+    /// Input derivatives that the model uses, by input and order, whose impulses are left out because the input jumps or
+    /// has kinks (`sign`, `abs`, `min`, `max` in its expression).
+    pub fn impulses_left_out(&self) -> &[(String, u32)] {
+        &self.impulses
     }
 
     /// Names of the inputs, in order.

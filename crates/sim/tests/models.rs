@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{
-    Closures, Hold, InputError, Inputs, Mode, Model, Outcome, Plant, Samples, Settings, Simulation, Stepper, simulate,
+    Closures, Hold, InputError, Inputs, Mode, Model, Outcome, Plant, Samples, Settings, Simulation, Stepper,
+    StopReason, simulate,
 };
 use bracketry_system::System;
 
@@ -250,4 +251,41 @@ fn wrong_inputs_are_named() {
     {
         assert!(matches!(Samples::new(times, values, Hold::Linear), Err(InputError::BadSamples { .. })));
     }
+}
+
+#[test]
+fn derivatives_without_the_input_drive_the_model() {
+    // X'' = −(μ g + 1) for a second: v' = 1.
+    let second = Samples::new(vec![0.0, 1.0], vec![-3.943, 0.0], Hold::Previous).unwrap();
+    let first = Samples::new(vec![0.0, 1.0], vec![0.0, 0.0], Hold::Previous).unwrap();
+    let inputs = Inputs::new().derivative("X", 2, second.clone());
+    let mut shaken = shaken();
+    let model = |system: &System, inputs: &Inputs| Model::new(system, inputs);
+    assert_eq!(model(&shaken, &inputs).unwrap_err(), InputError::OnlyDerivatives { input: "X".into() });
+    shaken.outputs.clear();
+    let run = run(model(&shaken, &inputs).unwrap(), &[0.0, 0.0], 3.0);
+    close(run.trajectory.final_state(), &[0.5 + 0.5 / 2.943, 0.0], 1e-9);
+    let other = Inputs::new().derivative("X", 1, first);
+    assert_eq!(model(&shaken, &other).unwrap_err(), InputError::MissingDerivative { input: "X".into(), order: 2 });
+}
+
+#[test]
+fn impulses_that_are_left_out_are_known() {
+    let left_out =
+        |x: &str| Model::new(&shaken(), &Inputs::new().expression("X", x)).unwrap().impulses_left_out().to_vec();
+    let second = vec![("X".to_owned(), 2)];
+    for x in ["0.1*sign(sin(3*t))", "abs(t - 1)", "max(0, t - 1)", "max(t - 1, 0)", "min(t, 2)^3", "t*abs(cos(t))"] {
+        assert_eq!(left_out(x), second, "{x}");
+    }
+    for x in ["sin(3*t)", "abs(t - 1)^3", "max(0, t - 1)^2", "max(t - 1, 0)^3", "sign(g)*t^2", "abs(t - 1)*(t - 1)"] {
+        assert_eq!(left_out(x), [], "{x}");
+    }
+}
+
+#[test]
+fn a_rate_that_is_no_number_at_the_start_is_reported_as_such() {
+    let block = system("states = [\"v\"]\ninputs = [\"F\"]\ndynamics = { v = \"F - sign(v)\" }");
+    let model = Model::new(&block, &Inputs::new().expression("F", "log(t - 3)")).unwrap();
+    let run = simulate(model, 0.0, &[0.0], 1.0, &Settings::default()).unwrap();
+    assert!(matches!(run.outcome, Outcome::Stopped { reason: StopReason::NonFinite, t: 0.0, .. }), "{:?}", run.outcome);
 }
