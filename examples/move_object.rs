@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     problem.samples += 30; // see that it stays
     let controlled = control(&problem)?;
     print!("{}", controlled.run.report);
-    let arrival = Arrival::of(&problem, &controlled, [0.54, 0.0, std::f64::consts::FRAC_PI_2]);
+    let arrival = Arrival::of(&problem, &controlled);
     println!("{arrival:#?}");
     Ok(())
 }

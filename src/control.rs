@@ -1,8 +1,6 @@
 //! A control problem run on its plant: exact stick–slip friction where the plant has switching functions, a fixed
 //! Runge–Kutta method where it is smooth.
 
-use std::time::Instant;
-
 use bracketry_mpc::{ControlProblem, ControlRun, MpcError, Plant, PlantError, RungeKuttaPlant, SymbolicDynamics};
 use bracketry_sim::{Hold, InputError, Inputs, Model, Outcome, Samples, Settings, SimError, Simulation, simulate};
 use bracketry_system::System;
@@ -61,8 +59,6 @@ pub struct Controlled {
     pub recording: Simulation,
     /// Names of the plant's switching functions.
     pub switches: Vec<String>,
-    /// Seconds that plan and loop took, controller and plant.
-    pub wall_seconds: f64,
 }
 
 /// Runs the closed loop of a problem.
@@ -70,6 +66,14 @@ pub struct Controlled {
 /// # Errors
 /// [`ControlError`]; infeasible programs, fallbacks and missed targets are figures of the report instead.
 pub fn control(problem: &ControlProblem) -> Result<Controlled, ControlError> {
+    control_watched(problem, |_| {})
+}
+
+/// [`control`], with `progress` called at the start of every sample with its number.
+///
+/// # Errors
+/// As [`control`].
+pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)) -> Result<Controlled, ControlError> {
     let mut plant_system = problem.plant.clone();
     let smooth = plant_system.switched_form().switches.is_empty();
     let mut plant: Box<dyn Plant> = if smooth {
@@ -78,9 +82,7 @@ pub fn control(problem: &ControlProblem) -> Result<Controlled, ControlError> {
     } else {
         Box::new(ExactPlant::new(&problem.plant, &problem.x0)?)
     };
-    let begin = Instant::now();
-    let run = problem.run(plant.as_mut())?;
-    let wall_seconds = begin.elapsed().as_secs_f64();
+    let run = problem.run_disturbed(plant.as_mut(), |k, _| progress(k))?;
     let mut inputs = Inputs::new();
     let applied = &run.closed_loop.u;
     for (i, name) in problem.plant.input_names().iter().enumerate() {
@@ -92,5 +94,5 @@ pub fn control(problem: &ControlProblem) -> Result<Controlled, ControlError> {
     let switches = model.switch_names().map(str::to_owned).collect();
     let end = run.closed_loop.t.last().copied().unwrap_or(0.0);
     let recording = simulate(model, 0.0, &problem.x0, end, &Settings::default())?;
-    Ok(Controlled { run, recording, switches, wall_seconds })
+    Ok(Controlled { run, recording, switches })
 }

@@ -15,6 +15,6 @@ mod plate_move;
 mod scenario;
 
 pub use analysis::{AffinizationReport, Analysis, AnalysisError, InputChange, analyze};
-pub use control::{ControlError, Controlled, ExactPlant, control};
-pub use plate_move::{Arrival, MoveError, plate_move};
+pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
+pub use plate_move::{Arrival, MoveError, plate_move, target_of};
 pub use scenario::{Run, Scenario, ScenarioError};

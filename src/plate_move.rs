@@ -58,9 +58,15 @@ pub struct Arrival {
     pub tilt_excess_deg: f64,
 }
 
+/// Where a move shall end: x (m), y (m), yaw (rad), from the targets of the problem; 0 where there is none.
+pub fn target_of(problem: &ControlProblem) -> [f64; 3] {
+    std::array::from_fn(|i| problem.ocp.targets.iter().find(|t| t.state == i).map_or(0.0, |t| t.value))
+}
+
 impl Arrival {
-    /// Measures a move to `target` (x (m), y (m), yaw (rad)).
-    pub fn of(problem: &ControlProblem, controlled: &Controlled, target: [f64; 3]) -> Arrival {
+    /// Measures a move against the problem's targets and bounds.
+    pub fn of(problem: &ControlProblem, controlled: &Controlled) -> Arrival {
+        let target = target_of(problem);
         let trajectory = &controlled.recording.trajectory;
         let end = trajectory.final_state();
         let count = (trajectory.end() / RESOLUTION).round() as usize;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use bracketry::mpc::ControlProblem;
+use bracketry::mpc::{ControlProblem, MpcError};
 use bracketry::plot::{Panel, Series, TimeSeries};
-use bracketry::{Controlled, control};
+use bracketry::{ControlError, Controlled, control_watched};
 
 use super::bands::{friction_bands, friction_colors};
 use super::output::{csv, figure, folder, json, line, print, spinner, write};
@@ -14,8 +14,17 @@ use super::{Outcome, OutputArgs};
 pub(crate) fn run(path: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let problem = ControlProblem::read(path)?;
     let progress = spinner("closed loop");
-    let controlled = control(&problem)?;
+    let total = problem.samples;
+    let outcome = control_watched(&problem, |k| progress.set_message(format!("closed loop, sample {k} of {total}")));
     progress.finish_and_clear();
+    let controlled = match outcome {
+        // The loop ran until its plant ended: an answer, though a negative one.
+        Err(ControlError::Mpc(stop @ MpcError::Plant { .. })) => {
+            eprintln!("{stop}");
+            return Ok(Outcome::Negative);
+        }
+        other => other?,
+    };
     let report = &controlled.run.report;
     if let Some(dir) = &output.out {
         folder(dir)?;
@@ -34,7 +43,7 @@ pub(crate) fn run(path: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
             None => line("(--out DIR writes trajectory and plots)")?,
         }
     }
-    Ok(if report.succeeded() { Outcome::Done } else { Outcome::Negative })
+    Ok(if report.succeeded { Outcome::Done } else { Outcome::Negative })
 }
 
 fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) -> anyhow::Result<()> {

@@ -106,7 +106,7 @@ impl Controller for SqpController {
 /// How often each status occurred.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Counts {
-    /// Inputs from programs solved to full accuracy, and plans played out.
+    /// Inputs from programs solved to full accuracy.
     pub solved: usize,
     /// Inputs from less accurate solutions.
     pub inaccurate: usize,
@@ -114,6 +114,8 @@ pub struct Counts {
     pub infeasible: usize,
     /// Inputs planned earlier.
     pub fallback: usize,
+    /// Samples after the end of a plan, for which nothing is solved.
+    pub played_out: usize,
 }
 
 /// Times of the samples, ms.
@@ -194,7 +196,8 @@ pub fn run_closed_loop(
         let step = controller.step(&measured)?;
         run.cost += dt * ocp.stage_cost(k, t, &x, &step.u);
         let counter = match step.status {
-            StepStatus::Solved | StepStatus::PlayedOut => &mut run.counts.solved,
+            StepStatus::Solved => &mut run.counts.solved,
+            StepStatus::PlayedOut => &mut run.counts.played_out,
             StepStatus::Inaccurate => &mut run.counts.inaccurate,
             StepStatus::Infeasible => &mut run.counts.infeasible,
             StepStatus::Fallback(_) => &mut run.counts.fallback,

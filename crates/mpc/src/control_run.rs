@@ -56,15 +56,9 @@ pub struct ControlReport {
     /// The plan, where one was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanReport>,
-}
-
-impl ControlReport {
-    /// Whether the run did what was asked: the plan, where there is one, converged, no sample was infeasible or fell back on
-    /// an old input, and the end is finite.
-    pub fn succeeded(&self) -> bool {
-        let planned = self.plan.as_ref().is_none_or(|p| p.status == SolveStatus::Converged.to_string());
-        planned && self.status.infeasible + self.status.fallback == 0 && self.x_final.values().all(|v| v.is_finite())
-    }
+    /// Whether the run did what was asked: every target met within its tolerance (without targets: the plan, where there is
+    /// one, converged), no sample infeasible or fallen back on an old input, and every figure finite.
+    pub succeeded: bool,
 }
 
 impl fmt::Display for ControlReport {
@@ -80,8 +74,8 @@ impl fmt::Display for ControlReport {
         let c = &self.status;
         writeln!(
             f,
-            "samples        {}: {} solved, {} inaccurate, {} infeasible, {} fallback",
-            self.steps, c.solved, c.inaccurate, c.infeasible, c.fallback
+            "samples        {}: {} solved, {} inaccurate, {} infeasible, {} fallback, {} after the plan's end",
+            self.steps, c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
         )?;
         let s = &self.solve_ms;
         writeln!(
@@ -215,7 +209,15 @@ impl ControlProblem {
         run.constraint_violation_max = self.ocp.largest_violation(&run.x[1..], &run.u);
         let end = run.x.last().unwrap_or(&self.x0);
         let names = self.system.state_names();
+        let planned = plan.as_ref().is_none_or(|p| p.status == SolveStatus::Converged);
+        // The linear weight of a target is the inverse of its tolerance.
+        let met = self.ocp.targets.iter().all(|t| (end[t.state] - t.value).abs() * t.linear <= 1.0);
+        let finite = end.iter().chain([&run.cost, &open_loop_cost]).all(|v| v.is_finite());
+        let succeeded = finite
+            && run.counts.infeasible + run.counts.fallback == 0
+            && if self.ocp.targets.is_empty() { planned } else { met };
         let report = ControlReport {
+            succeeded,
             closed_loop_cost: run.cost,
             open_loop_cost,
             x_final: names.iter().cloned().zip(end.iter().copied()).collect(),

@@ -126,11 +126,18 @@ impl Ocp {
         self.input_bounds.len()
     }
 
-    /// Largest violation of a bound by states or inputs, each in its own unit; 0 when all are kept.
+    /// Largest violation of a bound by states or inputs, each in its own unit; 0 when all are kept, NaN when a bounded
+    /// value is no number.
     pub fn largest_violation(&self, x: &[Vec<f64>], u: &[Vec<f64>]) -> f64 {
-        let states = x.iter().flat_map(|x| x.iter().zip(&self.state_bounds)).map(|(v, b)| b.violation(*v));
+        // `f64::max` would drop a NaN.
+        let states = x
+            .iter()
+            .flat_map(|x| x.iter().zip(&self.state_bounds))
+            .map(|(v, b)| if v.is_nan() && !b.is_free() { f64::NAN } else { b.violation(*v) });
         let inputs = u.iter().flat_map(|u| u.iter().zip(&self.input_bounds)).map(|(v, b)| (b.0 - v).max(v - b.1));
-        states.chain(inputs).fold(0.0, f64::max)
+        states
+            .chain(inputs)
+            .fold(0.0, |worst: f64, v| if worst.is_nan() || v.is_nan() { f64::NAN } else { worst.max(v) })
     }
 
     /// Brings every bound closer to its middle by `fraction` of the half-width (one-sided bounds stay): room for feedback.

@@ -332,6 +332,10 @@ impl Reader<'_> {
             match variable {
                 Variable::State(i) => {
                     let softness = if self.boolean(b, "hard", false)? {
+                        if let Some(soft) = b.get("soft") {
+                            let message = format!("the bounds of `{name}` cannot be hard and soft");
+                            return Err(self.doc.error(soft.span(), message, "remove `soft` or `hard`").into());
+                        }
                         Softness::Hard
                     } else {
                         let (linear, quadratic) = self.soft(b)?.unwrap_or(DEFAULT_SOFT);

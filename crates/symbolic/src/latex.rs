@@ -142,7 +142,7 @@ impl Pool {
         }
         let mut out = String::new();
         for (i, t) in all.into_iter().enumerate() {
-            let s = self.latex(t);
+            let s = self.write_latex(t).0;
             match (i, s.strip_prefix('-')) {
                 (0, _) => out.push_str(&s),
                 (_, Some(rest)) => {

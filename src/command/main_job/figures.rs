@@ -6,7 +6,9 @@ use bracketry::plate::Shape;
 use bracketry::plot::{Dash, Interval, Outline, Panel, PlanView, Pose, Scene, Series, TimeSeries, Trajectory};
 use bracketry::sim;
 
-use super::{Job, TARGET};
+use bracketry::target_of;
+
+use super::Job;
 use crate::command::bands::{friction_bands, friction_colors};
 use crate::command::output::figure;
 
@@ -57,7 +59,7 @@ fn closed_loop(job: &Job) -> TimeSeries {
         let (min, max) = job.problem.ocp.input_bounds[k];
         Panel::new(label).series(input(k)).bound(min).bound(max)
     };
-    let [x, y, phi] = TARGET;
+    let [x, y, phi] = target_of(&job.problem);
     friction_colors(TimeSeries::new())
         .title("Position and orientation together, closed loop on exact stick–slip friction")
         .panel(friction(panel("x [m]", 0, 1.0).target(x), "vx"))
@@ -79,11 +81,11 @@ fn comparison(job: &Job) -> TimeSeries {
         Panel::new(label)
             .series(line("together (MPC)", &together, k, scale))
             .series(line("two steps (published inputs)", &steps, k, scale).dash(Dash::Dashed))
-            .target(TARGET[k] * scale)
+            .target(target_of(&job.problem)[k] * scale)
     };
     let mut yaw = panel("φ [°]", 2, DEGREES);
     // Spin without friction runs away; what matters happens around the target.
-    let limit = 3.0 * TARGET[2] * DEGREES;
+    let limit = 3.0 * target_of(&job.problem)[2] * DEGREES;
     if steps.x[2].iter().any(|v| v.abs() * DEGREES > limit) {
         yaw = yaw.limits(-0.1 * limit, limit);
     }
@@ -105,7 +107,7 @@ fn plan_view(job: &Job) -> PlanView {
         Shape::Ellipse { a, b } => Outline::Ellipse { a, b },
         Shape::Disk { radius } => Outline::Ellipse { a: radius, b: radius },
     };
-    let [x, y, phi] = TARGET;
+    let [x, y, phi] = target_of(&job.problem);
     let scene = |title: &str, name: &str, trajectory: &sim::Trajectory| {
         let c = columns(trajectory, 5e-3);
         let path = Trajectory::new(name, c.t.clone(), c.x[0].clone(), c.x[1].clone(), c.x[2].clone());
