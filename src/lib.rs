@@ -11,10 +11,12 @@ pub use bracketry_system as system;
 
 mod analysis;
 mod control;
+mod input_table;
 mod plate_move;
 mod scenario;
 
 pub use analysis::{AffinizationReport, Analysis, AnalysisError, InputChange, analyze};
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
+pub use input_table::SampledScenario;
 pub use plate_move::{Arrival, MoveError, plate_move, target_of};
 pub use scenario::{Run, Scenario, ScenarioError};

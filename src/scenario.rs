@@ -1,9 +1,10 @@
-//! What a simulation is given: initial state and inputs, from a scenario file or from a table of samples.
+//! What a simulation is given, from a scenario file, and what it gives.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use bracketry_sim::{Hold, InputError, Inputs, Model, Outcome, Samples, Settings, SimError, Simulation, simulate};
+use bracketry_sim::{
+    InputError, Inputs, Model, Outcome, Settings, SimError, Simulation, StopReason, Switched, simulate,
+};
 use bracketry_symbolic::Rational;
 use bracketry_system::{Document, FileError, System, Value};
 
@@ -110,60 +111,31 @@ impl Scenario {
             let known: Vec<&str> = system.parameters.iter().map(|p| system.symbol_name(p.symbol)).collect();
             doc.only_keys(t, &known, "[parameters] of this model")?;
             for (key, value) in t {
-                parameters.push((key.get_ref().to_string(), doc.exact_number(value, key.get_ref())?));
+                let (name, number) = (key.get_ref(), doc.exact_number(value, key.get_ref())?);
+                if let Some(p) = system.parameters.iter().find(|p| system.symbol_name(p.symbol) == *name)
+                    && (p.min.as_ref().is_some_and(|m| number < *m) || p.max.as_ref().is_some_and(|m| number > *m))
+                {
+                    let bound =
+                        |b: &Option<Rational>| b.as_ref().map_or("…".to_owned(), |b| b.to_f64().value().to_string());
+                    return Err(doc.error(
+                        value.span(),
+                        format!("parameter `{name}` lies outside its min…max of the model"),
+                        format!(
+                            "correct the value, or the bounds {} to {} in the model file",
+                            bound(&p.min),
+                            bound(&p.max)
+                        ),
+                    ));
+                }
+                parameters.push((name.to_string(), number));
             }
         }
         Ok(Scenario { x0, inputs, end, start: 0.0, sample, parameters })
     }
 
-    /// Inputs from a CSV table: a header, `t` in seconds increasing, one column per input by name; columns
-    /// `der(X,2)` give derivatives. Columns that are no input are returned as ignored.
-    ///
-    /// # Errors
-    /// [`FileError`] with line and column of what is wrong.
-    pub fn from_csv(path: &Path, system: &System, hold: Hold) -> Result<(Scenario, Vec<String>), FileError> {
-        let doc = Document::read(path)?;
-        let columns = read_columns(&doc)?;
-        let Some(times) = columns.get("t").cloned() else {
-            return Err(doc.missing("there is no column `t`", "add a column t with the time in seconds"));
-        };
-        let mut inputs = Inputs::new();
-        let mut ignored = Vec::new();
-        let names = system.input_names();
-        let mut found = 0;
-        for (name, values) in &columns {
-            if name == "t" {
-                continue;
-            }
-            let samples = Samples::new(times.clone(), values.clone(), hold).map_err(|e| match e {
-                InputError::BadSamples { row, problem } => {
-                    doc.missing(format!("line {}: column `{name}`: {problem}", row + 2), "correct the table")
-                }
-                other => doc.missing(other.to_string(), "correct the table"),
-            })?;
-            match derivative_column(name) {
-                Some((input, order)) if names.iter().any(|n| n == input) => {
-                    inputs = inputs.derivative(input, order, samples);
-                    found += 1;
-                }
-                None if names.contains(name) => {
-                    inputs = inputs.samples(name, samples);
-                    found += 1;
-                }
-                _ => ignored.push(name.clone()),
-            }
-        }
-        if found == 0 && !names.is_empty() {
-            let remedy = format!("name the columns after the inputs: {}", names.join(", "));
-            return Err(doc.missing("no column is called like an input of the model", remedy));
-        }
-        let (start, end) = (times[0], times[times.len() - 1]);
-        if end <= start {
-            return Err(doc.missing("the table has fewer than two rows", "give at least two samples"));
-        }
-        let sample = (end - start) / (times.len() - 1) as f64;
-        let x0 = initial_state(system);
-        Ok((Scenario { x0, inputs, end, start, sample, parameters: Vec::new() }, ignored))
+    /// The inputs that nothing drives: they and their derivatives are zero.
+    pub fn inputs_at_zero(&self, system: &System) -> Vec<String> {
+        system.input_names().into_iter().filter(|name| !self.inputs.mentions(name)).collect()
     }
 
     /// Integrates `system` with exact stick–slip friction.
@@ -188,9 +160,33 @@ impl Scenario {
         if end - times[count] > 1e-9 * self.sample {
             times.push(end);
         }
-        let states = times.iter().map(|&t| trajectory.sample(t)).collect();
-        let inputs = times.iter().map(|&t| model.input_values(t)).collect();
-        Ok(Run { times, states, inputs, switches, trajectory, outcome, statistics })
+        let states: Vec<Vec<f64>> = times.iter().map(|&t| trajectory.sample(t)).collect();
+        let outputs = times.iter().zip(&states).map(|(&t, x)| model.output_values(t, x)).collect();
+        let unknown: Vec<bool> = system.input_names().iter().map(|n| self.inputs.only_derivatives(n)).collect();
+        let inputs = times
+            .iter()
+            .map(|&t| {
+                let values = model.input_values(t);
+                values.into_iter().zip(&unknown).map(|(v, &unknown)| if unknown { f64::NAN } else { v }).collect()
+            })
+            .collect();
+        let impulses_left_out = model.impulses_left_out().to_vec();
+        let not_finite = match &outcome {
+            Outcome::Stopped { reason: StopReason::NonFinite, t, state } => first_not_finite(&mut model, *t, state),
+            _ => None,
+        };
+        Ok(Run {
+            times,
+            states,
+            inputs,
+            outputs,
+            switches,
+            trajectory,
+            outcome,
+            statistics,
+            impulses_left_out,
+            not_finite: not_finite.map(|i| system.state_names()[i].clone()),
+        })
     }
 }
 
@@ -201,8 +197,10 @@ pub struct Run {
     pub times: Vec<f64>,
     /// States at these times.
     pub states: Vec<Vec<f64>>,
-    /// Inputs at these times.
+    /// Inputs at these times; not a number where only derivatives of an input are given.
     pub inputs: Vec<Vec<f64>>,
+    /// Outputs of the model at these times, with `sign(0) = 0`.
+    pub outputs: Vec<Vec<f64>>,
     /// Printed switching functions.
     pub switches: Vec<String>,
     /// Dense output and transitions.
@@ -211,52 +209,23 @@ pub struct Run {
     pub outcome: Outcome,
     /// Work done.
     pub statistics: bracketry_sim::Statistics,
+    /// Input derivatives, by input and order, whose impulses are left out because the input's expression jumps or has
+    /// kinks: what the model would do there is not simulated.
+    pub impulses_left_out: Vec<(String, u32)>,
+    /// Where the simulation stopped at numbers that are not finite: the first state whose rate is none there.
+    pub not_finite: Option<String>,
+}
+
+/// The first state whose rate is not finite.
+fn first_not_finite(model: &mut Model, t: f64, x: &[f64]) -> Option<usize> {
+    let mut rate = vec![0.0; model.dim()];
+    model.enter_segment(t);
+    let signs = vec![0.0; model.switches()];
+    model.rhs(t, x, &signs, &mut rate);
+    rate.iter().position(|v| !v.is_finite())
 }
 
 /// The model's point, or zeros.
-fn initial_state(system: &System) -> Vec<f64> {
+pub(crate) fn initial_state(system: &System) -> Vec<f64> {
     system.point_values().map_or_else(|| vec![0.0; system.states.len()], |(x, _)| x)
-}
-
-/// `der(X,2)` → (`X`, 2)
-fn derivative_column(name: &str) -> Option<(&str, u32)> {
-    let inner = name.strip_prefix("der(")?.strip_suffix(')')?;
-    match inner.split_once(',') {
-        None => Some((inner.trim(), 1)),
-        Some((input, order)) => Some((input.trim(), order.trim().parse().ok()?)),
-    }
-}
-
-/// The columns of a CSV table by name, every entry a finite number.
-fn read_columns(doc: &Document) -> Result<BTreeMap<String, Vec<f64>>, FileError> {
-    let mut reader =
-        csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(doc.text().as_bytes());
-    let header = reader
-        .headers()
-        .map_err(|e| doc.missing(format!("the header cannot be read: {e}"), "start the table with column names"))?
-        .clone();
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); header.len()];
-    for record in reader.records() {
-        let record = record.map_err(|e| doc.missing(e.to_string(), "give every row as many entries as the header"))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        for (k, field) in record.iter().enumerate() {
-            match field.parse::<f64>() {
-                Ok(v) if v.is_finite() => columns[k].push(v),
-                _ => {
-                    let message = format!("line {line}, column `{}`: `{field}` is not a finite number", &header[k]);
-                    return Err(doc.missing(message, "correct or remove the row"));
-                }
-            }
-        }
-    }
-    if columns.iter().any(Vec::is_empty) {
-        return Err(doc.missing("the table has no rows", "give at least two samples"));
-    }
-    let mut out = BTreeMap::new();
-    for (name, values) in header.iter().zip(columns) {
-        if out.insert(name.to_owned(), values).is_some() {
-            return Err(doc.missing(format!("two columns are called `{name}`"), "rename one of them"));
-        }
-    }
-    Ok(out)
 }

@@ -105,6 +105,11 @@ impl Inputs {
         self.drives.contains_key(input) || self.derivatives.keys().any(|(name, _)| name == input)
     }
 
+    /// Whether derivatives of `input` are given, but not the input itself.
+    pub fn only_derivatives(&self, input: &str) -> bool {
+        self.mentions(input) && !self.drives.contains_key(input)
+    }
+
     /// All inputs held.
     pub fn new() -> Self {
         Self::default()
