@@ -7,7 +7,7 @@ use bracketry_system::{Point, System};
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
-use crate::error::{Error, Undecided};
+use crate::error::{Error, Undecided, check_analysis};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields};
 use crate::growth::Closure;
@@ -46,15 +46,16 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let modes = mode_fields(&mut system)?;
     let smooth = modes.len() == 1 && modes[0].signs.is_empty();
     let pool = &mut system.pool;
-    let reach: Vec<Reach> = modes.iter().map(|m| Reach::of(pool, &m.fields, &mut evidence)).collect();
+    let first = pool.len();
+    let reach: Vec<Reach> = modes.iter().map(|m| Reach::of(pool, &m.fields, first, &mut evidence)).collect();
     let mode_reports: Vec<ModeReport> =
-        modes.iter().zip(&reach).map(|(m, r)| mode_report(pool, m, r, &mut evidence)).collect();
+        modes.iter().zip(&reach).map(|(m, r)| mode_report(pool, m, r, first, &mut evidence)).collect();
     let switched = if smooth {
         None
     } else {
         let family: Vec<VectorFields> = modes.iter().map(|m| m.fields.clone()).collect();
         let all = VectorFields::switched(pool, &family)?;
-        Some(Reach::of(pool, &all, &mut evidence).dimensions())
+        Some(Reach::of(pool, &all, first, &mut evidence).dimensions())
     };
     let mut smoothed_system = None;
     let smoothed = if smooth {
@@ -64,7 +65,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         let mut s = system.smoothed(width);
         let mut modes = mode_fields(&mut s)?;
         let fields = modes.remove(0).fields;
-        let reach = Reach::of(&mut s.pool, &fields, &mut evidence);
+        let reach = Reach::of(&mut s.pool, &fields, first, &mut evidence);
         let dimensions = reach.dimensions();
         smoothed_system = Some((s, fields, reach));
         Some(SmoothedReport { epsilon: options.epsilon.to_f64().value(), dimensions })
@@ -95,8 +96,10 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     };
     let (involutive, linearizable) = match &mut smoothed_system {
         Some((s, fields, _)) => (
-            fields.is_involutive(&mut s.pool, &mut evidence).into(),
-            fields.static_feedback_linearizable(&mut s.pool, &mut evidence).into(),
+            check_analysis(&s.pool, first).and_then(|()| fields.is_involutive(&mut s.pool, &mut evidence)).into(),
+            check_analysis(&s.pool, first)
+                .and_then(|()| fields.static_feedback_linearizable(&mut s.pool, &mut evidence))
+                .into(),
         ),
         None => (mode_reports[0].involutive.clone(), mode_reports[0].static_feedback_linearizable.clone()),
     };
@@ -192,10 +195,15 @@ struct Reach {
 }
 
 impl Reach {
-    fn of(pool: &mut Pool, fields: &VectorFields, evidence: &mut Evidence) -> Reach {
-        let all = fields.accessibility(pool, evidence);
+    /// `first` is the size of the pool when the analysis began.
+    fn of(pool: &mut Pool, fields: &VectorFields, first: usize, evidence: &mut Evidence) -> Reach {
+        let all = check_analysis(pool, first).and_then(|()| fields.accessibility(pool, evidence));
         let driftless = fields.drift.iter().all(|&e| pool.is_zero(e));
-        let strong = if driftless { all.clone() } else { fields.strong_accessibility(pool, evidence) };
+        let strong = if driftless {
+            all.clone()
+        } else {
+            check_analysis(pool, first).and_then(|()| fields.strong_accessibility(pool, evidence))
+        };
         Reach { all, strong }
     }
 
@@ -208,7 +216,7 @@ impl Reach {
     }
 }
 
-fn mode_report(pool: &mut Pool, mode: &ModeFields, reach: &Reach, evidence: &mut Evidence) -> ModeReport {
+fn mode_report(pool: &mut Pool, mode: &ModeFields, reach: &Reach, first: usize, evidence: &mut Evidence) -> ModeReport {
     let strong = reach.strong.as_ref().map_err(Clone::clone);
     let found = strong.and_then(|s| mode.fields.autonomous(pool, &s.basis, evidence));
     let missing = found.as_ref().map_or(0, |a| a.missing);
@@ -217,8 +225,10 @@ fn mode_report(pool: &mut Pool, mode: &ModeFields, reach: &Reach, evidence: &mut
         dimensions: reach.dimensions(),
         autonomous: found.map(|a| a.functions.iter().map(|&e| pool.text(e)).collect::<Vec<_>>()).into(),
         autonomous_not_found: (missing > 0).then_some(missing),
-        involutive: mode.fields.is_involutive(pool, evidence).into(),
-        static_feedback_linearizable: mode.fields.static_feedback_linearizable(pool, evidence).into(),
+        involutive: check_analysis(pool, first).and_then(|()| mode.fields.is_involutive(pool, evidence)).into(),
+        static_feedback_linearizable: check_analysis(pool, first)
+            .and_then(|()| mode.fields.static_feedback_linearizable(pool, evidence))
+            .into(),
     }
 }
 

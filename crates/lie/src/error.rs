@@ -1,6 +1,6 @@
 //! Misuse and bad input.
 
-use bracketry_symbolic::Pool;
+use bracketry_symbolic::{Expr, Pool};
 
 /// Why a question stays open.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -17,11 +17,30 @@ pub enum Undecided {
 }
 
 /// Most new nodes of the pool in one closure under brackets.
-const MAX_NODES: usize = 1_500_000;
+const MAX_NODES: usize = 400_000;
+
+/// Most new nodes of the pool in all questions of an analysis together; the last may exceed it.
+const MAX_ANALYSIS_NODES: usize = 1_000_000;
+
+fn check(pool: &Pool, first: usize, coming: usize, nodes: usize) -> Result<(), Undecided> {
+    if pool.len() + coming > first + nodes { Err(Undecided::TooLarge { nodes }) } else { Ok(()) }
+}
 
 /// Stops a computation that began when the pool had `first` nodes and has made too many.
 pub(crate) fn check_size(pool: &Pool, first: usize) -> Result<(), Undecided> {
-    if pool.len() > first + MAX_NODES { Err(Undecided::TooLarge { nodes: MAX_NODES }) } else { Ok(()) }
+    check(pool, first, 0, MAX_NODES)
+}
+
+/// The same before derivatives of `roots` by `directions` variables are formed, which takes at
+/// least about as many nodes as they have.
+pub(crate) fn check_growth(pool: &Pool, first: usize, roots: [&[Expr]; 2], directions: usize) -> Result<(), Undecided> {
+    check_size(pool, first)?;
+    check(pool, first, pool.reachable(&roots.concat()).len() * directions, MAX_NODES)
+}
+
+/// Stops an analysis that began when the pool had `first` nodes, between two questions.
+pub(crate) fn check_analysis(pool: &Pool, first: usize) -> Result<(), Undecided> {
+    check(pool, first, 0, MAX_ANALYSIS_NODES)
 }
 
 /// Why an analysis could not be made at all.

@@ -1,6 +1,7 @@
 //! Vector fields and their bracket.
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
+use bracketry_symbolic::{Bindings, Expr, Node, Pool, Symbol};
+use rustc_hash::FxHashMap;
 
 use crate::Error;
 
@@ -22,15 +23,61 @@ pub type Field = Vec<Expr>;
 /// assert_eq!(sideways.iter().map(|&e| p.text(e)).collect::<Vec<_>>(), ["sin(th)", "-cos(th)", "0"]);
 /// ```
 pub fn bracket(pool: &mut Pool, states: &[Symbol], a: &[Expr], b: &[Expr]) -> Field {
-    a.iter()
-        .zip(b)
-        .map(|(&ai, &bi)| {
-            let along_a = pool.lie_derivative(bi, states, a);
-            let along_b = pool.lie_derivative(ai, states, b);
-            pool.sub(along_a, along_b)
-        })
-        .collect()
+    let along_a = derivatives_along(pool, states, a, b);
+    let along_b = derivatives_along(pool, states, b, a);
+    subtract(pool, &along_a, &along_b)
 }
+
+/// Up to this many nodes the partial derivatives of a field are formed one by one.
+const FEW_NODES: usize = 300;
+
+/// The derivatives of `functions` along `field`.
+///
+/// The gradients of large expressions would take as many sweeps, and products, as there are
+/// states. One sweep with the chain rule at every node takes a few new nodes for each.
+fn derivatives_along(pool: &mut Pool, states: &[Symbol], field: &[Expr], functions: &[Expr]) -> Vec<Expr> {
+    let nodes = pool.reachable(functions);
+    if nodes.len() < FEW_NODES {
+        return functions.iter().map(|&h| pool.lie_derivative(h, states, field)).collect();
+    }
+    let zero = pool.int(0);
+    let component: FxHashMap<Symbol, Expr> = states.iter().copied().zip(field.iter().copied()).collect();
+    let mut along: FxHashMap<Expr, Expr> = FxHashMap::default();
+    for e in nodes {
+        let d = match pool.node(e) {
+            Node::Num(_) | Node::Pi => zero,
+            Node::Sym(s) => component.get(&s).copied().unwrap_or(zero),
+            Node::Add(a, b) => pool.add(along[&a], along[&b]),
+            Node::Mul(a, b) => {
+                let p = pool.mul(along[&a], b);
+                let q = pool.mul(a, along[&b]);
+                pool.add(p, q)
+            }
+            node @ (Node::Pow(..) | Node::Call(..) | Node::Call2(..)) => {
+                let moving: Vec<Expr> = node.operands().filter(|o| !pool.is_zero(along[o])).collect();
+                let mut total = zero;
+                for o in moving {
+                    let argument = pool.symbol(ARGUMENT);
+                    let x = pool.sym(argument);
+                    let of_argument = pool.rebuild(e, |other| if other == o { x } else { other });
+                    let partial = pool.diff(of_argument, argument);
+                    let partial = pool.substitute(partial, &std::iter::once((x, o)).collect());
+                    let term = pool.mul(partial, along[&o]);
+                    total = pool.add(total, term);
+                    if node.operands().all(|other| other == o) {
+                        break;
+                    }
+                }
+                total
+            }
+        };
+        along.insert(e, d);
+    }
+    functions.iter().map(|h| along[h]).collect()
+}
+
+/// Stands for an operand while the partial derivative by it is formed. No model can use the name.
+const ARGUMENT: &str = "an operand";
 
 /// `ad_f^k g = [f, [f, … [f, g]]]` with `k` brackets.
 pub fn adjoint(pool: &mut Pool, states: &[Symbol], f: &[Expr], g: &[Expr], k: usize) -> Field {

@@ -2,7 +2,7 @@
 
 use bracketry_symbolic::{Bindings, Pool, Symbol};
 
-use crate::error::{Undecided, check_size};
+use crate::error::{Undecided, check_growth};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields, bracket, is_plain_zero};
 use crate::merge::merge_equal;
@@ -51,8 +51,8 @@ fn close(
         let mut candidates = basis.clone();
         for x in generators {
             for y in &basis[fresh.clone()] {
+                check_growth(pool, first_node, [x, y], 1)?;
                 let z = bracket(pool, states, x, y);
-                check_size(pool, first_node)?;
                 if !is_plain_zero(pool, &z) && !candidates.contains(&z) {
                     candidates.push(z);
                 }
@@ -130,6 +130,7 @@ impl VectorFields {
     /// [`Undecided`] if a function in the fields cannot be evaluated exactly.
     pub fn static_feedback_linearizable(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<bool, Undecided> {
         let n = self.states.len();
+        let first_node = pool.len();
         let mut d = independent(pool, &self.controls, &self.bindings, evidence)?;
         let mut last = d.clone();
         for _ in 0..n.saturating_sub(1) {
@@ -143,16 +144,40 @@ impl VectorFields {
             }
             // [f, aY] = a[f, Y] + (f·a)Y, and [f, D_{i−1}] ⊂ D_i: the new fields suffice.
             let known = d.len();
-            let next: Vec<Field> = last.iter().map(|y| bracket(pool, &self.states, &self.drift, y)).collect();
             let mut all = d;
-            all.extend(next);
+            for y in &last {
+                check_growth(pool, first_node, [&self.drift, y], 1)?;
+                all.push(bracket(pool, &self.states, &self.drift, y));
+            }
             d = independent(pool, &all, &self.bindings, evidence)?;
+            if let Ok(merged) = merge_equal(pool, &d, &self.bindings, evidence) {
+                d = merged;
+            }
+            eliminate_units(pool, &mut d);
             if d.len() == known {
                 return Ok(false);
             }
             last = d[known..].to_vec();
         }
         Ok(d.len() == n)
+    }
+}
+
+/// Makes independent fields simpler without a change of the distributions that the first ones
+/// span: a field with one component that is not plainly zero becomes the unit field, and no
+/// later field keeps that component.
+fn eliminate_units(pool: &mut Pool, fields: &mut [Field]) {
+    let (zero, one) = (pool.int(0), pool.int(1));
+    let mut units: Vec<usize> = Vec::new();
+    for field in fields {
+        for &i in &units {
+            field[i] = zero;
+        }
+        let mut nonzero = (0..field.len()).filter(|&i| field[i] != zero);
+        if let (Some(i), None) = (nonzero.next(), nonzero.next()) {
+            field[i] = one;
+            units.push(i);
+        }
     }
 }
 
@@ -173,8 +198,8 @@ fn involutive(
     let mut all = basis.to_vec();
     for (i, a) in basis.iter().enumerate().skip(old) {
         for b in &basis[..i] {
+            check_growth(pool, first_node, [a, b], 1)?;
             let z = bracket(pool, states, a, b);
-            check_size(pool, first_node)?;
             all.push(z);
         }
     }

@@ -25,7 +25,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits { length: 12, brackets: 400, nodes: 400_000 }
+        Limits { length: 12, brackets: 400, nodes: 200_000 }
     }
 }
 
@@ -288,15 +288,23 @@ impl Frame {
         let n = self.fields.states.len();
         // No level can exceed its generic dimension. Where the generic basis stays independent,
         // every level attains it, and no other bracket needs to be formed.
-        if self.rank(pool, &generic.basis, evidence)? == generic.dimension()
-            && self.rank(pool, &generic_strong.basis, evidence)? == generic_strong.dimension()
-        {
-            return Ok(LocalAccessibility {
-                growth: generic.growth.clone(),
-                dimension: Answer::Known(generic.dimension()),
-                strong_growth: generic_strong.growth.clone(),
-                strong_dimension: Answer::Known(generic_strong.dimension()),
-            });
+        if self.rank(pool, &generic_strong.basis, evidence)? == generic_strong.dimension() {
+            // Every bracket but the drift itself contains a g.
+            let all = if self.is_equilibrium(pool, evidence)? {
+                Some(generic_strong)
+            } else if self.rank(pool, &generic.basis, evidence)? == generic.dimension() {
+                Some(generic)
+            } else {
+                None
+            };
+            if let Some(all) = all {
+                return Ok(LocalAccessibility {
+                    growth: all.growth.clone(),
+                    dimension: Answer::Known(all.dimension()),
+                    strong_growth: generic_strong.growth.clone(),
+                    strong_dimension: Answer::Known(generic_strong.dimension()),
+                });
+            }
         }
         let (generic, generic_strong) = (generic.dimension(), generic_strong.dimension());
         let first_node = pool.len();
@@ -344,14 +352,18 @@ impl Frame {
             if length >= limits.length {
                 break format!("brackets longer than {length} were not formed");
             }
-            if words.kept.len() > limits.brackets || pool.len() - first_node > limits.nodes {
-                break format!("brackets longer than {length} were not formed: they are too many or too large");
+            if words.kept.len() > limits.brackets {
+                break format!("brackets longer than {length} were not formed: they are too many");
             }
             let mut candidates = Vec::new();
-            for x in &generators {
-                for i in words.fresh.clone() {
-                    candidates.push(bracket(pool, &self.fields.states, x, &words.kept[i]));
+            for (x, i) in generators.iter().flat_map(|x| words.fresh.clone().map(move |i| (x, i))) {
+                if pool.len() - first_node > limits.nodes {
+                    break;
                 }
+                candidates.push(bracket(pool, &self.fields.states, x, &words.kept[i]));
+            }
+            if pool.len() - first_node > limits.nodes {
+                break format!("brackets longer than {length} were not formed: they are too large");
             }
             words.extend(pool, bindings, candidates, evidence)?;
             length += 1;

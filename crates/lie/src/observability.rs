@@ -2,7 +2,7 @@
 
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
 
-use crate::error::{Undecided, check_size};
+use crate::error::{Undecided, check_growth};
 use crate::evidence::Evidence;
 use crate::fields::{VectorFields, is_plain_zero};
 use crate::growth::independent;
@@ -66,6 +66,7 @@ impl VectorFields {
         let mut candidates: Vec<Expr> = outputs.to_vec();
         while !candidates.is_empty() && differentials.len() < variables.len() {
             for h in candidates.drain(..) {
+                check_growth(pool, first_node, [&[h], &[]], variables.len())?;
                 let d = pool.gradient(h, &variables);
                 if is_plain_zero(pool, &d) {
                     continue;
@@ -80,7 +81,6 @@ impl VectorFields {
             for h in fresh.drain(..) {
                 for x in std::iter::once(&self.drift).chain(&self.controls) {
                     let l = pool.lie_derivative(h, &self.states, x);
-                    check_size(pool, first_node)?;
                     if pool.number(l).is_none() {
                         candidates.push(l);
                     }

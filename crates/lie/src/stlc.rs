@@ -169,10 +169,16 @@ fn stefani(
                 break;
             }
             rounds += 1;
-            if rounds > limits.length || pool.len() - first_node > limits.nodes {
+            if rounds > limits.length {
                 return Ok(None);
             }
-            candidates = words.kept[words.fresh.clone()].iter().map(|y| bracket(pool, states, drift, y)).collect();
+            candidates = Vec::new();
+            for y in &words.kept[words.fresh.clone()] {
+                if pool.len() - first_node > limits.nodes {
+                    return Ok(None);
+                }
+                candidates.push(bracket(pool, states, drift, y));
+            }
         }
         if words.kept.len() == fewer {
             return Ok(None);
@@ -241,12 +247,11 @@ impl Sussmann {
         let mut smaller = Echelon::new();
         let mut count = 0;
         for weight in 1.. {
-            let words = self.words(pool, &letters, weight, frame);
+            let Some(words) = self.words(pool, &letters, weight, frame, first_node + limits.nodes) else {
+                return Ok(Outcome::TooLarge);
+            };
             count += words.len();
-            if count > limits.brackets * 4
-                || pool.len() - first_node > limits.nodes
-                || weight as usize > limits.length * self.weights[1] as usize
-            {
+            if count > limits.brackets * 4 || weight as usize > limits.length * self.weights[1] as usize {
                 return Ok(Outcome::TooLarge);
             }
             let fields: Vec<Field> = words.iter().map(|(_, f)| f.clone()).collect();
@@ -274,8 +279,16 @@ impl Sussmann {
         Ok(Outcome::TooLarge)
     }
 
-    /// All right-normed brackets of this weight that are not plainly zero.
-    fn words(&self, pool: &mut Pool, letters: &[Field], weight: u32, frame: &Frame) -> Vec<(Word, Field)> {
+    /// All right-normed brackets of this weight that are not plainly zero; `None` if they make
+    /// the pool larger than `most` nodes.
+    fn words(
+        &self,
+        pool: &mut Pool,
+        letters: &[Field],
+        weight: u32,
+        frame: &Frame,
+        most: usize,
+    ) -> Option<Vec<(Word, Field)>> {
         let mut out = Vec::new();
         for (i, letter) in letters.iter().enumerate() {
             let i = i as u8;
@@ -289,6 +302,9 @@ impl Sussmann {
                 if word.len() == 1 && i >= word[0] {
                     continue;
                 }
+                if pool.len() > most {
+                    return None;
+                }
                 let z = bracket(pool, &frame.fields.states, letter, field);
                 if !is_plain_zero(pool, &z) {
                     let mut longer = vec![i];
@@ -297,7 +313,7 @@ impl Sussmann {
                 }
             }
         }
-        out
+        Some(out)
     }
 
     /// Value of β(w): the sum over all permutations of the inputs. All words of the weight are known.

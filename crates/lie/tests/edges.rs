@@ -157,3 +157,33 @@ fn many_inputs_are_not_permuted_forever() {
     // The only bad brackets, [v_i, [f, v_i]], vanish: v0·v1 takes both signs.
     assert_eq!(at_point(&r).stlc.verdict, Verdict::Yes);
 }
+
+/// x_1' = u, x_i' = x_{i−1} cos(x_i): every bracket is longer than the one before.
+fn chain(n: usize) -> Report {
+    let names: Vec<String> = (1..=n).map(|i| format!("x{i}")).collect();
+    let mut dynamics = vec!["u".to_owned()];
+    dynamics.extend((2..=n).map(|i| format!("x{}*cos(x{i})", i - 1)));
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let dynamics: Vec<&str> = dynamics.iter().map(String::as_str).collect();
+    report(&system(&names, &["u"], &[], &dynamics, &[], Some(&[])))
+}
+
+#[test]
+fn a_long_chain_is_followed_to_its_end() {
+    let n = 16;
+    let r = chain(n);
+    assert_eq!(r.modes[0].dimensions.strong_growth, (1..=n).collect::<Vec<_>>());
+    assert_eq!(r.static_feedback_linearizable, Answer::Known(true));
+    // The drift vanishes at the point: its brackets with the input field alone span everything.
+    assert_eq!(at_point(&r).dimensions.growth, (1..=n).collect::<Vec<_>>());
+    assert_eq!(at_point(&r).stlc.verdict, Verdict::Yes);
+}
+
+#[test]
+fn a_chain_that_is_too_long_is_unknown_with_the_work_that_was_spent() {
+    let r = chain(60);
+    let dimensions = &r.modes[0].dimensions;
+    assert!(dimensions.reason.as_ref().unwrap().contains("nodes"), "{dimensions:?}");
+    assert!(!r.decided());
+    assert_eq!(r.involutive, Answer::Known(true));
+}
