@@ -178,6 +178,42 @@ fn a_problem_that_cannot_be_solved_ends_with_code_1_and_a_status() {
 }
 
 #[test]
+fn a_missed_target_or_a_plant_that_ends_is_code_1() {
+    let dir = scratch("missed");
+    file(&dir, "cart.toml", "states = ['p', 'v']\ninputs = ['u']\n[dynamics]\np = 'v'\nv = 'u'\n");
+    file(&dir, "cubic.toml", "states = ['x']\ninputs = ['u']\n[dynamics]\nx = 'x^3 + u - 0.1*sign(x)'\n");
+    let far = "model = 'cart.toml'\n[horizon]\nsteps = 10\ndt = 0.1\n[cost]\nstage = '0.1*u^2'\n[constraints]\n\
+               u = { min = -1, max = 1 }\n[target]\np = { value = VALUE, tolerance = 0.05 }\n[solve]\nmethod = 'plan'\n\
+               [run]\nsteps = 10\n";
+    let near = json(&["control", &file(&dir, "near.toml", &far.replace("VALUE", "0.2")), "--json"]);
+    assert_eq!(near["succeeded"], true, "{near}");
+    assert_eq!(code(&bracketry(&["control", &file(&dir, "far.toml", &far.replace("VALUE", "9"))])), 1);
+    let blow_up = "model = 'cubic.toml'\n[horizon]\nsteps = 10\ndt = 0.1\n[cost]\nstage = 'x^2 + u^2'\n[constraints]\n\
+                   u = { min = -1, max = 1 }\n[run]\nx0 = { x = 3 }\nsteps = 10\n";
+    let o = bracketry(&["control", &file(&dir, "blow_up.toml", blow_up)]);
+    assert_eq!(code(&o), 1);
+    assert!(String::from_utf8_lossy(&o.stderr).contains("the plant stops"));
+}
+
+#[test]
+fn every_file_that_help_and_readme_name_exists() {
+    let mut texts = vec![fs::read_to_string(format!("{}/README.md", env!("CARGO_MANIFEST_DIR"))).unwrap()];
+    for command in ["analyze", "affinize", "simulate", "control"] {
+        texts.push(String::from_utf8(bracketry(&[command, "--help"]).stdout).unwrap());
+    }
+    let mut named = 0;
+    for text in texts {
+        for word in text.split(|c: char| c.is_whitespace() || "`()[]".contains(c)) {
+            if word.starts_with("models/") || word.starts_with("docs/") {
+                assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join(word).exists(), "{word}");
+                named += 1;
+            }
+        }
+    }
+    assert!(named >= 4);
+}
+
+#[test]
 fn a_reader_that_goes_away_or_a_full_disk_is_no_panic() {
     use std::process::Stdio;
     let full = fs::OpenOptions::new().write(true).open("/dev/full");

@@ -31,7 +31,7 @@ pub(crate) fn analyze(model: &Path, output: &OutputArgs) -> anyhow::Result<Outco
             ))?;
         }
     }
-    Ok(Outcome::Done)
+    Ok(if analysis.report.decided() { Outcome::Done } else { Outcome::Negative })
 }
 
 /// Writes report, affine model and growth chart.
