@@ -32,7 +32,7 @@ impl Scenario {
     /// [`FileError`] with line and column of what is wrong.
     pub fn from_csv(path: &Path, system: &System, hold: Hold) -> Result<SampledScenario, FileError> {
         let doc = read(path)?;
-        let columns = read_columns(&doc)?;
+        let Table { columns, lines } = read_table(&doc)?;
         let Some(times) = columns.get("t") else {
             return Err(doc.missing("there is no column `t`", "add a column t with the time in seconds"));
         };
@@ -49,7 +49,8 @@ impl Scenario {
             }
             let samples = Samples::new(times.clone(), values.clone(), hold).map_err(|e| match e {
                 InputError::BadSamples { row, problem } => {
-                    doc.missing(format!("line {}: column `{name}`: {problem}", row + 2), "correct the table")
+                    let line = lines.get(row).copied().unwrap_or(0);
+                    doc.missing(format!("line {line}: column `{name}`: {problem}"), "correct the table")
                 }
                 other => doc.missing(other.to_string(), "correct the table"),
             })?;
@@ -113,8 +114,13 @@ fn derivative_column(name: &str) -> Option<(&str, u32)> {
     }
 }
 
-/// The columns of a CSV table by name, every entry a finite number.
-fn read_columns(doc: &Document) -> Result<BTreeMap<String, Vec<f64>>, FileError> {
+/// The columns of a table by name, every entry a finite number, and the line of each row.
+struct Table {
+    columns: BTreeMap<String, Vec<f64>>,
+    lines: Vec<u64>,
+}
+
+fn read_table(doc: &Document) -> Result<Table, FileError> {
     let (before, header, after) = split_header(doc.text());
     let header = quote_parentheses(header);
     let text = before.as_bytes().chain(header.as_bytes()).chain(after.as_bytes());
@@ -124,9 +130,11 @@ fn read_columns(doc: &Document) -> Result<BTreeMap<String, Vec<f64>>, FileError>
         .map_err(|e| doc.missing(format!("the header cannot be read: {e}"), "start the table with column names"))?
         .clone();
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); header.len()];
+    let mut lines = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| doc.missing(e.to_string(), "give every row as many entries as the header"))?;
         let line = record.position().map_or(0, csv::Position::line);
+        lines.push(line);
         for (k, field) in record.iter().enumerate() {
             match field.parse::<f64>() {
                 Ok(v) if v.is_finite() => columns[k].push(v),
@@ -146,7 +154,7 @@ fn read_columns(doc: &Document) -> Result<BTreeMap<String, Vec<f64>>, FileError>
             return Err(doc.missing(format!("two columns are called `{name}`"), "rename one of them"));
         }
     }
-    Ok(out)
+    Ok(Table { columns: out, lines })
 }
 
 /// The text before the line of the header, that line, and the rest.

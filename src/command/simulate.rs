@@ -70,7 +70,8 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
         SimOutcome::Finished => None,
         SimOutcome::Stopped { reason, t, .. } => {
             let at = number(*t, |t| format!("{t:.6}"));
-            let state = run.not_finite.as_ref().map_or(String::new(), |n| format!("; there the rate of `{n}` is none"));
+            let state =
+                run.not_finite.as_ref().map_or(String::new(), |n| format!("; the rate of `{n}` is not finite there"));
             Some(format!("stopped at t = {at} s: {reason}{state}"))
         }
     };
