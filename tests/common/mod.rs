@@ -1,0 +1,39 @@
+//! Running the command and reading what it says.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+pub(crate) fn bracketry(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_bracketry")).args(arguments).output().unwrap()
+}
+
+pub(crate) fn code(o: &Output) -> i32 {
+    o.status.code().unwrap()
+}
+
+pub(crate) fn json(arguments: &[&str]) -> Value {
+    let o = bracketry(arguments);
+    assert_eq!(code(&o), 0, "{}", String::from_utf8_lossy(&o.stderr));
+    serde_json::from_slice(&o.stdout).unwrap()
+}
+
+pub(crate) fn model(name: &str) -> String {
+    format!("{}/models/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A folder of its own for each test.
+pub(crate) fn scratch(name: &str) -> PathBuf {
+    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&dir);
+    fs::create_dir_all(&dir).unwrap();
+    dir
+}
+
+pub(crate) fn file(dir: &Path, name: &str, text: &str) -> String {
+    let path = dir.join(name);
+    fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
