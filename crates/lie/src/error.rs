@@ -14,6 +14,12 @@ pub enum Undecided {
         /// New nodes of the pool that were allowed.
         nodes: usize,
     },
+    /// Ranks of too many or too large matrices.
+    #[error("not decided because the ranks take more than {products:e} products")]
+    TooMany {
+        /// Products in eliminations that were allowed in all questions together.
+        products: f64,
+    },
 }
 
 /// Most new nodes of the pool in one closure under brackets.

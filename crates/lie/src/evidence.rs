@@ -4,6 +4,8 @@ use bracketry_symbolic::{Certificate, Fp, Samples, Undecided};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
+use crate::error;
+
 /// The decisions of an analysis, with the probability that any of them is wrong.
 ///
 /// Ranks are taken modulo a prime at random points. A rank found is never too large; the
@@ -13,7 +15,12 @@ pub struct Evidence {
     decisions: usize,
     points: u32,
     error: f64,
+    /// Products that eliminations took.
+    products: f64,
 }
+
+/// Most products in all eliminations of an analysis together.
+const MAX_PRODUCTS: f64 = 1e9;
 
 impl Evidence {
     /// Takes one more decision into account (union bound).
@@ -25,6 +32,19 @@ impl Evidence {
     fn add_error(&mut self, log10_error: f64) {
         self.decisions += 1;
         self.error += 10f64.powf(log10_error);
+    }
+
+    /// Allows for the elimination of a matrix at three points before it is made.
+    ///
+    /// # Errors
+    /// [`error::Undecided::TooMany`] where the products of all eliminations become too many.
+    pub(crate) fn allow_elimination(&mut self, rows: usize, columns: usize) -> Result<(), error::Undecided> {
+        let products = 3.0 * rows as f64 * rows.min(columns) as f64 * columns as f64;
+        if self.products + products > MAX_PRODUCTS {
+            return Err(error::Undecided::TooMany { products: MAX_PRODUCTS });
+        }
+        self.products += products;
+        Ok(())
     }
 
     /// Takes a decision on the rank of a matrix of sampled values into account.

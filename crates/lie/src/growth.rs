@@ -79,6 +79,7 @@ pub(crate) fn independent(
     if fields.is_empty() {
         return Ok(fields);
     }
+    evidence.allow_elimination(fields.len(), fields[0].len())?;
     let rank = pool.rank(&fields, bindings)?;
     evidence.add(&rank.certificate);
     Ok(rank.independent.iter().map(|&i| fields[i].clone()).collect())

@@ -129,7 +129,7 @@ fn what_is_not_affine_is_an_error() {
 
 #[test]
 fn the_longest_growth_of_trailers_is_found() {
-    let n = 5;
+    let n = 6;
     let chain = |i: usize| (0..i).map(|j| format!("*cos(t{j} - t{})", j + 1)).collect::<Vec<_>>().concat();
     let mut states = vec!["x".to_owned(), "y".to_owned()];
     states.extend((0..=n).map(|i| format!("t{i}")));
@@ -138,8 +138,8 @@ fn the_longest_growth_of_trailers_is_found() {
     let states: Vec<&str> = states.iter().map(String::as_str).collect();
     let dynamics: Vec<&str> = dynamics.iter().map(String::as_str).collect();
     let r = report(&system(&states, &["u1", "u2"], &[], &dynamics, &[], Some(&[])));
-    assert_eq!(r.modes[0].dimensions.growth, [2, 3, 4, 5, 6, 7, 8]);
-    assert_eq!(at_point(&r).dimensions.growth, [2, 3, 4, 5, 6, 7, 8]);
+    assert_eq!(r.modes[0].dimensions.growth, [2, 3, 4, 5, 6, 7, 8, 9]);
+    assert_eq!(at_point(&r).dimensions.growth, [2, 3, 4, 5, 6, 7, 8, 9]);
 }
 
 #[test]
@@ -186,4 +186,16 @@ fn a_chain_that_is_too_long_is_unknown_with_the_work_that_was_spent() {
     assert!(dimensions.reason.as_ref().unwrap().contains("nodes"), "{dimensions:?}");
     assert!(!r.decided());
     assert_eq!(r.involutive, Answer::Known(true));
+}
+
+#[test]
+fn a_very_large_system_is_unknown_with_the_ranks_that_were_taken() {
+    let n = 200;
+    let names: Vec<String> = (1..=n).map(|i| format!("x{i}")).collect();
+    let mut dynamics = vec!["u".to_owned()];
+    dynamics.extend(names[..n - 1].iter().cloned());
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let dynamics: Vec<&str> = dynamics.iter().map(String::as_str).collect();
+    let r = report(&system(&names, &["u"], &[], &dynamics, &[], None));
+    assert!(r.modes[0].dimensions.reason.as_ref().unwrap().contains("products"), "{:?}", r.modes[0].dimensions);
 }
