@@ -1,43 +1,14 @@
 //! The command line as other programs see it: exit codes, JSON, files.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Command;
 
+use common::{bracketry, code, file, json, model, scratch};
 use serde_json::Value;
-
-fn bracketry(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_bracketry")).args(arguments).output().unwrap()
-}
-
-fn code(o: &Output) -> i32 {
-    o.status.code().unwrap()
-}
-
-fn json(arguments: &[&str]) -> Value {
-    let o = bracketry(arguments);
-    assert_eq!(code(&o), 0, "{}", String::from_utf8_lossy(&o.stderr));
-    serde_json::from_slice(&o.stdout).unwrap()
-}
-
-fn model(name: &str) -> String {
-    format!("{}/models/{name}", env!("CARGO_MANIFEST_DIR"))
-}
-
-/// A folder of its own for each test.
-fn scratch(name: &str) -> PathBuf {
-    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&dir);
-    fs::create_dir_all(&dir).unwrap();
-    dir
-}
-
-fn file(dir: &Path, name: &str, text: &str) -> String {
-    let path = dir.join(name);
-    fs::write(&path, text).unwrap();
-    path.to_str().unwrap().to_owned()
-}
 
 const SLIDER: &str = "states = ['x', 'v']\ninputs = ['a']\n[parameters]\nmu = 0.3\ng = 9.81\n\
                       [dynamics]\nx = 'v'\nv = 'a - mu*g*sign(v)'\n";
