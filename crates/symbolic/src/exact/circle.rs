@@ -1,13 +1,13 @@
 //! Sines and cosines: points on the unit circle over the field, one generator per base angle.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::field::{Residue, gcd};
 use super::linear::combination;
 use super::lower::{FRACTION_BOUND, Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node};
+use crate::pool::{Expr, Node, Symbol};
 
 /// A register of an angle, and those of the cosine and sine of the D-th part of it (none for an inverse function).
 struct Angle {
@@ -20,6 +20,8 @@ struct Angle {
 #[derive(Default)]
 pub(super) struct Circle {
     basis: Vec<Angle>,
+    /// The indeterminates on which the basis depends.
+    symbols: FxHashSet<Symbol>,
     points: FxHashMap<Expr, (Reg, Reg)>,
     inverse: Option<(Func, Vec<Expr>, Reg)>,
 }
@@ -36,20 +38,34 @@ impl<const C: u64> Lowering<'_, C> {
             return Ok(p);
         }
         let value = self.registers[&arg];
-        let mut basis = vec![self.pi()];
-        basis.extend(self.circle.basis.iter().map(|a| a.value));
-        let point = match self.relation(arg, &basis, value)? {
+        let relation = if self.is_new_symbol(arg) {
+            None
+        } else {
+            let mut basis = vec![self.pi()];
+            basis.extend(self.circle.basis.iter().map(|a| a.value));
+            self.relation(arg, &basis, value)?
+        };
+        let point = match relation {
             None => {
                 let parts = self.requirements.angles.get(&self.circle.basis.len()).copied().unwrap_or(1);
                 let slot = self.generator(Generator::Circle);
                 let base = (self.push(Step::Slot(slot)), self.push(Step::Slot(slot + 1)));
                 self.circle.basis.push(Angle { value, point: Some(base), parts });
+                self.circle.symbols.extend(self.pool.symbols_of(&[arg]));
                 self.multiple(base, parts as i64)
             }
             Some(coefficients) => self.combined(arg, &coefficients)?,
         };
         self.circle.points.insert(arg, point);
         Ok(point)
+    }
+
+    /// An indeterminate that no angle so far depends on is no combination of them; seeing that saves the elimination.
+    fn is_new_symbol(&self, arg: Expr) -> bool {
+        match self.pool.node(arg) {
+            Node::Sym(s) => !self.exact.contains_key(&arg) && !self.circle.symbols.contains(&s),
+            _ => false,
+        }
     }
 
     /// The rational coefficients by which register `value` is a combination of `basis`; `None` if it is independent.
@@ -199,6 +215,7 @@ impl<const C: u64> Lowering<'_, C> {
             let slot = self.generator(Generator::Free);
             let value = self.push(Step::Slot(slot));
             self.circle.basis.push(Angle { value, point: None, parts: 1 });
+            self.circle.symbols.extend(self.pool.symbols_of(&operands));
             self.circle.inverse = Some((kind, operands, value));
             value
         };
