@@ -4,7 +4,7 @@ use dashu_ratio::RBig;
 
 use crate::func::{Func, Func2};
 use crate::pool::{Expr, Node, Pool};
-use crate::text::{Exponent, fraction, number_text, terms};
+use crate::text::{Exponent, fraction, joined, number_text, sum_terms};
 
 /// Names that stand for a Greek letter.
 const GREEK: [&str; 32] = [
@@ -135,27 +135,7 @@ impl Pool {
     }
 
     fn latex_sum(&self, e: Expr) -> String {
-        // A number leads the node; it reads better at the end.
-        let mut all = terms(self, e);
-        if all.first().is_some_and(|&t| self.number(t).is_some()) {
-            all.rotate_left(1);
-        }
-        let mut out = String::new();
-        for (i, t) in all.into_iter().enumerate() {
-            let s = self.write_latex(t).0;
-            match (i, s.strip_prefix('-')) {
-                (0, _) => out.push_str(&s),
-                (_, Some(rest)) => {
-                    out.push_str(" - ");
-                    out.push_str(rest);
-                }
-                (_, None) => {
-                    out.push_str(" + ");
-                    out.push_str(&s);
-                }
-            }
-        }
-        out
+        joined(sum_terms(self, e).into_iter().map(|t| self.write_latex(t).0))
     }
 
     fn latex_power(&self, base: Expr, k: &Exponent) -> (String, Strength) {

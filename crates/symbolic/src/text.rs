@@ -23,6 +23,34 @@ pub(crate) fn terms(pool: &Pool, e: Expr) -> Vec<Expr> {
     flatten(pool, e, |n| if let Node::Add(a, b) = n { Some((a, b)) } else { None })
 }
 
+/// The terms of a sum in the order of print: a number leads the node, but reads better at the end.
+pub(crate) fn sum_terms(pool: &Pool, e: Expr) -> Vec<Expr> {
+    let mut all = terms(pool, e);
+    if all.first().is_some_and(|&t| pool.number(t).is_some()) {
+        all.rotate_left(1);
+    }
+    all
+}
+
+/// Printed terms as a sum, where a leading minus becomes a subtraction.
+pub(crate) fn joined(printed: impl Iterator<Item = String>) -> String {
+    let mut out = String::new();
+    for (i, s) in printed.enumerate() {
+        match (i, s.strip_prefix('-')) {
+            (0, _) => out.push_str(&s),
+            (_, Some(rest)) => {
+                out.push_str(" - ");
+                out.push_str(rest);
+            }
+            (_, None) => {
+                out.push_str(" + ");
+                out.push_str(&s);
+            }
+        }
+    }
+    out
+}
+
 /// The factors of a (nested) product, left to right.
 pub(crate) fn factors(pool: &Pool, e: Expr) -> Vec<Expr> {
     flatten(pool, e, |n| if let Node::Mul(a, b) = n { Some((a, b)) } else { None })
@@ -176,27 +204,7 @@ impl Pool {
     }
 
     fn write_sum(&self, e: Expr) -> String {
-        let mut out = String::new();
-        // A number leads the node; it reads better at the end.
-        let mut all = terms(self, e);
-        if self.number(all[0]).is_some() {
-            all.rotate_left(1);
-        }
-        for (i, t) in all.into_iter().enumerate() {
-            let s = self.wrapped(t, Strength::Sum);
-            match (i, s.strip_prefix('-')) {
-                (0, _) => out.push_str(&s),
-                (_, Some(rest)) => {
-                    out.push_str(" - ");
-                    out.push_str(rest);
-                }
-                (_, None) => {
-                    out.push_str(" + ");
-                    out.push_str(&s);
-                }
-            }
-        }
-        out
+        joined(sum_terms(self, e).into_iter().map(|t| self.wrapped(t, Strength::Sum)))
     }
 
     fn write_power(&self, base: Expr, k: &Exponent) -> (String, Strength) {
