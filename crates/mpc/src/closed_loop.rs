@@ -159,8 +159,6 @@ pub struct ClosedLoop {
     pub counts: Counts,
     /// Times per sample.
     pub times: SolveTimes,
-    /// Largest violation of a bound on states (sampled) or inputs, in its own unit.
-    pub constraint_violation_max: f64,
 }
 
 /// Runs `controller` on `plant` from `x0` for a number of samples. `disturb` may change the measured state of sample k
@@ -186,7 +184,6 @@ pub fn run_closed_loop(
         cost: 0.0,
         counts: Counts::default(),
         times: SolveTimes::default(),
-        constraint_violation_max: 0.0,
     };
     let mut x = x0.to_vec();
     for k in 0..samples {
@@ -212,6 +209,5 @@ pub fn run_closed_loop(
     let solved: Vec<f64> =
         run.steps.iter().filter(|s| s.status != StepStatus::PlayedOut).map(|s| s.timings.total()).collect();
     run.times = SolveTimes::of(&solved);
-    run.constraint_violation_max = ocp.largest_violation(&run.x[1..], &run.u);
     Ok(run)
 }

@@ -205,8 +205,7 @@ impl ControlProblem {
                 (Box::new(SqpController::new(sqp, first.trajectory)), None, first.cost)
             }
         };
-        let mut run = run_closed_loop(controller.as_mut(), plant, &self.x0, self.samples, disturb)?;
-        run.constraint_violation_max = self.ocp.largest_violation(&run.x[1..], &run.u);
+        let run = run_closed_loop(controller.as_mut(), plant, &self.x0, self.samples, disturb)?;
         let end = run.x.last().unwrap_or(&self.x0);
         let names = self.system.state_names();
         let planned = plan.as_ref().is_none_or(|p| p.status == SolveStatus::Converged);
@@ -226,7 +225,7 @@ impl ControlProblem {
             status: run.counts,
             solve_ms: run.times,
             period_ms: 1e3 * self.ocp.dt,
-            constraint_violation_max: run.constraint_violation_max,
+            constraint_violation_max: self.ocp.largest_violation(&run.x[1..], &run.u),
             plan: plan.as_ref().map(|p| PlanReport {
                 status: p.status.to_string(),
                 programs: p.iterations.len(),
