@@ -1,4 +1,8 @@
-//! Running the command and reading what it says.
+//! Running the command and reading what it says; known answers.
+#![allow(dead_code)]
+
+pub(crate) mod case_file;
+pub(crate) mod known_answers;
 
 use std::fs;
 use std::path::{Path, PathBuf};
