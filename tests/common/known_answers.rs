@@ -31,6 +31,7 @@ pub(crate) const OPEN: [&str; 17] = [
 ];
 
 /// The cases of the shared folder; none, with a line that says so, where it is absent. `root` is the workspace.
+#[allow(clippy::print_stderr)]
 pub(crate) fn cases(root: &str) -> Vec<Value> {
     let shared = std::env::var("BRACKETRY_SHARED").unwrap_or_else(|_| "../shared".into());
     let path = std::path::Path::new(root).join(shared).join("cases/systems.json");
