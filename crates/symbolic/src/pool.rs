@@ -117,6 +117,11 @@ impl Pool {
         Expr(id)
     }
 
+    /// The expression that is this node, if it was made.
+    pub(crate) fn find(&self, node: Node) -> Option<Expr> {
+        self.table.find(hash_node(&node), |&i| self.nodes[i as usize] == node).map(|&id| Expr(id))
+    }
+
     /// The indeterminate called `name`, made on first use.
     pub fn symbol(&mut self, name: &str) -> Symbol {
         if let Some(&i) = self.name_ids.get(name) {

@@ -85,6 +85,11 @@ impl Pool {
         canonical(self, e, Some(MAX_TERMS), usize::MAX).unwrap_or(e)
     }
 
+    /// Like terms and like factors merged and everything in order, products kept as they are.
+    pub(crate) fn collected(&mut self, e: Expr) -> Expr {
+        canonical(self, e, None, usize::MAX).unwrap_or(e)
+    }
+
     /// The smallest of the canonical forms of `e`; `None` if that is out of reach.
     fn simpler(&mut self, e: Expr) -> Option<Expr> {
         let nodes = self.size(e);
