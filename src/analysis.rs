@@ -84,6 +84,9 @@ pub struct Analysis {
     pub report: Report,
     /// What the ranks mean, in plain language.
     pub summary: String,
+    /// The model as it was given.
+    #[serde(skip)]
+    pub original: System,
 }
 
 /// Makes a model affine in its inputs and analyses it.
@@ -114,6 +117,7 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
         affine: affinization.method == Method::None,
         affinization: (&affinization).into(),
         summary: String::new(),
+        original: system.clone(),
         report,
     };
     analysis.summary = analysis.plain_language();

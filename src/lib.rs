@@ -13,10 +13,13 @@ mod analysis;
 mod control;
 mod input_table;
 mod plate_move;
+mod point;
+mod report;
 mod scenario;
 
 pub use analysis::{AffinizationReport, Analysis, AnalysisError, InputChange, analyze};
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
 pub use input_table::SampledScenario;
 pub use plate_move::{Arrival, MoveError, plate_move, target_of};
+pub use point::{PointError, point};
 pub use scenario::{Run, Scenario, ScenarioError};

@@ -1,44 +1,91 @@
 //! `bracketry analyze` and `bracketry affinize`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use bracketry::Analysis;
 use bracketry::lie::Options;
 use bracketry::plot::{Panel, Series, XyChart};
 use bracketry::system::System;
+use clap::{Args, ValueEnum};
 
 use super::output::{figure, folder, json, line, print, spinner, write};
 use super::{Outcome, OutputArgs};
 
+/// What the report on standard output is written in.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// Plain text
+    Text,
+    /// Markdown with LaTeX formulas
+    Markdown,
+    /// A LaTeX document
+    Latex,
+    /// One JSON object, as --json
+    Json,
+}
+
+/// Arguments of `analyze`.
+#[derive(Args)]
+pub(crate) struct AnalyzeArgs {
+    /// Model file
+    model: PathBuf,
+    /// Point of local statements in place of the model's, such as x=0.1,th=pi/2; what is not named is 0
+    #[arg(long, value_name = "NAME=VALUE,…")]
+    at: Option<String>,
+    /// What the report on standard output is written in
+    #[arg(long, value_enum, default_value = "text", conflicts_with = "json")]
+    format: Format,
+    /// The same as --format markdown
+    #[arg(long, conflicts_with_all = ["json", "format"])]
+    markdown: bool,
+}
+
+impl AnalyzeArgs {
+    fn format(&self, output: &OutputArgs) -> Format {
+        match (output.json, self.markdown) {
+            (true, _) => Format::Json,
+            (_, true) => Format::Markdown,
+            _ => self.format,
+        }
+    }
+}
+
 /// Prints what the inputs of a model reach.
-pub(crate) fn analyze(model: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
-    let system = System::read(model)?;
+pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let mut system = System::read(&args.model)?;
+    if let Some(at) = &args.at {
+        system.point = Some(bracketry::point(&mut system, at).context("--at")?);
+    }
     let progress = spinner("brackets and ranks");
-    let analysis = bracketry::analyze(&system, &Options::default()).with_context(|| model.display().to_string())?;
+    let analysis =
+        bracketry::analyze(&system, &Options::default()).with_context(|| args.model.display().to_string())?;
     progress.finish_and_clear();
     if let Some(dir) = &output.out {
         save(&analysis, dir)?;
     }
-    if output.json {
-        print(&json(&analysis)?)?;
-    } else {
-        print(&analysis.to_string())?;
-        if let Some(dir) = &output.out {
-            line(&format!(
-                "written to {}: analysis.json, analysis.txt, affine.toml, growth.svg, growth.png",
-                dir.display()
-            ))?;
-        }
+    let format = args.format(output);
+    match format {
+        Format::Json => print(&json(&analysis)?)?,
+        Format::Markdown => print(&analysis.markdown())?,
+        Format::Latex => print(&analysis.latex())?,
+        Format::Text => print(&analysis.to_string())?,
+    }
+    if let (Some(dir), Format::Text) = (&output.out, format) {
+        line(&format!("written to {}: {FILES}", dir.display()))?;
     }
     Ok(if analysis.report.decided() { Outcome::Done } else { Outcome::Negative })
 }
+
+/// What [`save`] writes.
+const FILES: &str = "analysis.json, analysis.txt, analysis.md, affine.toml, growth.svg, growth.png";
 
 /// Writes report, affine model and growth chart.
 pub(crate) fn save(analysis: &Analysis, dir: &Path) -> anyhow::Result<()> {
     folder(dir)?;
     write(&dir.join("analysis.json"), &json(analysis)?)?;
     write(&dir.join("analysis.txt"), &analysis.to_string())?;
+    write(&dir.join("analysis.md"), &analysis.markdown())?;
     write(&dir.join("affine.toml"), &analysis.affinization.model.to_toml()?)?;
     figure(growth_chart(analysis).draw(), &dir.join("growth"));
     Ok(())

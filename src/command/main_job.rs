@@ -64,7 +64,7 @@ pub(crate) fn run(options: &OutputArgs) -> anyhow::Result<Outcome> {
     let summary = job.summary(begin.elapsed());
     write(&out.join("main.json"), &json(&summary)?)?;
     report.line(&format!(
-        "written to {}: report.txt, main.json, analysis.json, analysis.txt, affine.toml, simultaneous.csv, two_step.csv\n\
+        "written to {}: report.txt, main.json, analysis.json, analysis.txt, analysis.md, affine.toml, simultaneous.csv, two_step.csv\n\
          and the figures closed_loop, comparison, plan_view, growth (svg and png); {:.1} s in all",
         out.display(),
         begin.elapsed().as_secs_f64()

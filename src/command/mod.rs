@@ -47,11 +47,9 @@ pub(crate) struct OutputArgs {
 #[derive(Subcommand)]
 enum Command {
     /// Affine form, modes, ranks, brackets, and what no input influences
-    #[command(after_help = "Example:\n  bracketry analyze models/plate_published.toml")]
-    Analyze {
-        /// Model file
-        model: PathBuf,
-    },
+    #[command(after_help = "Examples:\n  bracketry analyze models/plate_published.toml\n  \
+        bracketry analyze models/cart_pole.toml --at th=pi --markdown")]
+    Analyze(analyze::AnalyzeArgs),
     /// Write the model in a form that is affine in its inputs
     #[command(after_help = "Example:\n  bracketry affinize models/plate_published.toml > plate_affine.toml")]
     Affinize {
@@ -79,7 +77,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
     let output = cli.output;
     match cli.command {
         None => main_job::run(&output),
-        Some(Command::Analyze { model }) => analyze::analyze(&model, &output),
+        Some(Command::Analyze(args)) => analyze::analyze(&args, &output),
         Some(Command::Affinize { model }) => analyze::affinize(&model, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Control { problem }) => control::run(&problem, &output),

@@ -1,0 +1,327 @@
+//! The sections of the report.
+
+use bracketry_lie::{Answer, Dimensions, ModeReport, PointReport, Subject};
+use bracketry_symbolic::{Expr, Symbol};
+use bracketry_system::{AffineForm, Parameter, System};
+
+use super::document::{Block, Line, Span, code, math, text, words};
+use super::formulas::{column, expression, list, printed, symbol};
+use crate::Analysis;
+
+/// The whole report.
+pub(super) fn document(a: &Analysis) -> Vec<Block> {
+    let mut out = vec![Block::Heading(1, format!("Analysis of {}", a.model)), words(&a.summary)];
+    model(a, &mut out);
+    affine_form(a, &mut out);
+    reach(a, &mut out);
+    at_the_point(a, &mut out);
+    linearisation(a, &mut out);
+    observability(a, &mut out);
+    certificate(a, &mut out);
+    out
+}
+
+fn section(out: &mut Vec<Block>, title: &str) {
+    out.push(Block::Heading(2, title.to_owned()));
+}
+
+fn equations(system: &System) -> Block {
+    let rate = |(&s, &e): (&Symbol, &Expr)| {
+        let mut formula = expression(&system.pool, e);
+        for d in &system.input_derivatives {
+            let input = symbol(system.symbol_name(system.inputs[d.input]));
+            let dots = match d.order {
+                1 => format!("\\dot{{{input}}}"),
+                2 => format!("\\ddot{{{input}}}"),
+                k => format!("{{{input}}}^{{({k})}}"),
+            };
+            formula = formula.replace(&symbol(system.symbol_name(d.symbol)), &dots);
+        }
+        format!("\\dot{{{}}} &= {formula}", symbol(system.symbol_name(s)))
+    };
+    Block::Display(system.states.iter().zip(&system.dynamics).map(rate).collect())
+}
+
+fn names(list: &[String]) -> Line {
+    let mut line = Vec::new();
+    for (k, name) in list.iter().enumerate() {
+        if k > 0 {
+            line.push(text(", "));
+        }
+        line.push(math(symbol(name)));
+    }
+    line
+}
+
+fn model(a: &Analysis, out: &mut Vec<Block>) {
+    section(out, "Model");
+    let system = &a.original;
+    let mut line = vec![text("States ")];
+    line.extend(names(&system.state_names()));
+    line.push(text(if system.inputs.is_empty() { ", no inputs" } else { "; inputs " }));
+    line.extend(names(&system.input_names()));
+    line.push(text("."));
+    out.push(Block::Paragraph(line));
+    out.push(equations(system));
+    if !system.parameters.is_empty() {
+        let header = ["parameter", "value", "unit", "about"].map(|h| vec![text(h)]).to_vec();
+        let row = |p: &Parameter| {
+            vec![
+                vec![math(symbol(system.symbol_name(p.symbol)))],
+                vec![text(p.value.to_f64().value().to_string())],
+                vec![text(p.unit.clone().unwrap_or_default())],
+                vec![text(p.about.clone().unwrap_or_default())],
+            ]
+        };
+        out.push(Block::Table(header, system.parameters.iter().map(row).collect()));
+    }
+    // Outputs that are states by their own name say nothing as an equation.
+    let formulas = system.outputs.iter().map(|(name, e)| (symbol(name), expression(&system.pool, *e)));
+    let (plain, defined): (Vec<_>, Vec<_>) = formulas.partition(|(name, formula)| name == formula);
+    if !plain.is_empty() {
+        let list: Vec<String> = plain.into_iter().map(|p| p.0).collect();
+        out.push(Block::Paragraph(vec![text("Outputs "), math(list.join(",\\ ")), text(".")]));
+    }
+    if !defined.is_empty() {
+        out.push(words("Outputs:"));
+        out.push(Block::Display(defined.into_iter().map(|(name, formula)| format!("{name} &= {formula}")).collect()));
+    }
+}
+
+fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
+    section(out, "Affine form");
+    out.push(Block::Paragraph(capital(vec![text(format!("{}.", a.affinization.why))])));
+    for v in &a.affinization.input_change {
+        let mut line = vec![text("New input "), math(format!("{} = {}", symbol(&v.name), printed(&v.function)))];
+        if let Some(range) = &v.range {
+            line.push(text(format!(", limited to {range}")));
+        }
+        line.push(text("."));
+        out.push(Block::Paragraph(line));
+    }
+    let affine = &a.affinization.model;
+    if !a.affine {
+        out.push(equations(affine));
+    }
+    let mut system = affine.clone();
+    if let Ok(Some(AffineForm { drift, fields })) = system.affine_form() {
+        let inputs = system.input_names();
+        let driftless = drift.iter().all(|&e| system.pool.is_zero(e));
+        let mut sum: Vec<String> = if driftless { Vec::new() } else { vec!["f".to_owned()] };
+        sum.extend((1..=fields.len()).map(|i| format!("g_{{{i}}} {}", symbol(&inputs[i - 1]))));
+        let column = |e: &[Expr]| column(&e.iter().map(|&e| expression(&system.pool, e)).collect::<Vec<_>>());
+        let mut definitions = vec![format!("\\dot x &= {}", if sum.is_empty() { "0".into() } else { sum.join(" + ") })];
+        if !driftless {
+            definitions.push(format!("f &= {}", column(&drift)));
+        }
+        definitions.extend(fields.iter().enumerate().map(|(i, g)| format!("g_{{{}}} &= {}", i + 1, column(g))));
+        out.push(words("Drift and input fields:"));
+        out.push(Block::Display(definitions));
+    }
+}
+
+fn dimension(d: &Answer<usize>) -> Line {
+    match d {
+        Answer::Known(d) => vec![math(d.to_string())],
+        Answer::Unknown(_) => vec![text("unknown")],
+    }
+}
+
+fn rank_row(what: Line, d: &Dimensions) -> Vec<Line> {
+    vec![
+        what,
+        dimension(&d.accessible_dimension),
+        vec![math(list(&d.growth))],
+        dimension(&d.strongly_accessible_dimension),
+        vec![math(list(&d.strong_growth))],
+    ]
+}
+
+fn mode_name(m: &ModeReport) -> Line {
+    if m.signs.0.is_empty() {
+        return vec![text("at a generic point")];
+    }
+    let signs: Vec<String> =
+        m.signs.0.iter().map(|(s, v)| format!("{} {} 0", printed(s), if *v > 0 { ">" } else { "<" })).collect();
+    vec![text("while "), math(signs.join(",\\ "))]
+}
+
+fn reach(a: &Analysis, out: &mut Vec<Block>) {
+    section(out, "What the inputs reach");
+    out.push(Block::Paragraph(vec![
+        text("Dimension of the span of all iterated brackets of "),
+        math("f, g_1, \\dots"),
+        text(" (accessible: what is reached over all times) and of those that contain an input field (strongly accessible: what is reached at each one time), out of "),
+        math(a.states.to_string()),
+        text(". The growth gives the dimension after each round of brackets."),
+    ]));
+    let header = ["", "accessible", "growth", "strongly accessible", "growth"].map(|h| vec![text(h)]).to_vec();
+    let report = &a.report;
+    let mut rows: Vec<Vec<Line>> = report.modes.iter().map(|m| rank_row(mode_name(m), &m.dimensions)).collect();
+    if let Some(d) = &report.switched {
+        rows.push(rank_row(vec![text("all modes together")], d));
+    }
+    if let Some(s) = &report.smoothed {
+        rows.push(rank_row(vec![text("smoothed, width "), math(s.epsilon.to_string())], &s.dimensions));
+    }
+    if let Some(Answer::Known(p)) = &report.at_point {
+        rows.push(rank_row(vec![text("at the point")], &p.dimensions));
+    }
+    out.push(Block::Table(header, rows));
+    let alike = |m: &ModeReport| {
+        let first = &report.modes[0];
+        m.autonomous == first.autonomous && m.autonomous_not_found == first.autonomous_not_found
+    };
+    match &report.modes[..] {
+        [first, _, ..] if report.modes.iter().all(alike) => autonomous(vec![text("In every mode")], first, out),
+        modes => modes.iter().for_each(|m| autonomous(capital(mode_name(m)), m, out)),
+    }
+}
+
+fn capital(mut line: Line) -> Line {
+    if let Some(Span::Text(t)) = line.first_mut()
+        && let Some(first) = t.get(..1).map(str::to_uppercase)
+    {
+        t.replace_range(..1, &first);
+    }
+    line
+}
+
+/// The functions that no input influences `when` a mode lasts.
+fn autonomous(when: Line, m: &ModeReport, out: &mut Vec<Block>) {
+    let mut line = when;
+    match &m.autonomous {
+        Answer::Known(functions) if functions.is_empty() && m.autonomous_not_found.is_none() => return,
+        Answer::Known(functions) => {
+            line.push(text(", no input influences "));
+            for (k, f) in functions.iter().enumerate() {
+                if k > 0 {
+                    line.push(text(", "));
+                }
+                line.push(math(printed(f)));
+            }
+            if let Some(k) = m.autonomous_not_found {
+                let and = if functions.is_empty() { "" } else { " and " };
+                line.push(text(format!("{and}{k} independent functions that were not found in closed form")));
+            }
+            line.push(text("."));
+        }
+        Answer::Unknown(why) => line.push(text(format!(", what no input influences is unknown ({why})."))),
+    }
+    out.push(Block::Paragraph(line));
+}
+
+fn yes_no(answer: &Answer<bool>) -> String {
+    match answer {
+        Answer::Known(true) => "yes".to_owned(),
+        Answer::Known(false) => "no".to_owned(),
+        Answer::Unknown(why) => format!("unknown ({why})"),
+    }
+}
+
+/// `name: value` as an item.
+fn item(name: &str, value: impl Into<String>) -> Line {
+    vec![text(format!("{name}: {}", value.into()))]
+}
+
+fn at_the_point(a: &Analysis, out: &mut Vec<Block>) {
+    let Some(point) = &a.report.at_point else { return };
+    section(out, "At the point");
+    if let Some(p) = &a.original.point {
+        let mut system = a.original.clone();
+        let mut entries = Vec::new();
+        let symbols = a.original.states.iter().chain(&a.original.inputs);
+        for (&s, &v) in symbols.zip(p.states.iter().chain(&p.inputs)) {
+            if !system.pool.is_zero(v) {
+                let s = system.pool.sym(s);
+                entries.push(format!("{} = {}", system.pool.latex(s), system.pool.latex(v)));
+            }
+        }
+        let place = if entries.is_empty() {
+            vec![text("The origin.")]
+        } else {
+            vec![math(entries.join(",\\ ")), text("; all else is 0.")]
+        };
+        out.push(Block::Paragraph(place));
+    }
+    match point {
+        Answer::Unknown(why) => out.push(words(format!("Nothing is decided there: {why}."))),
+        Answer::Known(p) => local(p, out),
+    }
+}
+
+fn local(p: &PointReport, out: &mut Vec<Block>) {
+    if let Some(width) = p.epsilon {
+        let mut line = vec![text("Of the smoothed model, width "), math(width.to_string()), text("; at the point ")];
+        for (k, s) in p.vanishing.iter().enumerate() {
+            if k > 0 {
+                line.push(text(", "));
+            }
+            line.push(math(printed(s)));
+        }
+        line.push(text(if p.vanishing.len() == 1 { " vanishes." } else { " vanish." }));
+        out.push(Block::Paragraph(line));
+    }
+    let mut items = vec![item("equilibrium", yes_no(&p.equilibrium))];
+    if let Some(rank) = p.linear_controllability_rank {
+        items.push(item("rank of the linearisation's controllability matrix", rank.to_string()));
+    }
+    if let Some(s) = &p.stabilizable {
+        let why = p.stabilizable_reason.as_deref().filter(|_| s.known().is_some());
+        items.push(item("stabilizable", format!("{}{}", yes_no(s), why.map_or(String::new(), |w| format!(" ({w})")))));
+    }
+    items.push(item("small-time locally controllable", format!("{} ({})", p.stlc.verdict, p.stlc.reason)));
+    out.push(Block::List(items));
+}
+
+fn linearisation(a: &Analysis, out: &mut Vec<Block>) {
+    section(out, "Linearisation by feedback");
+    let report = &a.report;
+    if report.global_statements_of == Some(Subject::Smoothed) {
+        out.push(words("Statements of the smoothed model."));
+    }
+    out.push(Block::List(vec![
+        item("input fields span an involutive distribution", yes_no(&report.involutive)),
+        item("linear by static state feedback near a generic point", yes_no(&report.static_feedback_linearizable)),
+    ]));
+}
+
+fn observability(a: &Analysis, out: &mut Vec<Block>) {
+    let Some(o) = &a.report.observability else { return };
+    section(out, "Observability");
+    let mut items = vec![match &o.rank {
+        Answer::Known(r) => item("rank of the observability codistribution", format!("{r} of {}", a.states)),
+        Answer::Unknown(why) => item("rank of the observability codistribution", format!("unknown ({why})")),
+    }];
+    if !o.unobservable.is_empty() {
+        let mut line = vec![text("not determined by the outputs: ")];
+        line.extend(names(&o.unobservable));
+        items.push(line);
+    }
+    for (name, yes) in o.identifiable.iter().flat_map(|m| &m.0) {
+        let verdict = if *yes { " is identifiable" } else { " is not identifiable" };
+        items.push(vec![text("parameter "), math(symbol(name)), text(verdict)]);
+    }
+    out.push(Block::List(items));
+}
+
+fn certificate(a: &Analysis, out: &mut Vec<Block>) {
+    section(out, "Certificate");
+    let c = &a.report.certificate;
+    let time = format!("{:.3} s", a.report.seconds);
+    if c.decisions() == 0 {
+        out.push(words(format!("No test was needed; {time}.")));
+        return;
+    }
+    out.push(Block::Paragraph(vec![
+        text("Zero and rank are decided exactly modulo the prime "),
+        math("2^{61}-1"),
+        text(format!(
+            " at {} random points; the probability that any of {} decisions is wrong is ",
+            c.points(),
+            c.decisions()
+        )),
+        code(c.error_text()),
+        text(format!(". {time}.")),
+    ]));
+}
