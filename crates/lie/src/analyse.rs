@@ -14,7 +14,9 @@ use crate::growth::Closure;
 use crate::linear::{Linearisation, uncontrollable_modes_decay};
 use crate::local::{Frame, Limits};
 use crate::report::{Dimensions, ModeReport, Named, ObservabilityReport, PointReport, Report, SmoothedReport, Subject};
+use crate::requested;
 use crate::stlc::{self, Stlc, Verdict};
+use crate::word::generator_names;
 
 /// Choices of an analysis.
 #[derive(Clone, Debug)]
@@ -23,11 +25,13 @@ pub struct Options {
     pub epsilon: Rational,
     /// How far brackets are formed at the point.
     pub limits: Limits,
+    /// Brackets to be told, such as `[g1,[f,g1]]`; an input field also goes by the name of its input.
+    pub brackets: Vec<String>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { epsilon: Rational::ONE / Rational::from(100), limits: Limits::default() }
+        Options { epsilon: Rational::ONE / Rational::from(100), limits: Limits::default(), brackets: Vec::new() }
     }
 }
 
@@ -37,25 +41,32 @@ impl Default for Options {
 /// vanishes at the point, of the smoothed model.
 ///
 /// # Errors
-/// [`Error::NotAffine`], [`Error::NoStates`], [`Error::Modes`]; what an exact test cannot decide
-/// becomes an unknown of the report instead.
+/// [`Error::NotAffine`], [`Error::NoStates`], [`Error::Modes`], [`Error::Bracket`]; what an exact test cannot
+/// decide becomes an unknown of the report instead.
 pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let begin = Instant::now();
     let mut evidence = Evidence::default();
     let mut system = system.clone();
+    let words = requested::read(&system, &options.brackets)?;
     let modes = mode_fields(&mut system)?;
     let smooth = modes.len() == 1 && modes[0].signs.is_empty();
     let pool = &mut system.pool;
     let first = pool.len();
     let reach: Vec<Reach> = modes.iter().map(|m| Reach::of(pool, &m.fields, first, &mut evidence)).collect();
-    let mode_reports: Vec<ModeReport> =
+    let mut mode_reports: Vec<ModeReport> =
         modes.iter().zip(&reach).map(|(m, r)| mode_report(pool, m, r, first, &mut evidence)).collect();
+    if !smooth {
+        for (mode, report) in modes.iter().zip(&mut mode_reports) {
+            report.brackets = requested::components(pool, &mode.fields, &words);
+        }
+    }
     let switched = if smooth {
         None
     } else {
         let family: Vec<VectorFields> = modes.iter().map(|m| m.fields.clone()).collect();
         let all = VectorFields::switched(pool, &family)?;
-        Some(Reach::of(pool, &all, first, &mut evidence).dimensions())
+        let names = requested::family_names(pool, &family, &all);
+        Some(Reach::of(pool, &all, first, &mut evidence).dimensions(&names))
     };
     let mut smoothed_system = None;
     let smoothed = if smooth {
@@ -66,7 +77,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         let mut modes = mode_fields(&mut s)?;
         let fields = modes.remove(0).fields;
         let reach = Reach::of(&mut s.pool, &fields, first, &mut evidence);
-        let dimensions = reach.dimensions();
+        let dimensions = reach.dimensions(&generator_names(fields.controls.len()));
         smoothed_system = Some((s, fields, reach));
         Some(SmoothedReport { epsilon: options.epsilon.to_f64().value(), dimensions })
     };
@@ -103,6 +114,10 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         ),
         None => (mode_reports[0].involutive.clone(), mode_reports[0].static_feedback_linearizable.clone()),
     };
+    let brackets = match &mut smoothed_system {
+        Some((s, fields, _)) => requested::components(&mut s.pool, fields, &words),
+        None => requested::components(&mut system.pool, &modes[0].fields, &words),
+    };
     Ok(Report {
         modes: mode_reports,
         switched,
@@ -113,6 +128,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         involutive,
         static_feedback_linearizable: linearizable,
         observability,
+        brackets,
         certificate: evidence,
         seconds: begin.elapsed().as_secs_f64(),
     })
@@ -207,12 +223,20 @@ impl Reach {
         Reach { all, strong }
     }
 
-    fn dimensions(&self) -> Dimensions {
+    /// `names` are those of the generators f, g_1 … g_m.
+    fn dimensions(&self, names: &[String]) -> Dimensions {
         let growth = |c: &Result<Closure, Undecided>| c.as_ref().map(|c| c.growth.clone()).unwrap_or_default();
         let dimension = |c: &Result<Closure, Undecided>| -> Answer<usize> {
             c.as_ref().map(Closure::dimension).map_err(ToString::to_string).into()
         };
-        Dimensions::new(growth(&self.all), dimension(&self.all), growth(&self.strong), dimension(&self.strong))
+        let basis = |c: &Result<Closure, Undecided>| -> Vec<String> {
+            c.iter().flat_map(|c| &c.words).map(|w| w.name(names)).collect()
+        };
+        Dimensions {
+            basis: basis(&self.all),
+            strong_basis: basis(&self.strong),
+            ..Dimensions::new(growth(&self.all), dimension(&self.all), growth(&self.strong), dimension(&self.strong))
+        }
     }
 }
 
@@ -222,13 +246,14 @@ fn mode_report(pool: &mut Pool, mode: &ModeFields, reach: &Reach, first: usize, 
     let missing = found.as_ref().map_or(0, |a| a.missing);
     ModeReport {
         signs: Named(mode.signs.clone()),
-        dimensions: reach.dimensions(),
+        dimensions: reach.dimensions(&generator_names(mode.fields.controls.len())),
         autonomous: found.map(|a| a.functions.iter().map(|&e| pool.text(e)).collect::<Vec<_>>()).into(),
         autonomous_not_found: (missing > 0).then_some(missing),
         involutive: check_analysis(pool, first).and_then(|()| mode.fields.is_involutive(pool, evidence)).into(),
         static_feedback_linearizable: check_analysis(pool, first)
             .and_then(|()| mode.fields.static_feedback_linearizable(pool, evidence))
             .into(),
+        brackets: Named(Vec::new()),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::answer::Answer;
-use crate::report::{Dimensions, ModeReport, PointReport, Report, Subject};
+use crate::report::{Dimensions, ModeReport, Named, PointReport, Report, Subject};
 
 fn yes_no(answer: &Answer<bool>) -> String {
     match answer {
@@ -23,10 +23,35 @@ fn dimension_line(f: &mut fmt::Formatter<'_>, label: &str, dimension: &Answer<us
     writeln!(f)
 }
 
+/// More names than this are told in part.
+const MAX_NAMES: usize = 16;
+
+/// The brackets that a dimension counts.
+fn span_line(f: &mut fmt::Formatter<'_>, basis: &[String]) -> fmt::Result {
+    if basis.is_empty() {
+        return Ok(());
+    }
+    let told = &basis[..basis.len().min(MAX_NAMES)];
+    let rest = if told.len() < basis.len() { ", …" } else { "" };
+    writeln!(f, "    spanned by           {}{rest}", told.join(", "))
+}
+
+fn brackets(f: &mut fmt::Formatter<'_>, brackets: &Named<Answer<Vec<String>>>) -> fmt::Result {
+    for (name, components) in &brackets.0 {
+        match components {
+            Answer::Known(list) => writeln!(f, "  {name} = ({})", list.join(", "))?,
+            Answer::Unknown(why) => writeln!(f, "  {name} = unknown ({why})")?,
+        }
+    }
+    Ok(())
+}
+
 impl fmt::Display for Dimensions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         dimension_line(f, "accessible", &self.accessible_dimension, &self.growth)?;
-        dimension_line(f, "strongly accessible", &self.strongly_accessible_dimension, &self.strong_growth)
+        span_line(f, &self.basis)?;
+        dimension_line(f, "strongly accessible", &self.strongly_accessible_dimension, &self.strong_growth)?;
+        if self.strong_basis == self.basis { Ok(()) } else { span_line(f, &self.strong_basis) }
     }
 }
 
@@ -59,7 +84,7 @@ impl fmt::Display for ModeReport {
             writeln!(f, "  involutive inputs      {}", yes_no(&self.involutive))?;
             writeln!(f, "  feedback linearizable  {}", yes_no(&self.static_feedback_linearizable))?;
         }
-        Ok(())
+        brackets(f, &self.brackets)
     }
 }
 
@@ -91,6 +116,7 @@ impl fmt::Display for Report {
                     && o.autonomous == mode.autonomous
                     && o.involutive == mode.involutive
                     && o.static_feedback_linearizable == mode.static_feedback_linearizable
+                    && o.brackets == mode.brackets
             };
             if told.iter().any(same) {
                 continue;
@@ -133,6 +159,10 @@ impl fmt::Display for Report {
             for (name, yes) in o.identifiable.iter().flat_map(|m| &m.0) {
                 writeln!(f, "  parameter {name}: {}", if *yes { "identifiable" } else { "not identifiable" })?;
             }
+        }
+        if !self.brackets.is_empty() {
+            writeln!(f, "{of}brackets")?;
+            brackets(f, &self.brackets)?;
         }
         if self.certificate.decisions() > 0 {
             let points = self.certificate.points();

@@ -6,6 +6,7 @@ use crate::error::{Undecided, check_growth};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields, bracket, is_plain_zero};
 use crate::merge::merge_equal;
+use crate::word::Word;
 
 /// The distribution that a closure under brackets ends in, with the dimensions on the way.
 #[derive(Clone, Debug)]
@@ -15,6 +16,8 @@ pub struct Closure {
     pub growth: Vec<usize>,
     /// Brackets that span the distribution at a generic point, the first `growth[k]` of them after k rounds.
     pub basis: Vec<Field>,
+    /// The brackets of `basis` as words in the generators f (number 0), g_1 … g_m.
+    pub words: Vec<Word>,
 }
 
 impl Closure {
@@ -37,35 +40,59 @@ impl Closure {
 fn close(
     pool: &mut Pool,
     states: &[Symbol],
-    start: &[Field],
-    generators: &[Field],
+    start: Spanning,
+    generators: &Spanning,
     bindings: &Bindings,
     evidence: &mut Evidence,
 ) -> Result<Closure, Undecided> {
     let first_node = pool.len();
-    let mut basis = independent(pool, start, bindings, evidence)?;
-    let mut fresh = 0..basis.len();
-    let mut growth = vec![basis.len()];
-    while !fresh.is_empty() && basis.len() < states.len() {
-        let known = basis.len();
+    let mut basis = start;
+    let mut fresh = 0..basis.fields.len();
+    let mut growth = vec![basis.fields.len()];
+    while !fresh.is_empty() && basis.fields.len() < states.len() {
+        let known = basis.fields.len();
         let mut candidates = basis.clone();
-        for x in generators {
-            for y in &basis[fresh.clone()] {
+        for (x, name) in generators.fields.iter().zip(&generators.words) {
+            for j in fresh.clone() {
+                let y = &basis.fields[j];
                 check_growth(pool, first_node, [x, y], 1)?;
                 let z = bracket(pool, states, x, y);
-                if !is_plain_zero(pool, &z) && !candidates.contains(&z) {
-                    candidates.push(z);
+                if !is_plain_zero(pool, &z) && !candidates.fields.contains(&z) {
+                    candidates.push(z, Word::bracket(name.clone(), basis.words[j].clone()));
                 }
             }
         }
-        basis = independent(pool, &candidates, bindings, evidence)?;
-        fresh = known..basis.len();
-        if let Ok(merged) = merge_equal(pool, &basis, bindings, evidence) {
-            basis = merged;
+        basis = candidates.independent(pool, bindings, evidence)?;
+        fresh = known..basis.fields.len();
+        if let Ok(merged) = merge_equal(pool, &basis.fields, bindings, evidence) {
+            basis.fields = merged;
         }
-        growth.push(basis.len());
+        growth.push(basis.fields.len());
     }
-    Ok(Closure { growth, basis })
+    Ok(Closure { growth, basis: basis.fields, words: basis.words })
+}
+
+/// Fields with the words that they come from.
+#[derive(Clone, Default)]
+struct Spanning {
+    fields: Vec<Field>,
+    words: Vec<Word>,
+}
+
+impl Spanning {
+    fn push(&mut self, field: Field, word: Word) {
+        self.fields.push(field);
+        self.words.push(word);
+    }
+
+    /// A maximal set that is independent at a generic point, greedily from the first.
+    fn independent(self, pool: &mut Pool, bindings: &Bindings, evidence: &mut Evidence) -> Result<Self, Undecided> {
+        let mut kept = Self::default();
+        for i in independent_rows(pool, &self.fields, bindings, evidence)? {
+            kept.push(self.fields[i].clone(), self.words[i].clone());
+        }
+        Ok(kept)
+    }
 }
 
 /// A maximal set of fields that are independent at a generic point, greedily from the first.
@@ -75,14 +102,26 @@ pub(crate) fn independent(
     bindings: &Bindings,
     evidence: &mut Evidence,
 ) -> Result<Vec<Field>, Undecided> {
-    let fields: Vec<Field> = fields.iter().filter(|f| !is_plain_zero(pool, f)).cloned().collect();
-    if fields.is_empty() {
-        return Ok(fields);
+    let rows = independent_rows(pool, fields, bindings, evidence)?;
+    Ok(rows.into_iter().map(|i| fields[i].clone()).collect())
+}
+
+/// The numbers of these fields.
+fn independent_rows(
+    pool: &mut Pool,
+    fields: &[Field],
+    bindings: &Bindings,
+    evidence: &mut Evidence,
+) -> Result<Vec<usize>, Undecided> {
+    let numbers: Vec<usize> = (0..fields.len()).filter(|&i| !is_plain_zero(pool, &fields[i])).collect();
+    if numbers.is_empty() {
+        return Ok(numbers);
     }
-    evidence.allow_elimination(fields.len(), fields[0].len())?;
-    let rank = pool.rank(&fields, bindings)?;
+    let rows: Vec<Field> = numbers.iter().map(|&i| fields[i].clone()).collect();
+    evidence.allow_elimination(rows.len(), rows[0].len())?;
+    let rank = pool.rank(&rows, bindings)?;
     evidence.add(&rank.certificate);
-    Ok(rank.independent.iter().map(|&i| fields[i].clone()).collect())
+    Ok(rank.independent.iter().map(|&i| numbers[i]).collect())
 }
 
 impl VectorFields {
@@ -91,11 +130,13 @@ impl VectorFields {
     /// # Errors
     /// [`Undecided`] if a function in the fields cannot be evaluated exactly.
     pub fn accessibility(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Closure, Undecided> {
-        let mut all = vec![self.drift.clone()];
-        all.extend(self.controls.iter().cloned());
+        let mut all = Spanning::default();
+        for (i, field) in self.generators().into_iter().enumerate() {
+            all.push(field, Word::Generator(i));
+        }
         // [aX, Y] = a[X, Y] − (Y·a)X with X itself in the distribution: a K-basis of generators will do.
-        let generators = independent(pool, &all, &self.bindings, evidence)?;
-        close(pool, &self.states, &generators, &generators, &self.bindings, evidence)
+        let generators = all.independent(pool, &self.bindings, evidence)?;
+        close(pool, &self.states, generators.clone(), &generators, &self.bindings, evidence)
     }
 
     /// The strong accessibility distribution: the smallest that contains the g_i and is
@@ -104,12 +145,16 @@ impl VectorFields {
     /// # Errors
     /// [`Undecided`] if a function in the fields cannot be evaluated exactly.
     pub fn strong_accessibility(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Closure, Undecided> {
-        let controls = independent(pool, &self.controls, &self.bindings, evidence)?;
+        let mut all = Spanning::default();
+        for (i, field) in self.controls.iter().enumerate() {
+            all.push(field.clone(), Word::Generator(i + 1));
+        }
+        let controls = all.independent(pool, &self.bindings, evidence)?;
         let mut generators = controls.clone();
         if !is_plain_zero(pool, &self.drift) {
-            generators.push(self.drift.clone());
+            generators.push(self.drift.clone(), Word::Generator(0));
         }
-        close(pool, &self.states, &controls, &generators, &self.bindings, evidence)
+        close(pool, &self.states, controls, &generators, &self.bindings, evidence)
     }
 
     /// Whether the distribution spanned by the input fields is involutive at a generic point.

@@ -14,10 +14,16 @@ pub struct Dimensions {
     pub growth: Vec<usize>,
     /// Dimension of the accessibility algebra.
     pub accessible_dimension: Answer<usize>,
+    /// Names of brackets that span it, the first `growth[k]` of them with at most k + 1 letters; none at a point.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub basis: Vec<String>,
     /// Entry k: dimension after k rounds of brackets of the g_i with f and the g_i.
     pub strong_growth: Vec<usize>,
     /// Dimension of the strong accessibility algebra.
     pub strongly_accessible_dimension: Answer<usize>,
+    /// Names of brackets that span it, the first `strong_growth[k]` of them after k rounds; none at a point.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub strong_basis: Vec<String>,
     /// Why something is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
@@ -31,13 +37,29 @@ impl Dimensions {
         strongly_accessible_dimension: Answer<usize>,
     ) -> Self {
         let reason = accessible_dimension.reason().or(strongly_accessible_dimension.reason()).map(str::to_owned);
-        Dimensions { growth, accessible_dimension, strong_growth, strongly_accessible_dimension, reason }
+        let (basis, strong_basis) = (Vec::new(), Vec::new());
+        Dimensions {
+            growth,
+            accessible_dimension,
+            basis,
+            strong_growth,
+            strongly_accessible_dimension,
+            strong_basis,
+            reason,
+        }
     }
 }
 
 /// Names with values, serialised as one object in this order.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Named<T>(pub Vec<(String, T)>);
+
+impl<T> Named<T> {
+    /// True without entries.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
 
 impl<T: Serialize> Serialize for Named<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -66,6 +88,9 @@ pub struct ModeReport {
     pub involutive: Answer<bool>,
     /// Whether static state feedback makes the mode linear near a generic point.
     pub static_feedback_linearizable: Answer<bool>,
+    /// The brackets that were asked for, in this mode; only of a system with switching.
+    #[serde(skip_serializing_if = "Named::is_empty")]
+    pub brackets: Named<Answer<Vec<String>>>,
 }
 
 /// The model with every switching function replaced by a smooth one.
@@ -165,6 +190,10 @@ pub struct Report {
     /// Absent if the model has no outputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub observability: Option<ObservabilityReport>,
+    /// The brackets that were asked for, simplified, one component per state; of the smoothed model if there is
+    /// switching.
+    #[serde(skip_serializing_if = "Named::is_empty")]
+    pub brackets: Named<Answer<Vec<String>>>,
     /// What the exact decisions rest on.
     pub certificate: Evidence,
     /// Wall-clock time of the analysis.
