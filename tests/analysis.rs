@@ -42,7 +42,7 @@ fn in_one_mode_a_disk_leaves_its_yaw_to_the_tilt_too() {
         assert_eq!(m.dimensions.strong_growth, [2, 4, 6, 6]);
         let functions = m.autonomous.known().unwrap();
         let forward = m.signs.0.iter().any(|(name, sign)| name == "vx" && *sign > 0);
-        let expected = if forward { "0.15*theta + phi" } else { "phi - 0.15*theta" };
+        let expected = if forward { "2*phi + mu*theta" } else { "2*phi - mu*theta" };
         let same = |f: &String| {
             let mut p = bracketry::symbolic::Pool::new();
             let (a, b) = (p.parse(f).unwrap(), p.parse(expected).unwrap());

@@ -17,10 +17,14 @@ pub struct Evidence {
     error: f64,
     /// Products that eliminations took.
     products: f64,
+    /// Products that searches for functions took.
+    searched: f64,
 }
 
 /// Most products in all eliminations of an analysis together.
 const MAX_PRODUCTS: f64 = 1e9;
+/// Most products in all searches for functions of an analysis together.
+const MAX_SEARCH: f64 = 5e8;
 
 impl Evidence {
     /// Takes one more decision into account (union bound).
@@ -45,6 +49,12 @@ impl Evidence {
         }
         self.products += products;
         Ok(())
+    }
+
+    /// Allows for a search among the combinations of `columns` functions, if there is room for it.
+    pub(crate) fn allow_search(&mut self, columns: usize) -> bool {
+        self.searched += (columns as f64).powi(3);
+        self.searched <= MAX_SEARCH
     }
 
     /// Takes a decision on the rank of a matrix of sampled values into account.

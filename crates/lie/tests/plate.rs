@@ -36,8 +36,8 @@ fn a_disk_also_turns_with_the_plate() {
         let found = [
             "x + X".to_owned(),
             "vx + Xd".to_owned(),
-            format!("phi {sign} 0.15*theta"),
-            format!("w {sign} 0.15*thetad"),
+            format!("2*phi {sign} mu*theta"),
+            format!("2*w {sign} mu*thetad"),
         ];
         assert_eq!(mode.autonomous, Answer::Known(found.to_vec()));
     }
