@@ -74,19 +74,24 @@ fn close(
 
 /// Fields with the words that they come from.
 #[derive(Clone, Default)]
-struct Spanning {
-    fields: Vec<Field>,
-    words: Vec<Word>,
+pub(crate) struct Spanning {
+    pub(crate) fields: Vec<Field>,
+    pub(crate) words: Vec<Word>,
 }
 
 impl Spanning {
-    fn push(&mut self, field: Field, word: Word) {
+    pub(crate) fn push(&mut self, field: Field, word: Word) {
         self.fields.push(field);
         self.words.push(word);
     }
 
     /// A maximal set that is independent at a generic point, greedily from the first.
-    fn independent(self, pool: &mut Pool, bindings: &Bindings, evidence: &mut Evidence) -> Result<Self, Undecided> {
+    pub(crate) fn independent(
+        self,
+        pool: &mut Pool,
+        bindings: &Bindings,
+        evidence: &mut Evidence,
+    ) -> Result<Self, Undecided> {
         let mut kept = Self::default();
         for i in independent_rows(pool, &self.fields, bindings, evidence)? {
             kept.push(self.fields[i].clone(), self.words[i].clone());

@@ -5,14 +5,16 @@ use bracketry_symbolic::{Bindings, Pool, Symbol};
 use crate::error::{Undecided, check_growth};
 use crate::evidence::Evidence;
 use crate::fields::{Field, bracket, is_plain_zero};
-use crate::growth::{Closure, independent};
+use crate::growth::{Closure, Spanning};
 use crate::merge::merge_equal;
+use crate::word::Word;
 
 /// The involutive closure of the distribution spanned by `fields` at a generic point.
 ///
 /// `growth` is that of the derived flag, Δ_0 = span and Δ_{k+1} = Δ_k + [Δ_k, Δ_k] (Frobenius:
 /// Δ_k is integrable exactly if the flag ends there). Since `[aX, bY] = ab[X, Y] + …` with the
 /// rest in Δ_k, brackets of the fields of a basis suffice, and those of older fields lie in Δ_k.
+/// In `words` the fields have the numbers 1, 2, …
 ///
 /// # Errors
 /// [`Undecided`] if a function in the fields cannot be evaluated exactly, or the brackets grow too large.
@@ -24,31 +26,32 @@ pub fn involutive_closure(
     evidence: &mut Evidence,
 ) -> Result<Closure, Undecided> {
     let first_node = pool.len();
-    let mut basis = independent(pool, fields, bindings, evidence)?;
-    let mut growth = vec![basis.len()];
+    let mut start = Spanning::default();
+    for (i, field) in fields.iter().enumerate() {
+        start.push(field.clone(), Word::Generator(i + 1));
+    }
+    let mut basis = start.independent(pool, bindings, evidence)?;
+    let mut growth = vec![basis.fields.len()];
     let mut old = 0;
-    while old < basis.len() && basis.len() < states.len() {
+    while old < basis.fields.len() && basis.fields.len() < states.len() {
         let mut candidates = basis.clone();
-        for (i, a) in basis.iter().enumerate().skip(old) {
-            for b in &basis[..i] {
+        for (i, a) in basis.fields.iter().enumerate().skip(old) {
+            for (j, b) in basis.fields[..i].iter().enumerate() {
                 check_growth(pool, first_node, [a, b], 1)?;
                 let z = bracket(pool, states, b, a);
-                if !is_plain_zero(pool, &z) && !candidates.contains(&z) {
-                    candidates.push(z);
+                if !is_plain_zero(pool, &z) && !candidates.fields.contains(&z) {
+                    candidates.push(z, Word::bracket(basis.words[j].clone(), basis.words[i].clone()));
                 }
             }
         }
-        old = basis.len();
-        if candidates.len() > old {
-            basis = independent(pool, &candidates, bindings, evidence)?;
+        old = basis.fields.len();
+        if candidates.fields.len() > old {
+            basis = candidates.independent(pool, bindings, evidence)?;
         }
-        if let Ok(merged) = merge_equal(pool, &basis, bindings, evidence) {
-            basis = merged;
+        if let Ok(merged) = merge_equal(pool, &basis.fields, bindings, evidence) {
+            basis.fields = merged;
         }
-        growth.push(basis.len());
-        if basis.len() == old {
-            break;
-        }
+        growth.push(basis.fields.len());
     }
-    Ok(Closure { growth, basis })
+    Ok(Closure { growth, basis: basis.fields, words: basis.words })
 }
