@@ -23,3 +23,7 @@ pub use input_table::SampledScenario;
 pub use plate_move::{Arrival, MoveError, plate_move, target_of};
 pub use point::{PointError, point};
 pub use scenario::{Run, Scenario, ScenarioError};
+
+/// A tutorial: from two equations to a verdict, and from there to the plate.
+#[doc = include_str!("../docs/tutorial.md")]
+pub mod tutorial {}
