@@ -22,9 +22,10 @@ fn expect_no_differences(analyze: &mut common::known_answers::Analyze<'_>) {
 
 #[test]
 fn the_library_gives_the_answers_of_the_literature() {
-    expect_no_differences(&mut |model, _, _| {
+    expect_no_differences(&mut |model, brackets, _| {
         let system = System::parse("case.toml", model).unwrap();
-        serde_json::to_value(bracketry::analyze(&system, &Options::default()).unwrap()).unwrap()
+        let options = Options { brackets: brackets.to_vec(), ..Options::default() };
+        serde_json::to_value(bracketry::analyze(&system, &options).unwrap()).unwrap()
     });
 }
 

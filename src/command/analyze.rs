@@ -30,6 +30,10 @@ pub(crate) enum Format {
 pub(crate) struct AnalyzeArgs {
     /// Model file
     model: PathBuf,
+    /// Bracket to write out, such as "[g1,[f,g1]]": f is the drift, g1, g2 … or the names of the inputs their fields;
+    /// may be given more than once
+    #[arg(long = "bracket", value_name = "BRACKET")]
+    brackets: Vec<String>,
     /// Point of local statements in place of the model's, such as x=0.1,th=pi/2; what is not named is 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
@@ -57,9 +61,9 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
     if let Some(at) = &args.at {
         system.point = Some(bracketry::point(&mut system, at).context("--at")?);
     }
+    let options = Options { brackets: args.brackets.clone(), ..Options::default() };
     let progress = spinner("brackets and ranks");
-    let analysis =
-        bracketry::analyze(&system, &Options::default()).with_context(|| args.model.display().to_string())?;
+    let analysis = bracketry::analyze(&system, &options).with_context(|| args.model.display().to_string())?;
     progress.finish_and_clear();
     if let Some(dir) = &output.out {
         save(&analysis, dir)?;

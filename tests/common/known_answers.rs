@@ -10,8 +10,7 @@ use super::case_file::{model_file, original_model_file};
 pub(crate) type Analyze<'a> = dyn FnMut(&str, &[String], &[String]) -> Value + 'a;
 
 /// Keys that no analysis answers yet.
-pub(crate) const OPEN: [&str; 17] = [
-    "bracket",
+pub(crate) const OPEN: [&str; 16] = [
     "relative_degree",
     "decoupling_rank",
     "decoupling_det",
