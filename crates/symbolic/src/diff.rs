@@ -3,11 +3,14 @@
 use rustc_hash::FxHashMap;
 
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Pool, Symbol};
+use crate::pool::{Expr, Node, Pool, Symbol, ZERO};
 
 impl Pool {
     /// ∂e/∂s. The derivative of `sign` is 0 (its value off the switching surface).
     pub fn diff(&mut self, e: Expr, s: Symbol) -> Expr {
+        if !self.may_depend_on(e, s) {
+            return self.numbered(ZERO);
+        }
         if let Some(&d) = self.derivatives.get(&(e, s)) {
             return d;
         }
@@ -16,7 +19,7 @@ impl Pool {
         let mut stack = vec![e];
         let mut seen = rustc_hash::FxHashSet::default();
         while let Some(n) = stack.pop() {
-            if self.derivatives.contains_key(&(n, s)) || !seen.insert(n) {
+            if !self.may_depend_on(n, s) || self.derivatives.contains_key(&(n, s)) || !seen.insert(n) {
                 continue;
             }
             pending.push(n);
@@ -30,26 +33,31 @@ impl Pool {
         self.derivatives[&(e, s)]
     }
 
+    /// The derivative of an operand, which is known.
+    fn derivative(&mut self, e: Expr, s: Symbol) -> Expr {
+        if self.may_depend_on(e, s) { self.derivatives[&(e, s)] } else { self.numbered(ZERO) }
+    }
+
     fn diff_node(&mut self, n: Expr, s: Symbol) -> Expr {
         match self.node(n) {
             Node::Num(_) | Node::Pi => self.int(0),
             Node::Sym(t) => self.int(i64::from(t == s)),
             Node::Add(a, b) => {
-                let (da, db) = (self.derivatives[&(a, s)], self.derivatives[&(b, s)]);
+                let (da, db) = (self.derivative(a, s), self.derivative(b, s));
                 self.add(da, db)
             }
             Node::Mul(a, b) => {
-                let (da, db) = (self.derivatives[&(a, s)], self.derivatives[&(b, s)]);
+                let (da, db) = (self.derivative(a, s), self.derivative(b, s));
                 let p = self.mul(da, b);
                 let q = self.mul(a, db);
                 self.add(p, q)
             }
             Node::Pow(a, b) => {
-                let (da, db) = (self.derivatives[&(a, s)], self.derivatives[&(b, s)]);
+                let (da, db) = (self.derivative(a, s), self.derivative(b, s));
                 self.diff_power(n, a, b, da, db)
             }
             Node::Call(f, a) => {
-                let da = self.derivatives[&(a, s)];
+                let da = self.derivative(a, s);
                 if self.is_zero(da) {
                     return da;
                 }
@@ -57,7 +65,7 @@ impl Pool {
                 self.mul(outer, da)
             }
             Node::Call2(f, a, b) => {
-                let (da, db) = (self.derivatives[&(a, s)], self.derivatives[&(b, s)]);
+                let (da, db) = (self.derivative(a, s), self.derivative(b, s));
                 if self.is_zero(da) && self.is_zero(db) {
                     return da;
                 }
@@ -163,7 +171,7 @@ impl Pool {
     pub fn lie_derivative(&mut self, e: Expr, variables: &[Symbol], field: &[Expr]) -> Expr {
         let mut total = self.int(0);
         for (&s, &v) in variables.iter().zip(field) {
-            if self.is_zero(v) {
+            if self.is_zero(v) || !self.may_depend_on(e, s) {
                 continue;
             }
             let d = self.diff(e, s);

@@ -12,10 +12,12 @@
 //! ```
 
 mod canonical;
+mod collect;
 mod diff;
 mod exact;
 mod func;
 mod latex;
+mod operations;
 mod parse;
 mod point;
 mod pool;

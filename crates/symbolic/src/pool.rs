@@ -4,7 +4,7 @@ use std::hash::BuildHasher;
 
 use dashu_ratio::RBig;
 use hashbrown::HashTable;
-use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
+use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use crate::func::{Func, Func2};
 
@@ -62,16 +62,33 @@ impl Node {
     }
 }
 
-/// Numeric powers are folded up to this exponent; beyond it they stay symbolic.
-const MAX_FOLDED_EXPONENT: i64 = 256;
+/// The numbers 0, 1 and −1 come first in every pool.
+pub(crate) const ZERO: u32 = 0;
+pub(crate) const ONE: u32 = 1;
+pub(crate) const MINUS_ONE: u32 = 2;
+/// Stands in the list of small integers for a number that is none.
+const NO_SMALL: i64 = i64::MIN;
+/// Stands for a node that was not made yet.
+const NO_NODE: Expr = Expr(u32::MAX);
 
 /// Owner of expressions. Dropping it frees them all; nothing is global.
-#[derive(Clone, Default)]
+///
+/// [`Pool::collect`] frees what is no longer needed before that.
+#[derive(Clone)]
 pub struct Pool {
-    nodes: Vec<Node>,
+    pub(crate) nodes: Vec<Node>,
+    /// By node: which indeterminates it may use, those with numbers that agree modulo 64 in one bit.
+    masks: Vec<u64>,
     table: HashTable<u32>,
-    numbers: Vec<RBig>,
+    pub(crate) numbers: Vec<RBig>,
+    /// The numbers that are integers and fit.
+    small: Vec<i64>,
     number_ids: FxHashMap<RBig, u32>,
+    small_ids: FxHashMap<i64, u32>,
+    /// The nodes of 0, 1 and −1.
+    units: [Expr; 3],
+    /// Nodes that were freed again.
+    freed: usize,
     names: Vec<String>,
     name_ids: FxHashMap<String, u32>,
     pub(crate) derivatives: FxHashMap<(Expr, Symbol), Expr>,
@@ -79,8 +96,36 @@ pub struct Pool {
     pub(crate) primitives: FxHashMap<Expr, (RBig, Expr)>,
 }
 
+fn symbol_bit(s: Symbol) -> u64 {
+    1 << (s.0 % 64)
+}
+
 fn hash_node(node: &Node) -> u64 {
     FxBuildHasher.hash_one(node)
+}
+
+impl Default for Pool {
+    fn default() -> Self {
+        let mut pool = Pool {
+            nodes: Vec::new(),
+            masks: Vec::new(),
+            table: HashTable::new(),
+            numbers: Vec::new(),
+            small: Vec::new(),
+            number_ids: FxHashMap::default(),
+            small_ids: FxHashMap::default(),
+            units: [NO_NODE; 3],
+            freed: 0,
+            names: Vec::new(),
+            name_ids: FxHashMap::default(),
+            derivatives: FxHashMap::default(),
+            primitives: FxHashMap::default(),
+        };
+        for unit in [0, 1, -1] {
+            pool.small_number(unit);
+        }
+        pool
+    }
 }
 
 impl Pool {
@@ -92,6 +137,11 @@ impl Pool {
     /// Number of distinct nodes made so far.
     pub fn len(&self) -> usize {
         self.nodes.len()
+    }
+
+    /// Number of nodes made so far, with those that [`Pool::collect`] freed: a measure of the work done.
+    pub fn made(&self) -> usize {
+        self.nodes.len() + self.freed
     }
 
     /// True as long as nothing was made.
@@ -112,9 +162,65 @@ impl Pool {
         }
         let id = u32::try_from(self.nodes.len()).expect("an arena of fewer than 2^32 nodes");
         self.nodes.push(node);
+        let mask = match node {
+            Node::Sym(s) => symbol_bit(s),
+            _ => node.operands().fold(0, |m, o| m | self.masks[o.index()]),
+        };
+        self.masks.push(mask);
         let nodes = &self.nodes;
         self.table.insert_unique(hash, id, |&i| hash_node(&nodes[i as usize]));
         Expr(id)
+    }
+
+    /// Keeps of the nodes from `from` on only those marked in `keep`, which must hold the operands of what it
+    /// holds; `new[i]` becomes the new number of the node `from + i`.
+    pub(crate) fn retain(&mut self, from: usize, keep: &[bool]) -> Vec<u32> {
+        let mut new = vec![u32::MAX; keep.len()];
+        let moved = |e: Expr, new: &[u32]| e.index().checked_sub(from).map_or(e, |i| Expr(new[i]));
+        let mut next = from;
+        for (i, _) in keep.iter().enumerate().filter(|(_, kept)| **kept) {
+            let node = self.nodes[from + i];
+            self.nodes[next] = match node {
+                Node::Num(_) | Node::Pi | Node::Sym(_) => node,
+                Node::Add(a, b) => Node::Add(moved(a, &new), moved(b, &new)),
+                Node::Mul(a, b) => Node::Mul(moved(a, &new), moved(b, &new)),
+                Node::Pow(a, b) => Node::Pow(moved(a, &new), moved(b, &new)),
+                Node::Call(f, a) => Node::Call(f, moved(a, &new)),
+                Node::Call2(f, a, b) => Node::Call2(f, moved(a, &new), moved(b, &new)),
+            };
+            self.masks[next] = self.masks[from + i];
+            new[i] = next as u32;
+            next += 1;
+        }
+        self.freed += self.nodes.len() - next;
+        self.nodes.truncate(next);
+        self.masks.truncate(next);
+        self.nodes.shrink_to_fit();
+        self.masks.shrink_to_fit();
+        self.renumber();
+        self.units = [NO_NODE; 3];
+        self.table = HashTable::with_capacity(next);
+        for i in 0..next as u32 {
+            let nodes = &self.nodes;
+            self.table.insert_unique(hash_node(&nodes[i as usize]), i, |&i| hash_node(&nodes[i as usize]));
+        }
+        new
+    }
+
+    /// Forgets the numbers that no node uses.
+    fn renumber(&mut self) {
+        let old = std::mem::take(&mut self.numbers);
+        self.small.clear();
+        self.number_ids = FxHashMap::default();
+        self.small_ids = FxHashMap::default();
+        for unit in [0, 1, -1] {
+            self.small_number(unit);
+        }
+        for i in 0..self.nodes.len() {
+            if let Node::Num(id) = self.nodes[i] {
+                self.nodes[i] = Node::Num(self.number_id(old[id as usize].clone()));
+            }
+        }
     }
 
     /// The expression that is this node, if it was made.
@@ -161,20 +267,79 @@ impl Pool {
 
     /// An exact rational constant.
     pub fn rational(&mut self, value: RBig) -> Expr {
-        let id = if let Some(&i) = self.number_ids.get(&value) {
-            i
-        } else {
-            let i = self.numbers.len() as u32;
-            self.numbers.push(value.clone());
-            self.number_ids.insert(value, i);
-            i
+        let id = self.number_id(value);
+        self.numbered(id)
+    }
+
+    /// The node of a number.
+    pub(crate) fn numbered(&mut self, id: u32) -> Expr {
+        let Some(&known) = self.units.get(id as usize) else { return self.intern(Node::Num(id)) };
+        if known != NO_NODE {
+            return known;
+        }
+        let e = self.intern(Node::Num(id));
+        self.units[id as usize] = e;
+        e
+    }
+
+    fn number_id(&mut self, value: RBig) -> u32 {
+        if value.is_int()
+            && let Ok(small) = i64::try_from(value.numerator())
+            && small != NO_SMALL
+        {
+            return self.small_number(small);
+        }
+        if let Some(&i) = self.number_ids.get(&value) {
+            return i;
+        }
+        let i = self.numbers.len() as u32;
+        self.numbers.push(value.clone());
+        self.small.push(NO_SMALL);
+        self.number_ids.insert(value, i);
+        i
+    }
+
+    fn small_number(&mut self, value: i64) -> u32 {
+        if let Some(&i) = self.small_ids.get(&value) {
+            return i;
+        }
+        let i = self.numbers.len() as u32;
+        self.numbers.push(RBig::from(value));
+        self.small.push(value);
+        self.small_ids.insert(value, i);
+        i
+    }
+
+    /// The sum of two numbers.
+    pub(crate) fn sum_of_numbers(&mut self, a: u32, b: u32) -> Expr {
+        let id = match (self.small_value(a), self.small_value(b)) {
+            (Some(x), Some(y)) if x.checked_add(y).is_some_and(|s| s != NO_SMALL) => self.small_number(x + y),
+            _ => self.number_id(&self.numbers[a as usize] + &self.numbers[b as usize]),
         };
-        self.intern(Node::Num(id))
+        self.numbered(id)
+    }
+
+    /// The product of two numbers.
+    pub(crate) fn product_of_numbers(&mut self, a: u32, b: u32) -> Expr {
+        let id = match (self.small_value(a), self.small_value(b)) {
+            (Some(x), Some(y)) if x.checked_mul(y).is_some_and(|p| p != NO_SMALL) => self.small_number(x * y),
+            _ => self.number_id(&self.numbers[a as usize] * &self.numbers[b as usize]),
+        };
+        self.numbered(id)
+    }
+
+    fn small_value(&self, id: u32) -> Option<i64> {
+        let value = self.small[id as usize];
+        (value != NO_SMALL).then_some(value)
     }
 
     /// An integer constant.
     pub fn int(&mut self, value: i64) -> Expr {
-        self.rational(RBig::from(value))
+        if value == NO_SMALL {
+            return self.rational(RBig::from(value));
+        }
+        let id = self.small_number(value);
+        self.numbered(id)
     }
 
     /// The fraction `p/q`; `q` must not be zero.
@@ -193,290 +358,48 @@ impl Pool {
 
     /// The value of `e` if it is an integer constant that fits.
     pub fn integer(&self, e: Expr) -> Option<i64> {
-        let r = self.number(e)?;
-        if r.is_int() { i64::try_from(r.numerator()).ok() } else { None }
+        match self.node(e) {
+            // The one that has no place among the small ones.
+            Node::Num(i) if self.small[i as usize] == NO_SMALL => i64::try_from(self.numbers[i as usize].clone()).ok(),
+            Node::Num(i) => Some(self.small[i as usize]),
+            _ => None,
+        }
     }
 
     /// True if `e` is the number 0. A structural test; see the exact zero test for the mathematical one.
     pub fn is_zero(&self, e: Expr) -> bool {
-        self.integer(e) == Some(0)
+        self.node(e) == Node::Num(ZERO)
     }
 
     /// True if `e` is the number 1.
     pub fn is_one(&self, e: Expr) -> bool {
-        self.integer(e) == Some(1)
-    }
-
-    /// Splits `c·rest` into the rational `c` and `rest` (1 for a plain number).
-    pub(crate) fn coefficient(&mut self, e: Expr) -> (RBig, Expr) {
-        match self.node(e) {
-            Node::Num(i) => (self.numbers[i as usize].clone(), self.int(1)),
-            Node::Mul(a, b) => match self.number(a) {
-                Some(c) => (c.clone(), b),
-                None => (RBig::ONE, e),
-            },
-            _ => (RBig::ONE, e),
-        }
-    }
-
-    /// `a + b`
-    pub fn add(&mut self, a: Expr, b: Expr) -> Expr {
-        let (a, b) = self.ordered(a, b);
-        if let Some(x) = self.number(a).cloned() {
-            if x == RBig::ZERO {
-                return b;
-            }
-            if let Some(y) = self.number(b) {
-                let sum = x + y;
-                return self.rational(sum);
-            }
-            // x + (y + rest) = (x + y) + rest
-            if let Node::Add(p, q) = self.node(b)
-                && let Some(y) = self.number(p)
-            {
-                let sum = x + y;
-                let s = self.rational(sum);
-                return self.add(s, q);
-            }
-            return self.intern(Node::Add(a, b));
-        }
-        let (ca, ra) = self.coefficient(a);
-        let (cb, rb) = self.coefficient(b);
-        if ra == rb {
-            let c = self.rational(ca + cb);
-            return self.mul(c, ra);
-        }
-        // Keep a number in front of the whole sum.
-        if let Node::Add(p, q) = self.node(b)
-            && self.number(p).is_some()
-        {
-            let s = self.add(a, q);
-            return self.add(p, s);
-        }
-        if let Node::Add(p, q) = self.node(a)
-            && self.number(p).is_some()
-        {
-            let s = self.add(q, b);
-            return self.add(p, s);
-        }
-        self.intern(Node::Add(a, b))
-    }
-
-    /// `a - b`
-    pub fn sub(&mut self, a: Expr, b: Expr) -> Expr {
-        let n = self.neg(b);
-        self.add(a, n)
-    }
-
-    /// `-a`
-    pub fn neg(&mut self, a: Expr) -> Expr {
-        let m = self.int(-1);
-        self.mul(m, a)
-    }
-
-    /// `a · b`
-    pub fn mul(&mut self, a: Expr, b: Expr) -> Expr {
-        let (a, b) = self.ordered(a, b);
-        if let Some(x) = self.number(a).cloned() {
-            if x == RBig::ZERO {
-                return a;
-            }
-            if x == RBig::ONE {
-                return b;
-            }
-            if let Some(y) = self.number(b) {
-                let product = x * y;
-                return self.rational(product);
-            }
-            if let Node::Mul(p, q) = self.node(b)
-                && let Some(y) = self.number(p)
-            {
-                let product = x * y;
-                let c = self.rational(product);
-                return self.mul(c, q);
-            }
-            return self.intern(Node::Mul(a, b));
-        }
-        let (pa, ea) = self.numeric_power(a);
-        let (pb, eb) = self.numeric_power(b);
-        if pa == pb {
-            let e = self.rational(ea + eb);
-            return self.pow(pa, e);
-        }
-        if let Node::Mul(p, q) = self.node(a)
-            && self.number(p).is_some()
-        {
-            let s = self.mul(q, b);
-            return self.mul(p, s);
-        }
-        if let Node::Mul(p, q) = self.node(b)
-            && self.number(p).is_some()
-        {
-            let s = self.mul(a, q);
-            return self.mul(p, s);
-        }
-        self.intern(Node::Mul(a, b))
-    }
-
-    /// Splits `base^k` with a rational `k` into base and exponent (`k = 1` for anything else).
-    fn numeric_power(&self, e: Expr) -> (Expr, RBig) {
-        if let Node::Pow(b, k) = self.node(e)
-            && let Some(k) = self.number(k)
-        {
-            return (b, k.clone());
-        }
-        (e, RBig::ONE)
-    }
-
-    /// `a / b`
-    pub fn div(&mut self, a: Expr, b: Expr) -> Expr {
-        let m = self.int(-1);
-        let inverse = self.pow(b, m);
-        self.mul(a, inverse)
-    }
-
-    /// `a ^ b`. `0^(-1)` stays as it is: it has no value and no zero test will give it one.
-    pub fn pow(&mut self, a: Expr, b: Expr) -> Expr {
-        if self.is_zero(b) {
-            return self.int(1);
-        }
-        if self.is_one(b) || self.is_one(a) {
-            return a;
-        }
-        if let Some(k) = self.integer(b) {
-            if let Some(x) = self.number(a).cloned() {
-                if x == RBig::ZERO {
-                    return if k > 0 { a } else { self.intern(Node::Pow(a, b)) };
-                }
-                if k.abs() <= MAX_FOLDED_EXPONENT {
-                    let p = x.pow(k.unsigned_abs() as isize);
-                    return self.rational(if k < 0 { RBig::ONE / p } else { p });
-                }
-            }
-            match self.node(a) {
-                // (u^c)^k = u^(c k) holds for integer k whatever c is.
-                Node::Pow(u, c) => {
-                    let e = self.mul(c, b);
-                    return self.pow(u, e);
-                }
-                Node::Mul(c, u) if self.number(c).is_some() => {
-                    let ck = self.pow(c, b);
-                    let uk = self.pow(u, b);
-                    return self.mul(ck, uk);
-                }
-                _ => {}
-            }
-        }
-        self.intern(Node::Pow(a, b))
-    }
-
-    /// `a ^ k` for an integer `k`.
-    pub fn powi(&mut self, a: Expr, k: i64) -> Expr {
-        let k = self.int(k);
-        self.pow(a, k)
-    }
-
-    /// `a^(1/2)`
-    pub fn sqrt(&mut self, a: Expr) -> Expr {
-        let h = self.ratio(1, 2);
-        self.pow(a, h)
-    }
-
-    /// `f(a)`; known values at 0 and parities are applied.
-    pub fn call(&mut self, f: Func, a: Expr) -> Expr {
-        if let Some(x) = self.number(a) {
-            let s = x.cmp(&RBig::ZERO);
-            if s == std::cmp::Ordering::Equal {
-                match f {
-                    Func::Cos | Func::Cosh | Func::Exp => return self.int(1),
-                    Func::Acos | Func::Log => {}
-                    _ => return a,
-                }
-            }
-            match f {
-                Func::Log if *x == RBig::ONE => return self.int(0),
-                Func::Abs => {
-                    let v = if s == std::cmp::Ordering::Less { -x.clone() } else { x.clone() };
-                    return self.rational(v);
-                }
-                Func::Sign => return self.int(s as i64),
-                _ => {}
-            }
-        }
-        let (c, _) = self.coefficient(a);
-        if c < RBig::ZERO {
-            match f {
-                Func::Cos | Func::Cosh | Func::Abs => {
-                    let p = self.neg(a);
-                    return self.call(f, p);
-                }
-                Func::Sin | Func::Tan | Func::Asin | Func::Atan | Func::Sinh | Func::Tanh | Func::Sign => {
-                    let p = self.neg(a);
-                    let v = self.call(f, p);
-                    return self.neg(v);
-                }
-                _ => {}
-            }
-        }
-        match (f, self.node(a)) {
-            (Func::Exp, Node::Call(Func::Log, x)) | (Func::Log, Node::Call(Func::Exp, x)) => x,
-            _ => self.intern(Node::Call(f, a)),
-        }
-    }
-
-    /// `f(a, b)`
-    pub fn call2(&mut self, f: Func2, a: Expr, b: Expr) -> Expr {
-        if matches!(f, Func2::Min | Func2::Max) {
-            if a == b {
-                return a;
-            }
-            if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
-                return if (x < y) == (f == Func2::Min) { a } else { b };
-            }
-        }
-        self.intern(Node::Call2(f, a, b))
-    }
-
-    /// Sine.
-    pub fn sin(&mut self, a: Expr) -> Expr {
-        self.call(Func::Sin, a)
-    }
-
-    /// Cosine.
-    pub fn cos(&mut self, a: Expr) -> Expr {
-        self.call(Func::Cos, a)
-    }
-
-    /// Sum of all terms; 0 for none.
-    pub fn sum(&mut self, terms: impl IntoIterator<Item = Expr>) -> Expr {
-        let mut total = self.int(0);
-        for t in terms {
-            total = self.add(total, t);
-        }
-        total
-    }
-
-    /// Numbers first, then by id, so that commuting operands meet.
-    fn ordered(&self, a: Expr, b: Expr) -> (Expr, Expr) {
-        match (self.number(a).is_some(), self.number(b).is_some()) {
-            (true, false) => (a, b),
-            (false, true) => (b, a),
-            _ if a <= b => (a, b),
-            _ => (b, a),
-        }
+        self.node(e) == Node::Num(ONE)
     }
 
     /// Every node that `roots` use, ascending (operands before users), each once.
     pub fn reachable(&self, roots: &[Expr]) -> Vec<Expr> {
-        let mut seen: FxHashSet<Expr> = FxHashSet::default();
-        let mut stack = roots.to_vec();
-        while let Some(e) = stack.pop() {
-            if seen.insert(e) {
-                stack.extend(self.node(e).operands());
+        let Some(last) = roots.iter().max() else { return Vec::new() };
+        let mut seen = vec![0u64; last.index() / 64 + 1];
+        let mut stack = Vec::with_capacity(64);
+        let mut count = 0;
+        for &root in roots {
+            stack.push(root);
+            while let Some(e) = stack.pop() {
+                let (word, bit) = (&mut seen[e.index() / 64], 1 << (e.index() % 64));
+                if *word & bit == 0 {
+                    *word |= bit;
+                    count += 1;
+                    stack.extend(self.node(e).operands());
+                }
             }
         }
-        let mut all: Vec<Expr> = seen.into_iter().collect();
-        all.sort_unstable();
+        let mut all = Vec::with_capacity(count);
+        for (i, mut word) in seen.into_iter().enumerate() {
+            while word != 0 {
+                all.push(Expr((i * 64) as u32 + word.trailing_zeros()));
+                word &= word - 1;
+            }
+        }
         all
     }
 
@@ -496,6 +419,11 @@ impl Pool {
 
     /// True if `e` uses the indeterminate `s` anywhere (structurally).
     pub fn depends_on(&self, e: Expr, s: Symbol) -> bool {
-        self.symbols_of(&[e]).contains(&s)
+        self.may_depend_on(e, s) && self.symbols_of(&[e]).contains(&s)
+    }
+
+    /// False only if `e` does not use the indeterminate `s`.
+    pub(crate) fn may_depend_on(&self, e: Expr, s: Symbol) -> bool {
+        self.masks[e.index()] & symbol_bit(s) != 0
     }
 }

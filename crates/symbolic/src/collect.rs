@@ -1,0 +1,48 @@
+//! Giving memory back before the pool is dropped.
+
+use crate::pool::{Expr, Pool};
+
+impl Pool {
+    /// Frees the nodes made since the pool had `from` of them ([`Pool::len`]), but for those that `roots` reach,
+    /// and the memory of derivatives that they were part of.
+    ///
+    /// Expressions older than `from` stay valid; `roots` are replaced by their new ids. **Every other expression
+    /// made since is invalid afterwards.** With `from = 0` everything but `roots` goes. Symbols stay.
+    ///
+    /// ```
+    /// use bracketry_symbolic::Pool;
+    /// let mut p = Pool::new();
+    /// let mut wanted = [p.parse("sin(x*y)").unwrap()];
+    /// let before = p.len();
+    /// let (x, scratch) = (p.symbol("x"), p.parse("exp(x)*(y + z)^7").unwrap());
+    /// let slope = p.diff(scratch, x);
+    /// p.collect(0, &mut wanted);
+    /// assert_eq!((p.len(), p.text(wanted[0])), (before, "sin(x*y)".to_owned()));
+    /// # let _ = slope;
+    /// ```
+    pub fn collect(&mut self, from: usize, roots: &mut [Expr]) {
+        if self.len() <= from {
+            return;
+        }
+        let mut keep = vec![false; self.len() - from];
+        for e in self.reachable(roots) {
+            if let Some(i) = e.index().checked_sub(from) {
+                keep[i] = true;
+            }
+        }
+        if keep.iter().all(|k| *k) {
+            return;
+        }
+        // What the memory of older nodes points to must be older, too.
+        self.derivatives.retain(|(e, _), d| e.index() < from && d.index() < from);
+        self.derivatives.shrink_to_fit();
+        self.primitives.retain(|e, (_, p)| e.index() < from && p.index() < from);
+        self.primitives.shrink_to_fit();
+        let new = self.retain(from, &keep);
+        for e in roots {
+            if let Some(i) = e.index().checked_sub(from) {
+                *e = Expr(new[i]);
+            }
+        }
+    }
+}
