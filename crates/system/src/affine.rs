@@ -1,13 +1,17 @@
-//! Making a system affine in its inputs: recognition, change of inputs, integrators in front of inputs.
+//! Making a system affine in its inputs: recognition, and the search for the change that adds the fewest states.
 
 use std::collections::BTreeMap;
 
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, Undecided, ZeroTest};
 use rustc_hash::{FxHashMap, FxHashSet};
-use serde::Serialize;
 
-use crate::input_change::input_change;
-use crate::system::{InputDerivative, Point, System};
+use crate::augment::{Arguments, augment, lone_derivatives};
+use crate::candidate::{Candidate, Method, NewInput, NewState};
+use crate::feedback::by_rows;
+use crate::input_change::{Checks, Rejection, apply};
+use crate::lowering::lowered;
+use crate::separation::separated;
+use crate::system::System;
 
 /// x' = drift(x) + Σ fields_i(x) u_i.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,29 +22,6 @@ pub struct AffineForm {
     pub fields: Vec<Vec<Expr>>,
 }
 
-/// How a system became affine.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// It is affine as it stands.
-    None,
-    /// New inputs v = w(u).
-    InputChange,
-    /// Integrators: u becomes a state and its derivative the input.
-    InputAugmentation,
-}
-
-/// A new input v = w(u).
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NewInput {
-    /// Its name.
-    pub name: String,
-    /// The function w of the old inputs.
-    pub function: Expr,
-    /// The values that w can take where these are limited, such as `v1 ≥ 0`.
-    pub range: Option<String>,
-}
-
 /// A system made affine in its inputs, and how.
 #[derive(Clone, Debug)]
 pub struct Affinization {
@@ -48,16 +29,23 @@ pub struct Affinization {
     pub method: Method,
     /// Integrators in front of each input that got any.
     pub integrators: BTreeMap<String, u32>,
-    /// For [`Method::InputChange`]: each new input, in order.
+    /// Each new input, in order, where there are any.
     pub input_change: Vec<NewInput>,
-    /// For [`Method::InputChange`] and a model with a point: whether the old inputs reach a whole neighbourhood of the new
-    /// ones' values there (the Jacobian of w has full rank). If not, statements about small inputs at the point do not
-    /// carry over from the affine system to the original one.
+    /// New states that replace old ones.
+    pub coordinate_change: Vec<NewState>,
+    /// For new inputs and a model with a point: whether the old inputs reach a whole neighbourhood of the new
+    /// ones' values there because the Jacobian of w has full rank. If not, see [`Affinization::interior_at_point`].
     pub regular_at_point: Option<bool>,
+    /// For new inputs and a model with a point: whether the values of the new inputs there are interior to the set of all values
+    /// that they take together; `None` where that was not established (or nothing was changed). Unless it is `Some(true)`,
+    /// conclusions from small inputs of both signs do not carry over from the affine system to the original one.
+    pub interior_at_point: Option<bool>,
     /// The affine system.
     pub system: System,
     /// The reason, in a sentence.
     pub why: String,
+    /// All candidates, accepted ones first, by added states and then by simplicity; the one taken among them.
+    pub candidates: Vec<Candidate>,
 }
 
 /// Why no affine form was given.
@@ -78,7 +66,11 @@ pub enum AffineError {
 }
 
 const MAX_INPUTS: usize = 16;
-pub(crate) fn is_zero(pool: &mut Pool, e: Expr) -> Result<bool, Undecided> {
+
+/// Sets of inputs for which integrators together with new inputs are tried.
+const MAX_SETS: usize = 60;
+
+fn is_zero(pool: &mut Pool, e: Expr) -> Result<bool, Undecided> {
     if pool.is_zero(e) {
         return Ok(true);
     }
@@ -140,44 +132,253 @@ impl System {
         Ok(pairs)
     }
 
-    /// Makes the system affine in its inputs: as it stands if possible, else by new inputs
-    /// v = w(u) when the equations depend on u through at most as many functions as there are
-    /// inputs, else by the least number of integrators in front of inputs
-    /// (Nijmeijer & van der Schaft 1990, sec. 6.1: the extended system).
-    ///
-    /// # Errors
-    /// [`AffineError`] if an exact test is undecided or there are too many inputs.
-    pub fn affinize(&self) -> Result<Affinization, AffineError> {
-        let mut system = self.clone();
-        // The highest derivative of each input that occurs (order 0: the input itself).
-        let mut highest: Vec<(u32, Symbol)> = system.inputs.iter().map(|&s| (0, s)).collect();
-        for d in &system.input_derivatives {
+    /// The highest derivative of each input that occurs, and where these enter nonlinearly.
+    fn input_arguments(&mut self) -> Result<Arguments, Undecided> {
+        let mut highest: Vec<(u32, Symbol)> = self.inputs.iter().map(|&s| (0, s)).collect();
+        for d in &self.input_derivatives {
             if d.order > highest[d.input].0 {
                 highest[d.input] = (d.order, d.symbol);
             }
         }
-        let arguments: Vec<Symbol> = highest.iter().map(|h| h.1).collect();
-        let pairs = system.curvature(&arguments)?;
-        if system.input_derivatives.is_empty() {
-            if pairs.is_empty() {
-                let why = "the right-hand side is affine in the inputs as it stands".to_owned();
-                return Ok(Affinization {
-                    method: Method::None,
-                    integrators: BTreeMap::new(),
-                    input_change: Vec::new(),
-                    regular_at_point: None,
-                    system,
-                    why,
-                });
+        let symbols: Vec<Symbol> = highest.iter().map(|h| h.1).collect();
+        Ok(Arguments { pairs: self.curvature(&symbols)?, highest })
+    }
+
+    /// Makes the system affine in its inputs in the way that adds the fewest states: as it stands if possible, else by new inputs
+    /// v = w(u) or v = w(x, u), else by the least number of integrators in front of inputs
+    /// (Nijmeijer & van der Schaft 1990, sec. 6.1: the extended system), if need be together with new inputs for the others.
+    ///
+    /// A system that uses derivatives of inputs keeps its states and the chain of derivatives of each input; further candidates
+    /// with fewer states are listed. New inputs that depend on the state are not taken where they are singular at the model's point.
+    ///
+    /// # Errors
+    /// [`AffineError`] if an exact test is undecided or there are too many inputs.
+    pub fn affinize(&self) -> Result<Affinization, AffineError> {
+        let (mut chosen, others) = self.search()?;
+        let system = match chosen.system.clone() {
+            Some(system) => system,
+            None => self.clone(),
+        };
+        chosen.chosen = true;
+        let mut affinization = Affinization {
+            method: chosen.method,
+            integrators: chosen.integrators.clone(),
+            input_change: chosen.input_change.clone(),
+            coordinate_change: chosen.coordinate_change.clone(),
+            regular_at_point: chosen.regular_at_point,
+            interior_at_point: chosen.interior_at_point,
+            system,
+            why: chosen.why.clone(),
+            candidates: std::iter::once(chosen).chain(others).collect(),
+        };
+        affinization.candidates.sort_by_key(rank);
+        Ok(affinization)
+    }
+
+    /// The candidate that is taken, and all others.
+    fn search(&self) -> Result<(Candidate, Vec<Candidate>), AffineError> {
+        let mut system = self.clone();
+        let arguments = system.input_arguments()?;
+        let derivatives = !system.input_derivatives.is_empty();
+        if !derivatives && arguments.pairs.is_empty() {
+            let mut c =
+                Candidate::new(Method::None, "the right-hand side is affine in the inputs as it stands".to_owned());
+            c.system = Some(system);
+            return Ok((c, Vec::new()));
+        }
+        let extra = least_cover(system.inputs.len(), &arguments.pairs)?;
+        let none = vec![false; extra.len()];
+        let integrators = augment(&system, &arguments, &extra, &none);
+        let mut others = changes(&system, &arguments, &extra);
+        if derivatives {
+            let lone = lone_derivatives(&system, &arguments);
+            if lone.contains(&true) {
+                others.push(augment(&system, &arguments, &extra, &lone));
             }
-            // Where a test stays undecided there are still the integrators.
-            if let Ok(Some(done)) = input_change(&system) {
-                return Ok(done);
+            others.extend(lower_orders(&system, arguments.states_added(&extra)));
+            return Ok((integrators, others));
+        }
+        others.sort_by_key(rank);
+        let fit = |c: &Candidate| {
+            let regular = c.regular_at_point != Some(false) || c.interior_at_point == Some(true);
+            c.system.as_ref().is_some_and(|s| regular || !uses_states(s, &c.input_change))
+        };
+        Ok(match others.iter().position(fit) {
+            Some(k) => {
+                let chosen = others.remove(k);
+                others.push(integrators);
+                (chosen, others)
+            }
+            None => (integrators, others),
+        })
+    }
+}
+
+/// Whether a new input is a function of states also.
+fn uses_states(system: &System, inputs: &[NewInput]) -> bool {
+    let functions: Vec<Expr> = inputs.iter().map(|v| v.function).collect();
+    system.pool.symbols_of(&functions).iter().any(|s| system.states.contains(s))
+}
+
+/// Accepted ones first, by added states, by what is changed, by the number of new inputs.
+fn rank(c: &Candidate) -> (bool, usize, Method, usize, bool) {
+    (!c.is_accepted(), c.added_states, c.method, c.input_change.len(), !c.chosen)
+}
+
+/// New inputs, with integrators in front of fewer inputs than `extra`: the accepted candidate with the fewest, and why there is none
+/// without any.
+fn changes(system: &System, arguments: &Arguments, extra: &[bool]) -> Vec<Candidate> {
+    let most = extra.iter().filter(|e| **e).count();
+    let mut curved: Vec<usize> = arguments.pairs.iter().flat_map(|p| [p.0, p.1]).collect();
+    curved.sort_unstable();
+    curved.dedup();
+    let mut found = Vec::new();
+    let mut tried = 0;
+    for size in 0..most {
+        for set in sets(&curved, size) {
+            tried += 1;
+            if tried > MAX_SETS {
+                return found;
+            }
+            let mut with = vec![false; extra.len()];
+            for i in set {
+                with[i] = true;
+            }
+            match change_after(system, arguments, &with) {
+                Ok(c) => {
+                    found.push(c);
+                    return found;
+                }
+                Err(why) if size == 0 => found.push(Candidate::new(Method::InputChange, why.to_string())),
+                Err(_) => {}
             }
         }
-        let extra = least_cover(arguments.len(), &pairs)?;
-        Ok(augment(system, &highest, &extra, &pairs))
     }
+    found
+}
+
+/// The subsets of `size` elements.
+fn sets(of: &[usize], size: usize) -> Vec<Vec<usize>> {
+    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
+    for &i in of {
+        if all.len() > 100 * MAX_SETS {
+            break;
+        }
+        let more: Vec<Vec<usize>> =
+            all.iter().filter(|s| s.len() < size).map(|s| s.iter().copied().chain([i]).collect()).collect();
+        all.extend(more);
+    }
+    all.retain(|s| s.len() == size);
+    all
+}
+
+/// New inputs after integrators in front of some.
+fn change_after(system: &System, arguments: &Arguments, with: &[bool]) -> Result<Candidate, Rejection> {
+    let integrators = augment(system, arguments, with, &vec![false; with.len()]);
+    let mut base = match &integrators.system {
+        Some(s) if !integrators.integrators.is_empty() => s.clone(),
+        _ => system.clone(),
+    };
+    let mut candidate = match separated(&mut base) {
+        Ok(change) => apply(&base, change)?,
+        Err(separate) => match by_rows(&mut base).and_then(|change| apply(&base, change)) {
+            Ok(c) => c,
+            Err(Rejection::Because(why)) => {
+                return Err(match separate {
+                    Rejection::TooMany { .. } => separate,
+                    _ => Rejection::Because(why),
+                });
+            }
+            Err(undecided) => return Err(undecided),
+        },
+    };
+    if let Some(s) = &mut candidate.system {
+        s.name = format!("{}_affine", system.name);
+    }
+    if !integrators.integrators.is_empty() {
+        let names: Vec<&str> = integrators.integrators.keys().map(String::as_str).collect();
+        candidate.why = format!("with integrators in front of {}, {}", names.join(", "), candidate.why);
+        candidate.method = Method::InputAugmentation;
+        candidate.added_states = integrators.added_states;
+        candidate.integrators = integrators.integrators;
+    }
+    Ok(candidate)
+}
+
+/// New states with which fewer than `most` integrators do, one input after the other.
+fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
+    let mut rejected = Vec::new();
+    let mut best: Option<(usize, System, Vec<NewState>, Checks)> = None;
+    for input in 0..system.inputs.len() {
+        let (mut current, mut states) = match &best {
+            Some((_, s, z, _)) => (s.clone(), z.clone()),
+            None => (system.clone(), Vec::new()),
+        };
+        let mut checks = Checks { certificate: best.as_ref().and_then(|b| b.3.certificate) };
+        let mut least = best.as_ref().map_or(most, |b| b.0);
+        let mut reason = None;
+        loop {
+            let order = current.input_derivatives.iter().filter(|d| d.input == input).map(|d| d.order).max();
+            let Some(order) = order else { break };
+            match lowered(&current, input, order, &mut checks) {
+                Ok(l) => {
+                    states = composed(states, l.states);
+                    current = l.system;
+                }
+                Err(why) => {
+                    reason.get_or_insert_with(|| why.to_string());
+                    break;
+                }
+            }
+            match integrators_needed(&current) {
+                Ok(needed) if needed < least => {
+                    least = needed;
+                    best = Some((needed, current.clone(), states.clone(), Checks { certificate: checks.certificate }));
+                    reason = None;
+                }
+                Ok(needed) => {
+                    reason = Some(format!(
+                        "with {} in place of {} the inputs still take {needed} integrators",
+                        states.iter().map(|z| format!("{} = {}", z.name, z.function)).collect::<Vec<_>>().join(", "),
+                        states.iter().map(|z| z.replaces.as_str()).collect::<Vec<_>>().join(", "),
+                    ));
+                }
+                Err(why) => reason = Some(why.to_string()),
+            }
+        }
+        if let Some(why) = reason {
+            rejected.push(Candidate::new(Method::CoordinateChange, why));
+        }
+    }
+    if let Some((needed, mut lower, states, checks)) = best
+        && let Ok(arguments) = lower.input_arguments()
+        && let Ok(extra) = least_cover(lower.inputs.len(), &arguments.pairs)
+    {
+        let mut c = augment(&lower, &arguments, &extra, &vec![false; extra.len()]);
+        c.method = Method::CoordinateChange;
+        let shown: Vec<String> = states.iter().map(|z| format!("{} = {}", z.name, z.function)).collect();
+        c.why = format!("with the states {} the inputs take {needed} integrators instead of {most}", shown.join(", "));
+        c.coordinate_change = states;
+        c.certificate = checks.certificate;
+        if let Some(s) = &mut c.system {
+            s.name = format!("{}_affine", system.name);
+        }
+        rejected.push(c);
+    }
+    rejected
+}
+
+/// Changes of states made one after the other, listed together.
+fn composed(mut first: Vec<NewState>, second: Vec<NewState>) -> Vec<NewState> {
+    first.extend(second);
+    first
+}
+
+fn integrators_needed(system: &System) -> Result<usize, AffineError> {
+    let mut s = system.clone();
+    let arguments = s.input_arguments()?;
+    let extra = least_cover(s.inputs.len(), &arguments.pairs)?;
+    Ok(arguments.states_added(&extra))
 }
 
 /// A smallest set of inputs that touches every pair.
@@ -197,111 +398,4 @@ fn least_cover(inputs: usize, pairs: &[(usize, usize)]) -> Result<Vec<bool>, Aff
         chosen[i] |= best >> k & 1 == 1;
     }
     Ok(chosen)
-}
-
-/// A name that the system does not use yet.
-pub(crate) fn fresh(pool: &mut Pool, wanted: &str) -> Symbol {
-    let mut name = wanted.to_owned();
-    while pool.find_symbol(&name).is_some() {
-        name.push('_');
-    }
-    pool.symbol(&name)
-}
-
-/// Puts order + extra integrators in front of each input. The k-th derivative of `u` is called
-/// `u` followed by k letters `d`.
-fn augment(mut system: System, highest: &[(u32, Symbol)], extra: &[bool], pairs: &[(usize, usize)]) -> Affinization {
-    let old_inputs = system.inputs.clone();
-    let known: FxHashMap<(usize, u32), Symbol> =
-        system.input_derivatives.iter().map(|d: &InputDerivative| ((d.input, d.order), d.symbol)).collect();
-    let mut integrators = BTreeMap::new();
-    let mut replace: FxHashMap<Expr, Expr> = FxHashMap::default();
-    let mut new_inputs = Vec::new();
-    let mut point_inputs = Vec::new();
-    let zero = system.pool.int(0);
-    let mut chains = Vec::new();
-    for (i, &u) in old_inputs.iter().enumerate() {
-        let count = highest[i].0 + u32::from(extra[i]);
-        let base = system.pool.name(u).to_owned();
-        let mut chain = vec![u];
-        for k in 1..=count {
-            let s = fresh(&mut system.pool, &format!("{base}{}", "d".repeat(k as usize)));
-            if let Some(&old) = known.get(&(i, k)) {
-                let (a, b) = (system.pool.sym(old), system.pool.sym(s));
-                replace.insert(a, b);
-            }
-            chain.push(s);
-        }
-        if count > 0 {
-            integrators.insert(base, count);
-        }
-        let value = system.point.as_ref().map_or(zero, |p| p.inputs[i]);
-        new_inputs.push(chain[count as usize]);
-        point_inputs.push(if count == 0 { value } else { zero });
-        chains.push((chain, value));
-    }
-    system.dynamics = system.pool.substitute_all(&system.dynamics.clone(), &replace);
-    let outputs: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
-    let outputs = system.pool.substitute_all(&outputs, &replace);
-    for (o, e) in system.outputs.iter_mut().zip(outputs) {
-        o.1 = e;
-    }
-    let mut point_states = system.point.take().map(|p| p.states);
-    for (chain, value) in chains {
-        for (k, pair) in chain.windows(2).enumerate() {
-            system.states.push(pair[0]);
-            let rate = system.pool.sym(pair[1]);
-            system.dynamics.push(rate);
-            if let Some(p) = &mut point_states {
-                p.push(if k == 0 { value } else { zero });
-            }
-        }
-    }
-    system.point = point_states.map(|states| Point { states, inputs: point_inputs });
-    system.input_derivatives.clear();
-    system.inputs = new_inputs;
-    system.name = format!("{}_affine", system.name);
-    let why = augmentation_reason(&system, &old_inputs, highest, extra, pairs, &integrators);
-    Affinization {
-        method: Method::InputAugmentation,
-        integrators,
-        input_change: Vec::new(),
-        regular_at_point: None,
-        system,
-        why,
-    }
-}
-
-fn augmentation_reason(
-    system: &System,
-    old: &[Symbol],
-    highest: &[(u32, Symbol)],
-    extra: &[bool],
-    pairs: &[(usize, usize)],
-    integrators: &BTreeMap<String, u32>,
-) -> String {
-    let name = |i: usize| system.pool.name(old[i]);
-    let mut parts = Vec::new();
-    for (i, h) in highest.iter().enumerate() {
-        if h.0 > 0 {
-            parts.push(format!("{} enters up to its derivative of order {}", name(i), h.0));
-        }
-        if extra[i] {
-            let with: Vec<&str> =
-                pairs.iter().filter(|p| p.0 == i || p.1 == i).map(|p| name(if p.0 == i { p.1 } else { p.0 })).collect();
-            let how = if pairs.contains(&(i, i)) {
-                "enters nonlinearly".to_owned()
-            } else {
-                format!("multiplies {}", with.join(", "))
-            };
-            parts.push(format!("{} {how}", name(i)));
-        }
-    }
-    let total: u32 = integrators.values().sum();
-    let plural = if total == 1 { "" } else { "s" };
-    format!(
-        "{}; with {total} integrator{plural} the inputs {} enter affinely, with fewer integrators they do not",
-        parts.join(", "),
-        system.input_names().join(", ")
-    )
 }

@@ -1,220 +1,76 @@
-//! New inputs v = w(u) for systems that depend on u through few functions.
+//! New inputs v = w(u) or v = w(x, u): completion of a change that was found, with its certificate.
 
-use std::collections::BTreeMap;
-
-use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol, Undecided};
+use bracketry_symbolic::{Bindings, Certificate, Expr, Pool, Symbol, Undecided, ZeroTest};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::affine::{Affinization, Method, NewInput, fresh, is_zero};
+use crate::candidate::{AtPoint, Candidate, Method, NewInput};
+use crate::inverse::inverse;
+use crate::range::{Range, flattened, image, number, range};
 use crate::system::System;
 
-/// Products of sums are multiplied out up to this many terms.
-const MAX_TERMS: usize = 2000;
-
-/// The terms of an expression as (factor free of inputs, factor of inputs only).
-struct Separation<'a> {
-    inputs: &'a FxHashSet<Symbol>,
-    states: &'a FxHashSet<Symbol>,
+/// x' = a(x) + B(x) w(x, u), and the same for outputs that depend on inputs.
+pub(crate) struct Change {
+    /// w
+    pub(crate) functions: Vec<Expr>,
+    /// a, one entry per equation, then one per output.
+    pub(crate) rest: Vec<Expr>,
+    /// B, one row per equation, then one per output.
+    pub(crate) factors: Vec<Vec<Expr>>,
 }
 
-impl Separation<'_> {
-    /// `None` if some factor mixes states and inputs.
-    fn terms(&self, pool: &mut Pool, e: Expr) -> Option<Vec<(Expr, Expr)>> {
-        let uses = pool.symbols_of(&[e]);
-        let has_input = uses.iter().any(|s| self.inputs.contains(s));
-        let has_state = uses.iter().any(|s| self.states.contains(s));
-        let one = pool.int(1);
-        match (has_input, has_state) {
-            (false, _) => return Some(vec![(e, one)]),
-            (true, false) if !matches!(pool.node(e), Node::Add(..) | Node::Mul(..)) => return Some(vec![(one, e)]),
-            _ => {}
+/// Why a change of inputs is not taken.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum Rejection {
+    #[error("undecided: {0}")]
+    Undecided(#[from] Undecided),
+    #[error(
+        "the equations depend on the inputs through {functions} independent functions, more than there are inputs ({inputs})"
+    )]
+    TooMany { functions: usize, inputs: usize },
+    #[error("{0}")]
+    Because(String),
+}
+
+/// Exact zero tests, with the certificate of all of them together.
+#[derive(Default)]
+pub(crate) struct Checks {
+    pub(crate) certificate: Option<Certificate>,
+}
+
+impl Checks {
+    /// Whether `e`, which must be free of switches, is zero.
+    pub(crate) fn is_zero(&mut self, pool: &mut Pool, e: Expr) -> Result<bool, Undecided> {
+        if pool.is_zero(e) {
+            return Ok(true);
         }
-        match pool.node(e) {
-            Node::Add(a, b) => {
-                let mut left = self.terms(pool, a)?;
-                left.extend(self.terms(pool, b)?);
-                Some(left)
+        match pool.zero_test(e, &Bindings::default()) {
+            ZeroTest::Zero(c) => {
+                self.certificate = Some(self.certificate.map_or(c, |old| old.and(c)));
+                Ok(true)
             }
-            Node::Mul(a, b) => self.product(pool, a, b),
-            Node::Pow(a, k) => {
-                let k = pool.integer(k).filter(|k| (2..=8).contains(k))?;
-                let rest = pool.powi(a, k - 1);
-                self.product(pool, a, rest)
-            }
-            _ => None,
+            ZeroTest::NonZero => Ok(false),
+            ZeroTest::Unknown(u) => Err(u),
         }
-    }
-
-    fn product(&self, pool: &mut Pool, a: Expr, b: Expr) -> Option<Vec<(Expr, Expr)>> {
-        let left = self.terms(pool, a)?;
-        let right = self.terms(pool, b)?;
-        if left.len() * right.len() > MAX_TERMS {
-            return None;
-        }
-        let mut out = Vec::with_capacity(left.len() * right.len());
-        for &(p, q) in &left {
-            for &(r, s) in &right {
-                out.push((pool.mul(p, r), pool.mul(q, s)));
-            }
-        }
-        Some(out)
     }
 }
 
-/// The right-hand side as drift + Σ factor · (combination of input monomials), one entry per row and state factor.
-struct Combinations {
-    drift: Vec<Expr>,
-    monomials: Vec<Expr>,
-    /// (row, state factor, coefficient of each monomial)
-    entries: Vec<(usize, Expr, Vec<Rational>)>,
+/// Expressions with the sign of every switching function as a symbol.
+pub(crate) fn without_switches(system: &System, expressions: &[Expr]) -> (System, Vec<Expr>) {
+    let mut s = system.clone();
+    s.dynamics = expressions.to_vec();
+    s.outputs.clear();
+    let form = s.switched_form();
+    (s, form.dynamics)
 }
 
-fn combinations(system: &mut System) -> Option<Combinations> {
-    let inputs: FxHashSet<Symbol> = system.inputs.iter().copied().collect();
-    let states: FxHashSet<Symbol> = system.states.iter().copied().collect();
-    let separation = Separation { inputs: &inputs, states: &states };
-    let pool = &mut system.pool;
-    let mut drift = vec![pool.int(0); system.states.len()];
-    let mut monomials: Vec<Expr> = Vec::new();
-    let mut sparse: Vec<(usize, Expr, BTreeMap<usize, Rational>)> = Vec::new();
-    for (row, &e) in system.dynamics.iter().enumerate() {
-        for (x, u) in separation.terms(pool, e)? {
-            let (cu, w) = coefficient(pool, u);
-            let (cx, factor) = coefficient(pool, x);
-            if pool.is_one(w) {
-                let term = pool.mul(x, u);
-                drift[row] = pool.add(drift[row], term);
-                continue;
-            }
-            let column = monomials.iter().position(|&m| m == w).unwrap_or_else(|| {
-                monomials.push(w);
-                monomials.len() - 1
-            });
-            let at = sparse.iter().position(|e| e.0 == row && e.1 == factor).unwrap_or_else(|| {
-                sparse.push((row, factor, BTreeMap::new()));
-                sparse.len() - 1
-            });
-            *sparse[at].2.entry(column).or_insert(Rational::ZERO) += cx * cu;
-        }
-    }
-    let dense = |c: &BTreeMap<usize, Rational>| {
-        (0..monomials.len()).map(|k| c.get(&k).cloned().unwrap_or(Rational::ZERO)).collect()
-    };
-    let entries = sparse.iter().map(|(row, factor, c)| (*row, *factor, dense(c))).collect();
-    Some(Combinations { drift, monomials, entries })
+/// Simplified, so that equal arguments of switching functions are one expression.
+pub(crate) fn canonical(pool: &mut Pool, expressions: Vec<Expr>) -> Vec<Expr> {
+    expressions.into_iter().map(|e| pool.simplify(e)).collect()
 }
 
-/// Splits a numeric coefficient off a product.
-fn coefficient(pool: &mut Pool, e: Expr) -> (Rational, Expr) {
-    if let Some(c) = pool.number(e).cloned() {
-        return (c, pool.int(1));
-    }
-    match pool.node(e) {
-        Node::Mul(a, b) => match pool.number(a) {
-            Some(c) => (c.clone(), b),
-            None => (Rational::ONE, e),
-        },
-        _ => (Rational::ONE, e),
-    }
-}
-
-/// The α with Σ α_j basis_j = row, if there are any; the basis is independent.
-fn express(basis: &[Vec<Rational>], row: &[Rational]) -> Option<Vec<Rational>> {
-    let k = basis.len();
-    // One equation per monomial: Σ_j basis[j][i] α_j = row[i].
-    let mut equations: Vec<Vec<Rational>> = (0..row.len())
-        .map(|i| basis.iter().map(|b| b[i].clone()).chain(std::iter::once(row[i].clone())).collect())
-        .collect();
-    for j in 0..k {
-        let pivot = (j..equations.len()).find(|&i| equations[i][j] != Rational::ZERO)?;
-        equations.swap(j, pivot);
-        let scale = equations[j][j].clone();
-        for v in &mut equations[j] {
-            *v = v.clone() / scale.clone();
-        }
-        let leading = equations[j].clone();
-        for (i, other) in equations.iter_mut().enumerate() {
-            if i != j && other[j] != Rational::ZERO {
-                let factor = other[j].clone();
-                for (v, l) in other.iter_mut().zip(&leading) {
-                    *v = v.clone() - factor.clone() * l.clone();
-                }
-            }
-        }
-    }
-    if equations[k..].iter().any(|e| e[k] != Rational::ZERO) {
-        return None;
-    }
-    Some(equations[..k].iter().map(|e| e[k].clone()).collect())
-}
-
-/// New inputs v = w(u), if the equations depend on u through at most as many functions as there are inputs and these are
-/// independent. Checked by putting w(u) back.
-pub(crate) fn input_change(original: &System) -> Result<Option<Affinization>, Undecided> {
-    let mut system = original.clone();
-    let Some(mut parts) = combinations(&mut system) else { return Ok(None) };
-    // Short combinations first, so that an input that enters as it is becomes a function of its own.
-    parts.entries.sort_by_key(|e| e.2.iter().filter(|c| **c != Rational::ZERO).count());
-    let mut basis: Vec<Vec<Rational>> = Vec::new();
-    for (_, _, row) in &parts.entries {
-        let Some(first) = row.iter().find(|c| **c != Rational::ZERO) else { continue };
-        if express(&basis, row).is_none() {
-            basis.push(row.iter().map(|c| c.clone() / first.clone()).collect());
-            if basis.len() > system.inputs.len() {
-                return Ok(None);
-            }
-        }
-    }
-    let functions: Vec<Expr> = basis.iter().map(|row| combine(&mut system.pool, row, &parts.monomials)).collect();
-    let jacobian = system.pool.jacobian(&functions, &original.inputs);
-    if functions.is_empty() || system.pool.rank(&jacobian, &Bindings::default())?.rank < functions.len() {
-        return Ok(None);
-    }
-    let symbols = new_symbols(&mut system, &functions);
-    let new: Vec<Expr> = symbols.iter().map(|&s| system.pool.sym(s)).collect();
-    let mut dynamics = parts.drift;
-    for (row, factor, combination) in &parts.entries {
-        let Some(weights) = express(&basis, combination) else { return Ok(None) };
-        let v = combine(&mut system.pool, &weights, &new);
-        let term = system.pool.mul(*factor, v);
-        dynamics[*row] = system.pool.add(dynamics[*row], term);
-    }
-    if !restores(&mut system, &dynamics, &new, &functions)? {
-        return Ok(None);
-    }
-    let inputs: FxHashSet<Symbol> = original.inputs.iter().copied().collect();
-    if system.outputs.iter().any(|(_, e)| system.pool.symbols_of(&[*e]).iter().any(|s| inputs.contains(s))) {
-        return Ok(None);
-    }
-    let regular_at_point = move_point(&mut system, &functions, &jacobian)?;
-    system.dynamics = dynamics;
-    system.inputs = symbols;
-    let input_change: Vec<NewInput> = system
-        .input_names()
-        .into_iter()
-        .zip(&functions)
-        .map(|(name, &function)| NewInput { range: range(&system.pool, &name, function), name, function })
-        .collect();
-    let why = reason(&system.pool, &input_change);
-    system.name = format!("{}_affine", original.name);
-    Ok(Some(Affinization {
-        method: Method::InputChange,
-        integrators: BTreeMap::new(),
-        input_change,
-        regular_at_point,
-        system,
-        why,
-    }))
-}
-
-fn combine(pool: &mut Pool, weights: &[Rational], terms: &[Expr]) -> Expr {
-    let mut total = pool.int(0);
-    for (c, &t) in weights.iter().zip(terms) {
-        let c = pool.rational(c.clone());
-        let term = pool.mul(c, t);
-        total = pool.add(total, term);
-    }
-    total
+/// The equations, then the outputs.
+pub(crate) fn rows(system: &System) -> Vec<Expr> {
+    system.dynamics.iter().copied().chain(system.outputs.iter().map(|o| o.1)).collect()
 }
 
 /// A function that is an old input keeps its name; the others are called v1, v2, …
@@ -227,43 +83,351 @@ fn new_symbols(system: &mut System, functions: &[Expr]) -> Vec<Symbol> {
     new
 }
 
-/// Whether the new equations with w(u) put back are the old ones.
-fn restores(system: &mut System, dynamics: &[Expr], new: &[Expr], functions: &[Expr]) -> Result<bool, Undecided> {
-    let back: FxHashMap<Expr, Expr> = new.iter().copied().zip(functions.iter().copied()).collect();
-    let restored = system.pool.substitute_all(dynamics, &back);
+/// A name that the system does not use yet.
+pub(crate) fn fresh(pool: &mut Pool, wanted: &str) -> Symbol {
+    let mut name = wanted.to_owned();
+    while pool.find_symbol(&name).is_some() {
+        name.push('_');
+    }
+    pool.symbol(&name)
+}
+
+/// The system with v = w as inputs. Checked by putting w back.
+pub(crate) fn apply(original: &System, change: Change) -> Result<Candidate, Rejection> {
+    let mut system = original.clone();
+    let Change { functions, rest, factors } = change;
+    let independent = rank_of_jacobian(&system, &functions, None)?;
+    if independent < functions.len() {
+        return Err(Rejection::Because(format!(
+            "the equations depend on the inputs through {} function{}, of which only {independent} can be chosen freely",
+            functions.len(),
+            if functions.len() == 1 { "" } else { "s" }
+        )));
+    }
+    let symbols = new_symbols(&mut system, &functions);
+    let new: Vec<Expr> = symbols.iter().map(|&s| system.pool.sym(s)).collect();
+    let mut affine = Vec::with_capacity(rest.len());
+    for (&a, b) in rest.iter().zip(&factors) {
+        let mut total = a;
+        for (&b, &v) in b.iter().zip(&new) {
+            let term = system.pool.mul(b, v);
+            total = system.pool.add(total, term);
+        }
+        affine.push(total);
+    }
+    let mut checks = Checks::default();
+    if !restores(&system, &affine, &new, &functions, &mut checks)? {
+        return Err(Rejection::Because("putting the functions back does not give the equations".to_owned()));
+    }
+    let states: FxHashSet<Symbol> = system.states.iter().copied().collect();
+    let uses_states = system.pool.symbols_of(&functions).iter().any(|s| states.contains(s));
+    let method = if uses_states { Method::Feedback } else { Method::InputChange };
+    let input_change = describe(&mut system, &symbols, &functions)?;
+    let mut candidate = Candidate::new(method, String::new());
+    candidate.certificate = checks.certificate;
+    candidate.independent_ranges = independent_ranges(&mut system, &functions, &input_change);
+    candidate.regular_at_point = regular_at_point(&system, &functions);
+    candidate.interior_at_point = interior_at_point(&candidate, &input_change);
+    candidate.singular_set = singular_set(&mut system, &functions);
+    candidate.inverse = inverse(&mut system, &functions, &symbols);
+    candidate.why = reason(&system.pool, &input_change);
+    candidate.input_change = input_change;
+    if let Some(values) = at_point(&mut system, &functions)
+        && let Some(point) = &mut system.point
+    {
+        point.inputs = values;
+    }
+    let n = system.states.len();
+    system.dynamics = affine[..n].to_vec();
+    for (o, &e) in system.outputs.iter_mut().zip(&affine[n..]) {
+        o.1 = e;
+    }
+    system.inputs = symbols;
+    candidate.system = Some(system);
+    Ok(candidate)
+}
+
+/// Generic rank of ∂w/∂u, or the rank with states and inputs at the values of `at`.
+fn rank_of_jacobian(
+    system: &System,
+    functions: &[Expr],
+    at: Option<&FxHashMap<Expr, Expr>>,
+) -> Result<usize, Undecided> {
+    let (mut s, smooth) = without_switches(system, functions);
+    let mut rows = s.pool.jacobian(&smooth, &s.inputs.clone());
+    if let Some(at) = at {
+        rows = rows.iter().map(|row| s.pool.substitute_all(row, at)).collect();
+    }
+    if rows.is_empty() || s.inputs.is_empty() {
+        return Ok(0);
+    }
+    Ok(s.pool.rank(&rows, &Bindings::default())?.rank)
+}
+
+/// Whether the new equations with w put back are the old ones.
+fn restores(
+    system: &System,
+    affine: &[Expr],
+    new: &[Expr],
+    functions: &[Expr],
+    checks: &mut Checks,
+) -> Result<bool, Undecided> {
     let mut check = system.clone();
-    check.dynamics = restored.iter().zip(&system.dynamics).map(|(&a, &b)| check.pool.sub(a, b)).collect();
-    check.outputs.clear();
-    for e in check.switched_form().dynamics {
-        if !is_zero(&mut check.pool, e)? {
+    let back: FxHashMap<Expr, Expr> = new.iter().copied().zip(functions.iter().copied()).collect();
+    let restored = check.pool.substitute_all(affine, &back);
+    let differences: Vec<Expr> = restored.iter().zip(rows(system)).map(|(&a, b)| check.pool.sub(a, b)).collect();
+    let differences = canonical(&mut check.pool, differences);
+    let (mut check, smooth) = without_switches(&check, &differences);
+    for e in smooth {
+        if !checks.is_zero(&mut check.pool, e)? {
             return Ok(false);
         }
     }
     Ok(true)
 }
 
-/// Takes the point to the new inputs and tells whether w is a local diffeomorphism (a submersion) there.
-fn move_point(system: &mut System, functions: &[Expr], jacobian: &[Vec<Expr>]) -> Result<Option<bool>, Undecided> {
-    let Some(point) = &mut system.point else { return Ok(None) };
-    let at: FxHashMap<Expr, Expr> =
-        system.inputs.iter().zip(&point.inputs).map(|(&u, &v)| (system.pool.sym(u), v)).collect();
-    point.inputs = system.pool.substitute_all(functions, &at);
-    let here: Vec<Vec<Expr>> = jacobian.iter().map(|row| system.pool.substitute_all(row, &at)).collect();
-    let rank = system.pool.rank(&here, &Bindings::default())?.rank;
-    Ok(Some(rank == functions.len()))
+/// States, inputs and parameters at the point; `None` if there is no point.
+fn point_values(system: &mut System) -> Option<FxHashMap<Expr, Expr>> {
+    let point = system.point.clone()?;
+    let mut at = FxHashMap::default();
+    let values = system.states.iter().zip(&point.states).chain(system.inputs.iter().zip(&point.inputs));
+    for (&s, &v) in values {
+        at.insert(system.pool.sym(s), v);
+    }
+    for p in &system.parameters {
+        at.insert(system.pool.sym(p.symbol), system.pool.rational(p.value.clone()));
+    }
+    Some(at)
 }
 
-/// The values that a function can take where its form limits them.
-fn range(pool: &Pool, name: &str, w: Expr) -> Option<String> {
-    match pool.node(w) {
-        Node::Pow(_, k) if pool.integer(k).is_some_and(|k| k % 2 == 0) => Some(format!("{name} ≥ 0")),
-        Node::Pow(_, k) if pool.number(k).is_some_and(|k| !k.is_int()) => Some(format!("{name} ≥ 0")),
-        Node::Call(Func::Abs, _) => Some(format!("{name} ≥ 0")),
-        Node::Call(Func::Exp, _) => Some(format!("{name} > 0")),
-        Node::Call(Func::Cosh, _) => Some(format!("{name} ≥ 1")),
-        Node::Call(Func::Sin | Func::Cos | Func::Tanh, _) => Some(format!("|{name}| ≤ 1")),
-        _ => None,
+/// The functions at the point.
+fn at_point(system: &mut System, functions: &[Expr]) -> Option<Vec<Expr>> {
+    let at = point_values(system)?;
+    Some(system.pool.substitute_all(functions, &at))
+}
+
+fn describe(system: &mut System, symbols: &[Symbol], functions: &[Expr]) -> Result<Vec<NewInput>, Rejection> {
+    let here = at_point(system, functions);
+    let with_values = system.with_values(functions);
+    let mut out = Vec::new();
+    for (k, (&s, &function)) in symbols.iter().zip(functions).enumerate() {
+        let name = system.pool.name(s).to_owned();
+        let values = range(&mut system.pool, with_values[k], &system.inputs);
+        if let Range::Unknown { reason } = &values {
+            let (s, smooth) = without_switches(system, &[function]);
+            if s.pool.symbols_of(&smooth).len() > s.pool.symbols_of(&[function]).len() {
+                return Err(Rejection::Because(format!(
+                    "the function {} switches, and {reason}",
+                    s.pool.text(function)
+                )));
+            }
+        }
+        let mut at_point = match &here {
+            Some(here) => place(&mut system.pool, here[k], &values),
+            None => AtPoint::Unknown,
+        };
+        if at_point == AtPoint::Unknown && regular_at_point(system, &[function]) == Some(true) {
+            at_point = AtPoint::Interior;
+        }
+        out.push(NewInput { range: values.text(&name), name, function, values, at_point });
     }
+    Ok(out)
+}
+
+/// Where a value lies among all values.
+fn place(pool: &mut Pool, value: Expr, values: &Range) -> AtPoint {
+    let Some(v) = number(pool, value) else { return AtPoint::Unknown };
+    let Range::Interval { lower, upper } = values else {
+        return if *values == Range::Onto { AtPoint::Interior } else { AtPoint::Unknown };
+    };
+    let scale = 1e-9 * (1.0 + v.abs());
+    let gap =
+        |bound: &Option<crate::range::Bound>, side: f64| bound.as_ref().map_or(f64::INFINITY, |b| side * (v - b.value));
+    let (above, below) = (gap(lower, 1.0), gap(upper, -1.0));
+    if above > scale && below > scale {
+        return AtPoint::Interior;
+    }
+    // So near a bound only an exact comparison will do.
+    let bound = if above <= scale { lower } else { upper };
+    let Some(exact) = bound.as_ref().filter(|b| b.exact).and_then(|b| pool.parse(&b.text).ok()) else {
+        return AtPoint::Unknown;
+    };
+    let difference = pool.sub(value, exact);
+    match pool.zero_test(difference, &Bindings::default()) {
+        ZeroTest::Zero(_) if above <= scale => AtPoint::AtLower,
+        ZeroTest::Zero(_) => AtPoint::AtUpper,
+        ZeroTest::NonZero => AtPoint::Interior,
+        ZeroTest::Unknown(_) => AtPoint::Unknown,
+    }
+}
+
+/// Whether w is a submersion at the point; `None` without a point or where that is undecided.
+fn regular_at_point(system: &System, functions: &[Expr]) -> Option<bool> {
+    let mut s = system.clone();
+    let at = point_values(&mut s)?;
+    // The sign of a switching function has no value where that vanishes: there w is not differentiable.
+    let (mut s, smooth) = without_switches(&s, functions);
+    let switches = s.pool.symbols_of(&smooth).len() > s.pool.symbols_of(functions).len();
+    let rows = s.pool.jacobian(&smooth, &s.inputs.clone());
+    let rows: Vec<Vec<Expr>> = rows.iter().map(|row| s.pool.substitute_all(row, &at)).collect();
+    let rank = s.pool.rank(&rows, &Bindings::default()).ok()?.rank;
+    match rank == functions.len() {
+        true if switches => None,
+        full => Some(full),
+    }
+}
+
+/// Whether every two of the functions use different inputs, or their ranges are those of plane polar coordinates.
+fn independent_ranges(system: &mut System, functions: &[Expr], described: &[NewInput]) -> Option<bool> {
+    let inputs: FxHashSet<Symbol> = system.inputs.iter().copied().collect();
+    let mut uses: Vec<FxHashSet<Symbol>> = functions
+        .iter()
+        .map(|&w| system.pool.symbols_of(&[w]).into_iter().filter(|s| inputs.contains(s)).collect())
+        .collect();
+    let mut open: Vec<usize> = Vec::new();
+    for (i, u) in uses.iter().enumerate() {
+        if uses.iter().enumerate().any(|(j, v)| j != i && !u.is_disjoint(v)) {
+            open.push(i);
+        }
+    }
+    if open.is_empty() {
+        return Some(true);
+    }
+    let [i, j] = open[..] else { return None };
+    // The members of the pair may share inputs with each other only.
+    let pair: FxHashSet<Symbol> = uses.swap_remove(j).union(&uses[i]).copied().collect();
+    let others = functions.iter().enumerate().filter(|(k, _)| *k != i && *k != j);
+    let shared = |e: Expr| system.pool.symbols_of(&[e]).iter().any(|s| pair.contains(s));
+    let plane = others.into_iter().all(|(_, &e)| !shared(e))
+        && described[i].values == Range::Onto
+        && described[j].values == Range::Onto
+        && is_polar(system, functions[i], functions[j]);
+    plane.then_some(true)
+}
+
+/// Whether the two are a·ρ·cos φ and b·ρ·sin φ with numbers a, b, where ρ takes all real numbers (or all that are not negative)
+/// and φ, independently, all angles.
+fn is_polar(system: &mut System, v: Expr, w: Expr) -> bool {
+    use bracketry_symbolic::{Func, Node};
+    let values = system.with_values(&[v, w]);
+    let inputs = system.inputs.clone();
+    let pool = &mut system.pool;
+    let split = |pool: &mut Pool, e: Expr| {
+        let (mut angle, mut radius) = (None, pool.int(1));
+        for f in flattened(pool, e, false) {
+            match pool.node(f) {
+                Node::Call(g @ (Func::Sin | Func::Cos), a) if angle.is_none() => angle = Some((g, a)),
+                _ if pool.number(f).is_some() => {}
+                _ => radius = pool.mul(radius, f),
+            }
+        }
+        angle.map(|(g, a)| (g, a, radius))
+    };
+    let (Some((f, a, r)), Some((g, b, s))) = (split(pool, values[0]), split(pool, values[1])) else { return false };
+    let independent = !pool.symbols_of(&[a]).iter().any(|x| inputs.contains(x) && pool.depends_on(r, *x));
+    let turns = image(pool, a, &inputs).is_ok_and(|i| i.is_all());
+    let far = image(pool, r, &inputs).is_ok_and(|i| i.lower.value <= 0.0 && i.upper.value == f64::INFINITY);
+    f != g && a == b && r == s && independent && turns && far
+}
+
+/// Whether the new inputs together can be varied to all sides at the point.
+fn interior_at_point(candidate: &Candidate, inputs: &[NewInput]) -> Option<bool> {
+    candidate.regular_at_point?;
+    if candidate.regular_at_point == Some(true) {
+        return Some(true);
+    }
+    if inputs.iter().any(|v| matches!(v.at_point, AtPoint::AtLower | AtPoint::AtUpper)) {
+        return Some(false);
+    }
+    let each = inputs.iter().all(|v| v.at_point == AtPoint::Interior);
+    (each && candidate.independent_ranges == Some(true)).then_some(true)
+}
+
+/// Largest number of minors of the Jacobian that are written out.
+const MAX_MINORS: usize = 6;
+
+/// Where the Jacobian of w with respect to u loses rank, printed; `None` where it never does or the condition is too long.
+fn singular_set(system: &mut System, functions: &[Expr]) -> Option<String> {
+    let jacobian = system.pool.jacobian(functions, &system.inputs.clone());
+    let columns = subsets(system.inputs.len(), functions.len(), MAX_MINORS)?;
+    let mut conditions: Vec<String> = Vec::new();
+    for chosen in columns {
+        let minor: Vec<Vec<Expr>> = jacobian.iter().map(|row| chosen.iter().map(|&j| row[j]).collect()).collect();
+        let d = determinant(&mut system.pool, &minor)?;
+        let d = system.pool.simplify(d);
+        if system.pool.is_zero(d) {
+            continue;
+        }
+        let mut factors: Vec<String> = Vec::new();
+        let parameters: FxHashSet<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
+        for f in flattened(&system.pool, d, false) {
+            let base = match system.pool.node(f) {
+                bracketry_symbolic::Node::Pow(a, k) => match system.pool.number(k) {
+                    Some(k) if *k < bracketry_symbolic::Rational::ZERO => continue,
+                    Some(_) => a,
+                    None => f,
+                },
+                bracketry_symbolic::Node::Call(bracketry_symbolic::Func::Exp, _) => continue,
+                _ => f,
+            };
+            if system.pool.symbols_of(&[base]).iter().any(|s| !parameters.contains(s)) {
+                factors.push(format!("{} = 0", system.pool.text(base)));
+            }
+        }
+        if factors.is_empty() {
+            return None;
+        }
+        factors.dedup();
+        let condition = factors.join(" or ");
+        if !conditions.contains(&condition) {
+            conditions.push(condition);
+        }
+    }
+    let several = conditions.len() > 1;
+    let bracketed = conditions.into_iter().map(|c| if several && c.contains(" or ") { format!("({c})") } else { c });
+    let text = bracketed.collect::<Vec<_>>().join(" and ");
+    (!text.is_empty() && text.len() < 2000).then_some(text)
+}
+
+/// The subsets of k of n numbers, if they are not too many.
+fn subsets(n: usize, k: usize, most: usize) -> Option<Vec<Vec<usize>>> {
+    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
+    for i in 0..n {
+        let more: Vec<Vec<usize>> =
+            all.iter().filter(|s| s.len() < k).map(|s| s.iter().copied().chain([i]).collect()).collect();
+        all.extend(more);
+        all.retain(|s| s.len() + (n - 1 - i) >= k);
+        if all.len() > 4 * most {
+            return None;
+        }
+    }
+    (all.len() <= most).then_some(all)
+}
+
+/// Largest matrix whose determinant is expanded.
+const MAX_EXPANDED: usize = 4;
+
+/// Determinant by expansion along the first row.
+pub(crate) fn determinant(pool: &mut Pool, rows: &[Vec<Expr>]) -> Option<Expr> {
+    let n = rows.len();
+    if n > MAX_EXPANDED {
+        return None;
+    }
+    if n == 0 {
+        return Some(pool.int(1));
+    }
+    let mut total = pool.int(0);
+    for j in 0..n {
+        if pool.is_zero(rows[0][j]) {
+            continue;
+        }
+        let minor: Vec<Vec<Expr>> =
+            rows[1..].iter().map(|r| (0..n).filter(|&k| k != j).map(|k| r[k]).collect()).collect();
+        let d = determinant(pool, &minor)?;
+        let term = pool.mul(rows[0][j], d);
+        total = if j % 2 == 0 { pool.add(total, term) } else { pool.sub(total, term) };
+    }
+    Some(total)
 }
 
 fn reason(pool: &Pool, inputs: &[NewInput]) -> String {

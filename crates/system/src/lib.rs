@@ -1,15 +1,28 @@
 //! Control systems: model files, parameters, switching modes, affine forms, compiled right-hand sides.
 
 mod affine;
+mod augment;
+mod candidate;
 mod document;
+mod feedback;
 mod input_change;
+mod interval;
+mod inverse;
+mod lowering;
 mod model_file;
+mod polynomial;
+mod range;
+mod rational_function;
+mod separation;
 mod switching;
 mod system;
+mod trend;
 
-pub use affine::{AffineError, AffineForm, Affinization, Method, NewInput};
+pub use affine::{AffineError, AffineForm, Affinization};
 pub use bracketry_symbolic as symbolic;
+pub use candidate::{AtPoint, Candidate, Method, NewInput, NewState};
 pub use document::{Document, FileError, Table, Value};
 pub use model_file::{RESERVED, WriteError};
+pub use range::{Bound, Range};
 pub use switching::{MAX_ENUMERATED_SWITCHES, Mode, Switch, SwitchKind, SwitchedForm, TooManyModes};
 pub use system::{InputDerivative, Parameter, Point, System};

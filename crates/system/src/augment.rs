@@ -1,0 +1,170 @@
+//! Integrators in front of inputs.
+
+use std::collections::BTreeMap;
+
+use bracketry_symbolic::{Expr, Symbol};
+use rustc_hash::FxHashMap;
+
+use crate::candidate::{AtPoint, Candidate, Method, NewInput};
+use crate::input_change::fresh;
+use crate::range::Range;
+use crate::system::{InputDerivative, Point, System};
+
+/// What is known of the inputs of a system before it is made affine.
+pub(crate) struct Arguments {
+    /// The highest derivative of each input that occurs (order 0: the input itself), and its symbol.
+    pub(crate) highest: Vec<(u32, Symbol)>,
+    /// The pairs of these (i ≤ j) in which the right-hand side is not affine.
+    pub(crate) pairs: Vec<(usize, usize)>,
+}
+
+impl Arguments {
+    /// States that integrators add, one for each order and one more for each of `extra`.
+    pub(crate) fn states_added(&self, extra: &[bool]) -> usize {
+        self.highest.iter().zip(extra).map(|(h, &e)| h.0 as usize + usize::from(e)).sum()
+    }
+}
+
+/// Puts order + extra integrators in front of each input, except that those of `taken` become the highest derivative that
+/// occurs. The k-th derivative of `u` is called `u` followed by k letters `d`.
+pub(crate) fn augment(original: &System, arguments: &Arguments, extra: &[bool], taken: &[bool]) -> Candidate {
+    let mut system = original.clone();
+    let old_inputs = system.inputs.clone();
+    let known: FxHashMap<(usize, u32), Symbol> =
+        system.input_derivatives.iter().map(|d: &InputDerivative| ((d.input, d.order), d.symbol)).collect();
+    let mut integrators = BTreeMap::new();
+    let mut replace: FxHashMap<Expr, Expr> = FxHashMap::default();
+    let mut new_inputs = Vec::new();
+    let mut point_inputs = Vec::new();
+    let zero = system.pool.int(0);
+    let mut chains = Vec::new();
+    for (i, &u) in old_inputs.iter().enumerate() {
+        let count = arguments.highest[i].0 + u32::from(extra[i]);
+        let base = system.pool.name(u).to_owned();
+        let mut chain = vec![u];
+        for k in 1..=count {
+            if taken[i] && k < count {
+                continue;
+            }
+            let s = fresh(&mut system.pool, &format!("{base}{}", "d".repeat(k as usize)));
+            if let Some(&old) = known.get(&(i, k)) {
+                let (a, b) = (system.pool.sym(old), system.pool.sym(s));
+                replace.insert(a, b);
+            }
+            chain.push(s);
+        }
+        let value = system.point.as_ref().map_or(zero, |p| p.inputs[i]);
+        new_inputs.push(chain.last().copied().unwrap_or(u));
+        point_inputs.push(if count == 0 { value } else { zero });
+        if taken[i] {
+            continue;
+        }
+        if count > 0 {
+            integrators.insert(base, count);
+        }
+        chains.push((chain, value));
+    }
+    system.dynamics = system.pool.substitute_all(&system.dynamics.clone(), &replace);
+    let outputs: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
+    let outputs = system.pool.substitute_all(&outputs, &replace);
+    for (o, e) in system.outputs.iter_mut().zip(outputs) {
+        o.1 = e;
+    }
+    let mut point_states = system.point.take().map(|p| p.states);
+    for (chain, value) in chains {
+        for (k, pair) in chain.windows(2).enumerate() {
+            system.states.push(pair[0]);
+            let rate = system.pool.sym(pair[1]);
+            system.dynamics.push(rate);
+            if let Some(p) = &mut point_states {
+                p.push(if k == 0 { value } else { zero });
+            }
+        }
+    }
+    system.point = point_states.map(|states| Point { states, inputs: point_inputs });
+    system.input_derivatives.clear();
+    system.inputs = new_inputs;
+    system.name = format!("{}_affine", original.name);
+    let any_taken = taken.contains(&true);
+    let mut candidate =
+        Candidate::new(if any_taken { Method::InputChange } else { Method::InputAugmentation }, String::new());
+    candidate.added_states = system.states.len() - original.states.len();
+    candidate.integrators = integrators;
+    if any_taken {
+        candidate.input_change = (0..old_inputs.len())
+            .map(|i| {
+                let function = system.pool.sym(arguments.highest[i].1);
+                let name = system.input_names()[i].clone();
+                let at_point = if system.point.is_some() { AtPoint::Interior } else { AtPoint::Unknown };
+                NewInput { name, function, range: None, values: Range::Onto, at_point }
+            })
+            .collect();
+        candidate.independent_ranges = Some(true);
+        candidate.why = taken_reason(original, arguments, taken);
+    } else {
+        candidate.why = reason(original, &system.input_names(), arguments, extra, &candidate.integrators);
+    }
+    candidate.system = Some(system);
+    candidate
+}
+
+fn taken_reason(original: &System, arguments: &Arguments, taken: &[bool]) -> String {
+    let names: Vec<String> = arguments
+        .highest
+        .iter()
+        .zip(taken)
+        .filter(|(_, t)| **t)
+        .map(|(h, _)| original.pool.name(h.1).to_owned())
+        .collect();
+    format!(
+        "the equations use {} alone, which can be taken as input itself; what it is a derivative of is no longer followed",
+        names.join(", ")
+    )
+}
+
+/// The inputs for which only one derivative occurs anywhere, not the input itself nor another of its derivatives.
+pub(crate) fn lone_derivatives(system: &System, arguments: &Arguments) -> Vec<bool> {
+    let mut all = system.dynamics.clone();
+    all.extend(system.outputs.iter().map(|o| o.1));
+    let used = system.pool.symbols_of(&all);
+    (0..system.inputs.len())
+        .map(|i| {
+            let orders = system.input_derivatives.iter().filter(|d| d.input == i && used.contains(&d.symbol)).count();
+            let curved = arguments.pairs.iter().any(|p| p.0 == i || p.1 == i);
+            arguments.highest[i].0 > 0 && orders == 1 && !curved && !used.contains(&system.inputs[i])
+        })
+        .collect()
+}
+
+fn reason(
+    original: &System,
+    new_inputs: &[String],
+    arguments: &Arguments,
+    extra: &[bool],
+    integrators: &BTreeMap<String, u32>,
+) -> String {
+    let name = |i: usize| original.pool.name(original.inputs[i]);
+    let mut parts = Vec::new();
+    for (i, h) in arguments.highest.iter().enumerate() {
+        if h.0 > 0 {
+            parts.push(format!("{} enters up to its derivative of order {}", name(i), h.0));
+        }
+        if extra[i] {
+            let partners = arguments.pairs.iter().filter(|p| p.0 == i || p.1 == i);
+            let with: Vec<&str> = partners.map(|p| name(if p.0 == i { p.1 } else { p.0 })).collect();
+            let how = if arguments.pairs.contains(&(i, i)) {
+                "enters nonlinearly".to_owned()
+            } else {
+                format!("multiplies {}", with.join(", "))
+            };
+            parts.push(format!("{} {how}", name(i)));
+        }
+    }
+    let total: u32 = integrators.values().sum();
+    let plural = if total == 1 { "" } else { "s" };
+    format!(
+        "{}; with {total} integrator{plural} the inputs {} enter affinely, with fewer integrators alone they do not",
+        parts.join(", "),
+        new_inputs.join(", ")
+    )
+}

@@ -1,0 +1,184 @@
+//! Ways of making a system affine in its inputs, as values.
+
+use std::collections::BTreeMap;
+
+use bracketry_symbolic::{Certificate, Expr};
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
+
+use crate::range::Range;
+use crate::system::System;
+
+/// How a system became affine.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// It is affine as it stands.
+    None,
+    /// New inputs v = w(u).
+    InputChange,
+    /// New inputs v = w(x, u) that depend on the state.
+    Feedback,
+    /// Integrators: u becomes a state and its derivative the input; perhaps with new inputs for others.
+    InputAugmentation,
+    /// New states z = T(x, u, …) whose derivatives need lower derivatives of the inputs.
+    CoordinateChange,
+}
+
+/// Where the value of a new input at the model's point lies in its range.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AtPoint {
+    /// It can be made larger and smaller.
+    Interior,
+    /// It can only be made larger.
+    AtLower,
+    /// It can only be made smaller.
+    AtUpper,
+    /// Not established, or the model gives no point.
+    Unknown,
+}
+
+/// A new input v = w(x, u).
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewInput {
+    /// Its name.
+    pub name: String,
+    /// The function w of the old inputs (for [`Method::Feedback`] also of the states).
+    pub function: Expr,
+    /// The limits of the values of w, such as `v1 ≥ 0`, where there are any and they are established.
+    pub range: Option<String>,
+    /// The values of w while the old inputs take all real numbers.
+    pub values: Range,
+    /// Where the value at the point lies among these.
+    pub at_point: AtPoint,
+}
+
+/// A new state z = T(x, u, …) in place of an old one.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct NewState {
+    /// Its name.
+    pub name: String,
+    /// The old state whose place it takes.
+    pub replaces: String,
+    /// T, printed.
+    pub function: String,
+    /// The old state as a function of the new ones, printed.
+    pub inverse: String,
+}
+
+/// One way of making a system affine, tried and either found right or rejected.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// What is done.
+    pub method: Method,
+    /// Whether [`System::affinize`] takes this one.
+    pub chosen: bool,
+    /// Integrators in front of each input that gets any.
+    pub integrators: BTreeMap<String, u32>,
+    /// States beyond those of the original.
+    pub added_states: usize,
+    /// New inputs, in order; empty where the inputs (or their derivatives) stay as they are.
+    pub input_change: Vec<NewInput>,
+    /// Old inputs as functions of the new ones (and the states), where these were found in closed form and checked; of several
+    /// solutions one.
+    pub inverse: Vec<(String, String)>,
+    /// New states that replace old ones.
+    pub coordinate_change: Vec<NewState>,
+    /// Where the new inputs do not determine the old ones locally, as a condition such as `u = 0`.
+    pub singular_set: Option<String>,
+    /// For new inputs and a model with a point: whether the Jacobian of w has full rank there.
+    pub regular_at_point: Option<bool>,
+    /// For new inputs and a model with a point: whether their values there are interior to the set of all values that they take
+    /// together; `None` where that was not established.
+    pub interior_at_point: Option<bool>,
+    /// Whether the new inputs take their values independently of each other; `None` where that was not established.
+    pub independent_ranges: Option<bool>,
+    /// The affine system; `None` for a rejected candidate.
+    pub system: Option<System>,
+    /// The tests that the affine system, with the new inputs and states written in the old ones, is the original; `None` where it
+    /// is so term by term.
+    pub certificate: Option<Certificate>,
+    /// The reason for it, or for its rejection, in a sentence.
+    pub why: String,
+}
+
+impl Candidate {
+    pub(crate) fn new(method: Method, why: String) -> Self {
+        Candidate {
+            method,
+            chosen: false,
+            integrators: BTreeMap::new(),
+            added_states: 0,
+            input_change: Vec::new(),
+            inverse: Vec::new(),
+            coordinate_change: Vec::new(),
+            singular_set: None,
+            regular_at_point: None,
+            interior_at_point: None,
+            independent_ranges: None,
+            system: None,
+            certificate: None,
+            why,
+        }
+    }
+
+    /// Whether it gives an affine system.
+    pub fn is_accepted(&self) -> bool {
+        self.system.is_some()
+    }
+}
+
+/// A new input with its function printed.
+#[derive(Serialize)]
+struct PrintedInput<'a> {
+    name: &'a str,
+    function: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range: Option<&'a String>,
+    values: &'a Range,
+    at_point: AtPoint,
+}
+
+impl Serialize for Candidate {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut s = serializer.serialize_struct("Candidate", 15)?;
+        s.serialize_field("method", &self.method)?;
+        s.serialize_field("accepted", &self.is_accepted())?;
+        s.serialize_field("chosen", &self.chosen)?;
+        s.serialize_field("why", &self.why)?;
+        let Some(system) = &self.system else { return s.end() };
+        s.serialize_field("added_states", &self.added_states)?;
+        s.serialize_field("integrators", &self.integrators)?;
+        if !self.input_change.is_empty() {
+            let printed: Vec<PrintedInput<'_>> = self
+                .input_change
+                .iter()
+                .map(|v| PrintedInput {
+                    name: &v.name,
+                    function: system.pool.text(v.function),
+                    range: v.range.as_ref(),
+                    values: &v.values,
+                    at_point: v.at_point,
+                })
+                .collect();
+            s.serialize_field("input_change", &printed)?;
+            let inverse: BTreeMap<&String, &String> = self.inverse.iter().map(|(u, e)| (u, e)).collect();
+            s.serialize_field("inverse", &inverse)?;
+            s.serialize_field("singular_set", &self.singular_set)?;
+            s.serialize_field("independent_ranges", &self.independent_ranges)?;
+        }
+        if !self.coordinate_change.is_empty() {
+            s.serialize_field("coordinate_change", &self.coordinate_change)?;
+        }
+        if let Some(regular) = self.regular_at_point {
+            s.serialize_field("regular_at_point", &regular)?;
+            s.serialize_field("interior_at_point", &self.interior_at_point)?;
+        }
+        s.serialize_field("states", &system.state_names())?;
+        s.serialize_field("inputs", &system.input_names())?;
+        let certificate = self.certificate.map_or_else(|| "identical".to_owned(), |c| c.to_string());
+        s.serialize_field("error_probability", &certificate)?;
+        s.end()
+    }
+}

@@ -1,0 +1,214 @@
+//! Old inputs as functions of the new ones, in closed form where there is one.
+
+use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol};
+use rustc_hash::FxHashMap;
+
+use crate::input_change::without_switches;
+use crate::range::flattened;
+use crate::system::System;
+
+/// Each old input that is found, with its function of the new inputs and the states, such that w of them is the new input, exactly.
+/// Where there are several solutions, one of them.
+pub(crate) fn inverse(system: &mut System, functions: &[Expr], new: &[Symbol]) -> Vec<(String, String)> {
+    let mut known: FxHashMap<Expr, Expr> = FxHashMap::default();
+    let mut found = Vec::new();
+    // One function after the other, as long as one has a single unknown input.
+    let mut open: Vec<usize> = (0..functions.len()).collect();
+    loop {
+        let step = open.iter().enumerate().find_map(|(at, &k)| {
+            let w = system.pool.substitute(functions[k], &known);
+            let uses = system.pool.symbols_of(&[w]);
+            let mut unknown =
+                system.inputs.iter().copied().filter(|u| uses.contains(u) && !known.contains_key(&system.pool.sym(*u)));
+            let (Some(u), None) = (unknown.next(), unknown.next()) else { return None };
+            let v = system.pool.sym(new[k]);
+            // An input that keeps its name is its own inverse.
+            let e = if u == new[k] { v } else { solve(&mut system.pool, w, u, v)? };
+            Some((at, u, e))
+        });
+        let Some((at, u, e)) = step else { break };
+        let k = open.swap_remove(at);
+        let unknown = system.pool.sym(u);
+        let e = system.pool.simplify(e);
+        let solution = std::iter::once((unknown, e)).chain(known.iter().map(|(&a, &b)| (a, b))).collect();
+        if u != new[k] && !holds(system, functions[k], &solution, new[k]) {
+            continue;
+        }
+        known.insert(unknown, e);
+        found.push((system.pool.name(u).to_owned(), system.pool.text(e)));
+    }
+    if found.is_empty() {
+        found = polar(system, functions, new);
+    }
+    found.sort();
+    found
+}
+
+/// Whether w of the solution is v, for positive and negative signs of every switching function alike.
+fn holds(system: &System, w: Expr, solution: &FxHashMap<Expr, Expr>, v: Symbol) -> bool {
+    let mut check = system.clone();
+    let image = check.pool.substitute(w, solution);
+    let v = check.pool.sym(v);
+    let difference = check.pool.sub(image, v);
+    let simple = check.pool.simplify(difference);
+    if check.pool.is_zero(simple) {
+        return true;
+    }
+    let (mut check, _) = without_switches(&check, &[simple]);
+    check.dynamics = vec![simple];
+    check.outputs.clear();
+    let Ok(modes) = check.modes() else { return false };
+    modes.into_iter().all(|m| {
+        let mut pool = m.system.pool;
+        let e = pool.simplify(m.system.dynamics[0]);
+        pool.zero_test(e, &Bindings::default()).is_zero()
+    })
+}
+
+/// u from w(u) = v.
+fn solve(pool: &mut Pool, w: Expr, u: Symbol, v: Expr) -> Option<Expr> {
+    let depends = |pool: &Pool, e: Expr| pool.depends_on(e, u);
+    match pool.node(w) {
+        Node::Sym(s) if s == u => Some(v),
+        Node::Add(a, b) | Node::Mul(a, b) if depends(pool, a) != depends(pool, b) => {
+            let (inner, other) = if depends(pool, a) { (a, b) } else { (b, a) };
+            let rest = if matches!(pool.node(w), Node::Add(..)) { pool.sub(v, other) } else { pool.div(v, other) };
+            solve(pool, inner, u, rest)
+        }
+        Node::Add(..) => quadratic(pool, w, u, v),
+        Node::Mul(..) => signed_power(pool, w, u, v),
+        Node::Pow(a, k) => {
+            let k = pool.number(k)?.clone();
+            let inverse = pool.rational(Rational::ONE / k.clone());
+            let odd = k.is_int() && !(k / Rational::from(2)).is_int();
+            let root = if odd { odd_root(pool, v, inverse) } else { pool.pow(v, inverse) };
+            solve(pool, a, u, root)
+        }
+        Node::Call(f, a) => {
+            let inner = undo(pool, f, v)?;
+            solve(pool, a, u, inner)
+        }
+        _ => None,
+    }
+}
+
+/// sign(v)·|v|^k
+fn odd_root(pool: &mut Pool, v: Expr, k: Expr) -> Expr {
+    let (sign, size) = (pool.call(Func::Sign, v), pool.call(Func::Abs, v));
+    let root = pool.pow(size, k);
+    pool.mul(sign, root)
+}
+
+fn undo(pool: &mut Pool, f: Func, v: Expr) -> Option<Expr> {
+    let simple = match f {
+        Func::Sin => Func::Asin,
+        Func::Cos => Func::Acos,
+        Func::Tan => Func::Atan,
+        Func::Asin => Func::Sin,
+        Func::Acos => Func::Cos,
+        Func::Atan => Func::Tan,
+        Func::Exp => Func::Log,
+        Func::Log => Func::Exp,
+        Func::Abs => return Some(v),
+        Func::Sign => return None,
+        Func::Sinh | Func::Cosh => {
+            // log(v + √(v² ± 1))
+            let one = pool.int(if f == Func::Sinh { 1 } else { -1 });
+            let square = pool.powi(v, 2);
+            let inside = pool.add(square, one);
+            let root = pool.sqrt(inside);
+            let sum = pool.add(v, root);
+            return Some(pool.call(Func::Log, sum));
+        }
+        Func::Tanh => {
+            // log((1 + v)/(1 − v))/2
+            let (one, half) = (pool.int(1), pool.ratio(1, 2));
+            let (up, down) = (pool.add(one, v), pool.sub(one, v));
+            let ratio = pool.div(up, down);
+            let log = pool.call(Func::Log, ratio);
+            return Some(pool.mul(half, log));
+        }
+    };
+    Some(pool.call(simple, v))
+}
+
+/// The larger root of a u² + b u + c = v for a > 0.
+fn quadratic(pool: &mut Pool, w: Expr, u: Symbol, v: Expr) -> Option<Expr> {
+    let zero = pool.int(0);
+    let at_zero = |pool: &mut Pool, e: Expr| {
+        let x = pool.sym(u);
+        pool.substitute(e, &std::iter::once((x, zero)).collect())
+    };
+    let first = pool.diff(w, u);
+    let second = pool.diff(first, u);
+    let second = pool.simplify(second);
+    if pool.depends_on(second, u) || !pool.zero_test(second, &Bindings::default()).is_nonzero() {
+        return None;
+    }
+    let (b, c) = (at_zero(pool, first), at_zero(pool, w));
+    // u = (−b + √(b² + 2 w″ (v − c)))/w″
+    let (gap, square) = (pool.sub(v, c), pool.powi(b, 2));
+    let product = pool.mul(second, gap);
+    let two = pool.int(2);
+    let product = pool.mul(two, product);
+    let inside = pool.add(square, product);
+    let root = pool.sqrt(inside);
+    let numerator = pool.sub(root, b);
+    Some(pool.div(numerator, second))
+}
+
+/// u from c·|u|^k·u^j or c·sign(u)·u^j with k + j > 0, where that is odd and increasing.
+fn signed_power(pool: &mut Pool, w: Expr, u: Symbol, v: Expr) -> Option<Expr> {
+    let x = pool.sym(u);
+    let mut scale = pool.int(1);
+    let (mut degree, mut odd) = (Rational::ZERO, false);
+    for f in flattened(pool, w, false) {
+        let (base, k) = match pool.node(f) {
+            Node::Pow(a, k) => (a, pool.number(k).cloned()?),
+            _ => (f, Rational::ONE),
+        };
+        match pool.node(base) {
+            _ if !pool.depends_on(f, u) => scale = pool.mul(scale, f),
+            Node::Sym(_) if k.is_int() => {
+                odd ^= !(k.clone() / Rational::from(2)).is_int();
+                degree += k;
+            }
+            Node::Call(Func::Abs, a) if a == x => degree += k,
+            Node::Call(Func::Sign, a) if a == x && k == Rational::ONE => odd = !odd,
+            _ => return None,
+        }
+    }
+    if !odd || degree <= Rational::ZERO {
+        return None;
+    }
+    let k = pool.rational(Rational::ONE / degree);
+    let v = pool.div(v, scale);
+    Some(odd_root(pool, v, k))
+}
+
+/// Cartesian to polar: u1 = √(v1² + v2²), u2 = atan2(v2, v1), for v1 = u1 cos u2 and v2 = u1 sin u2.
+fn polar(system: &mut System, functions: &[Expr], new: &[Symbol]) -> Vec<(String, String)> {
+    let [v, w] = functions[..] else { return Vec::new() };
+    let pool = &mut system.pool;
+    for (radius, angle) in [(0, 1), (1, 0)] {
+        let (Some(&r), Some(&a)) = (system.inputs.get(radius), system.inputs.get(angle)) else { continue };
+        let (r, a) = (pool.sym(r), pool.sym(a));
+        let (cos, sin) = (pool.cos(a), pool.sin(a));
+        for (x, y) in [(0, 1), (1, 0)] {
+            let pair = [v, w];
+            let (p, q) = (pool.mul(r, cos), pool.mul(r, sin));
+            if pair[x] != p || pair[y] != q {
+                continue;
+            }
+            let (vx, vy) = (pool.sym(new[x]), pool.sym(new[y]));
+            let (xx, yy) = (pool.powi(vx, 2), pool.powi(vy, 2));
+            let sum = pool.add(xx, yy);
+            let length = pool.sqrt(sum);
+            let names = [radius, angle].map(|k| pool.name(system.inputs[k]).to_owned());
+            let [r_name, a_name] = names;
+            let angle = format!("atan2({}, {})", pool.text(vy), pool.text(vx));
+            return vec![(r_name, pool.text(length)), (a_name, angle)];
+        }
+    }
+    Vec::new()
+}

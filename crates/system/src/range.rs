@@ -1,0 +1,407 @@
+//! The values that a function of the inputs takes when the inputs take all real numbers.
+
+use std::fmt;
+
+use bracketry_symbolic::{Expr, Func, Func2, Node, Pool, Rational, Symbol, Tape};
+use rustc_hash::{FxHashMap, FxHashSet};
+use serde::Serialize;
+
+use crate::interval::{End, Interval};
+use crate::rational_function::RationalFunction;
+use crate::trend::rises_through_all;
+
+/// An end of a [`Range`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Bound {
+    /// As a number.
+    pub value: f64,
+    /// Printed: exactly where `exact`, else rounded.
+    pub text: String,
+    /// Whether the printed form is exact.
+    pub exact: bool,
+    /// Whether the value itself is taken.
+    pub closed: bool,
+}
+
+/// The set of values of a function of the inputs while the inputs take all real numbers, parameters at their values.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Range {
+    /// All real numbers.
+    Onto,
+    /// All numbers between the bounds and no others; a missing bound is infinite.
+    Interval {
+        /// Lower end.
+        lower: Option<Bound>,
+        /// Upper end.
+        upper: Option<Bound>,
+    },
+    /// Not established.
+    Unknown {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl Range {
+    /// Whether every real number is a value; `None` where that was not established.
+    pub fn is_onto(&self) -> Option<bool> {
+        match self {
+            Range::Onto => Some(true),
+            Range::Interval { .. } => Some(false),
+            Range::Unknown { .. } => None,
+        }
+    }
+
+    /// The limits of a variable called `name`, such as `v1 ≥ 0`, `|v1| ≤ 1` or `-2 < v1 ≤ 3`; `None` where there are none or none
+    /// were established.
+    pub fn text(&self, name: &str) -> Option<String> {
+        let sign = |closed: bool, strict: &'static str, weak: &'static str| if closed { weak } else { strict };
+        let Range::Interval { lower, upper } = self else { return None };
+        match (lower, upper) {
+            (Some(a), Some(b)) if a.text == b.text => Some(format!("{name} = {}", a.text)),
+            (Some(a), Some(b)) if a.text.strip_prefix('-') == Some(&b.text) && a.closed == b.closed => {
+                Some(format!("|{name}| {} {}", sign(a.closed, "<", "≤"), b.text))
+            }
+            (Some(a), Some(b)) => {
+                Some(format!("{} {} {name} {} {}", a.text, sign(a.closed, "<", "≤"), sign(b.closed, "<", "≤"), b.text))
+            }
+            (Some(a), None) => Some(format!("{name} {} {}", sign(a.closed, ">", "≥"), a.text)),
+            (None, Some(b)) => Some(format!("{name} {} {}", sign(b.closed, "<", "≤"), b.text)),
+            (None, None) => None,
+        }
+    }
+
+    fn of_interval(pool: &mut Pool, i: &Interval) -> Self {
+        if i.is_all() {
+            return Range::Onto;
+        }
+        let mut bound = |e: &End| {
+            e.value.is_finite().then(|| {
+                let text = match e.exact {
+                    Some(x) => {
+                        let x = pool.simplify(x);
+                        pool.text(x)
+                    }
+                    None => format!("{:.6}", e.value),
+                };
+                Bound { value: e.value, text, exact: e.exact.is_some(), closed: e.closed }
+            })
+        };
+        Range::Interval { lower: bound(&i.lower), upper: bound(&i.upper) }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Range::Onto => write!(f, "all real numbers"),
+            Range::Interval { .. } => f.write_str(&self.text("value").unwrap_or_default()),
+            Range::Unknown { reason } => write!(f, "not established: {reason}"),
+        }
+    }
+}
+
+/// The range of `w`, whose inputs take all real numbers. Parameters must have been replaced by their values.
+pub(crate) fn range(pool: &mut Pool, w: Expr, inputs: &[Symbol]) -> Range {
+    match image(pool, w, inputs) {
+        Ok(i) => Range::of_interval(pool, &i),
+        Err(reason) => Range::Unknown { reason },
+    }
+}
+
+/// The same as an interval.
+pub(crate) fn image(pool: &mut Pool, w: Expr, inputs: &[Symbol]) -> Result<Interval, String> {
+    let domain = inputs.iter().map(|&u| (u, Interval::all())).collect();
+    Images { pool, domain, effort: MAX_EFFORT }.of(w)
+}
+
+/// Images formed in one question.
+const MAX_EFFORT: usize = 2000;
+
+/// Images of expressions on a box of inputs.
+pub(crate) struct Images<'p> {
+    pub(crate) pool: &'p mut Pool,
+    /// The interval of every input.
+    pub(crate) domain: FxHashMap<Symbol, Interval>,
+    effort: usize,
+}
+
+impl Images<'_> {
+    /// The exact set of values, if it is found and has no gaps.
+    pub(crate) fn of(&mut self, e: Expr) -> Result<Interval, String> {
+        self.effort = self.effort.checked_sub(1).ok_or("the function is too large")?;
+        let inputs = self.inputs_of(e);
+        if inputs.is_empty() {
+            return self.constant(e);
+        }
+        let failed = |pool: &Pool, e: Expr| format!("the values of {} are not an interval that is known", pool.text(e));
+        match self.pool.node(e) {
+            Node::Sym(u) => Ok(self.domain[&u].clone()),
+            Node::Add(..) => self.sum(e),
+            Node::Mul(..) => self.product(e),
+            Node::Pow(a, k) if self.inputs_of(k).is_empty() => {
+                if let Some(k) = self.pool.number(k).cloned() {
+                    if k.is_int() && k < Rational::ZERO && inputs.len() == 1 {
+                        // Sums in a denominator may have a numerator of the same inputs only elsewhere.
+                        return match self.of(a).and_then(|i| i.power(self.pool, &k).ok_or_else(String::new)) {
+                            Ok(i) => Ok(i),
+                            Err(_) => self.shared(e),
+                        };
+                    }
+                    let base = self.of(a)?;
+                    return base.power(self.pool, &k).ok_or_else(|| failed(self.pool, e));
+                }
+                Err(failed(self.pool, e))
+            }
+            Node::Pow(a, k) => {
+                let log = self.pool.call(Func::Log, a);
+                let exponent = self.pool.mul(k, log);
+                let base = self.constant(a)?;
+                if base.lower.value <= 0.0 {
+                    return Err(failed(self.pool, e));
+                }
+                let i = self.of(exponent)?;
+                i.image(self.pool, Func::Exp).ok_or_else(|| failed(self.pool, e))
+            }
+            Node::Call(f, a) => {
+                let i = self.of(a)?;
+                i.image(self.pool, f).ok_or_else(|| failed(self.pool, e))
+            }
+            Node::Call2(Func2::Min | Func2::Max, ..) => self.shared(e),
+            Node::Num(_) | Node::Pi | Node::Call2(Func2::Atan2, ..) => Err(failed(self.pool, e)),
+        }
+    }
+
+    /// The inputs that an expression uses.
+    pub(crate) fn inputs_of(&self, e: Expr) -> Vec<Symbol> {
+        self.pool.symbols_of(&[e]).into_iter().filter(|s| self.domain.contains_key(s)).collect()
+    }
+
+    /// The value of an expression without names.
+    pub(crate) fn constant(&mut self, e: Expr) -> Result<Interval, String> {
+        if let Some(s) = self.pool.symbols_of(&[e]).first() {
+            return Err(format!("it depends on {}", self.pool.name(*s)));
+        }
+        match number(self.pool, e) {
+            Some(v) => Ok(Interval::point(v, e)),
+            None => Err(format!("{} has no value", self.pool.text(e))),
+        }
+    }
+
+    /// Groups of operands that share inputs; those without inputs are a group of their own each.
+    fn groups(&self, operands: &[Expr]) -> Vec<Vec<Expr>> {
+        let mut groups: Vec<(FxHashSet<Symbol>, Vec<Expr>)> = Vec::new();
+        for &e in operands {
+            let mut uses: FxHashSet<Symbol> = self.inputs_of(e).into_iter().collect();
+            let mut members = vec![e];
+            groups.retain_mut(|g| {
+                let joined = !g.0.is_disjoint(&uses);
+                if joined {
+                    uses.extend(g.0.iter());
+                    members.append(&mut g.1);
+                }
+                !joined
+            });
+            groups.push((uses, members));
+        }
+        groups.into_iter().map(|g| g.1).collect()
+    }
+
+    fn sum(&mut self, e: Expr) -> Result<Interval, String> {
+        let terms = flattened(self.pool, e, true);
+        let mut total: Option<Interval> = None;
+        let mut missing = None;
+        for group in self.groups(&terms) {
+            let image = if let [only] = group[..] {
+                self.of(only)
+            } else {
+                let part = self.pool.sum(group);
+                self.shared(part)
+            };
+            match image {
+                // Whatever finite value the other terms have.
+                Ok(i) if i.is_all() => return Ok(i),
+                Ok(i) => {
+                    total = Some(match total {
+                        Some(t) => t.sum(self.pool, &i),
+                        None => i,
+                    });
+                }
+                Err(why) => missing = Some(why),
+            }
+        }
+        match (missing, total) {
+            (None, Some(t)) => Ok(t),
+            (why, _) => Err(why.unwrap_or_default()),
+        }
+    }
+
+    fn product(&mut self, e: Expr) -> Result<Interval, String> {
+        let factors = flattened(self.pool, e, false);
+        let mut total: Option<Interval> = None;
+        for group in self.groups(&factors) {
+            let image = if let [only] = group[..] {
+                self.of(only)?
+            } else {
+                let mut part = self.pool.int(1);
+                for f in group {
+                    part = self.pool.mul(part, f);
+                }
+                self.shared(part)?
+            };
+            total = Some(match total {
+                Some(t) => t.product(self.pool, &image).ok_or("a product has no value")?,
+                None => image,
+            });
+        }
+        total.ok_or_else(String::new)
+    }
+
+    /// An expression whose operands share inputs.
+    fn shared(&mut self, e: Expr) -> Result<Interval, String> {
+        let inputs = self.inputs_of(e);
+        if let [u] = inputs[..] {
+            if let Some(switch) = innermost_switch(self.pool, e, u) {
+                return self.piecewise(e, u, switch);
+            }
+            if let Some(f) = RationalFunction::of(self.pool, e, u)
+                && let Some(on) = f.domain(self)
+                && let Some(i) = f.image(self.pool, &on)
+            {
+                return Ok(i);
+            }
+            if self.domain[&u].is_all() && rises_through_all(self, e, u) {
+                return Ok(Interval::all());
+            }
+        }
+        for u in inputs {
+            if self.domain[&u].is_all() && self.odd_polynomial(e, u) {
+                return Ok(Interval::all());
+            }
+        }
+        Err(format!("the values of {} are not known", self.pool.text(e)))
+    }
+
+    /// Whether `e` is, for some values of the other inputs and every state, a polynomial of odd degree in `u`.
+    fn odd_polynomial(&mut self, e: Expr, u: Symbol) -> bool {
+        let e = self.pool.expand(e);
+        let mut leading: (i64, Vec<Expr>) = (0, Vec::new());
+        for term in flattened(self.pool, e, true) {
+            let mut degree = 0;
+            let mut coefficient = self.pool.int(1);
+            for factor in flattened(self.pool, term, false) {
+                let power = match self.pool.node(factor) {
+                    Node::Sym(s) if s == u => Some(1),
+                    Node::Pow(a, k) if self.pool.sym(u) == a => self.pool.integer(k).filter(|k| *k > 0),
+                    _ if !self.pool.depends_on(factor, u) => {
+                        coefficient = self.pool.mul(coefficient, factor);
+                        Some(0)
+                    }
+                    _ => None,
+                };
+                match power {
+                    Some(k) => degree += k,
+                    None => return false,
+                }
+            }
+            if degree > leading.0 {
+                leading = (degree, Vec::new());
+            }
+            if degree == leading.0 {
+                leading.1.push(coefficient);
+            }
+        }
+        let coefficient = self.pool.sum(leading.1);
+        let uses = self.pool.symbols_of(&[coefficient]);
+        let of_inputs = uses.iter().all(|s| self.domain.get(s).is_some_and(Interval::is_all));
+        leading.0 % 2 == 1
+            && of_inputs
+            && self.pool.zero_test(coefficient, &bracketry_symbolic::Bindings::default()).is_nonzero()
+    }
+
+    /// A function with `sign`, `abs`, `min` or `max`: the union of its values where their arguments keep their signs.
+    fn piecewise(&mut self, e: Expr, u: Symbol, switch: Expr) -> Result<Interval, String> {
+        let unknown = |pool: &Pool| format!("where {} switches is not known", pool.text(switch));
+        let (surface, above, below) = match self.pool.node(switch) {
+            Node::Call(Func::Abs, a) => (a, a, self.pool.neg(a)),
+            Node::Call(_, a) => (a, self.pool.int(1), self.pool.int(-1)),
+            Node::Call2(f, a, b) => {
+                let gap = self.pool.sub(a, b);
+                if f == Func2::Max { (gap, a, b) } else { (gap, b, a) }
+            }
+            _ => return Err(unknown(self.pool)),
+        };
+        let f = RationalFunction::of(self.pool, surface, u).filter(RationalFunction::is_polynomial_of_input);
+        let roots = f.ok_or_else(|| unknown(self.pool))?.zeros();
+        let on = self.domain[&u].clone();
+        let mut parts = Vec::new();
+        let mut lower = on.lower.clone();
+        let mut ends: Vec<End> = Vec::new();
+        for r in roots.iter().filter(|r| on.holds_inside(r.value)) {
+            let exact = r.exact.as_ref().ok_or_else(|| unknown(self.pool))?;
+            ends.push(End::rational(self.pool, exact, false));
+        }
+        ends.push(on.upper.clone());
+        let x = self.pool.sym(u);
+        for end in ends {
+            let inside = match (lower.value.is_finite(), end.value.is_finite()) {
+                (true, true) => f64::midpoint(lower.value, end.value),
+                (true, false) => lower.value + 1.0,
+                (false, true) => end.value - 1.0,
+                (false, false) => 0.0,
+            };
+            let Ok(tape) = Tape::compile(self.pool, &[u], &[surface]) else { return Err(unknown(self.pool)) };
+            let mut sign = [0.0];
+            tape.eval(&[inside], &mut Vec::new(), &mut sign);
+            let value = if sign[0] > 0.0 { above } else { below };
+            let piece = self.pool.substitute(e, &std::iter::once((switch, value)).collect());
+            let on_piece = Interval { lower: lower.clone(), upper: end.clone() };
+            let image = {
+                let old = self.domain.insert(u, on_piece);
+                let image = if self.inputs_of(piece).is_empty() { self.constant(piece) } else { self.of(piece) };
+                if let Some(old) = old {
+                    self.domain.insert(u, old);
+                }
+                image?
+            };
+            parts.push(image);
+            if let Some(at) = end.exact.filter(|_| end.value < on.upper.value) {
+                let here = self.pool.substitute(e, &std::iter::once((x, at)).collect());
+                parts.push(self.constant(here)?);
+            }
+            lower = End { closed: false, ..end };
+        }
+        Interval::union(parts).ok_or_else(|| format!("{} jumps over values", self.pool.text(e)))
+    }
+}
+
+/// A `sign`, `abs`, `min` or `max` of `u` whose argument holds no other.
+fn innermost_switch(pool: &Pool, e: Expr, u: Symbol) -> Option<Expr> {
+    let switches = |n: &Expr| {
+        matches!(pool.node(*n), Node::Call(Func::Sign | Func::Abs, _) | Node::Call2(Func2::Min | Func2::Max, ..))
+    };
+    pool.reachable(&[e]).into_iter().find(|n| switches(n) && pool.depends_on(*n, u))
+}
+
+/// The terms of a sum, or the factors of a product.
+pub(crate) fn flattened(pool: &Pool, e: Expr, sum: bool) -> Vec<Expr> {
+    let mut out = Vec::new();
+    let mut stack = vec![e];
+    while let Some(e) = stack.pop() {
+        match pool.node(e) {
+            Node::Add(a, b) if sum => stack.extend([b, a]),
+            Node::Mul(a, b) if !sum => stack.extend([b, a]),
+            _ => out.push(e),
+        }
+    }
+    out
+}
+
+/// The numerical value of an expression without names.
+pub(crate) fn number(pool: &Pool, e: Expr) -> Option<f64> {
+    let tape = Tape::compile(pool, &[], &[e]).ok()?;
+    let mut out = [f64::NAN];
+    tape.eval(&[], &mut Vec::new(), &mut out);
+    out[0].is_finite().then_some(out[0])
+}
