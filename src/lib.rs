@@ -14,6 +14,7 @@ mod control;
 mod input_table;
 mod plate_move;
 mod point;
+mod reach;
 mod report;
 mod scenario;
 
@@ -22,6 +23,7 @@ pub use control::{ControlError, Controlled, ExactPlant, control, control_watched
 pub use input_table::SampledScenario;
 pub use plate_move::{Arrival, MoveError, plate_move, target_of};
 pub use point::{PointError, point};
+pub use reach::{Influence, ReachTable, Reached};
 pub use scenario::{Run, Scenario, ScenarioError};
 
 /// A tutorial: from two equations to a verdict, and from there to the plate.

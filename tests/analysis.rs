@@ -77,3 +77,26 @@ fn a_one_sided_input_is_not_called_controllable() {
     let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
     assert_ne!(a.report.at_point.unwrap().known().unwrap().stlc.verdict, bracketry::lie::Verdict::Yes);
 }
+
+#[test]
+fn the_rounds_show_what_one_mode_never_moves_and_switching_does() {
+    use bracketry::Influence::{Free, Moves, None};
+    let tables = analysis(Shape::REFERENCE_ELLIPSE).reach();
+    assert_eq!(tables.len(), 2);
+    let row = |t: usize, name: &str| tables[t].rows.iter().find(|r| r.name == name).unwrap().influence.clone();
+    assert_eq!(row(0, "x + X"), [None; 5]);
+    assert_eq!(row(0, "x"), [None, Moves, Moves, Moves, Moves]);
+    assert_eq!(row(0, "theta"), [None, Moves, Moves, Free, Free]);
+    assert_eq!(row(1, "x + X"), [None, Moves]);
+    assert_eq!(row(1, "x"), [None, Free]);
+    assert_eq!((tables[0].alike, tables[0].mode.as_deref()), (4, Some("vx > 0, vy > 0")));
+}
+
+#[test]
+fn a_state_without_any_input_is_influenced_by_none() {
+    let text = "states = ['a', 'b']\ninputs = ['u']\n[dynamics]\na = 'u'\nb = '-b'";
+    let system = bracketry::system::System::parse("m", text).unwrap();
+    let tables = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap().reach();
+    let last: Vec<_> = tables[0].rows.iter().map(|r| (r.name.clone(), r.influence.last().copied().unwrap())).collect();
+    assert_eq!(last[..2], [("a".into(), bracketry::Influence::Free), ("b".into(), bracketry::Influence::None)]);
+}

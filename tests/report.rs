@@ -148,8 +148,35 @@ fn the_folder_gets_the_report_in_three_forms() {
     let dir = scratch("report");
     let out = dir.to_str().unwrap();
     stdout(&["analyze", &model("cart_pole.toml"), "--out", out]);
-    for name in ["analysis.json", "analysis.txt", "analysis.md", "affine.toml", "growth.svg", "growth.png"] {
+    for name in [
+        "analysis.json",
+        "analysis.txt",
+        "analysis.md",
+        "affine.toml",
+        "growth.svg",
+        "growth.png",
+        "reach.svg",
+        "reach.png",
+    ] {
         assert!(fs::metadata(dir.join(name)).unwrap().len() > 0, "{name}");
     }
     assert!(fs::read_to_string(dir.join("analysis.md")).unwrap().starts_with("# Analysis of cart\\_pole"));
+}
+
+#[test]
+fn the_pictures_name_the_brackets_and_what_is_never_reached() {
+    let dir = scratch("pictures");
+    stdout(&["analyze", &model("plate_published.toml"), "--out", dir.to_str().unwrap()]);
+    let growth = fs::read_to_string(dir.join("growth.svg")).unwrap();
+    for part in ["[f,g1]", "[f,[f,g2]]", "not reached", "all modes together", "length of the bracket"] {
+        assert!(growth.contains(part), "{part}");
+    }
+    let reach = fs::read_to_string(dir.join("reach.svg")).unwrap();
+    for part in ["vx + Xd", "influenced by no input", "can be moved alone", "what switching adds"] {
+        assert!(reach.contains(part), "{part}");
+    }
+    // A system without anything unreachable does not speak of it.
+    stdout(&["analyze", &model("unicycle.toml"), "--out", dir.to_str().unwrap()]);
+    let growth = fs::read_to_string(dir.join("growth.svg")).unwrap();
+    assert!(growth.contains("[g1,g2]") && !growth.contains("not reached"));
 }

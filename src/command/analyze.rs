@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use bracketry::Analysis;
 use bracketry::lie::Options;
-use bracketry::plot::{Panel, Series, XyChart};
 use bracketry::system::System;
 use clap::{Args, ValueEnum};
 
 use super::output::{figure, folder, json, line, print, spinner, write};
-use super::{Outcome, OutputArgs};
+use super::{Outcome, OutputArgs, pictures};
 
 /// What the report on standard output is written in.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -82,7 +81,8 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
 }
 
 /// What [`save`] writes.
-const FILES: &str = "analysis.json, analysis.txt, analysis.md, affine.toml, growth.svg, growth.png";
+const FILES: &str =
+    "analysis.json, analysis.txt, analysis.md, affine.toml and the pictures growth and reach (svg and png)";
 
 /// Writes report, affine model and growth chart.
 pub(crate) fn save(analysis: &Analysis, dir: &Path) -> anyhow::Result<()> {
@@ -91,36 +91,11 @@ pub(crate) fn save(analysis: &Analysis, dir: &Path) -> anyhow::Result<()> {
     write(&dir.join("analysis.txt"), &analysis.to_string())?;
     write(&dir.join("analysis.md"), &analysis.markdown())?;
     write(&dir.join("affine.toml"), &analysis.affinization.model.to_toml()?)?;
-    figure(growth_chart(analysis).draw(), &dir.join("growth"));
+    figure(pictures::growth(analysis).draw(), &dir.join("growth"));
+    if let Some(reach) = pictures::reach(analysis) {
+        figure(reach.draw(), &dir.join("reach"));
+    }
     Ok(())
-}
-
-/// Dimension reached against the length of brackets.
-fn growth_chart(analysis: &Analysis) -> XyChart {
-    let curve = |name: &str, growth: &[usize]| {
-        let x: Vec<f64> = (1..=growth.len()).map(|k| k as f64).collect();
-        let y: Vec<f64> = growth.iter().map(|&d| d as f64).collect();
-        Series::new(name, x, y).markers()
-    };
-    let mut panel = Panel::new("dimension [1]").named_target("all states", analysis.states as f64);
-    let report = &analysis.report;
-    if let Some(m) = report.modes.first() {
-        let name = if m.signs.0.is_empty() { "accessible" } else { "one mode" };
-        panel = panel.series(curve(name, &m.dimensions.growth));
-        panel = panel.series(curve(&format!("{name}, strongly"), &m.dimensions.strong_growth));
-    }
-    if let Some(d) = &report.switched {
-        panel = panel.series(curve("all modes", &d.growth));
-    }
-    if let Some(s) = &report.smoothed {
-        panel = panel.series(curve("smoothed", &s.dimensions.growth));
-    }
-    if let Some(p) = report.at_point.as_ref().and_then(|p| p.known()) {
-        panel = panel.series(curve("at the point", &p.dimensions.growth));
-    }
-    XyChart::new("length of brackets [1]", panel)
-        .title(format!("Growth of the Lie algebra, {}", analysis.model))
-        .integer()
 }
 
 /// Writes the affine model as a model file.

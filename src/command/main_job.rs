@@ -65,7 +65,7 @@ pub(crate) fn run(options: &OutputArgs) -> anyhow::Result<Outcome> {
     write(&out.join("main.json"), &json(&summary)?)?;
     report.line(&format!(
         "written to {}: report.txt, main.json, analysis.json, analysis.txt, analysis.md, affine.toml, simultaneous.csv, two_step.csv\n\
-         and the figures closed_loop, comparison, plan_view, growth (svg and png); {:.1} s in all",
+         and the figures closed_loop, comparison, plan_view, growth, reach (svg and png); {:.1} s in all",
         out.display(),
         begin.elapsed().as_secs_f64()
     ))?;

@@ -9,6 +9,7 @@ mod bands;
 mod control;
 mod main_job;
 mod output;
+mod pictures;
 mod simulate;
 
 /// How a command ended; bad input is an error instead.

@@ -49,6 +49,14 @@ pub enum PlotError {
         /// What is missing.
         missing: &'static str,
     },
+    /// A tile lies outside its grid.
+    #[error("a tile in column {column} and row {row} lies outside its grid; both count from 0")]
+    OutsideGrid {
+        /// Its column.
+        column: usize,
+        /// Its row.
+        row: usize,
+    },
     /// A file could not be written.
     #[error("cannot write {}: {source}", path.display())]
     Write {

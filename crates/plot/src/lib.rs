@@ -10,6 +10,7 @@
 //! | [`PlanView`] | an object's path and [`Outline`] seen from above, pale to dark with time |
 //! | [`XyChart`] | one panel over any quantity, also of whole numbers |
 //! | [`BarChart`] | groups of bars |
+//! | [`TileChart`] | [`TileGrid`]s of coloured, labelled tiles in named rows and columns |
 //!
 //! Lines with more points than the image has pixels are thinned so that no extreme is lost.
 
@@ -26,6 +27,7 @@ mod plan_view;
 mod stack;
 mod text;
 mod ticks;
+mod tile_chart;
 
 pub use bar_chart::BarChart;
 pub use canvas::Dash;
@@ -35,3 +37,4 @@ pub use error::{PlotError, Result};
 pub use panel::{Interval, Level, Panel, Series};
 pub use plan_view::{Outline, PlanView, Pose, Scene, Trajectory};
 pub use stack::{TimeSeries, XyChart};
+pub use tile_chart::{Tile, TileChart, TileGrid};

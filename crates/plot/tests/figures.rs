@@ -4,8 +4,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use bracketry_plot::{
-    BarChart, Dash, Drawing, Interval, Outline, Panel, PlanView, PlotError, Pose, Scene, Series, TimeSeries,
-    Trajectory, XyChart,
+    BarChart, Color, Dash, Drawing, Interval, Outline, Panel, PlanView, PlotError, Pose, Scene, Series, TileChart,
+    TileGrid, TimeSeries, Trajectory, XyChart,
 };
 use resvg::tiny_skia::Pixmap;
 
@@ -275,4 +275,33 @@ fn files_are_written_and_failures_name_the_path() {
     let error = drawing.save(saved.svg.join("figure")).unwrap_err();
     assert!(matches!(&error, PlotError::Write { .. }) && error.to_string().contains("run.1.svg"), "{error}");
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn tiles_stand_in_their_cells_with_labels_that_fit() {
+    let grid = |label: &str| TileGrid::new(["1", "2"], ["b", "a"]).tile(1, 0, "given", label).row_label("dimension");
+    let drawing = TileChart::new().category("given", Color::BLUE).grid(grid("[f,g]")).draw().unwrap();
+    assert!(drawing.svg().contains("[f,g]") && drawing.svg().contains("given") && drawing.svg().contains("dimension"));
+    // Two columns of 190 pixels at most: the only blue tile lies in the right one, in the upper row.
+    let blue: Vec<f64> = drawing
+        .svg()
+        .lines()
+        .filter(|l| l.starts_with("<rect") && l.contains(BLUE))
+        .map(|l| l.split_once(" width=\"").unwrap().1.split('"').next().unwrap().parse::<f64>().unwrap() / 40.0)
+        .filter(|w| *w > 100.0)
+        .collect();
+    assert_eq!(blue, [188.0]);
+    // A name too long for its tile is cut and says so.
+    let long = TileChart::new().grid(grid(&"[f,".repeat(60))).draw().unwrap();
+    assert!(long.svg().contains('…'));
+    assert!(long.png().is_ok());
+}
+
+#[test]
+fn a_tile_outside_its_grid_or_an_empty_grid_is_refused() {
+    let grid = TileGrid::new(["1"], ["a"]).tile(0, 1, "given", "");
+    assert!(matches!(TileChart::new().grid(grid).draw(), Err(PlotError::OutsideGrid { column: 0, row: 1 })));
+    let empty = TileGrid::new(Vec::<String>::new(), ["a"]);
+    assert!(matches!(TileChart::new().grid(empty).draw(), Err(PlotError::NoContent { .. })));
+    assert!(matches!(TileChart::new().draw(), Err(PlotError::NoContent { missing: "grid" })));
 }
