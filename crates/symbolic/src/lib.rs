@@ -27,7 +27,7 @@ mod tape;
 mod text;
 
 pub use dashu_ratio::RBig as Rational;
-pub use exact::{Bindings, Certificate, Echelon, Fp, Rank, Residue, Samples, Undecided, ZeroTest};
+pub use exact::{Bindings, Certificate, Echelon, Fp, Rank, Residue, SECOND_PRIME, Samples, Undecided, ZeroTest};
 pub use func::{Func, Func2};
 pub use parse::{Names, ParseError, closest_name};
 pub use point::PointError;

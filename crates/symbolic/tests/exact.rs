@@ -194,39 +194,29 @@ fn roots() {
     ]);
 }
 
-/// Functions that agree on part of their domain, nested roots of constants, inverse functions: no wrong verdict.
+/// Functions that agree on part of their domain, inverse functions of functions: no wrong verdict.
 #[test]
 fn what_cannot_be_decided_is_left_open() {
     let open = [
         "sqrt(x^2) - x",
         "sqrt(x^2 + 2*x + 1) - x - 1",
         "sqrt(x^2 + 2*x + 1) + x + 1",
-        "sqrt((x^2+1)^2) - x^2 - 1",
-        "sqrt(9*x^4) - 3*x^2",
-        "exp(sqrt((x^2+1)^2)) - exp(x^2 + 1)",
-        "sin(sqrt((x^2+1)^2)) - sin(x^2 + 1)",
-        "sqrt(sqrt((x^2+1)^2)) - sqrt(x^2 + 1)",
-        "2^sqrt((x^2+1)^2) - 2^(x^2 + 1)",
-        "sqrt(67^2*x^4) - 67*x^2",
         "sqrt(1 - sin(x)^2) - cos(x)",
-        "sqrt(3 + 2*sqrt(2)) - 1 - sqrt(2)",
-        "sqrt(exp(x)) - exp(x/2)",
         "exp(log(x^2)/2) - x",
-        "sin(asin(x)) - x",
+        "sqrt(sqrt(x^2 + 2*x + 1)) - sqrt(x + 1) + x",
+        "sqrt(x^(8^(1/3))) - x",
+        "sqrt(x^(sin(y)^2 + cos(y)^2 + 1)) - x",
+        "abs(x^(sin(y)^2 + cos(y)^2 + 2)) - x^3",
         "asin(x) + acos(y) - pi/2",
         "atan(x) + atan(1/x) - pi/2",
-        "4*atan(1) - pi",
         "4*atan2(x, x) - pi",
         "4*atan((x^2 - 1)/((x - 1)*(x + 1))) - pi",
-        "sin(2*atan(x)) - 2*x/(1 + x^2)",
         "atan2(sin(x), cos(x)) - x",
-        "cos(pi/5) - (1 + sqrt(5))/4",
         "sin(sqrt(2)*x) - sin(x)",
         "abs(x) - x",
         "max(x, y) - x",
         "sqrt(-1)^2 + 1 + x - sqrt(-1)",
         "log(-2)",
-        "(x^2)^(1/4) - sqrt(x)",
         "x/(sin(x)^2 + cos(x)^2 - 1)",
     ];
     for t in open {
@@ -273,8 +263,9 @@ fn bound_symbols_take_part_with_their_exact_values() {
 
 #[test]
 fn errors_name_the_function() {
-    let ZeroTest::Unknown(u) = test("x + abs(y)") else { panic!("the sign of y is open") };
-    assert_eq!(u.to_string(), "not decided because of `abs(y)`: its sign depends on the point");
+    let ZeroTest::Unknown(u) = test("x + asin(sin(y))") else { panic!("asin(sin(y)) is y for some y") };
+    let text = "not decided because of `asin(sin(y))`: it is an inverse function of trigonometric functions";
+    assert_eq!(u.to_string(), text);
 }
 
 #[test]

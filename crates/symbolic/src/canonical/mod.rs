@@ -27,6 +27,9 @@ const MAX_TRIAL_TERMS: usize = 60;
 /// Expressions with more nodes are simplified without trying to expand them.
 const MAX_TRIAL_NODES: usize = 300;
 
+/// Terms in all sums together beyond which [`Pool::collected`] gives up.
+const MAX_COLLECTED_TERMS: usize = 20_000;
+
 /// Terms per node of the expression after which [`Pool::simplify`] gives a canonical form up: sums that are shared
 /// by sums are written out in each of them, and a result so long would not be simpler.
 const EFFORT_PER_NODE: usize = 4;
@@ -85,9 +88,18 @@ impl Pool {
         canonical(self, e, Some(MAX_TERMS), usize::MAX).unwrap_or(e)
     }
 
-    /// Like terms and like factors merged and everything in order, products kept as they are.
+    /// Like terms and like factors merged and everything in order, products kept as they are; `e` itself if that
+    /// would be very long.
     pub(crate) fn collected(&mut self, e: Expr) -> Expr {
-        canonical(self, e, None, usize::MAX).unwrap_or(e)
+        canonical(self, e, None, MAX_COLLECTED_TERMS).unwrap_or(e)
+    }
+
+    /// `e` as a coefficient and powers of distinct bases: Π base^exponent, sums without common factor.
+    pub(crate) fn factored(&mut self, e: Expr) -> (RBig, Vec<(Expr, RBig)>) {
+        let e = self.collected(e);
+        let product = Product::from(self, e);
+        let powers = product.sorted(self);
+        (product.coefficient, powers)
     }
 
     /// The smallest of the canonical forms of `e`; `None` if that is out of reach.

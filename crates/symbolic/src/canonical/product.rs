@@ -149,7 +149,8 @@ impl Product {
         }
     }
 
-    fn sorted(&self, pool: &Pool) -> Vec<(Expr, RBig)> {
+    /// Bases and exponents, in order.
+    pub(super) fn sorted(&self, pool: &Pool) -> Vec<(Expr, RBig)> {
         let mut all: Vec<(Expr, RBig)> = self.powers.iter().map(|(b, k)| (*b, k.clone())).collect();
         all.sort_by(|a, b| compare_factors(pool, a, b));
         all

@@ -11,31 +11,43 @@ use super::program::Reg;
 /// Homomorphism from the field's multiplicative group to the integers modulo a prime ℓ that divides p − 1.
 pub(super) struct Character<const C: u64> {
     order: u64,
-    logarithms: FxHashMap<u64, u64>,
+    /// The powers g^0 … g^(m − 1) of a root of unity of this order, m² ≥ ℓ.
+    small: FxHashMap<u64, u64>,
+    /// g^(−m)
+    giant: Residue<C>,
 }
 
 /// Exponents in relations have numerators and denominators up to this; 2·24² < ℓ makes them unique.
 const MAX_EXPONENT: i64 = 24;
 
 impl<const C: u64> Character<C> {
-    /// ℓ = 1321 for p = 2^61 − 1, 2687 for the second prime.
+    /// ℓ = 1321 for p = 2^61 − 1, 7351 for the second prime.
     fn new() -> Self {
-        let order = if C == 1 { 1321 } else { 2687 };
+        let order: u64 = if C == 1 { 1321 } else { 7351 };
         let exponent = (Residue::<C>::MODULUS - 1) / order;
         let candidates = (2..1000).map(|g| Residue::<C>::new(g).pow(exponent));
         let root = candidates.into_iter().find(|&r| r != Residue::ONE).unwrap_or(Residue::ONE);
-        let mut logarithms = FxHashMap::default();
+        let m = order.isqrt() + 1;
+        let mut small = FxHashMap::default();
         let mut r = Residue::ONE;
-        for k in 0..order {
-            logarithms.insert(r.value(), k);
+        for k in 0..m {
+            small.insert(r.value(), k);
             r *= root;
         }
-        Self { order, logarithms }
+        Self { order, small, giant: r.inv().unwrap_or(Residue::ONE) }
     }
 
+    /// The discrete logarithm of v^((p − 1)/ℓ) by baby steps and giant steps (Shanks 1971).
     fn of(&self, v: Residue<C>) -> u64 {
-        let r = v.pow((Residue::<C>::MODULUS - 1) / self.order);
-        self.logarithms.get(&r.value()).copied().unwrap_or(0)
+        let mut r = v.pow((Residue::<C>::MODULUS - 1) / self.order);
+        let m = self.small.len() as u64;
+        for giant in 0..m {
+            if let Some(k) = self.small.get(&r.value()) {
+                return (giant * m + k) % self.order;
+            }
+            r *= self.giant;
+        }
+        0
     }
 }
 

@@ -9,6 +9,9 @@ use super::program::{Generator, Reg, Step};
 use crate::func::{Func, Func2};
 use crate::pool::{Expr, Node, Symbol};
 
+/// Cosine and sine in the field.
+type Point<const C: u64> = (Residue<C>, Residue<C>);
+
 /// A register of an angle, and those of the cosine and sine of the D-th part of it (none for an inverse function).
 struct Angle {
     value: Reg,
@@ -154,30 +157,24 @@ impl<const C: u64> Lowering<'_, C> {
         result.unwrap_or_else(|| (self.constant(Residue::ONE), self.constant(Residue::ZERO)))
     }
 
-    /// cos and sin of n/d·π, for multiples of π/12.
+    /// cos and sin of n/d·π.
     fn part_of_pi(&mut self, arg: Expr, (n, d): (i64, i64)) -> Result<(Residue<C>, Residue<C>), Stop> {
-        if 12 % d != 0 {
-            return Err(self.kernel(arg, "only multiples of pi/12 have known sines and cosines"));
+        let unknown = |l: &Self| {
+            if C == 1 {
+                l.other_prime(arg, "the field lacks the sine of this part of pi")
+            } else {
+                l.kernel(arg, "only multiples of pi/4320 have known sines and cosines")
+            }
+        };
+        let parts = parts_of_pi::<C>();
+        if parts % d.unsigned_abs() != 0 {
+            return Err(unknown(self));
         }
-        let twelfths = (i128::from(n) * i128::from(12 / d)).rem_euclid(24) as u32;
-        let half = Residue::new(2).inv().unwrap_or_default();
-        let root = |n: u64| Residue::<C>::new(n).sqrt();
-        let (zero, one) = (Residue::ZERO, Residue::ONE);
-        let eighth = root(2).map(|r| (r * half, r * half));
-        let sixth = root(3).map(|r| (r * half, half));
-        let turn =
-            |p: (Residue<C>, Residue<C>), q: (Residue<C>, Residue<C>)| (p.0 * q.0 - p.1 * q.1, p.1 * q.0 + p.0 * q.1);
-        let (unit, steps) = match twelfths {
-            t if t % 6 == 0 => (Some((zero, one)), t / 6),
-            t if t % 3 == 0 => (eighth, t / 3),
-            t if t % 2 == 0 => (sixth, t / 2),
-            // π/12 = π/4 − π/6
-            t => (eighth.zip(sixth).map(|(e, s)| turn(e, (s.0, -s.1))), t),
+        let Some(unit) = unit_angle::<C>() else {
+            return Err(unknown(self));
         };
-        let Some(unit) = unit else {
-            return Err(self.other_prime(arg, "the field lacks a root of 3"));
-        };
-        Ok((0..steps).fold((one, zero), |p, _| turn(p, unit)))
+        let multiple = (i128::from(n) * i128::from(parts / d.unsigned_abs())).rem_euclid(2 * i128::from(parts));
+        Ok(power(unit, multiple as u64))
     }
 
     /// True if the operand, or the ratio of two operands, has the same value at all trial points.
@@ -227,5 +224,77 @@ impl<const C: u64> Lowering<'_, C> {
             return Ok(self.push(Step::Add(quarter, minus)));
         }
         Ok(value)
+    }
+}
+
+/// (cos, sin) of the sum of two angles.
+fn turned<const C: u64>(p: Point<C>, q: Point<C>) -> Point<C> {
+    (p.0 * q.0 - p.1 * q.1, p.1 * q.0 + p.0 * q.1)
+}
+
+/// (cos, sin) of k times an angle.
+fn power<const C: u64>(mut p: Point<C>, mut k: u64) -> Point<C> {
+    let mut r = (Residue::ONE, Residue::ZERO);
+    while k > 0 {
+        if k & 1 == 1 {
+            r = turned(r, p);
+        }
+        p = turned(p, p);
+        k >>= 1;
+    }
+    r
+}
+
+/// The D for which the field holds cos(π/D) and sin(π/D); 2D divides p + 1, the order of the circle.
+fn parts_of_pi<const C: u64>() -> u64 {
+    if C == 1 { 1024 } else { 4320 }
+}
+
+/// (cos, sin) of π/D: a point of order 2D, of all conjugate ones one for which the roots of 2, 3 and 5 that follow
+/// from it are those that [`Residue::sqrt`] gives.
+fn unit_angle<const C: u64>() -> Option<Point<C>> {
+    let parts = parts_of_pi::<C>();
+    let order = 2 * parts;
+    let one: Residue<C> = Residue::ONE;
+    let primes: Vec<u64> = [2, 3, 5].into_iter().filter(|q| order.is_multiple_of(*q)).collect();
+    let first = (2..100).find_map(|t| {
+        let t = Residue::<C>::new(t);
+        let d = (one + t * t).inv()?;
+        let p = power(((one - t * t) * d, (t + t) * d), Residue::<C>::MODULUS.div_ceil(order));
+        primes.iter().all(|q| power(p, order / q) != (one, Residue::ZERO)).then_some(p)
+    })?;
+    let root = |n: u64| Residue::<C>::new(n).sqrt();
+    (1..order).filter(|k| gcd(*k, order) == 1).map(|k| power(first, k)).find(|&p| {
+        let part = |d: u64| power(p, parts / d);
+        part(2) == (Residue::ZERO, one)
+            && Some(part(4).0 + part(4).0) == root(2)
+            && primes.iter().all(|q| match q {
+                3 => Some(part(6).0 + part(6).0) == root(3),
+                5 => Some(Residue::new(4) * part(5).0 - one) == root(5),
+                _ => true,
+            })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::field::SECOND_PRIME;
+    use super::*;
+
+    /// The point of order 2D divides the circle, and gives the roots that the field chooses.
+    fn divides_the_circle<const C: u64>() {
+        let parts = parts_of_pi::<C>();
+        assert_eq!((u128::from(Residue::<C>::MODULUS) + 1) % u128::from(2 * parts), 0);
+        let unit = unit_angle::<C>().unwrap();
+        assert_eq!(power(unit, parts), (-Residue::ONE, Residue::ZERO));
+        assert_eq!(unit.0 * unit.0 + unit.1 * unit.1, Residue::ONE);
+        assert_eq!(power(unit, parts / 4).1, power(unit, parts / 4).0);
+    }
+
+    #[test]
+    fn both_fields_hold_parts_of_pi() {
+        divides_the_circle::<1>();
+        divides_the_circle::<SECOND_PRIME>();
     }
 }

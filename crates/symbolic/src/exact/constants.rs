@@ -55,15 +55,25 @@ pub(super) fn exact_value(pool: &Pool, e: Expr, bindings: &Bindings, known: &FxH
 }
 
 fn power(x: &RBig, k: &RBig) -> Option<RBig> {
-    if !k.is_int() {
-        return (*x == RBig::ONE).then_some(RBig::ONE);
-    }
+    let (x, k) =
+        if k.is_int() { (x.clone(), k.clone()) } else { (exact_root(x, k)?, RBig::from(k.numerator().clone())) };
     let k = i64::try_from(k.numerator()).ok()?;
-    if k.unsigned_abs() > MAX_BITS as u64 || (*x == RBig::ZERO && k <= 0) {
+    if k.unsigned_abs() > MAX_BITS as u64 || (x == RBig::ZERO && k <= 0) {
         return None;
     }
     let p = x.pow(k.unsigned_abs() as isize);
     Some(if k < 0 { RBig::ONE / p } else { p })
+}
+
+/// The root of a rational that is not negative, of the degree in the denominator of `k`, if it is rational.
+fn exact_root(x: &RBig, k: &RBig) -> Option<RBig> {
+    let degree = usize::try_from(k.denominator()).ok().filter(|d| *d <= MAX_BITS)?;
+    let root = |n: UBig| {
+        let r = n.nth_root(degree);
+        (r.pow(degree) == n).then_some(r)
+    };
+    let (n, d) = (root(x.numerator().clone().unsigned_abs())?, root(x.denominator().clone())?);
+    (*x >= RBig::ZERO).then(|| RBig::from_parts(n.into(), d))
 }
 
 /// A positive rational as Π n_i^(k_i) with pairwise coprime n_i > 1, none of which is a perfect power that matters:

@@ -17,9 +17,10 @@ pub struct Residue<const C: u64>(u64);
 /// An integer modulo the Mersenne prime 2^61 − 1.
 pub type Fp = Residue<1>;
 
-/// The second prime, 2^61 − 365500713, for expressions with roots: 2 … 53 are
-/// squares modulo it, and cube, fifth, seventh, 11th and 13th roots are unique.
-pub(crate) const ROOTED: u64 = 365_500_713;
+/// [`Residue<SECOND_PRIME>`] are the integers modulo 2^61 − 615950913, for expressions with roots: 2 … 53 are
+/// squares modulo it, cube, fifth, seventh, 11th and 13th roots are unique, and it holds the sines and cosines of
+/// π/4320.
+pub const SECOND_PRIME: u64 = 615_950_913;
 
 const MASK: u64 = (1 << 61) - 1;
 
@@ -258,16 +259,16 @@ mod tests {
     #[test]
     fn both_primes_give_fields_in_which_minus_one_is_no_square() {
         field_laws::<1>();
-        field_laws::<ROOTED>();
+        field_laws::<SECOND_PRIME>();
     }
 
     #[test]
     fn the_second_prime_has_the_roots_it_was_chosen_for() {
         for n in [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53] {
-            assert!(Residue::<ROOTED>::new(n).is_residue(), "{n}");
+            assert!(Residue::<SECOND_PRIME>::new(n).is_residue(), "{n}");
         }
         for q in [3, 5, 7, 11, 13] {
-            assert_ne!((Residue::<ROOTED>::MODULUS - 1) % q, 0, "{q}");
+            assert_ne!((Residue::<SECOND_PRIME>::MODULUS - 1) % q, 0, "{q}");
         }
     }
 

@@ -2,40 +2,69 @@
 
 use super::field::Residue;
 
-/// Row echelon form of a matrix, reduced, with what was found on the way.
+/// Reduced row echelon form of a matrix, which can grow row by row.
+///
+/// ```
+/// use bracketry_symbolic::{Echelon, Fp};
+/// let row = |v: [i64; 3]| v.map(Fp::from_i64).to_vec();
+/// let mut span = Echelon::<1>::new(3);
+/// assert!(span.insert(row([1, 2, 3])));
+/// assert!(span.insert(row([0, 1, 1])));
+/// assert!(!span.insert(row([2, 5, 7])));
+/// assert!(span.contains(&row([1, 3, 4])) && !span.contains(&row([0, 0, 1])));
+/// assert_eq!((span.rank(), span.independent.as_slice()), (2, [0, 1].as_slice()));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Echelon<const C: u64> {
+pub struct Echelon<const C: u64 = 1> {
     /// The rows other than zero of the reduced row echelon form.
     pub rows: Vec<Vec<Residue<C>>>,
     /// Column of the leading 1 of each row, ascending.
     pub pivots: Vec<usize>,
-    /// The rows of the original matrix that are independent of those before them.
+    /// Numbers of the inserted rows that were independent of those before them.
     pub independent: Vec<usize>,
     columns: usize,
+    inserted: usize,
 }
 
 impl<const C: u64> Echelon<C> {
+    /// No rows yet, of `columns` entries each.
+    pub fn new(columns: usize) -> Self {
+        Self { rows: Vec::new(), pivots: Vec::new(), independent: Vec::new(), columns, inserted: 0 }
+    }
+
     /// Reduces the matrix with the given rows, all of length `columns` (shorter ones count as filled with zeros).
-    pub fn new(matrix: &[Vec<Residue<C>>], columns: usize) -> Self {
-        let mut e = Self { rows: Vec::new(), pivots: Vec::new(), independent: Vec::new(), columns };
-        for (i, row) in matrix.iter().enumerate() {
+    pub fn of(matrix: &[Vec<Residue<C>>], columns: usize) -> Self {
+        let mut e = Self::new(columns);
+        for row in matrix {
             if e.rows.len() == columns {
                 break;
             }
-            let mut row = row.clone();
-            row.resize(columns, Residue::ZERO);
-            if e.insert(row) {
-                e.independent.push(i);
-            }
+            e.insert(row.clone());
         }
         e
     }
 
-    /// Adds a row; false if it depends on those already there.
-    fn insert(&mut self, mut row: Vec<Residue<C>>) -> bool {
+    /// What is left of a row modulo the span: 0 in every pivot column. A shorter row counts as filled with zeros, and
+    /// entries beyond the last column are left out.
+    #[must_use]
+    pub fn reduce(&self, mut row: Vec<Residue<C>>) -> Vec<Residue<C>> {
+        row.resize(self.columns, Residue::ZERO);
         for (r, &p) in self.rows.iter().zip(&self.pivots) {
             eliminate(&mut row, r, p);
         }
+        row
+    }
+
+    /// True if the row is in the span.
+    pub fn contains(&self, row: &[Residue<C>]) -> bool {
+        self.reduce(row.to_vec()).iter().all(|v| v.is_zero())
+    }
+
+    /// Adds a row; false if it was in the span already.
+    pub fn insert(&mut self, row: Vec<Residue<C>>) -> bool {
+        let number = self.inserted;
+        self.inserted += 1;
+        let mut row = self.reduce(row);
         let Some((p, lead)) = row.iter().copied().enumerate().find(|(_, v)| !v.is_zero()) else {
             return false;
         };
@@ -49,6 +78,7 @@ impl<const C: u64> Echelon<C> {
         let at = self.pivots.partition_point(|&q| q < p);
         self.pivots.insert(at, p);
         self.rows.insert(at, row);
+        self.independent.push(number);
         true
     }
 
@@ -59,7 +89,7 @@ impl<const C: u64> Echelon<C> {
 
     /// A basis of the vectors v with M·v = 0, one for each column without a pivot.
     pub fn nullspace(&self) -> Vec<Vec<Residue<C>>> {
-        let free = (0..self.columns).filter(|c| !self.pivots.contains(c));
+        let free = (0..self.columns).filter(|c| self.pivots.binary_search(c).is_err());
         free.map(|c| {
             let mut v = vec![Residue::ZERO; self.columns];
             v[c] = Residue::ONE;
@@ -93,7 +123,7 @@ pub(super) fn combination<const C: u64>(
     let k = columns.len();
     let rows: Vec<Vec<Residue<C>>> =
         (0..target.len()).map(|i| columns.iter().map(|c| c[i]).chain([target[i]]).collect()).collect();
-    let e = Echelon::new(&rows, k + 1);
+    let e = Echelon::of(&rows, k + 1);
     if e.pivots.get(..k).is_none_or(|p| p.iter().enumerate().any(|(i, &q)| i != q)) {
         return Err(());
     }
@@ -150,9 +180,16 @@ mod tests {
         for (m, k, n) in [(1, 1, 1), (4, 2, 7), (7, 3, 4), (5, 5, 5), (9, 0, 3), (32, 17, 32)] {
             let (a, b) = (random(&mut rng, m, k), random(&mut rng, k, n));
             let ab = if k == 0 { vec![vec![Fp::ZERO; n]; m] } else { product(&a, &b) };
-            let e = Echelon::new(&ab, n);
+            let e = Echelon::of(&ab, n);
             assert_eq!(e.rank(), k);
             assert_eq!(e.independent, (0..k).collect::<Vec<_>>());
+            assert!(ab.iter().all(|r| e.contains(r)));
+            // Reducing is a projection, and a row plus what it lacks is in the span.
+            let v: Vec<Fp> = (0..n).map(|_| rng.residue()).collect();
+            let rest = e.reduce(v.clone());
+            assert_eq!(e.reduce(rest.clone()), rest);
+            assert!(e.contains(&v.iter().zip(&rest).map(|(&x, &y)| x - y).collect::<Vec<_>>()));
+            assert_eq!(e.contains(&v), k == n);
             let kernel = e.nullspace();
             assert_eq!(kernel.len(), n - k);
             for v in kernel {

@@ -203,7 +203,8 @@ impl<const C: u64> Lowering<'_, C> {
 
     fn power(&mut self, e: Expr, a: Expr, b: Expr) -> Result<Reg, Stop> {
         let base = self.registers[&a];
-        let Some(q) = self.exact.get(&b).cloned() else {
+        let exponent = self.exact.get(&b).cloned().or_else(|| self.rational_in_disguise(self.registers[&b]));
+        let Some(q) = exponent else {
             // a^b = exp(b log a)
             self.refuse_open_sign(base)?;
             self.refuse_open_sign(self.registers[&b])?;
@@ -225,6 +226,14 @@ impl<const C: u64> Lowering<'_, C> {
         }
         let r = self.odd_root(e, r, d >> levels)?;
         Ok(self.integer_power(r, n))
+    }
+
+    /// The value of a register that is the same small fraction at all trial points.
+    fn rational_in_disguise(&self, r: Reg) -> Option<RBig> {
+        let at = self.trials(&[r], SPARE_POINTS);
+        let values = self.values(r, &at);
+        let first = values.first().filter(|v| values.iter().all(|w| w == *v))?;
+        if values.len() < 2 { None } else { first.to_rational(FRACTION_BOUND) }
     }
 
     /// Register of the root of odd degree; errors name `e`.
@@ -383,7 +392,7 @@ impl<const C: u64> Lowering<'_, C> {
     }
 
     pub(super) fn other_prime(&self, e: Expr, reason: &'static str) -> Stop {
-        Stop::OtherPrime(Undecided::Kernel { text: self.pool.text(e), reason })
+        Stop::OtherPrime(Undecided::OtherPrime { text: self.pool.text(e), reason })
     }
 }
 

@@ -1,7 +1,9 @@
 //! Exact decisions: zero and rank modulo a prime at random points.
 
+mod cases;
 mod character;
 mod circle;
+mod compose;
 mod constants;
 mod explog;
 mod field;
@@ -9,6 +11,7 @@ mod linear;
 mod lower;
 mod program;
 mod roots;
+mod surd;
 
 use std::fmt;
 
@@ -16,10 +19,10 @@ use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-pub use self::field::{Fp, Residue};
+pub use self::field::{Fp, Residue, SECOND_PRIME};
 pub use self::linear::Echelon;
 
-use self::field::{ROOTED, Random};
+use self::field::Random;
 use self::lower::{Lowered, Stop, lower};
 use self::program::Fault;
 use crate::pool::{Expr, Pool, Symbol};
@@ -120,6 +123,14 @@ pub enum Undecided {
     /// A denominator vanishes at every point tried.
     #[error("not decided because a denominator is zero")]
     DivisionByZero,
+    /// A number that is missing in one field; the other one may have it.
+    #[error("not decided because of `{text}`: {reason}")]
+    OtherPrime {
+        /// The sub-expression.
+        text: String,
+        /// What the field lacks.
+        reason: &'static str,
+    },
     /// The roots of the expression exist together at none of the points tried.
     #[error("not decided because no point was found at which all roots exist")]
     NoPoint,
@@ -135,6 +146,13 @@ pub enum Undecided {
     /// Too many related functions.
     #[error("not decided because too many functions are related to each other")]
     TooComplex,
+}
+
+impl Undecided {
+    /// True if the same question may have an answer modulo the [second prime](SECOND_PRIME).
+    pub fn needs_other_prime(&self) -> bool {
+        matches!(self, Self::OtherPrime { .. } | Self::NoPoint)
+    }
 }
 
 /// Generic rank of a matrix of expressions.
@@ -159,6 +177,8 @@ pub struct Samples<const C: u64 = 1> {
     pub ambiguous_signs: u32,
     /// True if roots occur.
     roots: bool,
+    /// Points that differ from each other: one if there is nothing random.
+    distinct: usize,
     /// Exact values of constant expressions.
     exact: Vec<Option<RBig>>,
 }
@@ -176,14 +196,35 @@ const TRIES: usize = 64;
 impl Pool {
     /// Decides whether `e` is zero as a function of the symbols that `bindings` leave free.
     ///
-    /// Works modulo the prime 2^61 − 1 at random points (modulo 2^61 − 365500713
-    /// where roots are needed that the first field lacks). Sines, exponentials,
+    /// Works modulo the prime 2^61 − 1 at random points (modulo 2^61 − 615950913
+    /// where numbers are needed that the first field lacks). Sines, exponentials,
     /// logarithms and roots become algebraically independent generators after their
     /// rational-linear relations are found; independence of constants such as
     /// e, π and log 2 is taken for granted (Schanuel's conjecture).
+    ///
+    /// `abs`, `sign`, `min`, `max` and roots of squares are looked at case by case: the answer is that of all cases,
+    /// or [`Undecided::Sign`] if they differ.
     pub fn zero_test(&mut self, e: Expr, bindings: &Bindings) -> ZeroTest {
+        let direct = self.zero_directly(e, bindings);
+        let ZeroTest::Unknown(why) = direct else { return direct };
+        let Some(cases) = self.cases(&[e], bindings) else { return ZeroTest::Unknown(why) };
+        let mut answers = cases.into_iter().map(|case| self.zero_directly(case[0], &Bindings::new()));
+        let Some(mut total) = answers.next() else { return ZeroTest::Unknown(why) };
+        for answer in answers {
+            total = match (total, answer) {
+                (ZeroTest::Zero(a), ZeroTest::Zero(b)) => ZeroTest::Zero(a.and(b)),
+                (ZeroTest::NonZero, ZeroTest::NonZero) => ZeroTest::NonZero,
+                (ZeroTest::Unknown(u), _) | (_, ZeroTest::Unknown(u)) => return ZeroTest::Unknown(u),
+                _ => return ZeroTest::Unknown(Undecided::Sign),
+            };
+        }
+        total
+    }
+
+    /// [`Pool::zero_test`] without cases.
+    fn zero_directly(&self, e: Expr, bindings: &Bindings) -> ZeroTest {
         let decided = match self.zero::<1>(e, bindings) {
-            Err(Stop::OtherPrime(_)) => self.zero::<ROOTED>(e, bindings),
+            Err(Stop::OtherPrime(_)) => self.zero::<SECOND_PRIME>(e, bindings),
             d => d,
         };
         match decided {
@@ -201,7 +242,7 @@ impl Pool {
         let zeros = s.values.iter().filter(|v| v[0].is_zero()).count();
         match zeros {
             0 => Ok(None),
-            n if n == s.values.len() => Ok(Some(Certificate::new(n.min(POINTS), s.degree, s.roots)?)),
+            n if n == s.values.len() => Ok(Some(Certificate::new(s.distinct, s.degree, s.roots)?)),
             _ if s.ambiguous_signs > 0 => Err(Undecided::Sign.into()),
             _ => Ok(None),
         }
@@ -214,8 +255,31 @@ impl Pool {
     /// # Errors
     /// [`Undecided`] if an entry cannot be evaluated in the field or the answer depends on an open sign.
     pub fn rank(&mut self, rows: &[Vec<Expr>], bindings: &Bindings) -> Result<Rank, Undecided> {
+        let why = match self.rank_directly(rows, bindings) {
+            Err(why) => why,
+            rank => return rank,
+        };
+        let Some(cases) = self.cases(&rows.concat(), bindings) else { return Err(why) };
+        let mut total: Option<Rank> = None;
+        for case in cases {
+            let mut entries = case.into_iter();
+            let rows: Vec<Vec<Expr>> = rows.iter().map(|r| entries.by_ref().take(r.len()).collect()).collect();
+            let rank = self.rank_directly(&rows, &Bindings::new())?;
+            total = Some(match total {
+                None => rank,
+                Some(t) if t.independent == rank.independent => {
+                    Rank { certificate: t.certificate.and(rank.certificate), ..t }
+                }
+                Some(_) => return Err(Undecided::Sign),
+            });
+        }
+        total.ok_or(why)
+    }
+
+    /// [`Pool::rank`] without cases.
+    fn rank_directly(&self, rows: &[Vec<Expr>], bindings: &Bindings) -> Result<Rank, Undecided> {
         match self.rank_modulo::<1>(rows, bindings) {
-            Err(Stop::OtherPrime(_)) => self.rank_modulo::<ROOTED>(rows, bindings),
+            Err(Stop::OtherPrime(_)) => self.rank_modulo::<SECOND_PRIME>(rows, bindings),
             r => r,
         }
         .map_err(reason)
@@ -236,7 +300,7 @@ impl Pool {
                     values[at - r.len()..at].to_vec()
                 })
                 .collect();
-            let e = Echelon::new(&matrix, columns);
+            let e = Echelon::of(&matrix, columns);
             for (i, p) in prefix.iter_mut().enumerate() {
                 let here = e.independent.partition_point(|&j| j <= i);
                 if s.ambiguous_signs > 0 && k > 0 && here != *p {
@@ -250,7 +314,7 @@ impl Pool {
         let rank = independent.len();
         // A minor that is one larger has this degree.
         let degree = s.degree * (rank + 1).min(columns.min(rows.len())).max(1) as f64;
-        let certificate = Certificate::new(s.values.len().min(POINTS), degree, s.roots)?;
+        let certificate = Certificate::new(s.distinct, degree, s.roots)?;
         Ok(Rank { rank, independent, certificate })
     }
 
@@ -267,7 +331,31 @@ impl Pool {
         points: usize,
         seed: u64,
     ) -> Result<Samples, Undecided> {
-        self.sampled::<1>(roots, bindings, Some(points), seed).map_err(reason)
+        self.sample_in(roots, bindings, points, seed)
+    }
+
+    /// [`Pool::sample`] modulo the prime 2^61 − `C`: `sample_in::<1>` or, for expressions such as √3 that
+    /// [need the other prime](Undecided::needs_other_prime), `sample_in::<SECOND_PRIME>`.
+    ///
+    /// # Errors
+    /// [`Undecided`] if an expression cannot be evaluated in this field.
+    ///
+    /// ```
+    /// use bracketry_symbolic::{Bindings, Pool, SECOND_PRIME};
+    /// let mut p = Pool::new();
+    /// let e = p.parse("sqrt(3)*x").unwrap();
+    /// let missing = p.sample(&[e], &Bindings::new(), 1, 7).unwrap_err();
+    /// assert!(missing.needs_other_prime());
+    /// assert!(p.sample_in::<SECOND_PRIME>(&[e], &Bindings::new(), 1, 7).is_ok());
+    /// ```
+    pub fn sample_in<const C: u64>(
+        &mut self,
+        roots: &[Expr],
+        bindings: &Bindings,
+        points: usize,
+        seed: u64,
+    ) -> Result<Samples<C>, Undecided> {
+        self.sampled::<C>(roots, bindings, Some(points), seed).map_err(reason)
     }
 
     fn sampled<const C: u64>(
@@ -308,6 +396,7 @@ impl Pool {
             degree: program.common_degree(&outputs) * extension.max(1.0),
             ambiguous_signs: ambiguous,
             roots: conditions > 0,
+            distinct: if program.generators.is_empty() { 1 } else { points.min(POINTS) },
             exact,
         })
     }
