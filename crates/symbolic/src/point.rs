@@ -302,13 +302,15 @@ impl Pool {
 
     fn jet_call(&mut self, n: Expr, f: Func, jet: &Jet, variables: usize, degree: u32) -> Result<Jet, PointError> {
         let at = value(self, jet, variables);
-        if is_constant(jet) && !(f == Func::Log && self.is_zero(at)) {
+        let switches = matches!(f, Func::Abs | Func::Sign);
+        if f == Func::Log && self.vanishes(at) {
+            return Err(PointError::NoValue { text: self.text(n) });
+        }
+        if is_constant(jet) {
             return Ok(constant(self.call(f, at), variables));
         }
-        let switches = matches!(f, Func::Abs | Func::Sign);
-        if (switches || f == Func::Log) && self.vanishes(at) {
-            let text = self.text(n);
-            return Err(if switches { PointError::NotSmooth { text } } else { PointError::NoValue { text } });
+        if switches && self.vanishes(at) {
+            return Err(PointError::NotSmooth { text: self.text(n) });
         }
         // The derivatives of the function itself, at the value of its argument.
         let t = self.symbol("\u{2202}");

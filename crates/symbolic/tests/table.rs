@@ -4,7 +4,7 @@
 mod common;
 
 use bracketry_symbolic::{Bindings, Entry, ExprTable, Pool, TableError};
-use common::{Kind, generator, random};
+use common::{Kind, cases, generator, random};
 use proptest::prelude::*;
 
 fn stored(table: &ExprTable) -> ExprTable {
@@ -12,7 +12,7 @@ fn stored(table: &ExprTable) -> ExprTable {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(cases(300))]
 
     /// In the pool it comes from, the same expression; in another one, one that prints and is stored the same.
     #[test]

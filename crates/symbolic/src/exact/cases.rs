@@ -136,29 +136,28 @@ impl Pool {
                 Node::Call2(_, a, b) => (self.sub(a, b), [b, a]),
                 _ => return None,
             };
-            let value = if matches!(self.node(n), Node::Call(Func::Sign, _)) {
+            let zero = if let Node::Call(Func::Sign, _) = self.node(n) {
                 match self.zero_directly(u, &Bindings::new()) {
-                    ZeroTest::Zero(_) => Some(self.int(0)),
-                    ZeroTest::NonZero => None,
+                    ZeroTest::Zero(_) => true,
+                    ZeroTest::NonZero => false,
                     ZeroTest::Unknown(_) => return None,
                 }
             } else {
-                None
+                false
             };
-            let value = match value {
-                Some(zero) => zero,
-                None => {
-                    let s = self.signature(u, signs);
-                    if let Some(&e) = s.open.first() {
-                        for positive in [true, false] {
-                            let mut more = signs.clone();
-                            more.insert(e, positive);
-                            self.split(roots.clone(), &more, facts, cases)?;
-                        }
-                        return Some(());
+            let value = if zero {
+                self.int(0)
+            } else {
+                let s = self.signature(u, signs);
+                if let Some(&e) = s.open.first() {
+                    for positive in [true, false] {
+                        let mut more = signs.clone();
+                        more.insert(e, positive);
+                        self.split(roots.clone(), &more, facts, cases)?;
                     }
-                    choices[usize::from(!s.positive)]
+                    return Some(());
                 }
+                choices[usize::from(!s.positive)]
             };
             roots = self.substitute_all(&roots, &[(n, value)].into_iter().collect());
             roots = self.composed(&roots);

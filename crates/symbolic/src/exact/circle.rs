@@ -167,7 +167,7 @@ impl<const C: u64> Lowering<'_, C> {
             }
         };
         let parts = parts_of_pi::<C>();
-        if parts % d.unsigned_abs() != 0 {
+        if !parts.is_multiple_of(d.unsigned_abs()) {
             return Err(unknown(self));
         }
         let Some(unit) = unit_angle::<C>() else {

@@ -7,7 +7,7 @@ use super::field::Residue;
 /// ```
 /// use bracketry_symbolic::{Echelon, Fp};
 /// let row = |v: [i64; 3]| v.map(Fp::from_i64).to_vec();
-/// let mut span = Echelon::<1>::new(3);
+/// let mut span = Echelon::<1>::empty(3);
 /// assert!(span.insert(row([1, 2, 3])));
 /// assert!(span.insert(row([0, 1, 1])));
 /// assert!(!span.insert(row([2, 5, 7])));
@@ -28,13 +28,13 @@ pub struct Echelon<const C: u64 = 1> {
 
 impl<const C: u64> Echelon<C> {
     /// No rows yet, of `columns` entries each.
-    pub fn new(columns: usize) -> Self {
+    pub fn empty(columns: usize) -> Self {
         Self { rows: Vec::new(), pivots: Vec::new(), independent: Vec::new(), columns, inserted: 0 }
     }
 
     /// Reduces the matrix with the given rows, all of length `columns` (shorter ones count as filled with zeros).
-    pub fn of(matrix: &[Vec<Residue<C>>], columns: usize) -> Self {
-        let mut e = Self::new(columns);
+    pub fn new(matrix: &[Vec<Residue<C>>], columns: usize) -> Self {
+        let mut e = Self::empty(columns);
         for row in matrix {
             if e.rows.len() == columns {
                 break;
@@ -123,7 +123,7 @@ pub(super) fn combination<const C: u64>(
     let k = columns.len();
     let rows: Vec<Vec<Residue<C>>> =
         (0..target.len()).map(|i| columns.iter().map(|c| c[i]).chain([target[i]]).collect()).collect();
-    let e = Echelon::of(&rows, k + 1);
+    let e = Echelon::new(&rows, k + 1);
     if e.pivots.get(..k).is_none_or(|p| p.iter().enumerate().any(|(i, &q)| i != q)) {
         return Err(());
     }
@@ -180,7 +180,7 @@ mod tests {
         for (m, k, n) in [(1, 1, 1), (4, 2, 7), (7, 3, 4), (5, 5, 5), (9, 0, 3), (32, 17, 32)] {
             let (a, b) = (random(&mut rng, m, k), random(&mut rng, k, n));
             let ab = if k == 0 { vec![vec![Fp::ZERO; n]; m] } else { product(&a, &b) };
-            let e = Echelon::of(&ab, n);
+            let e = Echelon::new(&ab, n);
             assert_eq!(e.rank(), k);
             assert_eq!(e.independent, (0..k).collect::<Vec<_>>());
             assert!(ab.iter().all(|r| e.contains(r)));

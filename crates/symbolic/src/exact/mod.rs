@@ -300,7 +300,7 @@ impl Pool {
                     values[at - r.len()..at].to_vec()
                 })
                 .collect();
-            let e = Echelon::of(&matrix, columns);
+            let e = Echelon::new(&matrix, columns);
             for (i, p) in prefix.iter_mut().enumerate() {
                 let here = e.independent.partition_point(|&j| j <= i);
                 if s.ambiguous_signs > 0 && k > 0 && here != *p {

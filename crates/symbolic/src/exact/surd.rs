@@ -117,7 +117,7 @@ impl Surd {
         let terms = || self.0.iter().map(|(&n, c)| c.to_f64().value() * (n as f64).sqrt());
         let (sum, size) = (terms().sum::<f64>(), terms().map(f64::abs).sum::<f64>());
         // Each of at most 32 terms is off by less than 4 roundings, and so is each sum.
-        (sum.is_finite() && sum.abs() > 1e-13 * size).then(|| if sum > 0.0 { 1 } else { -1 })
+        (sum.is_finite() && sum.abs() > 1e-13 * size).then_some(if sum > 0.0 { 1 } else { -1 })
     }
 
     /// The positive root, if it is a sum of square roots of rationals (Borodin, Fagin, Hopcroft and Tompa 1985).

@@ -2,6 +2,7 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use bracketry_symbolic::{Expr, Func, Func2, Pool, Tape};
+use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
@@ -15,6 +16,11 @@ pub(crate) enum Kind {
 }
 
 pub(crate) const NAMES: [&str; 3] = ["x", "y", "z"];
+
+/// That many cases, the same ones in every run.
+pub(crate) fn cases(n: u32) -> ProptestConfig {
+    ProptestConfig { rng_seed: RngSeed::Fixed(20_260), failure_persistence: None, ..ProptestConfig::with_cases(n) }
+}
 
 pub(crate) fn generator(seed: u64) -> StdRng {
     StdRng::seed_from_u64(seed)
