@@ -7,6 +7,8 @@ use bracketry_lie::{Answer, Dimensions, Options, Report, Stlc, Verdict};
 use bracketry_system::{AffineError, Affinization, Method, System};
 use serde::Serialize;
 
+use crate::affinization::AffinizationReport;
+
 /// An analysis that could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum AnalysisError {
@@ -16,54 +18,6 @@ pub enum AnalysisError {
     /// The brackets could not be formed.
     #[error(transparent)]
     Lie(#[from] bracketry_lie::Error),
-}
-
-/// A new input.
-#[derive(Clone, Debug, Serialize)]
-pub struct InputChange {
-    /// Its name.
-    pub name: String,
-    /// The function of the old inputs that it stands for.
-    pub function: String,
-    /// The values that it can take, where they are limited.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub range: Option<String>,
-}
-
-/// How the model became affine in its inputs.
-#[derive(Clone, Debug, Serialize)]
-pub struct AffinizationReport {
-    /// What was done.
-    pub method: Method,
-    /// Integrators in front of each input that got any.
-    pub integrators: std::collections::BTreeMap<String, u32>,
-    /// For a change of inputs: each new input with its function of the old ones and its range, where that is limited.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub input_change: Vec<InputChange>,
-    /// The affine model.
-    pub model: System,
-    /// The reason, in a sentence.
-    pub why: String,
-}
-
-impl From<&Affinization> for AffinizationReport {
-    fn from(a: &Affinization) -> Self {
-        AffinizationReport {
-            method: a.method,
-            integrators: a.integrators.clone(),
-            input_change: a
-                .input_change
-                .iter()
-                .map(|v| InputChange {
-                    name: v.name.clone(),
-                    function: a.system.pool.text(v.function),
-                    range: v.range.clone(),
-                })
-                .collect(),
-            model: a.system.clone(),
-            why: a.why.clone(),
-        }
-    }
 }
 
 /// What the inputs of a model reach.
@@ -127,7 +81,7 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
 /// Small variations of the new inputs are not available where w(u) does not cover a neighbourhood of its value, as u² at
 /// u = 0. What was concluded from them is then open; what is negative even with free inputs stays.
 fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization) {
-    if affinization.regular_at_point != Some(false) {
+    if affinization.input_change.is_empty() || affinization.interior_at_point == Some(true) {
         return;
     }
     let Some(Answer::Known(point)) = &mut report.at_point else { return };
@@ -235,6 +189,9 @@ impl fmt::Display for Analysis {
         )?;
         let plural = |k: usize| if k == 1 { "" } else { "s" };
         writeln!(f, "  {} input{}: {}", self.inputs, plural(self.inputs), model.input_names().join(", "))?;
+        for change in a.changes() {
+            writeln!(f, "  {change}")?;
+        }
         for (s, e) in model.states.iter().zip(&model.dynamics) {
             writeln!(f, "  {}' = {}", model.pool.name(*s), model.pool.text(*e))?;
         }

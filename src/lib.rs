@@ -9,6 +9,7 @@ pub use bracketry_sim as sim;
 pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;
 
+mod affinization;
 mod analysis;
 mod control;
 mod input_table;
@@ -18,7 +19,8 @@ mod reach;
 mod report;
 mod scenario;
 
-pub use analysis::{AffinizationReport, Analysis, AnalysisError, InputChange, analyze};
+pub use affinization::{AffinizationReport, InputChange};
+pub use analysis::{Analysis, AnalysisError, analyze};
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
 pub use input_table::SampledScenario;
 pub use plate_move::{Arrival, MoveError, plate_move, target_of};

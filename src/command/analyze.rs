@@ -1,4 +1,4 @@
-//! `bracketry analyze` and `bracketry affinize`.
+//! `bracketry analyze`.
 
 use std::path::{Path, PathBuf};
 
@@ -96,23 +96,4 @@ pub(crate) fn save(analysis: &Analysis, dir: &Path) -> anyhow::Result<()> {
         figure(reach.draw(), &dir.join("reach"));
     }
     Ok(())
-}
-
-/// Writes the affine model as a model file.
-pub(crate) fn affinize(model: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
-    let system = System::read(model)?;
-    let affinization = system.affinize().with_context(|| model.display().to_string())?;
-    let report = bracketry::AffinizationReport::from(&affinization);
-    let text = affinization.system.to_toml()?;
-    if let Some(dir) = &output.out {
-        folder(dir)?;
-        write(&dir.join("affine.toml"), &text)?;
-    }
-    if output.json {
-        print(&json(&report)?)?;
-    } else {
-        line(&format!("# {}", report.why))?;
-        print(&text)?;
-    }
-    Ok(Outcome::Done)
 }

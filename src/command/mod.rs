@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+mod affinize;
 mod analyze;
 mod bands;
 mod control;
@@ -53,10 +54,7 @@ enum Command {
     Analyze(analyze::AnalyzeArgs),
     /// Write the model in a form that is affine in its inputs
     #[command(after_help = "Example:\n  bracketry affinize models/plate_published.toml > plate_affine.toml")]
-    Affinize {
-        /// Model file
-        model: PathBuf,
-    },
+    Affinize(affinize::AffinizeArgs),
     /// Integrate a model with exact stick–slip friction
     #[command(
         after_help = "Example:\n  bracketry simulate models/plate_published.toml --scenario models/plate_experiment_2.toml --out out"
@@ -79,7 +77,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
     match cli.command {
         None => main_job::run(&output),
         Some(Command::Analyze(args)) => analyze::analyze(&args, &output),
-        Some(Command::Affinize { model }) => analyze::affinize(&model, &output),
+        Some(Command::Affinize(args)) => affinize::affinize(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Control { problem }) => control::run(&problem, &output),
     }

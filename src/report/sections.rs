@@ -2,11 +2,11 @@
 
 use bracketry_lie::{Answer, Dimensions, ModeReport, PointReport, Subject};
 use bracketry_symbolic::{Expr, Symbol};
-use bracketry_system::{AffineForm, Parameter, System};
+use bracketry_system::{AffineForm, Candidate, Parameter, System};
 
 use super::document::{Block, Line, Span, code, math, text, words};
 use super::formulas::{column, expression, list, printed, symbol};
-use crate::Analysis;
+use crate::{AffinizationReport, Analysis};
 
 /// The whole report.
 pub(super) fn document(a: &Analysis) -> Vec<Block> {
@@ -99,6 +99,16 @@ fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
         line.push(text("."));
         out.push(Block::Paragraph(line));
     }
+    for z in &a.affinization.coordinate_change {
+        out.push(Block::Paragraph(vec![
+            text("New state "),
+            math(format!("{} = {}", symbol(&z.name), printed(&z.function))),
+            text(" in place of "),
+            math(format!("{} = {}", symbol(&z.replaces), printed(&z.inverse))),
+            text("."),
+        ]));
+    }
+    candidates(a, out);
     let affine = &a.affinization.model;
     if !a.affine {
         out.push(equations(affine));
@@ -118,6 +128,24 @@ fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
         out.push(words("Drift and input fields:"));
         out.push(Block::Display(definitions));
     }
+}
+
+/// The ways that were tried, where there was a choice.
+fn candidates(a: &Analysis, out: &mut Vec<Block>) {
+    if a.affinization.candidates.len() < 2 {
+        return;
+    }
+    let row = |c: &Candidate| {
+        let verdict = match (c.chosen, c.is_accepted()) {
+            (true, _) => "taken",
+            (false, true) => "possible",
+            (false, false) => "rejected",
+        };
+        let states = if c.is_accepted() { vec![math(c.added_states.to_string())] } else { Vec::new() };
+        vec![vec![text(AffinizationReport::way(c.method))], states, vec![text(verdict)], vec![text(&c.why)]]
+    };
+    let header = ["way", "added states", "", "why"].map(|h| vec![text(h)]).to_vec();
+    out.push(Block::Table(header, a.affinization.candidates.iter().map(row).collect()));
 }
 
 fn dimension(d: &Answer<usize>) -> Line {

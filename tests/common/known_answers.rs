@@ -10,7 +10,7 @@ use super::case_file::{model_file, original_model_file};
 pub(crate) type Analyze<'a> = dyn FnMut(&str, &[String], &[String]) -> Value + 'a;
 
 /// Keys that no analysis answers yet.
-pub(crate) const OPEN: [&str; 16] = [
+pub(crate) const OPEN: [&str; 15] = [
     "relative_degree",
     "decoupling_rank",
     "decoupling_det",
@@ -26,7 +26,6 @@ pub(crate) const OPEN: [&str; 16] = [
     "nilpotent_length",
     "unobservable",
     "locally_identifiable",
-    "original",
 ];
 
 /// The cases of the shared folder; none, with a line that says so, where it is absent. `root` is the workspace.

@@ -1,0 +1,89 @@
+//! How a model became affine in its inputs, as a result of an analysis.
+
+use bracketry_system::{Affinization, AtPoint, Candidate, Method, NewState, System};
+use serde::Serialize;
+
+/// A new input.
+#[derive(Clone, Debug, Serialize)]
+pub struct InputChange {
+    /// Its name.
+    pub name: String,
+    /// The function of the old inputs that it stands for.
+    pub function: String,
+    /// The values that it can take, where they are limited.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<String>,
+    /// Where its value at the point lies among these.
+    pub at_point: AtPoint,
+}
+
+/// How the model became affine in its inputs.
+#[derive(Clone, Debug, Serialize)]
+pub struct AffinizationReport {
+    /// What was done.
+    pub method: Method,
+    /// Integrators in front of each input that got any.
+    pub integrators: std::collections::BTreeMap<String, u32>,
+    /// Each new input with its function of the old ones and its range, where that is limited.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub input_change: Vec<InputChange>,
+    /// New states that replace old ones.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub coordinate_change: Vec<NewState>,
+    /// The affine model.
+    pub model: System,
+    /// The reason, in a sentence.
+    pub why: String,
+    /// All ways that were tried, accepted ones first; none for a model that is affine as it stands.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub candidates: Vec<Candidate>,
+}
+
+impl From<&Affinization> for AffinizationReport {
+    fn from(a: &Affinization) -> Self {
+        AffinizationReport {
+            method: a.method,
+            integrators: a.integrators.clone(),
+            input_change: a
+                .input_change
+                .iter()
+                .map(|v| InputChange {
+                    name: v.name.clone(),
+                    function: a.system.pool.text(v.function),
+                    range: v.range.clone(),
+                    at_point: v.at_point,
+                })
+                .collect(),
+            coordinate_change: a.coordinate_change.clone(),
+            model: a.system.clone(),
+            why: a.why.clone(),
+            candidates: if a.method == Method::None { Vec::new() } else { a.candidates.clone() },
+        }
+    }
+}
+
+impl AffinizationReport {
+    /// A way to an affine form in words.
+    pub fn way(method: Method) -> &'static str {
+        match method {
+            Method::None => "as it stands",
+            Method::InputChange => "new inputs",
+            Method::Feedback => "new inputs that depend on the state",
+            Method::InputAugmentation => "integrators",
+            Method::CoordinateChange => "new states",
+        }
+    }
+
+    /// New inputs and new states in short, one line each, in formulas of the model file.
+    pub fn changes(&self) -> Vec<String> {
+        let inputs = self.input_change.iter().map(|v| {
+            let range = v.range.as_ref().map_or(String::new(), |r| format!(", limited to {r}"));
+            format!("new input {} = {}{range}", v.name, v.function)
+        });
+        let states = self
+            .coordinate_change
+            .iter()
+            .map(|z| format!("new state {} = {} in place of {} = {}", z.name, z.function, z.replaces, z.inverse));
+        inputs.chain(states).collect()
+    }
+}

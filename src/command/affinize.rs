@@ -1,0 +1,84 @@
+//! `bracketry affinize`.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use bracketry::AffinizationReport;
+use bracketry::system::{Affinization, Candidate, System};
+use clap::Args;
+use serde_json::json as object;
+
+use super::output::{folder, json, line, print, write};
+use super::{Outcome, OutputArgs};
+
+/// Arguments of `affinize`.
+#[derive(Args)]
+pub(crate) struct AffinizeArgs {
+    /// Model file
+    model: PathBuf,
+    /// Take the way with this number, as they are listed, in place of the one that adds the fewest states
+    #[arg(long, value_name = "K")]
+    candidate: Option<usize>,
+}
+
+/// Writes the affine model as a model file, below a list of all ways to it.
+pub(crate) fn affinize(args: &AffinizeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let path = args.model.display().to_string();
+    let system = System::read(&args.model)?;
+    let affinization = system.affinize().with_context(|| path.clone())?;
+    let report = AffinizationReport::from(&affinization);
+    let candidate = args.candidate.map(|k| numbered(&affinization.candidates, k).context(path)).transpose()?;
+    let chosen = candidate.map_or(&affinization.system, |c| c.1);
+    let text = chosen.to_toml()?;
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write(&dir.join("affine.toml"), &text)?;
+    }
+    if output.json {
+        print(&match candidate {
+            None => json(&report)?,
+            Some((candidate, model)) => json(&object!({"candidate": candidate, "model": model}))?,
+        })?;
+        return Ok(Outcome::Done);
+    }
+    line(&format!("# {}", report.why))?;
+    if affinization.candidates.len() > 1 {
+        for (k, c) in affinization.candidates.iter().enumerate() {
+            line(&format!("# {}. {}", k + 1, told(c, &affinization)))?;
+        }
+    }
+    for change in report.changes().iter().filter(|_| args.candidate.is_none()) {
+        line(&format!("# {change}"))?;
+    }
+    print(&text)?;
+    Ok(Outcome::Done)
+}
+
+/// A candidate by its number from 1, with its affine system.
+fn numbered(candidates: &[Candidate], k: usize) -> anyhow::Result<(&Candidate, &System)> {
+    let candidate = k.checked_sub(1).and_then(|k| candidates.get(k)).with_context(|| {
+        format!(
+            "--candidate {k}: there {}",
+            match candidates.len() {
+                1 => "is 1 candidate".to_owned(),
+                n => format!("are {n} candidates, numbered from 1"),
+            }
+        )
+    })?;
+    let system = candidate.system.as_ref();
+    let system = system.with_context(|| format!("--candidate {k} was rejected: {}", candidate.why))?;
+    Ok((candidate, system))
+}
+
+/// A candidate in a line.
+fn told(c: &Candidate, a: &Affinization) -> String {
+    let states = match c.added_states {
+        0 => "adds no state".to_owned(),
+        1 => "adds 1 state".to_owned(),
+        n => format!("adds {n} states"),
+    };
+    let method = AffinizationReport::way(c.method);
+    // The reason of the one taken stands above.
+    let why = if c.chosen && c.why == a.why { "taken".to_owned() } else { c.why.clone() };
+    if c.is_accepted() { format!("{method}, {states}: {why}") } else { format!("{method}, rejected: {why}") }
+}
