@@ -61,6 +61,10 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     let begin = Instant::now();
     let affinization = system.affinize()?;
     let mut report = bracketry_lie::analyse(&affinization.system, options)?;
+    if affinization.method != Method::None {
+        // Old inputs are known, though integrators make them states and new inputs may hold parameters.
+        report.observability = bracketry_lie::observe(system, options, &mut report.certificate)?;
+    }
     report.seconds = begin.elapsed().as_secs_f64();
     withhold_local_verdicts(&mut report, &affinization);
     let affine = &affinization.system;

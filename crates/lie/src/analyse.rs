@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Pool, Rational, ZeroTest};
 use bracketry_system::{Point, System};
 use rustc_hash::FxHashMap;
 
@@ -13,7 +13,8 @@ use crate::fields::{Field, VectorFields};
 use crate::growth::Closure;
 use crate::linear::{Linearisation, uncontrollable_modes_decay};
 use crate::local::{Frame, Limits};
-use crate::report::{Dimensions, ModeReport, Named, ObservabilityReport, PointReport, Report, SmoothedReport, Subject};
+use crate::observe;
+use crate::report::{Dimensions, ModeReport, Named, PointReport, Report, SmoothedReport, Subject};
 use crate::requested;
 use crate::stlc::{self, Stlc, Verdict};
 use crate::word::generator_names;
@@ -27,11 +28,18 @@ pub struct Options {
     pub limits: Limits,
     /// Brackets to be told, such as `[g1,[f,g1]]`; an input field also goes by the name of its input.
     pub brackets: Vec<String>,
+    /// Functions of states and parameters of which it is asked whether the outputs determine them.
+    pub determined: Vec<String>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { epsilon: Rational::ONE / Rational::from(100), limits: Limits::default(), brackets: Vec::new() }
+        Options {
+            epsilon: Rational::ONE / Rational::from(100),
+            limits: Limits::default(),
+            brackets: Vec::new(),
+            determined: Vec::new(),
+        }
     }
 }
 
@@ -47,6 +55,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let begin = Instant::now();
     let mut evidence = Evidence::default();
     let mut system = system.clone();
+    let asked = observe::read_functions(&mut system, &options.determined)?;
     let words = requested::read(&system, &options.brackets)?;
     let modes = mode_fields(&mut system)?;
     let smooth = modes.len() == 1 && modes[0].signs.is_empty();
@@ -101,8 +110,8 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         None
     } else {
         Some(match &mut smoothed_system {
-            Some((s, fields, _)) => observability_report(s, fields, &mut evidence),
-            None => observability_report(&mut system, &modes[0].fields, &mut evidence),
+            Some((s, fields, _)) => observe::report(s, fields, &[], &asked, &mut evidence),
+            None => observe::report(&mut system, &modes[0].fields, &[], &asked, &mut evidence),
         })
     };
     let (involutive, linearizable) = match &mut smoothed_system {
@@ -369,54 +378,4 @@ fn point_report(
         stabilizable_reason,
         stlc,
     })
-}
-
-fn observability_report(system: &mut System, fields: &VectorFields, evidence: &mut Evidence) -> ObservabilityReport {
-    let outputs: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
-    let parameters: Vec<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
-    let pool = &mut system.pool;
-    let mut report = ObservabilityReport {
-        rank: Answer::Known(0),
-        unobservable: Vec::new(),
-        identifiable: None,
-        rank_with_parameters: None,
-        reason: None,
-    };
-    match determined(pool, fields, &outputs, &[], evidence) {
-        Ok((rank, states)) => {
-            report.rank = Answer::Known(rank);
-            report.unobservable = states.into_iter().filter(|s| !s.1).map(|s| s.0).collect();
-        }
-        Err(why) => {
-            report.rank = Answer::Unknown(why.to_string());
-            report.reason = Some(why.to_string());
-        }
-    }
-    if !parameters.is_empty() {
-        match determined(pool, fields, &outputs, &parameters, evidence) {
-            Ok((rank, all)) => {
-                report.rank_with_parameters = Some(rank);
-                report.identifiable = Some(Named(all.into_iter().skip(fields.states.len()).collect()));
-            }
-            Err(why) => report.reason = report.reason.or(Some(why.to_string())),
-        }
-    }
-    report
-}
-
-/// Rank, and which of the states and unknown parameters the outputs determine.
-fn determined(
-    pool: &mut Pool,
-    fields: &VectorFields,
-    outputs: &[Expr],
-    unknown: &[Symbol],
-    evidence: &mut Evidence,
-) -> Result<(usize, Vec<(String, bool)>), Undecided> {
-    let o = fields.observability(pool, outputs, unknown, evidence)?;
-    let mut list = Vec::new();
-    for &s in &o.variables {
-        let x = pool.sym(s);
-        list.push((pool.name(s).to_owned(), o.determines(pool, x, evidence)?));
-    }
-    Ok((o.rank(), list))
 }

@@ -152,13 +152,7 @@ impl fmt::Display for Report {
         writeln!(f, "{of}input fields involutive: {}", yes_no(&self.involutive))?;
         writeln!(f, "{of}linearizable by static feedback: {}", yes_no(&self.static_feedback_linearizable))?;
         if let Some(o) = &self.observability {
-            writeln!(f, "{of}observability rank: {}", o.rank)?;
-            if !o.unobservable.is_empty() {
-                writeln!(f, "  not determined by the outputs: {}", o.unobservable.join(", "))?;
-            }
-            for (name, yes) in o.identifiable.iter().flat_map(|m| &m.0) {
-                writeln!(f, "  parameter {name}: {}", if *yes { "identifiable" } else { "not identifiable" })?;
-            }
+            o.write(f, of)?;
         }
         if !self.brackets.is_empty() {
             writeln!(f, "{of}brackets")?;

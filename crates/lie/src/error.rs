@@ -98,6 +98,14 @@ pub enum Error {
     /// Text that should be a bracket of the system's fields.
     #[error(transparent)]
     Bracket(#[from] WordError),
+    /// A function that was asked for cannot be read.
+    #[error("`{text}`: {problem}")]
+    Function {
+        /// The text.
+        text: String,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// A question that must be answered first stays open.
     #[error(transparent)]
     Undecided(#[from] Undecided),

@@ -5,6 +5,7 @@ use serde::{Serialize, Serializer};
 
 use crate::answer::Answer;
 use crate::evidence::Evidence;
+use crate::observe::ObservabilityReport;
 use crate::stlc::Stlc;
 
 /// Dimensions of the accessibility algebra and of its strong part.
@@ -141,24 +142,6 @@ pub struct PointReport {
     pub stabilizable_reason: Option<String>,
     /// Small-time local controllability.
     pub stlc: Stlc,
-}
-
-/// What the outputs determine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ObservabilityReport {
-    /// Generic rank of the observability codistribution, parameters known.
-    pub rank: Answer<usize>,
-    /// States whose value the outputs do not determine, parameters known.
-    pub unobservable: Vec<String>,
-    /// For each parameter, whether the outputs determine it while no other parameter and no state is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub identifiable: Option<Named<bool>>,
-    /// Rank for states and parameters together.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rank_with_parameters: Option<usize>,
-    /// Why something is unknown.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
 }
 
 /// The Lie-algebraic analysis of a control-affine system.

@@ -16,18 +16,18 @@ const MAX_UNKNOWNS: usize = 160;
 const MAX_DEGREE: u32 = 3;
 
 /// A polynomial in the parameters: exponents, which may be negative, to coefficient.
-pub(super) type Polynomial = BTreeMap<Vec<i32>, Rational>;
+pub(crate) type Polynomial = BTreeMap<Vec<i32>, Rational>;
 
 /// A quotient of two polynomials.
 #[derive(Clone, Debug)]
-pub(super) struct Fraction {
+pub(crate) struct Fraction {
     pub(super) numerator: Polynomial,
     /// Without a factor that is a power of a parameter.
     pub(super) denominator: Polynomial,
 }
 
 /// The values of a vector of functions of the parameters at values of these; `None` where it has none.
-pub(super) trait Values {
+pub(crate) trait Values {
     /// The base values.
     fn base(&self) -> &[u64];
     /// The vector at other values.
@@ -35,7 +35,7 @@ pub(super) trait Values {
 }
 
 /// The functions of the parameters that take the values `c` at the base values and those of `vector` elsewhere.
-pub(super) fn fractions(c: &[Fp], vector: &mut dyn Values) -> Option<Vec<Fraction>> {
+pub(crate) fn fractions(c: &[Fp], vector: &mut dyn Values) -> Option<Vec<Fraction>> {
     let base = vector.base().to_vec();
     let k = base.len();
     let mut doubled = Vec::with_capacity(k);
@@ -146,7 +146,7 @@ fn quotient(
 
 /// Multiplies by numbers that bring all to polynomials without a common power of a parameter and without a
 /// common number; the first keeps a positive leading coefficient.
-pub(super) fn common(fractions: &[Fraction]) -> Vec<Polynomial> {
+pub(crate) fn common(fractions: &[Fraction]) -> Vec<Polynomial> {
     let mut denominators: Vec<&Polynomial> = Vec::new();
     for f in fractions {
         if f.denominator.len() > 1 && !denominators.contains(&&f.denominator) {
@@ -180,7 +180,7 @@ fn readable_factor(numbers: &[Rational], lead: &Rational) -> Rational {
 }
 
 /// The polynomial as an expression.
-pub(super) fn expression(pool: &mut Pool, p: &Polynomial, parameters: &[Symbol]) -> Expr {
+pub(crate) fn expression(pool: &mut Pool, p: &Polynomial, parameters: &[Symbol]) -> Expr {
     let mut sum = pool.int(0);
     for (exponents, c) in p.iter().rev() {
         let mut term = pool.rational(c.clone());

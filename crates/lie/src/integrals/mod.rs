@@ -15,7 +15,8 @@ use crate::growth::independent;
 use crate::involutive::involutive_closure;
 use ansatz::{Ansatz, Column};
 use blocks::Blocks;
-use fraction::{Values, common, expression, fractions, scramble};
+use fraction::scramble;
+pub(crate) use fraction::{Values, common, expression, fractions};
 
 /// Independent functions φ with L_X φ = 0 for all fields X of a distribution.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -132,7 +133,7 @@ impl Search {
         let known = roots[flat.len()..].to_vec();
         let parameters: Vec<Symbol> =
             pool.symbols_of(&roots[..flat.len()]).into_iter().filter(|s| !all.contains(s)).collect();
-        let base: Vec<u64> = (0..parameters.len()).map(|k| scramble(1, k as u64 + 1)).collect();
+        let base = parameter_values(parameters.len());
         let flat: Vec<Expr> = roots[..flat.len()].to_vec();
         let samples = pool.sample(&flat, bindings, 1, scramble(2, 2))?;
         evidence.add_rank(&samples, n)?;
@@ -396,9 +397,14 @@ fn powers(pool: &mut Pool, ansatz: &Ansatz, coefficients: &[fraction::Polynomial
     Some(product)
 }
 
+/// Values of parameters that stand for generic ones.
+pub(crate) fn parameter_values(count: usize) -> Vec<u64> {
+    (0..count).map(|k| scramble(1, k as u64 + 1)).collect()
+}
+
 /// A symbol for every largest sub-expression that is constant but not a rational function of
 /// parameters, such as sin(alpha): a sample gives each its own value at every point.
-fn name_constants(pool: &mut Pool, roots: &[Expr], states: &[Symbol]) -> FxHashMap<Expr, Expr> {
+pub(crate) fn name_constants(pool: &mut Pool, roots: &[Expr], states: &[Symbol]) -> FxHashMap<Expr, Expr> {
     let nodes = pool.reachable(roots);
     let mut depends: FxHashMap<Expr, bool> = FxHashMap::default();
     let mut named = FxHashMap::default();
