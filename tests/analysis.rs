@@ -100,3 +100,13 @@ fn a_state_without_any_input_is_influenced_by_none() {
     let last: Vec<_> = tables[0].rows.iter().map(|r| (r.name.clone(), r.influence.last().copied().unwrap())).collect();
     assert_eq!(last[..2], [("a".into(), bracketry::Influence::Free), ("b".into(), bracketry::Influence::None)]);
 }
+
+#[test]
+fn integrators_in_front_of_inputs_are_known_states() {
+    let text = "states = ['x']\ninputs = ['u']\n[parameters]\na = 1\nb = 2\n[dynamics]\nx = '-a*x + sin(b*u) + u^3'\n[outputs]\ny = 'x'";
+    let system = bracketry::system::System::parse("m", text).unwrap();
+    let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
+    let o = a.report.observability.unwrap();
+    assert_eq!((o.rank.known(), o.unobservable.len(), o.rank_with_parameters), (Some(&1), 0, Some(3)));
+    assert!(o.identifiable.unwrap().0.iter().all(|p| p.1));
+}
