@@ -7,11 +7,13 @@ use bracketry_system::{Point, System};
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
+use crate::control_report::{ControlReport, control_report};
 use crate::error::{Error, Undecided, check_analysis};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields};
 use crate::growth::Closure;
 use crate::linear::{Linearisation, uncontrollable_modes_decay};
+use crate::linearization::LinearizationFlag;
 use crate::local::{Frame, Limits};
 use crate::observe;
 use crate::report::{Dimensions, ModeReport, Named, PointReport, Report, SmoothedReport, Subject};
@@ -62,8 +64,15 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let pool = &mut system.pool;
     let first = pool.len();
     let reach: Vec<Reach> = modes.iter().map(|m| Reach::of(pool, &m.fields, first, &mut evidence)).collect();
-    let mut mode_reports: Vec<ModeReport> =
-        modes.iter().zip(&reach).map(|(m, r)| mode_report(pool, m, r, first, &mut evidence)).collect();
+    let flags: Vec<Result<LinearizationFlag, Undecided>> = modes
+        .iter()
+        .map(|m| check_analysis(pool, first).and_then(|()| m.fields.linearization_flag(pool, &mut evidence)))
+        .collect();
+    let mut mode_reports: Vec<ModeReport> = modes
+        .iter()
+        .zip(reach.iter().zip(&flags))
+        .map(|(m, (r, flag))| mode_report(pool, m, r, flag, first, &mut evidence))
+        .collect();
     if !smooth {
         for (mode, report) in modes.iter().zip(&mut mode_reports) {
             report.brackets = requested::components(pool, &mode.fields, &words);
@@ -76,6 +85,11 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         let all = VectorFields::switched(pool, &family)?;
         let names = requested::family_names(pool, &family, &all);
         Some(Reach::of(pool, &all, first, &mut evidence).dimensions(&names))
+    };
+    let (control, degree) = if smooth {
+        control_report(&mut system, &modes[0].fields, flags[0].as_ref().ok(), first, &mut evidence)
+    } else {
+        (ControlReport::default(), None)
     };
     let mut smoothed_system = None;
     let smoothed = if smooth {
@@ -94,7 +108,14 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         None => None,
         Some(point) => Some(match (regime(&mut system, point, &modes), &mut smoothed_system) {
             (Ok(Regime::Mode(mode)), _) => {
-                point_report(&mut system.pool, &modes[mode].fields, &reach[mode], point, options, &mut evidence).into()
+                let fields = &modes[mode].fields;
+                let pool = &mut system.pool;
+                let mut report = point_report(pool, fields, &reach[mode], point, options, &mut evidence);
+                if let (Ok(report), Some(degree)) = (&mut report, &degree) {
+                    let rank = degree.rank_at(pool, fields, &point.states, &mut evidence);
+                    report.relative_degree_defined = Some(rank.map(|rank| rank == degree.degrees.len()).into());
+                }
+                report.into()
             }
             (Ok(Regime::Switching(vanishing)), Some((s, fields, reach))) => match s.point.clone() {
                 Some(point) => point_report(&mut s.pool, fields, reach, &point, options, &mut evidence)
@@ -136,6 +157,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         global_statements_of: (!smooth).then_some(Subject::Smoothed),
         involutive,
         static_feedback_linearizable: linearizable,
+        control,
         observability,
         brackets,
         certificate: evidence,
@@ -249,7 +271,14 @@ impl Reach {
     }
 }
 
-fn mode_report(pool: &mut Pool, mode: &ModeFields, reach: &Reach, first: usize, evidence: &mut Evidence) -> ModeReport {
+fn mode_report(
+    pool: &mut Pool,
+    mode: &ModeFields,
+    reach: &Reach,
+    flag: &Result<LinearizationFlag, Undecided>,
+    first: usize,
+    evidence: &mut Evidence,
+) -> ModeReport {
     let strong = reach.strong.as_ref().map_err(Clone::clone);
     let found = strong.and_then(|s| mode.fields.autonomous(pool, &s.basis, evidence));
     let missing = found.as_ref().map_or(0, |a| a.missing);
@@ -259,9 +288,7 @@ fn mode_report(pool: &mut Pool, mode: &ModeFields, reach: &Reach, first: usize, 
         autonomous: found.map(|a| a.functions.iter().map(|&e| pool.text(e)).collect::<Vec<_>>()).into(),
         autonomous_not_found: (missing > 0).then_some(missing),
         involutive: check_analysis(pool, first).and_then(|()| mode.fields.is_involutive(pool, evidence)).into(),
-        static_feedback_linearizable: check_analysis(pool, first)
-            .and_then(|()| mode.fields.static_feedback_linearizable(pool, evidence))
-            .into(),
+        static_feedback_linearizable: flag.as_ref().map(LinearizationFlag::linearizable).into(),
         brackets: Named(Vec::new()),
     }
 }
@@ -377,5 +404,6 @@ fn point_report(
         stabilizable: stabilizable.map(|s| s.0),
         stabilizable_reason,
         stlc,
+        relative_degree_defined: None,
     })
 }

@@ -99,7 +99,11 @@ impl fmt::Display for PointReport {
             let why = self.stabilizable_reason.as_deref().filter(|_| s.known().is_some());
             writeln!(f, "  stabilizable           {}{}", yes_no(s), why.map_or(String::new(), |w| format!(": {w}")))?;
         }
-        writeln!(f, "  small-time control     {}: {}", self.stlc.verdict, self.stlc.reason)
+        writeln!(f, "  small-time control     {}: {}", self.stlc.verdict, self.stlc.reason)?;
+        match &self.relative_degree_defined {
+            Some(defined) => writeln!(f, "  vector relative degree {}", yes_no(defined)),
+            None => Ok(()),
+        }
     }
 }
 
@@ -151,6 +155,7 @@ impl fmt::Display for Report {
         let of = if self.global_statements_of == Some(Subject::Smoothed) { "smoothed model: " } else { "" };
         writeln!(f, "{of}input fields involutive: {}", yes_no(&self.involutive))?;
         writeln!(f, "{of}linearizable by static feedback: {}", yes_no(&self.static_feedback_linearizable))?;
+        write!(f, "{}", self.control)?;
         if let Some(o) = &self.observability {
             o.write(f, of)?;
         }

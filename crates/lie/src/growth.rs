@@ -170,71 +170,11 @@ impl VectorFields {
         let controls = independent(pool, &self.controls, &self.bindings, evidence)?;
         involutive(pool, &self.states, &controls, 0, &self.bindings, evidence)
     }
-
-    /// Whether x' = f + Σ u_i g_i can be made linear and controllable near a generic point by
-    /// a change of coordinates and static state feedback.
-    ///
-    /// Hunt–Su–Meyer / Jakubczyk–Respondek: with D_i = span{ad_f^k g_j, k ≤ i}, all of
-    /// D_0 … D_{n−2} are involutive and dim D_{n−1} = n.
-    ///
-    /// # Errors
-    /// [`Undecided`] if a function in the fields cannot be evaluated exactly.
-    pub fn static_feedback_linearizable(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<bool, Undecided> {
-        let n = self.states.len();
-        let first_node = pool.len();
-        let mut d = independent(pool, &self.controls, &self.bindings, evidence)?;
-        let mut last = d.clone();
-        for _ in 0..n.saturating_sub(1) {
-            if d.len() == n {
-                return Ok(true);
-            }
-            // The brackets of older fields lie in D_{i−1}, which is involutive.
-            let old = d.len() - last.len();
-            if !involutive(pool, &self.states, &d, old, &self.bindings, evidence)? {
-                return Ok(false);
-            }
-            // [f, aY] = a[f, Y] + (f·a)Y, and [f, D_{i−1}] ⊂ D_i: the new fields suffice.
-            let known = d.len();
-            let mut all = d;
-            for y in &last {
-                check_growth(pool, first_node, [&self.drift, y], 1)?;
-                all.push(bracket(pool, &self.states, &self.drift, y));
-            }
-            d = independent(pool, &all, &self.bindings, evidence)?;
-            if let Ok(merged) = merge_equal(pool, &d, &self.bindings, evidence) {
-                d = merged;
-            }
-            eliminate_units(pool, &mut d);
-            if d.len() == known {
-                return Ok(false);
-            }
-            last = d[known..].to_vec();
-        }
-        Ok(d.len() == n)
-    }
-}
-
-/// Makes independent fields simpler without a change of the distributions that the first ones
-/// span: a field with one component that is not plainly zero becomes the unit field, and no
-/// later field keeps that component.
-fn eliminate_units(pool: &mut Pool, fields: &mut [Field]) {
-    let (zero, one) = (pool.int(0), pool.int(1));
-    let mut units: Vec<usize> = Vec::new();
-    for field in fields {
-        for &i in &units {
-            field[i] = zero;
-        }
-        let mut nonzero = (0..field.len()).filter(|&i| field[i] != zero);
-        if let (Some(i), None) = (nonzero.next(), nonzero.next()) {
-            field[i] = one;
-            units.push(i);
-        }
-    }
 }
 
 /// Whether the brackets of `basis` (independent fields) stay in its span, at a generic point.
 /// Those among its first `old` fields are known to.
-fn involutive(
+pub(crate) fn involutive(
     pool: &mut Pool,
     states: &[Symbol],
     basis: &[Field],

@@ -4,6 +4,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::answer::Answer;
+use crate::control_report::ControlReport;
 use crate::evidence::Evidence;
 use crate::observe::ObservabilityReport;
 use crate::stlc::Stlc;
@@ -142,6 +143,9 @@ pub struct PointReport {
     pub stabilizable_reason: Option<String>,
     /// Small-time local controllability.
     pub stlc: Stlc,
+    /// Whether the outputs have a vector relative degree at the point; absent for a model without inputs or outputs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relative_degree_defined: Option<Answer<bool>>,
 }
 
 /// The Lie-algebraic analysis of a control-affine system.
@@ -170,6 +174,9 @@ pub struct Report {
     /// Whether static state feedback makes the system linear near a generic point; of the
     /// smoothed model if there is switching.
     pub static_feedback_linearizable: Answer<bool>,
+    /// Relative degrees, linearisation and flatness of a smooth system.
+    #[serde(flatten)]
+    pub control: ControlReport,
     /// Absent if the model has no outputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub observability: Option<ObservabilityReport>,

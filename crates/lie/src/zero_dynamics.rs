@@ -1,0 +1,513 @@
+//! The motion that is left when inputs hold the outputs.
+
+use bracketry_symbolic::{Bindings, Expr, Node, Pool, Symbol, Tape, ZeroTest};
+use nalgebra::DMatrix;
+use rustc_hash::FxHashMap;
+
+use crate::answer::Answer;
+use crate::error::{Undecided, check_size};
+use crate::evidence::Evidence;
+use crate::fields::VectorFields;
+use crate::matrix::{determinant, solve};
+use crate::rational::{tidy, vanishing_factors};
+
+/// The system restricted to the largest set on which some input keeps all outputs at zero
+/// (zero dynamics algorithm, Isidori 1995, sec. 6.1), near a generic point of that set.
+#[derive(Clone, Debug)]
+pub struct ZeroDynamics {
+    /// Coordinates of the set.
+    pub states: Vec<Symbol>,
+    /// Their time derivatives, in these coordinates (and the inputs that stay free).
+    pub equations: Vec<Expr>,
+    /// The other states as functions on the set.
+    pub solved: Vec<(Symbol, Expr)>,
+    /// The inputs that hold the outputs; `None` for one that stays free.
+    pub inputs: Vec<Option<Expr>>,
+    /// Functions on the set that were divided by: what is said holds where none vanishes.
+    pub nonzero: Vec<Expr>,
+}
+
+/// Why there are no zero dynamics in closed form.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoZeroDynamics {
+    /// A function on the set that must vanish was not solved for a state.
+    #[error("{constraint} = 0 was not solved for a state")]
+    Unsolved {
+        /// The function, as text.
+        constraint: String,
+    },
+    /// Several functions may vanish, and the point does not tell which.
+    #[error("{constraint} = 0 has several branches; a point on one of them would select it")]
+    Branches {
+        /// The product, as text.
+        constraint: String,
+    },
+    /// A derivative of an output cannot vanish.
+    #[error("no input keeps the outputs there: {derivative} would have to vanish")]
+    Empty {
+        /// The function, as text.
+        derivative: String,
+    },
+    /// An exact test cannot tell.
+    #[error(transparent)]
+    Undecided(#[from] Undecided),
+}
+
+impl From<bracketry_symbolic::Undecided> for NoZeroDynamics {
+    fn from(why: bracketry_symbolic::Undecided) -> Self {
+        NoZeroDynamics::Undecided(why.into())
+    }
+}
+
+/// Whether the zero dynamics are asymptotically stable at an equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MinimumPhase {
+    /// The verdict.
+    pub holds: Answer<bool>,
+    /// What it rests on; absent for an unknown verdict, which has its own reason.
+    pub reason: Option<String>,
+    /// Eigenvalues of the linearisation, real and imaginary parts; empty if there is no equilibrium or no coordinate.
+    pub eigenvalues: Vec<(f64, f64)>,
+}
+
+impl VectorFields {
+    /// The zero dynamics of `outputs`. Where a constraint has several solutions, that through
+    /// `point` (one constant expression per state) is taken. `inputs` are the names under which
+    /// inputs that stay free occur in the equations.
+    ///
+    /// # Errors
+    /// [`NoZeroDynamics`].
+    pub fn zero_dynamics(
+        &self,
+        pool: &mut Pool,
+        outputs: &[Expr],
+        inputs: &[Expr],
+        point: &[Expr],
+        evidence: &mut Evidence,
+    ) -> Result<ZeroDynamics, NoZeroDynamics> {
+        let first = pool.len();
+        let mut set = Set {
+            fields: self,
+            point: self.states.iter().copied().zip(point.iter().copied()).collect(),
+            free: self.states.clone(),
+            solved: Vec::new(),
+            nonzero: Vec::new(),
+        };
+        let mut constraints = outputs.to_vec();
+        // Every round takes a coordinate away.
+        loop {
+            for c in std::mem::take(&mut constraints) {
+                check_size(pool, first)?;
+                set.impose(pool, c, evidence)?;
+            }
+            let (held, new) = set.hold(pool, inputs, evidence)?;
+            if new.is_empty() {
+                return Ok(set.motion(pool, inputs, &held));
+            }
+            constraints = new;
+        }
+    }
+}
+
+/// The set on which the constraints so far hold.
+struct Set<'a> {
+    fields: &'a VectorFields,
+    /// The coordinates of the point that selects branches.
+    point: FxHashMap<Symbol, Expr>,
+    free: Vec<Symbol>,
+    solved: Vec<(Symbol, Expr)>,
+    nonzero: Vec<Expr>,
+}
+
+/// Inputs as functions on the set: index and value.
+type Held = Vec<(usize, Expr)>;
+
+/// a + Σ b_j u_j
+fn affine(pool: &mut Pool, a: Expr, b: &[Expr], inputs: &[Expr]) -> Expr {
+    let mut total = a;
+    for (&b, &u) in b.iter().zip(inputs) {
+        let term = pool.mul(b, u);
+        total = pool.add(total, term);
+    }
+    total
+}
+
+impl Set<'_> {
+    /// An expression on the set, in the free coordinates.
+    fn restrict(&self, pool: &mut Pool, e: Expr) -> Expr {
+        let map: FxHashMap<Expr, Expr> = self.solved.iter().map(|&(s, v)| (pool.sym(s), v)).collect();
+        let e = pool.substitute(e, &map);
+        tidy(pool, e)
+    }
+
+    /// Solves `constraint = 0` on the set for a coordinate.
+    fn impose(&mut self, pool: &mut Pool, constraint: Expr, evidence: &mut Evidence) -> Result<(), NoZeroDynamics> {
+        let c = self.restrict(pool, constraint);
+        if self.fields.vanishes(pool, c, evidence)? {
+            return Ok(());
+        }
+        let factors = vanishing_factors(pool, c, &self.free, &self.fields.bindings)
+            .ok_or_else(|| NoZeroDynamics::Unsolved { constraint: pool.text(c) })?;
+        let factor = match factors.as_slice() {
+            [] => return Err(NoZeroDynamics::Empty { derivative: pool.text(c) }),
+            [one] => *one,
+            several => {
+                let mut here = Vec::new();
+                for &f in several {
+                    if self.vanishes_at_point(pool, f, evidence) == Some(true) {
+                        here.push(f);
+                    }
+                }
+                match here.as_slice() {
+                    [one] => *one,
+                    _ => return Err(NoZeroDynamics::Branches { constraint: pool.text(c) }),
+                }
+            }
+        };
+        let (s, value) = self
+            .solve(pool, factor, evidence)
+            .ok_or_else(|| NoZeroDynamics::Unsolved { constraint: pool.text(factor) })?;
+        let x = pool.sym(s);
+        let map: FxHashMap<Expr, Expr> = std::iter::once((x, value)).collect();
+        for i in 0..self.solved.len() {
+            let old = pool.substitute(self.solved[i].1, &map);
+            self.solved[i].1 = tidy(pool, old);
+        }
+        self.solved.push((s, value));
+        self.free.retain(|&t| t != s);
+        Ok(())
+    }
+
+    /// Value of `e` at the point; coordinates of the set only.
+    fn vanishes_at_point(&self, pool: &mut Pool, e: Expr, evidence: &mut Evidence) -> Option<bool> {
+        let (bindings, map) = self.at_point(pool);
+        let e = pool.substitute(e, &map);
+        match pool.zero_test(e, &bindings) {
+            ZeroTest::Zero(certificate) => {
+                evidence.add(&certificate);
+                Some(true)
+            }
+            ZeroTest::NonZero => Some(false),
+            ZeroTest::Unknown(_) => None,
+        }
+    }
+
+    fn at_point(&self, pool: &mut Pool) -> (Bindings, FxHashMap<Expr, Expr>) {
+        let mut bindings = self.fields.bindings.clone();
+        let mut map = FxHashMap::default();
+        for &s in &self.fields.states {
+            let Some(&v) = self.point.get(&s) else { continue };
+            if let Some(number) = pool.number(v).cloned() {
+                bindings.bind(s, number);
+            } else {
+                map.insert(pool.sym(s), v);
+            }
+        }
+        (bindings, map)
+    }
+
+    /// A coordinate and its value where `factor` vanishes.
+    fn solve(&mut self, pool: &mut Pool, factor: Expr, evidence: &mut Evidence) -> Option<(Symbol, Expr)> {
+        let mut candidates: Vec<(usize, Symbol, Expr)> = Vec::new();
+        for &s in self.free.iter().rev() {
+            if !pool.depends_on(factor, s) {
+                continue;
+            }
+            let slope = pool.diff(factor, s);
+            let slope = tidy(pool, slope);
+            if pool.depends_on(slope, s) {
+                continue;
+            }
+            let zeros = vanishing_factors(pool, slope, &self.free, &self.fields.bindings);
+            // Constant slopes first, then those that vanish nowhere, then those that do not at the point.
+            let moves = self.free.iter().any(|&t| pool.depends_on(slope, t));
+            let rank = match zeros {
+                _ if !moves => 0,
+                Some(list) if list.is_empty() => 1,
+                _ if self.vanishes_at_point(pool, slope, evidence) == Some(false) => 2,
+                _ => 3,
+            };
+            candidates.push((rank, s, slope));
+        }
+        candidates.sort_by_key(|c| c.0);
+        if let Some(&(rank, s, slope)) = candidates.first() {
+            if rank >= 2 {
+                self.assume_nonzero(pool, slope);
+            }
+            let zero = pool.int(0);
+            let x = pool.sym(s);
+            let rest = pool.substitute(factor, &std::iter::once((x, zero)).collect());
+            let value = pool.div(rest, slope);
+            let value = pool.neg(value);
+            return Some((s, tidy(pool, value)));
+        }
+        // A function of one coordinate that vanishes at the point is held there.
+        let mut inside = self.free.iter().copied().filter(|&s| pool.depends_on(factor, s));
+        if let (Some(s), None) = (inside.next(), inside.next())
+            && let Some(&value) = self.point.get(&s)
+            && self.vanishes_at_point(pool, factor, evidence) == Some(true)
+        {
+            return Some((s, value));
+        }
+        None
+    }
+
+    /// The inputs for which the motion is tangent to the set, and what else must vanish for that.
+    fn hold(
+        &mut self,
+        pool: &mut Pool,
+        inputs: &[Expr],
+        evidence: &mut Evidence,
+    ) -> Result<(Held, Vec<Expr>), NoZeroDynamics> {
+        // x_s' − Σ ∂ψ/∂z z' = a + Σ b_j u_j = 0 for every x_s = ψ(z).
+        let (mut drift, mut slopes) = (Vec::new(), Vec::new());
+        for (s, value) in self.solved.clone() {
+            let mut row = Vec::with_capacity(inputs.len() + 1);
+            for field in std::iter::once(&self.fields.drift).chain(&self.fields.controls) {
+                let along = pool.lie_derivative(value, &self.fields.states, field);
+                let own = self.fields.states.iter().position(|&t| t == s).map_or(along, |i| field[i]);
+                let difference = pool.sub(own, along);
+                row.push(self.restrict(pool, difference));
+            }
+            slopes.push(row.split_off(1));
+            drift.push(row[0]);
+        }
+        let independent = if slopes.is_empty() || inputs.is_empty() {
+            Vec::new()
+        } else {
+            let rank = pool.rank(&slopes, &self.fields.bindings)?;
+            evidence.add(&rank.certificate);
+            rank.independent
+        };
+        let a: Vec<Vec<Expr>> = independent.iter().map(|&i| slopes[i].clone()).collect();
+        let held = if independent.len() == inputs.len() {
+            let b: Vec<Expr> = independent.iter().map(|&i| pool.neg(drift[i])).collect();
+            let values = determinant(pool, &a).and_then(|d| {
+                self.assume_nonzero(pool, d);
+                solve(pool, &a, &b)
+            });
+            values.ok_or(Undecided::TooLarge { nodes: pool.len() })?.into_iter().enumerate().collect()
+        } else {
+            self.eliminate(pool, inputs, &independent, &drift, &slopes, evidence)?
+        };
+        let map: FxHashMap<Expr, Expr> = held.iter().map(|&(j, v)| (inputs[j], v)).collect();
+        let mut constraints = Vec::new();
+        for i in (0..drift.len()).filter(|i| !independent.contains(i)) {
+            // The inputs that stay free drop out of the other rows.
+            let rest = affine(pool, drift[i], &slopes[i], inputs);
+            let rest = pool.substitute(rest, &map);
+            let zero = pool.int(0);
+            let none: FxHashMap<Expr, Expr> = inputs.iter().map(|&u| (u, zero)).collect();
+            let rest = pool.substitute(rest, &none);
+            let rest = tidy(pool, rest);
+            if !self.fields.vanishes(pool, rest, evidence)? {
+                constraints.push(rest);
+            }
+        }
+        Ok((held, constraints))
+    }
+
+    /// Solves the independent rows for as many inputs, one after the other.
+    fn eliminate(
+        &mut self,
+        pool: &mut Pool,
+        inputs: &[Expr],
+        rows: &[usize],
+        drift: &[Expr],
+        slopes: &[Vec<Expr>],
+        evidence: &mut Evidence,
+    ) -> Result<Held, NoZeroDynamics> {
+        let zero = pool.int(0);
+        let mut held: Held = Vec::new();
+        for &i in rows {
+            let total = affine(pool, drift[i], &slopes[i], inputs);
+            let map: FxHashMap<Expr, Expr> = held.iter().map(|&(j, v)| (inputs[j], v)).collect();
+            let total = pool.substitute(total, &map);
+            // The pivot: one that does not vanish at the point, and of those the shortest.
+            let mut pivot: Option<(bool, usize, usize, Expr)> = None;
+            for (j, &u) in inputs.iter().enumerate() {
+                let Node::Sym(symbol) = pool.node(u) else { continue };
+                let b = pool.diff(total, symbol);
+                let b = tidy(pool, b);
+                if held.iter().any(|h| h.0 == j) || self.fields.vanishes(pool, b, evidence)? {
+                    continue;
+                }
+                let here = self.vanishes_at_point(pool, b, evidence) != Some(false);
+                let length = pool.text(b).len();
+                if pivot.is_none_or(|p| (here, length) < (p.0, p.1)) {
+                    pivot = Some((here, length, j, b));
+                }
+            }
+            let Some((_, _, j, b)) = pivot else { continue };
+            self.assume_nonzero(pool, b);
+            let rest = pool.substitute(total, &std::iter::once((inputs[j], zero)).collect());
+            let value = pool.div(rest, b);
+            let value = pool.neg(value);
+            let value = tidy(pool, value);
+            let map: FxHashMap<Expr, Expr> = std::iter::once((inputs[j], value)).collect();
+            for h in &mut held {
+                let old = pool.substitute(h.1, &map);
+                h.1 = tidy(pool, old);
+            }
+            held.push((j, value));
+        }
+        Ok(held)
+    }
+
+    fn assume_nonzero(&mut self, pool: &mut Pool, e: Expr) {
+        let factors = vanishing_factors(pool, e, &self.free, &self.fields.bindings);
+        for factor in factors.unwrap_or_else(|| vec![e]) {
+            if !self.nonzero.contains(&factor) {
+                self.nonzero.push(factor);
+            }
+        }
+    }
+
+    fn motion(self, pool: &mut Pool, inputs: &[Expr], held: &Held) -> ZeroDynamics {
+        let map: FxHashMap<Expr, Expr> = held.iter().map(|&(j, v)| (inputs[j], v)).collect();
+        let mut equations = Vec::new();
+        for s in &self.free {
+            let Some(i) = self.fields.states.iter().position(|t| t == s) else { continue };
+            let mut e = self.fields.drift[i];
+            for (g, &u) in self.fields.controls.iter().zip(inputs) {
+                let term = pool.mul(g[i], u);
+                e = pool.add(e, term);
+            }
+            let e = self.restrict(pool, e);
+            let e = pool.substitute(e, &map);
+            equations.push(tidy(pool, e));
+        }
+        let mut nonzero: Vec<Expr> = Vec::new();
+        for b in &self.nonzero {
+            let b = self.restrict(pool, *b);
+            for factor in vanishing_factors(pool, b, &self.free, &self.fields.bindings).unwrap_or_default() {
+                if !nonzero.contains(&factor) {
+                    nonzero.push(factor);
+                }
+            }
+        }
+        let inputs = (0..inputs.len()).map(|j| held.iter().find(|h| h.0 == j).map(|h| h.1)).collect();
+        ZeroDynamics { states: self.free, equations, solved: self.solved, inputs, nonzero }
+    }
+}
+
+impl ZeroDynamics {
+    /// Whether the equilibrium at `point` (one constant expression per state of `fields`) is
+    /// asymptotically stable on the set.
+    pub fn minimum_phase(
+        &self,
+        pool: &mut Pool,
+        fields: &VectorFields,
+        point: &[Expr],
+        evidence: &mut Evidence,
+    ) -> MinimumPhase {
+        let decided = |holds: bool, reason: String, eigenvalues| MinimumPhase {
+            holds: Answer::Known(holds),
+            reason: Some(reason),
+            eigenvalues,
+        };
+        let open = |reason: &str| MinimumPhase {
+            holds: Answer::Unknown(reason.to_owned()),
+            reason: None,
+            eigenvalues: Vec::new(),
+        };
+        if self.states.is_empty() {
+            return decided(true, "no motion is left".to_owned(), Vec::new());
+        }
+        if self.inputs.iter().any(Option::is_none) {
+            return open("the outputs leave inputs free, which may stabilise what is left");
+        }
+        let mut conditions = self.equations.clone();
+        for &(s, value) in &self.solved {
+            let x = pool.sym(s);
+            conditions.push(pool.sub(x, value));
+        }
+        let set = Set {
+            fields,
+            point: fields.states.iter().copied().zip(point.iter().copied()).collect(),
+            free: self.states.clone(),
+            solved: Vec::new(),
+            nonzero: Vec::new(),
+        };
+        for c in conditions {
+            match set.vanishes_at_point(pool, c, evidence) {
+                Some(true) => {}
+                Some(false) => return open("the point is not an equilibrium of the zero dynamics"),
+                None => return open("whether the point is an equilibrium of the zero dynamics is not decided"),
+            }
+        }
+        if let &[z] = self.states.as_slice() {
+            return self.scalar(pool, &set, z, evidence);
+        }
+        let rows = pool.jacobian(&self.equations, &self.states).concat();
+        let Some(values) = set.numbers(pool, &rows) else {
+            return open("the linearisation of the zero dynamics has no numerical value");
+        };
+        let k = self.states.len();
+        let a = DMatrix::from_row_slice(k, k, &values);
+        let eigenvalues: Vec<(f64, f64)> = a.complex_eigenvalues().iter().map(|z| (z.re, z.im)).collect();
+        // An eigenvalue of multiplicity k moves by the k-th root of a perturbation.
+        let tolerance = 10.0 * a.norm().max(f64::MIN_POSITIVE) * (k as f64 * f64::EPSILON).powf(1.0 / k as f64);
+        let worst = eigenvalues.iter().map(|z| z.0).fold(f64::NEG_INFINITY, f64::max);
+        if worst < -tolerance {
+            decided(true, "the eigenvalues of the zero dynamics have negative real parts".to_owned(), eigenvalues)
+        } else if worst > tolerance {
+            decided(false, "the zero dynamics have an eigenvalue with positive real part".to_owned(), eigenvalues)
+        } else {
+            let reason = "the zero dynamics have eigenvalues on, or too near, the imaginary axis".to_owned();
+            MinimumPhase { holds: Answer::Unknown(reason), reason: None, eigenvalues }
+        }
+    }
+
+    /// z' = F(z): the first derivative of F that does not vanish decides.
+    fn scalar(&self, pool: &mut Pool, set: &Set<'_>, z: Symbol, evidence: &mut Evidence) -> MinimumPhase {
+        const MAX_ORDER: usize = 7;
+        let mut d = self.equations[0];
+        let mut eigenvalues = Vec::new();
+        if pool.is_zero(d) {
+            let reason = "every point of the zero dynamics is at rest".to_owned();
+            return MinimumPhase { holds: Answer::Known(false), reason: Some(reason), eigenvalues: vec![(0.0, 0.0)] };
+        }
+        for order in 1..=MAX_ORDER {
+            d = pool.diff(d, z);
+            let vanishes = set.vanishes_at_point(pool, d, evidence);
+            let value = if vanishes == Some(true) { Some(0.0) } else { set.numbers(pool, &[d]).map(|v| v[0]) };
+            let Some(value) = value.filter(|_| vanishes.is_some()) else { break };
+            if order == 1 {
+                eigenvalues.push((value, 0.0));
+            }
+            if value != 0.0 {
+                let stable = order % 2 == 1 && value < 0.0;
+                let name = pool.name(z);
+                let reason = match (order, stable) {
+                    (1, true) => "the eigenvalue of the zero dynamics is negative".to_owned(),
+                    (1, false) => "the eigenvalue of the zero dynamics is positive".to_owned(),
+                    _ => format!("the zero dynamics begin with a multiple of {name}^{order}"),
+                };
+                return MinimumPhase { holds: Answer::Known(stable), reason: Some(reason), eigenvalues };
+            }
+        }
+        let reason = "the derivatives of the zero dynamics at the point do not decide".to_owned();
+        MinimumPhase { holds: Answer::Unknown(reason), reason: None, eigenvalues }
+    }
+}
+
+impl Set<'_> {
+    /// Values at the point, parameters at theirs; `None` if one has none or is not finite.
+    fn numbers(&self, pool: &mut Pool, list: &[Expr]) -> Option<Vec<f64>> {
+        let (bindings, mut map) = self.at_point(pool);
+        let mut roots = pool.substitute_all(list, &map);
+        map.clear();
+        for s in pool.symbols_of(&roots) {
+            if let Some(v) = bindings.get(s).cloned() {
+                let x = pool.sym(s);
+                map.insert(x, pool.rational(v));
+            }
+        }
+        roots = pool.substitute_all(&roots, &map);
+        let tape = Tape::compile(pool, &[], &roots).ok()?;
+        let mut values = vec![0.0; tape.n_outputs()];
+        tape.eval(&[], &mut Vec::new(), &mut values);
+        values.iter().all(|v| v.is_finite()).then_some(values)
+    }
+}
