@@ -1,5 +1,6 @@
 //! How a model became affine in its inputs, as a result of an analysis.
 
+use bracketry_lie::Family;
 use bracketry_system::{Affinization, AtPoint, Candidate, Method, NewState, System};
 use serde::Serialize;
 
@@ -37,6 +38,10 @@ pub struct AffinizationReport {
     /// All ways that were tried, accepted ones first; none for a model that is affine as it stands.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub candidates: Vec<Candidate>,
+    /// What the original reaches with constant inputs, which the affine form must agree with; absent for a model that is
+    /// affine as it stands, and as long as no analysis was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub family: Option<Family>,
 }
 
 impl From<&Affinization> for AffinizationReport {
@@ -58,6 +63,7 @@ impl From<&Affinization> for AffinizationReport {
             model: a.system.clone(),
             why: a.why.clone(),
             candidates: if a.method == Method::None { Vec::new() } else { a.candidates.clone() },
+            family: None,
         }
     }
 }

@@ -65,7 +65,6 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
         // Old inputs are known, though integrators make them states and new inputs may hold parameters.
         report.observability = bracketry_lie::observe(system, options, &mut report.certificate)?;
     }
-    report.seconds = begin.elapsed().as_secs_f64();
     withhold_local_verdicts(&mut report, &affinization);
     let affine = &affinization.system;
     let mut analysis = Analysis {
@@ -78,6 +77,11 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
         original: system.clone(),
         report,
     };
+    if !analysis.affine {
+        let family = bracketry_lie::family_dimensions(system, affine, &analysis.report)?;
+        analysis.affinization.family = Some(family);
+    }
+    analysis.report.seconds = begin.elapsed().as_secs_f64();
     analysis.summary = analysis.plain_language();
     Ok(analysis)
 }
@@ -193,6 +197,9 @@ impl fmt::Display for Analysis {
         )?;
         let plural = |k: usize| if k == 1 { "" } else { "s" };
         writeln!(f, "  {} input{}: {}", self.inputs, plural(self.inputs), model.input_names().join(", "))?;
+        if let Some(family) = &a.family {
+            writeln!(f, "  {family}")?;
+        }
         for change in a.changes() {
             writeln!(f, "  {change}")?;
         }

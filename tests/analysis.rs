@@ -110,3 +110,14 @@ fn integrators_in_front_of_inputs_are_known_states() {
     assert_eq!((o.rank.known(), o.unobservable.len(), o.rank_with_parameters), (Some(&1), 0, Some(3)));
     assert!(o.identifiable.unwrap().0.iter().all(|p| p.1));
 }
+
+#[test]
+fn the_affine_form_reaches_as_much_as_the_original_with_constant_inputs() {
+    let a = analysis(Shape::REFERENCE_ELLIPSE);
+    let family = a.affinization.family.as_ref().unwrap();
+    assert_eq!(family.agrees, bracketry::lie::Answer::Known(true));
+    assert!(a.to_string().contains("agrees"));
+    // Affine as it stands: nothing to compare.
+    let a = bracketry::analyze(&a.affinization.model, &bracketry::lie::Options::default()).unwrap();
+    assert!(a.affinization.family.is_none());
+}

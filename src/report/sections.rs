@@ -108,6 +108,9 @@ fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
             text("."),
         ]));
     }
+    if let Some(family) = &a.affinization.family {
+        out.push(Block::Paragraph(capital(vec![text(format!("{family}."))])));
+    }
     candidates(a, out);
     let affine = &a.affinization.model;
     if !a.affine {
