@@ -22,9 +22,9 @@ fn expect_no_differences(analyze: &mut common::known_answers::Analyze<'_>) {
 
 #[test]
 fn the_library_gives_the_answers_of_the_literature() {
-    expect_no_differences(&mut |model, brackets, _| {
+    expect_no_differences(&mut |model, brackets, determined| {
         let system = System::parse("case.toml", model).unwrap();
-        let options = Options { brackets: brackets.to_vec(), ..Options::default() };
+        let options = Options { brackets: brackets.to_vec(), determined: determined.to_vec(), ..Options::default() };
         serde_json::to_value(bracketry::analyze(&system, &options).unwrap()).unwrap()
     });
 }

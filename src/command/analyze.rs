@@ -33,6 +33,10 @@ pub(crate) struct AnalyzeArgs {
     /// may be given more than once
     #[arg(long = "bracket", value_name = "BRACKET")]
     brackets: Vec<String>,
+    /// Function of states and parameters: do the outputs determine it while the parameters are unknown? May be given
+    /// more than once
+    #[arg(long, value_name = "EXPR")]
+    determines: Vec<String>,
     /// Point of local statements in place of the model's, such as x=0.1,th=pi/2; what is not named is 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
@@ -60,7 +64,8 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
     if let Some(at) = &args.at {
         system.point = Some(bracketry::point(&mut system, at).context("--at")?);
     }
-    let options = Options { brackets: args.brackets.clone(), ..Options::default() };
+    let options =
+        Options { brackets: args.brackets.clone(), determined: args.determines.clone(), ..Options::default() };
     let progress = spinner("brackets and ranks");
     let analysis = bracketry::analyze(&system, &options).with_context(|| args.model.display().to_string())?;
     progress.finish_and_clear();

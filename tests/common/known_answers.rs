@@ -10,23 +10,8 @@ use super::case_file::{model_file, original_model_file};
 pub(crate) type Analyze<'a> = dyn FnMut(&str, &[String], &[String]) -> Value + 'a;
 
 /// Keys that no analysis answers yet.
-pub(crate) const OPEN: [&str; 15] = [
-    "relative_degree",
-    "decoupling_rank",
-    "decoupling_det",
-    "singular_set",
-    "Lg_Lf2_h",
-    "relative_degree_defined_at_origin",
-    "zero_dynamics",
-    "fl_dims",
-    "flat_outputs",
-    "brockett_condition",
-    "gsc",
-    "obstruction_degree",
-    "nilpotent_length",
-    "unobservable",
-    "locally_identifiable",
-];
+pub(crate) const OPEN: [&str; 5] =
+    ["flat_outputs", "brockett_condition", "gsc", "obstruction_degree", "nilpotent_length"];
 
 /// The cases of the shared folder; none, with a line that says so, where it is absent. `root` is the workspace.
 #[allow(clippy::print_stderr)]
@@ -248,17 +233,36 @@ fn unobservable(known: &Value, found: &Value) -> (Value, Value) {
     let mut pool = Pool::new();
     let agrees = found.as_array().is_some_and(|list| {
         list.len() == fields.len()
-            && list.iter().zip(fields).all(|(direction, field)| parallel(&mut pool, direction, field))
+            && list.iter().zip(fields).all(|(found, field)| {
+                components(&mut pool, found["field"].as_str().unwrap_or_default(), &["x", "y", "th"])
+                    .is_some_and(|direction| parallel(&mut pool, direction, field))
+            })
     });
     (if agrees { known } else { found }.clone(), known.clone())
 }
 
+/// The components of a field written like `-y ∂x + x ∂y`.
+fn components(pool: &mut Pool, text: &str, states: &[&str]) -> Option<Vec<Expr>> {
+    let mut product = String::new();
+    for c in text.chars() {
+        if c == '∂' {
+            let coefficient = product.trim_end().ends_with(|c: char| c.is_alphanumeric() || c == ')');
+            product.push_str(if coefficient { "*D_" } else { "D_" });
+        } else {
+            product.push(c);
+        }
+    }
+    let sum = pool.parse(&product).ok()?;
+    let component = |s: &&str| {
+        let direction = pool.symbol(&format!("D_{s}"));
+        pool.diff(sum, direction)
+    };
+    Some(states.iter().map(component).collect())
+}
+
 /// Not zero, and a multiple of `field` by a function.
-fn parallel(pool: &mut Pool, direction: &Value, field: &[&str]) -> bool {
-    let direction: Option<Vec<Expr>> =
-        direction.as_array().and_then(|list| list.iter().map(|c| parsed(pool, c)).collect());
+fn parallel(pool: &mut Pool, direction: Vec<Expr>, field: &[&str]) -> bool {
     let field: Vec<Expr> = field.iter().map(|c| pool.parse(c).unwrap()).collect();
-    let Some(direction) = direction.filter(|d| d.len() == field.len()) else { return false };
     let mut rank = |rows: &[Vec<Expr>]| pool.rank(rows, &Bindings::new()).unwrap().rank;
     rank(std::slice::from_ref(&direction)) == 1 && rank(&[direction, field]) == 1
 }

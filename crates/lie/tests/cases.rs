@@ -67,9 +67,10 @@ fn every_answer_of_the_literature_is_found() {
     for mut case in cases() {
         // How a system becomes affine is no matter of this crate.
         case["expected"].as_object_mut().unwrap().remove("original");
-        differences.extend(known_answers::differences(&case, &mut |model, brackets, _| {
+        differences.extend(known_answers::differences(&case, &mut |model, brackets, determined| {
             let system = System::parse("case.toml", model).unwrap();
-            let options = Options { brackets: brackets.to_vec(), ..Options::default() };
+            let options =
+                Options { brackets: brackets.to_vec(), determined: determined.to_vec(), ..Options::default() };
             serde_json::to_value(analyse(&system, &options).unwrap()).unwrap()
         }));
     }
