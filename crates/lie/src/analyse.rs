@@ -7,11 +7,11 @@ use bracketry_system::{Point, System};
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
+use crate::closure::Closure;
 use crate::control_report::{ControlReport, control_report};
 use crate::error::{Error, Undecided, check_analysis};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields};
-use crate::growth::Closure;
 use crate::linear::{Linearisation, uncontrollable_modes_decay};
 use crate::linearization::LinearizationFlag;
 use crate::local::{Frame, Limits};

@@ -28,7 +28,7 @@ impl Echelon {
     }
 
     /// What is left of `row` modulo the span.
-    fn reduce(&self, mut row: Vec<Fp>) -> Vec<Fp> {
+    pub(crate) fn reduce(&self, mut row: Vec<Fp>) -> Vec<Fp> {
         for (p, r) in &self.rows {
             let c = row[*p];
             if c != Fp::ZERO {
@@ -42,6 +42,15 @@ impl Echelon {
 
     pub(crate) fn contains(&self, row: &[Fp]) -> bool {
         self.reduce(row.to_vec()).iter().all(|x| *x == Fp::ZERO)
+    }
+
+    /// For every column, whether the span holds the row that is 1 there and 0 elsewhere.
+    pub(crate) fn units(&self, columns: usize) -> Vec<bool> {
+        let mut units = vec![false; columns];
+        for (p, row) in &self.rows {
+            units[*p] = row.iter().enumerate().all(|(j, x)| j == *p || *x == Fp::ZERO);
+        }
+        units
     }
 
     /// Adds a row; false if it was in the span already.

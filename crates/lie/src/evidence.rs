@@ -71,6 +71,21 @@ impl Evidence {
         Ok(())
     }
 
+    /// Takes into account that each of `count` vectors lies in the span of `rank` sampled ones if it does at
+    /// all points.
+    ///
+    /// # Errors
+    /// [`Undecided::Sign`] if the sampled expressions hold a root of a square, whose sign is open.
+    pub(crate) fn add_memberships(&mut self, samples: &Samples, rank: usize, count: usize) -> Result<(), Undecided> {
+        if samples.ambiguous_signs > 0 {
+            return Err(Undecided::Sign);
+        }
+        let degree = samples.degree.max(1.0) * (rank + 1) as f64;
+        let each = degree.log10() - (Fp::MODULUS as f64).log10();
+        self.add_error(samples.values.len() as f64 * each + (count as f64).log10());
+        Ok(())
+    }
+
     /// Takes the comparison of all of `count` sampled expressions with each other into account.
     ///
     /// # Errors

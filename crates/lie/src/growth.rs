@@ -2,75 +2,11 @@
 
 use bracketry_symbolic::{Bindings, Pool, Symbol};
 
+use crate::closure::{Closure, close};
 use crate::error::{Undecided, check_growth};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields, bracket, is_plain_zero};
-use crate::merge::merge_equal;
 use crate::word::Word;
-
-/// The distribution that a closure under brackets ends in, with the dimensions on the way.
-#[derive(Clone, Debug)]
-pub struct Closure {
-    /// Entry k: dimension at a generic point after k rounds of brackets. The list ends when
-    /// the dimension stops growing (the repeated value is kept) or is full.
-    pub growth: Vec<usize>,
-    /// Brackets that span the distribution at a generic point, the first `growth[k]` of them after k rounds.
-    pub basis: Vec<Field>,
-    /// The brackets of `basis` as words in the generators f (number 0), g_1 … g_m.
-    pub words: Vec<Word>,
-}
-
-impl Closure {
-    /// Final dimension.
-    pub fn dimension(&self) -> usize {
-        self.basis.len()
-    }
-}
-
-/// The smallest distribution that contains `start` and is closed under brackets with
-/// `generators` and with itself, at a generic point.
-///
-/// Let K be the field of functions and Δ_k the K-span of the fields after k rounds. For
-/// X ∈ `generators`, `[X, aY] = a[X, Y] + (X·a)Y`, so Δ_k + [X, Δ_k] is spanned by Δ_k and
-/// the brackets of X with any K-basis of Δ_k. A basis element that was already in Δ_{k−1}
-/// has its brackets in Δ_k. Hence only the fields that were new in the last round, and of
-/// them only independent ones, need to be bracketed; and by the Jacobi identity brackets of
-/// the form [X_1, [X_2, … ]] span all iterated brackets. Dimension at a generic point is
-/// dimension over K. When a round adds nothing, Δ_k is closed and no later round adds anything.
-fn close(
-    pool: &mut Pool,
-    states: &[Symbol],
-    start: Spanning,
-    generators: &Spanning,
-    bindings: &Bindings,
-    evidence: &mut Evidence,
-) -> Result<Closure, Undecided> {
-    let first_node = pool.len();
-    let mut basis = start;
-    let mut fresh = 0..basis.fields.len();
-    let mut growth = vec![basis.fields.len()];
-    while !fresh.is_empty() && basis.fields.len() < states.len() {
-        let known = basis.fields.len();
-        let mut candidates = basis.clone();
-        for (x, name) in generators.fields.iter().zip(&generators.words) {
-            for j in fresh.clone() {
-                let y = &basis.fields[j];
-                check_growth(pool, first_node, [x, y], 1)?;
-                let z = bracket(pool, states, x, y);
-                if !is_plain_zero(pool, &z) && !candidates.fields.contains(&z) {
-                    candidates.push(z, Word::bracket(name.clone(), basis.words[j].clone()));
-                }
-            }
-        }
-        basis = candidates.independent(pool, bindings, evidence)?;
-        fresh = known..basis.fields.len();
-        if let Ok(merged) = merge_equal(pool, &basis.fields, bindings, evidence) {
-            basis.fields = merged;
-        }
-        growth.push(basis.fields.len());
-    }
-    Ok(Closure { growth, basis: basis.fields, words: basis.words })
-}
 
 /// Fields with the words that they come from.
 #[derive(Clone, Default)]
@@ -112,7 +48,7 @@ pub(crate) fn independent(
 }
 
 /// The numbers of these fields.
-fn independent_rows(
+pub(crate) fn independent_rows(
     pool: &mut Pool,
     fields: &[Field],
     bindings: &Bindings,
@@ -141,7 +77,7 @@ impl VectorFields {
         }
         // [aX, Y] = a[X, Y] − (Y·a)X with X itself in the distribution: a K-basis of generators will do.
         let generators = all.independent(pool, &self.bindings, evidence)?;
-        close(pool, &self.states, generators.clone(), &generators, &self.bindings, evidence)
+        close(pool, &self.states, &generators, None, &self.bindings, evidence)
     }
 
     /// The strong accessibility distribution: the smallest that contains the g_i and is
@@ -155,11 +91,8 @@ impl VectorFields {
             all.push(field.clone(), Word::Generator(i + 1));
         }
         let controls = all.independent(pool, &self.bindings, evidence)?;
-        let mut generators = controls.clone();
-        if !is_plain_zero(pool, &self.drift) {
-            generators.push(self.drift.clone(), Word::Generator(0));
-        }
-        close(pool, &self.states, controls, &generators, &self.bindings, evidence)
+        let drift = (!is_plain_zero(pool, &self.drift)).then_some(&self.drift);
+        close(pool, &self.states, &controls, drift, &self.bindings, evidence)
     }
 
     /// Whether the distribution spanned by the input fields is involutive at a generic point.

@@ -2,10 +2,11 @@
 
 use bracketry_symbolic::{Bindings, Pool, Symbol};
 
+use crate::closure::Closure;
 use crate::error::{Undecided, check_growth};
 use crate::evidence::Evidence;
 use crate::fields::{Field, bracket, is_plain_zero};
-use crate::growth::{Closure, Spanning};
+use crate::growth::Spanning;
 use crate::merge::merge_equal;
 use crate::word::Word;
 

@@ -6,11 +6,11 @@ use bracketry_symbolic::{Bindings, Expr, Fp, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
+use crate::closure::Closure;
 use crate::echelon::Echelon;
 use crate::error::{Error, Undecided};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields, bracket, is_plain_zero, subtract};
-use crate::growth::Closure;
 
 /// How far brackets are formed at a point before the answer is "unknown".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +53,8 @@ pub(crate) struct Frame {
     replaced: FxHashMap<Expr, Expr>,
     /// The point, as expressions.
     point: Vec<Expr>,
+    /// f and the g_i without the inputs at the point: the generators that words are made of.
+    generators: Vec<Field>,
 }
 
 /// Seed of the samples that decide linear dependence over the constants.
@@ -90,7 +92,7 @@ impl Frame {
                 replaced.insert(x, v);
             }
         }
-        Ok(Frame { fields, values, replaced, point: states.to_vec() })
+        Ok(Frame { fields, values, replaced, point: states.to_vec(), generators: system.generators() })
     }
 
     /// Values of the fields at the point, modulo the prime.
@@ -288,23 +290,13 @@ impl Frame {
         let n = self.fields.states.len();
         // No level can exceed its generic dimension. Where the generic basis stays independent,
         // every level attains it, and no other bracket needs to be formed.
-        if self.rank(pool, &generic_strong.basis, evidence)? == generic_strong.dimension() {
-            // Every bracket but the drift itself contains a g.
-            let all = if self.is_equilibrium(pool, evidence)? {
-                Some(generic_strong)
-            } else if self.rank(pool, &generic.basis, evidence)? == generic.dimension() {
-                Some(generic)
-            } else {
-                None
-            };
-            if let Some(all) = all {
-                return Ok(LocalAccessibility {
-                    growth: all.growth.clone(),
-                    dimension: Answer::Known(all.dimension()),
-                    strong_growth: generic_strong.growth.clone(),
-                    strong_dimension: Answer::Known(generic_strong.dimension()),
-                });
-            }
+        if let Some(all) = self.attained(pool, generic, generic_strong, evidence)? {
+            return Ok(LocalAccessibility {
+                growth: all.growth.clone(),
+                dimension: Answer::Known(all.dimension()),
+                strong_growth: generic_strong.growth.clone(),
+                strong_dimension: Answer::Known(generic_strong.dimension()),
+            });
         }
         let (generic, generic_strong) = (generic.dimension(), generic_strong.dimension());
         let first_node = pool.len();
@@ -380,6 +372,34 @@ impl Frame {
         end_after_last_growth(&mut growth, n, dimension.known().is_some());
         end_after_last_growth(&mut strong_growth, n, strong_dimension.known().is_some());
         Ok(LocalAccessibility { growth, dimension, strong_growth, strong_dimension })
+    }
+
+    /// The closure of whose brackets all are independent at the point, if the strong ones are:
+    /// the strong one itself at an equilibrium, as every bracket but the drift contains a g.
+    fn attained<'a>(
+        &self,
+        pool: &mut Pool,
+        generic: &'a Closure,
+        generic_strong: &'a Closure,
+        evidence: &mut Evidence,
+    ) -> Result<Option<&'a Closure>, Undecided> {
+        if !self.is_attained(pool, generic_strong, evidence)? {
+            return Ok(None);
+        }
+        if self.is_equilibrium(pool, evidence)? {
+            return Ok(Some(generic_strong));
+        }
+        Ok(self.is_attained(pool, generic, evidence)?.then_some(generic))
+    }
+
+    /// Whether the brackets behind the generic dimension are independent at the point, as far as they can be formed.
+    fn is_attained(&self, pool: &mut Pool, closure: &Closure, evidence: &mut Evidence) -> Result<bool, Undecided> {
+        let (states, bindings) = (&self.fields.states, &self.fields.bindings);
+        match closure.brackets(pool, states, &self.generators, bindings, evidence) {
+            Ok(fields) => Ok(self.rank(pool, &fields, evidence)? == closure.dimension()),
+            Err(Undecided::TooLarge { .. }) => Ok(false),
+            Err(why) => Err(why),
+        }
     }
 
     /// Fields whose values at the point are a basis of the span of all values there.

@@ -179,13 +179,33 @@ fn a_long_chain_is_followed_to_its_end() {
     assert_eq!(at_point(&r).stlc.verdict, Verdict::Yes);
 }
 
+/// Coordinate fields take the place of the brackets at a generic point, but not at a given one.
 #[test]
-fn a_chain_that_is_too_long_is_unknown_with_the_work_that_was_spent() {
-    let r = chain(60);
+fn a_chain_that_is_too_long_is_decided_but_for_the_point() {
+    let n = 60;
+    let r = chain(n);
+    assert_eq!(r.modes[0].dimensions.strong_growth, (1..=n).collect::<Vec<_>>());
+    assert_eq!(r.involutive, Answer::Known(true));
+    let reason = at_point(&r).dimensions.reason.as_ref().unwrap();
+    assert!(reason.contains("brackets longer than 12 were not formed"), "{reason}");
+}
+
+/// Every component has every state, and no coordinate field comes before the end.
+#[test]
+fn brackets_that_grow_too_large_are_unknown_with_the_work_that_was_spent() {
+    let n = 16;
+    let names: Vec<String> = (1..=n).map(|i| format!("x{i}")).collect();
+    let sum = |i: usize, k: usize| {
+        let terms = (1..=n).map(|j| format!("{j}*x{j}^3*({} + x{i}*x{})^5", i + k, (i + j) % n + 1));
+        terms.collect::<Vec<_>>().join(" + ")
+    };
+    let dynamics: Vec<String> = (1..=n).map(|i| format!("{} + ({})*u", sum(i, 1), sum(i, 20))).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let dynamics: Vec<&str> = dynamics.iter().map(String::as_str).collect();
+    let r = report(&system(&names, &["u"], &[], &dynamics, &[], None));
     let dimensions = &r.modes[0].dimensions;
     assert!(dimensions.reason.as_ref().unwrap().contains("nodes"), "{dimensions:?}");
     assert!(!r.decided());
-    assert_eq!(r.involutive, Answer::Known(true));
 }
 
 #[test]
