@@ -100,7 +100,7 @@ fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization) {
         .collect();
     let why = format!("at the point the old inputs do not move {} freely to all sides", names.join(", "));
     if point.stlc.verdict == Verdict::Yes {
-        point.stlc = Stlc { verdict: Verdict::Inconclusive, reason: why.clone(), weights: None };
+        point.stlc = Stlc::inconclusive(why.clone());
     }
     if let Some(stabilizable @ Answer::Known(true)) = &mut point.stabilizable {
         *stabilizable = Answer::Unknown(why);

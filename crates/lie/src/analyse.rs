@@ -7,6 +7,7 @@ use bracketry_system::{Point, System};
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
+use crate::brockett::brockett_condition;
 use crate::closure::Closure;
 use crate::control_report::{ControlReport, control_report};
 use crate::error::{Error, Undecided, check_analysis};
@@ -15,7 +16,9 @@ use crate::fields::{Field, VectorFields};
 use crate::linear::{Linearisation, uncontrollable_modes_decay};
 use crate::linearization::LinearizationFlag;
 use crate::local::{Frame, Limits};
+use crate::modes::uncontrollable_modes;
 use crate::observe;
+use crate::ranges::{Side, balanced, one_sided};
 use crate::report::{Dimensions, ModeReport, Named, PointReport, Report, SmoothedReport, Subject};
 use crate::requested;
 use crate::stlc::{self, Stlc, Verdict};
@@ -32,6 +35,8 @@ pub struct Options {
     pub brackets: Vec<String>,
     /// Functions of states and parameters of which it is asked whether the outputs determine them.
     pub determined: Vec<String>,
+    /// Inputs, by name, that can move from their value at the point to one side only.
+    pub one_sided: Vec<(String, Side)>,
 }
 
 impl Default for Options {
@@ -41,6 +46,7 @@ impl Default for Options {
             limits: Limits::default(),
             brackets: Vec::new(),
             determined: Vec::new(),
+            one_sided: Vec::new(),
         }
     }
 }
@@ -59,6 +65,11 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let mut system = system.clone();
     let asked = observe::read_functions(&mut system, &options.determined)?;
     let words = requested::read(&system, &options.brackets)?;
+    for (name, _) in &options.one_sided {
+        if !system.inputs.iter().any(|&u| system.pool.name(u) == name) {
+            return Err(Error::UnknownInput { name: name.clone() });
+        }
+    }
     let modes = mode_fields(&mut system)?;
     let smooth = modes.len() == 1 && modes[0].signs.is_empty();
     let pool = &mut system.pool;
@@ -104,13 +115,14 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         smoothed_system = Some((s, fields, reach));
         Some(SmoothedReport { epsilon: options.epsilon.to_f64().value(), dimensions })
     };
+    let names: Vec<String> = system.inputs.iter().map(|&u| system.pool.name(u).to_owned()).collect();
     let at_point: Option<Answer<PointReport>> = match &system.point.clone() {
         None => None,
         Some(point) => Some(match (regime(&mut system, point, &modes), &mut smoothed_system) {
             (Ok(Regime::Mode(mode)), _) => {
                 let fields = &modes[mode].fields;
                 let pool = &mut system.pool;
-                let mut report = point_report(pool, fields, &reach[mode], point, options, &mut evidence);
+                let mut report = point_report(pool, fields, &names, &reach[mode], point, options, &mut evidence);
                 if let (Ok(report), Some(degree)) = (&mut report, &degree) {
                     let rank = degree.rank_at(pool, fields, &point.states, &mut evidence);
                     report.relative_degree_defined = Some(rank.map(|rank| rank == degree.degrees.len()).into());
@@ -118,7 +130,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
                 report.into()
             }
             (Ok(Regime::Switching(vanishing)), Some((s, fields, reach))) => match s.point.clone() {
-                Some(point) => point_report(&mut s.pool, fields, reach, &point, options, &mut evidence)
+                Some(point) => point_report(&mut s.pool, fields, &names, reach, &point, options, &mut evidence)
                     .map(|p| of_smoothed(p, vanishing, &options.epsilon))
                     .into(),
                 None => Answer::Unknown("the smoothed model has no point".to_owned()),
@@ -148,6 +160,13 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         Some((s, fields, _)) => requested::components(&mut s.pool, fields, &words),
         None => requested::components(&mut system.pool, &modes[0].fields, &words),
     };
+    let lie_algebra = if smooth {
+        check_analysis(&system.pool, first)
+            .and_then(|()| modes[0].fields.lie_algebra(&mut system.pool, &options.limits, &mut evidence))
+            .unwrap_or_default()
+    } else {
+        None
+    };
     Ok(Report {
         modes: mode_reports,
         switched,
@@ -155,6 +174,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         at_point_reason: at_point.as_ref().and_then(Answer::reason).map(str::to_owned),
         at_point,
         global_statements_of: (!smooth).then_some(Subject::Smoothed),
+        lie_algebra,
         involutive,
         static_feedback_linearizable: linearizable,
         control,
@@ -365,6 +385,7 @@ fn of_smoothed(report: PointReport, vanishing: Vec<String>, epsilon: &Rational) 
 fn point_report(
     pool: &mut Pool,
     fields: &VectorFields,
+    names: &[String],
     reach: &Reach,
     point: &Point,
     options: &Options,
@@ -377,8 +398,17 @@ fn point_report(
     let strong = reach.strong.as_ref().map_err(Clone::clone)?;
     let local = frame.accessibility(pool, all, strong, &options.limits, evidence)?;
     let linearisation = if equilibrium { Some(Linearisation::at(pool, &frame, evidence)?) } else { None };
-    let stlc =
-        stlc::decide(pool, &frame, equilibrium, &local.dimension, linearisation.as_ref(), &options.limits, evidence)?;
+    let limits = &options.limits;
+    let mut stlc = stlc::decide(pool, &frame, &local.dimension, linearisation.as_ref(), limits, evidence);
+    if !equilibrium
+        && stlc.verdict == Verdict::Inconclusive
+        && let Some(found) = balanced(pool, fields, names, &point.states, &local.dimension, limits, evidence)?
+    {
+        stlc = found;
+    }
+    let sides: Vec<Option<Side>> =
+        names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
+    let stlc = one_sided(pool, &frame, &sides, stlc, limits, evidence)?;
     let rank = linearisation.as_ref().map(|l| l.controllable().rank());
     let stabilizable = rank.map(|rank| match uncontrollable_modes_decay(pool, &frame, rank) {
         Answer::Known(true) if rank == n => (Answer::Known(true), "the linearisation is controllable"),
@@ -403,6 +433,11 @@ fn point_report(
         linear_controllability_rank: rank,
         stabilizable: stabilizable.map(|s| s.0),
         stabilizable_reason,
+        uncontrollable_modes: linearisation
+            .as_ref()
+            .zip(rank)
+            .map(|(l, rank)| uncontrollable_modes(pool, &frame, l, rank)),
+        brockett_condition: linearisation.as_ref().map(|l| brockett_condition(pool, &frame, l, evidence)),
         stlc,
         relative_degree_defined: None,
     })

@@ -99,6 +99,14 @@ impl fmt::Display for PointReport {
             let why = self.stabilizable_reason.as_deref().filter(|_| s.known().is_some());
             writeln!(f, "  stabilizable           {}{}", yes_no(s), why.map_or(String::new(), |w| format!(": {w}")))?;
         }
+        if let Some(modes) = self.uncontrollable_modes.as_ref().and_then(Answer::known).filter(|m| !m.is_empty()) {
+            let modes: Vec<String> = modes.iter().map(ToString::to_string).collect();
+            writeln!(f, "  uncontrollable modes   {}", modes.join(";  "))?;
+        }
+        if let Some(Answer::Known(holds)) = self.brockett_condition {
+            let what = if holds { "holds" } else { "fails: no continuous state feedback stabilises" };
+            writeln!(f, "  Brockett's condition   {what}")?;
+        }
         writeln!(f, "  small-time control     {}: {}", self.stlc.verdict, self.stlc.reason)?;
         match &self.relative_degree_defined {
             Some(defined) => writeln!(f, "  vector relative degree {}", yes_no(defined)),
@@ -153,6 +161,9 @@ impl fmt::Display for Report {
             None => {}
         }
         let of = if self.global_statements_of == Some(Subject::Smoothed) { "smoothed model: " } else { "" };
+        if let Some(algebra) = &self.lie_algebra {
+            writeln!(f, "Lie algebra: {algebra}")?;
+        }
         writeln!(f, "{of}input fields involutive: {}", yes_no(&self.involutive))?;
         writeln!(f, "{of}linearizable by static feedback: {}", yes_no(&self.static_feedback_linearizable))?;
         write!(f, "{}", self.control)?;

@@ -77,6 +77,12 @@ pub enum Error {
         /// Inputs found.
         found: usize,
     },
+    /// A name among the one-sided inputs that is none of an input.
+    #[error("there is no input {name} that could move to one side only")]
+    UnknownInput {
+        /// The name.
+        name: String,
+    },
     /// The system is not affine in its inputs.
     #[error("{equation} is not affine in the inputs; make the system affine first")]
     NotAffine {

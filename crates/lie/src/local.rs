@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Pool, Symbol};
+use bracketry_symbolic::{Bindings, Expr, Fp, Pool, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
@@ -127,6 +127,33 @@ impl Frame {
             }
         }
         at
+    }
+
+    /// `e` with parameters and coordinates of the point replaced by their values.
+    pub(crate) fn constants_in(&self, pool: &mut Pool, e: Expr) -> Expr {
+        // Twice, because coordinates of the point may be expressions of parameters.
+        (0..2).fold(e, |e, _| {
+            let at = self.constants(pool, &[e]);
+            pool.substitute(e, &at)
+        })
+    }
+
+    /// Numerical values at the point; `None` if a symbol has no value or a value is not finite.
+    pub(crate) fn numbers(&self, pool: &mut Pool, roots: &[Expr]) -> Option<Vec<f64>> {
+        let mut roots = roots.to_vec();
+        for _ in 0..2 {
+            let at = self.constants(pool, &roots);
+            roots = pool.substitute_all(&roots, &at);
+        }
+        let tape = Tape::compile(pool, &[], &roots).ok()?;
+        let mut values = vec![0.0; tape.n_outputs()];
+        tape.eval(&[], &mut Vec::new(), &mut values);
+        values.iter().all(|v| v.is_finite()).then_some(values)
+    }
+
+    /// The point, one expression per state.
+    pub(crate) fn point(&self) -> &[Expr] {
+        &self.point
     }
 
     /// Whether f + Σ u_i g_i vanishes at the point.

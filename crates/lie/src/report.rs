@@ -6,6 +6,8 @@ use serde::{Serialize, Serializer};
 use crate::answer::Answer;
 use crate::control_report::ControlReport;
 use crate::evidence::Evidence;
+use crate::modes::Mode;
+use crate::nilpotent::LieAlgebra;
 use crate::observe::ObservabilityReport;
 use crate::stlc::Stlc;
 
@@ -141,6 +143,13 @@ pub struct PointReport {
     /// What `stabilizable` rests on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stabilizable_reason: Option<String>,
+    /// Eigenvalues of the linearisation that no input reaches; absent if the point is no equilibrium.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncontrollable_modes: Option<Answer<Vec<Mode>>>,
+    /// Brockett's necessary condition for stabilisation by continuous state feedback; absent if
+    /// the point is no equilibrium.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub brockett_condition: Option<Answer<bool>>,
     /// Small-time local controllability.
     pub stlc: Stlc,
     /// Whether the outputs have a vector relative degree at the point; absent for a model without inputs or outputs.
@@ -169,6 +178,9 @@ pub struct Report {
     /// smoothed one if there is switching, absent for a smooth system.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub global_statements_of: Option<Subject>,
+    /// The Lie algebra over the constants; absent if it is infinite-dimensional or too large, and if there is switching.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lie_algebra: Option<LieAlgebra>,
     /// Whether the input fields span an involutive distribution; of the smoothed model if there is switching.
     pub involutive: Answer<bool>,
     /// Whether static state feedback makes the system linear near a generic point; of the

@@ -1,19 +1,20 @@
 //! Small-time local controllability at an equilibrium: sufficient and necessary conditions.
 
-use std::collections::BTreeMap;
 use std::fmt;
 
-use bracketry_symbolic::{Fp, Pool};
-use rustc_hash::FxHashMap;
+use bracketry_symbolic::Pool;
 use serde::Serialize;
 
 use crate::answer::Answer;
 use crate::echelon::Echelon;
 use crate::error::Undecided;
 use crate::evidence::Evidence;
-use crate::fields::{Field, bracket, is_plain_zero};
+use crate::fields::is_plain_zero;
+use crate::inputs;
 use crate::linear::Linearisation;
-use crate::local::{Frame, Limits, Words};
+use crate::local::{Frame, Limits};
+use crate::necessary::{definite_form, half_space, stefani};
+use crate::sussmann::{Brackets, Inputs, Obstruction, Outcome, choices, shortened};
 
 /// Whether the inputs reach a full neighbourhood in arbitrarily short time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -37,6 +38,18 @@ impl fmt::Display for Verdict {
     }
 }
 
+/// What Sussmann's general sufficient condition says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum GeneralCondition {
+    /// It holds for some weights.
+    Holds,
+    /// For all weights that were tried a bad bracket is not neutralised.
+    Obstructed,
+    /// For some weights the brackets became too many or too large.
+    Unknown,
+}
+
 /// Small-time local controllability (STLC) with inputs around their values at the point.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Stlc {
@@ -44,327 +57,199 @@ pub struct Stlc {
     pub verdict: Verdict,
     /// The condition that holds or fails.
     pub reason: String,
-    /// Weights of the drift and of the inputs for which Sussmann's condition holds.
+    /// Weights, of the drift and then of the inputs (one number if they are all equal), for which
+    /// Sussmann's condition holds.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub weights: Option<[u32; 2]>,
+    pub weights: Option<Vec<u32>>,
+    /// What Sussmann's condition says; absent where a simpler test decides first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub general_condition: Option<GeneralCondition>,
+    /// Weights that were tried.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub weights_tried: Vec<Vec<u32>>,
+    /// The first bad bracket that is not neutralised, for the first of the weights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub obstruction: Option<Obstruction>,
 }
 
 impl Stlc {
-    fn new(verdict: Verdict, reason: impl Into<String>) -> Self {
-        Stlc { verdict, reason: reason.into(), weights: None }
+    pub(crate) fn new(verdict: Verdict, reason: impl Into<String>) -> Self {
+        Stlc {
+            verdict,
+            reason: reason.into(),
+            weights: None,
+            general_condition: None,
+            weights_tried: Vec::new(),
+            obstruction: None,
+        }
+    }
+
+    /// With the weights for which Sussmann's condition holds.
+    fn holding(self, weights: Vec<u32>) -> Self {
+        Stlc { weights: Some(weights), general_condition: Some(GeneralCondition::Holds), ..self }
+    }
+
+    /// No verdict, for a reason that lies outside of the brackets.
+    pub fn inconclusive(reason: impl Into<String>) -> Self {
+        Stlc::new(Verdict::Inconclusive, reason)
     }
 }
 
-/// Weights (drift, inputs) that are tried: Sussmann's θ is their quotient and must be at most 1.
-const WEIGHTS: [[u32; 2]; 4] = [[1, 1], [1, 2], [2, 3], [1, 3]];
-
-/// Decides STLC as far as the conditions below go.
+/// Decides STLC with free inputs as far as the conditions below go.
 ///
 /// - not an equilibrium and f(x0) outside span g(x0): no (bounded inputs cannot hold the state);
 /// - dimension at x0 not full: no (the orbit is a lower-dimensional manifold, Nagano–Sussmann);
 /// - controllable linearisation: yes;
 /// - no drift and full dimension: yes (Chow–Rashevskii);
-/// - Sussmann's general condition: yes;
-/// - one input: no where Stefani's necessary condition fails (see [`stefani`]).
+/// - an invariant half-space: no (see [`half_space`]);
+/// - Sussmann's general condition, also after a change of the inputs: yes;
+/// - one input: no where Stefani's necessary condition fails (see [`stefani`]);
+/// - a definite second-order form: no (see [`definite_form`]).
 pub(crate) fn decide(
     pool: &mut Pool,
     frame: &Frame,
-    equilibrium: bool,
+    dimension: &Answer<usize>,
+    linearisation: Option<&Linearisation>,
+    limits: &Limits,
+    evidence: &mut Evidence,
+) -> Stlc {
+    attempt(pool, frame, dimension, linearisation, limits, evidence)
+        .unwrap_or_else(|why| Stlc::inconclusive(why.to_string()))
+}
+
+/// Most new nodes that the weights of a condition may take that is known to hold.
+const FEW_NODES: usize = 5_000;
+
+fn attempt(
+    pool: &mut Pool,
+    frame: &Frame,
     dimension: &Answer<usize>,
     linearisation: Option<&Linearisation>,
     limits: &Limits,
     evidence: &mut Evidence,
 ) -> Result<Stlc, Undecided> {
     let n = frame.fields.states.len();
-    let Some(linearisation) = linearisation.filter(|_| equilibrium) else {
+    let Some(linearisation) = linearisation else {
         let mut span = Echelon::of(&frame.evaluate(pool, &frame.fields.controls, evidence)?);
         let drift = frame.evaluate(pool, std::slice::from_ref(&frame.fields.drift), evidence)?;
         return Ok(if drift.into_iter().any(|f| span.insert(f)) {
             Stlc::new(Verdict::No, "the drift does not vanish at the point and no input balances it")
         } else {
-            Stlc::new(Verdict::Inconclusive, "the point is no equilibrium for the inputs given with it")
+            Stlc::inconclusive("the point is no equilibrium for the inputs given with it")
         });
     };
     match dimension {
         Answer::Known(d) if *d < n => {
-            return Ok(Stlc::new(
-                Verdict::No,
-                format!("the accessibility algebra has dimension {d} < {n} at the point"),
-            ));
+            let reason = format!("the accessibility algebra has dimension {d} < {n} at the point");
+            return Ok(Stlc::new(Verdict::No, reason));
         }
-        Answer::Unknown(why) => {
-            return Ok(Stlc::new(Verdict::Inconclusive, format!("the accessible dimension is not decided: {why}")));
-        }
-        Answer::Known(_) => {}
+        _ => {}
     }
     let controllable = linearisation.controllable();
+    let inputs = frame.fields.controls.len();
     if controllable.rank() == n {
-        return Ok(Stlc::new(Verdict::Yes, "the linearisation is controllable"));
+        // Equal weights if few brackets show it; else brackets with one input, which span all,
+        // weigh less than those with two.
+        let few = Limits { nodes: limits.nodes.min(FEW_NODES), ..*limits };
+        let mut brackets = Brackets::new(pool, frame, Inputs::given(frame), &few);
+        let equal = vec![1; inputs + 1];
+        let holds = matches!(brackets.test(pool, &equal, evidence), Ok(Outcome::Holds));
+        let weights = if holds { vec![1, 1] } else { vec![1, linearisation.index() as u32] };
+        return Ok(Stlc::new(Verdict::Yes, "the linearisation is controllable").holding(weights));
+    }
+    if let Some(reason) = half_space(pool, frame, &vec![None; inputs], evidence)? {
+        let mut stlc = Stlc::new(Verdict::No, reason);
+        if dimension.known().is_some() {
+            let general = general(pool, frame, limits, evidence)?;
+            stlc.general_condition = general.general_condition;
+            stlc.weights_tried = general.weights_tried;
+            stlc.obstruction = general.obstruction;
+        }
+        return Ok(stlc);
+    }
+    if let Answer::Unknown(why) = dimension {
+        return Ok(Stlc::inconclusive(format!("the accessible dimension is not decided: {why}")));
     }
     if is_plain_zero(pool, &frame.fields.drift) {
-        return Ok(Stlc::new(Verdict::Yes, "no drift and full dimension (Chow–Rashevskii)"));
+        // No bracket with f is left to be neutralised.
+        return Ok(Stlc::new(Verdict::Yes, "no drift and full dimension (Chow–Rashevskii)").holding(vec![1, 1]));
     }
-    let mut obstructions = Vec::new();
-    for weights in WEIGHTS {
-        match Sussmann::new(weights).run(pool, frame, limits, evidence)? {
-            Outcome::Holds => {
-                let reason = format!("Sussmann's condition holds with weights {weights:?} of drift and inputs");
-                return Ok(Stlc { verdict: Verdict::Yes, reason, weights: Some(weights) });
-            }
-            Outcome::Obstructed(degrees) => obstructions.push(format!("{weights:?}: degrees {degrees:?}")),
-            Outcome::TooLarge => obstructions.push(format!("{weights:?}: too many brackets")),
-        }
+    let mut stlc = general(pool, frame, limits, evidence)?;
+    if stlc.verdict == Verdict::Yes {
+        return Ok(stlc);
     }
     if let [g] = frame.fields.controls.as_slice()
         && let Some(k) = stefani(pool, frame, g, &controllable, limits, evidence)?
     {
-        return Ok(Stlc::new(
-            Verdict::No,
-            format!(
-                "ad_g^{k} f at the point is no combination of brackets with fewer factors g (Stefani's necessary condition)"
-            ),
-        ));
+        stlc.verdict = Verdict::No;
+        stlc.reason = format!(
+            "ad_g^{k} f at the point is no combination of brackets with fewer factors g (Stefani's necessary condition)"
+        );
+        return Ok(stlc);
     }
-    Ok(Stlc::new(
-        Verdict::Inconclusive,
-        format!(
-            "brackets that may obstruct are not neutralised (weights and degrees in f, g_1, …: {})",
-            obstructions.join("; ")
-        ),
-    ))
+    if let Some(k) = definite_form(pool, frame, evidence)? {
+        stlc.verdict = Verdict::No;
+        let d = if k == 0 { "the inputs".to_owned() } else { format!("the inputs and {k} of their brackets with f") };
+        stlc.reason =
+            format!("second-order brackets of {d} with f are definite across all that the linearisation reaches");
+    }
+    Ok(stlc)
 }
 
-/// The even k for which Stefani's necessary condition (1986; k = 2: Sussmann 1983) fails: STLC of
-/// x' = f + u g at an equilibrium needs ad_g^k f(x0) in the span of all brackets with fewer than
-/// k factors g there, for every even k. `None` if it was not seen to fail.
-///
-/// Those brackets are infinitely many. For k = 2 they are the ad_f^i g, and Kalman's matrix has
-/// their span; above, the condition is used only where they are found to span a
-/// finite-dimensional space of functions.
-fn stefani(
+/// Sussmann's condition for all weights that are tried, and where inputs can be chosen so that
+/// their bad brackets of second order cancel, also for those.
+fn general(pool: &mut Pool, frame: &Frame, limits: &Limits, evidence: &mut Evidence) -> Result<Stlc, Undecided> {
+    let m = frame.fields.controls.len();
+    let given = search(pool, frame, Inputs::given(frame), limits, evidence)?;
+    if given.verdict == Verdict::Yes || m < 2 {
+        return Ok(given);
+    }
+    if let Some((inputs, names)) = inputs::cancelling(pool, frame, evidence)? {
+        let changed = search(pool, frame, inputs, limits, evidence)?;
+        if changed.verdict == Verdict::Yes {
+            let reason = format!("{} for the inputs along {}", changed.reason, names.join(", "));
+            return Ok(Stlc { reason, ..changed });
+        }
+    }
+    Ok(given)
+}
+
+fn search(
     pool: &mut Pool,
     frame: &Frame,
-    g: &Field,
-    controllable: &Echelon,
+    inputs: Inputs,
     limits: &Limits,
     evidence: &mut Evidence,
-) -> Result<Option<usize>, Undecided> {
-    let (states, drift) = (&frame.fields.states, &frame.fields.drift);
-    let first_node = pool.len();
-    let mut power = bracket(pool, states, g, drift);
-    power = bracket(pool, states, g, &power);
-    let value = frame.evaluate(pool, std::slice::from_ref(&power), evidence)?;
-    if !controllable.contains(&value[0]) {
-        return Ok(Some(2));
-    }
-    let mut words = Words::default();
-    let mut candidates = vec![g.clone()];
-    for degree in 1..limits.length {
-        // From all brackets with fewer than `degree` factors g to those with at most as many.
-        let fewer = words.kept.len();
-        let mut rounds = 0;
-        loop {
-            words.extend(pool, &frame.fields.bindings, candidates, evidence)?;
-            if words.fresh.is_empty() {
-                break;
+) -> Result<Stlc, Undecided> {
+    let m = inputs.fields.len();
+    let mut brackets = Brackets::new(pool, frame, inputs, limits);
+    let mut stlc = Stlc::inconclusive("");
+    let mut open = false;
+    for weights in choices(m) {
+        stlc.weights_tried.push(shortened(&weights));
+        match brackets.test(pool, &weights, evidence)? {
+            Outcome::Holds => {
+                let weights = shortened(&weights);
+                let reason = format!("Sussmann's condition holds with weights {weights:?} of drift and inputs");
+                let holds = Stlc::new(Verdict::Yes, reason).holding(weights);
+                return Ok(Stlc { weights_tried: stlc.weights_tried, ..holds });
             }
-            rounds += 1;
-            if rounds > limits.length {
-                return Ok(None);
+            Outcome::Obstructed(o) => {
+                stlc.obstruction.get_or_insert(o);
             }
-            candidates = Vec::new();
-            for y in &words.kept[words.fresh.clone()] {
-                if pool.len() - first_node > limits.nodes {
-                    return Ok(None);
-                }
-                candidates.push(bracket(pool, states, drift, y));
-            }
+            Outcome::TooLarge => open = true,
         }
-        if words.kept.len() == fewer {
-            return Ok(None);
-        }
-        if degree >= 3 {
-            power = bracket(pool, states, g, &power);
-            if degree % 2 == 1 {
-                let next = bracket(pool, states, g, &power);
-                let value = frame.evaluate(pool, &[next], evidence)?;
-                let span = Echelon::of(&frame.evaluate(pool, &words.kept, evidence)?);
-                if !span.contains(&value[0]) {
-                    return Ok(Some(degree + 1));
-                }
-            }
-        }
-        candidates = words.kept[fewer..].iter().map(|y| bracket(pool, states, g, y)).collect();
     }
-    Ok(None)
-}
-
-enum Outcome {
-    Holds,
-    /// Degrees in f, g_1 … g_m of a bad bracket that is not neutralised.
-    Obstructed(Vec<usize>),
-    TooLarge,
-}
-
-/// A right-normed bracket [w_0, [w_1, … ]]; letter 0 is f, letter i is g_i.
-type Word = Vec<u8>;
-
-/// Sussmann's general condition (1987) for one choice of weights.
-///
-/// A bracket is bad if its degree in f is odd and that in every g_i even. Let β be the sum
-/// over all permutations of the inputs. If for every bad bracket B the value of β(B) at the
-/// equilibrium is a combination of values of brackets of smaller weight, the system is STLC.
-/// Right-normed brackets span those of each multidegree and β is linear, so it is enough to
-/// look at them, and only up to the weight from which the smaller ones span everything.
-struct Sussmann {
-    weights: [u32; 2],
-    /// Brackets by weight; those that vanish structurally are left out.
-    by_weight: BTreeMap<u32, Vec<(Word, Field)>>,
-    /// Values at the point.
-    values: FxHashMap<Word, Vec<Fp>>,
-}
-
-impl Sussmann {
-    fn new(weights: [u32; 2]) -> Self {
-        Sussmann { weights, by_weight: BTreeMap::new(), values: FxHashMap::default() }
-    }
-
-    fn weight(&self, letter: u8) -> u32 {
-        self.weights[usize::from(letter != 0)]
-    }
-
-    fn run(
-        mut self,
-        pool: &mut Pool,
-        frame: &Frame,
-        limits: &Limits,
-        evidence: &mut Evidence,
-    ) -> Result<Outcome, Undecided> {
-        let n = frame.fields.states.len();
-        let mut letters = vec![frame.fields.drift.clone()];
-        letters.extend(frame.fields.controls.iter().cloned());
-        let first_node = pool.len();
-        let mut smaller = Echelon::new();
-        let mut count = 0;
-        for weight in 1.. {
-            let Some(words) = self.words(pool, &letters, weight, frame, first_node + limits.nodes) else {
-                return Ok(Outcome::TooLarge);
-            };
-            count += words.len();
-            if count > limits.brackets * 4 || weight as usize > limits.length * self.weights[1] as usize {
-                return Ok(Outcome::TooLarge);
-            }
-            let fields: Vec<Field> = words.iter().map(|(_, f)| f.clone()).collect();
-            let values = if fields.is_empty() { Vec::new() } else { frame.evaluate(pool, &fields, evidence)? };
-            for ((w, _), v) in words.iter().zip(&values) {
-                self.values.insert(w.clone(), v.clone());
-            }
-            for (w, _) in &words {
-                let degrees = degrees(w, letters.len());
-                if degrees[0] % 2 == 1 && degrees[1..].iter().all(|d| d % 2 == 0) {
-                    let beta = self.symmetrised(w, letters.len() - 1, n);
-                    if !smaller.contains(&beta) {
-                        return Ok(Outcome::Obstructed(degrees));
-                    }
-                }
-            }
-            self.by_weight.insert(weight, words);
-            for v in values {
-                smaller.insert(v);
-            }
-            if smaller.rank() == n {
-                return Ok(Outcome::Holds);
-            }
-        }
-        Ok(Outcome::TooLarge)
-    }
-
-    /// All right-normed brackets of this weight that are not plainly zero; `None` if they make
-    /// the pool larger than `most` nodes.
-    fn words(
-        &self,
-        pool: &mut Pool,
-        letters: &[Field],
-        weight: u32,
-        frame: &Frame,
-        most: usize,
-    ) -> Option<Vec<(Word, Field)>> {
-        let mut out = Vec::new();
-        for (i, letter) in letters.iter().enumerate() {
-            let i = i as u8;
-            let w = self.weight(i);
-            if w == weight && !is_plain_zero(pool, letter) {
-                out.push((vec![i], letter.clone()));
-            }
-            let Some(inner) = weight.checked_sub(w).and_then(|rest| self.by_weight.get(&rest)) else { continue };
-            for (word, field) in inner {
-                // [a, b] = −[b, a]: of the two only a < b is formed.
-                if word.len() == 1 && i >= word[0] {
-                    continue;
-                }
-                if pool.len() > most {
-                    return None;
-                }
-                let z = bracket(pool, &frame.fields.states, letter, field);
-                if !is_plain_zero(pool, &z) {
-                    let mut longer = vec![i];
-                    longer.extend(word);
-                    out.push((longer, z));
-                }
-            }
-        }
-        Some(out)
-    }
-
-    /// Value of β(w): the sum over all permutations of the inputs. All words of the weight are known.
-    fn symmetrised(&self, word: &[u8], inputs: usize, n: usize) -> Vec<Fp> {
-        let mut sum = vec![Fp::ZERO; n];
-        for permutation in permutations(inputs) {
-            let mut image: Word =
-                word.iter().map(|&l| if l == 0 { 0 } else { permutation[usize::from(l) - 1] + 1 }).collect();
-            let k = image.len();
-            let reversed = k >= 2 && image[k - 2] > image[k - 1];
-            if reversed {
-                image.swap(k - 2, k - 1);
-            }
-            // Brackets that are zero were not kept.
-            if let Some(v) = self.values.get(&image) {
-                for (s, &x) in sum.iter_mut().zip(v) {
-                    *s = if reversed { *s - x } else { *s + x };
-                }
-            }
-        }
-        sum
-    }
-}
-
-/// How often each letter occurs.
-fn degrees(word: &[u8], letters: usize) -> Vec<usize> {
-    let mut d = vec![0; letters];
-    for &l in word {
-        d[usize::from(l)] += 1;
-    }
-    d
-}
-
-/// Beyond this many inputs brackets are not symmetrised.
-const MAX_SYMMETRISED: usize = 5;
-
-/// All orders of 0 … m − 1. For many inputs only the order as it is: to neutralise every bad
-/// bracket is enough, because β sums bad brackets of the same weight.
-fn permutations(m: usize) -> Vec<Vec<u8>> {
-    if m > MAX_SYMMETRISED {
-        return vec![(0..m as u8).collect()];
-    }
-    (0..m as u8).fold(vec![Vec::new()], |all, next| {
-        all.iter()
-            .flat_map(|p: &Vec<u8>| {
-                (0..=p.len()).map(|i| {
-                    let mut q = p.clone();
-                    q.insert(i, next);
-                    q
-                })
-            })
-            .collect()
-    })
+    stlc.general_condition = Some(if open { GeneralCondition::Unknown } else { GeneralCondition::Obstructed });
+    stlc.reason = match &stlc.obstruction {
+        Some(o) => format!(
+            "the bad bracket {} is not neutralised with weights {:?}, nor are others with {} further choices of weights{}",
+            o.bracket,
+            o.weights,
+            stlc.weights_tried.len() - 1,
+            if open { ", of which some take too many brackets" } else { "" }
+        ),
+        None => "the brackets that Sussmann's condition asks for are too many".to_owned(),
+    };
+    Ok(stlc)
 }

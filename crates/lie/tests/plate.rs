@@ -70,7 +70,7 @@ fn at_rest_the_smoothed_plate_is_accessible() {
         assert_eq!(p.dimensions.growth, [2, 5, 8, 10]);
         assert_eq!(p.linear_controllability_rank, Some(7));
         assert_eq!(p.stlc.verdict, Verdict::Yes);
-        assert_eq!(p.stlc.weights, Some([1, 1]));
+        assert_eq!(p.stlc.weights, Some(vec![1, 1]));
     }
 }
 
