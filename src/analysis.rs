@@ -112,6 +112,10 @@ impl Analysis {
     /// What the ranks mean, in one paragraph.
     fn plain_language(&self) -> String {
         let n = self.states;
+        if self.inputs == 0 {
+            return "There are no inputs: nothing can be steered, and what there is to ask is what the outputs tell."
+                .to_owned();
+        }
         let Some(worst) =
             self.report.modes.iter().min_by_key(|m| m.dimensions.strongly_accessible_dimension.known().copied())
         else {
@@ -196,7 +200,11 @@ impl fmt::Display for Analysis {
             model.state_names().join(", ")
         )?;
         let plural = |k: usize| if k == 1 { "" } else { "s" };
-        writeln!(f, "  {} input{}: {}", self.inputs, plural(self.inputs), model.input_names().join(", "))?;
+        if self.inputs == 0 {
+            writeln!(f, "  no inputs")?;
+        } else {
+            writeln!(f, "  {} input{}: {}", self.inputs, plural(self.inputs), model.input_names().join(", "))?;
+        }
         if let Some(family) = &a.family {
             writeln!(f, "  {family}")?;
         }

@@ -80,6 +80,65 @@ fn the_markdown_report_has_every_section_and_balanced_formulas() {
     assert!(without_time(&text) == without_time(&same));
 }
 
+/// A motor with a flexible shaft, its load's angle measured.
+const SHAFT: &str = "name = 'shaft'\nstates = ['q', 'v', 'r', 'w']\ninputs = ['u']\n[parameters]\nk = 2\nJ = 3\n\
+                     [dynamics]\nq = 'v'\nv = '-sin(q) - k*(q - r)'\nr = 'w'\nw = 'k*(q - r)/J + u/J'\n\
+                     [outputs]\nangle = 'q'\n";
+
+#[test]
+fn decoupling_linearisation_and_observability_stand_as_formulas() {
+    let path = file(&scratch("shaft"), "shaft.toml", SHAFT);
+    let text = stdout(&["analyze", &path, "--markdown", "--bracket", "[f,g1]", "--determines", "k/J"]);
+    for formula in formulas(&text) {
+        assert_balanced(&formula);
+    }
+    for part in [
+        "## From inputs to outputs",
+        "| $\\mathrm{angle}$ | $4$ |",
+        "\\det A &= \\frac{k}{J}",
+        "$f,\\ g_{1},\\ [f, g_{1}],\\ [f, [f, g_{1}]]",
+        "[f, g_{1}] = \\begin{pmatrix}0\\\\ 0\\\\ -\\frac{1}{J}",
+        "lengths of the chains of integrators: $4$",
+        "y_{1}^{(3)} &=",
+        "determined, while parameters are unknown: $\\frac{k}{J}$",
+    ] {
+        assert!(text.contains(part), "`{part}` in\n{text}");
+    }
+}
+
+#[test]
+fn without_inputs_the_report_speaks_of_the_outputs_alone() {
+    let path = file(
+        &scratch("free"),
+        "m.toml",
+        "states = ['x']\n[parameters]\na = 2\n[dynamics]\nx = '-a*x'\n[outputs]\ny = 'x'",
+    );
+    let text = stdout(&["analyze", &path]);
+    assert!(text.contains("  no inputs\n") && text.contains("There are no inputs"), "{text}");
+    let text = stdout(&["analyze", &path, "--markdown"]);
+    assert!(!text.contains("Linearisation by feedback") && text.contains("identifiable parameters: $a$"), "{text}");
+}
+
+#[test]
+fn what_is_asked_must_be_known_to_the_model() {
+    for (arguments, part) in [
+        (["--bracket", "[g1,g7]"], "there are f, g1, g2, s, w"),
+        (["--bracket", "[g1,"], "is no bracket"),
+        (["--determines", "the"], "did you mean `th`?"),
+        (["--determines", "sin("], "sin("),
+    ] {
+        let model = model("unicycle.toml");
+        let o = bracketry(&[&["analyze", model.as_str()], &arguments[..]].concat());
+        let message = String::from_utf8_lossy(&o.stderr);
+        assert_eq!(code(&o), 2, "{arguments:?}");
+        assert!(message.contains(part), "`{part}` in {message}");
+    }
+    let path = file(&scratch("no_outputs"), "m.toml", "states = ['x']\ninputs = ['u']\n[dynamics]\nx = 'u'");
+    let o = bracketry(&["analyze", &path, "--determines", "x"]);
+    assert_eq!(code(&o), 2);
+    assert!(String::from_utf8_lossy(&o.stderr).contains("has no outputs"));
+}
+
 #[test]
 fn rows_of_a_table_have_as_many_cells_as_its_header() {
     let text = stdout(&["analyze", &model("plate_published.toml"), "--markdown"]);

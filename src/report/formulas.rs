@@ -40,3 +40,46 @@ pub(super) fn column(entries: &[String]) -> String {
 pub(super) fn list(numbers: &[usize]) -> String {
     numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
+
+/// A bracket such as `[g1,[f,g2]]`, or a generator.
+pub(super) fn bracket(name: &str) -> String {
+    let mut out = String::new();
+    let mut digits = false;
+    for c in name.chars() {
+        if c.is_ascii_digit() != digits {
+            digits = !digits;
+            out.push_str(if digits { "_{" } else { "}" });
+        }
+        out.push(c);
+        if c == ',' {
+            out.push(' ');
+        }
+    }
+    if digits {
+        out.push('}');
+    }
+    out
+}
+
+/// Rows of entries.
+pub(super) fn matrix(rows: &[Vec<String>]) -> String {
+    let rows: Vec<String> = rows.iter().map(|r| r.join(" & ")).collect();
+    format!("\\begin{{pmatrix}}{}\\end{{pmatrix}}", rows.join("\\\\ "))
+}
+
+/// A condition such as `v = 0 or cos(q) = 0`.
+pub(super) fn condition(text: &str) -> String {
+    let part = |p: &str| {
+        for (sign, latex) in
+            [(" = ", "="), (" ≠ ", "\\ne"), (" > ", ">"), (" < ", "<"), (" ≥ ", "\\ge"), (" ≤ ", "\\le")]
+        {
+            if let Some((a, b)) = p.split_once(sign) {
+                return format!("{} {latex} {}", printed(a), printed(b));
+            }
+        }
+        printed(p)
+    };
+    let join = |list: Vec<String>, word: &str| list.join(&format!("\\ \\text{{{word}}}\\ "));
+    let clause = |c: &str| join(c.split(" and ").map(part).collect(), "and");
+    join(text.split(" or ").map(clause).collect(), "or")
+}

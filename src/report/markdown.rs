@@ -13,7 +13,7 @@ fn block(block: &Block) -> String {
         Block::Heading(level, title) => format!("{} {}", "#".repeat(*level), plain(title)),
         Block::Paragraph(l) => line(l),
         Block::List(items) => items.iter().map(|l| format!("- {}", line(l))).collect::<Vec<_>>().join("\n"),
-        Block::Display(rows) if rows.len() == 1 => format!("$$\n{}\n$$", rows[0].replace('&', "")),
+        Block::Display(rows) if rows.len() == 1 => format!("$$\n{}\n$$", rows[0].replacen('&', "", 1)),
         Block::Display(rows) => {
             format!("$$\n\\begin{{aligned}}\n{}\n\\end{{aligned}}\n$$", rows.join(" \\\\\n"))
         }

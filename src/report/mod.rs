@@ -1,9 +1,11 @@
 //! The analysis as a document: sections of text, formulas and tables, written as Markdown or LaTeX.
 
+mod control;
 mod document;
 mod formulas;
 mod latex;
 mod markdown;
+mod outputs;
 mod sections;
 
 use crate::Analysis;

@@ -1,11 +1,12 @@
 //! The sections of the report.
 
-use bracketry_lie::{Answer, Dimensions, ModeReport, PointReport, Subject};
+use bracketry_lie::{Answer, Dimensions, ModeReport, PointReport};
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::{AffineForm, Candidate, Parameter, System};
 
 use super::document::{Block, Line, Span, code, math, text, words};
-use super::formulas::{column, expression, list, printed, symbol};
+use super::formulas::{bracket, column, expression, list, printed, symbol};
+use super::{control, outputs};
 use crate::{AffinizationReport, Analysis};
 
 /// The whole report.
@@ -15,13 +16,14 @@ pub(super) fn document(a: &Analysis) -> Vec<Block> {
     affine_form(a, &mut out);
     reach(a, &mut out);
     at_the_point(a, &mut out);
-    linearisation(a, &mut out);
-    observability(a, &mut out);
+    control::input_output(a, &mut out);
+    control::linearisation(a, &mut out);
+    outputs::observability(a, &mut out);
     certificate(a, &mut out);
     out
 }
 
-fn section(out: &mut Vec<Block>, title: &str) {
+pub(super) fn section(out: &mut Vec<Block>, title: &str) {
     out.push(Block::Heading(2, title.to_owned()));
 }
 
@@ -199,6 +201,7 @@ fn reach(a: &Analysis, out: &mut Vec<Block>) {
         rows.push(rank_row(vec![text("at the point")], &p.dimensions));
     }
     out.push(Block::Table(header, rows));
+    brackets(a, out);
     let alike = |m: &ModeReport| {
         let first = &report.modes[0];
         m.autonomous == first.autonomous && m.autonomous_not_found == first.autonomous_not_found
@@ -206,6 +209,47 @@ fn reach(a: &Analysis, out: &mut Vec<Block>) {
     match &report.modes[..] {
         [first, _, ..] if report.modes.iter().all(alike) => autonomous(vec![text("In every mode")], first, out),
         modes => modes.iter().for_each(|m| autonomous(capital(mode_name(m)), m, out)),
+    }
+}
+
+/// The brackets that span what is reached, and those that were asked for.
+fn brackets(a: &Analysis, out: &mut Vec<Block>) {
+    let report = &a.report;
+    let mut items = Vec::new();
+    let mut spanned = |what: Line, d: &Dimensions| {
+        if !d.basis.is_empty() {
+            let list: Vec<String> = d.basis.iter().map(|b| bracket(b)).collect();
+            items.push([what, vec![text(": "), math(list.join(",\\ "))]].concat());
+        }
+    };
+    for (k, m) in report.modes.iter().enumerate() {
+        // Modes that are spanned alike are told once.
+        if report.modes[..k].iter().all(|other| other.dimensions.basis != m.dimensions.basis) {
+            spanned(mode_name(m), &m.dimensions);
+        }
+    }
+    if let Some(d) = &report.switched {
+        spanned(vec![text("all modes together (numbers in parentheses: the mode)")], d);
+    }
+    if let Some(s) = &report.smoothed {
+        spanned(vec![text("smoothed")], &s.dimensions);
+    }
+    if !items.is_empty() {
+        out.push(words("Brackets that span it:"));
+        out.push(Block::List(items));
+    }
+    let asked: Vec<String> = report
+        .brackets
+        .0
+        .iter()
+        .filter_map(|(name, components)| {
+            let components: Vec<String> = components.known()?.iter().map(|c| printed(c)).collect();
+            Some(format!("{} &= {}", bracket(name), column(&components)))
+        })
+        .collect();
+    if !asked.is_empty() {
+        out.push(words("Brackets that were asked for:"));
+        out.push(Block::Display(asked));
     }
 }
 
@@ -242,7 +286,7 @@ fn autonomous(when: Line, m: &ModeReport, out: &mut Vec<Block>) {
     out.push(Block::Paragraph(line));
 }
 
-fn yes_no(answer: &Answer<bool>) -> String {
+pub(super) fn yes_no(answer: &Answer<bool>) -> String {
     match answer {
         Answer::Known(true) => "yes".to_owned(),
         Answer::Known(false) => "no".to_owned(),
@@ -251,7 +295,7 @@ fn yes_no(answer: &Answer<bool>) -> String {
 }
 
 /// `name: value` as an item.
-fn item(name: &str, value: impl Into<String>) -> Line {
+pub(super) fn item(name: &str, value: impl Into<String>) -> Line {
     vec![text(format!("{name}: {}", value.into()))]
 }
 
@@ -305,37 +349,6 @@ fn local(p: &PointReport, out: &mut Vec<Block>) {
     out.push(Block::List(items));
 }
 
-fn linearisation(a: &Analysis, out: &mut Vec<Block>) {
-    section(out, "Linearisation by feedback");
-    let report = &a.report;
-    if report.global_statements_of == Some(Subject::Smoothed) {
-        out.push(words("Statements of the smoothed model."));
-    }
-    out.push(Block::List(vec![
-        item("input fields span an involutive distribution", yes_no(&report.involutive)),
-        item("linear by static state feedback near a generic point", yes_no(&report.static_feedback_linearizable)),
-    ]));
-}
-
-fn observability(a: &Analysis, out: &mut Vec<Block>) {
-    let Some(o) = &a.report.observability else { return };
-    section(out, "Observability");
-    let mut items = vec![match &o.rank {
-        Answer::Known(r) => item("rank of the observability codistribution", format!("{r} of {}", a.states)),
-        Answer::Unknown(why) => item("rank of the observability codistribution", format!("unknown ({why})")),
-    }];
-    if !o.unobservable.is_empty() {
-        let mut line = vec![text("not determined by the outputs: ")];
-        line.extend(names(&o.unobservable));
-        items.push(line);
-    }
-    for (name, yes) in o.identifiable.iter().flat_map(|m| &m.0) {
-        let verdict = if *yes { " is identifiable" } else { " is not identifiable" };
-        items.push(vec![text("parameter "), math(symbol(name)), text(verdict)]);
-    }
-    out.push(Block::List(items));
-}
-
 fn certificate(a: &Analysis, out: &mut Vec<Block>) {
     section(out, "Certificate");
     let c = &a.report.certificate;
@@ -348,8 +361,9 @@ fn certificate(a: &Analysis, out: &mut Vec<Block>) {
         text("Zero and rank are decided exactly modulo the prime "),
         math("2^{61}-1"),
         text(format!(
-            " at {} random points; the probability that any of {} decisions is wrong is ",
+            " at {} random point{}; the probability that any of {} decisions is wrong is ",
             c.points(),
+            if c.points() == 1 { "" } else { "s" },
             c.decisions()
         )),
         code(c.error_text()),
