@@ -1,4 +1,5 @@
-//! The family of constant inputs and the affine form have the same dimensions, and neither depends on coordinates or feedback.
+//! The family of constant inputs and the affine form have the same dimensions, and neither depends on coordinates or
+//! feedback.
 #![allow(clippy::unwrap_used)]
 
 use bracketry_lie::{Answer, Family, Options, Report, analyse, family_dimensions};

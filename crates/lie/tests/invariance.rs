@@ -1,4 +1,5 @@
-//! Ranks and verdicts do not depend on the coordinates of the state, and those that feedback cannot change do not change with it.
+//! Ranks and verdicts do not depend on the coordinates of the state, and those that feedback cannot change do not
+//! change with it.
 #![allow(clippy::unwrap_used)]
 
 mod common;

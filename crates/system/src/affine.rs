@@ -9,7 +9,7 @@ use crate::augment::{Arguments, augment, lone_derivatives};
 use crate::candidate::{Candidate, Method, NewInput, NewState};
 use crate::feedback::by_rows;
 use crate::input_change::{Checks, Rejection, apply};
-use crate::lowering::lowered;
+use crate::lowering::{Transformation, lowered};
 use crate::separation::separated;
 use crate::system::System;
 
@@ -36,9 +36,10 @@ pub struct Affinization {
     /// For new inputs and a model with a point: whether the old inputs reach a whole neighbourhood of the new
     /// ones' values there because the Jacobian of w has full rank. If not, see [`Affinization::interior_at_point`].
     pub regular_at_point: Option<bool>,
-    /// For new inputs and a model with a point: whether the values of the new inputs there are interior to the set of all values
-    /// that they take together; `None` where that was not established (or nothing was changed). Unless it is `Some(true)`,
-    /// conclusions from small inputs of both signs do not carry over from the affine system to the original one.
+    /// For new inputs and a model with a point: whether the values of the new inputs there are interior to the convex
+    /// hull of all values that they take together; `None` where that was not established (or nothing was changed).
+    /// Unless it is `Some(true)`, conclusions from small inputs of both signs do not carry over from the affine system
+    /// to the original one.
     pub interior_at_point: Option<bool>,
     /// The affine system.
     pub system: System,
@@ -144,12 +145,14 @@ impl System {
         Ok(Arguments { pairs: self.curvature(&symbols)?, highest })
     }
 
-    /// Makes the system affine in its inputs in the way that adds the fewest states: as it stands if possible, else by new inputs
-    /// v = w(u) or v = w(x, u), else by the least number of integrators in front of inputs
-    /// (Nijmeijer & van der Schaft 1990, sec. 6.1: the extended system), if need be together with new inputs for the others.
+    /// Makes the system affine in its inputs in the way that adds the fewest states: as it stands if possible, else by
+    /// new inputs v = w(u) or v = w(x, u), else by the least number of integrators in front of inputs
+    /// (Nijmeijer & van der Schaft 1990, sec. 6.1: the extended system), if need be together with new inputs for the
+    /// others.
     ///
-    /// A system that uses derivatives of inputs keeps its states and the chain of derivatives of each input; further candidates
-    /// with fewer states are listed. New inputs that depend on the state are not taken where they are singular at the model's point.
+    /// A system that uses derivatives of inputs keeps its states and the chain of derivatives of each input; further
+    /// candidates with fewer states are listed. New inputs that depend on the state are not taken where they are
+    /// singular at the model's point.
     ///
     /// # Errors
     /// [`AffineError`] if an exact test is undecided or there are too many inputs.
@@ -225,8 +228,8 @@ fn rank(c: &Candidate) -> (bool, usize, Method, usize, bool) {
     (!c.is_accepted(), c.added_states, c.method, c.input_change.len(), !c.chosen)
 }
 
-/// New inputs, with integrators in front of fewer inputs than `extra`: the accepted candidate with the fewest, and why there is none
-/// without any.
+/// New inputs, with integrators in front of fewer inputs than `extra`: the accepted candidate with the fewest, and why
+/// there is none without any.
 fn changes(system: &System, arguments: &Arguments, extra: &[bool]) -> Vec<Candidate> {
     let most = extra.iter().filter(|e| **e).count();
     let mut curved: Vec<usize> = arguments.pairs.iter().flat_map(|p| [p.0, p.1]).collect();
@@ -308,23 +311,16 @@ fn change_after(system: &System, arguments: &Arguments, with: &[bool]) -> Result
 /// New states with which fewer than `most` integrators do, one input after the other.
 fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
     let mut rejected = Vec::new();
-    let mut best: Option<(usize, System, Vec<NewState>, Checks)> = None;
+    let mut best = system.clone();
+    let mut change = Transformation::identity(&mut best);
+    let (mut least, mut checks) = (most, Checks::default());
     for input in 0..system.inputs.len() {
-        let (mut current, mut states) = match &best {
-            Some((_, s, z, _)) => (s.clone(), z.clone()),
-            None => (system.clone(), Vec::new()),
-        };
-        let mut checks = Checks { certificate: best.as_ref().and_then(|b| b.3.certificate) };
-        let mut least = best.as_ref().map_or(most, |b| b.0);
+        let (mut current, mut so_far) = (best.clone(), change.clone());
+        let mut trial = Checks { certificate: checks.certificate };
         let mut reason = None;
-        loop {
-            let order = current.input_derivatives.iter().filter(|d| d.input == input).map(|d| d.order).max();
-            let Some(order) = order else { break };
-            match lowered(&current, input, order, &mut checks) {
-                Ok(l) => {
-                    states = composed(states, l.states);
-                    current = l.system;
-                }
+        while let Some(order) = current.input_derivatives.iter().filter(|d| d.input == input).map(|d| d.order).max() {
+            match lowered(&current, &so_far, input, order, &mut trial) {
+                Ok(next) => (current, so_far) = next,
                 Err(why) => {
                     reason.get_or_insert_with(|| why.to_string());
                     break;
@@ -333,14 +329,17 @@ fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
             match integrators_needed(&current) {
                 Ok(needed) if needed < least => {
                     least = needed;
-                    best = Some((needed, current.clone(), states.clone(), Checks { certificate: checks.certificate }));
-                    reason = None;
+                    (best, change, reason) = (current.clone(), so_far.clone(), None);
+                    checks.certificate = trial.certificate;
                 }
                 Ok(needed) => {
+                    let states = so_far.states(&current.pool);
+                    let places: Vec<&str> = states.iter().map(|z| z.replaces.as_str()).collect();
                     reason = Some(format!(
-                        "with {} in place of {} the inputs still take {needed} integrators",
-                        states.iter().map(|z| format!("{} = {}", z.name, z.function)).collect::<Vec<_>>().join(", "),
-                        states.iter().map(|z| z.replaces.as_str()).collect::<Vec<_>>().join(", "),
+                        "with {} in place of {} the inputs still take {needed} integrator{}",
+                        functions(&states),
+                        places.join(", "),
+                        if needed == 1 { "" } else { "s" },
                     ));
                 }
                 Err(why) => reason = Some(why.to_string()),
@@ -350,15 +349,18 @@ fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
             rejected.push(Candidate::new(Method::CoordinateChange, why));
         }
     }
-    if let Some((needed, mut lower, states, checks)) = best
-        && let Ok(arguments) = lower.input_arguments()
-        && let Ok(extra) = least_cover(lower.inputs.len(), &arguments.pairs)
+    if least < most
+        && let Ok(arguments) = best.input_arguments()
+        && let Ok(extra) = least_cover(best.inputs.len(), &arguments.pairs)
     {
-        let mut c = augment(&lower, &arguments, &extra, &vec![false; extra.len()]);
+        let mut c = augment(&best, &arguments, &extra, &vec![false; extra.len()]);
         c.method = Method::CoordinateChange;
-        let shown: Vec<String> = states.iter().map(|z| format!("{} = {}", z.name, z.function)).collect();
-        c.why = format!("with the states {} the inputs take {needed} integrators instead of {most}", shown.join(", "));
-        c.coordinate_change = states;
+        c.coordinate_change = change.states(&best.pool);
+        let plural = if least == 1 { "" } else { "s" };
+        c.why = format!(
+            "with the states {} the inputs take {least} integrator{plural} instead of {most}",
+            functions(&c.coordinate_change)
+        );
         c.certificate = checks.certificate;
         if let Some(s) = &mut c.system {
             s.name = format!("{}_affine", system.name);
@@ -368,10 +370,8 @@ fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
     rejected
 }
 
-/// Changes of states made one after the other, listed together.
-fn composed(mut first: Vec<NewState>, second: Vec<NewState>) -> Vec<NewState> {
-    first.extend(second);
-    first
+fn functions(states: &[NewState]) -> String {
+    states.iter().map(|z| format!("{} = {}", z.name, z.function)).collect::<Vec<_>>().join(", ")
 }
 
 fn integrators_needed(system: &System) -> Result<usize, AffineError> {

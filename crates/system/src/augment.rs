@@ -25,8 +25,8 @@ impl Arguments {
     }
 }
 
-/// Puts order + extra integrators in front of each input, except that those of `taken` become the highest derivative that
-/// occurs. The k-th derivative of `u` is called `u` followed by k letters `d`.
+/// Puts order + extra integrators in front of each input, except that those of `taken` become the highest derivative
+/// that occurs. The k-th derivative of `u` is called `u` followed by k letters `d`.
 pub(crate) fn augment(original: &System, arguments: &Arguments, extra: &[bool], taken: &[bool]) -> Candidate {
     let mut system = original.clone();
     let old_inputs = system.inputs.clone();

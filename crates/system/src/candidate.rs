@@ -80,24 +80,29 @@ pub struct Candidate {
     pub added_states: usize,
     /// New inputs, in order; empty where the inputs (or their derivatives) stay as they are.
     pub input_change: Vec<NewInput>,
-    /// Old inputs as functions of the new ones (and the states), where these were found in closed form and checked; of several
-    /// solutions one.
+    /// Old inputs as functions of the new ones (and the states), where these were found in closed form and checked; of
+    /// several solutions one.
     pub inverse: Vec<(String, String)>,
     /// New states that replace old ones.
     pub coordinate_change: Vec<NewState>,
-    /// Where the new inputs do not determine the old ones locally, as a condition such as `u = 0`.
+    /// Where the new inputs do not determine the old ones locally, as a condition such as `u = 0`; `None` where that is
+    /// nowhere or no short condition was found.
     pub singular_set: Option<String>,
     /// For new inputs and a model with a point: whether the Jacobian of w has full rank there.
     pub regular_at_point: Option<bool>,
-    /// For new inputs and a model with a point: whether their values there are interior to the set of all values that they take
-    /// together; `None` where that was not established.
+    /// For new inputs and a model with a point: whether their values there are interior to the convex hull of all
+    /// values that they take together; `None` where that was not established.
+    ///
+    /// The hull decides on local controllability: reachable sets with inputs in V are dense in those with inputs in co
+    /// V, and where the brackets span, a dense reachable set near x₀ can be completed from both ends by open sets
+    /// (Krener), so that the affine system is small-time locally controllable with V if it is with co V.
     pub interior_at_point: Option<bool>,
     /// Whether the new inputs take their values independently of each other; `None` where that was not established.
     pub independent_ranges: Option<bool>,
     /// The affine system; `None` for a rejected candidate.
     pub system: Option<System>,
-    /// The tests that the affine system, with the new inputs and states written in the old ones, is the original; `None` where it
-    /// is so term by term.
+    /// The tests that the affine system, with the new inputs and states written in the old ones, is the original;
+    /// `None` where it is so term by term.
     pub certificate: Option<Certificate>,
     /// The reason for it, or for its rejection, in a sentence.
     pub why: String,
@@ -177,8 +182,9 @@ impl Serialize for Candidate {
         }
         s.serialize_field("states", &system.state_names())?;
         s.serialize_field("inputs", &system.input_names())?;
+        // How sure it is that the way there and back gives the original.
         let certificate = self.certificate.map_or_else(|| "identical".to_owned(), |c| c.to_string());
-        s.serialize_field("error_probability", &certificate)?;
+        s.serialize_field("certificate", &certificate)?;
         s.end()
     }
 }

@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
-use crate::input_change::{Change, Checks, Rejection, canonical, rows, without_switches};
+use crate::input_change::{Change, Checks, Rejection, canonical, is_switch, rows, without_switches};
 use crate::range::flattened;
 use crate::system::System;
 
@@ -12,10 +12,11 @@ const MAX_FUNCTIONS: usize = 8;
 
 /// A change v = w(x, u) after which the equations are affine in v, if there is one.
 ///
-/// Let r be the generic rank of ∂f/∂u, and take r rows of it and r columns C that are independent. If f = a(x) + B(x) w(x, u) with
-/// independent w_1 … w_r, every row of f is a function of x plus a combination, with coefficients M(x), of the chosen rows f_R;
-/// then M = ∂f/∂u_C (∂f_R/∂u_C)⁻¹ does not depend on u and may be taken at any u_0, and w = f_R does. So the change exists exactly
-/// if f − M f_R, with M taken at u_0, is free of u. (The affine hull of the velocities f(x, ·) then has dimension r.)
+/// Let r be the generic rank of ∂f/∂u, and take r rows of it and r columns C that are independent. If f = a(x) + B(x)
+/// w(x, u) with independent w_1 … w_r, every row of f is a function of x plus a combination, with coefficients M(x), of
+/// the chosen rows f_R; then M = ∂f/∂u_C (∂f_R/∂u_C)⁻¹ does not depend on u and may be taken at any u_0, and w = f_R
+/// does. So the change exists exactly if f − M f_R, with M taken at u_0, is free of u. (The affine hull of the
+/// velocities f(x, ·) then has dimension r.)
 pub(crate) fn by_rows(system: &mut System) -> Result<Change, Rejection> {
     let inputs = system.inputs.clone();
     let all = rows(system);
@@ -82,10 +83,7 @@ pub(crate) fn by_rows(system: &mut System) -> Result<Change, Rejection> {
 }
 
 fn is_switch_of(pool: &Pool, n: Expr, inputs: &[Symbol]) -> bool {
-    use bracketry_symbolic::{Func, Func2, Node};
-    let switch =
-        matches!(pool.node(n), Node::Call(Func::Sign | Func::Abs, _) | Node::Call2(Func2::Min | Func2::Max, ..));
-    switch && inputs.iter().any(|&u| pool.depends_on(n, u))
+    is_switch(pool.node(n)) && inputs.iter().any(|&u| pool.depends_on(n, u))
 }
 
 /// Whether f = a + B w.

@@ -1,11 +1,13 @@
 //! New inputs v = w(u) or v = w(x, u): completion of a change that was found, with its certificate.
 
-use bracketry_symbolic::{Bindings, Certificate, Expr, Pool, Symbol, Undecided, ZeroTest};
+use bracketry_symbolic::{Bindings, Certificate, Expr, Func, Func2, Node, Pool, Rational, Symbol, Undecided, ZeroTest};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::candidate::{AtPoint, Candidate, Method, NewInput};
+use crate::hull::surrounds_point;
 use crate::inverse::inverse;
 use crate::range::{Range, flattened, image, number, range};
+use crate::rational_function::RationalFunction;
 use crate::system::System;
 
 /// x' = a(x) + B(x) w(x, u), and the same for outputs that depend on inputs.
@@ -68,6 +70,10 @@ pub(crate) fn canonical(pool: &mut Pool, expressions: Vec<Expr>) -> Vec<Expr> {
     expressions.into_iter().map(|e| pool.simplify(e)).collect()
 }
 
+pub(crate) fn is_switch(node: Node) -> bool {
+    matches!(node, Node::Call(Func::Sign | Func::Abs, _) | Node::Call2(Func2::Min | Func2::Max, ..))
+}
+
 /// The equations, then the outputs.
 pub(crate) fn rows(system: &System) -> Vec<Expr> {
     system.dynamics.iter().copied().chain(system.outputs.iter().map(|o| o.1)).collect()
@@ -127,7 +133,7 @@ pub(crate) fn apply(original: &System, change: Change) -> Result<Candidate, Reje
     candidate.certificate = checks.certificate;
     candidate.independent_ranges = independent_ranges(&mut system, &functions, &input_change);
     candidate.regular_at_point = regular_at_point(&system, &functions);
-    candidate.interior_at_point = interior_at_point(&candidate, &input_change);
+    candidate.interior_at_point = interior_at_point(&mut system, &functions, &candidate, &input_change);
     candidate.singular_set = singular_set(&mut system, &functions);
     candidate.inverse = inverse(&mut system, &functions, &symbols);
     candidate.why = reason(&system.pool, &input_change);
@@ -226,7 +232,8 @@ fn describe(system: &mut System, symbols: &[Symbol], functions: &[Expr]) -> Resu
             Some(here) => place(&mut system.pool, here[k], &values),
             None => AtPoint::Unknown,
         };
-        if at_point == AtPoint::Unknown && regular_at_point(system, &[function]) == Some(true) {
+        let open = at_point == AtPoint::Unknown && system.point.is_some();
+        if open && (regular_at_point(system, &[function]) == Some(true) || surrounded(system, &[function])) {
             at_point = AtPoint::Interior;
         }
         out.push(NewInput { range: values.text(&name), name, function, values, at_point });
@@ -305,10 +312,9 @@ fn independent_ranges(system: &mut System, functions: &[Expr], described: &[NewI
     plane.then_some(true)
 }
 
-/// Whether the two are a·ρ·cos φ and b·ρ·sin φ with numbers a, b, where ρ takes all real numbers (or all that are not negative)
-/// and φ, independently, all angles.
+/// Whether the two are a·ρ·cos φ and b·ρ·sin φ with numbers a, b, where ρ takes all real numbers (or all that are not
+/// negative) and φ, independently, all angles.
 fn is_polar(system: &mut System, v: Expr, w: Expr) -> bool {
-    use bracketry_symbolic::{Func, Node};
     let values = system.with_values(&[v, w]);
     let inputs = system.inputs.clone();
     let pool = &mut system.pool;
@@ -330,9 +336,14 @@ fn is_polar(system: &mut System, v: Expr, w: Expr) -> bool {
     f != g && a == b && r == s && independent && turns && far
 }
 
-/// Whether the new inputs together can be varied to all sides at the point.
-fn interior_at_point(candidate: &Candidate, inputs: &[NewInput]) -> Option<bool> {
-    candidate.regular_at_point?;
+/// Whether the values of the new inputs at the point lie inside the convex hull of all that they take together.
+fn interior_at_point(
+    system: &mut System,
+    functions: &[Expr],
+    candidate: &Candidate,
+    inputs: &[NewInput],
+) -> Option<bool> {
+    system.point.as_ref()?;
     if candidate.regular_at_point == Some(true) {
         return Some(true);
     }
@@ -340,13 +351,28 @@ fn interior_at_point(candidate: &Candidate, inputs: &[NewInput]) -> Option<bool>
         return Some(false);
     }
     let each = inputs.iter().all(|v| v.at_point == AtPoint::Interior);
-    (each && candidate.independent_ranges == Some(true)).then_some(true)
+    let inside = (each && candidate.independent_ranges == Some(true)) || surrounded(system, functions);
+    inside.then_some(true)
+}
+
+/// Whether values on all sides of those at the point are seen.
+fn surrounded(system: &mut System, functions: &[Expr]) -> bool {
+    let Some((_, at)) = system.point_values() else { return false };
+    let Some(mut values) = point_values(system) else { return false };
+    let inputs = system.inputs.clone();
+    for &u in &inputs {
+        let u = system.pool.sym(u);
+        values.remove(&u);
+    }
+    let here = system.pool.substitute_all(functions, &values);
+    surrounds_point(system, &here, &inputs, &at)
 }
 
 /// Largest number of minors of the Jacobian that are written out.
 const MAX_MINORS: usize = 6;
 
-/// Where the Jacobian of w with respect to u loses rank, printed; `None` where it never does or the condition is too long.
+/// Where the Jacobian of w with respect to u loses rank, printed; `None` where it never does or no short condition was
+/// found.
 fn singular_set(system: &mut System, functions: &[Expr]) -> Option<String> {
     let jacobian = system.pool.jacobian(functions, &system.inputs.clone());
     let columns = subsets(system.inputs.len(), functions.len(), MAX_MINORS)?;
@@ -358,21 +384,12 @@ fn singular_set(system: &mut System, functions: &[Expr]) -> Option<String> {
         if system.pool.is_zero(d) {
             continue;
         }
+        if system.pool.reachable(&[d]).into_iter().any(|n| is_switch(system.pool.node(n))) {
+            return None;
+        }
         let mut factors: Vec<String> = Vec::new();
-        let parameters: FxHashSet<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
         for f in flattened(&system.pool, d, false) {
-            let base = match system.pool.node(f) {
-                bracketry_symbolic::Node::Pow(a, k) => match system.pool.number(k) {
-                    Some(k) if *k < bracketry_symbolic::Rational::ZERO => continue,
-                    Some(_) => a,
-                    None => f,
-                },
-                bracketry_symbolic::Node::Call(bracketry_symbolic::Func::Exp, _) => continue,
-                _ => f,
-            };
-            if system.pool.symbols_of(&[base]).iter().any(|s| !parameters.contains(s)) {
-                factors.push(format!("{} = 0", system.pool.text(base)));
-            }
+            factors.extend(zeros(system, f));
         }
         if factors.is_empty() {
             return None;
@@ -387,6 +404,34 @@ fn singular_set(system: &mut System, functions: &[Expr]) -> Option<String> {
     let bracketed = conditions.into_iter().map(|c| if several && c.contains(" or ") { format!("({c})") } else { c });
     let text = bracketed.collect::<Vec<_>>().join(" and ");
     (!text.is_empty() && text.len() < 2000).then_some(text)
+}
+
+/// The conditions, one of which holds where the factor vanishes; none if it vanishes nowhere.
+fn zeros(system: &mut System, factor: Expr) -> Vec<String> {
+    let base = match system.pool.node(factor) {
+        Node::Pow(a, k) => match system.pool.number(k) {
+            Some(k) if *k < Rational::ZERO => return Vec::new(),
+            Some(_) => a,
+            None => factor,
+        },
+        Node::Call(Func::Exp | Func::Cosh, _) => return Vec::new(),
+        _ => factor,
+    };
+    let value = system.with_values(&[base])[0];
+    let uses = system.pool.symbols_of(&[value]);
+    if uses.is_empty() {
+        return Vec::new();
+    }
+    if let [u] = uses[..]
+        && let Some(f) = RationalFunction::of(&mut system.pool, value, u)
+        && let Some(zeros) = f.zeros_of_input()
+    {
+        return zeros.into_iter().map(|x| format!("{} = {x}", system.pool.name(u))).collect();
+    }
+    let inputs = system.inputs.clone();
+    let nowhere = image(&mut system.pool, value, &inputs)
+        .is_ok_and(|i| i.lower.value > 0.0 || i.upper.value < 0.0 || i.excludes_zero_at_end());
+    if nowhere { Vec::new() } else { vec![format!("{} = 0", system.pool.text(base))] }
 }
 
 /// The subsets of k of n numbers, if they are not too many.

@@ -139,6 +139,11 @@ impl Interval {
         self.lower.value < x && x < self.upper.value && !close(x, self.lower.value) && !close(x, self.upper.value)
     }
 
+    /// Whether it ends at zero without holding it.
+    pub(crate) fn excludes_zero_at_end(&self) -> bool {
+        (self.lower.value == 0.0 && !self.lower.closed) || (self.upper.value == 0.0 && !self.upper.closed)
+    }
+
     fn holds(&self, x: f64) -> bool {
         self.holds_inside(x)
             || (close(self.lower.value, x) && self.lower.closed)

@@ -1,14 +1,13 @@
 //! Old inputs as functions of the new ones, in closed form where there is one.
 
-use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol};
+use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
-use crate::input_change::without_switches;
 use crate::range::flattened;
 use crate::system::System;
 
-/// Each old input that is found, with its function of the new inputs and the states, such that w of them is the new input, exactly.
-/// Where there are several solutions, one of them.
+/// Each old input that is found, with its function of the new inputs and the states, such that w of them is the new
+/// input. Where there are several solutions, one of them.
 pub(crate) fn inverse(system: &mut System, functions: &[Expr], new: &[Symbol]) -> Vec<(String, String)> {
     let mut known: FxHashMap<Expr, Expr> = FxHashMap::default();
     let mut found = Vec::new();
@@ -31,11 +30,13 @@ pub(crate) fn inverse(system: &mut System, functions: &[Expr], new: &[Symbol]) -
         let unknown = system.pool.sym(u);
         let e = system.pool.simplify(e);
         let solution = std::iter::once((unknown, e)).chain(known.iter().map(|(&a, &b)| (a, b))).collect();
-        if u != new[k] && !holds(system, functions[k], &solution, new[k]) {
+        if u != new[k] && !holds(system, functions, new, k, &solution) {
             continue;
         }
         known.insert(unknown, e);
-        found.push((system.pool.name(u).to_owned(), system.pool.text(e)));
+        if u != new[k] {
+            found.push((system.pool.name(u).to_owned(), system.pool.text(e)));
+        }
     }
     if found.is_empty() {
         found = polar(system, functions, new);
@@ -44,25 +45,37 @@ pub(crate) fn inverse(system: &mut System, functions: &[Expr], new: &[Symbol]) -
     found
 }
 
-/// Whether w of the solution is v, for positive and negative signs of every switching function alike.
-fn holds(system: &System, w: Expr, solution: &FxHashMap<Expr, Expr>, v: Symbol) -> bool {
+/// Whether w of the solution is v: exactly, or, where functions of their inverses are beyond the exact test, in numbers
+/// (each step of the solution is the inverse of a step of w, so that only the branch can be wrong).
+fn holds(system: &System, functions: &[Expr], new: &[Symbol], k: usize, solution: &FxHashMap<Expr, Expr>) -> bool {
     let mut check = system.clone();
-    let image = check.pool.substitute(w, solution);
-    let v = check.pool.sym(v);
+    let image = check.pool.substitute(functions[k], solution);
+    let v = check.pool.sym(new[k]);
     let difference = check.pool.sub(image, v);
     let simple = check.pool.simplify(difference);
-    if check.pool.is_zero(simple) {
+    if check.pool.is_zero(simple) || check.pool.zero_test(simple, &Bindings::default()).is_zero() {
         return true;
     }
-    let (mut check, _) = without_switches(&check, &[simple]);
-    check.dynamics = vec![simple];
-    check.outputs.clear();
-    let Ok(modes) = check.modes() else { return false };
-    modes.into_iter().all(|m| {
-        let mut pool = m.system.pool;
-        let e = pool.simplify(m.system.dynamics[0]);
-        pool.zero_test(e, &Bindings::default()).is_zero()
-    })
+    let forward: FxHashMap<Expr, Expr> =
+        new.iter().map(|&s| check.pool.sym(s)).zip(functions.iter().copied()).collect();
+    let around = check.pool.substitute(simple, &forward);
+    let values = check.with_values(&[around, functions[k]]);
+    let arguments: Vec<Symbol> = check.states.iter().chain(&check.inputs).copied().collect();
+    let Ok(tape) = Tape::compile(&check.pool, &arguments, &values) else { return false };
+    let mut seen = 0;
+    for sample in 0..12 {
+        let at: Vec<f64> = (0..arguments.len()).map(|j| (1.0 + sample as f64 + 3.0 * j as f64).sin() * 1.4).collect();
+        let mut out = [f64::NAN; 2];
+        tape.eval(&at, &mut Vec::new(), &mut out);
+        if !out[0].is_finite() {
+            continue;
+        }
+        if out[0].abs() > 1e-9 * (1.0 + out[1].abs()) {
+            return false;
+        }
+        seen += 1;
+    }
+    seen >= 3
 }
 
 /// u from w(u) = v.

@@ -5,6 +5,7 @@ mod augment;
 mod candidate;
 mod document;
 mod feedback;
+mod hull;
 mod input_change;
 mod interval;
 mod inverse;

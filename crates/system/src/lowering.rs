@@ -1,24 +1,68 @@
 //! New states that make lower derivatives of the inputs suffice.
 //!
-//! No change z = T(x) of the state alone makes equations affine in the inputs that were not so before, for z' = DT f(x, u) is affine
-//! in u exactly if f is. Where derivatives of inputs enter, though, a change z = T(x, u, …) can remove the highest ones and with
-//! them integrators, as z = x − b u does for x' = a(x) + b u' (Freedman and Willems, IEEE Trans. Automat. Control 23, 1978;
-//! Delaleau and Respondek, J. Math. Syst. Estim. Control 5, 1995).
+//! No change z = T(x) of the state alone makes equations affine in the inputs that were not so before, for z' = DT f(x,
+//! u) is affine in u exactly if f is. Where derivatives of inputs enter, though, a change z = T(x, u, …) can remove the
+//! highest ones and with them integrators, as z = x − b u does for x' = a(x) + b u' (Freedman and Willems, IEEE Trans.
+//! Automat. Control 23, 1978; Delaleau and Respondek, J. Math. Syst. Estim. Control 5, 1995).
 
-use bracketry_symbolic::{Expr, Func, Func2, Node, Pool, Symbol};
+use bracketry_symbolic::{Expr, Func, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::candidate::NewState;
-use crate::input_change::{Checks, Rejection, canonical, fresh, without_switches};
+use crate::input_change::{Checks, Rejection, canonical, fresh, is_switch, without_switches};
 use crate::system::{InputDerivative, System};
 
 /// Terms of the Lie series after which it is taken not to end.
 const MAX_TERMS: usize = 6;
 
-/// A system with the highest derivative of an input removed.
-pub(crate) struct Lowered {
-    pub(crate) system: System,
-    pub(crate) states: Vec<NewState>,
+/// New states as functions of old ones and inputs, and back.
+#[derive(Clone)]
+pub(crate) struct Transformation {
+    /// The original states.
+    old: Vec<Symbol>,
+    /// The new states, in the order of the old ones.
+    new: Vec<Symbol>,
+    /// T, one entry per new state.
+    forward: Vec<Expr>,
+    /// Its inverse, one entry per old state.
+    back: Vec<Expr>,
+}
+
+impl Transformation {
+    pub(crate) fn identity(system: &mut System) -> Self {
+        let same: Vec<Expr> = system.states.clone().iter().map(|&s| system.pool.sym(s)).collect();
+        let old = system.states.clone();
+        Transformation { new: old.clone(), old, forward: same.clone(), back: same }
+    }
+
+    /// This one and then another of the new states.
+    fn then(&self, pool: &mut Pool, new: Vec<Symbol>, forward: &[Expr], back: &FxHashMap<Expr, Expr>) -> Self {
+        let old: FxHashMap<Expr, Expr> = self.new.iter().zip(&self.forward).map(|(&s, &e)| (pool.sym(s), e)).collect();
+        let forward = pool.substitute_all(forward, &old);
+        let back = pool.substitute_all(&self.back, back);
+        Transformation { old: self.old.clone(), new, forward: canonical(pool, forward), back: canonical(pool, back) }
+    }
+
+    /// The states that are new.
+    pub(crate) fn states(&self, pool: &Pool) -> Vec<NewState> {
+        let all = self.old.iter().zip(&self.new).zip(self.forward.iter().zip(&self.back));
+        all.filter(|((old, new), _)| old != new)
+            .map(|((&old, &new), (&forward, &back))| NewState {
+                name: pool.name(new).to_owned(),
+                replaces: pool.name(old).to_owned(),
+                function: pool.text(forward),
+                inverse: pool.text(back),
+            })
+            .collect()
+    }
+}
+
+/// The flow of g from s = 0, and back to it.
+enum Flow {
+    /// x, L_g x, L_g² x, …
+    Series(Vec<Expr>),
+    /// L_g x = c x with a constant c.
+    Exponential(Expr),
 }
 
 /// The symbol of the derivative of order k of an input.
@@ -36,19 +80,22 @@ fn derivative_symbol(system: &mut System, input: usize, order: u32) -> Symbol {
     symbol
 }
 
-fn is_switch(node: Node) -> bool {
-    matches!(node, Node::Call(Func::Sign | Func::Abs, _) | Node::Call2(Func2::Min | Func2::Max, ..))
-}
-
 fn no(reason: String) -> Rejection {
     Rejection::Because(reason)
 }
 
 /// Removes the derivative of order `order` ≥ 1, the highest that occurs, of an input.
 ///
-/// Let x' = a + b u^(k), s = u^(k−1) and g = ∂/∂s + b ∂/∂x. The functions z_i = exp(−s g) x_i = Σ (−s)^j/j! L_g^j x_i satisfy
-/// L_g z_i = 0, so their derivatives are free of u^(k); the series must end. The old states are X_i(z, s) = Σ s^j/j! (L_g^j x_i)(z, 0).
-pub(crate) fn lowered(original: &System, input: usize, order: u32, checks: &mut Checks) -> Result<Lowered, Rejection> {
+/// Let x' = a + b u^(k), s = u^(k−1) and g = ∂/∂s + b ∂/∂x. The functions z_i = exp(−s g) x_i = Σ (−s)^j/j! L_g^j x_i
+/// satisfy L_g z_i = 0, so their derivatives are free of u^(k); the series must end. The old states are X_i(z, s) = Σ
+/// s^j/j! (L_g^j x_i)(z, 0).
+pub(crate) fn lowered(
+    original: &System,
+    before: &Transformation,
+    input: usize,
+    order: u32,
+    checks: &mut Checks,
+) -> Result<(System, Transformation), Rejection> {
     let mut system = original.clone();
     let top = derivative_symbol(&mut system, input, order);
     let below = derivative_symbol(&mut system, input, order - 1);
@@ -90,32 +137,40 @@ pub(crate) fn lowered(original: &System, input: usize, order: u32, checks: &mut 
         }));
     }
 
-    // T and X as Lie series.
+    // T and X, states named z_… once.
     let s = pool.sym(below);
-    let mut z_names = Vec::new();
+    let mut z = Vec::new();
     let (mut forward, mut back) = (Vec::new(), FxHashMap::default());
     let mut to_new: FxHashMap<Expr, Expr> = FxHashMap::default();
-    let mut series = Vec::new();
-    for (i, &x) in states.iter().enumerate() {
+    let mut flows = Vec::new();
+    for &x in &states {
         let e = pool.sym(x);
-        let terms = lie_series(pool, &states, &b, below, e, checks)?
+        let flow = flow(pool, &states, &b, below, e, checks)?
             .ok_or_else(|| no(format!("the states that are free of {name} were not found in closed form")))?;
-        let z = if terms.len() == 1 { x } else { fresh(pool, &format!("z_{}", pool.name(x).to_owned())) };
-        let z_expr = pool.sym(z);
-        to_new.insert(e, z_expr);
-        z_names.push((i, z));
-        series.push(terms);
+        let unchanged = matches!(&flow, Flow::Series(terms) if terms.len() == 1) || !before.old.contains(&x);
+        let new = if unchanged { x } else { fresh(pool, &format!("z_{}", pool.name(x).to_owned())) };
+        let new_expr = pool.sym(new);
+        to_new.insert(e, new_expr);
+        z.push(new);
+        flows.push(flow);
     }
     let zero = pool.int(0);
     let start: FxHashMap<Expr, Expr> = to_new.iter().map(|(&a, &b)| (a, b)).chain([(s, zero)]).collect();
-    for (terms, &x) in series.iter().zip(&states) {
-        let minus = pool.neg(s);
-        let t = weighted(pool, terms, minus);
+    for (flow, &x) in flows.iter().zip(&states) {
+        let (x, minus) = (pool.sym(x), pool.neg(s));
+        let (t, old) = match flow {
+            Flow::Series(terms) => {
+                let at_start = pool.substitute_all(terms, &start);
+                (weighted(pool, terms, minus), weighted(pool, &at_start, s))
+            }
+            Flow::Exponential(c) => {
+                let (down, up) = (pool.mul(*c, minus), pool.mul(*c, s));
+                let (down, up) = (pool.call(Func::Exp, down), pool.call(Func::Exp, up));
+                (pool.mul(x, down), pool.mul(to_new[&x], up))
+            }
+        };
         forward.push(t);
-        let at_start = pool.substitute_all(terms, &start);
-        let sum = weighted(pool, &at_start, s);
-        let x = pool.sym(x);
-        back.insert(x, sum);
+        back.insert(x, old);
     }
 
     // z' = ∂T/∂x f + Σ ∂T/∂u^(j) u^(j+1), free of the highest derivative.
@@ -139,7 +194,6 @@ pub(crate) fn lowered(original: &System, input: usize, order: u32, checks: &mut 
     let dynamics: Vec<Expr> = dynamics.into_iter().map(|e| pool.simplify(e)).collect();
 
     // Back: d/dt X(z, s) must be f at X.
-    let z: Vec<Symbol> = z_names.iter().map(|n| n.1).collect();
     let mut differences = Vec::new();
     for (&x, &e) in states.iter().zip(&f) {
         let x = pool.sym(x);
@@ -154,20 +208,20 @@ pub(crate) fn lowered(original: &System, input: usize, order: u32, checks: &mut 
             return Err(no("the way back does not give the equations".to_owned()));
         }
     }
-    let states_described = describe(&mut system, &z_names, &forward, &back);
+    let transformation = before.then(&mut system.pool, z.clone(), &forward, &back);
     replace_states(&mut system, &z, dynamics, &forward, &back, top);
-    Ok(Lowered { system, states: states_described })
+    Ok((system, transformation))
 }
 
-/// x_i, L_g x_i, L_g² x_i, … without the zero at the end; `None` if there is none within [`MAX_TERMS`].
-fn lie_series(
+/// The flow of g on one state; `None` if its series neither ends within [`MAX_TERMS`] nor is exponential.
+fn flow(
     pool: &mut Pool,
     states: &[Symbol],
     b: &[Expr],
     below: Symbol,
     first: Expr,
     checks: &mut Checks,
-) -> Result<Option<Vec<Expr>>, Rejection> {
+) -> Result<Option<Flow>, Rejection> {
     let mut terms = vec![first];
     for _ in 0..MAX_TERMS {
         let last = terms[terms.len() - 1];
@@ -176,7 +230,14 @@ fn lie_series(
         let sum = pool.add(along, direct);
         let next = pool.simplify(sum);
         if checks.is_zero(pool, next)? {
-            return Ok(Some(terms));
+            return Ok(Some(Flow::Series(terms)));
+        }
+        if terms.len() == 1 {
+            let ratio = pool.div(next, first);
+            let c = pool.simplify(ratio);
+            if pool.symbols_of(&[c]).iter().all(|s| *s != below && !states.contains(s)) {
+                return Ok(Some(Flow::Exponential(c)));
+            }
         }
         terms.push(next);
     }
@@ -207,29 +268,6 @@ fn total_derivative(pool: &mut Pool, e: Expr, states: &[Symbol], f: &[Expr], cha
         total = pool.add(total, term);
     }
     total
-}
-
-fn describe(
-    system: &mut System,
-    z: &[(usize, Symbol)],
-    forward: &[Expr],
-    back: &FxHashMap<Expr, Expr>,
-) -> Vec<NewState> {
-    let mut out = Vec::new();
-    for &(i, new) in z {
-        let old = system.states[i];
-        if old == new {
-            continue;
-        }
-        let x = system.pool.sym(old);
-        out.push(NewState {
-            name: system.pool.name(new).to_owned(),
-            replaces: system.pool.name(old).to_owned(),
-            function: system.pool.text(forward[i]),
-            inverse: system.pool.text(back[&x]),
-        });
-    }
-    out
 }
 
 fn replace_states(

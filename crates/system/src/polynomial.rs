@@ -42,6 +42,11 @@ impl Polynomial {
         self.0.last().cloned().unwrap_or(Rational::ZERO)
     }
 
+    /// The coefficient of the lowest power that occurs.
+    pub(crate) fn lowest(&self) -> Rational {
+        self.0.iter().find(|c| **c != Rational::ZERO).cloned().unwrap_or(Rational::ZERO)
+    }
+
     pub(crate) fn at(&self, x: &Rational) -> Rational {
         self.0.iter().rev().fold(Rational::ZERO, |sum, c| sum * x.clone() + c.clone())
     }

@@ -53,8 +53,8 @@ impl Range {
         }
     }
 
-    /// The limits of a variable called `name`, such as `v1 ≥ 0`, `|v1| ≤ 1` or `-2 < v1 ≤ 3`; `None` where there are none or none
-    /// were established.
+    /// The limits of a variable called `name`, such as `v1 ≥ 0`, `|v1| ≤ 1` or `-2 < v1 ≤ 3`; `None` where there are
+    /// none or none were established.
     pub fn text(&self, name: &str) -> Option<String> {
         let sign = |closed: bool, strict: &'static str, weak: &'static str| if closed { weak } else { strict };
         let Range::Interval { lower, upper } = self else { return None };

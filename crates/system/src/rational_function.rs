@@ -15,6 +15,11 @@ enum Variable {
     HalfTangent(Expr),
     /// E = exp(t), with sinh, cosh and tanh of t as rational functions of it.
     Exponential(Expr),
+    /// E > 0 with u = c (E − 1/E)/2, and √base = s (E + 1/E)/2, for base = (s/c)² (c² + u²).
+    Hyperbola {
+        /// The radicand.
+        base: Expr,
+    },
 }
 
 /// p/q without common factors, in one [`Variable`].
@@ -24,10 +29,18 @@ pub(crate) struct RationalFunction {
     denominator: Polynomial,
     variable: Option<Variable>,
     input: Symbol,
+    /// c and s of a hyperbola.
+    scales: [Rational; 2],
 }
 
 /// Degree beyond which a function is given up.
 const MAX_DEGREE: usize = 24;
+
+/// √x where that is rational.
+fn rational_root(x: &Rational) -> Option<Rational> {
+    let root = Rational::simplest_from_f64(x.to_f64().value().sqrt())?;
+    (root.clone() * root.clone() == *x).then_some(root)
+}
 
 fn integers(c: &[i64]) -> Polynomial {
     Polynomial::new(c.iter().map(|&k| Rational::from(k)).collect())
@@ -36,7 +49,14 @@ fn integers(c: &[i64]) -> Polynomial {
 impl RationalFunction {
     /// `e` as a rational function, if it is one with rational coefficients.
     pub(crate) fn of(pool: &mut Pool, e: Expr, input: Symbol) -> Option<Self> {
-        let mut f = RationalFunction { numerator: integers(&[]), denominator: integers(&[1]), variable: None, input };
+        let mut f = RationalFunction {
+            numerator: integers(&[]),
+            denominator: integers(&[1]),
+            variable: None,
+            input,
+            scales: [Rational::ONE, Rational::ONE],
+        };
+        f.find_hyperbola(pool, e);
         let (p, q) = f.read(pool, e)?;
         let common = p.gcd(&q);
         let reduced = |p: &Polynomial| p.quotient(&common);
@@ -45,10 +65,58 @@ impl RationalFunction {
         Some(f)
     }
 
+    /// Takes the hyperbola as variable where the root of a sum of squares occurs.
+    fn find_hyperbola(&mut self, pool: &mut Pool, e: Expr) {
+        for n in pool.reachable(&[e]) {
+            let Node::Pow(base, k) = pool.node(n) else { continue };
+            let half = pool.number(k).is_some_and(|k| !k.is_int() && (k.clone() * Rational::from(2)).is_int());
+            if !half || !pool.depends_on(base, self.input) {
+                continue;
+            }
+            let Some(inside) = RationalFunction::of(pool, base, self.input) else { continue };
+            let p = &inside.numerator;
+            let square_sum = inside.is_polynomial_of_input()
+                && p.degree() == 2
+                && p.derivative().at(&Rational::ZERO) == Rational::ZERO;
+            let (a, b) =
+                (p.at(&Rational::ZERO) / inside.denominator.leading(), p.leading() / inside.denominator.leading());
+            if !square_sum || a <= Rational::ZERO || b <= Rational::ZERO {
+                continue;
+            }
+            if let (Some(c), Some(s)) = (rational_root(&(a.clone() / b)), rational_root(&a)) {
+                self.variable = Some(Variable::Hyperbola { base });
+                self.scales = [c, s];
+                return;
+            }
+        }
+    }
+
+    /// Powers of the root of the radicand, and the input, on the hyperbola.
+    fn read_on_hyperbola(&self, pool: &mut Pool, e: Expr, base: Expr) -> Option<(Polynomial, Polynomial)> {
+        let two_e = integers(&[0, 2]);
+        match pool.node(e) {
+            Node::Sym(s) if s == self.input => Some((integers(&[-1, 0, 1]).scaled(&self.scales[0]), two_e)),
+            Node::Pow(b, k) if b == base => {
+                let k = pool.number(k)?.clone() * Rational::from(2);
+                let k = i64::try_from(k.numerator()).ok().filter(|k| k.unsigned_abs() <= MAX_DEGREE as u64 / 2)?;
+                let root = (integers(&[1, 0, 1]).scaled(&self.scales[1]), two_e);
+                let power = |p: &Polynomial| (0..k.unsigned_abs()).fold(integers(&[1]), |m, _| m.mul(p));
+                let (p, q) = (power(&root.0), power(&root.1));
+                Some(if k > 0 { (p, q) } else { (q, p) })
+            }
+            _ => None,
+        }
+    }
+
     fn read(&mut self, pool: &mut Pool, e: Expr) -> Option<(Polynomial, Polynomial)> {
         let one = integers(&[1]);
         if let Some(c) = pool.number(e) {
             return Some((Polynomial::new(vec![c.clone()]), one));
+        }
+        if let Some(Variable::Hyperbola { base }) = self.variable
+            && let Some(found) = self.read_on_hyperbola(pool, e, base)
+        {
+            return Some(found);
         }
         let found = match pool.node(e) {
             Node::Add(a, b) => {
@@ -85,12 +153,19 @@ impl RationalFunction {
                 }
             }
             Node::Call(f @ (Func::Exp | Func::Sinh | Func::Cosh | Func::Tanh), t) => {
-                self.take(Variable::Exponential(t))?;
+                let n = self.take_exponential(pool, t)?;
+                // E^n and E^(−n) as numerator and denominator.
+                let power = |k: u64| (0..k).fold(integers(&[1]), |m, _| m.mul(&integers(&[0, 1])));
+                let (up, square) = (power(n.unsigned_abs()), power(2 * n.unsigned_abs()));
+                let sum = square.add(&one);
+                let difference = square.sub(&one).scaled(&Rational::from(n.signum()));
+                let twice = up.scaled(&Rational::from(2));
                 match f {
-                    Func::Exp => (integers(&[0, 1]), one),
-                    Func::Sinh => (integers(&[-1, 0, 1]), integers(&[0, 2])),
-                    Func::Cosh => (integers(&[1, 0, 1]), integers(&[0, 2])),
-                    _ => (integers(&[-1, 0, 1]), integers(&[1, 0, 1])),
+                    Func::Exp if n > 0 => (up, one),
+                    Func::Exp => (one, up),
+                    Func::Sinh => (difference, twice),
+                    Func::Cosh => (sum, twice),
+                    _ => (difference, sum),
                 }
             }
             _ => {
@@ -99,6 +174,17 @@ impl RationalFunction {
             }
         };
         (found.0.degree().max(found.1.degree()) <= MAX_DEGREE).then_some(found)
+    }
+
+    /// n ≠ 0 with t = n·t₀ for the exponential exp(t₀) that is the variable; `None` if the function is rational in
+    /// something else.
+    fn take_exponential(&mut self, pool: &mut Pool, t: Expr) -> Option<i64> {
+        let Some(Variable::Exponential(first)) = self.variable else {
+            return self.take(Variable::Exponential(t)).map(|()| 1);
+        };
+        let ratio = pool.div(t, first);
+        let ratio = pool.simplify(ratio);
+        pool.integer(ratio).filter(|n| *n != 0 && n.unsigned_abs() <= MAX_DEGREE as u64 / 2)
     }
 
     /// `None` if the function is already rational in something else.
@@ -127,9 +213,27 @@ impl RationalFunction {
                 let on = images.of(t).ok()?;
                 on.image(images.pool, Func::Exp)
             }
+            Variable::Hyperbola { .. } => {
+                let whole = images.domain.get(&self.input).is_some_and(Interval::is_all);
+                let positive =
+                    Interval { lower: End::rational(images.pool, &Rational::ZERO, false), ..Interval::all() };
+                whole.then_some(positive)
+            }
             // A whole turn is needed, and the point at infinity with it.
             Variable::HalfTangent(t) => images.of(t).ok().filter(Interval::is_all),
         }
+    }
+
+    /// The input's values at the zeros, ascending: exactly, else rounded. `None` for a function of something else.
+    pub(crate) fn zeros_of_input(&self) -> Option<Vec<String>> {
+        if !matches!(self.variable, Some(Variable::Plain(_))) {
+            return None;
+        }
+        let text = |r: Root| match r.exact {
+            Some(x) => x.to_string(),
+            None => format!("{:.6}", r.value),
+        };
+        Some(self.zeros().into_iter().map(text).collect())
     }
 
     /// The set of values on an interval of the variable; `None` if there is a pole.
@@ -138,7 +242,9 @@ impl RationalFunction {
         let near = |r: &Root| {
             on.holds_inside(r.value) || [&on.lower, &on.upper].iter().any(|e| crate::interval::close(e.value, r.value))
         };
-        if q.roots().iter().any(near) {
+        // A pole at an open end 0 is a limit, that of an exponential at −∞.
+        let limit = |r: &Root| r.exact == Some(Rational::ZERO) && on.lower.value == 0.0 && !on.lower.closed;
+        if q.roots().iter().any(|r| near(r) && !limit(r)) {
             return None;
         }
         let mut ends = Vec::new();
@@ -172,6 +278,10 @@ impl RationalFunction {
             });
         }
         let exact = end.exact.and_then(|e| pool.number(e).cloned());
+        if exact == Some(Rational::ZERO) && q.at(&Rational::ZERO) == Rational::ZERO {
+            let rises = (p.at(&Rational::ZERO) > Rational::ZERO) == (q.lowest() > Rational::ZERO);
+            return Some(End::infinite(if rises { f64::INFINITY } else { f64::NEG_INFINITY }));
+        }
         Some(if let Some(x) = exact {
             End::rational(pool, &self.value(&x), end.closed)
         } else {

@@ -156,8 +156,49 @@ fn reduce(pool: &mut Pool, rows: &mut Vec<Vec<Expr>>) -> Vec<usize> {
     pivots
 }
 
-/// A change to new inputs w(u), if the equations are sums of functions of states times functions of inputs, and these span, over
-/// the constants, a space of at most as many functions as there are inputs.
+/// Multiplies each row of several terms so that it reads as it does in the equations, apart from a common whole factor;
+/// returns the new pivots.
+fn scales(pool: &mut Pool, basis: &mut [Vec<Expr>], pivots: &[usize], combinations: &[Combination]) -> Vec<Expr> {
+    let mut scales = Vec::new();
+    for (row, &j) in basis.iter_mut().zip(pivots) {
+        let one = pool.int(1);
+        scales.push(one);
+        if row.iter().filter(|e| !pool.is_zero(**e)).count() < 2 {
+            continue;
+        }
+        for c in combinations {
+            let scale = c.coefficients[j];
+            if vanishes(pool, scale) {
+                continue;
+            }
+            let multiple: Vec<Expr> = row.iter().map(|&e| pool.mul(scale, e)).collect();
+            let same = multiple.iter().zip(&c.coefficients).all(|(&a, &b)| {
+                let d = pool.sub(a, b);
+                vanishes(pool, d)
+            });
+            if !same {
+                continue;
+            }
+            let whole = c.coefficients.iter().map(|&e| pool.integer(e)).collect::<Option<Vec<i64>>>();
+            let factor = whole.map_or(1, |w| w.into_iter().fold(0, |g, k| gcd(g, k.unsigned_abs()))).max(1);
+            let sign = if pool.integer(scale).is_some_and(|k| k < 0) { -1 } else { 1 };
+            let factor = pool.int(sign * i64::try_from(factor).unwrap_or(1));
+            *row = c.coefficients.iter().map(|&e| pool.div(e, factor)).collect();
+            if let Some(last) = scales.last_mut() {
+                *last = pool.div(scale, factor);
+            }
+            break;
+        }
+    }
+    scales
+}
+
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// A change to new inputs w(u), if the equations are sums of functions of states times functions of inputs, and these
+/// span, over the constants, a space of at most as many functions as there are inputs.
 ///
 /// The basis is in reduced echelon form, so that each function has as few terms as the space permits.
 pub(crate) fn separated(system: &mut System) -> Result<Change, Rejection> {
@@ -205,6 +246,7 @@ pub(crate) fn separated(system: &mut System) -> Result<Change, Rejection> {
     if basis.len() > most || basis.is_empty() {
         return Err(Rejection::TooMany { functions: basis.len(), inputs: most });
     }
+    let scales = scales(pool, &mut basis, &pivots, &combinations);
     let functions: Vec<Expr> = basis
         .iter()
         .map(|row| {
@@ -213,11 +255,12 @@ pub(crate) fn separated(system: &mut System) -> Result<Change, Rejection> {
             pool.simplify(sum)
         })
         .collect();
-    // A row of the echelon form has 1 in its pivot column, where all others have 0: weights are read off there.
+    // A row of the echelon form has its scale in its pivot column, where all others have 0: weights are read off there.
     let mut factors = vec![vec![zero; functions.len()]; all.len()];
     for c in &combinations {
         for (k, &j) in pivots.iter().enumerate() {
-            let term = pool.mul(c.coefficients[j], c.factor);
+            let weight = pool.div(c.coefficients[j], scales[k]);
+            let term = pool.mul(weight, c.factor);
             factors[c.row][k] = pool.add(factors[c.row][k], term);
         }
     }

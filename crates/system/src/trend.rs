@@ -43,7 +43,8 @@ impl Limit {
     }
 }
 
-/// Whether `e` is continuous in `u` on the whole line and goes to opposite infinities at its ends, so that it takes every value.
+/// Whether `e` is continuous in `u` on the whole line and goes to opposite infinities at its ends, so that it takes
+/// every value.
 pub(crate) fn rises_through_all(images: &mut Images<'_>, e: Expr, u: Symbol) -> bool {
     matches!(
         limits(images, e, u),

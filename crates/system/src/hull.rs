@@ -1,0 +1,116 @@
+//! Whether a value lies inside the convex hull of the values of a function.
+
+use bracketry_symbolic::{Expr, Symbol, Tape};
+
+use crate::system::System;
+
+/// Sampled inputs per distance from the point.
+const SAMPLES: usize = 120;
+/// Distances from the point, and from the origin, at which inputs are sampled.
+const DISTANCES: [f64; 4] = [0.1, 1.0, 3.0, 10.0];
+/// Most functions that are looked at together.
+const MAX_DIMENSION: usize = 6;
+
+/// True if the point's value of the functions lies inside the convex hull of values that they take; false where that
+/// was not seen. `functions` must be free of names other than the inputs.
+///
+/// Some 1000 values are sampled; the point lies inside if the hull of these comes near to all corners of a
+/// cross-polytope around it.
+pub(crate) fn surrounds_point(system: &System, functions: &[Expr], inputs: &[Symbol], at: &[f64]) -> bool {
+    if functions.is_empty() || functions.len() > MAX_DIMENSION {
+        return false;
+    }
+    let Ok(tape) = Tape::compile(&system.pool, inputs, functions) else { return false };
+    let mut scratch = Vec::new();
+    let mut value = |u: &[f64]| {
+        let mut out = vec![0.0; functions.len()];
+        tape.eval(u, &mut scratch, &mut out);
+        out.iter().all(|v| v.is_finite()).then_some(out)
+    };
+    let Some(center) = value(at) else { return false };
+    let mut state = 0x9e37_79b9_7f4a_7c15u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let mut points = Vec::new();
+    for distance in DISTANCES {
+        for k in 0..2 * SAMPLES {
+            let around = if k % 2 == 0 { 1.0 } else { 0.0 };
+            let u: Vec<f64> = at.iter().map(|&a| around * a + distance * uniform()).collect();
+            if let Some(v) = value(&u) {
+                points.push(v.iter().zip(&center).map(|(a, b)| a - b).collect::<Vec<f64>>());
+            }
+        }
+    }
+    surrounds_origin(&points)
+}
+
+/// Whether the convex hull of the points holds a neighbourhood of the origin.
+fn surrounds_origin(points: &[Vec<f64>]) -> bool {
+    let Some(n) = points.first().map(Vec::len) else { return false };
+    // Every direction on its own scale, so that the polytope is not flat.
+    let sizes: Vec<f64> = (0..n)
+        .map(|i| {
+            let up = points.iter().map(|p| p[i]).fold(0.0, f64::max);
+            let down = points.iter().map(|p| -p[i]).fold(0.0, f64::max);
+            up.min(down)
+        })
+        .collect();
+    if sizes.iter().any(|s| *s <= 1e-6) {
+        return false;
+    }
+    let scaled: Vec<Vec<f64>> = points.iter().map(|p| p.iter().zip(&sizes).map(|(x, s)| x / s).collect()).collect();
+    // Points within δ/(2n) of the corners ±δ e_i hold the origin inside.
+    let delta = 0.02;
+    (0..n).all(|i| {
+        [delta, -delta].into_iter().all(|d| {
+            let mut corner = vec![0.0; n];
+            corner[i] = d;
+            distance_to_hull(&scaled, &corner) < delta / (2.0 * n as f64)
+        })
+    })
+}
+
+/// An upper bound of the distance of `target` from the convex hull, by the method of Frank and Wolfe with away steps'
+/// simpler kin: each step goes from the best combination so far towards the farthest point in the direction of the
+/// target.
+fn distance_to_hull(points: &[Vec<f64>], target: &[f64]) -> f64 {
+    const STEPS: usize = 3000;
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let Some(mut x) = points.first().cloned() else { return f64::INFINITY };
+    for _ in 0..STEPS {
+        let gap: Vec<f64> = target.iter().zip(&x).map(|(t, x)| t - x).collect();
+        let best = points.iter().max_by(|a, b| dot(a, &gap).total_cmp(&dot(b, &gap)));
+        let Some(best) = best else { break };
+        let step: Vec<f64> = best.iter().zip(&x).map(|(p, x)| p - x).collect();
+        let (progress, length) = (dot(&gap, &step), dot(&step, &step));
+        if progress <= 1e-14 || length == 0.0 {
+            break;
+        }
+        let t = (progress / length).min(1.0);
+        for (x, s) in x.iter_mut().zip(&step) {
+            *x += t * s;
+        }
+    }
+    target.iter().zip(&x).map(|(t, x)| (t - x) * (t - x)).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_origin_is_inside_only_if_points_lie_on_all_sides() {
+        let square = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|p| p.to_vec());
+        assert!(surrounds_origin(&square));
+        // At the edge and outside.
+        let shifted = square.clone().map(|p| vec![p[0] + 1.0, p[1]]);
+        assert!(!surrounds_origin(&shifted));
+        // All coordinates take both signs, and yet all points lie on one side of x + y = 0.1.
+        let side = [[1.0, -0.5], [-0.5, 1.0], [1.0, 1.0], [0.1, 0.0]].map(|p| p.to_vec());
+        assert!(!surrounds_origin(&side));
+        let flat = [[1.0, 1.0], [-1.0, -1.0]].map(|p| p.to_vec());
+        assert!(!surrounds_origin(&flat));
+    }
+}
