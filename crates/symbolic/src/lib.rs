@@ -17,6 +17,7 @@ mod diff;
 mod exact;
 mod func;
 mod latex;
+mod normal;
 mod operations;
 mod parse;
 mod point;

@@ -37,7 +37,8 @@ const EFFORT_PER_NODE: usize = 4;
 impl Pool {
     /// An equal expression that is shorter or the same: like terms and like factors merged, rational
     /// coefficients collected, sin² + cos² = 1 applied where it shortens, products multiplied out where that
-    /// makes terms cancel, and everything in an order that depends on names only.
+    /// makes terms cancel, the [trigonometric](Pool::trig_form) or [exponential](Pool::exp_form) normal form taken
+    /// where it is shorter, and everything in an order that depends on names only.
     ///
     /// The result has at most as many distinct nodes, equals `e` wherever `e` has a value (cancelled factors may
     /// give it one elsewhere), and is left as it is by another call.
@@ -94,6 +95,17 @@ impl Pool {
         canonical(self, e, None, MAX_COLLECTED_TERMS).unwrap_or(e)
     }
 
+    /// The terms of `e` multiplied out, without a common factor in front.
+    pub(crate) fn expanded_terms(&mut self, e: Expr) -> Vec<Expr> {
+        let e = self.expand(e);
+        let (c, rest) = self.coefficient(e);
+        if c == RBig::ONE || !matches!(self.node(rest), Node::Add(..)) {
+            return terms(self, e);
+        }
+        let c = self.rational(c);
+        terms(self, rest).into_iter().map(|t| self.mul(c, t)).collect()
+    }
+
     /// `e` as a coefficient and powers of distinct bases: Π base^exponent, sums without common factor.
     pub(crate) fn factored(&mut self, e: Expr) -> (RBig, Vec<(Expr, RBig)>) {
         let e = self.collected(e);
@@ -110,8 +122,18 @@ impl Pool {
         if nodes > MAX_TRIAL_NODES {
             return Some(collected);
         }
-        let expanded = canonical(self, e, Some(MAX_TRIAL_TERMS), effort)?;
-        Some(if self.size(expanded) < self.size(collected) { expanded } else { collected })
+        let mut best = collected;
+        if let Some(expanded) = canonical(self, e, Some(MAX_TRIAL_TERMS), effort)
+            && self.size(expanded) < self.size(best)
+        {
+            best = expanded;
+        }
+        for form in self.shorter_forms(e) {
+            if self.size(form) < self.size(best) {
+                best = form;
+            }
+        }
+        Some(best)
     }
 
     /// Number of distinct nodes.

@@ -84,6 +84,11 @@ impl Pool {
         Some(self.substitute_all(roots, &numbers))
     }
 
+    /// True if `e` is known to be positive, or zero, wherever it has a value.
+    pub(crate) fn is_positive(&mut self, e: Expr) -> bool {
+        self.signature(e, &Signs::default()) == Signature::of(true)
+    }
+
     fn switches(&self, n: Expr) -> bool {
         matches!(self.node(n), Node::Call(Func::Abs | Func::Sign, _) | Node::Call2(Func2::Min | Func2::Max, ..))
     }

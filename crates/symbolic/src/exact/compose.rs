@@ -7,7 +7,6 @@ use rustc_hash::FxHashMap;
 
 use crate::func::{Func, Func2};
 use crate::pool::{Expr, Node, Pool};
-use crate::text::terms;
 
 /// Angles are taken up to this multiple.
 const MAX_MULTIPLE: i64 = 16;
@@ -33,9 +32,8 @@ impl Pool {
 
     /// sin, cos or tan of a sum in which inverse functions have rational coefficients.
     fn function_of_inverse(&mut self, f: Func, a: Expr) -> Option<Expr> {
-        let a = self.expand(a);
         let (mut rest, mut angles) = (Vec::new(), Vec::new());
-        for t in terms(self, a) {
+        for t in self.expanded_terms(a) {
             let (c, x) = self.coefficient(t);
             let inverse = matches!(
                 self.node(x),

@@ -1,13 +1,13 @@
 //! Random expressions for the property tests.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use bracketry_symbolic::{Expr, Func, Func2, Pool, Tape};
+use bracketry_symbolic::{Expr, Func, Func2, Node, Pool, Tape};
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
 /// Which functions a random expression may hold.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {
     /// Differentiable wherever it has a value.
     Smooth,
@@ -101,4 +101,14 @@ pub(crate) fn value_and_size(p: &mut Pool, e: Expr, x: [f64; 3]) -> (f64, f64) {
     let all = values(p, &nodes, x);
     let size = all.iter().fold(1.0_f64, |m, v| if v.is_nan() { f64::NAN } else { m.max(v.abs()) });
     (all[all.len() - 1], size)
+}
+
+impl Kind {
+    /// What an expression holds.
+    pub(crate) fn of(p: &Pool, e: Expr) -> Kind {
+        let switches = |&n: &Expr| {
+            matches!(p.node(n), Node::Call(Func::Abs | Func::Sign, _) | Node::Call2(Func2::Min | Func2::Max, ..))
+        };
+        if p.reachable(&[e]).iter().any(switches) { Kind::Any } else { Kind::Smooth }
+    }
 }
