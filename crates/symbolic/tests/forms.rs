@@ -7,8 +7,10 @@ use bracketry_symbolic::{Bindings, Expr, Pool};
 use common::{Kind, cases, generator, point, random, value_and_size};
 use proptest::prelude::*;
 
+type Form = fn(&mut Pool, Expr) -> Expr;
+
 /// The forms that must not change the value.
-const FORMS: [(&str, fn(&mut Pool, Expr) -> Expr); 6] = [
+const FORMS: [(&str, Form); 6] = [
     ("simplify", Pool::simplify),
     ("expand", Pool::expand),
     ("trig_form", Pool::trig_form),
@@ -99,7 +101,7 @@ fn trigonometric(p: &mut Pool, rng: &mut rand::rngs::StdRng, depth: u32) -> Expr
     }
 }
 
-fn shown(form: fn(&mut Pool, Expr) -> Expr, text: &str) -> String {
+fn shown(form: Form, text: &str) -> String {
     let mut p = Pool::new();
     let e = p.parse(text).unwrap();
     let f = form(&mut p, e);
