@@ -92,6 +92,7 @@ pub(crate) fn augment(original: &System, arguments: &Arguments, extra: &[bool], 
     candidate.integrators = integrators;
     if any_taken {
         candidate.input_change = (0..old_inputs.len())
+            .filter(|&i| taken[i])
             .map(|i| {
                 let function = system.pool.sym(arguments.highest[i].1);
                 let name = system.input_names()[i].clone();

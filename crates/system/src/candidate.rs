@@ -78,7 +78,7 @@ pub struct Candidate {
     pub integrators: BTreeMap<String, u32>,
     /// States beyond those of the original.
     pub added_states: usize,
-    /// New inputs, in order; empty where the inputs (or their derivatives) stay as they are.
+    /// New inputs, in order; inputs that stay as they are, or get integrators, need not be listed.
     pub input_change: Vec<NewInput>,
     /// Old inputs as functions of the new ones (and the states), where these were found in closed form and checked; of
     /// several solutions one.
