@@ -3,8 +3,8 @@
 use std::fmt::{self, Write as _};
 use std::time::Instant;
 
-use bracketry_lie::{Answer, Dimensions, Options, Report, Stlc, Verdict};
-use bracketry_system::{AffineError, Affinization, Method, System};
+use bracketry_lie::{Answer, Dimensions, Options, Report, Side, Stlc, Verdict};
+use bracketry_system::{AffineError, Affinization, AtPoint, Method, NewInput, Range, System};
 use serde::Serialize;
 
 use crate::affinization::AffinizationReport;
@@ -60,6 +60,9 @@ pub struct Analysis {
 pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisError> {
     let begin = Instant::now();
     let affinization = system.affinize()?;
+    let mut options = options.clone();
+    options.one_sided.extend(one_sided(&affinization));
+    let options = &options;
     let mut report = bracketry_lie::analyse(&affinization.system, options)?;
     if affinization.method != Method::None {
         // Old inputs are known, though integrators make them states and new inputs may hold parameters.
@@ -86,25 +89,66 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     Ok(analysis)
 }
 
-/// Small variations of the new inputs are not available where w(u) does not cover a neighbourhood of its value, as u² at
-/// u = 0. What was concluded from them is then open; what is negative even with free inputs stays.
-fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization) {
-    if affinization.input_change.is_empty() || affinization.interior_at_point == Some(true) {
-        return;
+/// New inputs that can move from their value at the point to one side only, as u² can at u = 0.
+fn one_sided(affinization: &Affinization) -> Vec<(String, Side)> {
+    let side = |v: &NewInput| match v.at_point {
+        AtPoint::AtLower => Some(Side::Above),
+        AtPoint::AtUpper => Some(Side::Below),
+        AtPoint::Interior | AtPoint::Unknown => None,
+    };
+    affinization.input_change.iter().filter_map(|v| Some((v.name.clone(), side(v)?))).collect()
+}
+
+/// Whether a positive verdict on the affine system, in which new inputs are free or one-sided half-lines, holds for the
+/// original: the values that the new inputs take together must contain what it was concluded from.
+struct CarriesOver {
+    /// New inputs that move freely to all sides.
+    free: bool,
+    /// New inputs of which some move to one side only, each independently of the others and without another end.
+    half_lines: bool,
+}
+
+impl CarriesOver {
+    fn of(affinization: &Affinization, equilibrium: bool) -> CarriesOver {
+        let new = &affinization.input_change;
+        // Where the point is no equilibrium, other values than that at the point may hold it.
+        let onto = new.iter().all(|v| v.values.is_onto() == Some(true));
+        let free = new.is_empty() || affinization.interior_at_point == Some(true) && (equilibrium || onto);
+        let chosen = affinization.candidates.iter().find(|c| c.chosen);
+        let independent = new.len() == 1 || chosen.and_then(|c| c.independent_ranges) == Some(true);
+        let half_line = |v: &NewInput| match (v.at_point, &v.values) {
+            (AtPoint::Interior, _) => true,
+            (AtPoint::AtLower, Range::Interval { upper, .. }) => upper.is_none(),
+            (AtPoint::AtUpper, Range::Interval { lower, .. }) => lower.is_none(),
+            _ => false,
+        };
+        CarriesOver { free, half_lines: free || equilibrium && independent && new.iter().all(half_line) }
     }
+}
+
+/// Where the new inputs do not cover what a positive conclusion was drawn from, as u² at u = 0, it is open; what is
+/// negative even with more inputs stays.
+fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization) {
     let Some(Answer::Known(point)) = &mut report.at_point else { return };
+    let holds = CarriesOver::of(affinization, point.equilibrium == Answer::Known(true));
     let names: Vec<String> = affinization
         .input_change
         .iter()
         .map(|v| format!("{} = {}", v.name, affinization.system.pool.text(v.function)))
         .collect();
     let why = format!("at the point the old inputs do not move {} freely to all sides", names.join(", "));
-    if point.stlc.verdict == Verdict::Yes {
+    if point.stlc.verdict == Verdict::Yes && !holds.half_lines {
         point.stlc = Stlc::inconclusive(why.clone());
     }
+    if holds.free {
+        return;
+    }
     if let Some(stabilizable @ Answer::Known(true)) = &mut point.stabilizable {
-        *stabilizable = Answer::Unknown(why);
+        *stabilizable = Answer::Unknown(why.clone());
         point.stabilizable_reason = None;
+    }
+    if let Some(brockett @ Answer::Known(true)) = &mut point.brockett_condition {
+        *brockett = Answer::Unknown(why);
     }
 }
 

@@ -70,9 +70,9 @@ fn a_one_sided_input_is_not_called_controllable() {
     assert_eq!(a.affinization.input_change[0].range.as_deref(), Some("v1 ≥ 0"));
     let point = a.report.at_point.unwrap();
     let point = point.known().unwrap();
-    assert_eq!(point.stlc.verdict, bracketry::lie::Verdict::Inconclusive);
+    assert_eq!(point.stlc.verdict, bracketry::lie::Verdict::No);
     assert_eq!(point.stabilizable.as_ref().unwrap().known(), None);
-    // Around u = 1 the same input goes both ways, but the state does not rest there: no verdict is made up.
+    // Around u = 1 the same input goes both ways, but only u = 0 holds the state, at the end of the range.
     let system = bracketry::system::System::parse("m", &text.replace("u = 0", "u = 1")).unwrap();
     let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
     assert_ne!(a.report.at_point.unwrap().known().unwrap().stlc.verdict, bracketry::lie::Verdict::Yes);
@@ -120,4 +120,19 @@ fn the_affine_form_reaches_as_much_as_the_original_with_constant_inputs() {
     // Affine as it stands: nothing to compare.
     let a = bracketry::analyze(&a.affinization.model, &bracketry::lie::Options::default()).unwrap();
     assert!(a.affinization.family.is_none());
+}
+
+#[test]
+fn one_sided_inputs_that_push_to_one_side_do_not_control() {
+    let verdict = |dynamics: &str| {
+        let text = format!("states = ['x', 'y']\ninputs = ['a', 'b', 'c']\n[dynamics]\n{dynamics}\n[point]\n");
+        let system = bracketry::system::System::parse("m", &text).unwrap();
+        let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
+        a.report.at_point.unwrap().known().unwrap().stlc.verdict
+    };
+    // Three cables that can only pull: 120° apart they do control, all to one side they do not.
+    assert_ne!(verdict("x = 'a^2 - b^2/2 - c^2/2'\ny = 'b^2 - c^2'"), bracketry::lie::Verdict::No);
+    assert_ne!(verdict("x = 'a^2 + b^2/2 + c^2/2'\ny = 'b^2 - c^2'"), bracketry::lie::Verdict::Yes);
+    assert_eq!(verdict("x = 'a^2'\ny = 'x + b'"), bracketry::lie::Verdict::No);
+    assert_eq!(verdict("x = 'a^2 - b^2'\ny = 'c'"), bracketry::lie::Verdict::Yes);
 }
