@@ -98,7 +98,8 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         Some(Reach::of(pool, &all, first, &mut evidence).dimensions(&names))
     };
     let (control, degree) = if smooth {
-        control_report(&mut system, &modes[0].fields, flags[0].as_ref().ok(), first, &mut evidence)
+        let strong = reach[0].strong.as_ref().ok().map(Closure::dimension);
+        control_report(&mut system, &modes[0].fields, &flags[0], strong, first, &mut evidence)
     } else {
         (ControlReport::default(), None)
     };

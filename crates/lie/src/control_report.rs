@@ -9,6 +9,7 @@ use serde::Serialize;
 use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::VectorFields;
+use crate::flatness_report::{ExtensionReport, FlatnessReport, extension_report, flatness_report};
 use crate::input_output::{InputOutputReport, assignments, fresh_symbols, input_output, readable, shown};
 use crate::linearization::{LinearizationFlag, LinearizingOutputs};
 use crate::relative_degree::RelativeDegree;
@@ -23,6 +24,13 @@ pub struct ControlReport {
     /// Linearisation by static feedback.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub feedback_linearization: Option<LinearizationReport>,
+    /// Integrators that give the outputs of the model a vector relative degree; absent where they
+    /// have one already or never get one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dynamic_extension: Option<ExtensionReport>,
+    /// Differential flatness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flatness: Option<FlatnessReport>,
 }
 
 /// The distributions `D_i = span{ad_f^k g_j, k ≤ i}` and, for a linearisable system, its linear form.
@@ -56,7 +64,8 @@ pub struct LinearizationReport {
 pub(crate) fn control_report(
     system: &mut System,
     fields: &VectorFields,
-    flag: Option<&LinearizationFlag>,
+    flag: &Result<LinearizationFlag, Undecided>,
+    strong_dimension: Option<usize>,
     first: usize,
     evidence: &mut Evidence,
 ) -> (ControlReport, Option<RelativeDegree>) {
@@ -70,8 +79,16 @@ pub(crate) fn control_report(
         let (report, degree) = input_output(system, fields, &references, first, evidence);
         (Some(report), degree)
     };
-    let feedback_linearization = flag.map(|flag| linearization(system, fields, flag, &references, evidence));
-    (ControlReport { input_output, feedback_linearization }, degree)
+    let feedback_linearization =
+        flag.as_ref().ok().map(|flag| linearization(system, fields, flag, &references, evidence));
+    let dynamic_extension = match &degree {
+        Some(d) if !d.is_vector() && d.degrees.len() == fields.controls.len() => {
+            extension_report(system, fields, first, evidence)
+        }
+        _ => None,
+    };
+    let flatness = Some(flatness_report(system, fields, flag, strong_dimension, first, evidence));
+    (ControlReport { input_output, feedback_linearization, dynamic_extension, flatness }, degree)
 }
 
 fn linearization(
@@ -144,7 +161,16 @@ impl fmt::Display for ControlReport {
         if let Some(r) = &self.input_output {
             write!(f, "{r}")?;
         }
+        let of_flat_outputs = self.flatness.as_ref().and_then(|r| r.dynamic_extension.as_ref());
+        if let Some(r) = &self.dynamic_extension
+            && of_flat_outputs != Some(&r.integrators)
+        {
+            write!(f, "{r}")?;
+        }
         if let Some(r) = &self.feedback_linearization {
+            write!(f, "{r}")?;
+        }
+        if let Some(r) = &self.flatness {
             write!(f, "{r}")?;
         }
         Ok(())

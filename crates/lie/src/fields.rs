@@ -94,7 +94,7 @@ pub(crate) fn subtract(pool: &mut Pool, a: &[Expr], b: &[Expr]) -> Field {
 }
 
 /// The control-affine system `x' = f(x) + Σ u_i g_i(x)`.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct VectorFields {
     /// The coordinates.
     pub states: Vec<Symbol>,

@@ -76,7 +76,8 @@ pub struct ZeroDynamicsReport {
     pub on: Named<String>,
     /// The inputs that hold the outputs; one that stays free is absent.
     pub inputs: Named<String>,
-    /// Outputs that are held at another value than zero: theirs at the point of the model.
+    /// Outputs that are held at another value than zero: theirs at the point of the model or, without a
+    /// point and where zero is no value that they can keep, any constant.
     #[serde(skip_serializing_if = "no_entry")]
     pub held_at: Named<String>,
     /// Where the equations hold, such as `cos(q2) ≠ 0`; absent if everywhere.
@@ -193,35 +194,49 @@ fn zero_dynamics(
     let zero = pool.int(0);
     let point = system.point.as_ref().map_or_else(|| vec![zero; fields.states.len()], |p| p.states.clone());
     let at: FxHashMap<Expr, Expr> = fields.states.iter().zip(&point).map(|(&s, &v)| (pool.sym(s), v)).collect();
-    let mut held_at = Vec::new();
-    let mut outputs = Vec::new();
-    for (name, h) in &system.outputs {
-        let mut h = *h;
-        if system.point.is_some() {
-            let value = pool.substitute(h, &at);
-            let value = tidy(pool, value);
-            if !fields.vanishes(pool, value, evidence)? {
-                held_at.push((name.clone(), shown(pool, value)));
-                h = pool.sub(h, value);
-            }
-        }
-        outputs.push(h);
-    }
     let inputs: Vec<Expr> = system.inputs.iter().map(|&u| pool.sym(u)).collect();
+    let mut held_at = Vec::new();
     // With Σ r_i = n the outputs and their derivatives are coordinates: nothing moves while they are held.
-    let trivial = degree.is_vector() && degree.total() == Some(fields.states.len());
-    let found = if trivial {
-        let empty = ZeroDynamics {
+    let found = if degree.is_vector() && degree.total() == Some(fields.states.len()) {
+        ZeroDynamics {
             states: Vec::new(),
             equations: Vec::new(),
             solved: Vec::new(),
             inputs: Vec::new(),
             nonzero: Vec::new(),
-        };
-        held_at.clear();
-        empty
+        }
     } else {
-        fields.zero_dynamics(pool, &outputs, &inputs, &point, evidence)?
+        let mut outputs = Vec::new();
+        for (name, h) in &system.outputs {
+            let mut h = *h;
+            if system.point.is_some() {
+                let value = pool.substitute(h, &at);
+                let value = tidy(pool, value);
+                if !fields.vanishes(pool, value, evidence)? {
+                    held_at.push((name.clone(), shown(pool, value)));
+                    h = pool.sub(h, value);
+                }
+            }
+            outputs.push(h);
+        }
+        let found = fields.zero_dynamics(pool, &outputs, &inputs, &point, evidence);
+        match found {
+            Err(_) if system.point.is_none() => {
+                // Zero may be a value that the outputs cannot keep: hold them at constants.
+                let mut outputs = Vec::new();
+                for (name, h) in &system.outputs {
+                    let constant = pool.var(&format!("{name}_0"));
+                    outputs.push(pool.sub(*h, constant));
+                    held_at.push((name.clone(), shown(pool, constant)));
+                }
+                let constants = fields.zero_dynamics(pool, &outputs, &inputs, &point, evidence);
+                if constants.is_err() {
+                    held_at.clear();
+                }
+                constants.or(found)?
+            }
+            found => found?,
+        }
     };
     let MinimumPhase { holds, reason, eigenvalues } = found.minimum_phase(pool, fields, &point, evidence);
     let text = |list: &[Expr]| -> Vec<String> { list.iter().map(|&e| shown(pool, e)).collect() };

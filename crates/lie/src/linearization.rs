@@ -9,6 +9,7 @@ use crate::growth::{independent, involutive};
 use crate::integrals::integrals_of_involutive;
 use crate::matrix::generic_rank;
 use crate::merge::merge_equal;
+use crate::rational::tidy;
 use crate::relative_degree::RelativeDegree;
 
 /// The distributions `D_i = span{ad_f^k g_j, k ≤ i}` at a generic point.
@@ -150,7 +151,7 @@ impl VectorFields {
                 next = self.first_independent(pool, &chosen, &lengths, length, &integrals.functions, evidence)?;
             }
             let Some(h) = next else { return Ok(None) };
-            chosen.push(h);
+            chosen.push(tidy(pool, h));
             lengths.push(length);
         }
         let degrees = self.relative_degree(pool, &chosen, evidence)?;

@@ -1,9 +1,9 @@
 //! Determinants and linear equations with expressions as entries.
 
-use bracketry_symbolic::{Bindings, Expr, Pool};
+use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
 use rustc_hash::FxHashMap;
 
-use crate::error::Undecided;
+use crate::error::{Undecided, check_size};
 use crate::evidence::Evidence;
 use crate::rational::tidy;
 
@@ -77,4 +77,59 @@ pub(crate) fn solve(pool: &mut Pool, a: &[Vec<Expr>], b: &[Expr]) -> Option<Vec<
             Some(tidy(pool, x))
         })
         .collect()
+}
+
+/// Independent rows with the same span over the functions, with unit pivots (Gauss–Jordan).
+pub(crate) fn reduced(
+    pool: &mut Pool,
+    rows: &[Vec<Expr>],
+    bindings: &Bindings,
+    evidence: &mut Evidence,
+) -> Result<Vec<Vec<Expr>>, Undecided> {
+    let first = pool.len();
+    let mut rows = rows.to_vec();
+    let mut pivots: Vec<usize> = Vec::new();
+    for i in 0..rows.len() {
+        check_size(pool, first)?;
+        // The shortest entry that does not vanish.
+        let mut order: Vec<(usize, usize)> = rows[i].iter().map(|&e| pool.text(e).len()).zip(0..).collect();
+        order.sort_unstable();
+        let mut pivot = None;
+        for (_, j) in order {
+            if pivots.contains(&j) || pool.is_zero(rows[i][j]) {
+                continue;
+            }
+            match pool.zero_test(rows[i][j], bindings) {
+                ZeroTest::NonZero => {
+                    pivot = Some(j);
+                    break;
+                }
+                ZeroTest::Zero(certificate) => evidence.add(&certificate),
+                ZeroTest::Unknown(why) => return Err(why.into()),
+            }
+        }
+        let Some(j) = pivot else { continue };
+        pivots.push(j);
+        let p = rows[i][j];
+        let unit: Vec<Expr> = rows[i]
+            .iter()
+            .map(|&e| {
+                let q = pool.div(e, p);
+                tidy(pool, q)
+            })
+            .collect();
+        for (k, row) in rows.iter_mut().enumerate() {
+            if k == i {
+                row.clone_from(&unit);
+            } else if !pool.is_zero(row[j]) {
+                let c = row[j];
+                for (e, &u) in row.iter_mut().zip(&unit) {
+                    let term = pool.mul(c, u);
+                    let difference = pool.sub(*e, term);
+                    *e = tidy(pool, difference);
+                }
+            }
+        }
+    }
+    Ok(rows)
 }

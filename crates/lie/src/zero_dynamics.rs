@@ -92,6 +92,7 @@ impl VectorFields {
             free: self.states.clone(),
             solved: Vec::new(),
             nonzero: Vec::new(),
+            pivots: Vec::new(),
         };
         let mut constraints = outputs.to_vec();
         // Every round takes a coordinate away.
@@ -102,7 +103,7 @@ impl VectorFields {
             }
             let (held, new) = set.hold(pool, inputs, evidence)?;
             if new.is_empty() {
-                return Ok(set.motion(pool, inputs, &held));
+                return set.motion(pool, inputs, &held, evidence);
             }
             constraints = new;
         }
@@ -117,6 +118,8 @@ struct Set<'a> {
     free: Vec<Symbol>,
     solved: Vec<(Symbol, Expr)>,
     nonzero: Vec<Expr>,
+    /// The same for the inputs of the last round.
+    pivots: Vec<Expr>,
 }
 
 /// Inputs as functions on the set: index and value.
@@ -232,7 +235,8 @@ impl Set<'_> {
         candidates.sort_by_key(|c| c.0);
         if let Some(&(rank, s, slope)) = candidates.first() {
             if rank >= 2 {
-                self.assume_nonzero(pool, slope);
+                let zeros = self.zeros(pool, slope);
+                self.nonzero.extend(zeros);
             }
             let zero = pool.int(0);
             let x = pool.sym(s);
@@ -259,6 +263,7 @@ impl Set<'_> {
         inputs: &[Expr],
         evidence: &mut Evidence,
     ) -> Result<(Held, Vec<Expr>), NoZeroDynamics> {
+        self.pivots.clear();
         // x_s' − Σ ∂ψ/∂z z' = a + Σ b_j u_j = 0 for every x_s = ψ(z).
         let (mut drift, mut slopes) = (Vec::new(), Vec::new());
         for (s, value) in self.solved.clone() {
@@ -283,7 +288,7 @@ impl Set<'_> {
         let held = if independent.len() == inputs.len() {
             let b: Vec<Expr> = independent.iter().map(|&i| pool.neg(drift[i])).collect();
             let values = determinant(pool, &a).and_then(|d| {
-                self.assume_nonzero(pool, d);
+                self.pivots = self.zeros(pool, d);
                 solve(pool, &a, &b)
             });
             values.ok_or(Undecided::TooLarge { nodes: pool.len() })?.into_iter().enumerate().collect()
@@ -301,7 +306,9 @@ impl Set<'_> {
             let rest = pool.substitute(rest, &none);
             let rest = tidy(pool, rest);
             if !self.fields.vanishes(pool, rest, evidence)? {
-                constraints.push(rest);
+                // Where a pivot vanishes the inputs are not what they were solved for.
+                let constraint = self.pivots.iter().fold(rest, |product, &b| pool.mul(product, b));
+                constraints.push(constraint);
             }
         }
         Ok((held, constraints))
@@ -339,7 +346,11 @@ impl Set<'_> {
                 }
             }
             let Some((_, _, j, b)) = pivot else { continue };
-            self.assume_nonzero(pool, b);
+            for factor in self.zeros(pool, b) {
+                if !self.pivots.contains(&factor) {
+                    self.pivots.push(factor);
+                }
+            }
             let rest = pool.substitute(total, &std::iter::once((inputs[j], zero)).collect());
             let value = pool.div(rest, b);
             let value = pool.neg(value);
@@ -354,16 +365,18 @@ impl Set<'_> {
         Ok(held)
     }
 
-    fn assume_nonzero(&mut self, pool: &mut Pool, e: Expr) {
-        let factors = vanishing_factors(pool, e, &self.free, &self.fields.bindings);
-        for factor in factors.unwrap_or_else(|| vec![e]) {
-            if !self.nonzero.contains(&factor) {
-                self.nonzero.push(factor);
-            }
-        }
+    /// The factors of `e` that vanish somewhere on the set.
+    fn zeros(&self, pool: &mut Pool, e: Expr) -> Vec<Expr> {
+        vanishing_factors(pool, e, &self.free, &self.fields.bindings).unwrap_or_else(|| vec![e])
     }
 
-    fn motion(self, pool: &mut Pool, inputs: &[Expr], held: &Held) -> ZeroDynamics {
+    fn motion(
+        self,
+        pool: &mut Pool,
+        inputs: &[Expr],
+        held: &Held,
+        evidence: &mut Evidence,
+    ) -> Result<ZeroDynamics, NoZeroDynamics> {
         let map: FxHashMap<Expr, Expr> = held.iter().map(|&(j, v)| (inputs[j], v)).collect();
         let mut equations = Vec::new();
         for s in &self.free {
@@ -375,10 +388,12 @@ impl Set<'_> {
             }
             let e = self.restrict(pool, e);
             let e = pool.substitute(e, &map);
+            // A division by zero has no value.
+            self.fields.vanishes(pool, e, evidence)?;
             equations.push(tidy(pool, e));
         }
         let mut nonzero: Vec<Expr> = Vec::new();
-        for b in &self.nonzero {
+        for b in self.nonzero.iter().chain(&self.pivots) {
             let b = self.restrict(pool, *b);
             for factor in vanishing_factors(pool, b, &self.free, &self.fields.bindings).unwrap_or_default() {
                 if !nonzero.contains(&factor) {
@@ -387,7 +402,7 @@ impl Set<'_> {
             }
         }
         let inputs = (0..inputs.len()).map(|j| held.iter().find(|h| h.0 == j).map(|h| h.1)).collect();
-        ZeroDynamics { states: self.free, equations, solved: self.solved, inputs, nonzero }
+        Ok(ZeroDynamics { states: self.free, equations, solved: self.solved, inputs, nonzero })
     }
 }
 
@@ -428,6 +443,7 @@ impl ZeroDynamics {
             free: self.states.clone(),
             solved: Vec::new(),
             nonzero: Vec::new(),
+            pivots: Vec::new(),
         };
         for c in conditions {
             match set.vanishes_at_point(pool, c, evidence) {
@@ -436,18 +452,30 @@ impl ZeroDynamics {
                 None => return open("whether the point is an equilibrium of the zero dynamics is not decided"),
             }
         }
+        let mut divergence = pool.int(0);
+        for (&z, &e) in self.states.iter().zip(&self.equations) {
+            let d = pool.diff(e, z);
+            divergence = pool.add(divergence, d);
+        }
+        if fields.vanishes(pool, divergence, evidence) == Ok(true) && self.states.len() > 1 {
+            // Liouville: an attracting equilibrium would make volumes shrink.
+            let eigenvalues = self.eigenvalues(pool, &set).unwrap_or_default();
+            return decided(
+                false,
+                "the zero dynamics preserve volume, so no equilibrium attracts".to_owned(),
+                eigenvalues,
+            );
+        }
         if let &[z] = self.states.as_slice() {
             return self.scalar(pool, &set, z, evidence);
         }
-        let rows = pool.jacobian(&self.equations, &self.states).concat();
-        let Some(values) = set.numbers(pool, &rows) else {
+        let Some(eigenvalues) = self.eigenvalues(pool, &set) else {
             return open("the linearisation of the zero dynamics has no numerical value");
         };
         let k = self.states.len();
-        let a = DMatrix::from_row_slice(k, k, &values);
-        let eigenvalues: Vec<(f64, f64)> = a.complex_eigenvalues().iter().map(|z| (z.re, z.im)).collect();
+        let size = eigenvalues.iter().map(|z| z.0.hypot(z.1)).fold(f64::MIN_POSITIVE, f64::max);
         // An eigenvalue of multiplicity k moves by the k-th root of a perturbation.
-        let tolerance = 10.0 * a.norm().max(f64::MIN_POSITIVE) * (k as f64 * f64::EPSILON).powf(1.0 / k as f64);
+        let tolerance = 10.0 * size * (k as f64 * f64::EPSILON).powf(1.0 / k as f64);
         let worst = eigenvalues.iter().map(|z| z.0).fold(f64::NEG_INFINITY, f64::max);
         if worst < -tolerance {
             decided(true, "the eigenvalues of the zero dynamics have negative real parts".to_owned(), eigenvalues)
@@ -457,6 +485,14 @@ impl ZeroDynamics {
             let reason = "the zero dynamics have eigenvalues on, or too near, the imaginary axis".to_owned();
             MinimumPhase { holds: Answer::Unknown(reason), reason: None, eigenvalues }
         }
+    }
+
+    /// Eigenvalues of the linearisation at the point of `set`, real and imaginary parts.
+    fn eigenvalues(&self, pool: &mut Pool, set: &Set<'_>) -> Option<Vec<(f64, f64)>> {
+        let rows = pool.jacobian(&self.equations, &self.states).concat();
+        let values = set.numbers(pool, &rows)?;
+        let a = DMatrix::from_row_slice(self.states.len(), self.states.len(), &values);
+        Some(a.complex_eigenvalues().iter().map(|z| (z.re, z.im)).collect())
     }
 
     /// z' = F(z): the first derivative of F that does not vanish decides.

@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use polynomial::{Budget, Monomial, Polynomial};
 
 /// Products of terms that one expression may take.
-const MAX_PRODUCTS: usize = 60_000;
+const MAX_PRODUCTS: usize = 30_000;
 /// Terms of a sum that is written out.
 const MAX_TERMS: usize = 250;
 /// Larger expressions are left to `Pool::simplify`.
@@ -46,6 +46,37 @@ pub(crate) fn vanishing_factors(pool: &mut Pool, e: Expr, states: &[Symbol], bin
         }
     }
     Some(list)
+}
+
+/// The largest product of powers, of those that depend on the `states`, that divides all of
+/// `list`; `None` if there is none or an expression is too large.
+pub(crate) fn common_factor(pool: &mut Pool, list: &[Expr], states: &[Symbol]) -> Option<Expr> {
+    let mut common: Option<Vec<(Expr, i32)>> = None;
+    for &e in list {
+        let f = factored(pool, e)?;
+        let mut powers = Vec::new();
+        for (p, k) in &f.factors {
+            let base = f.ring.shortest(pool, p);
+            powers.push((pool.simplify(base), *k));
+        }
+        let exponent = |list: &[(Expr, i32)], b: Expr| list.iter().find(|x| x.0 == b).map_or(0, |x| x.1);
+        common = Some(match common {
+            None => powers,
+            Some(old) => {
+                let both = old.iter().map(|&(b, k)| (b, k.min(exponent(&powers, b))));
+                let new = powers.iter().filter(|x| exponent(&old, x.0) == 0).map(|&(b, k)| (b, k.min(0)));
+                both.chain(new).filter(|x| x.1 != 0).collect()
+            }
+        });
+    }
+    let mut product = pool.int(1);
+    for (b, k) in common? {
+        if states.iter().any(|&s| pool.depends_on(b, s)) {
+            let power = pool.powi(b, i64::from(k));
+            product = pool.mul(product, power);
+        }
+    }
+    (!pool.is_one(product)).then_some(product)
 }
 
 type Factors = Vec<(Polynomial, i32)>;

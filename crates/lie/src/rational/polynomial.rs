@@ -2,10 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::{Fp, Rational};
+use dashu_int::ops::BitTest;
 
 /// Exponents by atom, without trailing zeros; their order is the lexicographic monomial order.
 pub(super) type Monomial = Vec<u32>;
+
+/// Longest coefficient in a remainder sequence, in bits.
+const MAX_BITS: usize = 256;
 
 /// What is left of the work allowed, in products of two terms.
 pub(super) struct Budget(usize);
@@ -220,6 +224,9 @@ impl Polynomial {
         if self.is_zero() || other.is_zero() {
             return Some(if self.is_zero() { other.clone() } else { self.clone() }.primitive().1);
         }
+        if self.seen_coprime(other) {
+            return Some(Self::constant(&Rational::ONE));
+        }
         let (mine, theirs) = (self.support(), other.support());
         let Some(&v) = mine.iter().chain(&theirs).next() else { return Some(Self::constant(&Rational::ONE)) };
         match (mine.contains(&v), theirs.contains(&v)) {
@@ -242,6 +249,37 @@ impl Polynomial {
                 Some(common.mul(&last, budget)?.primitive().1)
             }
         }
+    }
+
+    /// True if modular images show that there is no common divisor but constants: whatever atom is
+    /// kept while the others get values, the images are coprime.
+    fn seen_coprime(&self, other: &Self) -> bool {
+        let theirs = other.support();
+        self.support().into_iter().filter(|v| theirs.contains(v)).all(|v| match (self.image(v), other.image(v)) {
+            (Some(a), Some(b)) => coprime(a, b),
+            _ => false,
+        })
+    }
+
+    /// Coefficients of the powers of atom `v`, from the constant one, modulo a prime with values for
+    /// the other atoms; `None` if the degree falls.
+    fn image(&self, v: usize) -> Option<Vec<Fp>> {
+        let mut list = vec![Fp::ZERO; self.degree(v) as usize + 1];
+        for (m, c) in &self.terms {
+            let mut value = Fp::from_rational(c)?;
+            for (i, &k) in m.iter().enumerate().filter(|x| x.0 != v && *x.1 > 0) {
+                // Any values will do, as long as they are the same for both polynomials.
+                value *= Fp::new(0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(i as u64 + 1) >> 3).pow(u64::from(k));
+            }
+            list[m.get(v).map_or(0, |&k| k as usize)] += value;
+        }
+        list.last().is_some_and(|c| *c != Fp::ZERO).then_some(list)
+    }
+
+    /// Stops where the coefficients have become long.
+    fn check_coefficients(self) -> Option<Self> {
+        let short = |n: &dashu_int::IBig| n.bit_len() <= MAX_BITS;
+        self.terms.values().all(|c| short(c.numerator())).then_some(self)
     }
 
     /// Greatest common divisor of the coefficients of the powers of atom `v`.
@@ -273,7 +311,27 @@ impl Polynomial {
             let minus = d.mul(&top, budget)?;
             rest = rest.mul(&lead, budget)?;
             rest.add(&minus, &-Rational::ONE);
+            rest = rest.check_coefficients()?;
         }
         Some(rest)
     }
+}
+
+/// Whether two polynomials in one variable have a constant greatest common divisor (Euclid).
+fn coprime(mut a: Vec<Fp>, mut b: Vec<Fp>) -> bool {
+    while b.len() > 1 {
+        let Some(inverse) = b.last().and_then(|c| c.inv()) else { return false };
+        while a.len() >= b.len() {
+            let (top, shift) = (a[a.len() - 1] * inverse, a.len() - b.len());
+            for (i, &c) in b.iter().enumerate() {
+                a[shift + i] -= top * c;
+            }
+            a.pop();
+        }
+        while a.last() == Some(&Fp::ZERO) {
+            a.pop();
+        }
+        std::mem::swap(&mut a, &mut b);
+    }
+    !b.is_empty()
 }
