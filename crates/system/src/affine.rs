@@ -41,6 +41,9 @@ pub struct Affinization {
     /// Unless it is `Some(true)`, conclusions from small inputs of both signs do not carry over from the affine system
     /// to the original one.
     pub interior_at_point: Option<bool>,
+    /// For new inputs and a model with a point: whether they take, together, all values near those at the point, so that any
+    /// small feedback of them can be realised; `None` where that was not established (or nothing was changed).
+    pub covers_at_point: Option<bool>,
     /// The affine system.
     pub system: System,
     /// The reason, in a sentence.
@@ -170,6 +173,7 @@ impl System {
             coordinate_change: chosen.coordinate_change.clone(),
             regular_at_point: chosen.regular_at_point,
             interior_at_point: chosen.interior_at_point,
+            covers_at_point: chosen.covers_at_point,
             system,
             why: chosen.why.clone(),
             candidates: std::iter::once(chosen).chain(others).collect(),

@@ -97,6 +97,9 @@ pub struct Candidate {
     /// V, and where the brackets span, a dense reachable set near x₀ can be completed from both ends by open sets
     /// (Krener), so that the affine system is small-time locally controllable with V if it is with co V.
     pub interior_at_point: Option<bool>,
+    /// For new inputs and a model with a point: whether they take, together, all values near those at the point, so that any
+    /// small feedback of them can be realised; `None` where that was not established.
+    pub covers_at_point: Option<bool>,
     /// Whether the new inputs take their values independently of each other; `None` where that was not established.
     pub independent_ranges: Option<bool>,
     /// The affine system; `None` for a rejected candidate.
@@ -121,6 +124,7 @@ impl Candidate {
             singular_set: None,
             regular_at_point: None,
             interior_at_point: None,
+            covers_at_point: None,
             independent_ranges: None,
             system: None,
             certificate: None,
@@ -179,6 +183,7 @@ impl Serialize for Candidate {
         if let Some(regular) = self.regular_at_point {
             s.serialize_field("regular_at_point", &regular)?;
             s.serialize_field("interior_at_point", &self.interior_at_point)?;
+            s.serialize_field("covers_at_point", &self.covers_at_point)?;
         }
         s.serialize_field("states", &system.state_names())?;
         s.serialize_field("inputs", &system.input_names())?;

@@ -10,6 +10,9 @@ use crate::system::System;
 /// More functions than this are not solved for.
 const MAX_FUNCTIONS: usize = 8;
 
+/// Most new nodes of the pool in the inverse of a matrix.
+const MAX_NODES: usize = 50_000;
+
 /// A change v = w(x, u) after which the equations are affine in v, if there is one.
 ///
 /// Let r be the generic rank of ∂f/∂u, and take r rows of it and r columns C that are independent. If f = a(x) + B(x)
@@ -34,6 +37,9 @@ pub(crate) fn by_rows(system: &mut System) -> Result<Change, Rejection> {
     if r == 0 || r > MAX_FUNCTIONS {
         return Err(Rejection::Because(format!("{r} functions of the inputs are not solved for")));
     }
+    if directions_vary(&mut probe_pool, &jacobian, &inputs, r)? {
+        return Err(varying(r));
+    }
     let chosen: Vec<usize> = ranked.independent.iter().map(|&k| order[k]).collect();
     let transposed: Vec<Vec<Expr>> =
         (0..inputs.len()).map(|j| ranked.independent.iter().map(|&k| jacobian[k][j]).collect()).collect();
@@ -43,7 +49,9 @@ pub(crate) fn by_rows(system: &mut System) -> Result<Change, Rejection> {
     let pool = &mut system.pool;
     let full: Vec<Vec<Expr>> = all.iter().map(|&e| pool.gradient(e, &columns)).collect();
     let Some(RegularValue { at, inverse }) = regular_value(pool, &full, &chosen, &inputs) else {
-        return Err(Rejection::Because("no simple value of the inputs was found at which they act".to_owned()));
+        return Err(Rejection::Because(
+            "no simple value of the inputs was found at which the equations can be solved for the functions".to_owned(),
+        ));
     };
     let mut rest = Vec::new();
     let mut functions = Vec::new();
@@ -82,6 +90,29 @@ pub(crate) fn by_rows(system: &mut System) -> Result<Change, Rejection> {
     Ok(change)
 }
 
+fn varying(directions: usize) -> Rejection {
+    Rejection::Because(format!(
+        "the inputs move the velocities in {directions} direction{} at a time, but these directions depend on the inputs",
+        if directions == 1 { "" } else { "s" }
+    ))
+}
+
+/// Whether the columns of ∂f/∂u at two values of u span more than those at one.
+fn directions_vary(pool: &mut Pool, jacobian: &[Vec<Expr>], inputs: &[Symbol], rank: usize) -> Result<bool, Rejection> {
+    let mut other = FxHashMap::default();
+    for &u in inputs {
+        let name = format!("another {}", pool.name(u));
+        let (u, v) = (pool.sym(u), pool.var(&name));
+        other.insert(u, v);
+    }
+    let mut both = Vec::with_capacity(jacobian.len());
+    for row in jacobian {
+        let there = pool.substitute_all(row, &other);
+        both.push(row.iter().copied().chain(there).collect::<Vec<Expr>>());
+    }
+    Ok(pool.rank(&both, &Bindings::default())?.rank > rank)
+}
+
 fn is_switch_of(pool: &Pool, n: Expr, inputs: &[Symbol]) -> bool {
     is_switch(pool.node(n)) && inputs.iter().any(|&u| pool.depends_on(n, u))
 }
@@ -103,11 +134,7 @@ fn verify(system: &System, all: &[Expr], change: &Change) -> Result<(), Rejectio
     let mut checks = Checks::default();
     for d in smooth {
         if !checks.is_zero(&mut check.pool, d)? {
-            return Err(Rejection::Because(format!(
-                "the inputs move the velocities in {} direction{} at a time, but these directions depend on the inputs",
-                change.functions.len(),
-                if change.functions.len() == 1 { "" } else { "s" }
-            )));
+            return Err(varying(change.functions.len()));
         }
     }
     Ok(())
@@ -142,7 +169,7 @@ fn regular_value(pool: &mut Pool, jacobian: &[Vec<Expr>], chosen: &[usize], inpu
         let finite = |pool: &mut Pool| {
             let everything: Vec<Expr> = jacobian.iter().flatten().copied().collect();
             let here = pool.substitute_all(&everything, &at);
-            here.into_iter().all(|e| pool.rank(&[vec![e]], &Bindings::default()).is_ok())
+            pool.rank(&[here], &Bindings::default()).is_ok()
         };
         if regular
             && finite(pool)
@@ -156,13 +183,16 @@ fn regular_value(pool: &mut Pool, jacobian: &[Vec<Expr>], chosen: &[usize], inpu
 
 /// The inverse by elimination.
 fn inverted(pool: &mut Pool, rows: &[Vec<Expr>]) -> Option<Vec<Vec<Expr>>> {
-    let n = rows.len();
+    let (n, first) = (rows.len(), pool.len());
     let mut m: Vec<Vec<Expr>> = Vec::with_capacity(n);
     for (i, row) in rows.iter().enumerate() {
         let unit: Vec<Expr> = (0..n).map(|j| pool.int(i64::from(i == j))).collect();
         m.push(row.iter().copied().chain(unit).collect());
     }
     for j in 0..n {
+        if pool.len() > first + MAX_NODES {
+            return None;
+        }
         let mut pivot = None;
         for (i, row) in m.iter().enumerate().skip(j) {
             if !pool.is_zero(row[j]) && pool.zero_test(row[j], &Bindings::default()).is_nonzero() {

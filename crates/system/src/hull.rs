@@ -67,33 +67,38 @@ fn surrounds_origin(points: &[Vec<f64>]) -> bool {
         [delta, -delta].into_iter().all(|d| {
             let mut corner = vec![0.0; n];
             corner[i] = d;
-            distance_to_hull(&scaled, &corner) < delta / (2.0 * n as f64)
+            hull_comes_near(&scaled, &corner, delta / (2.0 * n as f64))
         })
     })
 }
 
-/// An upper bound of the distance of `target` from the convex hull, by the method of Frank and Wolfe with away steps'
-/// simpler kin: each step goes from the best combination so far towards the farthest point in the direction of the
-/// target.
-fn distance_to_hull(points: &[Vec<f64>], target: &[f64]) -> f64 {
+/// Whether the convex hull comes nearer than `near` to `target`, by the method of Frank and Wolfe: each step goes from the
+/// best combination so far towards the farthest point in the direction of the target. False also where that is not seen.
+fn hull_comes_near(points: &[Vec<f64>], target: &[f64], near: f64) -> bool {
     const STEPS: usize = 3000;
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let Some(mut x) = points.first().cloned() else { return f64::INFINITY };
+    let Some(mut x) = points.first().cloned() else { return false };
     for _ in 0..STEPS {
         let gap: Vec<f64> = target.iter().zip(&x).map(|(t, x)| t - x).collect();
-        let best = points.iter().max_by(|a, b| dot(a, &gap).total_cmp(&dot(b, &gap)));
-        let Some(best) = best else { break };
+        if dot(&gap, &gap) < near * near {
+            return true;
+        }
+        let Some(best) = points.iter().max_by(|a, b| dot(a, &gap).total_cmp(&dot(b, &gap))) else { return false };
+        // All points lie on this side of a plane that the target is beyond.
+        if dot(best, &gap) < dot(target, &gap) - near * dot(&gap, &gap).sqrt() {
+            return false;
+        }
         let step: Vec<f64> = best.iter().zip(&x).map(|(p, x)| p - x).collect();
         let (progress, length) = (dot(&gap, &step), dot(&step, &step));
         if progress <= 1e-14 || length == 0.0 {
-            break;
+            return false;
         }
         let t = (progress / length).min(1.0);
         for (x, s) in x.iter_mut().zip(&step) {
             *x += t * s;
         }
     }
-    target.iter().zip(&x).map(|(t, x)| (t - x) * (t - x)).sum::<f64>().sqrt()
+    false
 }
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
 //! New inputs v = w(u) or v = w(x, u): completion of a change that was found, with its certificate.
 
-use bracketry_symbolic::{Bindings, Certificate, Expr, Func, Func2, Node, Pool, Rational, Symbol, Undecided, ZeroTest};
+use bracketry_symbolic::{Bindings, Certificate, Expr, Func, Func2, Node, Pool, Symbol, Undecided, ZeroTest};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::candidate::{AtPoint, Candidate, Method, NewInput};
 use crate::hull::surrounds_point;
 use crate::inverse::inverse;
 use crate::range::{Range, flattened, image, number, range};
-use crate::rational_function::RationalFunction;
+use crate::singular::singular_set;
 use crate::system::System;
 
 /// x' = a(x) + B(x) w(x, u), and the same for outputs that depend on inputs.
@@ -134,6 +134,7 @@ pub(crate) fn apply(original: &System, change: Change) -> Result<Candidate, Reje
     candidate.independent_ranges = independent_ranges(&mut system, &functions, &input_change);
     candidate.regular_at_point = regular_at_point(&system, &functions);
     candidate.interior_at_point = interior_at_point(&mut system, &functions, &candidate, &input_change);
+    candidate.covers_at_point = covers_at_point(&candidate, &input_change);
     candidate.singular_set = singular_set(&mut system, &functions);
     candidate.inverse = inverse(&mut system, &functions, &symbols);
     candidate.why = reason(&system.pool, &input_change);
@@ -355,6 +356,20 @@ fn interior_at_point(
     inside.then_some(true)
 }
 
+/// Whether the new inputs take all values near those at the point: where the Jacobian has full rank (inverse function
+/// theorem), or where each has a range without gaps around its value and takes its values independently of the others.
+fn covers_at_point(candidate: &Candidate, inputs: &[NewInput]) -> Option<bool> {
+    match (candidate.regular_at_point, candidate.interior_at_point) {
+        (Some(true), _) => Some(true),
+        (_, Some(false)) => Some(false),
+        (_, Some(true)) => {
+            let known = inputs.iter().all(|v| !matches!(v.values, Range::Unknown { .. }));
+            (known && candidate.independent_ranges == Some(true)).then_some(true)
+        }
+        _ => None,
+    }
+}
+
 /// Whether values on all sides of those at the point are seen.
 fn surrounded(system: &mut System, functions: &[Expr]) -> bool {
     let Some((_, at)) = system.point_values() else { return false };
@@ -366,113 +381,6 @@ fn surrounded(system: &mut System, functions: &[Expr]) -> bool {
     }
     let here = system.pool.substitute_all(functions, &values);
     surrounds_point(system, &here, &inputs, &at)
-}
-
-/// Largest number of minors of the Jacobian that are written out.
-const MAX_MINORS: usize = 6;
-
-/// Where the Jacobian of w with respect to u loses rank, printed; `None` where it never does or no short condition was
-/// found.
-fn singular_set(system: &mut System, functions: &[Expr]) -> Option<String> {
-    let jacobian = system.pool.jacobian(functions, &system.inputs.clone());
-    let columns = subsets(system.inputs.len(), functions.len(), MAX_MINORS)?;
-    let mut conditions: Vec<String> = Vec::new();
-    for chosen in columns {
-        let minor: Vec<Vec<Expr>> = jacobian.iter().map(|row| chosen.iter().map(|&j| row[j]).collect()).collect();
-        let d = determinant(&mut system.pool, &minor)?;
-        let d = system.pool.simplify(d);
-        if system.pool.is_zero(d) {
-            continue;
-        }
-        if system.pool.reachable(&[d]).into_iter().any(|n| is_switch(system.pool.node(n))) {
-            return None;
-        }
-        let mut factors: Vec<String> = Vec::new();
-        for f in flattened(&system.pool, d, false) {
-            factors.extend(zeros(system, f));
-        }
-        if factors.is_empty() {
-            return None;
-        }
-        factors.dedup();
-        let condition = factors.join(" or ");
-        if !conditions.contains(&condition) {
-            conditions.push(condition);
-        }
-    }
-    let several = conditions.len() > 1;
-    let bracketed = conditions.into_iter().map(|c| if several && c.contains(" or ") { format!("({c})") } else { c });
-    let text = bracketed.collect::<Vec<_>>().join(" and ");
-    (!text.is_empty() && text.len() < 2000).then_some(text)
-}
-
-/// The conditions, one of which holds where the factor vanishes; none if it vanishes nowhere.
-fn zeros(system: &mut System, factor: Expr) -> Vec<String> {
-    let base = match system.pool.node(factor) {
-        Node::Pow(a, k) => match system.pool.number(k) {
-            Some(k) if *k < Rational::ZERO => return Vec::new(),
-            Some(_) => a,
-            None => factor,
-        },
-        Node::Call(Func::Exp | Func::Cosh, _) => return Vec::new(),
-        _ => factor,
-    };
-    let value = system.with_values(&[base])[0];
-    let uses = system.pool.symbols_of(&[value]);
-    if uses.is_empty() {
-        return Vec::new();
-    }
-    if let [u] = uses[..]
-        && let Some(f) = RationalFunction::of(&mut system.pool, value, u)
-        && let Some(zeros) = f.zeros_of_input()
-    {
-        return zeros.into_iter().map(|x| format!("{} = {x}", system.pool.name(u))).collect();
-    }
-    let inputs = system.inputs.clone();
-    let nowhere = image(&mut system.pool, value, &inputs)
-        .is_ok_and(|i| i.lower.value > 0.0 || i.upper.value < 0.0 || i.excludes_zero_at_end());
-    if nowhere { Vec::new() } else { vec![format!("{} = 0", system.pool.text(base))] }
-}
-
-/// The subsets of k of n numbers, if they are not too many.
-fn subsets(n: usize, k: usize, most: usize) -> Option<Vec<Vec<usize>>> {
-    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
-    for i in 0..n {
-        let more: Vec<Vec<usize>> =
-            all.iter().filter(|s| s.len() < k).map(|s| s.iter().copied().chain([i]).collect()).collect();
-        all.extend(more);
-        all.retain(|s| s.len() + (n - 1 - i) >= k);
-        if all.len() > 4 * most {
-            return None;
-        }
-    }
-    (all.len() <= most).then_some(all)
-}
-
-/// Largest matrix whose determinant is expanded.
-const MAX_EXPANDED: usize = 4;
-
-/// Determinant by expansion along the first row.
-pub(crate) fn determinant(pool: &mut Pool, rows: &[Vec<Expr>]) -> Option<Expr> {
-    let n = rows.len();
-    if n > MAX_EXPANDED {
-        return None;
-    }
-    if n == 0 {
-        return Some(pool.int(1));
-    }
-    let mut total = pool.int(0);
-    for j in 0..n {
-        if pool.is_zero(rows[0][j]) {
-            continue;
-        }
-        let minor: Vec<Vec<Expr>> =
-            rows[1..].iter().map(|r| (0..n).filter(|&k| k != j).map(|k| r[k]).collect()).collect();
-        let d = determinant(pool, &minor)?;
-        let term = pool.mul(rows[0][j], d);
-        total = if j % 2 == 0 { pool.add(total, term) } else { pool.sub(total, term) };
-    }
-    Some(total)
 }
 
 fn reason(pool: &Pool, inputs: &[NewInput]) -> String {

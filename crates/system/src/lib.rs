@@ -15,6 +15,7 @@ mod polynomial;
 mod range;
 mod rational_function;
 mod separation;
+mod singular;
 mod switching;
 mod system;
 mod trend;

@@ -9,7 +9,9 @@ use crate::range::Images;
 /// What a function is rational in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Variable {
-    /// A subexpression itself.
+    /// The input itself.
+    Input,
+    /// Another subexpression.
     Plain(Expr),
     /// τ = tan(t/2), with sin t = 2τ/(1+τ²) and cos t = (1−τ²)/(1+τ²).
     HalfTangent(Expr),
@@ -168,6 +170,10 @@ impl RationalFunction {
                     _ => (difference, sum),
                 }
             }
+            Node::Sym(_) => {
+                self.take(Variable::Input)?;
+                (integers(&[0, 1]), one)
+            }
             _ => {
                 self.take(Variable::Plain(e))?;
                 (integers(&[0, 1]), one)
@@ -194,7 +200,7 @@ impl RationalFunction {
 
     /// Whether it is a polynomial in the input itself.
     pub(crate) fn is_polynomial_of_input(&self) -> bool {
-        self.denominator.degree() == 0 && matches!(self.variable, Some(Variable::Plain(_)))
+        self.denominator.degree() == 0 && self.variable == Some(Variable::Input)
     }
 
     /// The zeros in the variable.
@@ -205,10 +211,8 @@ impl RationalFunction {
     /// The interval of the variable.
     pub(crate) fn domain(&self, images: &mut Images<'_>) -> Option<Interval> {
         match self.variable? {
-            Variable::Plain(e) => match images.pool.node(e) {
-                Node::Sym(u) => images.domain.get(&u).cloned(),
-                _ => images.of(e).ok(),
-            },
+            Variable::Input => images.domain.get(&self.input).cloned(),
+            Variable::Plain(e) => images.of(e).ok(),
             Variable::Exponential(t) => {
                 let on = images.of(t).ok()?;
                 on.image(images.pool, Func::Exp)
@@ -226,7 +230,7 @@ impl RationalFunction {
 
     /// The input's values at the zeros, ascending: exactly, else rounded. `None` for a function of something else.
     pub(crate) fn zeros_of_input(&self) -> Option<Vec<String>> {
-        if !matches!(self.variable, Some(Variable::Plain(_))) {
+        if self.variable != Some(Variable::Input) {
             return None;
         }
         let text = |r: Root| match r.exact {

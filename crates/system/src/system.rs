@@ -93,6 +93,19 @@ impl System {
         self.inputs.iter().position(|&s| self.pool.name(s) == name)
     }
 
+    /// What the model calls `t`, if anything: state, input or parameter.
+    ///
+    /// A model may have such a name: its equations contain no time, so that there it means one thing only. Where `t` is time
+    /// as well (scenarios, costs, tables of data), such a model is ambiguous and has to be refused.
+    pub fn declares_time(&self) -> Option<&'static str> {
+        let named = |list: &[Symbol]| list.iter().any(|&s| self.pool.name(s) == "t");
+        let parameters: Vec<Symbol> = self.parameters.iter().map(|p| p.symbol).collect();
+        [("state", &self.states), ("input", &self.inputs), ("parameter", &parameters)]
+            .into_iter()
+            .find(|(_, list)| named(list))
+            .map(|(kind, _)| kind)
+    }
+
     /// Gives a parameter another value; false if there is none of that name.
     pub fn set_parameter(&mut self, name: &str, value: Rational) -> bool {
         let pool = &self.pool;

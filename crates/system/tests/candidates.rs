@@ -283,7 +283,7 @@ fn a_candidate_is_written_with_all_that_it_claims() {
         "input_change": [{"name": "v1", "function": "u^2", "range": "v1 ≥ 0", "at_point": "interior",
             "values": {"kind": "interval", "upper": null, "lower": {"value": 0.0, "text": "0", "exact": true, "closed": true}}}],
         "inverse": {"u": "sqrt(v1)"}, "singular_set": "u = 0", "independent_ranges": true, "regular_at_point": true,
-        "interior_at_point": true, "states": ["x"], "inputs": ["v1"], "certificate": "identical",
+        "interior_at_point": true, "covers_at_point": true, "states": ["x"], "inputs": ["v1"], "certificate": "identical",
         "why": "the equations depend on the inputs through 1 independent function: v1 = u^2 (v1 ≥ 0)",
     });
     assert_eq!(json, expected);

@@ -271,3 +271,12 @@ fn input_derivatives_are_arguments_of_the_published_plate() {
     let syy = 0.4f64.sin().powi(2) * sa + 0.4f64.cos().powi(2) * sb;
     assert_relative_eq!(v[5], -0.3 * syy * tdd / (sa + sb), max_relative = 1e-14);
 }
+
+#[test]
+fn a_model_may_call_something_t_and_says_so() {
+    let kind = |text: &str| System::parse("m", text).unwrap().declares_time();
+    assert_eq!(kind("states = ['t', 'x']\n[dynamics]\nt = '1'\nx = 't*x'"), Some("state"));
+    assert_eq!(kind("states = ['x']\ninputs = ['t']\n[dynamics]\nx = 't'"), Some("input"));
+    assert_eq!(kind("states = ['x']\n[parameters]\nt = 1\n[dynamics]\nx = 't'"), Some("parameter"));
+    assert_eq!(kind("states = ['x']\ninputs = ['u']\n[dynamics]\nx = 'u'"), None);
+}

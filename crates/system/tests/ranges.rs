@@ -50,6 +50,8 @@ fn limits_are_those_of_calculus() {
         ("max(u, 0)", "v1 ≥ 0"),
         ("min(max(u, -1), k)", "-1 ≤ v1 ≤ 2"),
         ("max(u - 1, 0)*u", "v1 ≥ 0"),
+        ("2^u", "v1 > 0"),
+        ("abs(sqrt(u) - 1)", "v1 ≥ 0"),
     ] {
         let v = input(w, "u");
         assert_eq!(v.range.as_deref(), Some(limits), "{w}");
@@ -144,19 +146,19 @@ fn values_that_two_inputs_take_together_are_told() {
         let a = System::parse("m", &text).unwrap().affinize().unwrap();
         assert_eq!((a.method, a.input_change.len()), (Method::InputChange, 2), "{x}, {y}");
         let chosen = a.candidates.into_iter().find(|c| c.chosen).unwrap();
-        (chosen.independent_ranges, chosen.interior_at_point)
+        (chosen.independent_ranges, chosen.interior_at_point, chosen.covers_at_point)
     };
     // Different inputs.
-    assert_eq!(both("u^3", "w^3"), (Some(true), Some(true)));
-    assert_eq!(both("u^2", "w"), (Some(true), Some(false)));
+    assert_eq!(both("u^3", "w^3"), (Some(true), Some(true), Some(true)));
+    assert_eq!(both("u^2", "w"), (Some(true), Some(false), Some(false)));
     // Polar coordinates reach every vector.
-    assert_eq!(both("u*cos(w)", "u*sin(w)"), (Some(true), Some(true)));
+    assert_eq!(both("u*cos(w)", "u*sin(w)"), (Some(true), Some(true), Some(true)));
     // Sum and product: only where the product is at most a quarter of the square; that set's convex hull is the plane.
-    assert_eq!(both("u + w", "u*w"), (None, Some(true)));
+    assert_eq!(both("u + w", "u*w"), (None, Some(true), None));
     // Speed and steering angle: at rest nothing turns, but the hull is the plane.
-    assert_eq!(both("u", "u*tan(w)"), (None, Some(true)));
+    assert_eq!(both("u", "u*tan(w)"), (None, Some(true), None));
     // The second is at least the square of the first: no neighbourhood of 0.
-    assert_eq!(both("u", "u^2 + w^2"), (None, Some(false)));
+    assert_eq!(both("u", "u^2 + w^2"), (None, Some(false), Some(false)));
 }
 
 proptest! {
