@@ -159,7 +159,12 @@ impl Pool {
             Exponent::Symbolic(k) => self.write_latex(*k).0,
         };
         let (s, strength) = self.write_latex(base);
-        let plain = strength == Strength::Atom && !matches!(self.node(base), Node::Call(f, _) if f != Func::Abs);
+        let function = match self.node(base) {
+            Node::Call(f, _) => f != Func::Abs,
+            Node::Call2(..) => true,
+            _ => false,
+        };
+        let plain = strength == Strength::Atom && !function;
         let plain = plain && self.number(base).is_none_or(RBig::is_int);
         let s = if plain { s } else { parentheses(&s) };
         (format!("{s}^{{{exponent}}}"), Strength::Power)

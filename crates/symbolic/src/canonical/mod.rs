@@ -86,6 +86,8 @@ impl Pool {
     /// assert_eq!(p.text(s), "a^3 + a^2*b - a*b^2 - b^3");
     /// ```
     pub fn expand(&mut self, e: Expr) -> Expr {
+        // Quotients of quotients become one, and factors cancel, before anything is multiplied out.
+        let e = self.collected(e);
         canonical(self, e, Some(MAX_TERMS), usize::MAX).unwrap_or(e)
     }
 
@@ -123,7 +125,7 @@ impl Pool {
             return Some(collected);
         }
         let mut best = collected;
-        if let Some(expanded) = canonical(self, e, Some(MAX_TRIAL_TERMS), effort)
+        if let Some(expanded) = canonical(self, collected, Some(MAX_TRIAL_TERMS), effort)
             && self.size(expanded) < self.size(best)
         {
             best = expanded;

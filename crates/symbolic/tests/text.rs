@@ -1,0 +1,129 @@
+//! Printing and parsing are inverse: what is printed reads back as the same expression.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use bracketry_symbolic::{Bindings, Pool};
+use common::{Kind, cases, generator, point, random, value_and_size};
+use proptest::prelude::*;
+
+proptest! {
+    #![proptest_config(cases(500))]
+
+    /// A multiplied-out expression reads back as itself: the same node of the same pool.
+    #[test]
+    fn parsing_what_was_printed_is_the_identity(seed: u64) {
+        let (mut p, mut rng) = (Pool::new(), generator(seed));
+        let e = random(&mut p, &mut rng, 5, Kind::Any);
+        let s = p.expand(e);
+        // A quotient by zero has no text that is allowed.
+        let Ok(again) = p.parse(&p.text(s)) else {
+            prop_assert!(p.text(s).contains("/0") || p.text(s).contains("0^"), "{}", p.text(s));
+            return Ok(());
+        };
+        prop_assert_eq!(p.expand(again), s, "{}", p.text(s));
+        // And printing what was parsed gives the same text, whatever pool it is read in.
+        let mut q = Pool::new();
+        let other = q.parse(&p.text(s)).unwrap();
+        let other = q.expand(other);
+        prop_assert_eq!(q.text(other), p.text(s));
+    }
+
+    /// Any expression reads back as one with the same multiplied-out form and the same values.
+    #[test]
+    fn any_text_reads_back_up_to_the_order_of_operations(seed: u64) {
+        let (mut p, mut rng) = (Pool::new(), generator(seed));
+        let e = random(&mut p, &mut rng, 5, Kind::Any);
+        let Ok(again) = p.parse(&p.text(e)) else {
+            prop_assert!(p.text(e).contains("/0") || p.text(e).contains("0^"), "{}", p.text(e));
+            return Ok(());
+        };
+        prop_assert_eq!(p.expand(again), p.expand(e), "{}", p.text(e));
+        let x = point(&mut rng);
+        let (v, size) = value_and_size(&mut p, e, x);
+        if size < 1e6 && Kind::of(&p, e) == Kind::Smooth {
+            let (w, _) = value_and_size(&mut p, again, x);
+            prop_assert!((v - w).abs() <= 1e-9 * size * size, "{}: {v} {w}", p.text(e));
+        }
+    }
+
+    /// LaTeX is balanced, names no internal node, and depends on the structure only.
+    #[test]
+    fn latex_is_well_formed(seed: u64) {
+        let (mut p, mut rng) = (Pool::new(), generator(seed));
+        let e = random(&mut p, &mut rng, 5, Kind::Any);
+        let s = p.latex(e);
+        let mut depth = 0;
+        for c in s.replace("\\{", "").replace("\\}", "").chars() {
+            depth += i32::from(c == '{') - i32::from(c == '}');
+            prop_assert!(depth >= 0, "{}", s);
+        }
+        prop_assert_eq!(depth, 0, "{}", s);
+        prop_assert_eq!(s.matches("\\left").count(), s.matches("\\right").count(), "{}", s);
+        for wrong in ["--", "+ -", "- -", "{}", "^{1}", " 1 ", "\\frac{}{"] {
+            prop_assert!(!s.contains(wrong), "{} in {}", wrong, s);
+        }
+        let mut q = Pool::new();
+        let f = q.import(&p.export(&[e])).unwrap()[0];
+        prop_assert_eq!(q.latex(f), s);
+    }
+}
+
+#[test]
+fn awkward_forms_read_back() {
+    for text in [
+        "-x^2",
+        "(-x)^2",
+        "-(x + y)^2",
+        "2^-x",
+        "x^-2",
+        "x^(-2/3)",
+        "(-8)^(1/3)",
+        "(-2)^x",
+        "(1/3)^x",
+        "0.1^x",
+        "x^y^z",
+        "(x^y)^z",
+        "1/(x*y)",
+        "x/y/z",
+        "x/(y/z)",
+        "-x/y",
+        "-(x/y)",
+        "x - (y - z)",
+        "-(-x)",
+        "1 - x",
+        "-1 - x",
+        "2/3 - x",
+        "x*-3",
+        "x/-3",
+        "-1/x",
+        "-2/(3*x)",
+        "sqrt(x)/sqrt(y)",
+        "1/sqrt(x)",
+        "x^(3/2)",
+        "x^(-1/2)",
+        "pi^2/6",
+        "-pi",
+        "exp(-x^2)",
+        "atan2(-y, -x)",
+        "min(-x, max(y, 3))",
+        "sign(-x)",
+        "1e-9*x",
+        "123456789.000001*x",
+        "x/7e3",
+        "exp(1)^x",
+        "(x + 1)^(y + 1)",
+        "((x + y)*(x - y))^2",
+        "sin(x)^2*cos(x)^-2",
+        "abs(x)^3",
+        "-sin(-x)",
+    ] {
+        let mut p = Pool::new();
+        let e = p.parse(text).unwrap();
+        let printed = p.text(e);
+        let again = p.parse(&printed).unwrap();
+        assert_eq!(p.expand(again), p.expand(e), "{text} prints as {printed}");
+        let d = p.sub(e, again);
+        assert!(!p.zero_test(d, &Bindings::new()).is_nonzero(), "{text} prints as {printed}");
+    }
+}
