@@ -4,6 +4,7 @@ mod control;
 mod document;
 mod formulas;
 mod latex;
+mod local;
 mod markdown;
 mod outputs;
 mod sections;
