@@ -1,6 +1,8 @@
 //! Sections on what the inputs do to the outputs and on linearisation by feedback.
 
-use bracketry_lie::{Answer, InputOutputReport, LinearizationReport, Subject, ZeroDynamicsReport};
+use bracketry_lie::{
+    Answer, FlatnessReport, FlatnessVerdict, InputOutputReport, LinearizationReport, Subject, ZeroDynamicsReport,
+};
 
 use super::document::{Block, Line, math, text, words};
 use super::formulas::{condition, list, matrix, printed, symbol};
@@ -77,7 +79,7 @@ fn decoupling(io: &InputOutputReport, degrees: &[Option<usize>], out: &mut Vec<B
 /// `words` with the set, which may be `none`.
 fn singular(set: &str, words: &str) -> Line {
     if set == "none" {
-        return vec![text(words.replace(" where ", " nowhere"))];
+        return vec![text(words.replace("where ", "nowhere"))];
     }
     vec![text(words), math(condition(set))]
 }
@@ -155,6 +157,48 @@ pub(super) fn linearisation(a: &Analysis, out: &mut Vec<Block>) {
     if let Some(l) = &report.control.feedback_linearization {
         linear_form(l, out);
     }
+    if let Some(e) = &report.control.dynamic_extension {
+        let integrators: Vec<String> =
+            e.integrators.0.iter().map(|(u, k)| format!("{k}\\text{{ in front of }}{}", symbol(u))).collect();
+        let flat = if e.linearizes { "; the outputs are flat" } else { "" };
+        out.push(Block::Paragraph(vec![
+            text("Dynamic extension: with integrators ("),
+            math(integrators.join(",\\ ")),
+            text(") the outputs have the relative degrees "),
+            math(list(&e.relative_degree)),
+            text(format!(" in a state of dimension {}{flat}.", e.dimension)),
+        ]));
+    }
+    if let Some(f) = &report.control.flatness {
+        flatness(f, out);
+    }
+}
+
+fn flatness(f: &FlatnessReport, out: &mut Vec<Block>) {
+    let verdict = match f.verdict {
+        FlatnessVerdict::Yes => "yes",
+        FlatnessVerdict::No => "no",
+        FlatnessVerdict::Unknown => "unknown",
+    };
+    let mut items = vec![item("differentially flat", format!("{verdict} ({})", f.reason))];
+    if !f.flat_outputs.is_empty() {
+        let outputs: Vec<String> = f.flat_outputs.iter().map(|y| printed(y)).collect();
+        items.push(vec![text("flat outputs: "), math(outputs.join(",\\ "))]);
+    }
+    if let Some(extension) = f.dynamic_extension.as_ref().filter(|e| !e.is_empty()) {
+        let inputs: Vec<String> = extension.0.iter().map(|(u, k)| format!("{u} ({k})")).collect();
+        items.push(vec![
+            text(format!(
+                "linearised with integrators in front of {}, which gives the relative degrees ",
+                inputs.join(", ")
+            )),
+            math(list(&f.relative_degree)),
+        ]);
+    }
+    if let Some(set) = &f.singular_set {
+        items.push(singular(set, "singular where "));
+    }
+    out.push(Block::List(items));
 }
 
 fn flag(l: &LinearizationReport, items: &mut Vec<Line>) {
