@@ -18,7 +18,7 @@ use crate::linearization::LinearizationFlag;
 use crate::local::{Frame, Limits};
 use crate::modes::uncontrollable_modes;
 use crate::observe;
-use crate::ranges::{Side, balanced, one_sided};
+use crate::ranges::{InputSet, InputValues, Side, balanced, one_sided};
 use crate::report::{Dimensions, ModeReport, Named, PointReport, Report, SmoothedReport, Subject};
 use crate::requested;
 use crate::stlc::{self, Stlc, Verdict};
@@ -37,6 +37,8 @@ pub struct Options {
     pub determined: Vec<String>,
     /// Inputs, by name, that can move from their value at the point to one side only.
     pub one_sided: Vec<(String, Side)>,
+    /// The values that inputs take, by name, for local controllability; all others take all real numbers.
+    pub ranges: Vec<(String, InputValues)>,
 }
 
 impl Default for Options {
@@ -47,6 +49,7 @@ impl Default for Options {
             brackets: Vec::new(),
             determined: Vec::new(),
             one_sided: Vec::new(),
+            ranges: Vec::new(),
         }
     }
 }
@@ -65,7 +68,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let mut system = system.clone();
     let asked = observe::read_functions(&mut system, &options.determined)?;
     let words = requested::read(&system, &options.brackets)?;
-    for (name, _) in &options.one_sided {
+    for name in options.ranges.iter().map(|r| &r.0).chain(options.one_sided.iter().map(|o| &o.0)) {
         if !system.inputs.iter().any(|&u| system.pool.name(u) == name) {
             return Err(Error::UnknownInput { name: name.clone() });
         }
@@ -400,16 +403,21 @@ fn point_report(
     let local = frame.accessibility(pool, all, strong, &options.limits, evidence)?;
     let linearisation = if equilibrium { Some(Linearisation::at(pool, &frame, evidence)?) } else { None };
     let limits = &options.limits;
-    let mut stlc = stlc::decide(pool, &frame, &local.dimension, linearisation.as_ref(), limits, evidence);
-    if !equilibrium
-        && stlc.verdict == Verdict::Inconclusive
-        && let Some(found) = balanced(pool, fields, names, &point.states, &local.dimension, limits, evidence)?
-    {
-        stlc = found;
-    }
-    let sides: Vec<Option<Side>> =
-        names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
-    let stlc = one_sided(pool, &frame, &sides, stlc, limits, evidence)?;
+    let stlc = stlc::decide(pool, &frame, &local.dimension, linearisation.as_ref(), limits, evidence);
+    let values = names.iter().map(|n| options.ranges.iter().find(|r| r.0 == *n).map(|r| r.1)).collect();
+    let said = names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
+    let set = InputSet { names, values, one_sided: said };
+    let around = if !equilibrium && stlc.verdict == Verdict::Inconclusive {
+        balanced(pool, fields, &set, &point.states, &local.dimension, limits, evidence)?
+    } else {
+        None
+    };
+    let stlc = match (around, set.sides(pool, &frame, &point.inputs)) {
+        (Some(around), _) => around,
+        (None, Some(sides)) => one_sided(pool, &frame, &sides, stlc, limits, evidence)?,
+        (None, None) if stlc.verdict == Verdict::No => stlc,
+        (None, None) => Stlc::inconclusive("the inputs at the point are not seen to lie in their ranges"),
+    };
     let rank = linearisation.as_ref().map(|l| l.controllable().rank());
     let stabilizable = rank.map(|rank| match uncontrollable_modes_decay(pool, &frame, rank) {
         Answer::Known(true) if rank == n => (Answer::Known(true), "the linearisation is controllable"),

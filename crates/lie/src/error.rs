@@ -77,8 +77,8 @@ pub enum Error {
         /// Inputs found.
         found: usize,
     },
-    /// A name among the one-sided inputs that is none of an input.
-    #[error("there is no input {name} that could move to one side only")]
+    /// The range of an input is told that does not exist.
+    #[error("there is no input {name} that could have a range")]
     UnknownInput {
         /// The name.
         name: String,

@@ -89,7 +89,7 @@ pub use modes::Mode;
 pub use nilpotent::LieAlgebra;
 pub use observability::Observability;
 pub use observe::{Direction, ObservabilityReport, observe};
-pub use ranges::Side;
+pub use ranges::{InputValues, Side};
 pub use relative_degree::RelativeDegree;
 pub use report::{Dimensions, ModeReport, Named, PointReport, Report, SmoothedReport, Subject};
 pub use stlc::{GeneralCondition, Stlc, Verdict};

@@ -14,9 +14,57 @@ use crate::local::{Frame, Limits};
 use crate::necessary::half_space;
 use crate::stlc::{Stlc, Verdict, decide};
 
+/// The values that an input takes; an input that is not told of takes all real numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InputValues {
+    /// All numbers between these, which may be infinite.
+    Between(f64, f64),
+    /// Not known. The input is taken to move freely from its value at the point, and nothing is
+    /// concluded from values far from it.
+    Unknown,
+}
+
+/// The inputs in their order, with their names, the values that they take and the sides to which
+/// they are said to move from their values at the point.
+pub(crate) struct InputSet<'a> {
+    pub(crate) names: &'a [String],
+    pub(crate) values: Vec<Option<InputValues>>,
+    pub(crate) one_sided: Vec<Option<Side>>,
+}
+
+/// Nearer than this, relative to its size, a value counts as the end of its range.
+const AT_END: f64 = 1e-9;
+
+impl InputSet<'_> {
+    /// The sides to which the inputs can move from `inputs`; `None` where these are outside of
+    /// the ranges or have no numerical values.
+    pub(crate) fn sides(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> Option<Vec<Option<Side>>> {
+        if self.values.iter().all(|v| !matches!(v, Some(InputValues::Between(..)))) {
+            return Some(self.one_sided.clone());
+        }
+        let numbers = frame.numbers(pool, inputs)?;
+        let mut sides = Vec::new();
+        for ((values, said), u) in self.values.iter().zip(&self.one_sided).zip(numbers) {
+            let side = match *values {
+                Some(InputValues::Between(lower, upper)) => {
+                    let close = AT_END * (1.0 + u.abs());
+                    match ((u - lower).abs() <= close, (u - upper).abs() <= close) {
+                        (true, false) => Some(Side::Above),
+                        (false, true) => Some(Side::Below),
+                        (false, false) if lower < u && u < upper => None,
+                        _ => return None,
+                    }
+                }
+                Some(InputValues::Unknown) | None => *said,
+            };
+            sides.push(side);
+        }
+        Some(sides)
+    }
+}
+
 /// The side to which an input can move from its value at the point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// To greater values, as v = u² at u = 0.
     Above,
@@ -244,21 +292,38 @@ fn nonzero(pool: &mut Pool, e: Expr, bindings: &Bindings) -> Option<bool> {
 }
 
 /// STLC around the inputs that balance the drift at a point that is no equilibrium for the inputs
-/// given with it; `None` if no inputs do.
+/// given with it; `None` if no inputs do within their ranges.
 pub(crate) fn balanced(
     pool: &mut Pool,
     system: &VectorFields,
-    names: &[String],
+    set: &InputSet<'_>,
     states: &[Expr],
     dimension: &Answer<usize>,
     limits: &Limits,
     evidence: &mut Evidence,
 ) -> Result<Option<Stlc>, Error> {
+    // What is said of an input at the point says nothing of it at other values.
+    let open = |(v, s): (&Option<InputValues>, &Option<Side>)| match v {
+        Some(InputValues::Between(..)) => false,
+        Some(InputValues::Unknown) => true,
+        None => s.is_some(),
+    };
+    if set.values.iter().zip(&set.one_sided).any(open) {
+        return Ok(None);
+    }
     let Some(inputs) = balance(pool, system, states, evidence)? else { return Ok(None) };
     let frame = Frame::new(pool, system, states, &inputs)?;
+    let Some(sides) = set.sides(pool, &frame, &inputs) else { return Ok(None) };
     let linearisation = Linearisation::at(pool, &frame, evidence)?;
     let stlc = decide(pool, &frame, dimension, Some(&linearisation), limits, evidence);
-    let values: Vec<String> = names.iter().zip(&inputs).map(|(n, &u)| format!("{n} = {}", pool.text(u))).collect();
-    let reason = format!("around {}, which holds the point: {}", values.join(", "), stlc.reason);
+    let stlc = one_sided(pool, &frame, &sides, stlc, limits, evidence)?;
+    // Other inputs, farther on in their ranges, may hold the point as well.
+    let reason = if stlc.verdict == Verdict::No && sides.iter().any(Option::is_some) {
+        return Ok(None);
+    } else {
+        let values: Vec<String> =
+            set.names.iter().zip(&inputs).map(|(n, &u)| format!("{n} = {}", pool.text(u))).collect();
+        format!("around {}, which holds the point: {}", values.join(", "), stlc.reason)
+    };
     Ok(Some(Stlc { reason, ..stlc }))
 }

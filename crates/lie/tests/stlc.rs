@@ -3,7 +3,7 @@
 
 mod common;
 
-use bracketry_lie::{Answer, GeneralCondition, Options, PointReport, Report, Side, Verdict, analyse};
+use bracketry_lie::{Answer, GeneralCondition, InputValues, Options, PointReport, Report, Side, Verdict, analyse};
 use common::system;
 
 /// A system at its equilibrium 0 (if not said otherwise).
@@ -219,12 +219,12 @@ fn each_input_has_its_own_weight() {
 /// x' = v, one-sided at 0, and systems around it.
 #[test]
 fn one_sided_inputs() {
-    let verdict = |c: Case, sides: &[(&str, Side)]| {
-        let one_sided = sides.iter().map(|(n, s)| ((*n).to_owned(), *s)).collect();
-        let report = c.report_with(&Options { one_sided, ..Options::default() });
+    let verdict = |c: Case, ranges: &[(&str, f64, f64)]| {
+        let ranges = ranges.iter().map(|(n, a, b)| ((*n).to_owned(), InputValues::Between(*a, *b))).collect();
+        let report = c.report_with(&Options { ranges, ..Options::default() });
         point(&report).stlc.verdict
     };
-    let above = [("v", Side::Above)];
+    let above = [("v", 0.0, f64::INFINITY)];
     assert_eq!(verdict(case("integrator", "x", "v", &["v"], Yes), &[]), Yes);
     assert_eq!(verdict(case("integrator", "x", "v", &["v"], Yes), &above), No);
     assert_eq!(verdict(case("bilinear", "x", "v", &["-x + x*v"], No), &above), No);
@@ -233,20 +233,39 @@ fn one_sided_inputs() {
     // A square with the side it pushes to can be undone by a push to the other side only.
     assert_eq!(verdict(case("against a square", "x y", "u v", &["u", "v - x^2"], Yes), &above), Verdict::Inconclusive);
     assert_eq!(verdict(case("with a square", "x y", "u v", &["u", "v + x^2"], No), &above), No);
-    assert_eq!(verdict(case("with a square", "x y", "u v", &["u", "x^2 - v"], No), &[("v", Side::Below)]), No);
+    assert_eq!(verdict(case("with a square", "x y", "u v", &["u", "x^2 - v"], No), &[("v", -1.0, 0.0)]), No);
     // Thrusters in opposite directions, and one without an opponent.
-    let both = [("v", Side::Above), ("w", Side::Above)];
+    let both = [("v", 0.0, 1.0), ("w", 0.0, 1.0)];
     assert_eq!(verdict(case("opposed", "x y", "v w", &["y", "v - w"], Yes), &both), Yes);
     assert_eq!(verdict(case("aligned", "x y", "v w", &["v", "v + w"], No), &both), No);
+    // The same said of the point only.
+    let one_sided = vec![("v".to_owned(), Side::Above)];
+    let report = case("", "x", "v", &["v"], No).report_with(&Options { one_sided, ..Options::default() });
+    assert_eq!(point(&report).stlc.verdict, No);
     // The input that is free to both sides suffices.
     assert_eq!(verdict(case("helped", "x y", "u v", &["y", "u + v"], Yes), &above), Yes);
 }
 
+/// A rocket that hovers needs a thrust inside its range; x' = v - 1 is balanced by v = 1.
 #[test]
-fn an_unknown_one_sided_input_is_an_error() {
+fn inputs_that_balance_the_drift_lie_in_their_ranges() {
+    let verdict = |values: Option<InputValues>| {
+        let ranges = values.map(|v| ("v".to_owned(), v)).into_iter().collect();
+        let report = case("", "x y", "v", &["y", "v - 1"], Yes).report_with(&Options { ranges, ..Options::default() });
+        point(&report).stlc.verdict
+    };
+    assert_eq!(verdict(None), Yes);
+    assert_eq!(verdict(Some(InputValues::Between(0.0, 2.0))), Yes);
+    for other in [InputValues::Between(0.0, 1.0), InputValues::Between(0.0, 0.5), InputValues::Unknown] {
+        assert_eq!(verdict(Some(other)), Verdict::Inconclusive, "{other:?}");
+    }
+}
+
+#[test]
+fn a_range_of_no_input_is_an_error() {
     let s = system(&["x"], &["u"], &[], &["u"], &[], Some(&[]));
-    let options = Options { one_sided: vec![("w".to_owned(), Side::Above)], ..Options::default() };
-    assert_eq!(analyse(&s, &options).unwrap_err().to_string(), "there is no input w that could move to one side only");
+    let options = Options { ranges: vec![("w".to_owned(), InputValues::Unknown)], ..Options::default() };
+    assert_eq!(analyse(&s, &options).unwrap_err().to_string(), "there is no input w that could have a range");
 }
 
 #[test]
