@@ -4,6 +4,7 @@
 
 use bracketry_lie::{Answer, Family, Options, Report, analyse, family_dimensions};
 use bracketry_system::{Method, System};
+use proptest::prelude::*;
 
 fn model(text: &str) -> System {
     System::parse("test", text).unwrap()
@@ -84,4 +85,27 @@ fn what_does_not_apply_is_unknown() {
     let lower = a.candidates.iter().find(|c| c.method == Method::CoordinateChange).unwrap().system.clone().unwrap();
     let f = family_dimensions(&original, &lower, &report(&lower)).unwrap();
     assert!(f.agrees.reason().unwrap().contains("does not keep"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(10))]
+
+    /// Whatever the search does to a random system, each accepted candidate that keeps its states has the family's
+    /// dimensions.
+    #[test]
+    fn every_candidate_of_a_random_system_agrees(rows in prop::collection::vec((0usize..9, 0usize..9, 0usize..5, -2i32..3), 3)) {
+        const OF_INPUTS: [&str; 9] = ["u", "w", "u^2", "u*w", "sin(u)", "cos(u)", "exp(w)", "u + x*u^2", "w^3"];
+        const OF_STATES: [&str; 5] = ["1", "x", "y*z", "sin(y)", "x + z"];
+        let equations: Vec<String> = rows
+            .iter()
+            .map(|&(i, j, k, c)| format!("{}*{} + ({c})*{}", OF_STATES[k], OF_INPUTS[i], OF_INPUTS[j]))
+            .collect();
+        let equations: Vec<&str> = equations.iter().map(String::as_str).collect();
+        let original = model(&text("x y z", "u w", &equations));
+        for c in original.affinize().unwrap().candidates {
+            let Some(affine) = c.system else { continue };
+            let f = family_dimensions(&original, &affine, &report(&affine)).unwrap();
+            prop_assert_eq!(&f.agrees, &Answer::Known(true), "{:?} by {:?}: {}", equations, c.method, f);
+        }
+    }
 }
