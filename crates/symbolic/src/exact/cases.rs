@@ -14,6 +14,9 @@ const MAX_CASES: usize = 32;
 /// Expressions with more nodes are not looked at.
 const MAX_NODES: usize = 4000;
 
+/// Expressions with more divisors are not looked at.
+const MAX_DIVISORS: usize = 64;
+
 /// Signs of expressions that are given in a case: true where positive.
 type Signs = FxHashMap<Expr, bool>;
 
@@ -52,6 +55,9 @@ impl Pool {
             return None;
         }
         let bound = self.with_values(roots, bindings)?;
+        if self.divides_by_zero(&bound)? {
+            return None;
+        }
         let facts = self.domain(&bound);
         let composed = self.composed(&bound);
         if composed == roots && !self.reachable(roots).iter().any(|&n| self.switches(n)) {
@@ -91,6 +97,24 @@ impl Pool {
 
     fn switches(&self, n: Expr) -> bool {
         matches!(self.node(n), Node::Call(Func::Abs | Func::Sign, _) | Node::Call2(Func2::Min | Func2::Max, ..))
+    }
+
+    /// True if something has no value anywhere, which a factor 0 beside it would hide; `None` if there is too much to
+    /// be looked at.
+    fn divides_by_zero(&mut self, roots: &[Expr]) -> Option<bool> {
+        let mut divisors = Vec::new();
+        for n in self.reachable(roots) {
+            match self.node(n) {
+                Node::Pow(b, k) if self.number(k).is_some_and(|k| *k < RBig::ZERO) => divisors.push(b),
+                Node::Call(Func::Log, a) => divisors.push(a),
+                Node::Call(Func::Tan, a) => divisors.push(self.cos(a)),
+                _ => {}
+            }
+        }
+        if divisors.len() > MAX_DIVISORS {
+            return None;
+        }
+        Some(divisors.into_iter().any(|d| self.zero_directly(d, &Bindings::new()).is_zero()))
     }
 
     /// What must be positive for the expressions to have values: arguments of logarithms and of even roots. (A power
