@@ -9,7 +9,9 @@ use serde::Serialize;
 use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::VectorFields;
-use crate::flatness_report::{ExtensionReport, FlatnessReport, extension_report, flatness_report};
+use crate::flatness_report::{
+    ExtensionReport, FlatnessReport, extension_of_outputs, extension_report, flatness_report,
+};
 use crate::input_output::{InputOutputReport, assignments, fresh_symbols, input_output, readable, shown};
 use crate::linearization::{LinearizationFlag, LinearizingOutputs};
 use crate::relative_degree::RelativeDegree;
@@ -81,13 +83,14 @@ pub(crate) fn control_report(
     };
     let feedback_linearization =
         flag.as_ref().ok().map(|flag| linearization(system, fields, flag, &references, evidence));
-    let dynamic_extension = match &degree {
+    let extension = match &degree {
         Some(d) if !d.is_vector() && d.degrees.len() == fields.controls.len() => {
-            extension_report(system, fields, first, evidence)
+            extension_of_outputs(system, fields, first, evidence)
         }
         _ => None,
     };
-    let flatness = Some(flatness_report(system, fields, flag, strong_dimension, first, evidence));
+    let dynamic_extension = extension.as_ref().map(|e| extension_report(system, e));
+    let flatness = Some(flatness_report(system, fields, flag, strong_dimension, extension.as_ref(), first, evidence));
     (ControlReport { input_output, feedback_linearization, dynamic_extension, flatness }, degree)
 }
 

@@ -95,7 +95,9 @@ impl VectorFields {
             if !now.extend(pool, &rows, evidence)? {
                 return Ok(None);
             }
-            now.degrees = now.fields.relative_degree(pool, outputs, evidence)?;
+            // What was free of inputs before still is.
+            let derivatives = std::mem::take(&mut now.degrees.derivatives);
+            now.degrees = now.fields.relative_degree_from(pool, derivatives, evidence)?;
         }
     }
 }

@@ -35,6 +35,8 @@ const MAX_TUPLE_NODES: usize = 15_000;
 const MAX_SEARCH_NODES: usize = 150_000;
 /// Most integrators in front of one input in the search for a linearisable prolongation.
 const MAX_PROLONGATION: usize = 3;
+/// Most integrators together: the derivatives grow with their number.
+pub(crate) const MAX_INTEGRATORS: usize = 5;
 
 /// What is known of a system before its flatness is asked for.
 pub(crate) struct Known<'a> {
@@ -47,6 +49,8 @@ pub(crate) struct Known<'a> {
     /// Dimension of the strong accessibility distribution.
     pub(crate) strong_dimension: Option<usize>,
     pub(crate) flag: &'a LinearizationFlag,
+    /// The dynamic extension for the outputs of the model, if there is one.
+    pub(crate) extension: Option<&'a DynamicExtension>,
 }
 
 impl Flatness {
@@ -174,8 +178,12 @@ impl Search<'_> {
         if generic_rank(pool, &rows, &self.system.bindings, evidence)? < outputs.len() {
             return Ok(None);
         }
+        if let Some(known) = self.known.extension.filter(|_| outputs == &self.known.functions[..self.known.outputs]) {
+            return Ok(Some(known.clone()).filter(DynamicExtension::linearizes));
+        }
         self.tuples += 1;
-        let limits = ExtensionLimits { integrators: self.system.states.len(), nodes: MAX_TUPLE_NODES };
+        let limits =
+            ExtensionLimits { integrators: MAX_INTEGRATORS.min(self.system.states.len()), nodes: MAX_TUPLE_NODES };
         match self.system.dynamic_extension(pool, outputs, self.known.inputs, limits, evidence) {
             Ok(found) => Ok(found.filter(DynamicExtension::linearizes)),
             // Too large an expression says nothing about other outputs.
@@ -346,7 +354,9 @@ impl Search<'_> {
                 }
             }
         }
+        // Flat outputs of a chain need an integrator for every state but two.
         if !found.outputs.is_empty()
+            && n - 2 <= MAX_INTEGRATORS
             && let Some(extension) = self.attempt(pool, &found.outputs.clone(), evidence)?
         {
             found.extension = Some(extension);

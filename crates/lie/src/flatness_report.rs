@@ -10,8 +10,8 @@ use crate::control_report::named_functions;
 use crate::error::{Undecided, check_analysis};
 use crate::evidence::Evidence;
 use crate::extension::{DynamicExtension, ExtensionLimits};
-use crate::fields::VectorFields;
-use crate::flatness::{Flatness, Known};
+use crate::fields::{VectorFields, is_plain_zero};
+use crate::flatness::{Flatness, Known, MAX_INTEGRATORS};
 use crate::input_output::{readable, shown};
 use crate::linearization::LinearizationFlag;
 use crate::rational::tidy;
@@ -71,6 +71,9 @@ pub struct FlatnessReport {
     pub reason: String,
 }
 
+/// Most new nodes of the pool in the dynamic extension for the outputs of the model.
+const MAX_NODES: usize = 30_000;
+
 fn integrators(system: &System, inputs: &[Symbol], extension: &DynamicExtension) -> Named<usize> {
     let counts = inputs.iter().zip(&extension.integrators).filter(|x| *x.1 > 0);
     Named(counts.map(|(&u, &k)| (system.pool.name(u).to_owned(), k)).collect())
@@ -86,26 +89,35 @@ fn degrees(extension: &DynamicExtension) -> Vec<usize> {
 
 /// The dynamic extension algorithm for the outputs of the model, if they are as many as its
 /// inputs and have no vector relative degree.
-pub(crate) fn extension_report(
+pub(crate) fn extension_of_outputs(
     system: &mut System,
     fields: &VectorFields,
     first: usize,
     evidence: &mut Evidence,
-) -> Option<ExtensionReport> {
+) -> Option<DynamicExtension> {
     check_analysis(&system.pool, first).ok()?;
     let outputs: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
     let inputs = system.inputs.clone();
-    let limits = ExtensionLimits { integrators: fields.states.len(), nodes: 100_000 };
-    let extension = fields.dynamic_extension(&mut system.pool, &outputs, &inputs, limits, evidence).ok().flatten()?;
+    // Without drift two inputs need an integrator for every state but two, if these are flat outputs.
+    let chain = fields.controls.len() == 2 && is_plain_zero(&system.pool, &fields.drift);
+    if chain && fields.states.len() > MAX_INTEGRATORS + 2 {
+        return None;
+    }
+    let limits = ExtensionLimits { integrators: MAX_INTEGRATORS.min(fields.states.len()), nodes: MAX_NODES };
+    fields.dynamic_extension(&mut system.pool, &outputs, &inputs, limits, evidence).ok().flatten()
+}
+
+/// The same as a report.
+pub(crate) fn extension_report(system: &System, extension: &DynamicExtension) -> ExtensionReport {
     let names = extension.new_inputs.iter().map(|&u| system.pool.name(u).to_owned()).collect();
-    Some(ExtensionReport {
-        integrators: integrators(system, &inputs, &extension),
-        relative_degree: degrees(&extension),
+    ExtensionReport {
+        integrators: integrators(system, &system.inputs, extension),
+        relative_degree: degrees(extension),
         dimension: extension.fields.states.len(),
-        compensator: compensator(&system.pool, &extension),
+        compensator: compensator(&system.pool, extension),
         inputs: names,
         linearizes: extension.linearizes(),
-    })
+    }
 }
 
 /// Flatness of the system with the given fields, of which the dependent ones are left out.
@@ -114,6 +126,7 @@ pub(crate) fn flatness_report(
     fields: &VectorFields,
     flag: &Result<LinearizationFlag, Undecided>,
     strong_dimension: Option<usize>,
+    model_extension: Option<&DynamicExtension>,
     first: usize,
     evidence: &mut Evidence,
 ) -> FlatnessReport {
@@ -136,7 +149,8 @@ pub(crate) fn flatness_report(
         let inputs: Vec<Symbol> = rank.independent.iter().map(|&i| system.inputs[i]).collect();
         let mut independent = fields.clone();
         independent.controls = rank.independent.iter().map(|&i| fields.controls[i].clone()).collect();
-        let known = Known { inputs: &inputs, functions: &functions, outputs, strong_dimension, flag };
+        let extension = model_extension;
+        let known = Known { inputs: &inputs, functions: &functions, outputs, strong_dimension, flag, extension };
         Ok((independent.flatness(pool, &known, evidence)?, independent, inputs))
     });
     let (Flatness { flat, outputs, extension, reason }, fields, inputs) = match found {

@@ -106,6 +106,17 @@ impl VectorFields {
         outputs: &[Expr],
         evidence: &mut Evidence,
     ) -> Result<RelativeDegree, Undecided> {
+        let known = outputs.iter().map(|&h| vec![tidy(pool, h)]).collect();
+        self.relative_degree_from(pool, known, evidence)
+    }
+
+    /// The same, with the first derivatives `h, L_f h, …` of every output known and free of inputs.
+    pub(crate) fn relative_degree_from(
+        &self,
+        pool: &mut Pool,
+        known: Vec<Vec<Expr>>,
+        evidence: &mut Evidence,
+    ) -> Result<RelativeDegree, Undecided> {
         let first = pool.len();
         let zero = pool.int(0);
         let mut found = RelativeDegree {
@@ -115,13 +126,12 @@ impl VectorFields {
             decoupling: Vec::new(),
             rank: 0,
         };
-        for &h in outputs {
-            let mut list = vec![tidy(pool, h)];
+        for mut list in known {
             let mut row = vec![zero; self.controls.len()];
             let mut degree = None;
-            let mut last = list[0];
+            let mut last = list.last().copied().unwrap_or(zero);
             // dh, dL_f h, …, dL_f^(r−1) h are independent up to the relative degree: r ≤ n.
-            for r in 1..=self.states.len() {
+            for r in list.len()..=self.states.len() {
                 check_growth(pool, first, [&[last], &[]], self.states.len())?;
                 for (entry, g) in row.iter_mut().zip(&self.controls) {
                     let e = pool.lie_derivative(last, &self.states, g);

@@ -13,18 +13,21 @@ const MAX_PRODUCTS: usize = 30_000;
 const MAX_TERMS: usize = 250;
 /// Larger expressions are left to `Pool::simplify`.
 const MAX_NODES: usize = 1500;
+/// Larger expressions are only looked at as fractions.
+const MAX_COMPARED_NODES: usize = 150;
 /// A further quotient weighs as much as this many characters.
 const QUOTIENT: usize = 20;
 
 /// An equal expression that reads well: a product of powers where it factors, one fraction, common
 /// factors cancelled, sin² + cos² = 1 used where it shortens. Equal wherever both have a value.
 pub(crate) fn tidy(pool: &mut Pool, e: Expr) -> Expr {
-    let plain = pool.simplify(e);
-    if pool.reachable(&[plain]).len() < 3 {
-        return plain;
+    let nodes = pool.reachable(&[e]).len();
+    if nodes < 3 {
+        return e;
     }
-    let Some(f) = factored(pool, e) else { return plain };
+    let Some(f) = factored(pool, e) else { return pool.simplify(e) };
     let fraction = f.expression(pool);
+    let plain = if nodes > MAX_COMPARED_NODES { fraction } else { pool.simplify(e) };
     let collected = pool.simplify(fraction);
     // The first of the shortest, where every quotient but one takes some reading.
     let length = |e: &Expr| {
