@@ -71,6 +71,8 @@ impl Analysis {
             .iter()
             .filter_map(|m| m.autonomous.known())
             .flatten()
+            // A state has its row already.
+            .filter(|f| !names.contains(f))
             .filter_map(|f| Some((f.clone(), pool.parse(f).ok()?)))
             .collect();
         let mut tables = Vec::new();
