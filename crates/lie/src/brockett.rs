@@ -111,8 +111,7 @@ fn decide(
                 return Ok(Some(false));
             }
             for i in (0..n).filter(|i| !vanishing.contains(i)) {
-                let e = pool.expand(rest[i]);
-                if near.sign(pool, e) != Sign::Unknown {
+                if near.sign(pool, rest[i]) != Sign::Unknown {
                     return Ok(Some(false));
                 }
             }

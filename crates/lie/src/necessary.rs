@@ -4,11 +4,11 @@ use bracketry_symbolic::{Bindings, Expr, Fp, Pool, ZeroTest};
 use nalgebra::{DMatrix, DVector};
 use rustc_hash::FxHashMap;
 
-use crate::closure::Closure;
 use crate::echelon::Echelon;
 use crate::error::{Undecided, check_growth};
 use crate::evidence::Evidence;
 use crate::fields::{Field, bracket};
+use crate::growth::independent;
 use crate::involutive::involutive_closure;
 use crate::linear::complement;
 use crate::local::{Frame, Limits, Words};
@@ -126,13 +126,7 @@ pub(crate) fn half_space(
             if vanishes(pool, e, &frame.fields.bindings) {
                 return Sign::Zero;
             }
-            match near.sign(pool, e) {
-                Sign::Unknown => {
-                    let e = pool.expand(e);
-                    near.sign(pool, e)
-                }
-                seen => seen,
-            }
+            near.sign(pool, e)
         };
         let mut signs = Vec::new();
         for (g, side) in frame.fields.controls.iter().zip(sides) {
@@ -230,8 +224,8 @@ fn covectors(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> Result<
 /// p(T) = λ, the function λ·x(T) is the integral of ½ p·D²f(x, x) + O(|x|³), that is of
 /// −½ Q(y, y) + O(T)|y|² with the definite Q: it has one sign for all inputs once T is small.
 ///
-/// The distributions are D_0, the involutive closure of the inputs, and D_k, that of
-/// D_{k−1} + [f, D_{k−1}], with K = D_{k−1}. The form is evaluated in floating point and counts
+/// Tried as D are the involutive closures of {ad_f^j g_i, j ≤ k_i} for depths k_i, and as K those of
+/// the fields among these that f leaves in D. The form is evaluated in floating point and counts
 /// as definite only clear of rounding.
 pub(crate) fn definite_form(
     pool: &mut Pool,
@@ -246,12 +240,47 @@ pub(crate) fn definite_form(
     let a_exact = frame.evaluate(pool, &jacobian, evidence)?;
     let Some(a) = frame.numbers(pool, &jacobian.concat()) else { return Ok(None) };
     let a = DMatrix::from_row_slice(n, n, &a);
-    let mut start = frame.fields.controls.clone();
-    let mut old = 0;
-    for k in 0..n {
-        let Closure { basis: d, .. } = involutive_closure(pool, &states, &start, bindings, evidence)?;
-        if d.len() >= n || d.len() == old || frame.rank(pool, &d, evidence)? < d.len() {
+    let m_inputs = frame.fields.controls.len();
+    let mut chains: Vec<Vec<Field>> = frame.fields.controls.iter().map(|g| vec![g.clone()]).collect();
+    for depths in depths(m_inputs, n) {
+        for (chain, &depth) in chains.iter_mut().zip(&depths) {
+            while chain.len() <= depth + 1 {
+                let last = &chain[chain.len() - 1];
+                check_growth(pool, first_node, [&drift, last], 1)?;
+                let next = bracket(pool, &states, &drift, last);
+                chain.push(next);
+            }
+        }
+        if pool.len() - first_node > MAX_NODES {
             return Ok(None);
+        }
+        let inner = chains.iter().zip(&depths).flat_map(|(c, &k)| c[..k].to_vec());
+        let ends = chains.iter().zip(&depths).map(|(c, &k)| (&c[k], &c[k + 1]));
+        let mut all: Vec<Field> = inner.clone().collect();
+        all.extend(ends.clone().map(|e| e.0.clone()));
+        let whole = involutive_closure(pool, &states, &all, bindings, evidence)?.basis;
+        if whole.len() >= n || frame.rank(pool, &whole, evidence)? < whole.len() {
+            continue;
+        }
+        // K: all but the ends of chains, and those ends whose bracket with f is in D.
+        let mut kernel: Vec<Field> = inner.collect();
+        for (end, next) in ends {
+            let mut longer = whole.clone();
+            longer.push(next.clone());
+            if independent(pool, &longer, bindings, evidence)?.len() == whole.len() {
+                kernel.push(end.clone());
+            }
+        }
+        let kernel = involutive_closure(pool, &states, &kernel, bindings, evidence)?.basis;
+        let old = kernel.len();
+        if old >= whole.len() || frame.rank(pool, &kernel, evidence)? < old {
+            continue;
+        }
+        let mut d = kernel;
+        d.extend(whole);
+        let d = independent(pool, &d, bindings, evidence)?;
+        if frame.rank(pool, &d, evidence)? < d.len() {
+            continue;
         }
         let mut hull = Echelon::new();
         let mut queue = frame.evaluate(pool, &d, evidence)?;
@@ -264,14 +293,14 @@ pub(crate) fn definite_form(
         }
         let q = n - hull.rank();
         if q == 0 {
-            return Ok(None);
+            continue;
         }
         let mut derived = Vec::new();
         for y in &d {
             check_growth(pool, first_node, [&drift, y], 1)?;
             derived.push(bracket(pool, &states, &drift, y));
         }
-        // The closure keeps its first fields first, so K is spanned by the first `old` ones.
+        // K is spanned by the first `old` fields.
         let fresh = old..d.len();
         let mut forms: Vec<Field> = Vec::new();
         for i in fresh.clone() {
@@ -290,13 +319,41 @@ pub(crate) fn definite_form(
             forms.chunks(n).map(|v| across.transpose() * DVector::from_column_slice(v)).collect();
         let matrices: Vec<DMatrix<f64>> = (0..q).map(|c| DMatrix::from_fn(m, m, |i, j| forms[i * m + j][c])).collect();
         if definite_combination(&matrices) {
-            return Ok(Some(k));
+            return Ok(Some(depths.iter().copied().max().unwrap_or(0)));
         }
-        old = d.len();
-        start = d;
-        start.extend(derived);
     }
     Ok(None)
+}
+
+/// Most choices of depths, and new nodes, in the search for a definite form.
+const MAX_DEPTHS: usize = 40;
+const MAX_NODES: usize = 50_000;
+
+/// Depths of the chains of all inputs, shallow ones first.
+fn depths(inputs: usize, states: usize) -> Vec<Vec<usize>> {
+    let mut all = Vec::new();
+    for total in 0..states {
+        let mut lists = vec![(Vec::new(), total)];
+        for i in 0..inputs {
+            let last = i + 1 == inputs;
+            lists = lists
+                .into_iter()
+                .flat_map(|(list, rest): (Vec<usize>, usize)| {
+                    (if last { rest } else { 0 }..=rest).map(move |k| {
+                        let mut list = list.clone();
+                        list.push(k);
+                        (list, rest - k)
+                    })
+                })
+                .take(MAX_DEPTHS)
+                .collect();
+        }
+        all.extend(lists.into_iter().map(|l| l.0));
+        if all.len() >= MAX_DEPTHS {
+            break;
+        }
+    }
+    all
 }
 
 /// Rounds of the search for a definite combination.

@@ -60,6 +60,8 @@ impl Sign {
 
 /// Values nearer to zero than this are not taken for nonzero.
 const CLEAR: f64 = 1e-9;
+/// Larger expressions, written out as trees, are not looked at.
+const MAX_TREE: f64 = 2_000.0;
 /// Deeper expressions are not looked into.
 const MAX_DEPTH: usize = 60;
 
@@ -70,10 +72,23 @@ pub(crate) struct NearOrigin<'a> {
 }
 
 impl NearOrigin<'_> {
-    /// The sign of `e` near the origin, where it can be seen from its factors and terms or from
-    /// a definite second derivative.
+    /// The sign of `e` near the origin, where it can be seen from its factors and terms, also of its
+    /// expanded form, or from its second derivatives.
     pub(crate) fn sign(&self, pool: &mut Pool, e: Expr) -> Sign {
-        self.look(pool, e, 0)
+        if pool.tree_size(e) > MAX_TREE {
+            return Sign::Unknown;
+        }
+        match self.look(pool, e, 0) {
+            Sign::Unknown => {
+                let expanded = pool.expand(e);
+                if expanded == e || pool.tree_size(expanded) > MAX_TREE {
+                    Sign::Unknown
+                } else {
+                    self.look(pool, expanded, 0)
+                }
+            }
+            seen => seen,
+        }
     }
 
     fn value(&self, pool: &mut Pool, e: Expr) -> Option<f64> {

@@ -95,6 +95,8 @@ const CASES: &[Case] = &[
     case("semidefinite form", "x y z", "u v", &["u", "v", "(x + y)^2"], No),
     case("two quadratic forms", "x y z w", "u v", &["u", "v", "x^2 - y^2", "x*y"], Yes),
     case("two quadratic forms, one definite", "x y z w", "u v", &["u", "v", "x^2 + y^2", "x*y"], No),
+    case("one chain of two carries the square", "x a y b z", "u v", &["a", "u", "b", "v", "a^2 - x^2"], No),
+    case("chains of different depth", "x a y z", "u v", &["a", "u", "v", "x^2 + y^2 + x*y"], No),
     case("three inputs, indefinite", "x y z w", "u v s", &["u", "v", "s", "x^2 + y^2 - z^2"], Yes),
     case("own weights", "x y z", "u v", &["u", "v", "x^2 + x*y^2 + y^3"], Yes),
     case("area against square", "x y z", "u v", &["u", "v", "x*v + x^2"], Yes),
