@@ -20,7 +20,7 @@ use crate::report::Named;
 /// What feedback can do with the system; every part is absent where it does not apply.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ControlReport {
-    /// Relative degrees and zero dynamics; absent without inputs or outputs.
+    /// Relative degrees and zero dynamics; absent without inputs or outputs, or if an output depends on an input directly.
     #[serde(flatten)]
     pub input_output: Option<InputOutputReport>,
     /// Linearisation by static feedback.
@@ -75,7 +75,7 @@ pub(crate) fn control_report(
         return (ControlReport::default(), None);
     }
     let references = fresh_symbols(&mut system.pool, "v", fields.controls.len());
-    let (input_output, degree) = if system.outputs.is_empty() {
+    let (input_output, degree) = if system.outputs.is_empty() || fed_through(system) {
         (None, None)
     } else {
         let (report, degree) = input_output(system, fields, &references, first, evidence);
@@ -144,9 +144,18 @@ fn outputs_of(
     fields.linearizing_outputs(&mut system.pool, flag, &preferred, evidence)
 }
 
+/// Whether an output depends on an input directly: it has relative degree zero, and nothing here applies.
+pub(crate) fn fed_through(system: &System) -> bool {
+    let outputs: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
+    system.pool.symbols_of(&outputs).iter().any(|s| system.inputs.contains(s))
+}
+
 /// The outputs of a model and those of its definitions that depend on the state and no input.
 pub(crate) fn named_functions(system: &System) -> Vec<Expr> {
-    let mut list: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
+    let mut list: Vec<Expr> = Vec::new();
+    if !fed_through(system) {
+        list.extend(system.outputs.iter().map(|o| o.1));
+    }
     for &(_, e) in &system.definitions {
         let symbols = system.pool.symbols_of(&[e]);
         if symbols.iter().any(|s| system.states.contains(s))

@@ -6,7 +6,7 @@ use bracketry_symbolic::{Expr, Pool, Symbol};
 use bracketry_system::System;
 use serde::Serialize;
 
-use crate::control_report::named_functions;
+use crate::control_report::{fed_through, named_functions};
 use crate::error::{Undecided, check_analysis};
 use crate::evidence::Evidence;
 use crate::extension::{DynamicExtension, ExtensionLimits};
@@ -140,7 +140,7 @@ pub(crate) fn flatness_report(
         reason,
     };
     let functions = named_functions(system);
-    let outputs = system.outputs.len();
+    let outputs = if fed_through(system) { 0 } else { system.outputs.len() };
     let pool = &mut system.pool;
     let found = check_analysis(pool, first).and_then(|()| {
         let flag = flag.as_ref().map_err(Clone::clone)?;

@@ -100,6 +100,14 @@ fn an_output_that_no_input_reaches_has_no_relative_degree() {
     assert_eq!(c.input_output.unwrap().decoupling_matrix, [["0"], ["1"]]);
 }
 
+#[test]
+fn an_output_with_feedthrough_is_left_out() {
+    let s = system(&["x", "v"], &["u"], &[], &["v", "u"], &["x + u"], None);
+    let c = control(&s);
+    assert_eq!(c.input_output, None);
+    assert_eq!(linearization(&c).linearizing_outputs, ["x"]);
+}
+
 fn ball_and_beam(point: Option<&[(&str, &str)]>) -> System {
     system(
         &["r", "v", "th", "w"],
