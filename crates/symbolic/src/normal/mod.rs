@@ -13,6 +13,7 @@ use self::exponential::Exponential;
 use self::trigonometric::Trigonometric;
 use crate::func::Func;
 use crate::pool::{Expr, Node, Pool};
+use crate::text::{factors, terms};
 
 /// Sums with more terms stay as they are.
 const MAX_TERMS: usize = 400;
@@ -20,8 +21,8 @@ const MAX_TERMS: usize = 400;
 const MAX_NODES: usize = 5000;
 
 /// Limits of the forms that [`Pool::simplify`] tries: terms, and nodes of the expression.
-const MAX_TRIAL_TERMS: usize = 24;
-const MAX_TRIAL_NODES: usize = 80;
+const MAX_TRIAL_TERMS: usize = 16;
+const MAX_TRIAL_NODES: usize = 50;
 
 impl Pool {
     /// The normal forms of `e` that may be shorter than `e`.
@@ -121,6 +122,9 @@ fn quotient<F: Form>(pool: &mut Pool, e: Expr, limit: usize) -> Expr {
         denominator = pool.mul(denominator, power);
     }
     let mut lifted = Vec::with_capacity(all.len());
+    if denominator_terms(pool, denominator).saturating_mul(all.len()) > 4 * limit {
+        return e;
+    }
     for t in all {
         // What cancels must do so before anything is multiplied out.
         let product = pool.mul(t, denominator);
@@ -147,6 +151,21 @@ fn quotient<F: Form>(pool: &mut Pool, e: Expr, limit: usize) -> Expr {
     let top = build(pool, &numerator);
     let ratio = pool.div(top, denominator);
     pool.collected(ratio)
+}
+
+/// Number of terms that a product of powers of sums has at most when multiplied out.
+fn denominator_terms(pool: &Pool, product: Expr) -> usize {
+    let mut count = 1_usize;
+    for f in factors(pool, product) {
+        let (base, k) = match pool.node(f) {
+            Node::Pow(b, k) => (b, pool.integer(k).unwrap_or(1)),
+            _ => (f, 1),
+        };
+        for _ in 0..k.clamp(0, 64) {
+            count = count.saturating_mul(terms(pool, base).len());
+        }
+    }
+    count
 }
 
 /// Adds `c · term`.
