@@ -3,7 +3,7 @@
 use std::fmt::{self, Write as _};
 use std::time::Instant;
 
-use bracketry_lie::{Answer, Dimensions, Options, Report, Side, Stlc, Verdict};
+use bracketry_lie::{Answer, Dimensions, InputValues, Options, Report, Side, Stlc, Verdict};
 use bracketry_system::{AffineError, Affinization, AtPoint, Method, NewInput, Range, System};
 use serde::Serialize;
 
@@ -62,6 +62,7 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     let affinization = system.affinize()?;
     let mut options = options.clone();
     options.one_sided.extend(one_sided(&affinization));
+    options.ranges.extend(ranges(&affinization));
     let options = &options;
     let mut report = bracketry_lie::analyse(&affinization.system, options)?;
     if affinization.method != Method::None {
@@ -99,30 +100,43 @@ fn one_sided(affinization: &Affinization) -> Vec<(String, Side)> {
     affinization.input_change.iter().filter_map(|v| Some((v.name.clone(), side(v)?))).collect()
 }
 
-/// Whether a positive verdict on the affine system, in which new inputs are free or one-sided half-lines, holds for the
-/// original: the values that the new inputs take together must contain what it was concluded from.
+/// The values of new inputs that do not take all real numbers.
+fn ranges(affinization: &Affinization) -> Vec<(String, InputValues)> {
+    let values = |v: &NewInput| match &v.values {
+        Range::Onto => None,
+        Range::Interval { lower, upper } => {
+            let lower = lower.as_ref().map_or(f64::NEG_INFINITY, |b| b.value);
+            Some(InputValues::Between(lower, upper.as_ref().map_or(f64::INFINITY, |b| b.value)))
+        }
+        Range::Unknown { .. } => Some(InputValues::Unknown),
+    };
+    affinization.input_change.iter().filter_map(|v| Some((v.name.clone(), values(v)?))).collect()
+}
+
+/// Whether a positive verdict on the affine system, in which each new input takes the values of its range by itself,
+/// holds for the original: the values that the new inputs take together must contain what it was concluded from.
 struct CarriesOver {
-    /// New inputs that move freely to all sides.
+    /// From new inputs that move freely to all sides of their values at the point.
     free: bool,
-    /// New inputs of which some move to one side only, each independently of the others and without another end.
-    half_lines: bool,
+    /// From new inputs in their ranges.
+    in_ranges: bool,
 }
 
 impl CarriesOver {
     fn of(affinization: &Affinization, equilibrium: bool) -> CarriesOver {
         let new = &affinization.input_change;
-        // Where the point is no equilibrium, other values than that at the point may hold it.
-        let onto = new.iter().all(|v| v.values.is_onto() == Some(true));
-        let free = new.is_empty() || affinization.interior_at_point == Some(true) && (equilibrium || onto);
+        // Where the point is no equilibrium, other values than that at the point hold it.
+        let free = new.is_empty() || affinization.interior_at_point == Some(true) && equilibrium;
         let chosen = affinization.candidates.iter().find(|c| c.chosen);
         let independent = new.len() == 1 || chosen.and_then(|c| c.independent_ranges) == Some(true);
-        let half_line = |v: &NewInput| match (v.at_point, &v.values) {
+        // At one end of a range the other end is taken to be far away.
+        let seen = |v: &NewInput| match (v.at_point, &v.values) {
             (AtPoint::Interior, _) => true,
             (AtPoint::AtLower, Range::Interval { upper, .. }) => upper.is_none(),
             (AtPoint::AtUpper, Range::Interval { lower, .. }) => lower.is_none(),
             _ => false,
         };
-        CarriesOver { free, half_lines: free || equilibrium && independent && new.iter().all(half_line) }
+        CarriesOver { free, in_ranges: free || independent && new.iter().all(seen) }
     }
 }
 
@@ -137,7 +151,7 @@ fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization) {
         .map(|v| format!("{} = {}", v.name, affinization.system.pool.text(v.function)))
         .collect();
     let why = format!("at the point the old inputs do not move {} freely to all sides", names.join(", "));
-    if point.stlc.verdict == Verdict::Yes && !holds.half_lines {
+    if point.stlc.verdict == Verdict::Yes && !holds.in_ranges {
         point.stlc = Stlc::inconclusive(why.clone());
     }
     if holds.free {

@@ -136,3 +136,24 @@ fn one_sided_inputs_that_push_to_one_side_do_not_control() {
     assert_eq!(verdict("x = 'a^2'\ny = 'x + b'"), bracketry::lie::Verdict::No);
     assert_eq!(verdict("x = 'a^2 - b^2'\ny = 'c'"), bracketry::lie::Verdict::Yes);
 }
+
+#[test]
+fn inputs_that_hold_the_point_must_lie_in_their_range() {
+    use bracketry::lie::Verdict::{No, Yes};
+    let verdict = |rate: &str, u: &str| {
+        let text = format!("states = ['x']\ninputs = ['u']\n[dynamics]\nx = '{rate}'\n[point]\nu = {u}");
+        let system = bracketry::system::System::parse("m", &text).unwrap();
+        let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
+        a.report.at_point.unwrap().known().unwrap().stlc.verdict
+    };
+    // x' = sin(u) rests inside the range, x' = sin(u) − 1 at its end; x' = sin(u) − 2 never does.
+    assert_eq!(verdict("sin(u)", "0"), Yes);
+    assert_ne!(verdict("sin(u) - 1", "'pi/2'"), Yes);
+    assert_ne!(verdict("sin(u) - 2", "0"), Yes);
+    // x' = exp(u) > 0 has no rest, x' = exp(u) − 1 has one.
+    assert_ne!(verdict("exp(u)", "0"), Yes);
+    assert_eq!(verdict("exp(u) - 1", "0"), Yes);
+    // At the end of the range the state can only rise.
+    assert_eq!(verdict("u^2", "0"), No);
+    assert_ne!(verdict("1 - cos(u)", "0"), Yes);
+}
