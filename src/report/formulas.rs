@@ -1,5 +1,7 @@
 //! From the texts of a report to formulas in LaTeX.
 
+use std::fmt::Write as _;
+
 use bracketry_symbolic::{Expr, Pool};
 
 /// Longer formulas are named by their size: nobody reads them, and they break a page.
@@ -41,22 +43,34 @@ pub(super) fn list(numbers: &[usize]) -> String {
     numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// A bracket such as `[g1,[f,g2]]`, or a generator.
+/// A bracket such as `[g1,[f,g2]]`, or a generator; `g2(3)` is g2 in mode 3.
 pub(super) fn bracket(name: &str) -> String {
     let mut out = String::new();
-    let mut digits = false;
-    for c in name.chars() {
-        if c.is_ascii_digit() != digits {
-            digits = !digits;
-            out.push_str(if digits { "_{" } else { "}" });
+    let mut chars = name.chars().peekable();
+    let number = |chars: &mut std::iter::Peekable<std::str::Chars<'_>>| {
+        let mut digits = String::new();
+        while let Some(c) = chars.next_if(char::is_ascii_digit) {
+            digits.push(c);
         }
-        out.push(c);
-        if c == ',' {
-            out.push(' ');
+        digits
+    };
+    while let Some(c) = chars.next() {
+        match c {
+            '(' => {
+                let mode = number(&mut chars);
+                chars.next_if_eq(&')');
+                let _ = write!(out, "^{{({mode})}}");
+            }
+            'f' | 'g' => {
+                let index = number(&mut chars);
+                out.push(c);
+                if !index.is_empty() {
+                    let _ = write!(out, "_{{{index}}}");
+                }
+            }
+            ',' => out.push_str(", "),
+            _ => out.push(c),
         }
-    }
-    if digits {
-        out.push('}');
     }
     out
 }
@@ -79,7 +93,43 @@ pub(super) fn condition(text: &str) -> String {
         }
         printed(p)
     };
+    // Commas stand between conditions too, but not within a function of two arguments.
+    let listed = |p: &str| {
+        let mut parts = vec![String::new()];
+        let mut depth = 0;
+        for c in p.chars() {
+            depth += i32::from(c == '(') - i32::from(c == ')');
+            match parts.last_mut() {
+                Some(last) if c != ',' || depth > 0 => last.push(c),
+                _ => parts.push(String::new()),
+            }
+        }
+        parts.iter().map(|p| part(p.trim())).collect::<Vec<_>>().join(",\\ ")
+    };
     let join = |list: Vec<String>, word: &str| list.join(&format!("\\ \\text{{{word}}}\\ "));
-    let clause = |c: &str| join(c.split(" and ").map(part).collect(), "and");
+    let clause = |c: &str| join(c.split(" and ").map(listed).collect(), "and");
     join(text.split(" or ").map(clause).collect(), "or")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditions_keep_their_words_and_signs() {
+        assert_eq!(condition("v = 0"), "v = 0");
+        assert_eq!(condition("x1 ≠ 0, cos(y) ≠ 0"), "x_{1} \\ne 0,\\ \\cos\\left(y\\right) \\ne 0");
+        assert_eq!(condition("a = 0 or b > 0"), "a = 0\\ \\text{or}\\ b > 0");
+    }
+
+    #[test]
+    fn brackets_have_indices() {
+        assert_eq!(bracket("[g1,[f,g12]]"), "[g_{1}, [f, g_{12}]]");
+        assert_eq!(bracket("[f(3)-f(1),g2(4)]"), "[f^{(3)}-f^{(1)}, g_{2}^{(4)}]");
+    }
+
+    #[test]
+    fn what_is_no_expression_is_set_as_text() {
+        assert_eq!(printed("<3 nodes>"), "\\text{<3 nodes>}");
+    }
 }

@@ -230,7 +230,7 @@ fn brackets(a: &Analysis, out: &mut Vec<Block>) {
         }
     }
     if let Some(d) = &report.switched {
-        spanned(vec![text("all modes together (numbers in parentheses: the mode)")], d);
+        spanned(vec![text("all modes together (upper numbers: the mode)")], d);
     }
     if let Some(s) = &report.smoothed {
         spanned(vec![text("smoothed")], &s.dimensions);
