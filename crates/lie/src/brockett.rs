@@ -4,11 +4,11 @@ use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, ZeroTest};
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
-use crate::echelon::Echelon;
 use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::linear::Linearisation;
 use crate::local::Frame;
+use crate::residues::Echelon;
 use crate::sign::{NearOrigin, Sign};
 
 /// Most sets of variables that are tried.
@@ -47,7 +47,7 @@ fn decide(
     let fields = &frame.fields;
     let (n, m) = (fields.states.len(), fields.controls.len());
     // Columns of [A B].
-    let mut span = Echelon::of(&linearisation.b);
+    let mut span = Echelon::new(&linearisation.b, n);
     for j in 0..n {
         span.insert(linearisation.a.iter().map(|row| row[j]).collect());
     }
@@ -57,7 +57,7 @@ fn decide(
     if fields.drift.iter().all(|&e| pool.is_zero(e)) && m > 0 {
         let generic = pool.rank(&fields.controls, &fields.bindings)?;
         evidence.add(&generic.certificate);
-        if generic.rank < n && Echelon::of(&linearisation.b).rank() == generic.rank {
+        if generic.rank < n && Echelon::new(&linearisation.b, n).rank() == generic.rank {
             return Ok(Some(false));
         }
     }
@@ -104,7 +104,7 @@ fn decide(
                 continue;
             }
             let rows: Vec<Vec<_>> = vanishing.iter().map(|&i| set.iter().map(|&j| jacobian[i][j]).collect()).collect();
-            if Echelon::of(&rows).rank() < size {
+            if Echelon::new(&rows, n).rank() < size {
                 continue;
             }
             if vanishing.len() > size {

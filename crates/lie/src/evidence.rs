@@ -1,10 +1,11 @@
 //! What all exact decisions of an analysis rest on, taken together.
 
-use bracketry_symbolic::{Certificate, Fp, Samples, Undecided};
+use bracketry_symbolic::{Certificate, Samples, Undecided};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
 use crate::error;
+use crate::residues::{Fp, PRIME};
 
 /// The decisions of an analysis, with the probability that any of them is wrong.
 ///
@@ -61,7 +62,7 @@ impl Evidence {
     ///
     /// # Errors
     /// [`Undecided::Sign`] if the sampled expressions hold a root of a square, whose sign is open.
-    pub(crate) fn add_rank(&mut self, samples: &Samples, rank: usize) -> Result<(), Undecided> {
+    pub(crate) fn add_rank(&mut self, samples: &Samples<PRIME>, rank: usize) -> Result<(), Undecided> {
         if samples.ambiguous_signs > 0 {
             return Err(Undecided::Sign);
         }
@@ -76,7 +77,12 @@ impl Evidence {
     ///
     /// # Errors
     /// [`Undecided::Sign`] if the sampled expressions hold a root of a square, whose sign is open.
-    pub(crate) fn add_memberships(&mut self, samples: &Samples, rank: usize, count: usize) -> Result<(), Undecided> {
+    pub(crate) fn add_memberships(
+        &mut self,
+        samples: &Samples<PRIME>,
+        rank: usize,
+        count: usize,
+    ) -> Result<(), Undecided> {
         if samples.ambiguous_signs > 0 {
             return Err(Undecided::Sign);
         }
@@ -90,7 +96,7 @@ impl Evidence {
     ///
     /// # Errors
     /// [`Undecided::Sign`] if the sampled expressions hold a root of a square, whose sign is open.
-    pub(crate) fn add_equalities(&mut self, samples: &Samples, count: usize) -> Result<(), Undecided> {
+    pub(crate) fn add_equalities(&mut self, samples: &Samples<PRIME>, count: usize) -> Result<(), Undecided> {
         if samples.ambiguous_signs > 0 {
             return Err(Undecided::Sign);
         }
@@ -130,8 +136,10 @@ impl Evidence {
 impl Serialize for Evidence {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let decided = self.decisions > 0;
-        let mut s = serializer.serialize_struct("Evidence", 2 + usize::from(decided))?;
+        let mut s = serializer.serialize_struct("Evidence", 3 + usize::from(decided))?;
         s.serialize_field("prime", "2^61-1")?;
+        // Of values at a point and of what the first lacks the roots for.
+        s.serialize_field("second_prime", &format!("2^61-{PRIME}"))?;
         s.serialize_field("points", &self.points)?;
         if decided {
             s.serialize_field("error_probability", &self.error_text())?;

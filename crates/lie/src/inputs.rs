@@ -1,14 +1,14 @@
 //! Inputs in which the bad brackets of second order cancel.
 
-use bracketry_symbolic::{Expr, Fp, Pool, Rational};
+use bracketry_symbolic::{Expr, Pool, Rational};
 use nalgebra::{DMatrix, DVector};
 
-use crate::echelon::Echelon;
 use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::{Field, bracket};
 use crate::linear::Linearisation;
 use crate::local::Frame;
+use crate::residues::{Echelon, Fp};
 use crate::sign::definite;
 use crate::sussmann::Inputs;
 
@@ -63,11 +63,11 @@ pub(crate) fn cancelling(
             pairs.iter().zip(&reduced).map(|(p, v)| twice(p) * v[c]).collect()
         })
         .collect();
-    let conditions = Echelon::of(&conditions);
+    let conditions = Echelon::new(&conditions, pairs.len());
     if conditions.rank() == 0 {
         return Ok(None);
     }
-    let Some(free) = rational_rows(&conditions.nullspace(pairs.len())) else { return Ok(None) };
+    let Some(free) = rational_rows(&conditions.nullspace()) else { return Ok(None) };
     if free.is_empty() {
         return Ok(None);
     }

@@ -1,14 +1,14 @@
 //! Vector fields along which given differentials vanish, in a form that can be read.
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Node, Pool, Rational, Symbol};
+use bracketry_symbolic::{Bindings, Expr, Node, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
-use crate::echelon::Echelon;
 use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::Field;
 use crate::growth::independent;
 use crate::integrals::{Values, common, expression, fractions, name_constants, parameter_values};
+use crate::residues::{Echelon, Fp, PRIME};
 
 /// Seed and spare points of the samples that coefficients are solved from.
 const SEED: u64 = 0x6272_6163_6b65_7405;
@@ -47,16 +47,16 @@ pub(crate) fn kernel(
     let named = name_constants(pool, &flat, variables);
     let back: FxHashMap<Expr, Expr> = named.iter().map(|(&e, &s)| (s, e)).collect();
     let flat = pool.substitute_all(&flat, &named);
-    let sample = pool.sample(&flat, bindings, 1, SEED)?;
+    let sample = pool.sample_in::<PRIME>(&flat, bindings, 1, SEED)?;
     if sample.ambiguous_signs > 0 {
         return Err(bracketry_symbolic::Undecided::Sign.into());
     }
     let rows: Vec<Vec<Fp>> = sample.values[0].chunks(n).map(<[Fp]>::to_vec).collect();
-    let span = Echelon::of(&rows);
+    let span = Echelon::new(&rows, n);
     let unit_row = |i: usize| (0..n).map(|j| if i == j { Fp::ONE } else { Fp::ZERO }).collect::<Vec<Fp>>();
     // A variable that the forms determine does not move.
     let moving: Vec<usize> = (0..n).filter(|&i| !span.contains(&unit_row(i))).collect();
-    let mut reduced = Echelon::new();
+    let mut reduced = Echelon::empty(moving.len());
     let mut forms: Vec<Field> = Vec::new();
     for (form, row) in flat.chunks(n).zip(&rows) {
         if reduced.insert(moving.iter().map(|&i| row[i]).collect()) {
@@ -231,10 +231,10 @@ impl Search {
         if self.done() || k > MAX_MINOR || pool.reachable(&flat).len() > MAX_MINOR_NODES {
             return Ok(());
         }
-        let sample = pool.sample(&flat, &self.bindings, 1, SEED ^ 1)?;
+        let sample = pool.sample_in::<PRIME>(&flat, &self.bindings, 1, SEED ^ 1)?;
         let rows: Vec<Vec<Fp>> = sample.values[0].chunks(n).map(<[Fp]>::to_vec).collect();
         let free: Vec<usize> = {
-            let null = Echelon::of(&rows).nullspace(n);
+            let null = Echelon::new(&rows, n).nullspace();
             null.iter().filter_map(|v| v.iter().rposition(|x| !x.is_zero())).collect()
         };
         let pivots: Vec<usize> = (0..n).filter(|j| !free.contains(j)).collect();
@@ -303,9 +303,9 @@ fn combinations(
 ) -> Result<Vec<Vec<Fp>>, Undecided> {
     let mut roots = atoms.to_vec();
     roots.extend(forms.concat());
-    let samples = pool.sample(&roots, bindings, columns.len() + IDLE_POINTS, SEED)?;
+    let samples = pool.sample_in::<PRIME>(&roots, bindings, columns.len() + IDLE_POINTS, SEED)?;
     let width = forms.first().map_or(1, Vec::len);
-    let mut echelon = Echelon::new();
+    let mut echelon = Echelon::empty(columns.len());
     let mut idle = 0;
     for values in &samples.values {
         let (x, omega) = values.split_at(atoms.len());
@@ -320,7 +320,7 @@ fn combinations(
             break;
         }
     }
-    Ok(echelon.nullspace(columns.len()))
+    Ok(echelon.nullspace())
 }
 
 /// The coefficients of the one combination of a few columns, as functions of the parameters.
@@ -368,9 +368,9 @@ impl AtValues<'_> {
         for (&s, &v) in self.symbols.iter().zip(values) {
             bindings.bind(s, Rational::from(v));
         }
-        let samples = self.pool.sample(self.flat, &bindings, 1, SEED).ok()?;
+        let samples = self.pool.sample_in::<PRIME>(self.flat, &bindings, 1, SEED).ok()?;
         let rows: Vec<Vec<Fp>> = samples.values.first()?.chunks(self.width).map(<[Fp]>::to_vec).collect();
-        Some(Echelon::of(&rows).nullspace(self.width))
+        Some(Echelon::new(&rows, self.width).nullspace())
     }
 }
 

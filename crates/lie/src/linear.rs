@@ -1,14 +1,14 @@
 //! The linearisation at an equilibrium.
 
-use bracketry_symbolic::{Expr, Fp, Pool};
+use bracketry_symbolic::{Expr, Pool};
 use nalgebra::{DMatrix, DVector};
 
 use crate::answer::Answer;
-use crate::echelon::Echelon;
 use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::Field;
 use crate::local::Frame;
+use crate::residues::{Echelon, Fp};
 
 /// x' = A x + B u around an equilibrium, modulo the prime.
 pub(crate) struct Linearisation {
@@ -28,7 +28,7 @@ impl Linearisation {
 
     /// span{A^k b_i}, which is span{ad_f^k g_i(x0)} at an equilibrium x0.
     pub(crate) fn controllable(&self) -> Echelon {
-        let mut span = Echelon::new();
+        let mut span = Echelon::empty(self.a.len());
         let mut queue: Vec<Vec<Fp>> = self.b.clone();
         while let Some(v) = queue.pop() {
             if span.insert(v.clone()) {
@@ -44,7 +44,7 @@ impl Linearisation {
 impl Linearisation {
     /// The least k for which {A^j b_i, j < k} spans what all A^j b_i span, at least 1.
     pub(crate) fn index(&self) -> usize {
-        let mut span = Echelon::of(&self.b);
+        let mut span = Echelon::new(&self.b, self.a.len());
         let mut block = self.b.clone();
         let mut k = 1;
         loop {

@@ -2,15 +2,15 @@
 
 use std::ops::Range;
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Pool, Symbol, Tape};
+use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
 use crate::closure::Closure;
-use crate::echelon::Echelon;
 use crate::error::{Error, Undecided};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields, bracket, is_plain_zero, subtract};
+use crate::residues::{Echelon, Fp, PRIME};
 
 /// How far brackets are formed at a point before the answer is "unknown".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,13 +107,13 @@ impl Frame {
         if !self.replaced.is_empty() {
             roots = pool.substitute_all(&roots, &self.replaced);
         }
-        let samples = pool.sample(&roots, &self.values, 1, POINT_SEED)?;
+        let samples = pool.sample_in::<PRIME>(&roots, &self.values, 1, POINT_SEED)?;
         evidence.add_rank(&samples, n)?;
         Ok(samples.values[0].chunks(n).map(<[Fp]>::to_vec).collect())
     }
 
     pub(crate) fn rank(&self, pool: &mut Pool, fields: &[Field], evidence: &mut Evidence) -> Result<usize, Undecided> {
-        Ok(Echelon::of(&self.evaluate(pool, fields, evidence)?).rank())
+        Ok(Echelon::new(&self.evaluate(pool, fields, evidence)?, self.fields.states.len()).rank())
     }
 
     /// Values of everything in `roots` that has one: coordinates of the point and parameters.
@@ -251,8 +251,8 @@ impl Words {
             let certain = all.len() + 1;
             // Independence at fewer points is independence; only dependence needs them all.
             for points in [(all.len() / n + 2).min(certain), certain] {
-                let samples = pool.sample(&all.concat(), bindings, points, CONSTANTS_SEED)?;
-                let mut echelon = Echelon::new();
+                let samples = pool.sample_in::<PRIME>(&all.concat(), bindings, points, CONSTANTS_SEED)?;
+                let mut echelon = Echelon::empty(points * n);
                 let row = |i: usize| samples.values.iter().flat_map(move |v| v[i * n..(i + 1) * n].iter().copied());
                 let independent: Vec<bool> = (0..all.len()).map(|i| echelon.insert(row(i).collect())).collect();
                 if echelon.rank() == all.len() || points == certain {
@@ -339,9 +339,9 @@ impl Frame {
         let mut length = 1;
         let unknown = loop {
             let mut values = self.evaluate(pool, &words.kept, evidence)?;
-            let strong = Echelon::of(&values).rank();
+            let strong = Echelon::new(&values, n).rank();
             values.extend(self.evaluate(pool, std::slice::from_ref(&self.fields.drift), evidence)?);
-            let all = Echelon::of(&values).rank();
+            let all = Echelon::new(&values, n).rank();
             let stalled = growth.last() == Some(&all) && strong_growth.last() == Some(&strong);
             growth.push(all);
             strong_growth.push(strong);
@@ -437,7 +437,7 @@ impl Frame {
         evidence: &mut Evidence,
     ) -> Result<Vec<Field>, Undecided> {
         let values = self.evaluate(pool, fields, evidence)?;
-        let mut echelon = Echelon::new();
+        let mut echelon = Echelon::empty(self.fields.states.len());
         Ok(fields.iter().zip(values).filter_map(|(f, v)| echelon.insert(v).then(|| f.clone())).collect())
     }
 }

@@ -1,11 +1,12 @@
 //! Keeping iterated brackets small: sub-expressions with equal values become one.
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Node, Pool};
+use bracketry_symbolic::{Bindings, Expr, Node, Pool};
 use rustc_hash::FxHashMap;
 
 use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::Field;
+use crate::residues::{Fp, PRIME};
 
 /// Seed and number of the points at which sub-expressions are compared.
 const SEED: u64 = 0x6272_6163_6b65_7404;
@@ -31,7 +32,7 @@ pub(crate) fn merge_equal(
     if nodes.len() < WORTHWHILE {
         return Ok(fields.to_vec());
     }
-    let samples = pool.sample(&nodes, bindings, POINTS, SEED)?;
+    let samples = pool.sample_in::<PRIME>(&nodes, bindings, POINTS, SEED)?;
     evidence.add_equalities(&samples, nodes.len())?;
     let mut image: FxHashMap<Expr, Expr> = FxHashMap::default();
     let mut first: FxHashMap<[Fp; POINTS], Expr> = FxHashMap::default();

@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use bracketry_symbolic::{Expr, Fp, Pool, Rational};
+use bracketry_symbolic::{Expr, Pool, Rational};
 use serde::Serialize;
 
 use crate::answer::Answer;
-use crate::echelon::Echelon;
 use crate::linear::{Linearisation, uncontrollable_block};
 use crate::local::Frame;
+use crate::residues::{Echelon, Fp};
 
 /// An eigenvalue of the linearisation x' = A x + B u that no input reaches: rank [A − λ, B] < n
 /// (Popov–Belevitch–Hautus).
@@ -136,7 +136,7 @@ fn left_eigenvectors(pool: &mut Pool, frame: &Frame, linearisation: &Linearisati
         .map(|j| (0..n).map(|i| linearisation.a[i][j] - if i == j { lambda } else { Fp::ZERO }).collect())
         .collect();
     rows.extend(linearisation.b.iter().cloned());
-    let kernel = Echelon::of(&rows).nullspace(n);
+    let kernel = Echelon::new(&rows, n).nullspace();
     let rational: Option<Vec<Vec<Rational>>> =
         kernel.iter().map(|w| w.iter().map(|x| x.to_rational(BOUND)).collect()).collect();
     let states = frame.fields.states.clone();

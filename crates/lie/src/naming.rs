@@ -1,10 +1,10 @@
 //! Which brackets of the generators stand behind a basis that was simplified on the way.
 
-use bracketry_symbolic::{Bindings, Fp, Pool};
+use bracketry_symbolic::{Bindings, Pool};
 
-use crate::echelon::Echelon;
 use crate::evidence::Evidence;
 use crate::fields::Field;
+use crate::residues::{Echelon, Fp, PRIME};
 use crate::word::Word;
 
 /// Seed and number of the points that are tried.
@@ -45,7 +45,7 @@ impl History {
         let fields = || self.generators.iter().chain(&self.simplified).chain(brackets());
         evidence.allow_elimination(fields().count(), n).ok()?;
         let roots: Vec<_> = fields().flatten().copied().collect();
-        let samples = pool.sample(&roots, bindings, POINTS, SEED).ok()?;
+        let samples = pool.sample_in::<PRIME>(&roots, bindings, POINTS, SEED).ok()?;
         if samples.ambiguous_signs > 0 {
             return None;
         }
@@ -56,9 +56,9 @@ impl History {
         let generators: Vec<&[Fp]> = values.take(self.generators.len()).collect();
         let simplified: Vec<&[Fp]> = values.take(self.simplified.len()).collect();
         let alpha: Vec<Vec<Fp>> =
-            generators.iter().map(|x| coordinates(&Echelon::new(), &simplified, x)).collect::<Option<_>>()?;
+            generators.iter().map(|x| coordinates(&Echelon::empty(x.len()), &simplified, x)).collect::<Option<_>>()?;
         let mut names = Vec::new();
-        let mut span = Echelon::new();
+        let mut span = Echelon::empty(generators.first()?.len());
         // The words of this round with their values modulo Δ_{k−1}.
         let first = self.rounds.first()?.fresh.len();
         let mut words: Vec<(Word, Vec<Fp>)> =
@@ -100,7 +100,7 @@ fn coordinates(span: &Echelon, basis: &[&[Fp]], vector: &[Fp]) -> Option<Vec<Fp>
         let tags = (0..basis.len()).map(|l| if Some(l) == tag { Fp::ONE } else { Fp::ZERO });
         span.reduce(v.to_vec()).into_iter().chain(tags).collect()
     };
-    let mut echelon = Echelon::new();
+    let mut echelon = Echelon::empty(vector.len() + basis.len());
     for (l, z) in basis.iter().enumerate() {
         echelon.insert(tagged(z, Some(l)));
     }

@@ -1,10 +1,9 @@
 //! Necessary conditions for small-time local controllability; each holds for every bound on the inputs.
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Pool, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
 use nalgebra::{DMatrix, DVector};
 use rustc_hash::FxHashMap;
 
-use crate::echelon::Echelon;
 use crate::error::{Undecided, check_growth};
 use crate::evidence::Evidence;
 use crate::fields::{Field, bracket};
@@ -13,6 +12,7 @@ use crate::involutive::involutive_closure;
 use crate::linear::complement;
 use crate::local::{Frame, Limits, Words};
 use crate::ranges::Side;
+use crate::residues::{Echelon, Fp, PRIME};
 use crate::sign::{NearOrigin, Sign, definite};
 
 /// The even k for which Stefani's necessary condition (1986; k = 2: Sussmann 1983) fails: STLC of
@@ -69,7 +69,7 @@ pub(crate) fn stefani(
             if degree % 2 == 1 {
                 let next = bracket(pool, states, g, &power);
                 let value = frame.evaluate(pool, &[next], evidence)?;
-                let span = Echelon::of(&frame.evaluate(pool, &words.kept, evidence)?);
+                let span = Echelon::new(&frame.evaluate(pool, &words.kept, evidence)?, states.len());
                 if !span.contains(&value[0]) {
                     return Ok(Some(degree + 1));
                 }
@@ -197,10 +197,11 @@ fn covectors(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> Result<
     if frame.fields.controls.is_empty() {
         return Ok(all);
     }
-    let samples = pool.sample(&frame.fields.controls.concat(), &frame.fields.bindings, n + 1, COVECTOR_SEED)?;
+    let samples =
+        pool.sample_in::<PRIME>(&frame.fields.controls.concat(), &frame.fields.bindings, n + 1, COVECTOR_SEED)?;
     let rows: Vec<Vec<Fp>> = samples.values.iter().flat_map(|v| v.chunks(n).map(<[Fp]>::to_vec)).collect();
     evidence.add_rank(&samples, n)?;
-    for covector in Echelon::of(&rows).nullspace(n) {
+    for covector in Echelon::new(&rows, n).nullspace() {
         let rational: Option<Vec<_>> = covector.iter().map(|c| c.to_rational(BOUND)).collect();
         let Some(rational) = rational else { continue };
         let covector: Vec<Expr> = rational.into_iter().map(|c| pool.rational(c)).collect();
@@ -282,7 +283,7 @@ pub(crate) fn definite_form(
         if frame.rank(pool, &d, evidence)? < d.len() {
             continue;
         }
-        let mut hull = Echelon::new();
+        let mut hull = Echelon::empty(n);
         let mut queue = frame.evaluate(pool, &d, evidence)?;
         while let Some(v) = queue.pop() {
             if hull.insert(v.clone()) {

@@ -1,13 +1,13 @@
 //! What the outputs tell about states and parameters.
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Pool, Symbol};
+use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
 
-use crate::echelon::Echelon;
 use crate::error::{Undecided, check_growth};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields, is_plain_zero};
 use crate::growth::independent;
 use crate::kernel::kernel;
+use crate::residues::{Echelon, Fp, PRIME};
 
 /// Points and seed of the samples at which it is read off what a codistribution determines.
 const POINTS: usize = 3;
@@ -98,9 +98,9 @@ impl Observability {
     fn spans(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Option<Vec<Echelon>>, Undecided> {
         let n = self.variables.len();
         if self.codistribution.is_empty() {
-            return Ok(Some(vec![Echelon::new()]));
+            return Ok(Some(vec![Echelon::empty(self.variables.len())]));
         }
-        let Ok(samples) = pool.sample(&self.codistribution.concat(), &self.bindings, POINTS, SEED) else {
+        let Ok(samples) = pool.sample_in::<PRIME>(&self.codistribution.concat(), &self.bindings, POINTS, SEED) else {
             return Ok(None);
         };
         if samples.ambiguous_signs > 0 {
@@ -109,7 +109,7 @@ impl Observability {
         evidence.add_rank(&samples, self.rank())?;
         let spans = samples.values.iter().map(|values| {
             let rows: Vec<Vec<Fp>> = values.chunks(n).map(<[Fp]>::to_vec).collect();
-            Echelon::of(&rows)
+            Echelon::new(&rows, n)
         });
         let full: Vec<Echelon> = spans.filter(|s| s.rank() == self.rank()).collect();
         Ok((!full.is_empty()).then_some(full))

@@ -1,17 +1,17 @@
 //! Inputs that move to one side only, and inputs that balance the drift.
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Pool, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
 use nalgebra::DVector;
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
-use crate::echelon::Echelon;
 use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::fields::VectorFields;
 use crate::linear::Linearisation;
 use crate::local::{Frame, Limits};
 use crate::necessary::half_space;
+use crate::residues::{Echelon, Fp};
 use crate::stlc::{Stlc, Verdict, decide};
 
 /// The values that an input takes; an input that is not told of takes all real numbers.
@@ -202,7 +202,7 @@ fn inside_ranges(
     let values = frame.evaluate(pool, &frame.fields.controls, evidence)?;
     let rows: Vec<Vec<Fp>> = (0..n).map(|c| values.iter().map(|v| v[c]).collect()).collect();
     let kernel: Option<Vec<Vec<(i64, i64)>>> =
-        Echelon::of(&rows).nullspace(m).iter().map(|v| v.iter().map(|x| x.to_fraction(BOUND)).collect()).collect();
+        Echelon::new(&rows, m).nullspace().iter().map(|v| v.iter().map(|x| x.to_fraction(BOUND)).collect()).collect();
     let Some(kernel) = kernel.filter(|k| k.len() <= MAX_KERNEL) else { return Ok(None) };
     for code in 0..3usize.pow(kernel.len() as u32) {
         let factors: Vec<i64> = (0..kernel.len() as u32).map(|k| (code / 3usize.pow(k) % 3) as i64 - 1).collect();

@@ -1,10 +1,10 @@
 //! Simpler fields that span the same distribution at a generic point.
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Pool};
+use bracketry_symbolic::{Bindings, Expr, Pool};
 
-use crate::echelon::Echelon;
 use crate::evidence::Evidence;
 use crate::fields::Field;
+use crate::residues::{Echelon, Fp, PRIME};
 
 /// Seed and number of the points at which unit fields are looked for.
 const SEED: u64 = 0x6272_6163_6b65_7405;
@@ -54,14 +54,15 @@ fn simpler(
 ) -> Option<Reduced> {
     let n = all.first()?.len();
     evidence.allow_elimination(all.len(), n).ok()?;
-    let samples = pool.sample(&all.concat(), bindings, POINTS, SEED).ok()?;
+    let samples = pool.sample_in::<PRIME>(&all.concat(), bindings, POINTS, SEED).ok()?;
     if samples.ambiguous_signs > 0 {
         return None;
     }
     let mut is_unit = vec![true; n];
     for values in &samples.values {
-        let here = Echelon::of(&values.chunks(n).map(<[_]>::to_vec).collect::<Vec<_>>()).units(n);
-        is_unit.iter_mut().zip(here).for_each(|(all, here)| *all &= here);
+        let span = Echelon::new(&values.chunks(n).map(<[_]>::to_vec).collect::<Vec<_>>(), n);
+        let units: Vec<usize> = unit_rows(&span).collect();
+        is_unit.iter_mut().enumerate().for_each(|(i, all)| *all &= units.contains(&i));
     }
     let units: Vec<usize> = (0..n).filter(|&i| is_unit[i]).collect();
     if units.is_empty() {
@@ -77,7 +78,7 @@ fn simpler(
         let value_of_rest = |j: usize| zeroed(&rows[j], &units, Fp::ZERO);
         let value_of_unit = |i: usize| (0..n).map(|k| u64::from(k == i)).map(Fp::new).collect();
         let mut fresh = Vec::new();
-        let mut span = Echelon::of(&rows[..old]);
+        let mut span = Echelon::new(&rows[..old], n);
         for &i in &units {
             if span.rank() < all.len() && span.insert(value_of_unit(i)) {
                 fresh.push(unit(i));
@@ -89,7 +90,7 @@ fn simpler(
             }
         }
         let mut spanning: Vec<Field> = units.iter().map(|&i| unit(i)).collect();
-        let mut span = Echelon::new();
+        let mut span = Echelon::empty(n);
         for &i in &units {
             span.insert(value_of_unit(i));
         }
@@ -101,6 +102,12 @@ fn simpler(
         let complete = spanning.len() == all.len() && fresh.len() == all.len() - old;
         complete.then(|| Reduced { spanning, fresh, units: units.clone() })
     })
+}
+
+/// The columns for which the span holds the row that is 1 there and 0 elsewhere.
+fn unit_rows(span: &Echelon) -> impl Iterator<Item = usize> {
+    let alone = |row: &[Fp], p: usize| row.iter().enumerate().all(|(j, x)| j == p || x.is_zero());
+    span.pivots.iter().zip(&span.rows).filter(move |(p, row)| alone(row, **p)).map(|(p, _)| *p)
 }
 
 /// The field without its components along some coordinates.

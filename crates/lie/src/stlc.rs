@@ -6,7 +6,6 @@ use bracketry_symbolic::Pool;
 use serde::Serialize;
 
 use crate::answer::Answer;
-use crate::echelon::Echelon;
 use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::is_plain_zero;
@@ -14,6 +13,7 @@ use crate::inputs;
 use crate::linear::Linearisation;
 use crate::local::{Frame, Limits};
 use crate::necessary::{definite_form, half_space, stefani};
+use crate::residues::Echelon;
 use crate::sussmann::{Brackets, Inputs, Obstruction, Outcome, choices, shortened};
 
 /// Whether the inputs reach a full neighbourhood in arbitrarily short time.
@@ -130,7 +130,7 @@ fn attempt(
 ) -> Result<Stlc, Undecided> {
     let n = frame.fields.states.len();
     let Some(linearisation) = linearisation else {
-        let mut span = Echelon::of(&frame.evaluate(pool, &frame.fields.controls, evidence)?);
+        let mut span = Echelon::new(&frame.evaluate(pool, &frame.fields.controls, evidence)?, n);
         let drift = frame.evaluate(pool, std::slice::from_ref(&frame.fields.drift), evidence)?;
         return Ok(if drift.into_iter().any(|f| span.insert(f)) {
             Stlc::new(Verdict::No, "the drift does not vanish at the point and no input balances it")

@@ -1,15 +1,15 @@
 //! Sussmann's general sufficient condition for small-time local controllability.
 
-use bracketry_symbolic::{Fp, Pool};
+use bracketry_symbolic::Pool;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-use crate::echelon::Echelon;
 use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::{Field, bracket, is_plain_zero};
 use crate::local::{Frame, Limits};
 use crate::report::Named;
+use crate::residues::{Echelon, Fp, PRIME};
 
 /// A right-normed bracket [w_0, [w_1, … ]]; letter 0 is f, letter i is g_i.
 type Word = Vec<u8>;
@@ -142,7 +142,7 @@ impl<'a> Brackets<'a> {
         if !formed.is_empty() {
             let fields: Vec<Field> = formed.iter().map(|e| e.2.clone()).collect();
             let n = fields[0].len();
-            let samples = pool.sample(&fields.concat(), &self.frame.fields.bindings, 1, ZERO_SEED)?;
+            let samples = pool.sample_in::<PRIME>(&fields.concat(), &self.frame.fields.bindings, 1, ZERO_SEED)?;
             evidence.add_equalities(&samples, formed.len())?;
             let mut nonzero = samples.values[0].chunks(n).map(|v| v.iter().any(|x| *x != Fp::ZERO));
             formed.retain(|_| nonzero.next().unwrap_or(true));
@@ -180,7 +180,7 @@ impl<'a> Brackets<'a> {
         let n = self.frame.fields.states.len();
         let permutations = permutations(&weights[1..]);
         let most = self.limits.length as u32 * weights.iter().max().copied().unwrap_or(1);
-        let mut smaller = Echelon::new();
+        let mut smaller = Echelon::empty(n);
         for weight in 1..=most {
             let wanted = of_weight(weights, weight);
             if !self.form(pool, &wanted, evidence)? {

@@ -76,6 +76,18 @@ fn a_point_with_pi_and_sines_of_rationals_is_exact() {
     assert_eq!(at_point(&r).linear_controllability_rank, Some(2));
 }
 
+/// √3 is no residue modulo 2^61 − 1, so values at π/3 need another prime. There x' = (sin x − √3/2) u stands still.
+#[test]
+fn a_point_with_the_root_of_three_is_exact() {
+    let at = |x: &str| {
+        let dynamics = ["(sin(x) - sqrt(3)/2)*u", "cos(x)*w"];
+        at_point(&report(&system(&["x", "y"], &["u", "w"], &[], &dynamics, &[], Some(&[("x", x)])))).dimensions.clone()
+    };
+    assert_eq!(at("pi/3").accessible_dimension, Answer::Known(1));
+    assert_eq!(at("2*pi/3").accessible_dimension, Answer::Known(1));
+    assert_eq!(at("pi/4").accessible_dimension, Answer::Known(2));
+}
+
 #[test]
 fn a_singular_point_is_unknown_with_a_reason() {
     let r = report(&system(&["x", "y"], &["u"], &[], &["u", "tan(x)/y"], &[], Some(&[])));

@@ -1,10 +1,10 @@
 //! Constant combinations of given functions that are constant along given fields.
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Pool, Symbol};
+use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
 
-use crate::echelon::Echelon;
 use crate::error::Undecided;
 use crate::fields::Field;
+use crate::residues::{Echelon, Fp, PRIME};
 
 /// Seed of the samples that the coefficients are solved from.
 const SEED: u64 = 0x6272_6163_6b65_7403;
@@ -124,8 +124,8 @@ impl Ansatz {
         bindings: &Bindings,
     ) -> Result<Vec<Vec<Fp>>, Undecided> {
         let columns = self.columns.len();
-        let mut echelon = Echelon::new();
-        let samples = pool.sample(roots, bindings, columns + IDLE_POINTS, SEED)?;
+        let mut echelon = Echelon::empty(columns);
+        let samples = pool.sample_in::<PRIME>(roots, bindings, columns + IDLE_POINTS, SEED)?;
         if samples.ambiguous_signs > 0 {
             return Err(bracketry_symbolic::Undecided::Sign.into());
         }
@@ -140,7 +140,7 @@ impl Ansatz {
                 break;
             }
         }
-        Ok(echelon.nullspace(columns))
+        Ok(echelon.nullspace())
     }
 
     /// The gradients of all columns at one point, then those of `found`, one row each.
@@ -159,7 +159,7 @@ impl Ansatz {
         for &phi in found {
             roots.extend(pool.gradient(phi, states));
         }
-        let samples = pool.sample(&roots, bindings, 1, SEED ^ 1)?;
+        let samples = pool.sample_in::<PRIME>(&roots, bindings, 1, SEED ^ 1)?;
         let Some(values) = samples.values.first() else { return Ok(Vec::new()) };
         let by_state = self.rows(&values[..own]);
         let columns = (0..self.columns.len()).map(|c| by_state.iter().map(|row| row[c]).collect());

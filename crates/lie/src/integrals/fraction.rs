@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Expr, Fp, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
 
-use crate::echelon::Echelon;
+use crate::residues::{Echelon, Fp};
 
 /// Largest numerator and denominator of a rational number read from its class modulo the prime.
 const BOUND: u64 = 1 << 29;
@@ -103,7 +103,7 @@ fn quotient(
             let at = vector.at(&values)?;
             samples.push((values, at));
         }
-        let mut echelon = Echelon::new();
+        let mut echelon = Echelon::empty(unknowns);
         for (values, at) in samples.iter().take(unknowns + 2) {
             let mut row = Vec::with_capacity(unknowns);
             for m in &monomials {
@@ -115,7 +115,7 @@ fn quotient(
             }
             echelon.insert(row);
         }
-        let Some(solution) = echelon.nullspace(unknowns).into_iter().next() else { continue };
+        let Some(solution) = echelon.nullspace().into_iter().next() else { continue };
         let numbers: Vec<Rational> = solution.iter().map(|x| x.to_rational(BOUND)).collect::<Option<_>>()?;
         let part = |offset: usize| -> Polynomial {
             let terms = monomials.iter().zip(numbers.iter().skip(offset).step_by(2));

@@ -4,15 +4,15 @@ mod ansatz;
 mod blocks;
 mod fraction;
 
-use bracketry_symbolic::{Bindings, Expr, Fp, Func, Node, Pool, Rational, Symbol, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol, ZeroTest};
 use rustc_hash::FxHashMap;
 
-use crate::echelon::Echelon;
 use crate::error::Undecided;
 use crate::evidence::Evidence;
 use crate::fields::{Field, is_plain_zero};
 use crate::growth::independent;
 use crate::involutive::involutive_closure;
+use crate::residues::{Echelon, Fp, PRIME};
 use ansatz::{Ansatz, Column};
 use blocks::Blocks;
 use fraction::scramble;
@@ -135,13 +135,13 @@ impl Search {
             pool.symbols_of(&roots[..flat.len()]).into_iter().filter(|s| !all.contains(s)).collect();
         let base = parameter_values(parameters.len());
         let flat: Vec<Expr> = roots[..flat.len()].to_vec();
-        let samples = pool.sample(&flat, bindings, 1, scramble(2, 2))?;
+        let samples = pool.sample_in::<PRIME>(&flat, bindings, 1, scramble(2, 2))?;
         evidence.add_rank(&samples, n)?;
         let rows: Vec<Vec<Fp>> = samples.values[0].chunks(n).map(<[Fp]>::to_vec).collect();
-        let echelon = Echelon::of(&rows);
+        let echelon = Echelon::new(&rows, n);
         let unit = |i: usize| (0..n).map(|j| if i == j { Fp::ONE } else { Fp::ZERO }).collect::<Vec<Fp>>();
         let kept: Vec<usize> = (0..n).filter(|&i| !echelon.contains(&unit(i))).collect();
-        let mut projected = Echelon::new();
+        let mut projected = Echelon::empty(kept.len());
         let mut reduced = Vec::new();
         for (field, row) in fields.iter().zip(&rows) {
             if projected.insert(kept.iter().map(|&i| row[i]).collect()) {
@@ -235,7 +235,7 @@ impl Search {
             return Ok(());
         };
         let Some((gradients, known)) = gradients.split_at_checked(ansatz.columns.len()) else { return Ok(()) };
-        let mut independent = Echelon::of(known);
+        let mut independent = Echelon::new(known, self.states.len());
         for c in candidates.iter().take(MAX_CANDIDATES) {
             if self.done() {
                 break;
