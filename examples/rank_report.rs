@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("  signs {:?}: growth {:?}", mode.signs.0, mode.dimensions.growth);
     }
     if let Some(switched) = &analysis.report.switched {
-        println!("  all modes together: growth {:?}", switched.growth);
+        println!("  all modes together: growth {:?}", switched.dimensions.growth);
     }
     Ok(())
 }

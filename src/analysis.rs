@@ -209,7 +209,7 @@ impl Analysis {
                 fixed_functions(&functions, " there")
             )
         };
-        if let Some(all) = self.report.switched.as_ref().and_then(full).filter(|all| *all > inside) {
+        if let Some(all) = self.report.switched.as_ref().and_then(|s| full(&s.dimensions)).filter(|all| *all > inside) {
             let _ = write!(
                 text,
                 " Where the motion changes from one mode to another the drift changes, and the difference of two drifts acts \

@@ -14,7 +14,7 @@ fn over_all_modes_smoothed_and_at_rest_the_shape_does_not_matter() {
         let a = analysis(shape);
         assert_eq!((a.states, a.inputs), (10, 2));
         assert_eq!(a.affinization.integrators.values().sum::<u32>(), 4);
-        assert_eq!(a.report.switched.as_ref().unwrap().growth, [6, 10], "{shape:?}");
+        assert_eq!(a.report.switched.as_ref().unwrap().dimensions.growth, [6, 10], "{shape:?}");
         assert_eq!(a.report.smoothed.as_ref().unwrap().dimensions.growth, [3, 6, 10], "{shape:?}");
         let point = a.report.at_point.as_ref().unwrap().known().unwrap();
         assert_eq!(point.dimensions.growth, [2, 5, 8, 10], "{shape:?}");

@@ -38,8 +38,8 @@ pub(crate) fn growth(analysis: &Analysis) -> TileChart {
     if let Some(first) = report.modes.first() {
         chart = chart.grid(staircase(&mode_title(first, &report.modes), &first.dimensions, n, &inputs));
     }
-    if let Some(d) = &report.switched {
-        chart = chart.grid(staircase("all modes together", d, n, &inputs));
+    if let Some(s) = &report.switched {
+        chart = chart.grid(staircase("all modes together", &s.dimensions, n, &inputs));
     }
     if let Some(s) = &report.smoothed {
         chart = chart.grid(staircase(&format!("smoothed, width {}", s.epsilon), &s.dimensions, n, &inputs));

@@ -191,8 +191,8 @@ fn reach(a: &Analysis, out: &mut Vec<Block>) {
     let header = ["", "accessible", "growth", "strongly accessible", "growth"].map(|h| vec![text(h)]).to_vec();
     let report = &a.report;
     let mut rows: Vec<Vec<Line>> = report.modes.iter().map(|m| rank_row(mode_name(m), &m.dimensions)).collect();
-    if let Some(d) = &report.switched {
-        rows.push(rank_row(vec![text("all modes together")], d));
+    if let Some(s) = &report.switched {
+        rows.push(rank_row(vec![text("all modes together")], &s.dimensions));
     }
     if let Some(s) = &report.smoothed {
         rows.push(rank_row(vec![text("smoothed, width "), math(s.epsilon.to_string())], &s.dimensions));

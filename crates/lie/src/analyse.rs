@@ -22,6 +22,7 @@ use crate::ranges::{InputSet, InputValues, Side, balanced, one_sided};
 use crate::report::{Dimensions, ModeReport, Named, PointReport, Report, SmoothedReport, Subject};
 use crate::requested;
 use crate::stlc::{self, Stlc, Verdict};
+use crate::switching::switched_report;
 use crate::word::generator_names;
 
 /// Choices of an analysis.
@@ -82,11 +83,11 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         .iter()
         .map(|m| check_analysis(pool, first).and_then(|()| m.fields.linearization_flag(pool, &mut evidence)))
         .collect();
-    let mut mode_reports: Vec<ModeReport> = modes
+    let (mut mode_reports, autonomous): (Vec<ModeReport>, Vec<Vec<Expr>>) = modes
         .iter()
         .zip(reach.iter().zip(&flags))
         .map(|(m, (r, flag))| mode_report(pool, m, r, flag, first, &mut evidence))
-        .collect();
+        .unzip();
     if !smooth {
         for (mode, report) in modes.iter().zip(&mut mode_reports) {
             report.brackets = requested::components(pool, &mode.fields, &words);
@@ -98,7 +99,10 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         let family: Vec<VectorFields> = modes.iter().map(|m| m.fields.clone()).collect();
         let all = VectorFields::switched(pool, &family)?;
         let names = requested::family_names(pool, &family, &all);
-        Some(Reach::of(pool, &all, first, &mut evidence).dimensions(&names))
+        let together = Reach::of(pool, &all, first, &mut evidence);
+        let dimensions = together.dimensions(&names);
+        let strong = together.strong.as_ref();
+        Some(switched_report(pool, dimensions, &all, strong, &names, &autonomous, &mut evidence))
     };
     let (control, degree) = if smooth {
         let strong = reach[0].strong.as_ref().ok().map(Closure::dimension);
@@ -160,6 +164,13 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         ),
         None => (mode_reports[0].involutive.clone(), mode_reports[0].static_feedback_linearizable.clone()),
     };
+    let involutive_closure = match &mut smoothed_system {
+        Some((s, fields, _)) => {
+            check_analysis(&s.pool, first).and_then(|()| fields.involutive_closure_report(&mut s.pool, &mut evidence))
+        }
+        None => check_analysis(&system.pool, first)
+            .and_then(|()| modes[0].fields.involutive_closure_report(&mut system.pool, &mut evidence)),
+    };
     let brackets = match &mut smoothed_system {
         Some((s, fields, _)) => requested::components(&mut s.pool, fields, &words),
         None => requested::components(&mut system.pool, &modes[0].fields, &words),
@@ -180,6 +191,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         global_statements_of: (!smooth).then_some(Subject::Smoothed),
         lie_algebra,
         involutive,
+        involutive_closure: involutive_closure.into(),
         static_feedback_linearizable: linearizable,
         control,
         observability,
@@ -295,6 +307,7 @@ impl Reach {
     }
 }
 
+/// The report on a mode, with the functions that no input influences there.
 fn mode_report(
     pool: &mut Pool,
     mode: &ModeFields,
@@ -302,11 +315,12 @@ fn mode_report(
     flag: &Result<LinearizationFlag, Undecided>,
     first: usize,
     evidence: &mut Evidence,
-) -> ModeReport {
+) -> (ModeReport, Vec<Expr>) {
     let strong = reach.strong.as_ref().map_err(Clone::clone);
     let found = strong.and_then(|s| mode.fields.autonomous(pool, &s.basis, evidence));
     let missing = found.as_ref().map_or(0, |a| a.missing);
-    ModeReport {
+    let functions = found.as_ref().map(|a| a.functions.clone()).unwrap_or_default();
+    let report = ModeReport {
         signs: Named(mode.signs.clone()),
         dimensions: reach.dimensions(&generator_names(mode.fields.controls.len())),
         autonomous: found.map(|a| a.functions.iter().map(|&e| pool.text(e)).collect::<Vec<_>>()).into(),
@@ -314,7 +328,8 @@ fn mode_report(
         involutive: check_analysis(pool, first).and_then(|()| mode.fields.is_involutive(pool, evidence)).into(),
         static_feedback_linearizable: flag.as_ref().map(LinearizationFlag::linearizable).into(),
         brackets: Named(Vec::new()),
-    }
+    };
+    (report, functions)
 }
 
 /// What governs the motion at a point.

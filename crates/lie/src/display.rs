@@ -165,6 +165,9 @@ impl fmt::Display for Report {
             writeln!(f, "Lie algebra: {algebra}")?;
         }
         writeln!(f, "{of}input fields involutive: {}", yes_no(&self.involutive))?;
+        if !matches!(self.involutive, Answer::Known(true)) {
+            writeln!(f, "{of}involutive closure of the input fields: {}", self.involutive_closure)?;
+        }
         writeln!(f, "{of}linearizable by static feedback: {}", yes_no(&self.static_feedback_linearizable))?;
         write!(f, "{}", self.control)?;
         if let Some(o) = &self.observability {

@@ -6,10 +6,12 @@ use serde::{Serialize, Serializer};
 use crate::answer::Answer;
 use crate::control_report::ControlReport;
 use crate::evidence::Evidence;
+use crate::involutive::InvolutiveClosureReport;
 use crate::modes::Mode;
 use crate::nilpotent::LieAlgebra;
 use crate::observe::ObservabilityReport;
 use crate::stlc::Stlc;
+use crate::switching::SwitchedReport;
 
 /// Dimensions of the accessibility algebra and of its strong part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -164,7 +166,7 @@ pub struct Report {
     pub modes: Vec<ModeReport>,
     /// All modes together; absent for a smooth system.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub switched: Option<Dimensions>,
+    pub switched: Option<SwitchedReport>,
     /// Absent for a smooth system.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothed: Option<SmoothedReport>,
@@ -183,6 +185,9 @@ pub struct Report {
     pub lie_algebra: Option<LieAlgebra>,
     /// Whether the input fields span an involutive distribution; of the smoothed model if there is switching.
     pub involutive: Answer<bool>,
+    /// The smallest involutive distribution that contains the input fields; of the smoothed model if there is
+    /// switching.
+    pub involutive_closure: Answer<InvolutiveClosureReport>,
     /// Whether static state feedback makes the system linear near a generic point; of the
     /// smoothed model if there is switching.
     pub static_feedback_linearizable: Answer<bool>,
@@ -208,7 +213,7 @@ impl Report {
         let generic = self.modes.iter().map(|m| &m.dimensions);
         let point = self.at_point.as_ref().and_then(Answer::known).map(|p| &p.dimensions);
         generic
-            .chain(&self.switched)
+            .chain(self.switched.as_ref().map(|s| &s.dimensions))
             .chain(self.smoothed.as_ref().map(|s| &s.dimensions))
             .chain(point)
             .any(|d| d.accessible_dimension.known().is_some() || d.strongly_accessible_dimension.known().is_some())

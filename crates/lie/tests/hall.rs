@@ -230,7 +230,7 @@ fn with_switching_each_mode_has_its_brackets_and_its_generators_in_the_family() 
     let report = analyse(&rubbing, &options).unwrap();
     let of_mode = |k: usize| report.modes[k].brackets.0[0].1.known().unwrap().join(" ");
     assert_eq!([of_mode(0), of_mode(1)], ["-1 mu", "-1 -mu"]);
-    assert_eq!(report.switched.unwrap().basis, ["f(1)", "g1"]);
+    assert_eq!(report.switched.unwrap().dimensions.basis, ["f(1)", "g1"]);
 }
 
 /// The brackets that are named span a space of the dimension that is reported, in the order of the growth.

@@ -46,7 +46,7 @@ fn a_disk_also_turns_with_the_plate() {
 #[test]
 fn switching_between_modes_reaches_everything() {
     for report in reports(None) {
-        let all = report.switched.unwrap();
+        let all = report.switched.unwrap().dimensions;
         assert_eq!(all.growth, [6, 10]);
         assert_eq!(all.accessible_dimension, Answer::Known(10));
         assert_eq!(all.strongly_accessible_dimension, Answer::Known(10));
