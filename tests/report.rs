@@ -149,7 +149,7 @@ fn rows_of_a_table_have_as_many_cells_as_its_header() {
         assert_eq!(cells(pair[0]), cells(pair[1]), "{}\n{}", pair[0], pair[1]);
         tables += usize::from(pair[1].starts_with("|---"));
     }
-    assert_eq!(tables, 3); // parameters, ways to the affine form, ranks
+    assert_eq!(tables, 4); // parameters, ways to the affine form, ranks, what only switching reaches
 }
 
 #[test]

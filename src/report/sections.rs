@@ -1,6 +1,6 @@
 //! The sections of the report.
 
-use bracketry_lie::{Answer, Dimensions, ModeReport};
+use bracketry_lie::{Answer, Dimensions, ModeReport, Switchable};
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::{AffineForm, Candidate, Parameter, System};
 
@@ -211,6 +211,7 @@ fn reach(a: &Analysis, out: &mut Vec<Block>) {
         [first, _, ..] if report.modes.iter().all(alike) => autonomous(vec![text("In every mode")], first, out),
         modes => modes.iter().for_each(|m| autonomous(capital(mode_name(m)), m, out)),
     }
+    by_switching(a, out);
 }
 
 /// The brackets that span what is reached, and those that were asked for.
@@ -230,7 +231,7 @@ fn brackets(a: &Analysis, out: &mut Vec<Block>) {
         }
     }
     if let Some(d) = &report.switched {
-        spanned(vec![text("all modes together (upper numbers: the mode)")], d);
+        spanned(vec![text("all modes together (upper numbers: the mode)")], &d.dimensions);
     }
     if let Some(s) = &report.smoothed {
         spanned(vec![text("smoothed")], &s.dimensions);
@@ -298,6 +299,23 @@ pub(super) fn yes_no(answer: &Answer<bool>) -> String {
 /// `name: value` as an item.
 pub(super) fn item(name: &str, value: impl Into<String>) -> Line {
     vec![text(format!("{name}: {}", value.into()))]
+}
+
+/// What single modes leave alone and switching between them reaches.
+fn by_switching(a: &Analysis, out: &mut Vec<Block>) {
+    let Some(switched) = &a.report.switched else { return };
+    match &switched.only_by_switching {
+        Answer::Known(list) if list.is_empty() => {}
+        Answer::Known(list) => {
+            let row = |s: &Switchable| {
+                let modes: Vec<String> = s.modes.iter().map(ToString::to_string).collect();
+                vec![vec![math(printed(&s.function))], vec![text(modes.join(", "))], vec![code(s.reached_by.clone())]]
+            };
+            let header = ["reached only by switching", "left alone in modes", "first reached by"];
+            out.push(Block::Table(header.map(|h| vec![text(h)]).to_vec(), list.iter().map(row).collect()));
+        }
+        Answer::Unknown(why) => out.push(words(format!("What only switching reaches is unknown ({why})."))),
+    }
 }
 
 /// The Lie algebra over the constants, where it is finite-dimensional.
