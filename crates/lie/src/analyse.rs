@@ -10,7 +10,7 @@ use crate::answer::Answer;
 use crate::brockett::brockett_condition;
 use crate::closure::Closure;
 use crate::control_report::{ControlReport, control_report};
-use crate::error::{Error, Undecided, check_analysis};
+use crate::error::{Error, Undecided, check_analysis, release};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields};
 use crate::linear::{Linearisation, uncontrollable_modes_decay};
@@ -77,7 +77,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let modes = mode_fields(&mut system)?;
     let smooth = modes.len() == 1 && modes[0].signs.is_empty();
     let pool = &mut system.pool;
-    let first = pool.len();
+    let first = pool.made();
     let reach: Vec<Reach> = modes.iter().map(|m| Reach::of(pool, &m.fields, first, &mut evidence)).collect();
     let flags: Vec<Result<LinearizationFlag, Undecided>> = modes
         .iter()
@@ -86,7 +86,12 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let (mut mode_reports, autonomous): (Vec<ModeReport>, Vec<Vec<Expr>>) = modes
         .iter()
         .zip(reach.iter().zip(&flags))
-        .map(|(m, (r, flag))| mode_report(pool, m, r, flag, first, &mut evidence))
+        .map(|(m, (r, flag))| {
+            let before = pool.len();
+            let (report, mut functions) = mode_report(pool, m, r, flag, first, &mut evidence);
+            release(pool, before, std::slice::from_mut(&mut functions));
+            (report, functions)
+        })
         .unzip();
     if !smooth {
         for (mode, report) in modes.iter().zip(&mut mode_reports) {
@@ -96,13 +101,16 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let switched = if smooth {
         None
     } else {
+        let before = pool.len();
         let family: Vec<VectorFields> = modes.iter().map(|m| m.fields.clone()).collect();
         let all = VectorFields::switched(pool, &family)?;
         let names = requested::family_names(pool, &family, &all);
         let together = Reach::of(pool, &all, first, &mut evidence);
         let dimensions = together.dimensions(&names);
         let strong = together.strong.as_ref();
-        Some(switched_report(pool, dimensions, &all, strong, &names, &autonomous, &mut evidence))
+        let report = switched_report(pool, dimensions, &all, strong, &names, &autonomous, &mut evidence);
+        release(pool, before, &mut []);
+        Some(report)
     };
     let (control, degree) = if smooth {
         let strong = reach[0].strong.as_ref().ok().map(Closure::dimension);
@@ -147,6 +155,7 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
             (Err(why), _) => Answer::Unknown(why.to_string()),
         }),
     };
+    let marks = (system.pool.len(), smoothed_system.as_ref().map_or(0, |s| s.0.pool.len()));
     let observability = if system.outputs.is_empty() {
         None
     } else {
@@ -171,6 +180,10 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         None => check_analysis(&system.pool, first)
             .and_then(|()| modes[0].fields.involutive_closure_report(&mut system.pool, &mut evidence)),
     };
+    release(&mut system.pool, marks.0, &mut []);
+    if let Some((s, ..)) = &mut smoothed_system {
+        release(&mut s.pool, marks.1, &mut []);
+    }
     let brackets = match &mut smoothed_system {
         Some((s, fields, _)) => requested::components(&mut s.pool, fields, &words),
         None => requested::components(&mut system.pool, &modes[0].fields, &words),
@@ -278,7 +291,7 @@ struct Reach {
 }
 
 impl Reach {
-    /// `first` is the size of the pool when the analysis began.
+    /// `first` is how many nodes the pool had made when the analysis began.
     fn of(pool: &mut Pool, fields: &VectorFields, first: usize, evidence: &mut Evidence) -> Reach {
         let all = check_analysis(pool, first).and_then(|()| fields.accessibility(pool, evidence));
         let driftless = fields.drift.iter().all(|&e| pool.is_zero(e));
@@ -415,10 +428,14 @@ fn point_report(
     let equilibrium = frame.is_equilibrium(pool, evidence)?;
     let all = reach.all.as_ref().map_err(Clone::clone)?;
     let strong = reach.strong.as_ref().map_err(Clone::clone)?;
+    let before = pool.len();
     let local = frame.accessibility(pool, all, strong, &options.limits, evidence)?;
+    release(pool, before, &mut []);
     let linearisation = if equilibrium { Some(Linearisation::at(pool, &frame, evidence)?) } else { None };
     let limits = &options.limits;
+    let before = pool.len();
     let stlc = stlc::decide(pool, &frame, &local.dimension, linearisation.as_ref(), limits, evidence);
+    release(pool, before, &mut []);
     let values = names.iter().map(|n| options.ranges.iter().find(|r| r.0 == *n).map(|r| r.1)).collect();
     let said = names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
     let set = InputSet { names, values, one_sided: said };

@@ -2,7 +2,7 @@
 
 use bracketry_symbolic::{Bindings, Pool, Symbol};
 
-use crate::error::{Undecided, check_growth};
+use crate::error::{Undecided, check_growth, release};
 use crate::evidence::Evidence;
 use crate::fields::{Field, bracket, is_plain_zero};
 use crate::growth::{Spanning, independent_rows};
@@ -179,6 +179,7 @@ fn close_by(
         let Some(found) = history.name(pool, bindings, evidence) else { return Ok(None) };
         words = found;
     }
-    let basis = history.rounds.into_iter().flat_map(|r| r.fresh).collect();
+    let mut basis: Vec<Field> = history.rounds.into_iter().flat_map(|r| r.fresh).collect();
+    release(pool, first_node, &mut basis);
     Ok(Some(Closure { growth, basis, words }))
 }

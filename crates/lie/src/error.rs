@@ -2,6 +2,7 @@
 
 use bracketry_symbolic::{Expr, Pool};
 
+use crate::fields::Field;
 use crate::word::WordError;
 
 /// Why a question stays open.
@@ -50,9 +51,30 @@ pub(crate) fn check_growth(pool: &Pool, first: usize, roots: [&[Expr]; 2], direc
     check(pool, first, pool.reachable(&roots.concat()).len() * directions, MAX_NODES)
 }
 
-/// Stops an analysis that began when the pool had `first` nodes, between two questions.
+/// Stops an analysis that began when the pool had made `first` nodes, between two questions. Nodes that were
+/// freed since count as well.
 pub(crate) fn check_analysis(pool: &Pool, first: usize) -> Result<(), Undecided> {
-    check(pool, first, 0, MAX_ANALYSIS_NODES)
+    let nodes = MAX_ANALYSIS_NODES;
+    if pool.made() > first + nodes { Err(Undecided::TooLarge { nodes }) } else { Ok(()) }
+}
+
+/// Fewer nodes are not worth the derivatives that are forgotten with them.
+const WORTH_FREEING: usize = 20_000;
+
+/// Frees what a question left in the pool, which had `first` nodes before, but for its answer. Nobody else
+/// may hold an expression that was made since.
+pub(crate) fn release(pool: &mut Pool, first: usize, answer: &mut [Field]) {
+    if pool.len() < first + WORTH_FREEING {
+        return;
+    }
+    let mut roots = answer.concat();
+    pool.collect(first, &mut roots);
+    let mut moved = roots.into_iter();
+    for field in answer {
+        for (component, new) in field.iter_mut().zip(&mut moved) {
+            *component = new;
+        }
+    }
 }
 
 /// Why an analysis could not be made at all.
