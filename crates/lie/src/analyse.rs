@@ -13,6 +13,7 @@ use crate::control_report::{ControlReport, control_report};
 use crate::error::{Error, Undecided, check_analysis, release};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields};
+use crate::integrals::Among;
 use crate::linear::{Linearisation, uncontrollable_modes_decay};
 use crate::linearization::LinearizationFlag;
 use crate::local::{Frame, Limits};
@@ -174,11 +175,11 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         None => (mode_reports[0].involutive.clone(), mode_reports[0].static_feedback_linearizable.clone()),
     };
     let involutive_closure = match &mut smoothed_system {
-        Some((s, fields, _)) => {
-            check_analysis(&s.pool, first).and_then(|()| fields.involutive_closure_report(&mut s.pool, &mut evidence))
-        }
+        // Smoothed signs have no elementary integrals in general.
+        Some((s, fields, _)) => check_analysis(&s.pool, first)
+            .and_then(|()| fields.involutive_closure_report(&mut s.pool, Among::States, &mut evidence)),
         None => check_analysis(&system.pool, first)
-            .and_then(|()| modes[0].fields.involutive_closure_report(&mut system.pool, &mut evidence)),
+            .and_then(|()| modes[0].fields.involutive_closure_report(&mut system.pool, Among::All, &mut evidence)),
     };
     release(&mut system.pool, marks.0, &mut []);
     if let Some((s, ..)) = &mut smoothed_system {

@@ -10,7 +10,7 @@ use crate::error::{Undecided, check_growth};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields, bracket, is_plain_zero};
 use crate::growth::Spanning;
-use crate::integrals::integrals_of_involutive;
+use crate::integrals::{Among, integrals_among};
 use crate::merge::merge_equal;
 use crate::word::{Word, generator_names};
 
@@ -72,21 +72,23 @@ pub struct InvolutiveClosureReport {
     pub basis: Vec<String>,
     /// Independent functions that are constant along all input fields.
     pub integrals: Vec<String>,
-    /// How many more such functions exist than were found in closed form; absent if none.
+    /// How many more such functions exist than were found in closed form, for a smoothed model among the linear
+    /// functions; absent if none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integrals_not_found: Option<usize>,
 }
 
 impl VectorFields {
-    /// The involutive closure of the input fields with its integrals.
+    /// The involutive closure of the input fields with its integrals among some functions.
     pub(crate) fn involutive_closure_report(
         &self,
         pool: &mut Pool,
+        among: Among,
         evidence: &mut Evidence,
     ) -> Result<InvolutiveClosureReport, Undecided> {
         let closure = involutive_closure(pool, &self.states, &self.controls, &self.bindings, evidence)?;
         let known = [&self.drift[..], &self.controls.concat()].concat();
-        let found = integrals_of_involutive(pool, &self.states, &closure.basis, &known, &self.bindings, evidence)?;
+        let found = integrals_among(pool, &self.states, &closure.basis, &known, &self.bindings, among, evidence)?;
         let names = generator_names(self.controls.len());
         Ok(InvolutiveClosureReport {
             dimension: closure.dimension(),

@@ -67,6 +67,15 @@ pub fn integrals(
     integrals_of_involutive(pool, states, &closure.basis, known, bindings, evidence)
 }
 
+/// Among which functions integrals are sought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Among {
+    /// Linear combinations of the states.
+    States,
+    /// All that [`integrals`] looks at.
+    All,
+}
+
 /// [`integrals`] of independent fields that span an involutive distribution.
 pub(crate) fn integrals_of_involutive(
     pool: &mut Pool,
@@ -74,6 +83,19 @@ pub(crate) fn integrals_of_involutive(
     basis: &[Field],
     known: &[Expr],
     bindings: &Bindings,
+    evidence: &mut Evidence,
+) -> Result<Integrals, Undecided> {
+    integrals_among(pool, states, basis, known, bindings, Among::All, evidence)
+}
+
+/// [`integrals_of_involutive`] among some functions only.
+pub(crate) fn integrals_among(
+    pool: &mut Pool,
+    states: &[Symbol],
+    basis: &[Field],
+    known: &[Expr],
+    bindings: &Bindings,
+    among: Among,
     evidence: &mut Evidence,
 ) -> Result<Integrals, Undecided> {
     let wanted = states.len().saturating_sub(basis.len());
@@ -85,7 +107,7 @@ pub(crate) fn integrals_of_involutive(
         return Ok(Integrals { functions, missing: 0 });
     }
     let mut search = Search::new(pool, states, basis, known, bindings, wanted, evidence)?;
-    search.run(pool, evidence)?;
+    search.run(pool, among, evidence)?;
     let names = search.constants_named;
     let functions: Vec<Expr> = pool.substitute_all(&search.found, &names);
     let missing = wanted - functions.len();
@@ -167,7 +189,27 @@ impl Search {
         self.found.len() == self.wanted
     }
 
-    fn run(&mut self, pool: &mut Pool, evidence: &mut Evidence) -> Result<(), Undecided> {
+    fn run(&mut self, pool: &mut Pool, among: Among, evidence: &mut Evidence) -> Result<(), Undecided> {
+        let states: Vec<Expr> = self.states.iter().map(|&s| pool.sym(s)).collect();
+        let linear = blocks::linear(pool, &states);
+        self.attempt(pool, &linear, true, evidence)?;
+        let mut stages = vec![linear];
+        if among == Among::All && !self.done() {
+            stages.extend(self.nonlinear(pool));
+            for stage in &stages[1..] {
+                self.attempt(pool, stage, true, evidence)?;
+            }
+        }
+        if !self.parameters.is_empty() {
+            for stage in &stages {
+                self.attempt(pool, stage, false, evidence)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Ansätze of functions in the model, simple ones first.
+    fn nonlinear(&self, pool: &mut Pool) -> Vec<Ansatz> {
         // A state that is an integral has component zero in all fields.
         let mut moving = Vec::new();
         for i in 0..self.states.len() {
@@ -181,31 +223,10 @@ impl Search {
         expressions.extend(&self.known);
         let mut blocks = Blocks::of(pool, &self.all, &self.states, &moving, &expressions);
         blocks.exponentials(pool, &self.all, &self.states, &self.fields);
-        let states: Vec<Expr> = self.states.iter().map(|&s| pool.sym(s)).collect();
-        let mut stages: Vec<Ansatz> = vec![blocks::linear(pool, &states)];
-        for generic in [true, false] {
-            if self.done() || (!generic && self.parameters.is_empty()) {
-                break;
-            }
-            if generic {
-                self.attempt(pool, &stages[0], generic, evidence)?;
-                if self.done() {
-                    break;
-                }
-                stages.push(blocks.quadratic(pool));
-                stages.push(blocks.polynomial(pool));
-                stages.push(blocks.trigonometric(pool));
-                stages.extend(blocks.over_denominators(pool));
-                stages.push(blocks.products_of_many(pool));
-            }
-            for stage in &stages[usize::from(generic)..] {
-                if self.done() {
-                    break;
-                }
-                self.attempt(pool, stage, generic, evidence)?;
-            }
-        }
-        Ok(())
+        let mut stages = vec![blocks.quadratic(pool), blocks.polynomial(pool), blocks.trigonometric(pool)];
+        stages.extend(blocks.over_denominators(pool));
+        stages.push(blocks.products_of_many(pool));
+        stages
     }
 
     /// Values of the parameters for a search: generic ones, or those that the caller gave.
@@ -221,7 +242,7 @@ impl Search {
         generic: bool,
         evidence: &mut Evidence,
     ) -> Result<(), Undecided> {
-        if ansatz.columns.is_empty() || !evidence.allow_search(ansatz.columns.len()) {
+        if self.done() || ansatz.columns.is_empty() || !evidence.allow_search(ansatz.columns.len()) {
             return Ok(());
         }
         let values = self.values(generic);
