@@ -30,9 +30,9 @@ pub(crate) struct Flatness {
 /// Most tuples of outputs for which the dynamic extension algorithm is run.
 const MAX_TUPLES: usize = 30;
 /// Most new nodes of the pool for one of them.
-const MAX_TUPLE_NODES: usize = 15_000;
+const MAX_TUPLE_NODES: usize = 6_000;
 /// Most new nodes in the whole search.
-const MAX_SEARCH_NODES: usize = 150_000;
+const MAX_SEARCH_NODES: usize = 30_000;
 /// Most integrators in front of one input in the search for a linearisable prolongation.
 const MAX_PROLONGATION: usize = 3;
 /// Most integrators together: the derivatives grow with their number.
