@@ -42,7 +42,7 @@ pub(crate) fn trailers(pool: &mut Pool, n: usize) -> VectorFields {
     let mut drive = vec![format!("{speed}*cos(t{n})"), format!("{speed}*sin(t{n})")];
     drive.extend(rates);
     let mut turn = vec!["0".to_owned(); n + 3];
-    turn[2] = "1".to_owned();
+    "1".clone_into(&mut turn[2]);
     let controls = vec![field(pool, &drive), field(pool, &turn)];
     let drift = vec![pool.int(0); n + 3];
     VectorFields::new(states, drift, controls, Bindings::new()).expect("fields of one length")

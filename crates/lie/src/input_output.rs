@@ -11,10 +11,11 @@ use crate::answer::Answer;
 use crate::error::check_analysis;
 use crate::evidence::Evidence;
 use crate::fields::VectorFields;
+use crate::minimum_phase::MinimumPhase;
 use crate::rational::tidy;
 use crate::relative_degree::RelativeDegree;
 use crate::report::Named;
-use crate::zero_dynamics::{MinimumPhase, NoZeroDynamics, ZeroDynamics};
+use crate::zero_dynamics::{NoZeroDynamics, ZeroDynamics};
 
 /// Relative degrees of the outputs, at a generic point, and what follows from them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
