@@ -116,8 +116,8 @@ fn ranges(affinization: &Affinization) -> Vec<(String, InputValues)> {
 /// Whether a positive verdict on the affine system, in which each new input takes the values of its range by itself,
 /// holds for the original: the values that the new inputs take together must contain what it was concluded from.
 struct CarriesOver {
-    /// From new inputs that move freely to all sides of their values at the point.
-    free: bool,
+    /// From small feedback of the new inputs: together they take all values near those at the point.
+    feedback: bool,
     /// From new inputs in their ranges.
     in_ranges: bool,
 }
@@ -136,7 +136,9 @@ impl CarriesOver {
             (AtPoint::AtUpper, Range::Interval { lower, .. }) => lower.is_none(),
             _ => false,
         };
-        CarriesOver { free, in_ranges: free || independent && new.iter().all(seen) }
+        // Small feedback needs the values themselves, not mixtures of them over short times.
+        let feedback = new.is_empty() || affinization.covers_at_point == Some(true) && equilibrium;
+        CarriesOver { feedback, in_ranges: free || independent && new.iter().all(seen) }
     }
 }
 
@@ -154,7 +156,7 @@ fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization) {
     if point.stlc.verdict == Verdict::Yes && !holds.in_ranges {
         point.stlc = Stlc::inconclusive(why.clone());
     }
-    if holds.free {
+    if holds.feedback {
         return;
     }
     if let Some(stabilizable @ Answer::Known(true)) = &mut point.stabilizable {

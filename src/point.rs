@@ -34,6 +34,14 @@ pub enum PointError {
         /// What is wrong with its value.
         source: ParseError,
     },
+    /// A value that is no finite number.
+    #[error("the value of `{name}`, `{text}`, is no finite real number: give one")]
+    NotFinite {
+        /// The state or input.
+        name: String,
+        /// The value as written.
+        text: String,
+    },
 }
 
 /// A point holds numbers and expressions of them.
@@ -87,6 +95,15 @@ pub fn point(system: &mut System, text: &str) -> Result<Point, PointError> {
             };
             PointError::Value { name: name.to_owned(), source: ParseError { remedy, ..e } }
         })?;
+        let written = *place;
+        let number = system.compile(&[], &[written]).map_or(f64::NAN, |tape| {
+            let mut out = [f64::NAN];
+            tape.eval(&[], &mut Vec::new(), &mut out);
+            out[0]
+        });
+        if !number.is_finite() {
+            return Err(PointError::NotFinite { name: name.to_owned(), text: value.trim().to_owned() });
+        }
     }
     Ok(point)
 }

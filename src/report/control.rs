@@ -79,7 +79,7 @@ fn decoupling(io: &InputOutputReport, degrees: &[Option<usize>], out: &mut Vec<B
 /// `words` with the set, which may be `none`.
 fn singular(set: &str, words: &str) -> Line {
     if set == "none" {
-        return vec![text(words.replace("where ", "nowhere"))];
+        return vec![text(words.replace("not defined where ", "defined everywhere").replace("where ", "nowhere"))];
     }
     vec![text(words), math(condition(set))]
 }

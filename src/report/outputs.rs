@@ -45,7 +45,7 @@ pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
         o.unidentifiable_directions.iter().map(|d| direction("with unknown parameters no output changes along ", d)),
     );
     if let Some(fix) = o.fix_to_identify.as_ref().filter(|f| !f.is_empty()) {
-        let mut line = vec![text("all parameters become identifiable once known: ")];
+        let mut line = vec![text("all parameters are identifiable given ")];
         line.extend(names(fix));
         items.push(line);
     }

@@ -415,6 +415,13 @@ fn of_smoothed(report: PointReport, vanishing: Vec<String>, epsilon: &Rational) 
     }
 }
 
+/// Whether the drift is linear (with a constant part) and the input fields are constant, seen from the expressions.
+fn is_linear(pool: &mut Pool, fields: &VectorFields) -> bool {
+    let mut entries = pool.jacobian(&fields.drift, &fields.states).concat();
+    entries.extend(fields.controls.concat());
+    pool.symbols_of(&entries).iter().all(|s| !fields.states.contains(s))
+}
+
 fn point_report(
     pool: &mut Pool,
     fields: &VectorFields,
@@ -435,7 +442,11 @@ fn point_report(
     let linearisation = if equilibrium { Some(Linearisation::at(pool, &frame, evidence)?) } else { None };
     let limits = &options.limits;
     let before = pool.len();
-    let stlc = stlc::decide(pool, &frame, &local.dimension, linearisation.as_ref(), limits, evidence);
+    let stlc = match &local.dimension {
+        // The dimension at a point is no larger than the generic one.
+        Answer::Unknown(_) if all.dimension() < n => Stlc::not_accessible(all.dimension(), n),
+        dimension => stlc::decide(pool, &frame, dimension, linearisation.as_ref(), limits, evidence),
+    };
     release(pool, before, &mut []);
     let values = names.iter().map(|n| options.ranges.iter().find(|r| r.0 == *n).map(|r| r.1)).collect();
     let said = names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
@@ -455,7 +466,18 @@ fn point_report(
     let stabilizable = rank.map(|rank| match uncontrollable_modes_decay(pool, &frame, rank) {
         Answer::Known(true) if rank == n => (Answer::Known(true), "the linearisation is controllable"),
         Answer::Known(true) => (Answer::Known(true), "the uncontrollable modes of the linearisation decay"),
-        Answer::Known(false) => (Answer::Known(false), "the linearisation has an unstable uncontrollable mode"),
+        Answer::Known(false) if is_linear(pool, fields) => {
+            (Answer::Known(false), "the linearisation has an unstable uncontrollable mode")
+        }
+        // Feedback with kinks, other values of the inputs at the point, or time may do what smooth feedback cannot.
+        Answer::Known(false) => (
+            Answer::Unknown(
+                "the linearisation has an unstable uncontrollable mode: no continuously differentiable feedback that \
+                 keeps the inputs of the point there stabilises"
+                    .to_owned(),
+            ),
+            "",
+        ),
         // Coron 1995: the sufficient conditions for STLC used here give stabilisation by
         // continuous, periodic feedback in any dimension but 2 and 3; without drift (Coron 1992) in all.
         Answer::Unknown(_)

@@ -103,8 +103,12 @@ impl fmt::Display for PointReport {
             let modes: Vec<String> = modes.iter().map(ToString::to_string).collect();
             writeln!(f, "  uncontrollable modes   {}", modes.join(";  "))?;
         }
-        if let Some(Answer::Known(holds)) = self.brockett_condition {
-            let what = if holds { "holds" } else { "fails: no continuous state feedback stabilises" };
+        if let Some(brockett) = &self.brockett_condition {
+            let what = match brockett {
+                Answer::Known(true) => "holds".to_owned(),
+                Answer::Known(false) => "fails: no continuous state feedback stabilises".to_owned(),
+                Answer::Unknown(why) => format!("unknown ({why})"),
+            };
             writeln!(f, "  Brockett's condition   {what}")?;
         }
         writeln!(f, "  small-time control     {}: {}", self.stlc.verdict, self.stlc.reason)?;
@@ -168,7 +172,11 @@ impl fmt::Display for Report {
         if !matches!(self.involutive, Answer::Known(true)) {
             writeln!(f, "{of}involutive closure of the input fields: {}", self.involutive_closure)?;
         }
-        writeln!(f, "{of}linearizable by static feedback: {}", yes_no(&self.static_feedback_linearizable))?;
+        writeln!(
+            f,
+            "{of}linearizable by static feedback near a generic point: {}",
+            yes_no(&self.static_feedback_linearizable)
+        )?;
         write!(f, "{}", self.control)?;
         if let Some(o) = &self.observability {
             o.write(f, of)?;
@@ -177,7 +185,7 @@ impl fmt::Display for Report {
             writeln!(f, "{of}brackets")?;
             brackets(f, &self.brackets)?;
         }
-        if self.certificate.decisions() > 0 {
+        if self.decided() && self.certificate.decisions() > 0 {
             let points = self.certificate.points();
             let noun = if points == 1 { "point" } else { "points" };
             let error = self.certificate.error_text();

@@ -332,7 +332,9 @@ impl fmt::Display for ZeroDynamicsReport {
         if !self.held_at.0.is_empty() {
             writeln!(f, "  {:<22} {}", "outputs held at", readable(&assignments(&self.held_at, "")))?;
         }
-        writeln!(f, "  {:<22} {}", "held by", readable(&assignments(&self.inputs, "")))?;
+        if !self.inputs.0.is_empty() {
+            writeln!(f, "  {:<22} {}", "held by", readable(&assignments(&self.inputs, "")))?;
+        }
         let why = self.minimum_phase_reason.as_deref().unwrap_or("");
         let verdict = match &self.minimum_phase {
             Answer::Known(true) => "yes",

@@ -329,7 +329,7 @@ impl ObservabilityReport {
             writeln!(f, "  with unknown parameters no output changes along {d}")?;
         }
         if let Some(fix) = &self.fix_to_identify {
-            writeln!(f, "  all parameters become identifiable once known: {}", fix.join(", "))?;
+            writeln!(f, "  all parameters are identifiable given {}", fix.join(", "))?;
         }
         for (text, yes) in self.determined.iter().flat_map(|m| &m.0) {
             writeln!(f, "  {text}: {}", if *yes { "determined" } else { "not determined" })?;

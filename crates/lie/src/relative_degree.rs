@@ -1,6 +1,6 @@
 //! Relative degrees of outputs and the decoupling matrix.
 
-use bracketry_symbolic::{Expr, Pool, ZeroTest};
+use bracketry_symbolic::{Expr, Func, Node, Pool, Rational, ZeroTest};
 use rustc_hash::FxHashMap;
 
 use crate::error::{Undecided, check_growth};
@@ -42,13 +42,23 @@ impl RelativeDegree {
         determinant(pool, &self.decoupling)
     }
 
-    /// The functions of which at least one vanishes where A is singular, for as many outputs as inputs.
+    /// The functions of which at least one vanishes where A is singular or an output has no value, for as many outputs as
+    /// inputs.
     pub fn singular_factors(&self, pool: &mut Pool, fields: &VectorFields) -> Option<Vec<Expr>> {
         let d = self.determinant(pool)?;
-        vanishing_factors(pool, d, &fields.states, &fields.bindings)
+        let mut factors = vanishing_factors(pool, d, &fields.states, &fields.bindings)?;
+        let outputs: Vec<Expr> = self.derivatives.iter().filter_map(|list| list.first().copied()).collect();
+        for e in divisors(pool, &outputs) {
+            for factor in vanishing_factors(pool, e, &fields.states, &fields.bindings)? {
+                if !factors.contains(&factor) {
+                    factors.push(factor);
+                }
+            }
+        }
+        Some(factors)
     }
 
-    /// Where det A vanishes, as text: `a = 0 or b = 0`, `none` if it is seen to vanish nowhere;
+    /// Where det A vanishes or an output has no value, as text: `a = 0 or b = 0`, `none` if that is seen to be nowhere;
     /// `None` if it is zero everywhere, too large, or A is not square.
     pub fn singular_set(&self, pool: &mut Pool, fields: &VectorFields) -> Option<String> {
         if !self.is_vector() {
@@ -170,4 +180,14 @@ impl VectorFields {
             ZeroTest::Unknown(why) => Err(why.into()),
         }
     }
+}
+
+/// What the expressions divide by or take the logarithm of.
+fn divisors(pool: &Pool, roots: &[Expr]) -> Vec<Expr> {
+    let inner = |e: Expr| match pool.node(e) {
+        Node::Pow(base, k) if pool.number(k).is_some_and(|k| *k < Rational::ZERO) => Some(base),
+        Node::Call(Func::Log, a) => Some(a),
+        _ => None,
+    };
+    pool.reachable(roots).into_iter().filter_map(inner).collect()
 }

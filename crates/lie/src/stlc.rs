@@ -93,6 +93,12 @@ impl Stlc {
     pub fn inconclusive(reason: impl Into<String>) -> Self {
         Stlc::new(Verdict::Inconclusive, reason)
     }
+
+    /// The orbit is a manifold of lower dimension (Nagano–Sussmann).
+    pub(crate) fn not_accessible(dimension: usize, states: usize) -> Self {
+        let reason = format!("the accessibility algebra has dimension {dimension} < {states} at the point");
+        Stlc::new(Verdict::No, reason)
+    }
 }
 
 /// Decides STLC with free inputs as far as the conditions below go.
@@ -140,8 +146,7 @@ fn attempt(
     };
     match dimension {
         Answer::Known(d) if *d < n => {
-            let reason = format!("the accessibility algebra has dimension {d} < {n} at the point");
-            return Ok(Stlc::new(Verdict::No, reason));
+            return Ok(Stlc::not_accessible(*d, n));
         }
         _ => {}
     }
@@ -189,7 +194,7 @@ fn attempt(
     }
     if let Some(k) = definite_form(pool, frame, evidence)? {
         stlc.verdict = Verdict::No;
-        let d = if k == 0 { "the inputs".to_owned() } else { format!("the inputs and {k} of their brackets with f") };
+        let d = if k == 0 { "the inputs".to_owned() } else { format!("the inputs and their first {k} brackets") };
         stlc.reason =
             format!("second-order brackets of {d} with f are definite across all that the linearisation reaches");
     }

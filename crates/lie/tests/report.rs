@@ -72,7 +72,11 @@ fn global_statements_of_a_switched_model_are_labelled() {
     let r = masses(&[]);
     assert_eq!(json_of(&r)["global_statements_of"], "smoothed");
     let text = r.to_string();
-    for line in ["input fields involutive: yes", "linearizable by static feedback: ", "observability rank: 4"] {
+    for line in [
+        "input fields involutive: yes",
+        "linearizable by static feedback near a generic point: ",
+        "observability rank: 4",
+    ] {
         assert!(text.contains(&format!("\nsmoothed model: {line}")), "{line} in {text}");
     }
     let smooth = analyse(&system(&["x", "v"], &["u"], &[], &["v", "u"], &[], None), &Options::default()).unwrap();

@@ -129,7 +129,7 @@ fn factored(pool: &mut Pool, e: Expr) -> Option<Factored> {
             Node::Num(_) => Product { coefficient: pool.number(n)?.clone(), factors: Vec::new() },
             Node::Add(a, b) => ring.sum(&image[&a], &image[&b], &mut budget)?,
             Node::Mul(a, b) => product_of(&image[&a], &image[&b]),
-            Node::Pow(b, k) => ring.power(pool, n, &image[&b], k)?,
+            Node::Pow(b, k) if pool.number(k).is_some() => ring.power(pool, n, &image[&b], k)?,
             Node::Call(Func::Sin | Func::Cos | Func::Tan, a) => ring.trigonometric(pool, n, a),
             _ => ring.atom(n),
         };

@@ -1,0 +1,85 @@
+//! Verdicts at a point that an affine form or a linearisation alone would get wrong, and values that have none.
+#![allow(clippy::unwrap_used)]
+
+use bracketry::Analysis;
+use bracketry::lie::{Answer, PointReport, Verdict};
+use bracketry::system::System;
+
+fn analysis(states: &str, inputs: &str, dynamics: &str, rest: &str) -> Analysis {
+    let list = |names: &str| names.split(' ').map(|n| format!("'{n}'")).collect::<Vec<_>>().join(", ");
+    let text = format!("states = [{}]\ninputs = [{}]\n[dynamics]\n{dynamics}\n{rest}", list(states), list(inputs));
+    bracketry::analyze(&System::parse("m", &text).unwrap(), &bracketry::lie::Options::default()).unwrap()
+}
+
+fn at_point(a: &Analysis) -> &PointReport {
+    a.report.at_point.as_ref().and_then(Answer::known).unwrap()
+}
+
+/// u1 = 0 holds x still, so that no input gives x' = ε, y' = 0: Brockett's condition fails for the original, though the
+/// affine form x' = v1, y' = v2 is as controllable as can be.
+#[test]
+fn feedback_of_new_inputs_needs_all_values_that_they_take_together() {
+    for second in ["u1", "u1 + u2"] {
+        let a = analysis("x y", "u1 u2", &format!("x = 'u1*u2'\ny = '{second}'"), "[point]");
+        let p = at_point(&a);
+        assert_ne!(p.stabilizable, Some(Answer::Known(true)), "{second}");
+        assert_ne!(p.brockett_condition, Some(Answer::Known(true)), "{second}");
+    }
+    // u + u³ takes every value near 0, each once.
+    let p = analysis("x", "u", "x = 'x + u + u^3'", "[point]");
+    assert_eq!(at_point(&p).stabilizable, Some(Answer::Known(true)));
+}
+
+/// x' = x − y³, y' = u is stabilised by feedback that is continuous but not differentiable (Kawski 1989), and
+/// x' = x + x u by u = −2.
+#[test]
+fn an_unstable_mode_out_of_reach_of_smooth_feedback_is_no_verdict() {
+    for (states, dynamics) in [("x y", "x = 'x - y^3'\ny = 'u'"), ("x", "x = 'x + x*u'")] {
+        let a = analysis(states, "u", dynamics, "[point]");
+        assert!(matches!(at_point(&a).stabilizable, Some(Answer::Unknown(_))), "{dynamics}");
+    }
+    let linear = analysis("x y", "u", "x = 'x'\ny = 'x + u'", "[point]");
+    assert_eq!(at_point(&linear).stabilizable, Some(Answer::Known(false)));
+}
+
+/// The passive joint of a horizontal arm keeps its angular momentum: 3 of 4 dimensions at generic points, so no more at rest.
+#[test]
+fn what_generic_points_lack_no_point_has() {
+    let d = "((3 + cos(q2)) - (1 + 0.5*cos(q2))^2)";
+    let dynamics = format!(
+        "q1 = 'w1'\nq2 = 'w2'\n\
+         w1 = '(0.5*sin(q2)*(2*w1*w2 + w2^2) - (1 + 0.5*cos(q2))*(t2 - 0.5*sin(q2)*w1^2))/{d}'\n\
+         w2 = '(-(1 + 0.5*cos(q2))*0.5*sin(q2)*(2*w1*w2 + w2^2) + (3 + cos(q2))*(t2 - 0.5*sin(q2)*w1^2))/{d}'"
+    );
+    let a = analysis("q1 q2 w1 w2", "t2", &dynamics, "[point]");
+    assert_eq!(a.report.modes[0].dimensions.accessible_dimension, Answer::Known(3));
+    assert_eq!(at_point(&a).stlc.verdict, Verdict::No);
+}
+
+#[test]
+fn outputs_that_linearise_say_where_they_have_no_value() {
+    let a = analysis("x y z", "u1 u2", "x = 'u1'\ny = 'z + y*u1'\nz = 'u2'", "[outputs]\na = 'x'\nb = 'y'");
+    let report = a.report.control.feedback_linearization.as_ref().unwrap();
+    if report.linearizing_outputs.iter().any(|h| h.contains("log(y)")) {
+        assert!(report.singular_set.as_ref().unwrap().contains("y = 0"));
+    } else {
+        assert!(!report.linearizing_outputs.is_empty());
+    }
+}
+
+#[test]
+fn exponents_may_be_variables_and_irrational() {
+    for rate in ["2^x*u", "x^x*u", "x^pi*u", "(x + 1)^x*u", "2^x^x*u"] {
+        let a = analysis("x", "u", &format!("x = '{rate}'"), "[point]\nx = 1");
+        assert_ne!(a.report.modes[0].dimensions.accessible_dimension, Answer::Known(0), "{rate}");
+    }
+}
+
+#[test]
+fn a_point_that_is_no_number_is_refused() {
+    let mut system = System::parse("m", "states = ['x']\ninputs = ['u']\ndynamics = { x = 'u' }").unwrap();
+    for value in ["sqrt(-1)", "log(0)", "1/0"] {
+        let error = bracketry::point(&mut system, &format!("x={value}")).unwrap_err().to_string();
+        assert!(error.contains('x'), "{error}");
+    }
+}
