@@ -4,7 +4,8 @@ use std::fmt::{self, Write as _};
 use std::time::Instant;
 
 use bracketry_lie::{Answer, Dimensions, InputValues, Options, Report, Side, Stlc, Verdict};
-use bracketry_system::{AffineError, Affinization, AtPoint, Method, NewInput, Range, System};
+use bracketry_symbolic::Rational;
+use bracketry_system::{AffineError, Affinization, AtPoint, InputRange, Method, NewInput, Range, System};
 use serde::Serialize;
 
 use crate::affinization::AffinizationReport;
@@ -61,8 +62,13 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     let begin = Instant::now();
     let affinization = system.affinize()?;
     let mut options = options.clone();
-    options.one_sided.extend(one_sided(&affinization));
-    options.ranges.extend(ranges(&affinization));
+    if affinization.method == Method::None {
+        options.ranges.extend(declared(system));
+        options.one_sided.extend(at_an_end(system));
+    } else {
+        options.one_sided.extend(one_sided(&affinization));
+        options.ranges.extend(ranges(&affinization, system));
+    }
     let options = &options;
     let mut report = bracketry_lie::analyse(&affinization.system, options)?;
     if affinization.method != Method::None {
@@ -100,8 +106,35 @@ fn one_sided(affinization: &Affinization) -> Vec<(String, Side)> {
     affinization.input_change.iter().filter_map(|v| Some((v.name.clone(), side(v)?))).collect()
 }
 
+/// The ranges of a model's inputs.
+fn declared(system: &System) -> Vec<(String, InputValues)> {
+    let end = |e: &Option<Rational>, open: f64| e.as_ref().map_or(open, |e| e.to_f64().value());
+    let ranges = system.input_ranges.iter();
+    let values = |r: &InputRange| InputValues::Between(end(&r.min, f64::NEG_INFINITY), end(&r.max, f64::INFINITY));
+    ranges.map(|r| (system.symbol_name(r.input).to_owned(), values(r))).collect()
+}
+
+/// Inputs whose value at the point is an end of their range.
+fn at_an_end(system: &System) -> Vec<(String, Side)> {
+    let Some((_, inputs)) = system.point_values() else { return Vec::new() };
+    let side = |r: &InputRange| {
+        let value = *inputs.get(system.inputs.iter().position(|u| *u == r.input)?)?;
+        let is = |e: &Option<Rational>| e.as_ref().is_some_and(|e| e.to_f64().value() == value);
+        match (is(&r.min), is(&r.max)) {
+            (true, _) => Some(Side::Above),
+            (_, true) => Some(Side::Below),
+            _ => None,
+        }
+    };
+    let ranges = system.input_ranges.iter();
+    ranges.filter_map(|r| Some((system.symbol_name(r.input).to_owned(), side(r)?))).collect()
+}
+
 /// The values of new inputs that do not take all real numbers.
-fn ranges(affinization: &Affinization) -> Vec<(String, InputValues)> {
+fn ranges(affinization: &Affinization, original: &System) -> Vec<(String, InputValues)> {
+    if !original.input_ranges.is_empty() {
+        return affinization.input_change.iter().map(|v| (v.name.clone(), InputValues::Unknown)).collect();
+    }
     let values = |v: &NewInput| match &v.values {
         Range::Onto => None,
         Range::Interval { lower, upper } => {

@@ -83,3 +83,34 @@ fn a_point_that_is_no_number_is_refused() {
         assert!(error.contains('x'), "{error}");
     }
 }
+
+/// v' = −x + u²: what the affine form was told of its new input stays in the model file that it is written to.
+#[test]
+fn the_range_of_a_new_input_goes_into_the_affine_model_file() {
+    let text = "states = ['x', 'v']\ninputs = ['u']\n[dynamics]\nx = 'v'\nv = '-x + u^2'\n[point]";
+    let affine = System::parse("m", text).unwrap().affinize().unwrap().system;
+    let written = affine.to_toml().unwrap();
+    let again = System::parse("affine.toml", &written).unwrap();
+    assert_eq!(again.input_ranges.len(), 1, "{written}");
+    assert_eq!((&again.input_ranges[0].min, &again.input_ranges[0].max), (&Some(0.into()), &None), "{written}");
+    let verdict = |s: &System| {
+        let a = bracketry::analyze(s, &bracketry::lie::Options::default()).unwrap();
+        at_point(&a).stlc.verdict
+    };
+    assert_eq!(verdict(&again), Verdict::No, "{written}");
+    // Around v1 = 1, inside the range, the same equations are controllable.
+    let inside = written.replace("[point]", "[point]\nx = 1\nv1 = 1");
+    assert_eq!(verdict(&System::parse("inside.toml", &inside).unwrap()), Verdict::Yes, "{inside}");
+}
+
+#[test]
+fn a_range_of_no_input_or_without_values_is_refused() {
+    let with = |range: &str| {
+        let text = format!("states = ['x']\ninputs = ['u']\n[ranges]\n{range}\n[dynamics]\nx = 'u'");
+        System::parse("m.toml", &text).unwrap_err().to_string()
+    };
+    assert!(with("w = { min = 0 }").contains("`w` is no input"));
+    assert!(with("u = { min = 1, max = 0 }").contains("range of `u`"));
+    assert!(with("u = 3").contains("range of `u`"));
+    assert!(with("u = { low = 3 }").contains("low"));
+}

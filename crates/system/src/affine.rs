@@ -160,7 +160,10 @@ impl System {
     /// # Errors
     /// [`AffineError`] if an exact test is undecided or there are too many inputs.
     pub fn affinize(&self) -> Result<Affinization, AffineError> {
-        let (mut chosen, others) = self.search()?;
+        let (mut chosen, mut others) = self.search()?;
+        for candidate in std::iter::once(&mut chosen).chain(&mut others) {
+            candidate.carry_ranges(self);
+        }
         let system = match chosen.system.clone() {
             Some(system) => system,
             None => self.clone(),

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Certificate, Expr};
+use bracketry_symbolic::{Certificate, Expr, Rational};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use crate::range::Range;
-use crate::system::System;
+use crate::range::{Bound, Range};
+use crate::system::{InputRange, System};
 
 /// How a system became affine.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
@@ -135,6 +135,23 @@ impl Candidate {
     /// Whether it gives an affine system.
     pub fn is_accepted(&self) -> bool {
         self.system.is_some()
+    }
+
+    /// Writes the ranges of new inputs, and of inputs that stay, into the candidate's system. Which values new inputs take
+    /// where old ones have ranges of their own is not followed.
+    pub(crate) fn carry_ranges(&mut self, original: &System) {
+        let Some(system) = self.system.as_mut().filter(|_| self.method != Method::None) else { return };
+        let stays = |r: &&InputRange| system.inputs.contains(&r.input);
+        let mut ranges: Vec<InputRange> = original.input_ranges.iter().filter(stays).cloned().collect();
+        if original.input_ranges.is_empty() {
+            let end = |b: &Option<Bound>| b.as_ref().and_then(|b| Rational::try_from(b.value).ok());
+            ranges.extend(self.input_change.iter().filter_map(|v| {
+                let input = *system.inputs.iter().find(|&&u| system.pool.name(u) == v.name)?;
+                let Range::Interval { lower, upper } = &v.values else { return None };
+                Some(InputRange { input, min: end(lower), max: end(upper) })
+            }));
+        }
+        system.input_ranges = ranges;
     }
 }
 

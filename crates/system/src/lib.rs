@@ -27,4 +27,4 @@ pub use document::{Document, FileError, Table, Value};
 pub use model_file::{RESERVED, WriteError};
 pub use range::{Bound, Range};
 pub use switching::{MAX_ENUMERATED_SWITCHES, Mode, Switch, SwitchKind, SwitchedForm, TooManyModes};
-pub use system::{InputDerivative, Parameter, Point, System};
+pub use system::{InputDerivative, InputRange, Parameter, Point, System};

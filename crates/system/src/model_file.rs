@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use crate::document::{Document, FileError, Table, Value};
-use crate::system::{InputDerivative, Parameter, Point, System};
+use crate::system::{InputDerivative, InputRange, Parameter, Point, System};
 
 /// Names that a model may not declare.
 pub const RESERVED: [&str; 19] = [
@@ -16,7 +16,8 @@ pub const RESERVED: [&str; 19] = [
     "abs", "sign", "min", "max",
 ];
 
-const KEYS: [&str; 8] = ["name", "states", "inputs", "parameters", "definitions", "dynamics", "outputs", "point"];
+const KEYS: [&str; 9] =
+    ["name", "states", "inputs", "ranges", "parameters", "definitions", "dynamics", "outputs", "point"];
 const PARAMETER_KEYS: [&str; 5] = ["value", "unit", "min", "max", "about"];
 
 type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
@@ -136,6 +137,7 @@ impl<'d> Reader<'d> {
             }
         }
         let point = self.read_point(&table)?;
+        let input_ranges = self.read_ranges(&table)?;
         let input_derivatives =
             derivatives.into_iter().map(|((input, order), symbol)| InputDerivative { input, order, symbol }).collect();
         Ok(System {
@@ -143,6 +145,7 @@ impl<'d> Reader<'d> {
             pool: self.pool,
             states: self.states,
             inputs: self.inputs,
+            input_ranges,
             input_derivatives,
             parameters: self.parameters,
             definitions,
@@ -249,6 +252,40 @@ impl<'d> Reader<'d> {
             self.parameters.push(Parameter { symbol, value: number, min, max, unit, about });
         }
         Ok(())
+    }
+
+    fn read_ranges(&mut self, table: &Table<'_>) -> Result<Vec<InputRange>, FileError> {
+        let doc = self.doc;
+        let mut ranges = Vec::new();
+        for (key, value) in doc.sub_table(table, "ranges")?.into_iter().flatten() {
+            let name: &str = key.get_ref();
+            let Some(&input) = self.inputs.iter().find(|&&u| self.pool.name(u) == name) else {
+                let known: Vec<&str> = self.inputs.iter().map(|&u| self.pool.name(u)).collect();
+                let remedy = match closest_name(name, known.iter().copied()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("the inputs are {}", known.join(", ")),
+                };
+                return Err(doc.error(key.span(), format!("`{name}` is no input"), remedy));
+            };
+            let Value::Table(entries) = value.get_ref() else {
+                let remedy = format!("write {name} = {{ min = 0 }}, max likewise");
+                return Err(doc.error(value.span(), format!("the range of `{name}` is no table"), remedy));
+            };
+            doc.only_keys(entries, &["min", "max"], "a range")?;
+            let bound = |k: &str| entries.get(k).map(|v| doc.exact_number(v, k)).transpose();
+            let (min, max) = (bound("min")?, bound("max")?);
+            if let (Some(lo), Some(hi)) = (&min, &max)
+                && lo >= hi
+            {
+                return Err(doc.error(
+                    key.span(),
+                    format!("the range of `{name}` holds no more than one value"),
+                    "set min below max",
+                ));
+            }
+            ranges.push(InputRange { input, min, max });
+        }
+        Ok(ranges)
     }
 
     /// Definitions in dependency order; they may be written in any order but not in a circle.
@@ -395,6 +432,8 @@ struct Plain {
     states: Vec<String>,
     inputs: Vec<String>,
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    ranges: toml::Table,
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
     parameters: toml::Table,
     dynamics: toml::Table,
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
@@ -438,6 +477,12 @@ impl System {
             let value = if t.len() == 1 { number(&p.value) } else { toml::Value::Table(t) };
             parameters.insert(self.pool.name(p.symbol).to_owned(), value);
         }
+        let mut ranges = toml::Table::new();
+        for r in &self.input_ranges {
+            let ends = [("min", &r.min), ("max", &r.max)];
+            let ends = ends.into_iter().filter_map(|(k, v)| Some((k.to_owned(), number(v.as_ref()?)))).collect();
+            ranges.insert(self.pool.name(r.input).to_owned(), toml::Value::Table(ends));
+        }
         let point = self.point.as_ref().map(|p| {
             let states = self.states.iter().zip(&p.states);
             let inputs = self.inputs.iter().zip(&p.inputs);
@@ -448,6 +493,7 @@ impl System {
             name: self.name.clone(),
             states: self.state_names(),
             inputs: self.input_names(),
+            ranges,
             parameters,
             dynamics: self.state_names().into_iter().zip(self.dynamics.iter().map(|&e| text(e))).collect(),
             outputs: self.outputs.iter().map(|(n, e)| (n.clone(), text(*e))).collect(),

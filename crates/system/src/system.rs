@@ -40,6 +40,17 @@ pub struct Point {
     pub inputs: Vec<Expr>,
 }
 
+/// The values that an input can take, ends included.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputRange {
+    /// The input.
+    pub input: Symbol,
+    /// Smallest value; none if there is no limit.
+    pub min: Option<Rational>,
+    /// Largest value; none if there is no limit.
+    pub max: Option<Rational>,
+}
+
 /// A control system x' = f(x, u, u', …; p), read from a model file or made by an analysis.
 ///
 /// Definitions are expanded; parameters stay symbols with exact values.
@@ -53,6 +64,9 @@ pub struct System {
     pub states: Vec<Symbol>,
     /// The inputs, in order.
     pub inputs: Vec<Symbol>,
+    /// Inputs that do not take all real values. Verdicts at the point respect them; ranks, which any open set of values has in
+    /// common, need not.
+    pub input_ranges: Vec<InputRange>,
     /// Input derivatives that occur in the equations, by input and order.
     pub input_derivatives: Vec<InputDerivative>,
     /// The parameters, in order.

@@ -43,6 +43,7 @@ pub(crate) fn system(
         pool,
         states,
         inputs,
+        input_ranges: Vec::new(),
         input_derivatives: Vec::new(),
         parameters,
         definitions: Vec::new(),
