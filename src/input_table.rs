@@ -32,6 +32,7 @@ impl Scenario {
     /// [`FileError`] with line and column of what is wrong.
     pub fn from_csv(path: &Path, system: &System, hold: Hold) -> Result<SampledScenario, FileError> {
         let doc = read(path)?;
+        doc.time_is_free(system)?;
         let Table { columns, lines } = read_table(&doc)?;
         let Some(times) = columns.get("t") else {
             return Err(doc.missing("there is no column `t`", "add a column t with the time in seconds"));

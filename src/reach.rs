@@ -136,7 +136,12 @@ fn rows(
         let mut influence = Vec::new();
         for &known in &closure.growth {
             let moves = nonzero(pool, &along[..known], fields)?;
-            influence.push(if moves { Influence::Moves } else { Influence::None });
+            influence.push(match moves {
+                // In all directions there is one that moves this function alone.
+                true if known == names.len() => Influence::Free,
+                true => Influence::Moves,
+                false => Influence::None,
+            });
         }
         out.push(Reached { name: name.clone(), function: true, influence });
     }

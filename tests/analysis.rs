@@ -87,7 +87,7 @@ fn the_rounds_show_what_one_mode_never_moves_and_switching_does() {
     assert_eq!(row(0, "x + X"), [None; 5]);
     assert_eq!(row(0, "x"), [None, Moves, Moves, Moves, Moves]);
     assert_eq!(row(0, "theta"), [None, Moves, Moves, Free, Free]);
-    assert_eq!(row(1, "x + X"), [None, Moves]);
+    assert_eq!(row(1, "x + X"), [None, Free]);
     assert_eq!(row(1, "x"), [None, Free]);
     assert_eq!((tables[0].alike, tables[0].mode.as_deref()), (4, Some("vx > 0, vy > 0")));
 }

@@ -130,7 +130,10 @@ fn bad_scenarios_and_tables_are_refused_with_place_and_remedy() {
     let letter = file(&dir, "letter.toml", "duration = 1.0\n[inputs]\nX = 'x'\n");
     let unordered = file(&dir, "unordered.csv", "# made by hand\n\nt,a\n0,1\n1,1\n0.5,2\n");
     let plate = model("plate_published.toml");
-    let cases: [(&[&str], &str); 4] = [
+    let clock = file(&dir, "clock.toml", "states = ['t']\ninputs = ['u']\n[dynamics]\nt = 'u'\n");
+    let short = file(&dir, "short.toml", "duration = 1.0\n");
+    let cases: [(&[&str], &str); 5] = [
+        (&["simulate", &clock, "--scenario", &short], "calls a state `t`, which is time here"),
         (&["simulate", &plate, "--scenario", &rough], "rough.toml:3:6: parameter `mu` lies outside"),
         (&["simulate", &plate, "--scenario", &letter], "unknown name `x`"),
         (&["simulate", &slider, "--inputs", dir.to_str().unwrap()], "name a CSV file"),

@@ -109,6 +109,7 @@ impl ControlProblem {
             return Err(doc.missing("no model is named", "add `model = \"model.toml\"` at the top").into());
         };
         let system = with_own_inputs(models(&model)?)?;
+        doc.time_is_free(&system)?;
         let plant = match doc.string(&table, "plant")? {
             Some(name) => with_own_inputs(models(&name)?)?,
             None => system.clone(),

@@ -7,6 +7,8 @@ use std::path::Path;
 use bracketry_symbolic::{Expr, Names, Pool, Rational, closest_name};
 use toml::de::{DeTable, DeValue};
 
+use crate::system::System;
+
 /// Something wrong in a file, with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileError {
@@ -143,6 +145,20 @@ impl Document {
             i -= 1;
         }
         i
+    }
+
+    /// Refuses a model that calls something `t`, for a file in which `t` is time.
+    ///
+    /// # Errors
+    /// [`FileError`] that names the kind.
+    pub fn time_is_free(&self, system: &System) -> Result<(), FileError> {
+        match system.declares_time() {
+            None => Ok(()),
+            Some(kind) => Err(self.missing(
+                format!("the model calls a {kind} `t`, which is time here"),
+                format!("rename the {kind} in the model"),
+            )),
+        }
     }
 
     /// An error that concerns the document as a whole (something is missing).
