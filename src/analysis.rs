@@ -75,7 +75,7 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
         // Old inputs are known, though integrators make them states and new inputs may hold parameters.
         report.observability = bracketry_lie::observe(system, options, &mut report.certificate)?;
     }
-    withhold_local_verdicts(&mut report, &affinization);
+    withhold_local_verdicts(&mut report, &affinization, system);
     let affine = &affinization.system;
     let mut analysis = Analysis {
         model: system.name.clone(),
@@ -177,7 +177,7 @@ impl CarriesOver {
 
 /// Where the new inputs do not cover what a positive conclusion was drawn from, as u² at u = 0, it is open; what is
 /// negative even with more inputs stays.
-fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization) {
+fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization, original: &System) {
     let Some(Answer::Known(point)) = &mut report.at_point else { return };
     let holds = CarriesOver::of(affinization, point.equilibrium == Answer::Known(true));
     let names: Vec<String> = affinization
@@ -186,10 +186,19 @@ fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization) {
         .map(|v| format!("{} = {}", v.name, affinization.system.pool.text(v.function)))
         .collect();
     let why = format!("at the point the old inputs do not move {} freely to all sides", names.join(", "));
-    if point.stlc.verdict == Verdict::Yes && !holds.in_ranges {
+    let ends = at_an_end(original);
+    let (why, in_ranges, feedback) = match ends.first() {
+        // One-sided inputs are known to the verdict on the model itself, not to one on an affine form of it.
+        Some((name, _)) => {
+            let why = format!("{name} is at an end of its range at the point");
+            (why, affinization.method == Method::None, false)
+        }
+        None => (why, holds.in_ranges, holds.feedback),
+    };
+    if point.stlc.verdict == Verdict::Yes && !in_ranges {
         point.stlc = Stlc::inconclusive(why.clone());
     }
-    if holds.feedback {
+    if feedback {
         return;
     }
     if let Some(stabilizable @ Answer::Known(true)) = &mut point.stabilizable {

@@ -114,3 +114,18 @@ fn a_range_of_no_input_or_without_values_is_refused() {
     assert!(with("u = 3").contains("range of `u`"));
     assert!(with("u = { low = 3 }").contains("low"));
 }
+
+/// x' = u with u ≥ 0 only rises, whether u is an input or has an integrator in front of it.
+#[test]
+fn an_input_at_the_end_of_its_range_stabilises_nothing() {
+    for rate in ["u", "u + sin(u) - cos(u) + 1"] {
+        let text = format!(
+            "states = ['x', 'y']\ninputs = ['u', 'w']\n[ranges]\nu = {{ min = 0 }}\n[dynamics]\nx = '{rate}'\ny = 'w'\n[point]"
+        );
+        let a = bracketry::analyze(&System::parse("m", &text).unwrap(), &bracketry::lie::Options::default()).unwrap();
+        let p = at_point(&a);
+        assert_ne!(p.stlc.verdict, Verdict::Yes, "{rate}");
+        assert_ne!(p.stabilizable, Some(Answer::Known(true)), "{rate}");
+        assert_ne!(p.brockett_condition, Some(Answer::Known(true)), "{rate}");
+    }
+}
