@@ -96,12 +96,7 @@ pub fn point(system: &mut System, text: &str) -> Result<Point, PointError> {
             PointError::Value { name: name.to_owned(), source: ParseError { remedy, ..e } }
         })?;
         let written = *place;
-        let number = system.compile(&[], &[written]).map_or(f64::NAN, |tape| {
-            let mut out = [f64::NAN];
-            tape.eval(&[], &mut Vec::new(), &mut out);
-            out[0]
-        });
-        if !number.is_finite() {
+        if !system.value(written).is_some_and(f64::is_finite) {
             return Err(PointError::NotFinite { name: name.to_owned(), text: value.trim().to_owned() });
         }
     }

@@ -3,26 +3,23 @@
 use std::time::Instant;
 
 use bracketry_symbolic::{Bindings, Expr, Pool, Rational, ZeroTest};
-use bracketry_system::{Point, System};
+use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
-use crate::brockett::brockett_condition;
 use crate::closure::Closure;
 use crate::control_report::{ControlReport, control_report};
 use crate::error::{Error, Undecided, check_analysis, release};
 use crate::evidence::Evidence;
 use crate::fields::{Field, VectorFields};
 use crate::integrals::Among;
-use crate::linear::{Linearisation, uncontrollable_modes_decay};
 use crate::linearization::LinearizationFlag;
-use crate::local::{Frame, Limits};
-use crate::modes::uncontrollable_modes;
+use crate::local::Limits;
 use crate::observe;
-use crate::ranges::{InputSet, InputValues, Side, balanced, one_sided};
+use crate::point_report::{Regime, of_smoothed, point_report, regime};
+use crate::ranges::{InputValues, Side};
 use crate::report::{Dimensions, ModeReport, Named, PointReport, Report, SmoothedReport, Subject};
 use crate::requested;
-use crate::stlc::{self, Stlc, Verdict};
 use crate::switching::switched_report;
 use crate::word::generator_names;
 
@@ -286,9 +283,9 @@ pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
 }
 
 /// The distributions that the inputs generate at a generic point.
-struct Reach {
-    all: Result<Closure, Undecided>,
-    strong: Result<Closure, Undecided>,
+pub(crate) struct Reach {
+    pub(crate) all: Result<Closure, Undecided>,
+    pub(crate) strong: Result<Closure, Undecided>,
 }
 
 impl Reach {
@@ -344,165 +341,4 @@ fn mode_report(
         brackets: Named(Vec::new()),
     };
     (report, functions)
-}
-
-/// What governs the motion at a point.
-enum Regime {
-    /// The mode with this index: no switching function vanishes.
-    Mode(usize),
-    /// The switching functions that vanish.
-    Switching(Vec<String>),
-}
-
-fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -> Result<Regime, Error> {
-    let form = system.switched_form();
-    let mut at: FxHashMap<Expr, Expr> = FxHashMap::default();
-    for (&s, &v) in system.states.iter().zip(&point.states) {
-        let s = system.pool.sym(s);
-        at.insert(s, v);
-    }
-    for p in &system.parameters {
-        let s = system.pool.sym(p.symbol);
-        let v = system.pool.rational(p.value.clone());
-        at.insert(s, v);
-    }
-    let mut signs: Vec<i8> = Vec::new();
-    let mut vanishing: Vec<String> = Vec::new();
-    for s in &form.switches {
-        for (t, &v) in form.switches.iter().zip(&signs) {
-            let inner = system.pool.sym(t.sign);
-            let v = system.pool.int(i64::from(v));
-            at.insert(inner, v);
-        }
-        let value = system.pool.substitute(s.surface, &at);
-        match system.pool.zero_test(value, &Bindings::new()) {
-            ZeroTest::Zero(_) => vanishing.push(s.name.clone()),
-            ZeroTest::Unknown(why) if vanishing.is_empty() => return Err(Undecided::from(why).into()),
-            ZeroTest::Unknown(_) | ZeroTest::NonZero => {}
-        }
-        // One that vanishes is enough to leave the modes, and has no sign for those that contain it.
-        if !vanishing.is_empty() {
-            continue;
-        }
-        let number = system.compile(&[], &[value]).map_or(f64::NAN, |tape| {
-            let mut out = [f64::NAN];
-            tape.eval(&[], &mut Vec::new(), &mut out);
-            out[0]
-        });
-        if number.is_nan() || number == 0.0 {
-            return Err(Error::NoValue { what: s.name.clone() });
-        }
-        signs.push(if number > 0.0 { 1 } else { -1 });
-    }
-    let mode = modes.iter().position(|m| m.signs.iter().map(|s| s.1).eq(signs.iter().copied()));
-    Ok(mode.map_or(Regime::Switching(vanishing), Regime::Mode))
-}
-
-/// Says that the statements at a point are those of the smoothed model.
-fn of_smoothed(report: PointReport, vanishing: Vec<String>, epsilon: &Rational) -> PointReport {
-    let say = |reason: &str| {
-        format!(
-            "of the smoothed model: {reason}; exact dry friction may hold the state where the inputs do not overcome it"
-        )
-    };
-    PointReport {
-        of: Subject::Smoothed,
-        epsilon: Some(epsilon.to_f64().value()),
-        vanishing,
-        stabilizable_reason: report.stabilizable_reason.map(|r| say(&r)),
-        stlc: Stlc { reason: say(&report.stlc.reason), ..report.stlc },
-        ..report
-    }
-}
-
-/// Whether the drift is linear (with a constant part) and the input fields are constant, seen from the expressions.
-fn is_linear(pool: &mut Pool, fields: &VectorFields) -> bool {
-    let mut entries = pool.jacobian(&fields.drift, &fields.states).concat();
-    entries.extend(fields.controls.concat());
-    pool.symbols_of(&entries).iter().all(|s| !fields.states.contains(s))
-}
-
-fn point_report(
-    pool: &mut Pool,
-    fields: &VectorFields,
-    names: &[String],
-    reach: &Reach,
-    point: &Point,
-    options: &Options,
-    evidence: &mut Evidence,
-) -> Result<PointReport, Error> {
-    let n = fields.states.len();
-    let frame = Frame::new(pool, fields, &point.states, &point.inputs)?;
-    let equilibrium = frame.is_equilibrium(pool, evidence)?;
-    let all = reach.all.as_ref().map_err(Clone::clone)?;
-    let strong = reach.strong.as_ref().map_err(Clone::clone)?;
-    let before = pool.len();
-    let local = frame.accessibility(pool, all, strong, &options.limits, evidence)?;
-    release(pool, before, &mut []);
-    let linearisation = if equilibrium { Some(Linearisation::at(pool, &frame, evidence)?) } else { None };
-    let limits = &options.limits;
-    let before = pool.len();
-    let stlc = match &local.dimension {
-        // The dimension at a point is no larger than the generic one.
-        Answer::Unknown(_) if all.dimension() < n => Stlc::not_accessible(all.dimension(), n),
-        dimension => stlc::decide(pool, &frame, dimension, linearisation.as_ref(), limits, evidence),
-    };
-    release(pool, before, &mut []);
-    let values = names.iter().map(|n| options.ranges.iter().find(|r| r.0 == *n).map(|r| r.1)).collect();
-    let said = names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
-    let set = InputSet { names, values, one_sided: said };
-    let around = if !equilibrium && stlc.verdict == Verdict::Inconclusive {
-        balanced(pool, fields, &set, &point.states, &local.dimension, limits, evidence)?
-    } else {
-        None
-    };
-    let stlc = match (around, set.sides(pool, &frame, &point.inputs)) {
-        (Some(around), _) => around,
-        (None, Some(sides)) => one_sided(pool, &frame, &sides, stlc, limits, evidence)?,
-        (None, None) if stlc.verdict == Verdict::No => stlc,
-        (None, None) => Stlc::inconclusive("the inputs at the point are not seen to lie in their ranges"),
-    };
-    let rank = linearisation.as_ref().map(|l| l.controllable().rank());
-    let stabilizable = rank.map(|rank| match uncontrollable_modes_decay(pool, &frame, rank) {
-        Answer::Known(true) if rank == n => (Answer::Known(true), "the linearisation is controllable"),
-        Answer::Known(true) => (Answer::Known(true), "the uncontrollable modes of the linearisation decay"),
-        Answer::Known(false) if is_linear(pool, fields) => {
-            (Answer::Known(false), "the linearisation has an unstable uncontrollable mode")
-        }
-        // Feedback with kinks, other values of the inputs at the point, or time may do what smooth feedback cannot.
-        Answer::Known(false) => (
-            Answer::Unknown(
-                "the linearisation has an unstable uncontrollable mode: no continuously differentiable feedback that \
-                 keeps the inputs of the point there stabilises"
-                    .to_owned(),
-            ),
-            "",
-        ),
-        // Coron 1995: the sufficient conditions for STLC used here give stabilisation by
-        // continuous, periodic feedback in any dimension but 2 and 3; without drift (Coron 1992) in all.
-        Answer::Unknown(_)
-            if stlc.verdict == Verdict::Yes && (n != 2 && n != 3 || fields.drift.iter().all(|&e| pool.is_zero(e))) =>
-        {
-            (Answer::Known(true), "by continuous time-periodic feedback, from small-time controllability (Coron)")
-        }
-        unknown @ Answer::Unknown(_) => (unknown, ""),
-    });
-    let stabilizable_reason = stabilizable.as_ref().map(|(a, why)| a.reason().map_or((*why).to_owned(), str::to_owned));
-    Ok(PointReport {
-        of: Subject::Model,
-        epsilon: None,
-        vanishing: Vec::new(),
-        equilibrium: Answer::Known(equilibrium),
-        dimensions: Dimensions::new(local.growth, local.dimension, local.strong_growth, local.strong_dimension),
-        linear_controllability_rank: rank,
-        stabilizable: stabilizable.map(|s| s.0),
-        stabilizable_reason,
-        uncontrollable_modes: linearisation
-            .as_ref()
-            .zip(rank)
-            .map(|(l, rank)| uncontrollable_modes(pool, &frame, l, rank)),
-        brockett_condition: linearisation.as_ref().map(|l| brockett_condition(pool, &frame, l, evidence)),
-        stlc,
-        relative_degree_defined: None,
-    })
 }

@@ -1,6 +1,6 @@
 //! Brockett's necessary condition for stabilisation by continuous state feedback.
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
 use rustc_hash::FxHashMap;
 
 use crate::answer::Answer;
@@ -62,16 +62,7 @@ fn decide(
         }
     }
     // F as a function of deviations from the point, one symbol for each state and input.
-    let mut offsets: FxHashMap<Expr, Expr> = FxHashMap::default();
-    let mut variables: Vec<Symbol> = Vec::new();
-    for (&s, &v) in fields.states.iter().zip(frame.point()) {
-        let offset = pool.symbol(&format!("offset of {}", pool.name(s)));
-        variables.push(offset);
-        let y = pool.sym(offset);
-        let moved = pool.add(v, y);
-        let s = pool.sym(s);
-        offsets.insert(s, moved);
-    }
+    let (mut variables, offsets) = frame.deviations(pool);
     let mut image = pool.substitute_all(&fields.drift, &offsets);
     for (i, g) in fields.controls.iter().enumerate() {
         let u = pool.symbol(&format!("offset of input {i}"));

@@ -56,6 +56,7 @@ mod necessary;
 mod nilpotent;
 mod observability;
 mod observe;
+mod point_report;
 mod ranges;
 mod rational;
 mod reduce;

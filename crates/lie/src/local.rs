@@ -112,6 +112,20 @@ impl Frame {
         Ok(samples.values[0].chunks(n).map(<[Fp]>::to_vec).collect())
     }
 
+    /// A symbol for the deviation of each state from the point, and what replaces each state by point and deviation.
+    pub(crate) fn deviations(&self, pool: &mut Pool) -> (Vec<Symbol>, FxHashMap<Expr, Expr>) {
+        let mut symbols = Vec::new();
+        let mut moved: FxHashMap<Expr, Expr> = FxHashMap::default();
+        for (&s, &v) in self.fields.states.iter().zip(&self.point) {
+            let deviation = pool.symbol(&format!("offset of {}", pool.name(s)));
+            symbols.push(deviation);
+            let deviation = pool.sym(deviation);
+            let sum = pool.add(v, deviation);
+            moved.insert(pool.sym(s), sum);
+        }
+        (symbols, moved)
+    }
+
     pub(crate) fn rank(&self, pool: &mut Pool, fields: &[Field], evidence: &mut Evidence) -> Result<usize, Undecided> {
         Ok(Echelon::new(&self.evaluate(pool, fields, evidence)?, self.fields.states.len()).rank())
     }

@@ -94,16 +94,7 @@ pub(crate) fn half_space(
 ) -> Result<Option<String>, Undecided> {
     let states = frame.fields.states.clone();
     let n = states.len();
-    let mut offsets: FxHashMap<Expr, Expr> = FxHashMap::default();
-    let mut variables = Vec::new();
-    for (&s, &v) in states.iter().zip(frame.point()) {
-        let offset = pool.symbol(&format!("offset of {}", pool.name(s)));
-        variables.push(offset);
-        let offset = pool.sym(offset);
-        let moved = pool.add(v, offset);
-        let s = pool.sym(s);
-        offsets.insert(s, moved);
-    }
+    let (variables, offsets) = frame.deviations(pool);
     let near = NearOrigin { frame, variables: variables.clone() };
     for covector in covectors(pool, frame, evidence)? {
         let Some(last) = covector.iter().rposition(|c| !pool.is_zero(*c)) else { continue };

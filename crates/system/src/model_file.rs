@@ -1,11 +1,10 @@
-//! Model files: reading with located errors, and writing.
+//! Model files: reading with located errors.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use bracketry_symbolic::{Expr, Names, Pool, Rational, Symbol, closest_name};
+use bracketry_symbolic::{Expr, Names, Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
-use serde::Serialize;
 
 use crate::document::{Document, FileError, Table, Value};
 use crate::system::{InputDerivative, InputRange, Parameter, Point, System};
@@ -406,104 +405,5 @@ impl<'d> Reader<'d> {
             }
         }
         Ok(Some(point))
-    }
-}
-
-/// A system that cannot be written as a model file.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum WriteError {
-    /// An equation whose text would repeat its shared parts too often.
-    #[error("the equation of `{name}` has {nodes:.0e} nodes when its definitions are expanded, too many to be written")]
-    TooLong {
-        /// State or output.
-        name: String,
-        /// Nodes without sharing.
-        nodes: f64,
-    },
-    /// The TOML writer refused.
-    #[error(transparent)]
-    Toml(#[from] toml::ser::Error),
-}
-
-/// A model file as plain data, for writing as TOML or JSON.
-#[derive(Serialize)]
-struct Plain {
-    name: String,
-    states: Vec<String>,
-    inputs: Vec<String>,
-    #[serde(skip_serializing_if = "toml::Table::is_empty")]
-    ranges: toml::Table,
-    #[serde(skip_serializing_if = "toml::Table::is_empty")]
-    parameters: toml::Table,
-    dynamics: toml::Table,
-    #[serde(skip_serializing_if = "toml::Table::is_empty")]
-    outputs: toml::Table,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    point: Option<toml::Table>,
-}
-
-impl System {
-    /// The system as the text of a model file; definitions stay expanded.
-    ///
-    /// # Errors
-    /// [`WriteError`] for an equation that is too long to be written out.
-    pub fn to_toml(&self) -> Result<String, WriteError> {
-        let outputs = self.outputs.iter().map(|(n, e)| (n.clone(), *e));
-        for (name, e) in self.state_names().into_iter().zip(self.dynamics.iter().copied()).chain(outputs) {
-            if !self.pool.is_printable(e) {
-                return Err(WriteError::TooLong { name, nodes: self.pool.tree_size(e) });
-            }
-        }
-        Ok(toml::to_string_pretty(&self.plain())?)
-    }
-
-    fn plain(&self) -> Plain {
-        let text = |e: Expr| toml::Value::String(self.pool.text(e));
-        let number = |r: &Rational| toml::Value::Float(r.to_f64().value());
-        let mut parameters = toml::Table::new();
-        for p in &self.parameters {
-            let mut t = toml::Table::new();
-            t.insert("value".into(), number(&p.value));
-            for (k, v) in [("min", &p.min), ("max", &p.max)] {
-                if let Some(v) = v {
-                    t.insert(k.into(), number(v));
-                }
-            }
-            for (k, v) in [("unit", &p.unit), ("about", &p.about)] {
-                if let Some(v) = v {
-                    t.insert(k.into(), toml::Value::String(v.clone()));
-                }
-            }
-            let value = if t.len() == 1 { number(&p.value) } else { toml::Value::Table(t) };
-            parameters.insert(self.pool.name(p.symbol).to_owned(), value);
-        }
-        let mut ranges = toml::Table::new();
-        for r in &self.input_ranges {
-            let ends = [("min", &r.min), ("max", &r.max)];
-            let ends = ends.into_iter().filter_map(|(k, v)| Some((k.to_owned(), number(v.as_ref()?)))).collect();
-            ranges.insert(self.pool.name(r.input).to_owned(), toml::Value::Table(ends));
-        }
-        let point = self.point.as_ref().map(|p| {
-            let states = self.states.iter().zip(&p.states);
-            let inputs = self.inputs.iter().zip(&p.inputs);
-            let nonzero = states.chain(inputs).filter(|(_, v)| !self.pool.is_zero(**v));
-            nonzero.map(|(s, v)| (self.pool.name(*s).to_owned(), text(*v))).collect()
-        });
-        Plain {
-            name: self.name.clone(),
-            states: self.state_names(),
-            inputs: self.input_names(),
-            ranges,
-            parameters,
-            dynamics: self.state_names().into_iter().zip(self.dynamics.iter().map(|&e| text(e))).collect(),
-            outputs: self.outputs.iter().map(|(n, e)| (n.clone(), text(*e))).collect(),
-            point,
-        }
-    }
-}
-
-impl Serialize for System {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.plain().serialize(serializer)
     }
 }

@@ -152,6 +152,14 @@ impl System {
         Tape::compile(&self.pool, arguments, &values)
     }
 
+    /// The value of a constant expression, parameters at their values; `None` if it is no number.
+    pub fn value(&mut self, constant: Expr) -> Option<f64> {
+        let tape = self.compile(&[], &[constant]).ok()?;
+        let mut out = [f64::NAN];
+        tape.eval(&[], &mut Vec::new(), &mut out);
+        (!out[0].is_nan()).then_some(out[0])
+    }
+
     /// The point as numbers, states and inputs; `None` if the model gives none.
     pub fn point_values(&self) -> Option<(Vec<f64>, Vec<f64>)> {
         let point = self.point.as_ref()?;
