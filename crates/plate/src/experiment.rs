@@ -1,6 +1,6 @@
 //! The three published open-loop experiments, with the amplitude held over each period.
 
-use crate::PlateError;
+use crate::{ExpressionMotion, PlateError};
 use bracketry_sim::{Inputs, Model, Outcome, Settings, Stepper, Trajectory};
 use bracketry_system::System;
 use std::f64::consts::PI;
@@ -111,6 +111,14 @@ impl Experiment {
             .expression("theta", &self.tilt)
             .live("A", 1.0)
             .live("t0", start)
+    }
+
+    /// The plate's motion beginning at time `start`, with the numbers `A` (1 until it is set) and `t0`.
+    ///
+    /// # Errors
+    /// [`PlateError::Motion`] if an expression cannot be read.
+    pub fn motion(&self, start: f64) -> Result<ExpressionMotion, PlateError> {
+        ExpressionMotion::new(&self.displacement, &self.tilt, &[("A", 1.0), ("t0", start)])
     }
 
     /// Amplitude for the error `e = q − q_desired`.

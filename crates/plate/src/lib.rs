@@ -4,11 +4,13 @@
 //! being grasped; its position `(x, y)` and yaw `phi` in the plate frame are moved by dry friction alone.
 
 mod experiment;
+mod motion;
 mod published;
 mod shape;
 mod two_step;
 
 pub use experiment::{AmplitudeLaw, Experiment, Run};
+pub use motion::{ExpressionMotion, PlateKinematics, PlateMotion};
 pub use published::published;
 pub use shape::Shape;
 pub use two_step::{Stage, TwoStep, two_step};
@@ -21,6 +23,22 @@ pub enum PlateError {
     BadNumber {
         /// Which one.
         name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// An expression of the plate's motion cannot be used.
+    #[error("the plate motion `{text}`: {reason}")]
+    Motion {
+        /// The expression.
+        text: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A number of the plate's motion that is none.
+    #[error("the number {name} = {value} of the plate motion must be finite")]
+    BadMotionNumber {
+        /// Which one.
+        name: String,
         /// Its value.
         value: f64,
     },
