@@ -4,12 +4,14 @@
 //! being grasped; its position `(x, y)` and yaw `phi` in the plate frame are moved by dry friction alone.
 
 mod experiment;
+mod friction;
 mod motion;
 mod published;
 mod shape;
 mod two_step;
 
 pub use experiment::{AmplitudeLaw, Experiment, Run};
+pub use friction::Friction;
 pub use motion::{ExpressionMotion, PlateKinematics, PlateMotion};
 pub use published::published;
 pub use shape::Shape;
@@ -25,6 +27,22 @@ pub enum PlateError {
         name: &'static str,
         /// Its value.
         value: f64,
+    },
+    /// A coefficient without meaning.
+    #[error("{name} = {value} must be a finite number, zero or positive")]
+    NegativeNumber {
+        /// Which one.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Static friction below sliding friction.
+    #[error("mu_static = {mu_static} is below mu = {mu}; give a static level that is at least the sliding one")]
+    StaticBelowSliding {
+        /// Coefficient of sliding.
+        mu: f64,
+        /// Coefficient of sticking.
+        mu_static: f64,
     },
     /// An expression of the plate's motion cannot be used.
     #[error("the plate motion `{text}`: {reason}")]
