@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
 use bracketry_plot::{
-    BarChart, Color, Dash, Interval, Outline, Panel, PlanView, Pose, Scene, Series, TimeSeries, Trajectory, XyChart,
+    Arrow, BarChart, Color, ColorMap, Dash, HeatMap, Interval, Outline, Panel, PlanView, Pose, RegimeMap, Scene,
+    Series, TimeSeries, Trajectory, VectorField, XyChart,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -16,6 +17,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     growth().draw()?.save(folder.join("growth"))?;
     convergence().draw()?.save(folder.join("convergence"))?;
     gain().draw()?.save(folder.join("gain"))?;
+    time_to_target().draw()?.save(folder.join("time_to_target"))?;
+    drift().draw()?.save(folder.join("drift"))?;
+    regimes().draw()?.save(folder.join("regimes"))?;
+    velocity_field().draw()?.save(folder.join("velocity_field"))?;
     Ok(())
 }
 
@@ -126,4 +131,73 @@ fn gain() -> BarChart {
         .series("after", [0.008, 0.031, 0.062])
         .category_label("prediction horizon")
         .title("Prediction error on held-out data")
+}
+
+/// `n` numbers from `low` to `high`.
+fn spread(low: f64, high: f64, n: usize) -> Vec<f64> {
+    (0..n).map(|k| low + (high - low) * k as f64 / (n - 1) as f64).collect()
+}
+
+/// `f` at each place, row by row.
+fn rows<T>(x: &[f64], y: &[f64], f: impl Fn(f64, f64) -> T) -> Vec<Vec<T>> {
+    y.iter().map(|y| x.iter().map(|x| f(*x, *y)).collect()).collect()
+}
+
+fn time_to_target() -> HeatMap {
+    let (mu, omega) = (spread(0.05, 0.6, 45), spread(1.0, 4.0, 31));
+    let time = |mu: f64, omega: f64| {
+        let t = 1.2 / (mu * (omega * omega / 9.0) * (0.75 - mu)).max(1e-3) * 0.25;
+        if mu > 0.14 * omega || t > 15.0 { f64::NAN } else { t }
+    };
+    HeatMap::new("friction coefficient μ [1]", "frequency ω/π [rad/s]", "time to target [s]")
+        .title("Experiment 2: time to reach 98 % of the way")
+        .values(mu.clone(), omega.clone(), rows(&mu, &omega, time))
+        .missing("not reached within 15 s")
+        .range(0.0, 10.0)
+        .contour("2.4 s", 2.4)
+        .contour("5 s", 5.0)
+        .mark("published", 0.3, 3.0)
+        .mark("reference", 0.3, 4.0)
+}
+
+fn drift() -> HeatMap {
+    let (mu, f) = (spread(0.05, 0.6, 23), spread(0.5, 3.5, 16));
+    let y = |mu: f64, f: f64| 4e-5 * (40.0 * (mu - 0.3) * f - 5.0 * f);
+    HeatMap::new("friction coefficient μ [1]", "frequency [Hz]", "drift of y [m]")
+        .values(mu.clone(), f.clone(), rows(&mu, &f, y))
+        .color_map(ColorMap::Diverging)
+        .contour("no drift", 0.0)
+}
+
+fn regimes() -> RegimeMap {
+    let (mu, f) = (spread(0.05, 0.6, 12), spread(0.5, 3.5, 13));
+    let regime = |mu: f64, f: f64| match mu / f {
+        q if q > 0.35 => Some(0),
+        q if q > 0.1 => Some(1),
+        q if q > 0.03 => Some(2),
+        _ => None,
+    };
+    RegimeMap::new("friction coefficient μ [1]", "frequency [Hz]")
+        .title("What the object does")
+        .category("sticks", Color::band(2))
+        .category("turns and stays", Color::SKY)
+        .category("runs off the plate", Color::VERMILLION)
+        .category("lifts off", Color::PURPLE)
+        .cells(mu.clone(), f.clone(), rows(&mu, &f, regime))
+        .missing("refused")
+        .mark("published", 0.3, 2.0)
+}
+
+fn velocity_field() -> VectorField {
+    let (phase, amplitude) = (spread(0.0, 2.0 * PI, 17), spread(0.0, 0.05, 11));
+    let arrows = rows(&phase, &amplitude, |p, a| {
+        let (s, c) = p.sin_cos();
+        let u = if a > 0.041 && p < 1.0 { f64::NAN } else { 1.3 * a * c };
+        Arrow::new((p, a), (u, 0.8 * a * s), 40.0 * a * (2.0 * p).sin())
+    });
+    VectorField::new("phase between X and θ [rad]", "amplitude of X [m]", "mean velocity (ẋ, ẏ)", "m/s")
+        .title("Cycle-averaged velocity of a disk at x = 0.3 m, y = 0")
+        .arrows(arrows.into_iter().flatten())
+        .color_label("mean yaw rate [rad/s]")
+        .missing("leaves the plate")
 }

@@ -212,6 +212,43 @@ impl Canvas<'_> {
         Ok(self.area.draw(&Circle::new(units(center), radius, style(color, 0, true)))?)
     }
 
+    /// A grey rectangle with slanting lines: nothing is known there.
+    pub(crate) fn hatch(&self, r: Rect) -> Result<()> {
+        const SPACING: f64 = 7.0;
+        self.rect(r, Color(232, 232, 232))?;
+        let stroke = Stroke::solid(Color(150, 150, 150), 0.75);
+        // The lines x + y = k · SPACING run on from one rectangle to the next.
+        let first = ((r.left + r.top) / SPACING).ceil() as i64;
+        let last = ((r.right + r.bottom) / SPACING).floor() as i64;
+        (first..=last).try_for_each(|k| {
+            let sum = k as f64 * SPACING;
+            let (from, to) = ((sum - r.bottom).max(r.left), (sum - r.top).min(r.right));
+            self.line(&[(from, sum - from), (to, sum - to)], stroke)
+        })
+    }
+
+    /// A small grey cross: nothing is known there.
+    pub(crate) fn cross(&self, (x, y): (f64, f64)) -> Result<()> {
+        let stroke = Stroke::solid(Color::GREY, 1.0);
+        self.line(&[(x - 3.0, y - 3.0), (x + 3.0, y + 3.0)], stroke)?;
+        self.line(&[(x - 3.0, y + 3.0), (x + 3.0, y - 3.0)], stroke)
+    }
+
+    /// An arrow from `tail` along `(dx, dy)`; a short one has a smaller head, a vanishing one is a dot.
+    pub(crate) fn arrow(&self, tail: (f64, f64), (dx, dy): (f64, f64), color: Color) -> Result<()> {
+        let length = dx.hypot(dy);
+        if length < 1.5 {
+            return self.disk(tail, 1.5, color);
+        }
+        let (along, across) = ((dx / length, dy / length), (-dy / length, dx / length));
+        let head = (0.45 * length).min(8.0);
+        let tip = (tail.0 + dx, tail.1 + dy);
+        let base = (tip.0 - head * along.0, tip.1 - head * along.1);
+        let corner = |side: f64| (base.0 + side * 0.42 * head * across.0, base.1 + side * 0.42 * head * across.1);
+        self.line(&[tail, base], Stroke::solid(color, 1.5))?;
+        self.polygon(&[corner(1.0), tip, corner(-1.0)], color)
+    }
+
     /// One line of text whose base line runs through `at`.
     pub(crate) fn text(&self, text: &str, at: (f64, f64), align: Align, look: Look) -> Result<()> {
         // Control characters and noncharacters are not allowed in XML.

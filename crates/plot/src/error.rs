@@ -57,6 +57,24 @@ pub enum PlotError {
         /// Its row.
         row: usize,
     },
+    /// The places of a map are not in increasing order.
+    #[error("`{axis}`: value {value} at index {index} does not exceed the one before; sort the axis and its values")]
+    Unordered {
+        /// The axis.
+        axis: String,
+        /// The position of the value in it, from 0.
+        index: usize,
+        /// The value itself.
+        value: f64,
+    },
+    /// A cell has a category that the map does not know.
+    #[error("category {category} is not among the {known} categories of the map; add it with `category`")]
+    UnknownCategory {
+        /// Its number, from 0.
+        category: usize,
+        /// How many the map has.
+        known: usize,
+    },
     /// A file could not be written.
     #[error("cannot write {}: {source}", path.display())]
     Write {
@@ -98,6 +116,17 @@ pub(crate) fn check_lengths(series: &str, expected: usize, found: usize) -> Resu
         return Ok(());
     }
     Err(PlotError::LengthMismatch { series: series.to_owned(), expected, found })
+}
+
+/// Checks that the places of an axis are finite and increase.
+pub(crate) fn check_increasing(axis: &str, values: &[f64]) -> Result<()> {
+    check_finite(axis, values)?;
+    match values.windows(2).position(|w| w[1] <= w[0]) {
+        None => Ok(()),
+        Some(before) => {
+            Err(PlotError::Unordered { axis: axis.to_owned(), index: before + 1, value: values[before + 1] })
+        }
+    }
 }
 
 /// Checks that an interval is finite and not reversed.

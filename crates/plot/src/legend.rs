@@ -27,8 +27,17 @@ impl Marker {
         [Self::Disk, Self::Square, Self::Triangle, Self::Diamond][index % 4]
     }
 
-    pub(crate) fn draw(self, canvas: &Canvas, (x, y): (f64, f64), color: Color) -> Result<()> {
-        let r = 4.0;
+    pub(crate) fn draw(self, canvas: &Canvas, at: (f64, f64), color: Color) -> Result<()> {
+        self.draw_sized(canvas, at, 4.0, color)
+    }
+
+    /// In the colour of the text with a white rim, to be seen on any ground.
+    pub(crate) fn draw_rimmed(self, canvas: &Canvas, at: (f64, f64)) -> Result<()> {
+        self.draw_sized(canvas, at, 7.0, Color(255, 255, 255))?;
+        self.draw_sized(canvas, at, 5.0, Color::INK)
+    }
+
+    fn draw_sized(self, canvas: &Canvas, (x, y): (f64, f64), r: f64, color: Color) -> Result<()> {
         match self {
             Self::Disk => canvas.disk((x, y), r, color),
             Self::Square => {
@@ -61,9 +70,25 @@ pub(crate) enum Sample {
     Dot(Color),
     /// A short line ending in a dot.
     Heading(Color),
+    /// A hatched patch: nothing is known.
+    Hatched,
+    /// A small grey cross: nothing is known.
+    Cross,
+    /// A marker with a white rim.
+    Mark(Marker),
+    /// An arrow of this length in pixels.
+    Arrow(f64),
 }
 
 impl Sample {
+    /// Room that it takes before its name.
+    fn width(self) -> f64 {
+        match self {
+            Self::Arrow(length) => length.max(SAMPLE),
+            _ => SAMPLE,
+        }
+    }
+
     fn draw(self, canvas: &Canvas, left: f64, middle: f64) -> Result<()> {
         let right = left + SAMPLE;
         match self {
@@ -94,6 +119,14 @@ impl Sample {
                 canvas.line(&[(left + 0.15 * SAMPLE, middle), tip], Stroke::solid(color, 1.5))?;
                 canvas.disk(tip, 4.0, color)
             }
+            Self::Hatched => {
+                let patch = Rect { left, top: middle - 6.0, right, bottom: middle + 6.0 };
+                canvas.hatch(patch)?;
+                canvas.border(patch, Stroke::solid(Color::GREY, 0.5))
+            }
+            Self::Cross => canvas.cross((left + SAMPLE / 2.0, middle)),
+            Self::Mark(marker) => marker.draw_rimmed(canvas, (left + SAMPLE / 2.0, middle)),
+            Self::Arrow(length) => canvas.arrow((left, middle), (length, 0.0), Color::INK),
         }
     }
 }
@@ -117,13 +150,14 @@ impl Legend {
         let mut placed: Vec<Placed> = Vec::new();
         let (mut x, mut row, mut row_height) = (0.0, 0, 0);
         for (sample, name) in entries {
-            let room = available - SAMPLE - GAP;
+            let sample_room = sample.width() + GAP;
+            let room = available - sample_room;
             let lines = text::wrap(&name, room, SIZE, false, MAX_LINES);
             if lines.is_empty() {
                 continue;
             }
             let widest = lines.iter().map(|l| text::width(l, SIZE, false)).fold(0.0, f64::max);
-            let width = SAMPLE + GAP + widest;
+            let width = sample_room + widest;
             if x > 0.0 && x + width > available {
                 (x, row, row_height) = (0.0, row + row_height, 0);
             }
@@ -149,7 +183,7 @@ impl Legend {
                     entry.sample.draw(canvas, x, middle)?;
                 }
                 let base = middle + 0.36 * SIZE;
-                canvas.text(line, (x + SAMPLE + GAP, base), Align::Left, Look::PLAIN)?;
+                canvas.text(line, (x + entry.sample.width() + GAP, base), Align::Left, Look::PLAIN)?;
             }
         }
         Ok(())

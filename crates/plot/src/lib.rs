@@ -10,6 +10,8 @@
 //! | [`PlanView`] | an object's path and [`Outline`] seen from above, pale to dark with time |
 //! | [`XyChart`] | one panel over any quantity, also of whole numbers |
 //! | [`BarChart`] | groups of bars |
+//! | [`HeatMap`], [`RegimeMap`] | a number or a category over two quantities, with contours and [`Mark`]s |
+//! | [`VectorField`] | [`Arrow`]s over two quantities, coloured by a third |
 //! | [`TileChart`] | [`TileGrid`]s of coloured, labelled tiles in named rows and columns |
 //!
 //! Lines with more points than the image has pixels are thinned so that no extreme is lost.
@@ -18,9 +20,13 @@ mod axes;
 mod bar_chart;
 mod canvas;
 mod color;
+mod color_map;
+mod contour;
 mod decimate;
 mod drawing;
 mod error;
+mod field;
+mod heat_map;
 mod legend;
 mod panel;
 mod plan_view;
@@ -28,13 +34,18 @@ mod stack;
 mod text;
 mod ticks;
 mod tile_chart;
+mod vector_field;
 
 pub use bar_chart::BarChart;
 pub use canvas::Dash;
 pub use color::Color;
+pub use color_map::ColorMap;
 pub use drawing::{Drawing, Saved};
 pub use error::{PlotError, Result};
+pub use field::Mark;
+pub use heat_map::{HeatMap, RegimeMap};
 pub use panel::{Interval, Level, Panel, Series};
 pub use plan_view::{Outline, PlanView, Pose, Scene, Trajectory};
 pub use stack::{TimeSeries, XyChart};
 pub use tile_chart::{Tile, TileChart, TileGrid};
+pub use vector_field::{Arrow, VectorField};

@@ -1,0 +1,356 @@
+//! Maps: a number or a category over two quantities.
+
+use crate::axes::Axes;
+use crate::canvas::{Canvas, Dash, Rect, Stroke};
+use crate::color::Color;
+use crate::color_map::ColorMap;
+use crate::contour::contour;
+use crate::drawing::Drawing;
+use crate::error::{PlotError, Result, check_finite, check_interval, check_lengths};
+use crate::field::{Cells, ColorScale, Field, Labels, Mark};
+use crate::legend::Sample;
+use crate::panel::Level;
+
+/// A quantity over two others, as the colours of cells; cells without a value are hatched.
+///
+/// ```
+/// use bracketry_plot::HeatMap;
+/// let friction = [0.1, 0.2, 0.3];
+/// let frequency = [1.0, 1.5];
+/// // One row for each frequency; NaN where the target is not reached.
+/// let time = [vec![4.0, 3.0, f64::NAN], vec![3.0, 2.4, 2.1]];
+/// let drawing = HeatMap::new("friction coefficient μ [1]", "frequency [Hz]", "time to target [s]")
+///     .values(friction, frequency, time)
+///     .missing("not reached within 15 s")
+///     .contour("2.5 s", 2.5)
+///     .mark("published", 0.3, 1.5)
+///     .draw()?;
+/// assert!(drawing.svg().contains("not reached within 15 s"));
+/// # Ok::<(), bracketry_plot::PlotError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct HeatMap {
+    labels: Labels,
+    value_label: String,
+    cells: Cells,
+    values: Vec<Vec<f64>>,
+    missing: String,
+    map: ColorMap,
+    range: Option<(f64, f64)>,
+    levels: Vec<Level>,
+    marks: Vec<Mark>,
+}
+
+impl HeatMap {
+    /// An empty map; the labels of the axes and of the colour bar name quantity and unit.
+    pub fn new(x_label: impl Into<String>, y_label: impl Into<String>, value_label: impl Into<String>) -> Self {
+        Self {
+            labels: Labels { title: String::new(), x: x_label.into(), y: y_label.into() },
+            value_label: value_label.into(),
+            cells: Cells { x: Vec::new(), y: Vec::new() },
+            values: Vec::new(),
+            missing: "no value".to_owned(),
+            map: ColorMap::Sequential,
+            range: None,
+            levels: Vec::new(),
+            marks: Vec::new(),
+        }
+    }
+
+    /// Sets the values: `rows[j][i]` belongs to the place `(x[i], y[j])`; a NaN is a missing value. The places
+    /// increase, each cell reaches half way to its neighbours.
+    #[must_use]
+    pub fn values(
+        mut self,
+        x: impl Into<Vec<f64>>,
+        y: impl Into<Vec<f64>>,
+        rows: impl IntoIterator<Item = Vec<f64>>,
+    ) -> Self {
+        self.cells = Cells { x: x.into(), y: y.into() };
+        self.values = rows.into_iter().collect();
+        self
+    }
+
+    /// Sets the title.
+    #[must_use]
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.labels.title = title.into();
+        self
+    }
+
+    /// Sets what a missing value means, for the legend.
+    #[must_use]
+    pub fn missing(mut self, meaning: impl Into<String>) -> Self {
+        self.missing = meaning.into();
+        self
+    }
+
+    /// Sets the colours.
+    #[must_use]
+    pub fn color_map(mut self, map: ColorMap) -> Self {
+        self.map = map;
+        self
+    }
+
+    /// Sets the range of the colours; values beyond have the colour of its end, which the colour bar says. Without it
+    /// the range is that of the values, symmetric about zero for [`ColorMap::Diverging`].
+    #[must_use]
+    pub fn range(mut self, low: f64, high: f64) -> Self {
+        self.range = Some((low, high));
+        self
+    }
+
+    /// Adds the line on which the quantity has this value, `name` in the legend.
+    #[must_use]
+    pub fn contour(mut self, name: impl Into<String>, level: f64) -> Self {
+        self.levels.push(Level::new(name, level));
+        self
+    }
+
+    /// Points out the place `(x, y)`.
+    #[must_use]
+    pub fn mark(mut self, name: impl Into<String>, x: f64, y: f64) -> Self {
+        self.marks.push(Mark::new(name, x, y));
+        self
+    }
+
+    /// Draws the figure.
+    ///
+    /// # Errors
+    /// [`PlotError::NoContent`] without values, [`PlotError::Unordered`] where an axis does not increase,
+    /// [`PlotError::LengthMismatch`] where rows and axes do not fit, [`PlotError::NotFinite`] for infinite values.
+    pub fn draw(&self) -> Result<Drawing> {
+        check_grid(&self.labels, &self.cells, &self.value_label, &self.values)?;
+        for row in &self.values {
+            let known: Vec<f64> = row.iter().map(|v| if v.is_nan() { 0.0 } else { *v }).collect();
+            check_finite(&self.value_label, &known)?;
+        }
+        if let Some((low, high)) = self.range {
+            check_interval(&format!("range of {}", self.value_label), low, high)?;
+        }
+        for level in &self.levels {
+            check_finite(&level.name, &[level.value])?;
+        }
+        let known = || self.values.iter().flatten().copied().filter(|v| !v.is_nan());
+        let scale = ColorScale::new(&self.value_label, self.map, self.range, known());
+        let mut entries: Vec<(Sample, String)> = Vec::new();
+        for (k, level) in self.levels.iter().enumerate() {
+            entries.push((Sample::Line(contour_stroke(k), None), level.name.clone()));
+        }
+        if self.values.iter().flatten().any(|v| v.is_nan()) {
+            entries.push((Sample::Hatched, self.missing.clone()));
+        }
+        let (columns, rows) = self.cells.edges();
+        let field = Field {
+            labels: &self.labels,
+            x: (columns[0], columns[columns.len() - 1]),
+            y: (rows[0], rows[rows.len() - 1]),
+            scale: Some(&scale),
+            entries,
+            marks: &self.marks,
+            grid: false,
+        };
+        field.draw(|canvas, axes| {
+            let fill = |i: usize, j: usize| {
+                let v = self.values[j][i];
+                (!v.is_nan()).then(|| scale.color(v))
+            };
+            draw_cells(canvas, axes, (&columns, &rows), fill)?;
+            for (k, level) in self.levels.iter().enumerate() {
+                let lines = contour(&self.cells.x, &self.cells.y, &self.values, level.value);
+                let page = lines.iter().map(|piece| piece.map(|p| axes.page(p)));
+                let page = joined(page.collect());
+                for line in &page {
+                    canvas.line(line, Stroke::solid(Color(255, 255, 255), 4.0))?;
+                }
+                for line in &page {
+                    canvas.line(line, contour_stroke(k))?;
+                }
+            }
+            Ok(())
+        })
+    }
+}
+
+/// What happens over two quantities: a category in each cell, cells without one are hatched.
+///
+/// ```
+/// use bracketry_plot::{Color, RegimeMap};
+/// let drawing = RegimeMap::new("friction coefficient μ [1]", "frequency [Hz]")
+///     .category("sticks", Color::GREY)
+///     .category("slides", Color::BLUE)
+///     .cells([0.1, 0.3], [1.0, 1.5], [vec![Some(1), Some(0)], vec![Some(1), None]])
+///     .missing("not run")
+///     .draw()?;
+/// assert!(drawing.svg().contains("sticks") && drawing.svg().contains("not run"));
+/// # Ok::<(), bracketry_plot::PlotError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct RegimeMap {
+    labels: Labels,
+    cells: Cells,
+    rows: Vec<Vec<Option<usize>>>,
+    missing: String,
+    categories: Vec<(String, Color)>,
+    marks: Vec<Mark>,
+}
+
+impl RegimeMap {
+    /// An empty map; the labels of the axes name quantity and unit.
+    pub fn new(x_label: impl Into<String>, y_label: impl Into<String>) -> Self {
+        Self {
+            labels: Labels { title: String::new(), x: x_label.into(), y: y_label.into() },
+            cells: Cells { x: Vec::new(), y: Vec::new() },
+            rows: Vec::new(),
+            missing: "no value".to_owned(),
+            categories: Vec::new(),
+            marks: Vec::new(),
+        }
+    }
+
+    /// Adds a category with its colour; they are numbered from 0. The legend shows those that occur.
+    #[must_use]
+    pub fn category(mut self, name: impl Into<String>, color: Color) -> Self {
+        self.categories.push((name.into(), color));
+        self
+    }
+
+    /// Sets the categories: `rows[j][i]` belongs to the place `(x[i], y[j])`. The places increase, each cell reaches
+    /// half way to its neighbours.
+    #[must_use]
+    pub fn cells(
+        mut self,
+        x: impl Into<Vec<f64>>,
+        y: impl Into<Vec<f64>>,
+        rows: impl IntoIterator<Item = Vec<Option<usize>>>,
+    ) -> Self {
+        self.cells = Cells { x: x.into(), y: y.into() };
+        self.rows = rows.into_iter().collect();
+        self
+    }
+
+    /// Sets the title.
+    #[must_use]
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.labels.title = title.into();
+        self
+    }
+
+    /// Sets what a cell without category means, for the legend.
+    #[must_use]
+    pub fn missing(mut self, meaning: impl Into<String>) -> Self {
+        self.missing = meaning.into();
+        self
+    }
+
+    /// Points out the place `(x, y)`.
+    #[must_use]
+    pub fn mark(mut self, name: impl Into<String>, x: f64, y: f64) -> Self {
+        self.marks.push(Mark::new(name, x, y));
+        self
+    }
+
+    /// Draws the figure.
+    ///
+    /// # Errors
+    /// [`PlotError::NoContent`] without cells, [`PlotError::Unordered`] where an axis does not increase,
+    /// [`PlotError::LengthMismatch`] where rows and axes do not fit, [`PlotError::UnknownCategory`].
+    pub fn draw(&self) -> Result<Drawing> {
+        check_grid(&self.labels, &self.cells, "cells", &self.rows)?;
+        let known = self.categories.len();
+        let used = || self.rows.iter().flatten().copied();
+        if let Some(category) = used().flatten().find(|c| *c >= known) {
+            return Err(PlotError::UnknownCategory { category, known });
+        }
+        let occurs = |k: usize| used().flatten().any(|c| c == k);
+        let occurring = self.categories.iter().enumerate().filter(|(k, _)| occurs(*k));
+        let mut entries: Vec<_> = occurring.map(|(_, (name, color))| (Sample::Patch(*color), name.clone())).collect();
+        if used().any(|c| c.is_none()) {
+            entries.push((Sample::Hatched, self.missing.clone()));
+        }
+        let (columns, rows) = self.cells.edges();
+        let field = Field {
+            labels: &self.labels,
+            x: (columns[0], columns[columns.len() - 1]),
+            y: (rows[0], rows[rows.len() - 1]),
+            scale: None,
+            entries,
+            marks: &self.marks,
+            grid: false,
+        };
+        field.draw(|canvas, axes| {
+            draw_cells(canvas, axes, (&columns, &rows), |i, j| self.rows[j][i].map(|k| self.categories[k].1))
+        })
+    }
+}
+
+fn check_grid<T>(labels: &Labels, cells: &Cells, name: &str, rows: &[Vec<T>]) -> Result<()> {
+    if cells.x.is_empty() || cells.y.is_empty() {
+        return Err(PlotError::NoContent { missing: "row and column of values" });
+    }
+    cells.check(labels)?;
+    check_lengths(&format!("rows of {name}"), cells.y.len(), rows.len())?;
+    rows.iter().try_for_each(|row| check_lengths(&format!("a row of {name}"), cells.x.len(), row.len()))
+}
+
+/// Draws cells, those of one colour beside each other in one piece; `None` is hatched.
+fn draw_cells(
+    canvas: &Canvas,
+    axes: &Axes,
+    (columns, rows): (&[f64], &[f64]),
+    fill: impl Fn(usize, usize) -> Option<Color>,
+) -> Result<()> {
+    // A trifle larger to the right and downwards, where the next one covers it, so that no white shines through.
+    const OVERLAP: f64 = 0.4;
+    let frame = axes.rect;
+    for j in (0..rows.len() - 1).rev() {
+        let mut from = 0;
+        for i in 0..columns.len() - 1 {
+            let color = fill(i, j);
+            if i + 2 < columns.len() && fill(i + 1, j) == color {
+                continue;
+            }
+            let cell = Rect {
+                left: axes.page_x(columns[from]),
+                right: (axes.page_x(columns[i + 1]) + OVERLAP).min(frame.right),
+                top: axes.page_y(rows[j + 1]),
+                bottom: (axes.page_y(rows[j]) + OVERLAP).min(frame.bottom),
+            };
+            match color {
+                Some(color) => canvas.rect(cell, color)?,
+                None => canvas.hatch(cell)?,
+            }
+            from = i + 1;
+        }
+    }
+    Ok(())
+}
+
+fn contour_stroke(index: usize) -> Stroke {
+    Stroke { color: Color::INK, width: 1.75, dash: Dash::ALL[index % Dash::ALL.len()] }
+}
+
+/// Pieces whose ends meet, as lines.
+fn joined(mut pieces: Vec<[(f64, f64); 2]>) -> Vec<Vec<(f64, f64)>> {
+    const NEAR: f64 = 1e-6;
+    let near = |p: (f64, f64), q: (f64, f64)| (p.0 - q.0).abs() < NEAR && (p.1 - q.1).abs() < NEAR;
+    let mut lines = Vec::new();
+    while let Some([a, b]) = pieces.pop() {
+        let mut line = std::collections::VecDeque::from([a, b]);
+        loop {
+            let (first, last) = (line[0], line[line.len() - 1]);
+            let touching = pieces.iter().position(|p| p.iter().any(|q| near(*q, first) || near(*q, last)));
+            let Some([p, q]) = touching.map(|k| pieces.swap_remove(k)) else {
+                break;
+            };
+            match () {
+                () if near(p, last) => line.push_back(q),
+                () if near(q, last) => line.push_back(p),
+                () if near(p, first) => line.push_front(q),
+                () => line.push_front(p),
+            }
+        }
+        lines.push(line.into());
+    }
+    lines
+}
