@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
 use bracketry_plot::{
-    Arrow, BarChart, Color, ColorMap, Dash, HeatMap, Interval, Outline, Panel, PlanView, Pose, RegimeMap, Scene,
-    Series, TimeSeries, Trajectory, VectorField, XyChart,
+    Animation, Arrow, BarChart, Color, ColorMap, Dash, HeatMap, Interval, Outline, Panel, PlanView, Pose, RegimeMap,
+    Scene, Series, Snapshot, TimeSeries, Trajectory, VectorField, XyChart,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -21,6 +21,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     drift().draw()?.save(folder.join("drift"))?;
     regimes().draw()?.save(folder.join("regimes"))?;
     velocity_field().draw()?.save(folder.join("velocity_field"))?;
+    let animation = animation();
+    animation.image(30)?.save(folder.join("animation_30"))?;
+    animation.save(folder.join("animation.gif"))?;
     Ok(())
 }
 
@@ -200,4 +203,26 @@ fn velocity_field() -> VectorField {
         .arrows(arrows.into_iter().flatten())
         .color_label("mean yaw rate [rad/s]")
         .missing("leaves the plate")
+}
+
+fn animation() -> Animation {
+    let snapshot = |k: u32| {
+        let t = 0.05 * f64::from(k);
+        let wave = (4.0 * PI * t).sin();
+        Snapshot {
+            time: t,
+            displacement: 0.05 * wave,
+            tilt: -0.26 * wave,
+            pose: Pose::new(0.3 + 0.02 * t + 0.004 * (4.0 * PI * t).cos(), 0.02 * wave, 0.3 * t),
+            gap: 0.0,
+            lean: 0.0,
+            category: usize::from(wave.abs() < 0.4),
+        }
+    };
+    Animation::new(Outline::Ellipse { a: 0.15, b: 0.1 }, 0.005)
+        .title("Experiment 1: orientation")
+        .category("slides", Color::ORANGE)
+        .category("sticks", Color::GREY)
+        .target(Pose::new(0.3, 0.0, FRAC_PI_2))
+        .snapshots((0..60).map(snapshot))
 }

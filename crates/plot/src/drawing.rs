@@ -47,19 +47,24 @@ impl Drawing {
     /// # Errors
     /// [`PlotError::TooLarge`] when the image does not fit in memory, or [`PlotError::Rasterise`].
     pub fn png(&self) -> Result<Vec<u8>> {
+        let pixmap = self.pixmap(Self::PNG_SCALE)?;
+        let (width, height) = (pixmap.width(), pixmap.height());
+        pixmap.encode_png().map_err(|_| PlotError::TooLarge { width, height })
+    }
+
+    /// The image with `scale` pixels per figure pixel.
+    pub(crate) fn pixmap(&self, scale: u32) -> Result<tiny_skia::Pixmap> {
         let options = usvg::Options {
             fontdb: text::font_database(),
             font_family: "DejaVu Sans".to_owned(),
             ..usvg::Options::default()
         };
         let tree = usvg::Tree::from_str(&self.svg, &options)?;
-        let (width, height) = (self.width * Self::PNG_SCALE, self.height * Self::PNG_SCALE);
-        let failed = || PlotError::TooLarge { width, height };
-        let mut pixmap = tiny_skia::Pixmap::new(width, height).ok_or_else(failed)?;
-        let scale = Self::PNG_SCALE as f32;
-        let transform = tiny_skia::Transform::from_scale(scale, scale);
+        let (width, height) = (self.width * scale, self.height * scale);
+        let mut pixmap = tiny_skia::Pixmap::new(width, height).ok_or(PlotError::TooLarge { width, height })?;
+        let transform = tiny_skia::Transform::from_scale(scale as f32, scale as f32);
         resvg::render(&tree, transform, &mut pixmap.as_mut());
-        pixmap.encode_png().map_err(|_| failed())
+        Ok(pixmap)
     }
 
     /// Writes `<stem>.svg` and `<stem>.png`, creating the folder if it is missing. Both endings are added to

@@ -67,8 +67,8 @@ pub enum PlotError {
         /// The value itself.
         value: f64,
     },
-    /// A cell has a category that the map does not know.
-    #[error("category {category} is not among the {known} categories of the map; add it with `category`")]
+    /// A cell or an image has a category that the figure does not know.
+    #[error("category {category} is not among the {known} of the figure; add it with `category`")]
     UnknownCategory {
         /// Its number, from 0.
         category: usize,
@@ -83,6 +83,9 @@ pub enum PlotError {
         /// The operating system's reason.
         source: std::io::Error,
     },
+    /// The images of an animation could not be encoded.
+    #[error("cannot encode the animation: {0}")]
+    Encode(#[from] gif::EncodingError),
     /// The drawing back end failed.
     #[error("cannot draw: {0}")]
     Backend(#[from] DrawingAreaErrorKind<std::io::Error>),

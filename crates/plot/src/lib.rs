@@ -12,10 +12,12 @@
 //! | [`BarChart`] | groups of bars |
 //! | [`HeatMap`], [`RegimeMap`] | a number or a category over two quantities, with contours and [`Mark`]s |
 //! | [`VectorField`] | [`Arrow`]s over two quantities, coloured by a third |
+//! | [`Animation`] | an object on a shaken and tilted plate, from above and from the side, as a GIF |
 //! | [`TileChart`] | [`TileGrid`]s of coloured, labelled tiles in named rows and columns |
 //!
 //! Lines with more points than the image has pixels are thinned so that no extreme is lost.
 
+mod animation;
 mod axes;
 mod bar_chart;
 mod canvas;
@@ -26,6 +28,7 @@ mod decimate;
 mod drawing;
 mod error;
 mod field;
+mod gif_images;
 mod heat_map;
 mod legend;
 mod panel;
@@ -36,6 +39,7 @@ mod ticks;
 mod tile_chart;
 mod vector_field;
 
+pub use animation::{Animation, Snapshot};
 pub use bar_chart::BarChart;
 pub use canvas::Dash;
 pub use color::Color;

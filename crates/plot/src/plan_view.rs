@@ -29,7 +29,7 @@ impl Pose {
         Self { x, y, phi }
     }
 
-    fn place(self, (u, v): (f64, f64)) -> (f64, f64) {
+    pub(crate) fn place(self, (u, v): (f64, f64)) -> (f64, f64) {
         let (s, c) = self.phi.sin_cos();
         (self.x + c * u - s * v, self.y + s * u + c * v)
     }
@@ -51,7 +51,7 @@ pub enum Outline {
 
 impl Outline {
     /// The corners in the object's frame, the first one repeated at the end.
-    fn points(&self) -> Vec<(f64, f64)> {
+    pub(crate) fn points(&self) -> Vec<(f64, f64)> {
         match self {
             Self::Ellipse { a, b } => (0..=96)
                 .map(|k| (f64::from(k) * std::f64::consts::TAU / 96.0).sin_cos())
@@ -62,7 +62,7 @@ impl Outline {
     }
 
     /// Where the heading leaves the outline: the farthest crossing of the first axis.
-    fn nose(&self) -> f64 {
+    pub(crate) fn nose(&self) -> f64 {
         let crossing = |w: &[(f64, f64)]| {
             let ((x0, y0), (x1, y1)) = (w[0], w[1]);
             if y0 * y1 > 0.0 {
