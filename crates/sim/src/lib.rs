@@ -8,6 +8,7 @@
 //! [`Model`] compiles a [`bracketry_system::System`] with [`Inputs`]; [`simulate`] runs it; [`Stepper`] and [`Plant`] do so
 //! piece by piece, as in a control loop.
 
+mod contact;
 mod drive;
 mod events;
 mod impulses;
@@ -24,6 +25,7 @@ mod switched;
 mod tableau;
 mod trajectory;
 
+pub use contact::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Slip};
 pub use inputs::{Hold, InputError, Inputs, Samples};
 pub use model::Model;
 pub use plant::{Plant, PlantError};
