@@ -8,7 +8,7 @@ use bracketry::{Arrival, control, plate_move};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mu: f64 = std::env::args().nth(1).map_or(Ok(0.25), |s| s.parse())?;
-    let mut problem = plate_move(Shape::Ellipse { a: 0.12, b: 0.08 }, mu)?;
+    let mut problem = plate_move(&Shape::Ellipse { a: 0.12, b: 0.08 }, mu)?;
     problem.samples += 30; // see that it stays
     let controlled = control(&problem)?;
     print!("{}", controlled.run.report);

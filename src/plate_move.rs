@@ -31,7 +31,7 @@ pub enum MoveError {
 ///
 /// # Errors
 /// [`MoveError`] if a length or coefficient has no meaning.
-pub fn plate_move(shape: Shape, mu: f64) -> Result<ControlProblem, MoveError> {
+pub fn plate_move(shape: &Shape, mu: f64) -> Result<ControlProblem, MoveError> {
     let system = published(shape, mu)?;
     let text = include_str!("../models/plate_move.toml");
     Ok(ControlProblem::parse("plate_move.toml", text, |_| Ok(system.clone()))?)

@@ -4,14 +4,14 @@
 use bracketry::Analysis;
 use bracketry::plate::{Shape, published};
 
-fn analysis(shape: Shape) -> Analysis {
+fn analysis(shape: &Shape) -> Analysis {
     bracketry::analyze(&published(shape, 0.3).unwrap(), &bracketry::lie::Options::default()).unwrap()
 }
 
 #[test]
 fn over_all_modes_smoothed_and_at_rest_the_shape_does_not_matter() {
     for shape in [Shape::REFERENCE_ELLIPSE, Shape::REFERENCE_DISK] {
-        let a = analysis(shape);
+        let a = analysis(&shape);
         assert_eq!((a.states, a.inputs), (10, 2));
         assert_eq!(a.affinization.integrators.values().sum::<u32>(), 4);
         assert_eq!(a.report.switched.as_ref().unwrap().dimensions.growth, [6, 10], "{shape:?}");
@@ -24,7 +24,7 @@ fn over_all_modes_smoothed_and_at_rest_the_shape_does_not_matter() {
 
 #[test]
 fn in_one_mode_an_ellipse_leaves_two_functions_to_themselves() {
-    let a = analysis(Shape::REFERENCE_ELLIPSE);
+    let a = analysis(&Shape::REFERENCE_ELLIPSE);
     assert_eq!(a.report.modes.len(), 4);
     for m in &a.report.modes {
         assert_eq!(m.dimensions.growth, [3, 5, 7, 9, 9]);
@@ -36,7 +36,7 @@ fn in_one_mode_an_ellipse_leaves_two_functions_to_themselves() {
 #[test]
 fn in_one_mode_a_disk_leaves_its_yaw_to_the_tilt_too() {
     // Its moment about the plate's axis does not depend on yaw: w' = −s μ/2 θ'', so w + s μ/2 θ' is constant.
-    let a = analysis(Shape::REFERENCE_DISK);
+    let a = analysis(&Shape::REFERENCE_DISK);
     for m in &a.report.modes {
         assert_eq!(m.dimensions.growth, [3, 5, 7, 7]);
         assert_eq!(m.dimensions.strong_growth, [2, 4, 6, 6]);
@@ -55,7 +55,7 @@ fn in_one_mode_a_disk_leaves_its_yaw_to_the_tilt_too() {
 
 #[test]
 fn the_summary_names_what_stays_and_why_switching_helps() {
-    let summary = analysis(Shape::REFERENCE_ELLIPSE).summary;
+    let summary = analysis(&Shape::REFERENCE_ELLIPSE).summary;
     for part in ["x + X and vx + Xd", "dimension 8 of 10", "difference of two drifts", "10 of 10", "smoothed model"] {
         assert!(summary.contains(part), "`{part}` in: {summary}");
     }
@@ -81,7 +81,7 @@ fn a_one_sided_input_is_not_called_controllable() {
 #[test]
 fn the_rounds_show_what_one_mode_never_moves_and_switching_does() {
     use bracketry::Influence::{Free, Moves, None};
-    let tables = analysis(Shape::REFERENCE_ELLIPSE).reach();
+    let tables = analysis(&Shape::REFERENCE_ELLIPSE).reach();
     assert_eq!(tables.len(), 2);
     let row = |t: usize, name: &str| tables[t].rows.iter().find(|r| r.name == name).unwrap().influence.clone();
     assert_eq!(row(0, "x + X"), [None; 5]);
@@ -113,7 +113,7 @@ fn integrators_in_front_of_inputs_are_known_states() {
 
 #[test]
 fn the_affine_form_reaches_as_much_as_the_original_with_constant_inputs() {
-    let a = analysis(Shape::REFERENCE_ELLIPSE);
+    let a = analysis(&Shape::REFERENCE_ELLIPSE);
     let family = a.affinization.family.as_ref().unwrap();
     assert_eq!(family.agrees, bracketry::lie::Answer::Known(true));
     assert!(a.to_string().contains("agrees"));

@@ -16,7 +16,7 @@ const G: f64 = 9.81;
 fn reference() -> &'static (ControlProblem, Controlled) {
     static RUN: OnceLock<(ControlProblem, Controlled)> = OnceLock::new();
     RUN.get_or_init(|| {
-        let mut problem = plate_move(Shape::REFERENCE_ELLIPSE, MU).unwrap();
+        let mut problem = plate_move(&Shape::REFERENCE_ELLIPSE, MU).unwrap();
         problem.samples += 30;
         let controlled = control(&problem).unwrap();
         (problem, controlled)

@@ -43,7 +43,7 @@ pub(crate) fn run(options: &OutputArgs) -> anyhow::Result<Outcome> {
     folder(&out)?;
     let mut report = Report { text: String::new(), quiet: options.json };
     let (shape, mu) = (Shape::REFERENCE_ELLIPSE, 0.3);
-    let model = published(shape, mu)?;
+    let model = published(&shape, mu)?;
 
     report.line("1. From the published equations to what the inputs reach\n")?;
     let analysis = with_spinner("brackets and ranks", || bracketry::analyze(&model, &Options::default()))?;
@@ -51,11 +51,11 @@ pub(crate) fn run(options: &OutputArgs) -> anyhow::Result<Outcome> {
     report.line(&analysis.to_string())?;
 
     report.line("2. Position and orientation together\n")?;
-    let mut problem = plate_move(shape, mu)?;
+    let mut problem = plate_move(&shape, mu)?;
     // Afterwards everything has to stay where it is.
     problem.samples += REST_SAMPLES;
     let together = with_spinner("plan, then closed loop on exact stick–slip friction", || control(&problem))?;
-    let two = with_spinner("the published two-step way on the same plant", || published_way(shape, mu, &problem))?;
+    let two = with_spinner("the published two-step way on the same plant", || published_way(&shape, mu, &problem))?;
     let job = Job { shape, arrival: Arrival::of(&problem, &together), problem, together, two };
     report.line(&job.table())?;
 
@@ -86,7 +86,7 @@ fn with_spinner<T>(message: &str, work: impl FnOnce() -> T) -> T {
 
 /// First orientation, then x, then y, with the published inputs. The published torque turns clockwise, so the tilt of
 /// experiment 1 is turned round to aim at +90°.
-fn published_way(shape: Shape, mu: f64, problem: &ControlProblem) -> anyhow::Result<TwoStep> {
+fn published_way(shape: &Shape, mu: f64, problem: &ControlProblem) -> anyhow::Result<TwoStep> {
     let stages =
         [Experiment::orientation().with_reversed_tilt(), Experiment::translation_x(3), Experiment::translation_y()];
     // x, y, phi, vx, vy, w: the affine model's states without those of the plate.

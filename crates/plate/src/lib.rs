@@ -6,14 +6,20 @@
 mod experiment;
 mod friction;
 mod motion;
+mod object;
+mod polygon;
 mod published;
+mod quadrature;
 mod shape;
 mod two_step;
 
 pub use experiment::{AmplitudeLaw, Experiment, Run};
 pub use friction::Friction;
 pub use motion::{ExpressionMotion, PlateKinematics, PlateMotion};
+pub use object::Object;
+pub use polygon::{ShapeError, Vertices};
 pub use published::published;
+pub use quadrature::Quadrature;
 pub use shape::Shape;
 pub use two_step::{Stage, TwoStep, two_step};
 
@@ -44,6 +50,22 @@ pub enum PlateError {
         /// Coefficient of sticking.
         mu_static: f64,
     },
+    /// Too few points for a footprint.
+    #[error("{count} points cannot cover a footprint; ask for at least {least}")]
+    TooFewPoints {
+        /// How many were asked for.
+        count: usize,
+        /// The least number.
+        least: usize,
+    },
+    /// A model in principal axes and a shape with others.
+    #[error(
+        "the principal axes of the polygon are turned by {angle} rad against its own; turn the vertices by its negative"
+    )]
+    TurnedAxes {
+        /// Angle of the principal axes in rad.
+        angle: f64,
+    },
     /// An expression of the plate's motion cannot be used.
     #[error("the plate motion `{text}`: {reason}")]
     Motion {
@@ -69,6 +91,9 @@ pub enum PlateError {
     /// Nothing was to be done.
     #[error("no experiment was given")]
     NoExperiment,
+    /// The shape is none.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
     /// The model file cannot be read.
     #[error(transparent)]
     File(Box<bracketry_system::FileError>),

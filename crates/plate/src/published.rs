@@ -16,17 +16,30 @@ const DISK: &str = include_str!("../../../models/plate_published_disk.toml");
 ///
 /// with states `x, y, phi, vx, vy, w` and inputs `X, theta` (`models/plate_published.toml`).
 ///
+/// The model knows of a shape only its second moments: a rectangle or polygon is given as the ellipse with the same ones.
+///
 /// # Errors
-/// [`PlateError::BadNumber`] if a length or the coefficient is not a positive finite number.
+/// [`PlateError::BadNumber`] if a length or the coefficient is not a positive finite number, [`PlateError::TurnedAxes`] for a
+/// polygon whose principal axes are not its own.
 ///
 /// ```
 /// use bracketry_plate::{published, Shape};
-/// let system = published(Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
+/// let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
 /// assert_eq!(system.state_names(), ["x", "y", "phi", "vx", "vy", "w"]);
 /// ```
-pub fn published(shape: Shape, mu: f64) -> Result<System, PlateError> {
-    let (file, text, lengths) = match shape {
-        Shape::Ellipse { a, b } => ("plate_published.toml", ELLIPSE, vec![("a", a), ("b", b)]),
+pub fn published(shape: &Shape, mu: f64) -> Result<System, PlateError> {
+    let ellipse = |a, b| ("plate_published.toml", ELLIPSE, vec![("a", a), ("b", b)]);
+    shape.validate()?;
+    let (file, text, lengths) = match *shape {
+        Shape::Ellipse { a, b } => ellipse(a, b),
+        Shape::Rectangle { .. } | Shape::Polygon { .. } => {
+            let angle = shape.principal_angle();
+            if angle != 0.0 {
+                return Err(PlateError::TurnedAxes { angle });
+            }
+            let (sa, sb) = shape.second_moments();
+            ellipse(2.0 * sa.sqrt(), 2.0 * sb.sqrt())
+        }
         Shape::Disk { radius } => ("plate_published_disk.toml", DISK, vec![("r", radius)]),
     };
     let mut system = System::parse(file, text)?;

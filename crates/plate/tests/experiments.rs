@@ -10,7 +10,7 @@ const G: f64 = 9.81;
 const START: [f64; 6] = [0.48, -0.03, 0.0, 0.0, 0.0, 0.0];
 
 fn run(experiment: &Experiment, mu: f64, duration: f64) -> Run {
-    let system = published(Shape::REFERENCE_ELLIPSE, mu).unwrap();
+    let system = published(&Shape::REFERENCE_ELLIPSE, mu).unwrap();
     let run = experiment.run(&system, &START, duration, &Settings::default()).unwrap();
     assert!(run.outcome.is_finished(), "{:?}", run.outcome);
     run
@@ -138,7 +138,7 @@ fn the_jump_of_the_plate_at_a_new_amplitude_matters_little() {
     for omega in [3, 4] {
         let experiment = Experiment::translation_x(omega);
         let without = run(&experiment, 0.3, 4.0).reached.unwrap();
-        let system = published(Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
+        let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
         let model = Model::new(&system, &experiment.inputs(0.0)).unwrap();
         let mut stepper = Stepper::new(model, 0.0, &START, &Settings::default()).unwrap();
         let mut held: Option<f64> = None;
@@ -207,7 +207,7 @@ fn with_the_wrong_sign_of_the_error_the_object_moves_away() {
 
 #[test]
 fn at_rest_nothing_creeps_on_a_tilted_plate() {
-    let system = published(Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
+    let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
     let mut still = Experiment::translation_y();
     (still.tilt, still.law) = ("10*pi/180".into(), None);
     let run = still.run(&system, &START, 60.0, &Settings::default()).unwrap();
@@ -218,7 +218,7 @@ fn at_rest_nothing_creeps_on_a_tilted_plate() {
 
 #[test]
 fn the_two_step_way_reaches_x_and_y_but_keeps_spinning() {
-    let system = published(Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
+    let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
     let stages =
         [Experiment::orientation().with_reversed_tilt(), Experiment::translation_x(3), Experiment::translation_y()];
     let result = two_step(&system, &stages, &START, 15.0, &Settings::default()).unwrap();
@@ -269,7 +269,7 @@ fn numbers_without_meaning_are_refused() {
         (Shape::Ellipse { a: 0.1, b: f64::NAN }, 0.3),
         (Shape::REFERENCE_DISK, -0.1),
     ] {
-        assert!(matches!(published(shape, mu), Err(PlateError::BadNumber { .. })));
+        assert!(matches!(published(&shape, mu), Err(PlateError::BadNumber { .. })));
     }
     let other = System::parse("other", "states = [\"z\"]\ndynamics = { z = \"-z\" }").unwrap();
     let refused = Experiment::translation_x(3).run(&other, &[0.0], 1.0, &Settings::default());
@@ -278,7 +278,7 @@ fn numbers_without_meaning_are_refused() {
 
 #[test]
 fn a_stage_that_fails_ends_at_its_limit_whatever_the_clock_shows() {
-    let system = published(Shape::REFERENCE_ELLIPSE, 0.4).unwrap();
+    let system = published(&Shape::REFERENCE_ELLIPSE, 0.4).unwrap();
     // 0.4 is beyond what experiment 3 can move; the odd limits put the ends where sums round down and up.
     for i in 1..30 {
         let limit = 0.1 * f64::from(i);

@@ -154,7 +154,7 @@ fn bodies_of_other_dimensions_and_full_mass_matrices_are_solved_too() {
             std::array::from_fn(|j| (0..6).map(|k| root[i][k] * root[j][k]).sum::<f64>() + f64::from(u8::from(i == j)))
         });
         let mut points = FrictionPoints::new();
-        for _ in 0..1 + case % 5 {
+        for _ in 0..=case % 5 {
             let rows = std::array::from_fn(|_| std::array::from_fn(|_| random.next()));
             points.push(rows, [0.1, 0.5, 2.0][case % 3]);
         }

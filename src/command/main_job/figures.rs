@@ -106,6 +106,9 @@ fn plan_view(job: &Job) -> PlanView {
     let outline = || match job.shape {
         Shape::Ellipse { a, b } => Outline::Ellipse { a, b },
         Shape::Disk { radius } => Outline::Ellipse { a: radius, b: radius },
+        Shape::Rectangle { .. } | Shape::Polygon { .. } => {
+            Outline::Polygon(job.shape.rim(0).into_iter().map(|[x, y]| (x, y)).collect())
+        }
     };
     let [x, y, phi] = target_of(&job.problem);
     let scene = |title: &str, name: &str, trajectory: &sim::Trajectory| {

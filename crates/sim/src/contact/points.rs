@@ -61,7 +61,7 @@ impl<const N: usize> FrictionPoints<N> {
 
     /// Adds a point with the rows of `J_i` and the greatest impulse `c_i`.
     pub fn push(&mut self, rows: [[f64; N]; 2], bound: f64) {
-        if self.len % LANES == 0 {
+        if self.len.is_multiple_of(LANES) {
             self.chunks.push(PointChunk { rows: [[[0.0; LANES]; N]; 2], bound: [0.0; LANES] });
         }
         self.len += 1;

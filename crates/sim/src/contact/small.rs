@@ -78,7 +78,7 @@ impl<const N: usize> Basis<N> {
     /// Adds the direction of `v` unless it lies in the span up to `tolerance · |v|`; whether it was added.
     pub(super) fn add(&mut self, v: &[f64; N], tolerance: f64) -> bool {
         let norm = dot(v, v).sqrt();
-        if self.len == N || !(norm > 0.0) {
+        if self.len == N || norm == 0.0 || !norm.is_finite() {
             return false;
         }
         let mut rest = scaled(v, 1.0 / norm);

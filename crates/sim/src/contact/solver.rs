@@ -188,12 +188,7 @@ impl<const N: usize> FrictionSolver<N> {
         &self.multipliers
     }
 
-    fn scale_points(
-        &mut self,
-        points: &FrictionPoints<N>,
-        units: &[f64; N],
-        size: f64,
-    ) -> Result<(), ContactError> {
+    fn scale_points(&mut self, points: &FrictionPoints<N>, units: &[f64; N], size: f64) -> Result<(), ContactError> {
         self.points.clone_from(points);
         for chunk in self.points.chunks_mut() {
             for row in &mut chunk.rows {
