@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use bracketry::lie::Options;
 use bracketry::mpc::{ControlProblem, SolveTimes, Timings};
-use bracketry::plate::{Experiment, Shape, TwoStep, published, two_step};
+use bracketry::plate::{AmplitudeStep, Experiment, Shape, TwoStep, published, two_step};
 use bracketry::sim::{Settings, Trajectory};
 use bracketry::{Arrival, Controlled, control, plate_move};
 use serde_json::{Value, json};
@@ -87,8 +87,8 @@ fn with_spinner<T>(message: &str, work: impl FnOnce() -> T) -> T {
 /// First orientation, then x, then y, with the published inputs. The published torque turns clockwise, so the tilt of
 /// experiment 1 is turned round to aim at +90°.
 fn published_way(shape: &Shape, mu: f64, problem: &ControlProblem) -> anyhow::Result<TwoStep> {
-    let stages =
-        [Experiment::orientation().with_reversed_tilt(), Experiment::translation_x(3), Experiment::translation_y()];
+    let along_x = Experiment::translation_x(3).with_amplitude_step(AmplitudeStep::Smooth);
+    let stages = [Experiment::orientation().with_reversed_tilt(), along_x, Experiment::translation_y()];
     // x, y, phi, vx, vy, w: the affine model's states without those of the plate.
     let start = &problem.x0[..6];
     Ok(two_step(&published(shape, mu)?, &stages, start, STAGE_LIMIT, &Settings::default())?)

@@ -2,13 +2,18 @@
 //! `cargo run --release -p bracketry-plate --example plate_experiments`
 #![allow(clippy::print_stdout)]
 
-use bracketry_plate::{Experiment, PlateError, Run, Shape, published, two_step};
+use bracketry_plate::{AmplitudeStep, Experiment, PlateError, Run, Shape, published, two_step};
 use bracketry_sim::Settings;
 
 const START: [f64; 6] = [0.48, -0.03, 0.0, 0.0, 0.0, 0.0];
 
 fn time(run: &Run) -> String {
     run.reached.map_or_else(|| "never".to_owned(), |t| format!("{t:.2} s"))
+}
+
+/// Experiment 2, in which the plate goes on without a jump.
+fn along_x(omega_over_pi: u32) -> Experiment {
+    Experiment::translation_x(omega_over_pi).with_amplitude_step(AmplitudeStep::Smooth)
 }
 
 fn orientation() -> Result<(), PlateError> {
@@ -34,7 +39,7 @@ fn position() -> Result<(), PlateError> {
     println!(
         "| experiment | friction | 98 % of the way | last second: from … to | peak to peak |\n|---|---|---|---|---|"
     );
-    let experiments = [Experiment::translation_x(3), Experiment::translation_x(4), Experiment::translation_y()];
+    let experiments = [along_x(3), along_x(4), Experiment::translation_y()];
     for experiment in &experiments {
         for mu in [0.2, 0.3, 0.4] {
             let system = published(&Shape::REFERENCE_ELLIPSE, mu)?;
@@ -63,8 +68,7 @@ fn two_steps() -> Result<(), PlateError> {
     println!("| friction | stage | time taken | target met |\n|---|---|---|---|");
     let mut results = Vec::new();
     for mu in [0.2, 0.3, 0.4] {
-        let stages =
-            [Experiment::orientation().with_reversed_tilt(), Experiment::translation_x(3), Experiment::translation_y()];
+        let stages = [Experiment::orientation().with_reversed_tilt(), along_x(3), Experiment::translation_y()];
         let system = published(&Shape::REFERENCE_ELLIPSE, mu)?;
         let result = two_step(&system, &stages, &START, 15.0, &Settings::default())?;
         for stage in &result.stages {

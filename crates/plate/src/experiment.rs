@@ -1,8 +1,10 @@
 //! The three published open-loop experiments, with the amplitude held over each period.
 
-use crate::{ExpressionMotion, PlateError};
-use bracketry_sim::{Inputs, Model, Outcome, Settings, Stepper, Trajectory};
+use crate::plant::crossing;
+use crate::{Course, Drive, ExpressionMotion, ModelPlant, Plant, PlateError, PlateMotion, STATES};
+use bracketry_sim::{Inputs, Outcome, Settings, Trajectory};
 use bracketry_system::System;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Share of the way that counts as reached.
@@ -17,6 +19,17 @@ pub struct AmplitudeLaw {
     pub gain: f64,
 }
 
+/// What happens at the start of a period, where a new amplitude makes the displacement and its rate jump by `ΔX`, `ΔX'`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AmplitudeStep {
+    /// The plate jumps under the object, which no bounded force can move in no time: `x` falls by `ΔX`, `x'` by `ΔX'`.
+    #[default]
+    WorldFixed,
+    /// The plate goes on without the jump: only `X''` between the changes acts.
+    Smooth,
+}
+
 /// An open-loop experiment: inputs in time with an amplitude `A` that is held over each period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
@@ -28,14 +41,16 @@ pub struct Experiment {
     pub start: f64,
     /// Where it should go (m, rad).
     pub target: f64,
-    /// Period in seconds after which the amplitude is set anew.
+    /// Period `T` in seconds after which the amplitude is set anew.
     pub period: f64,
-    /// `X(t)` in metres, an expression in `t`, its start `t0` and `A`.
+    /// `X(t)` in metres, an expression in `t`, its start `t0`, the period `T` and `A`.
     pub displacement: String,
-    /// `theta(t)` in radians, an expression in `t`, its start `t0` and `A`.
+    /// `theta(t)` in radians, an expression in `t`, its start `t0`, the period `T` and `A`.
     pub tilt: String,
     /// How the amplitude follows the error; absent if it is constant, `A = 1`.
     pub law: Option<AmplitudeLaw>,
+    /// What happens where the amplitude changes.
+    pub step: AmplitudeStep,
 }
 
 impl Experiment {
@@ -47,28 +62,26 @@ impl Experiment {
             start: 0.0,
             target: 0.5 * PI,
             period: 0.5,
-            displacement: "A*0.025*sin(4*pi*(t - t0))*(1 - exp(t0 - t))".into(),
-            tilt: "-A*15*pi/180*sin(4*pi*(t - t0))*(1 - exp(t0 - t))".into(),
+            displacement: "A*0.025*sin(2*pi*(t - t0)/T)*(1 - exp(t0 - t))".into(),
+            tilt: "-A*15*pi/180*sin(2*pi*(t - t0)/T)*(1 - exp(t0 - t))".into(),
             law: None,
+            step: AmplitudeStep::default(),
         }
     }
 
     /// Experiment 2, x 0.48 → 0.54 m: `X = A (0.51 − 0.5 cos 2ωt − 0.1 cos 4ωt) ξ`, `A = sgn(e)(0.015 + 0.3|e|)`, for
     /// `ω = omega_over_pi · π`. The period is `π/ω`.
     pub fn translation_x(omega_over_pi: u32) -> Self {
-        let twice = 2 * omega_over_pi;
         Self {
             name: format!("2, x with ω = {omega_over_pi}π"),
             coordinate: "x",
             start: 0.48,
             target: 0.54,
             period: 1.0 / f64::from(omega_over_pi),
-            displacement: format!(
-                "A*(0.51 - 0.5*cos({twice}*pi*(t - t0)) - 0.1*cos({}*pi*(t - t0)))*(1 - exp(t0 - t))",
-                2 * twice
-            ),
+            displacement: "A*(0.51 - 0.5*cos(2*pi*(t - t0)/T) - 0.1*cos(4*pi*(t - t0)/T))*(1 - exp(t0 - t))".into(),
             tilt: "0".into(),
             law: Some(AmplitudeLaw { offset: 0.015, gain: 0.3 }),
+            step: AmplitudeStep::default(),
         }
     }
 
@@ -82,8 +95,9 @@ impl Experiment {
             target: 0.0,
             period: 1.0 / 3.0,
             displacement: "0".into(),
-            tilt: "A*(1 - cos(6*pi*(t - t0)))/2*(1 - exp(t0 - t))".into(),
+            tilt: "A*(1 - cos(2*pi*(t - t0)/T))/2*(1 - exp(t0 - t))".into(),
             law: Some(AmplitudeLaw { offset: 20.0 * degree, gain: 200.0 * degree }),
+            step: AmplitudeStep::default(),
         }
     }
 
@@ -104,21 +118,51 @@ impl Experiment {
         self
     }
 
-    /// The inputs beginning at time `start`, with the live numbers `A` and `t0`.
-    pub fn inputs(&self, start: f64) -> Inputs {
-        Inputs::new()
-            .expression("X", &self.displacement)
-            .expression("theta", &self.tilt)
-            .live("A", 1.0)
-            .live("t0", start)
+    /// The same with another treatment of the jump where the amplitude changes.
+    #[must_use]
+    pub fn with_amplitude_step(mut self, step: AmplitudeStep) -> Self {
+        self.step = step;
+        self
     }
 
-    /// The plate's motion beginning at time `start`, with the numbers `A` (1 until it is set) and `t0`.
+    /// The same at another frequency in Hz; the swelling `ξ` keeps its second.
+    #[must_use]
+    pub fn with_frequency(mut self, frequency: f64) -> Self {
+        self.period = 1.0 / frequency;
+        self
+    }
+
+    /// The same with the displacement `factor` times as large.
+    #[must_use]
+    pub fn with_displacement_factor(mut self, factor: f64) -> Self {
+        self.displacement = format!("({factor})*({})", self.displacement);
+        self
+    }
+
+    /// The same with the tilt `factor` times as large.
+    #[must_use]
+    pub fn with_tilt_factor(mut self, factor: f64) -> Self {
+        self.tilt = format!("({factor})*({})", self.tilt);
+        self
+    }
+
+    /// The motion of the plate beginning at time `start`, with the amplitude as the number `A`.
+    pub fn drive(&self, start: f64) -> Drive {
+        let numbers = [("A", 1.0), ("t0", start), ("T", self.period)].map(|(name, value)| (name.to_owned(), value));
+        Drive { displacement: self.displacement.clone(), tilt: self.tilt.clone(), numbers: numbers.to_vec() }
+    }
+
+    /// The same as inputs of a model.
+    pub fn inputs(&self, start: f64) -> Inputs {
+        self.drive(start).inputs()
+    }
+
+    /// The same as a compiled motion.
     ///
     /// # Errors
     /// [`PlateError::Motion`] if an expression cannot be read.
     pub fn motion(&self, start: f64) -> Result<ExpressionMotion, PlateError> {
-        ExpressionMotion::new(&self.displacement, &self.tilt, &[("A", 1.0), ("t0", start)])
+        self.drive(start).motion()
     }
 
     /// Amplitude for the error `e = q − q_desired`.
@@ -130,67 +174,120 @@ impl Experiment {
         }
     }
 
-    /// Runs the experiment on a model with inputs `X`, `theta` and the coordinate among its states, from the state `x0`.
-    ///
-    /// The amplitude is read at the start of each period and held. Where it changes, `X` would jump; the plate is taken to
-    /// go on without the jump: only `X''` between the changes acts.
+    /// Runs the experiment on a model in the form of differential equations from the state `x0`; see
+    /// [`Experiment::run_on`].
     ///
     /// # Errors
     /// [`PlateError`] if the model does not fit.
     pub fn run(&self, system: &System, x0: &[f64], duration: f64, settings: &Settings) -> Result<Run, PlateError> {
-        let index = self.index(system)?;
-        let model = Model::new(system, &self.inputs(0.0))?;
-        let mut stepper = Stepper::new(model, 0.0, x0, settings)?;
-        let (mut trajectory, mut outcome) = stepper.record(0.0)?;
-        let mut amplitudes = Vec::new();
+        self.run_on(&mut ModelPlant::new(system, six(x0)?, settings)?, duration)
+    }
+
+    /// Runs the experiment for `duration` seconds on any plant, from the state and time at which it stands.
+    ///
+    /// The amplitude is read at the start of each period and held; [`AmplitudeStep`] says what happens where it changes. An
+    /// object that rests on the plate at the start is taken along by the rate that the motion begins with.
+    ///
+    /// # Errors
+    /// [`PlateError`] if the experiment does not fit the plant.
+    pub fn run_on<P: Plant>(&self, plant: &mut P, duration: f64) -> Result<Run<P::Course>, PlateError> {
+        self.run_until(plant, duration, |_, _| false)
+    }
+
+    /// The same, ended at the end of a period after which `ends(t, state)` holds.
+    ///
+    /// # Errors
+    /// [`PlateError`] if the experiment does not fit the plant.
+    pub fn run_until<P: Plant>(
+        &self,
+        plant: &mut P,
+        duration: f64,
+        mut ends: impl FnMut(f64, &[f64; 6]) -> bool,
+    ) -> Result<Run<P::Course>, PlateError> {
+        let mut held = HeldAmplitude::begin(self, plant)?;
+        let (from, index) = (plant.time(), self.index()?);
+        let (mut trajectory, mut outcome) = plant.record(from)?;
+        let level = self.start + REACHED * (self.target - self.start);
+        let way = (self.target - self.start).signum();
+        let (mut amplitudes, mut reached) = (Vec::new(), None);
         let mut period = 0u32;
-        while outcome.is_finished() && stepper.time() < duration {
-            let amplitude = self.amplitude(stepper.state()[index] - self.target);
-            amplitudes.push((stepper.time(), amplitude));
-            stepper.system_mut().set_live("A", amplitude);
+        while outcome.is_finished() && plant.time() - from < duration {
+            amplitudes.push((plant.time(), held.renew(plant)?));
             period += 1;
-            let end = (f64::from(period) * self.period).min(duration);
-            let (piece, ended) = stepper.record(end)?;
-            trajectory.append(&piece);
+            let end = from + (f64::from(period) * self.period).min(duration);
+            let (piece, ended) = plant.record(end)?;
+            reached = reached.or_else(|| crossing(&piece, index, level, way));
+            trajectory.join(&piece);
             outcome = ended;
+            if ends(plant.time(), &plant.state()) {
+                break;
+            }
         }
-        let reached = first_reaching(&trajectory, index, self.start, self.target);
         Ok(Run { trajectory, outcome, amplitudes, reached, coordinate: index, target: self.target })
     }
 
     /// Index of the coordinate among the states.
-    pub(crate) fn index(&self, system: &System) -> Result<usize, PlateError> {
-        system.state_index(self.coordinate).ok_or(PlateError::NoState { name: self.coordinate })
+    pub(crate) fn index(&self) -> Result<usize, PlateError> {
+        STATES[..3]
+            .iter()
+            .position(|name| *name == self.coordinate)
+            .ok_or(PlateError::NoState { name: self.coordinate })
     }
 }
 
-/// First time at which 98 % of the way from `start` to `target` is covered, to 1 µs.
-fn first_reaching(trajectory: &Trajectory, index: usize, start: f64, target: f64) -> Option<f64> {
-    let covered = |t: f64| (trajectory.sample(t)[index] - start) / (target - start) >= REACHED;
-    let mut before = trajectory.start();
-    for t in trajectory.times() {
-        // Steps are short against the motion, but their ends need not see every turn.
-        for part in 1..=4 {
-            let at = before + (t - before) * f64::from(part) / 4.0;
-            if covered(at) {
-                let (mut a, mut b) = (before, at);
-                while b - a > 1e-6 {
-                    let m = 0.5 * (a + b);
-                    if covered(m) { b = m } else { a = m }
-                }
-                return Some(b);
+/// The amplitude of an experiment on a plant, from period to period.
+pub(crate) struct HeldAmplitude<'a> {
+    experiment: &'a Experiment,
+    index: usize,
+    motion: ExpressionMotion,
+    amplitude: Option<f64>,
+}
+
+impl<'a> HeldAmplitude<'a> {
+    /// Begins the experiment's motion at the time of the plant.
+    pub(crate) fn begin<P: Plant>(experiment: &'a Experiment, plant: &mut P) -> Result<Self, PlateError> {
+        if !(experiment.period.is_finite() && experiment.period > 0.0) {
+            return Err(PlateError::BadNumber { name: "period", value: experiment.period });
+        }
+        let index = experiment.index()?;
+        plant.drive(&experiment.drive(plant.time()))?;
+        Ok(Self { experiment, index, motion: experiment.motion(plant.time())?, amplitude: None })
+    }
+
+    /// Sets the amplitude for the period that begins now and returns it.
+    pub(crate) fn renew<P: Plant>(&mut self, plant: &mut P) -> Result<f64, PlateError> {
+        let (t, mut state) = (plant.time(), plant.state());
+        let amplitude = self.experiment.amplitude(state[self.index] - self.experiment.target);
+        let changed = self.amplitude.filter(|before| *before != amplitude);
+        if let (AmplitudeStep::WorldFixed, Some(before)) = (self.experiment.step, changed) {
+            self.motion.set("A", before);
+            let old = self.motion.at(t);
+            self.motion.set("A", amplitude);
+            let new = self.motion.at(t);
+            let jump = [old.displacement - new.displacement, old.velocity - new.velocity];
+            if jump != [0.0; 2] {
+                state[0] += jump[0];
+                state[3] += jump[1];
+                plant.set_state(t, state)?;
             }
         }
-        before = t;
+        plant.set_number("A", amplitude);
+        self.amplitude = Some(amplitude);
+        Ok(amplitude)
     }
-    None
+}
+
+/// The six states of a plant.
+pub(crate) fn six(x: &[f64]) -> Result<[f64; 6], PlateError> {
+    x.try_into()
+        .map_err(|_| bracketry_sim::SimError::WrongLength { what: "the state", expected: 6, found: x.len() }.into())
 }
 
 /// What an experiment did.
 #[derive(Debug, Clone)]
-pub struct Run {
+pub struct Run<C = Trajectory> {
     /// States at any time.
-    pub trajectory: Trajectory,
+    pub trajectory: C,
     /// How the simulation ended.
     pub outcome: Outcome,
     /// Start and amplitude of each period.
@@ -201,7 +298,7 @@ pub struct Run {
     target: f64,
 }
 
-impl Run {
+impl<C: Course> Run<C> {
     /// Index of the moved coordinate among the states.
     pub fn coordinate(&self) -> usize {
         self.coordinate
@@ -209,7 +306,7 @@ impl Run {
 
     /// Error of the coordinate at the end, `q − q_desired`.
     pub fn final_error(&self) -> f64 {
-        self.trajectory.final_state()[self.coordinate] - self.target
+        self.trajectory.state_at(self.trajectory.end())[self.coordinate] - self.target
     }
 
     /// Least and greatest value of the coordinate from `from` to the end, sampled every millisecond.
@@ -218,7 +315,7 @@ impl Run {
         let samples = ((end - from) / 1e-3).max(0.0).floor() as usize;
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for i in 0..=samples {
-            let q = self.trajectory.sample(from + 1e-3 * i as f64)[self.coordinate];
+            let q = self.trajectory.state_at(from + 1e-3 * i as f64)[self.coordinate];
             range = (range.0.min(q), range.1.max(q));
         }
         range

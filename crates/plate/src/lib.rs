@@ -5,23 +5,31 @@
 
 mod experiment;
 mod friction;
+mod maps;
 mod motion;
 mod object;
+mod plant;
 mod polygon;
 mod published;
 mod quadrature;
 mod shape;
+mod sweep;
 mod two_step;
+mod velocity_field;
 
-pub use experiment::{AmplitudeLaw, Experiment, Run};
+pub use experiment::{AmplitudeLaw, AmplitudeStep, Experiment, Run};
 pub use friction::Friction;
+pub use maps::{Limits, Map, Summary, linspace, summarise};
 pub use motion::{ExpressionMotion, PlateKinematics, PlateMotion};
 pub use object::Object;
+pub use plant::{Course, Drive, ModelPlant, Plant, STATES};
 pub use polygon::{ShapeError, Vertices};
 pub use published::published;
 pub use quadrature::Quadrature;
 pub use shape::Shape;
-pub use two_step::{Stage, TwoStep, two_step};
+pub use sweep::sweep;
+pub use two_step::{Stage, TwoStep, two_step, two_step_on};
+pub use velocity_field::{Establishing, Harmonic, MeanVelocity, PeriodicMotion, mean_velocity, velocity_field};
 
 /// What can be wrong with a plate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -82,8 +90,10 @@ pub enum PlateError {
         /// Its value.
         value: f64,
     },
-    /// The model lacks a state that the experiment moves.
-    #[error("the model has no state `{name}`")]
+    /// The states of the model are not those of a plant, or the experiment moves none of them.
+    #[error(
+        "a plate has the states x, y, phi, vx, vy, w, in this order, and experiments move one of the first three; `{name}` is not there"
+    )]
     NoState {
         /// The state.
         name: &'static str,

@@ -1,0 +1,121 @@
+//! Maps of an experiment over two quantities: time to target, drift, run-off.
+
+use crate::{Course, Experiment, Plant, PlateError, sweep};
+use bracketry_sim::Outcome;
+use std::ops::ControlFlow;
+
+/// How far an object may go on the plate before it counts as lost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Greatest distance of the centre of mass from its start along either axis, in metres.
+    pub travel: f64,
+}
+
+impl Default for Limits {
+    /// A quarter of a metre.
+    fn default() -> Self {
+        Self { travel: 0.25 }
+    }
+}
+
+/// What a run comes to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// First time at which 98 % of the way was covered, in seconds.
+    pub reached: Option<f64>,
+    /// End of the period in which the object went beyond the limits; the run ends there.
+    pub run_off: Option<f64>,
+    /// Time simulated, in seconds.
+    pub duration: f64,
+    /// State at the end, `x, y, phi, vx, vy, w`.
+    pub end: [f64; 6],
+    /// Way from the start to the end in x, y (m) and phi (rad).
+    pub way: [f64; 3],
+    /// How the simulation ended.
+    pub outcome: Outcome,
+}
+
+impl Summary {
+    /// Distance between start and end on the plate over the time simulated, in m/s.
+    pub fn drift(&self) -> f64 {
+        if self.duration > 0.0 { self.way[0].hypot(self.way[1]) / self.duration } else { 0.0 }
+    }
+}
+
+/// Runs an experiment for `duration` seconds, or until the object has gone beyond the limits at the end of a period.
+///
+/// # Errors
+/// [`PlateError`] if the experiment does not fit the plant.
+pub fn summarise<P: Plant>(
+    experiment: &Experiment,
+    plant: &mut P,
+    duration: f64,
+    limits: Limits,
+) -> Result<Summary, PlateError> {
+    let (from, start) = (plant.time(), plant.state());
+    let mut run_off = None;
+    let run = experiment.run_until(plant, duration, |t, state| {
+        let lost = (0..2).any(|i| (state[i] - start[i]).abs() > limits.travel);
+        run_off = lost.then_some(t - from);
+        lost
+    })?;
+    let end = plant.state();
+    Ok(Summary {
+        reached: run.reached.map(|t| t - from),
+        run_off,
+        duration: run.trajectory.end() - from,
+        end,
+        way: [end[0] - start[0], end[1] - start[1], end[2] - start[2]],
+        outcome: run.outcome,
+    })
+}
+
+/// Results over two quantities, the first one varying fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map<R> {
+    /// Values of the first quantity.
+    pub across: Vec<f64>,
+    /// Values of the second quantity.
+    pub up: Vec<f64>,
+    /// One result for each pair; `None` if the sweep was cancelled before.
+    pub results: Vec<Option<R>>,
+}
+
+impl<R: Send> Map<R> {
+    /// Runs `run(across, up)` for every pair of values; see [`sweep`] for `progress`.
+    pub fn compute(
+        across: &[f64],
+        up: &[f64],
+        run: impl Fn(f64, f64) -> R + Sync,
+        progress: impl Fn(usize) -> ControlFlow<()> + Sync,
+    ) -> Self {
+        let cases: Vec<(f64, f64)> = up.iter().flat_map(|&b| across.iter().map(move |&a| (a, b))).collect();
+        let results = sweep(&cases, |&(a, b)| run(a, b), progress);
+        Self { across: across.to_vec(), up: up.to_vec(), results }
+    }
+}
+
+impl<R> Map<R> {
+    /// The result at `(column, row)`.
+    pub fn get(&self, column: usize, row: usize) -> Option<&R> {
+        if column >= self.across.len() {
+            return None;
+        }
+        self.results.get(row * self.across.len() + column)?.as_ref()
+    }
+
+    /// A number for every pair, row by row.
+    pub fn numbers(&self, number: impl Fn(Option<&R>) -> f64) -> Vec<f64> {
+        self.results.iter().map(|result| number(result.as_ref())).collect()
+    }
+}
+
+/// `count` values from `from` to `to`, both included, evenly spaced.
+///
+/// ```
+/// assert_eq!(bracketry_plate::linspace(0.0, 1.0, 3), [0.0, 0.5, 1.0]);
+/// ```
+pub fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let last = count.saturating_sub(1).max(1) as f64;
+    (0..count).map(|i| from + (to - from) * i as f64 / last).collect()
+}

@@ -1,0 +1,139 @@
+//! Cycle-averaged velocities of an object under periodic plate motions.
+
+use crate::{Drive, Plant, PlateError, sweep};
+use bracketry_sim::Outcome;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// One harmonic of a periodic motion: `amplitude · sin(k·2πf t + phase)`, `k` its place in the list, from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Harmonic {
+    /// Amplitude in m or rad.
+    pub amplitude: f64,
+    /// Phase in rad.
+    #[serde(default)]
+    pub phase: f64,
+}
+
+/// A periodic plate motion: Fourier series of the displacement and of the tilt.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PeriodicMotion {
+    /// Frequency in Hz.
+    pub frequency: f64,
+    /// Harmonics of the displacement, the first at `frequency`.
+    #[serde(default)]
+    pub displacement: Vec<Harmonic>,
+    /// Harmonics of the tilt.
+    #[serde(default)]
+    pub tilt: Vec<Harmonic>,
+    /// Mean tilt in rad.
+    #[serde(default)]
+    pub mean_tilt: f64,
+}
+
+impl PeriodicMotion {
+    /// The motion as expressions of `t`.
+    ///
+    /// # Errors
+    /// [`PlateError::BadNumber`] for a frequency that is not positive, [`PlateError::BadMotionNumber`] for other numbers
+    /// that are not finite.
+    pub fn drive(&self) -> Result<Drive, PlateError> {
+        if !(self.frequency.is_finite() && self.frequency > 0.0) {
+            return Err(PlateError::BadNumber { name: "frequency", value: self.frequency });
+        }
+        let all = self.displacement.iter().chain(&self.tilt).flat_map(|h| [h.amplitude, h.phase]);
+        if let Some(value) = all.chain([self.mean_tilt]).find(|value| !value.is_finite()) {
+            return Err(PlateError::BadMotionNumber { name: "harmonic".into(), value });
+        }
+        let series = |harmonics: &[Harmonic], mean: f64| {
+            harmonics.iter().enumerate().fold(format!("({mean})"), |sum, (k, h)| {
+                format!("{sum} + ({})*sin({}*pi*f*t + ({}))", h.amplitude, 2 * (k + 1), h.phase)
+            })
+        };
+        Ok(Drive {
+            displacement: series(&self.displacement, 0.0),
+            tilt: series(&self.tilt, self.mean_tilt),
+            numbers: vec![("f".into(), self.frequency)],
+        })
+    }
+}
+
+/// When a mean velocity counts as established.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Establishing {
+    /// Most periods.
+    pub periods: usize,
+    /// Greatest change of `vx`, `vy` (m/s) and `w` (rad/s) from the start of a period to its end.
+    pub tolerance: f64,
+}
+
+impl Default for Establishing {
+    /// At most 200 periods, to 1e-6.
+    fn default() -> Self {
+        Self { periods: 200, tolerance: 1e-6 }
+    }
+}
+
+/// The mean velocity of an object at a place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeanVelocity {
+    /// Means of `x'`, `y'` (m/s) and `phi'` (rad/s) over the last period.
+    pub mean: [f64; 3],
+    /// Periods that it took.
+    pub periods: usize,
+    /// Whether the velocities repeat; if not, the mean is that of the last period allowed.
+    pub established: bool,
+    /// How the simulation ended.
+    pub outcome: Outcome,
+}
+
+/// The cycle-averaged velocity of an object at the place `(x, y, phi)`.
+///
+/// Definition: let `P(v)` be the velocities `(x', y', phi')` after one period of the motion that begins at the place with the
+/// velocities `v`. The object starts at rest, `v = 0`; after each period it is put back to the place and keeps its velocities,
+/// `v ← P(v)`, until they repeat within the tolerance. The mean velocity is the way of that last period divided by its length.
+/// The clock is put back as well, so that an object that never slips has the mean velocity zero exactly.
+///
+/// # Errors
+/// [`PlateError`] if the motion does not fit the plant.
+pub fn mean_velocity<P: Plant>(
+    plant: &mut P,
+    motion: &PeriodicMotion,
+    place: [f64; 3],
+    establishing: Establishing,
+) -> Result<MeanVelocity, PlateError> {
+    let drive = motion.drive()?;
+    let period = 1.0 / motion.frequency;
+    let [x, y, phi] = place;
+    let mut v = [0.0; 3];
+    plant.set_state(0.0, [x, y, phi, 0.0, 0.0, 0.0])?;
+    plant.drive(&drive)?;
+    let mut result = MeanVelocity { mean: v, periods: 0, established: false, outcome: Outcome::Finished };
+    while result.periods < establishing.periods && !result.established {
+        plant.set_state(0.0, [x, y, phi, v[0], v[1], v[2]])?;
+        let (_, outcome) = plant.record(period)?;
+        let end = plant.state();
+        result.periods += 1;
+        result.outcome = outcome;
+        if !result.outcome.is_finished() {
+            break;
+        }
+        result.mean = std::array::from_fn(|i| (end[i] - place[i]) / period);
+        let after = [end[3], end[4], end[5]];
+        result.established =
+            v.iter().zip(after).all(|(before, after)| (after - before).abs() <= establishing.tolerance);
+        v = after;
+    }
+    Ok(result)
+}
+
+/// The mean velocities at many places, in parallel; see [`mean_velocity`] and, for `progress` and the order, [`sweep`].
+pub fn velocity_field<P: Plant + Sync>(
+    plant: &P,
+    motion: &PeriodicMotion,
+    places: &[[f64; 3]],
+    establishing: Establishing,
+    progress: impl Fn(usize) -> ControlFlow<()> + Sync,
+) -> Vec<Option<Result<MeanVelocity, PlateError>>> {
+    sweep(places, |&place| mean_velocity(&mut plant.clone(), motion, place, establishing), progress)
+}

@@ -1,0 +1,81 @@
+//! Sweeps: order, independence of the number of threads, errors as values, cancellation; the maps made of them.
+#![allow(clippy::unwrap_used)]
+
+use bracketry_plate::{
+    Experiment, Limits, Map, ModelPlant, PlateError, Shape, Summary, linspace, published, summarise, sweep,
+};
+use bracketry_sim::Settings;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+fn run(mu: f64, frequency: f64) -> Result<Summary, PlateError> {
+    let system = published(&Shape::REFERENCE_ELLIPSE, mu)?;
+    let mut plant = ModelPlant::new(&system, [0.48, -0.03, 0.0, 0.0, 0.0, 0.0], &Settings::default())?;
+    let experiment = Experiment::translation_y().with_frequency(frequency);
+    summarise(&experiment, &mut plant, 3.0, Limits::default())
+}
+
+#[test]
+fn the_number_of_threads_changes_no_digit() {
+    let map = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| Map::compute(&[0.2, 0.3], &[2.5, 3.0], run, |_| ControlFlow::Continue(())))
+    };
+    let (one, three) = (map(1), map(3));
+    assert_eq!(one, three);
+    let end = one.get(1, 0).unwrap().as_ref().unwrap().end;
+    assert_eq!(end, run(0.3, 2.5).unwrap().end);
+    assert!(one.get(2, 0).is_none() && one.get(0, 2).is_none());
+}
+
+#[test]
+fn a_bad_case_is_a_value_among_the_others() {
+    let results = sweep(&[0.3, -1.0], |&mu| run(mu, 3.0).map(|s| s.reached.is_some()), |_| ControlFlow::Continue(()));
+    assert_eq!(results[1], Some(Err(PlateError::BadNumber { name: "mu", value: -1.0 })));
+    assert!(results[0].as_ref().unwrap().is_ok());
+    assert!(matches!(run(0.3, 0.0), Err(PlateError::BadNumber { name: "period", .. })));
+}
+
+#[test]
+fn progress_counts_every_run_and_can_cancel_the_rest() {
+    let cases: Vec<usize> = (0..1000).collect();
+    let told = AtomicUsize::new(0);
+    let all = sweep(
+        &cases,
+        |&i| i,
+        |_| {
+            told.fetch_add(1, Ordering::Relaxed);
+            ControlFlow::Continue(())
+        },
+    );
+    assert_eq!(all, cases.iter().map(|&i| Some(i)).collect::<Vec<_>>());
+    assert_eq!(told.load(Ordering::Relaxed), 1000);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let some = pool.install(|| {
+        sweep(&cases, |&i| i, |done| if done >= 10 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    });
+    let done = some.iter().flatten().count();
+    assert!((10..=12).contains(&done), "{done}");
+    assert!(some.iter().zip(&cases).all(|(result, case)| result.is_none_or(|r| r == *case)));
+}
+
+#[test]
+fn an_object_that_slides_without_end_is_stopped_at_the_limit() {
+    let system = published(&Shape::REFERENCE_ELLIPSE, 0.1).unwrap();
+    let mut plant = ModelPlant::new(&system, [0.0; 6], &Settings::default()).unwrap();
+    // Steeper than the friction angle: y falls by ½ g (sin θ − μ cos θ) t².
+    let slope = Experiment { tilt: "0.3".into(), law: None, start: 0.0, target: -0.2, ..Experiment::translation_y() };
+    let summary = summarise(&slope, &mut plant, 10.0, Limits { travel: 0.25 }).unwrap();
+    let fall = 0.5 * 9.81 * (0.3f64.sin() - 0.1 * 0.3f64.cos());
+    let passes = (0.25 / fall).sqrt();
+    let run_off = summary.run_off.unwrap();
+    assert!(run_off >= passes && run_off < passes + slope.period && summary.duration == run_off);
+    assert!((summary.reached.unwrap() - (0.98 * 0.2 / fall).sqrt()).abs() < 1e-8);
+    assert!((summary.drift() - fall * run_off).abs() < 1e-6);
+}
+
+#[test]
+fn evenly_spaced_values_include_both_ends() {
+    assert_eq!(linspace(2.0, 4.0, 5), [2.0, 2.5, 3.0, 3.5, 4.0]);
+    assert_eq!((linspace(1.0, 2.0, 1), linspace(1.0, 2.0, 0)), (vec![1.0], vec![]));
+}
