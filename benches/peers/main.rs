@@ -5,6 +5,7 @@
 
 #[path = "../../crates/native/benches/model/mod.rs"]
 mod model;
+mod simulation;
 mod systems;
 
 use std::hint::black_box;
@@ -79,14 +80,19 @@ fn jacobian() -> serde_json::Value {
     json!({"native": native, "by_hand": by_hand, "instructions": f.tape().code().len(), "sum": sum})
 }
 
-fn main() {
-    let report = json!({
+fn algebra() -> serde_json::Value {
+    json!({
         "plate_one_mode_6": plate(false, 6),
         "plate_smoothed_5": plate(true, 5),
         "trailers_6": trailers(6, 51),
         "trailers_10": trailers(10, 21),
         "trailers_20": trailers(20, 7),
         "jacobian": jacobian(),
-    });
+    })
+}
+
+fn main() {
+    let simulate = std::env::args().any(|argument| argument == "simulation");
+    let report = if simulate { simulation::report() } else { algebra() };
     println!("{report}");
 }

@@ -1,0 +1,53 @@
+//! The plate's experiments, timed; see `simulation.py` for the others.
+
+use bracketry::plate::{Experiment, Shape, published};
+use bracketry::sim::{Inputs, Model, Settings, Stepper};
+use serde_json::{Value, json};
+
+use crate::median;
+
+/// Seconds of experiment 1.
+const DURATION: f64 = 15.0;
+/// The tolerances whose work and error are told: 10 to the minus half of these.
+const HALF_DIGITS: std::ops::RangeInclusive<i32> = 8..=24;
+/// `x, y, phi, vx, vy, w` at the start.
+const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
+const RUNS: usize = 21;
+
+/// Experiment 1 on the published model: work and states every half second at each tolerance.
+fn published_plate() -> Value {
+    let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).expect("a model");
+    let inputs = Experiment::orientation().inputs(0.0);
+    let (compile, model) = median(RUNS, || Model::new(&system, &inputs).expect("inputs that fit"));
+    let runs: Vec<Value> = HALF_DIGITS
+        .map(|half_digits| {
+            let rtol = 10f64.powf(-0.5 * f64::from(half_digits));
+            let settings = Settings::default().with_tolerance(rtol, 1e-2 * rtol);
+            let (seconds, (states, statistics)) = median(RUNS, || {
+                let mut stepper = Stepper::new(model.clone(), 0.0, &START, &settings).expect("a start");
+                let (trajectory, outcome) = stepper.record(DURATION).expect("a time span");
+                assert!(outcome.is_finished(), "{outcome:?}");
+                let states: Vec<_> = (0..=30).map(|i| trajectory.sample(0.5 * f64::from(i))[..3].to_vec()).collect();
+                (states, stepper.statistics())
+            });
+            json!({"rtol": rtol, "seconds": seconds, "states": states, "steps": statistics.steps,
+                   "events": statistics.events, "rhs": statistics.rhs})
+        })
+        .collect();
+    json!({"compile": compile, "runs": runs})
+}
+
+/// How far an object at rest on a plate tilted by 10° moves in 60 s, in metres.
+fn creep() -> f64 {
+    let system = published(&Shape::REFERENCE_DISK, 0.3).expect("a model");
+    let inputs = Inputs::new().expression("X", "0").expression("theta", "10*pi/180");
+    let model = Model::new(&system, &inputs).expect("inputs that fit");
+    let mut stepper = Stepper::new(model, 0.0, &[0.0; 6], &Settings::default()).expect("a start");
+    assert!(stepper.advance(60.0).is_finished());
+    stepper.state()[0].hypot(stepper.state()[1])
+}
+
+/// Everything that is measured of the simulator.
+pub(crate) fn report() -> Value {
+    json!({"published": published_plate(), "creep": creep()})
+}
