@@ -353,6 +353,9 @@ impl<N: Names> Parser<'_, N> {
             arguments.push(self.deeper(Self::sum)?);
         }
         self.expect(')', &format!("after the arguments of `{name}`"))?;
+        if name == "unit" {
+            return Ok(self.unit_component(&arguments));
+        }
         let wanted = if Func2::ALL.iter().any(|(_, n)| *n == name) { 2 } else { 1 };
         if arguments.len() != wanted {
             self.at = start;
@@ -376,6 +379,17 @@ impl<N: Names> Parser<'_, N> {
             Some((f, _)) => Ok(self.pool.call2(*f, a, b)),
             None => self.unknown(name),
         }
+    }
+
+    /// `unit(a, b, …)`, the first component of the unit vector along its arguments: `a/√(a² + b² + …)`.
+    fn unit_component(&mut self, arguments: &[Expr]) -> Expr {
+        if let [only] = arguments {
+            return self.pool.call(Func::Sign, *only);
+        }
+        let squares: Vec<Expr> = arguments.iter().map(|&a| self.pool.powi(a, 2)).collect();
+        let square = self.pool.sum(squares);
+        let size = self.pool.sqrt(square);
+        self.pool.div(arguments[0], size)
     }
 
     /// `der(u)` or `der(u, k)`
@@ -414,7 +428,7 @@ impl<N: Names> Parser<'_, N> {
 }
 
 fn function_names() -> impl Iterator<Item = &'static str> {
-    Func::ALL.iter().map(|(_, n)| *n).chain(Func2::ALL.iter().map(|(_, n)| *n)).chain(["sqrt", "der"])
+    Func::ALL.iter().map(|(_, n)| *n).chain(Func2::ALL.iter().map(|(_, n)| *n)).chain(["sqrt", "unit", "der"])
 }
 
 fn is_function(name: &str) -> bool {

@@ -20,6 +20,7 @@ mod singular;
 mod switching;
 mod system;
 mod trend;
+mod unit_vector;
 
 pub use affine::{AffineError, AffineForm, Affinization};
 pub use bracketry_symbolic as symbolic;
@@ -28,5 +29,5 @@ pub use document::{Document, FileError, Table, Value};
 pub use model_file::RESERVED;
 pub use model_text::WriteError;
 pub use range::{Bound, Range};
-pub use switching::{MAX_ENUMERATED_SWITCHES, Mode, Switch, SwitchKind, SwitchedForm, TooManyModes};
+pub use switching::{MAX_ENUMERATED_SWITCHES, Mode, Switch, SwitchKind, SwitchedForm, TooManyModes, UnitVector};
 pub use system::{InputDerivative, InputRange, Parameter, Point, System};

@@ -10,9 +10,9 @@ use crate::document::{Document, FileError, Table, Value};
 use crate::system::{InputDerivative, InputRange, Parameter, Point, System};
 
 /// Names that a model may not declare.
-pub const RESERVED: [&str; 19] = [
+pub const RESERVED: [&str; 20] = [
     "pi", "der", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt",
-    "abs", "sign", "min", "max",
+    "abs", "sign", "min", "max", "unit",
 ];
 
 const KEYS: [&str; 9] =

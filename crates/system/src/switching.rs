@@ -1,4 +1,6 @@
-//! Switching functions, modes and smoothing of `sign`, `abs`, `min` and `max`.
+//! Switching functions, modes and smoothing of `sign`, `abs`, `min`, `max` and of unit vectors.
+
+use std::ops::Range;
 
 use bracketry_symbolic::{Expr, Func, Func2, Node, Symbol};
 use rustc_hash::FxHashMap;
@@ -29,6 +31,17 @@ pub struct Switch {
     pub kind: SwitchKind,
 }
 
+/// A unit vector σ/|σ|, set-valued in the unit ball where σ = 0: coupled dry friction.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnitVector {
+    /// The components as they are written, with commas; names the vector.
+    pub name: String,
+    /// Which of the switches are its components.
+    pub switches: Range<usize>,
+    /// σ², as it stands under the root.
+    pub square: Expr,
+}
+
 /// The equations with the sign of every switching function as an independent symbol.
 ///
 /// `sign(σ)` becomes s, `abs(σ)` becomes s·σ, and `min`, `max` of (a, b) become
@@ -39,8 +52,10 @@ pub struct SwitchedForm {
     pub dynamics: Vec<Expr>,
     /// The outputs, in the order of the system.
     pub outputs: Vec<Expr>,
-    /// The switches, in order of appearance.
+    /// The switches, in order of appearance; components of unit vectors come last.
     pub switches: Vec<Switch>,
+    /// The unit vectors whose components are switches; only [`System::set_valued_form`] looks for them.
+    pub unit_vectors: Vec<UnitVector>,
 }
 
 /// Fixed signs of all switching functions.
@@ -64,10 +79,67 @@ pub struct TooManyModes {
 }
 
 impl System {
-    /// The equations with every switch as a symbol of its own.
+    /// The equations with the sign of every switching function as a symbol of its own. Unit vectors stay as they are
+    /// written: they are smooth but at one point.
     pub fn switched_form(&mut self) -> SwitchedForm {
-        let mut roots = self.dynamics.clone();
-        roots.extend(self.outputs.iter().map(|(_, e)| *e));
+        let roots = self.rows();
+        self.with_sign_symbols(&roots, &[])
+    }
+
+    /// The equations with every set-valued part as a symbol of its own: the signs as in [`System::switched_form`], and
+    /// the components of unit vectors σ/|σ|, which take any value in the unit ball where σ = 0.
+    ///
+    /// A unit vector is found as quotients over the root of a sum of squares with positive coefficients whose numerators
+    /// vanish with the squares, as in `vx/sqrt(vx^2 + vy^2)`, `w/sqrt(vx^2 + vy^2 + c*w^2)` or `unit(vx, vy)`. Others stay.
+    ///
+    /// ```
+    /// use bracketry_system::System;
+    /// let text = r#"
+    ///     states = ["vx", "vy"]
+    ///     parameters = { f = 3 }
+    ///     definitions = { rho = "sqrt(vx^2 + vy^2)" }
+    ///     dynamics = { vx = "1 - f*vx/rho", vy = "-f*unit(vy, vx)" }
+    /// "#;
+    /// let form = System::parse("block.toml", text).unwrap().set_valued_form();
+    /// assert_eq!(form.unit_vectors.len(), 1);
+    /// assert_eq!(form.unit_vectors[0].name, "vx, vy");
+    /// ```
+    pub fn set_valued_form(&mut self) -> SwitchedForm {
+        let rows = self.rows();
+        let (mut roots, vectors) = self.without_unit_vectors(&rows);
+        let last = roots.len();
+        for vector in &vectors {
+            roots.push(vector.square);
+            for c in &vector.components {
+                roots.push(self.pool.mul(c.scale, c.base));
+            }
+        }
+        let (rows, extra) = roots.split_at(last);
+        let (rows, extra) = (rows.to_vec(), extra.to_vec());
+        let mut form = self.with_sign_symbols(&rows, &extra);
+        let mut more = form.outputs.split_off(self.outputs.len()).into_iter();
+        for vector in vectors {
+            let (Some(square), first) = (more.next(), form.switches.len()) else { break };
+            let mut names = Vec::new();
+            for ((component, &sign), surface) in vector.components.iter().zip(&vector.directions).zip(&mut more) {
+                let name = self.pool.text(component.base);
+                names.push(name.clone());
+                form.switches.push(Switch { name, sign, surface, kind: SwitchKind::Jump });
+            }
+            let switches = first..form.switches.len();
+            form.unit_vectors.push(UnitVector { name: names.join(", "), switches, square });
+        }
+        form
+    }
+
+    /// The equations, then the outputs.
+    fn rows(&self) -> Vec<Expr> {
+        self.dynamics.iter().copied().chain(self.outputs.iter().map(|(_, e)| *e)).collect()
+    }
+
+    /// The switched form of equations and outputs `rows`; `extra` expressions follow the outputs.
+    fn with_sign_symbols(&mut self, rows: &[Expr], extra: &[Expr]) -> SwitchedForm {
+        let roots = [rows, extra].concat();
         let mut image: FxHashMap<Expr, Expr> = FxHashMap::default();
         let mut switches: Vec<Switch> = Vec::new();
         for e in self.pool.reachable(&roots) {
@@ -99,7 +171,7 @@ impl System {
         }
         let n = self.dynamics.len();
         let all: Vec<Expr> = roots.iter().map(|e| image[e]).collect();
-        SwitchedForm { dynamics: all[..n].to_vec(), outputs: all[n..].to_vec(), switches }
+        SwitchedForm { dynamics: all[..n].to_vec(), outputs: all[n..].to_vec(), switches, unit_vectors: Vec::new() }
     }
 
     /// The expression for the sign of `surface`. A surface and its negative share one switch.
@@ -157,24 +229,53 @@ impl System {
         Ok(modes)
     }
 
-    /// The smooth signs of a switched form: s ↦ tanh(σ/width) for every switch, to be substituted in its expressions.
+    /// The smooth signs of a switched form, to be substituted in its expressions: s ↦ tanh(σ/width) for every sign,
+    /// σ/√(σ² + width²) for a unit vector, whose root |σ| is rounded likewise wherever it stands.
     /// `width` is any expression: a number, or a symbol that gets its value when the expressions are compiled.
     pub fn smooth_signs(&mut self, form: &SwitchedForm, width: Expr) -> FxHashMap<Expr, Expr> {
         let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
-        for s in &form.switches {
+        let vectors = form.unit_vectors.first().map_or(form.switches.len(), |v| v.switches.start);
+        for s in &form.switches[..vectors] {
             // The surface of a nested switch holds the signs of inner ones, which come first.
             let surface = self.pool.substitute(s.surface, &map);
             let ratio = self.pool.div(surface, width);
             let (sign, smooth) = (self.pool.sym(s.sign), self.pool.call(Func::Tanh, ratio));
             map.insert(sign, smooth);
         }
+        if form.unit_vectors.is_empty() {
+            return map;
+        }
+        let everything: Vec<Expr> =
+            form.dynamics.iter().chain(&form.outputs).copied().chain(form.switches.iter().map(|s| s.surface)).collect();
+        let nodes = self.pool.reachable(&everything);
+        for vector in &form.unit_vectors {
+            let square = self.pool.substitute(vector.square, &map);
+            let width_squared = self.pool.powi(width, 2);
+            let rounded = self.pool.add(square, width_squared);
+            for &e in &nodes {
+                if let Node::Pow(base, exponent) = self.pool.node(e)
+                    && base == vector.square
+                    && self.pool.number(exponent).is_some_and(|k| !k.is_int())
+                {
+                    let power = self.pool.pow(rounded, exponent);
+                    map.insert(e, power);
+                }
+            }
+            let size = self.pool.sqrt(rounded);
+            for s in &form.switches[vector.switches.clone()] {
+                let surface = self.pool.substitute(s.surface, &map);
+                let (sign, smooth) = (self.pool.sym(s.sign), self.pool.div(surface, size));
+                map.insert(sign, smooth);
+            }
+        }
         map
     }
 
-    /// The smooth system in which the sign of every σ is tanh(σ/width); see [`System::smooth_signs`].
+    /// The smooth system in which the sign of every σ is tanh(σ/width), and every unit vector σ/√(σ² + width²); see
+    /// [`System::smooth_signs`].
     #[must_use]
     pub fn smoothed(&mut self, width: Expr) -> System {
-        let form = self.switched_form();
+        let form = self.set_valued_form();
         let signs = self.smooth_signs(&form, width);
         self.with_signs(&form, &signs)
     }
