@@ -221,7 +221,7 @@ pub struct Run {
 fn first_not_finite(model: &mut Model, t: f64, x: &[f64]) -> Option<usize> {
     let mut rate = vec![0.0; model.dim()];
     model.enter_segment(t);
-    let signs = vec![0.0; model.switches()];
+    let signs = vec![0.0; model.arguments()];
     model.rhs(t, x, &signs, &mut rate);
     rate.iter().position(|v| !v.is_finite())
 }

@@ -16,12 +16,13 @@ fn category(mode: Mode) -> &'static str {
     match mode {
         Mode::Positive => "slides +",
         Mode::Negative => "slides −",
+        Mode::Sliding => "slides",
         Mode::Sticking => "sticks",
     }
 }
 
 /// The same colour for the same mode in every figure.
 pub(crate) fn friction_colors(figure: TimeSeries) -> TimeSeries {
-    let modes = [Mode::Positive, Mode::Negative, Mode::Sticking];
+    let modes = [Mode::Positive, Mode::Negative, Mode::Sticking, Mode::Sliding];
     modes.into_iter().enumerate().fold(figure, |f, (k, m)| f.category_color(category(m), Color::band(k)))
 }

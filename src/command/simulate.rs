@@ -157,6 +157,7 @@ pub(crate) fn mode_name(mode: Mode) -> &'static str {
     match mode {
         Mode::Positive => "+1",
         Mode::Negative => "-1",
+        Mode::Sliding => "slide",
         Mode::Sticking => "stick",
     }
 }

@@ -1,9 +1,9 @@
 //! Finding and handling events: a sliding switch reaches zero, or a sticking one needs more than the full sign.
 //!
-//! Every switch has a *gap* that is positive while its mode lasts: `±σ_i` sliding, `1 − |s_i|` sticking. It is sampled on the
+//! Every switch has a *gap* that is positive while its mode lasts: `±σ` for a sign, `1 − |s|` sticking. It is sampled on the
 //! step's continuous extension; the event itself is then reached by a step of its own, corrected by Newton's rule.
 
-use crate::multipliers::STICKING_EXCESS;
+use crate::multipliers::{STICKING_EXCESS, norm};
 use crate::stepper::Stepper;
 use crate::trajectory::{Trajectory, interpolate};
 use crate::{Mode, StopReason, Switched};
@@ -39,12 +39,18 @@ impl<S: Switched> Stepper<S> {
         let t = self.t + theta * h;
         self.system.switching(t, &self.stage, &mut self.sigma);
         let sticks = self.modes.contains(&Mode::Sticking);
+        if sticks && self.implicit {
+            self.interpolate_directions(theta);
+        }
         let solved = !sticks || self.multipliers.field(&mut self.system, t, &self.stage, &mut self.end_velocity);
+        self.multipliers.held.fill(false);
         for (i, mode) in self.modes.iter().enumerate() {
             self.gaps[i] = match mode {
-                Mode::Sticking if solved => 1.0 + STICKING_EXCESS - self.multipliers.s[i].abs(),
+                Mode::Sticking if solved => 1.0 + STICKING_EXCESS - self.multipliers.size(i),
                 Mode::Sticking => -1.0,
-                sliding => sliding.sign() * self.sigma[i],
+                // Its σ reaches zero without a change of sign.
+                Mode::Sliding => 1.0,
+                sliding => sliding.sign() * self.sigma[self.multipliers.parts[i].start],
             };
         }
     }
@@ -58,17 +64,21 @@ impl<S: Switched> Stepper<S> {
     pub(crate) fn scan(&mut self, h: f64) -> Scan {
         let switches = self.modes.len();
         // Rates at both ends, and the rounding to expect.
-        let sliding = self.modes.iter().any(|&mode| mode != Mode::Sticking);
+        let sliding = self.modes.iter().any(|&mode| mode.sign() != 0.0);
+        self.noise.fill(0.0);
+        self.rates.iter_mut().for_each(|rates| rates.fill(0.0));
         if sliding {
             self.multipliers.gradients(&mut self.system, self.t, &self.x);
-            for i in 0..switches {
-                self.rates[0][i] = h * self.modes[i].sign() * self.multipliers.rate(i, &self.k[0]);
-                self.noise[i] = self.multipliers.noise(i, &self.x, &self.k[0], h)
-                    + self.multipliers.spread(i, NEGLIGIBLE * self.settings.atol);
+            for i in (0..switches).filter(|&i| self.modes[i].sign() != 0.0) {
+                let c = self.multipliers.parts[i].start;
+                self.rates[0][i] = h * self.modes[i].sign() * self.multipliers.rate(c, &self.k[0]);
+                self.noise[i] = self.multipliers.noise(c, &self.x, &self.k[0], h)
+                    + self.multipliers.spread(c, NEGLIGIBLE * self.settings.atol);
             }
             self.multipliers.gradients(&mut self.system, self.t + h, &self.end);
             for i in 0..switches {
-                self.rates[1][i] = h * self.modes[i].sign() * self.multipliers.rate(i, &self.k[6]);
+                let c = self.multipliers.parts[i].start;
+                self.rates[1][i] = h * self.modes[i].sign() * self.multipliers.rate(c, &self.k[6]);
             }
         }
         for (a, theta) in SAMPLES.into_iter().enumerate() {
@@ -295,36 +305,44 @@ impl<S: Switched> Stepper<S> {
     /// by the secant.
     fn gap_at_end(&mut self, switch: usize, length: f64, secant: f64) -> (f64, f64) {
         match self.modes[switch] {
-            Mode::Sticking => (1.0 + STICKING_EXCESS - self.signs[6][switch].abs(), secant),
+            Mode::Sticking | Mode::Sliding => {
+                let size = norm(&self.signs[6][self.multipliers.parts[switch].clone()]);
+                (1.0 + STICKING_EXCESS - size, secant)
+            }
             sliding => {
                 let t = self.t + length;
                 self.system.switching(t, &self.end, &mut self.sigma);
                 self.multipliers.gradients(&mut self.system, t, &self.end);
-                let rate = self.multipliers.rate(switch, &self.k[6]);
-                (sliding.sign() * self.sigma[switch], sliding.sign() * rate)
+                let c = self.multipliers.parts[switch].start;
+                let rate = self.multipliers.rate(c, &self.k[6]);
+                (sliding.sign() * self.sigma[c], sliding.sign() * rate)
             }
         }
     }
 
     /// All switches whose functions vanish now: the one of the event, those that stick, those within the resolution of
     /// time from zero.
-    fn gather(&mut self, switch: usize, breaks: bool) {
+    pub(crate) fn gather(&mut self, switch: usize, breaks: bool) {
         self.zero.clear();
         self.multipliers.gradients(&mut self.system, self.t, &self.x);
         self.system.switching(self.t, &self.x, &mut self.sigma);
+        self.multipliers.s.copy_from_slice(&self.signs[0]);
         let window = SIMULTANEOUS * self.t.abs().max(1.0);
         for (i, &mode) in self.modes.iter().enumerate() {
+            let part = self.multipliers.parts[i].clone();
             match mode {
                 Mode::Sticking => {
-                    let s = self.signs[0][i];
-                    let loose = i == switch && breaks || s.abs() > 1.0 + STICKING_EXCESS;
-                    self.zero.push(i, Mode::of_sign(s), loose);
+                    let loose = i == switch && breaks || self.multipliers.size(i) > 1.0 + STICKING_EXCESS;
+                    self.zero.push(i, self.multipliers.sliding_mode(i), loose);
+                }
+                Mode::Sliding => {
+                    if i == switch || norm(&self.sigma[part]) <= self.arrival_size(i) {
+                        self.zero.push(i, mode, false);
+                    }
                 }
                 sliding => {
-                    let rate = sliding.sign() * self.multipliers.rate(i, &self.k[0]);
-                    let noise = self.multipliers.noise(i, &self.x, &self.k[0], 0.0)
-                        + self.multipliers.spread(i, NEGLIGIBLE * self.settings.atol);
-                    let here = self.sigma[i].abs() <= noise + rate.abs() * window;
+                    let rate = sliding.sign() * self.multipliers.rate(part.start, &self.k[0]);
+                    let here = self.sigma[part.start].abs() <= self.negligible(i) + rate.abs() * window;
                     if i == switch || here {
                         let passes = i == switch || rate < 0.0;
                         self.zero.push(i, if passes { sliding.opposite() } else { sliding }, false);

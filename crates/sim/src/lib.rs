@@ -8,13 +8,16 @@
 //! [`Model`] compiles a [`bracketry_system::System`] with [`Inputs`]; [`simulate`] runs it; [`Stepper`] and [`Plant`] do so
 //! piece by piece, as in a control loop.
 
+mod arrival;
 mod contact;
 mod drive;
 mod events;
+mod implicit;
 mod impulses;
 mod inputs;
 mod model;
 mod multipliers;
+mod onset;
 mod plant;
 mod resolve;
 mod settings;
@@ -32,5 +35,5 @@ pub use plant::{Plant, PlantError};
 pub use settings::{Settings, SimError};
 pub use simulate::{Simulation, simulate};
 pub use stepper::Stepper;
-pub use switched::{Closures, Switched};
+pub use switched::{Closures, Coupled, Switched};
 pub use trajectory::{Mode, ModeInterval, Outcome, Statistics, StopReason, Trajectory, Transition};

@@ -3,9 +3,17 @@
 use crate::Switched;
 use crate::drive::{Driven, Source, drive};
 use crate::inputs::{InputError, Inputs, Samples};
-use bracketry_symbolic::{Expr, Func, Symbol, Tape};
-use bracketry_system::{Switch, SwitchKind, System};
+use bracketry_symbolic::{Expr, Func, Func2, Rational, Symbol, Tape};
+use bracketry_system::{Switch, SwitchKind, SwitchedForm, System};
 use rustc_hash::FxHashMap;
+
+/// A switch of a compiled model.
+#[derive(Debug, Clone)]
+struct ModelSwitch {
+    name: String,
+    components: usize,
+    sticks: bool,
+}
 
 /// A compiled [`System`] with its inputs: a [`Switched`] system.
 ///
@@ -14,7 +22,9 @@ use rustc_hash::FxHashMap;
 #[derive(Debug, Clone)]
 pub struct Model {
     n: usize,
-    switches: Vec<Switch>,
+    switches: Vec<ModelSwitch>,
+    /// Components of all switches.
+    components: usize,
     input_names: Vec<String>,
     /// The slot of each held input.
     held: Vec<Option<usize>>,
@@ -62,8 +72,9 @@ impl Model {
     pub fn new(system: &System, inputs: &Inputs) -> Result<Self, InputError> {
         let input_names = system.input_names();
         let mut driven = drive(system, inputs)?;
-        let form = driven.system.switched_form();
+        let form = driven.system.set_valued_form();
         let n = driven.system.states.len();
+        driven.outputs = zero_at_zero(&mut driven.system, &driven.outputs);
         let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
         let gradients = surface_gradients(&mut driven, &form.switches)?;
 
@@ -96,7 +107,8 @@ impl Model {
             impulses: driven.impulses,
             sources: driven.sources,
             tables: driven.tables,
-            switches: form.switches,
+            components: form.switches.len(),
+            switches: model_switches(&form),
             field,
             surfaces,
             gradients,
@@ -108,7 +120,7 @@ impl Model {
         Ok(model)
     }
 
-    /// Names of the switching functions, as printed expressions.
+    /// Names of the switches: switching functions as printed expressions, of unit vectors all components (`vx, vy`).
     pub fn switch_names(&self) -> impl Iterator<Item = &str> {
         self.switches.iter().map(|s| s.name.as_str())
     }
@@ -165,17 +177,17 @@ impl Model {
         self.enter_segment(t);
         let mut values = vec![0.0; self.inputs.n_outputs()];
         self.point(t, None);
-        let last = self.arguments.len() - self.switches.len();
+        let last = self.arguments.len() - self.components;
         self.inputs.eval(&self.arguments[..last], &mut self.work, &mut values);
         values
     }
 
-    /// The outputs at `t` in state `x`, with `sign(0) = 0`.
+    /// The outputs at `t` in state `x`, with `sign(0) = 0` and unit vectors 0 where they have no direction.
     pub fn output_values(&mut self, t: f64, x: &[f64]) -> Vec<f64> {
         self.enter_segment(t);
         let mut values = vec![0.0; self.outputs.n_outputs()];
         self.point(t, Some(x));
-        let last = self.arguments.len() - self.switches.len();
+        let last = self.arguments.len() - self.components;
         self.outputs.eval(&self.arguments[..last], &mut self.work, &mut values);
         values
     }
@@ -214,25 +226,29 @@ impl Switched for Model {
     }
 
     fn sticks(&self, switch: usize) -> bool {
-        self.switches[switch].kind == SwitchKind::Jump
+        self.switches[switch].sticks
+    }
+
+    fn components(&self, switch: usize) -> usize {
+        self.switches[switch].components
     }
 
     fn rhs(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64]) {
         self.point(t, Some(x));
-        let first = self.arguments.len() - self.switches.len();
+        let first = self.arguments.len() - self.components;
         self.arguments[first..].copy_from_slice(s);
         self.field.eval(&self.arguments, &mut self.work, dx);
     }
 
     fn switching(&mut self, t: f64, x: &[f64], sigma: &mut [f64]) {
         self.point(t, Some(x));
-        let last = self.arguments.len() - self.switches.len();
+        let last = self.arguments.len() - self.components;
         self.surfaces.eval(&self.arguments[..last], &mut self.work, sigma);
     }
 
     fn switching_gradient(&mut self, t: f64, x: &[f64], gradient: &mut [f64], partial_t: &mut [f64]) {
         self.point(t, Some(x));
-        let last = self.arguments.len() - self.switches.len();
+        let last = self.arguments.len() - self.components;
         self.gradients.eval(&self.arguments[..last], &mut self.work, &mut self.results);
         let (by_state, by_time) = self.results.split_at(gradient.len());
         gradient.copy_from_slice(by_state);
@@ -252,14 +268,63 @@ impl Switched for Model {
     }
 }
 
+/// Expressions in which the components of unit vectors are zero where σ is.
+fn zero_at_zero(system: &mut System, expressions: &[Expr]) -> Vec<Expr> {
+    let mut alone = system.clone();
+    alone.dynamics = expressions.to_vec();
+    alone.outputs.clear();
+    let form = alone.set_valued_form();
+    if form.unit_vectors.is_empty() {
+        return expressions.to_vec();
+    }
+    let pool = &mut alone.pool;
+    let mut values: FxHashMap<Expr, Expr> = FxHashMap::default();
+    let vectors = form.unit_vectors[0].switches.start;
+    for switch in &form.switches[..vectors] {
+        let surface = pool.substitute(switch.surface, &values);
+        let (symbol, sign) = (pool.sym(switch.sign), pool.call(Func::Sign, surface));
+        values.insert(symbol, sign);
+    }
+    // Smaller than any size of σ that could be told from zero.
+    let tiny = pool.rational(Rational::ONE / Rational::from(10u8).pow(300));
+    for vector in &form.unit_vectors {
+        let square = pool.substitute(vector.square, &values);
+        let size = pool.sqrt(square);
+        let size = pool.call2(Func2::Max, size, tiny);
+        for switch in &form.switches[vector.switches.clone()] {
+            let surface = pool.substitute(switch.surface, &values);
+            let (symbol, component) = (pool.sym(switch.sign), pool.div(surface, size));
+            values.insert(symbol, component);
+        }
+    }
+    let expressions = pool.substitute_all(&form.dynamics, &values);
+    system.pool = alone.pool;
+    expressions
+}
+
+/// Signs, then unit vectors.
+fn model_switches(form: &SwitchedForm) -> Vec<ModelSwitch> {
+    let vectors = form.unit_vectors.iter().map(|v| v.switches.len()).sum::<usize>();
+    let signs = form.switches[..form.switches.len() - vectors].iter().map(|s| ModelSwitch {
+        name: s.name.clone(),
+        components: 1,
+        sticks: s.kind == SwitchKind::Jump,
+    });
+    let vectors = form.unit_vectors.iter().map(|v| ModelSwitch {
+        name: v.name.clone(),
+        components: v.switches.len(),
+        sticks: true,
+    });
+    signs.chain(vectors).collect()
+}
+
 /// The surfaces with the signs of inner switches as functions again (an inner switch comes before an outer one).
 fn plain_surfaces(system: &mut System, switches: &[Switch]) -> Result<Vec<Expr>, InputError> {
     let mut signs: FxHashMap<Expr, Expr> = FxHashMap::default();
     let mut surfaces = Vec::new();
-    for (a, outer) in switches.iter().enumerate() {
+    for outer in switches {
         let used = system.pool.symbols_of(&[outer.surface]);
-        if let Some(inner) =
-            switches[..a].iter().find(|inner| inner.kind == SwitchKind::Jump && used.contains(&inner.sign))
+        if let Some(inner) = switches.iter().find(|inner| inner.kind == SwitchKind::Jump && used.contains(&inner.sign))
         {
             return Err(InputError::NestedJump { outer: outer.name.clone(), inner: inner.name.clone() });
         }

@@ -1,10 +1,12 @@
-//! The signs of sticking switches: `s_K` such that `σ̇_K(t, x, s) = 0`.
+//! The signs and directions of switches: of those that stick, `s_K` such that `σ̇_K(t, x, s) = 0`; of unit vectors that
+//! slide, `σ/|σ|`.
 //!
 //! `σ̇_i = ∂σ_i/∂t + ∇σ_i · f(t, x, s)`. In every mechanical system with dry friction `f` is affine in `s`, so that Newton
 //! ends after one step; Broyden's update keeps the inverse Jacobian from one evaluation to the next.
 
 use crate::{Mode, Switched};
 use nalgebra::DMatrix;
+use std::ops::Range;
 
 /// Residual of `σ̇_i = 0`, relative to the influence of the signs on it.
 const RESIDUAL: f64 = 1e-14;
@@ -18,13 +20,20 @@ pub(crate) const STICKING_EXCESS: f64 = 1e-11;
 #[derive(Debug, Clone)]
 pub(crate) struct Multipliers {
     n: usize,
-    /// The signs, `k`: ±1 where sliding, the solution where sticking.
+    /// The components of each switch.
+    pub(crate) parts: Vec<Range<usize>>,
+    /// The signs and directions, `k`: ±1 or a unit vector where sliding, the solution where sticking.
     pub(crate) s: Vec<f64>,
+    /// Unit vectors that slide along their σ.
+    aimed: Vec<usize>,
+    /// Unit vectors that slide in a direction that is kept, because σ has just left zero or is about to reach it.
+    pub(crate) held: Vec<bool>,
+    sigma: Vec<f64>,
     /// `∂σ_i/∂x_j` at the last point.
     pub(crate) gradient: Vec<f64>,
     /// `∂σ_i/∂t` at the last point.
     pub(crate) partial_t: Vec<f64>,
-    /// The sticking switches, in order.
+    /// The components that stick, in order.
     sticking: Vec<usize>,
     /// Inverse of `∂σ̇_K/∂s_K`; absent until it is needed.
     inverse: Option<DMatrix<f64>>,
@@ -41,10 +50,22 @@ pub(crate) struct Multipliers {
 }
 
 impl Multipliers {
-    pub(crate) fn new(n: usize, k: usize) -> Self {
+    pub(crate) fn new(system: &impl Switched) -> Self {
+        let n = system.dim();
+        let mut parts = Vec::with_capacity(system.switches());
+        let mut k = 0;
+        for switch in 0..system.switches() {
+            let first = k;
+            k += system.components(switch);
+            parts.push(first..k);
+        }
         Self {
             n,
             s: vec![1.0; k],
+            aimed: Vec::new(),
+            held: vec![false; parts.len()],
+            parts,
+            sigma: vec![0.0; k],
             gradient: vec![0.0; n * k],
             partial_t: vec![0.0; k],
             sticking: Vec::with_capacity(k),
@@ -62,18 +83,61 @@ impl Multipliers {
 
     /// Takes over the modes: sets the sliding signs, and forgets the Jacobian if the sticking set is another.
     pub(crate) fn set_modes(&mut self, modes: &[Mode]) {
-        let same = self.sticking.iter().copied().eq((0..modes.len()).filter(|&i| modes[i] == Mode::Sticking));
-        if !same {
-            self.sticking.clear();
-            self.sticking.extend((0..modes.len()).filter(|&i| modes[i] == Mode::Sticking));
+        let sticking = |i: &usize| modes[*i] == Mode::Sticking;
+        let components = (0..modes.len()).filter(sticking).flat_map(|i| self.parts[i].clone());
+        if !self.sticking.iter().copied().eq(components.clone()) {
+            self.sticking = components.collect();
             self.inverse = None;
         }
-        for (s, mode) in self.s.iter_mut().zip(modes) {
+        self.aimed.clear();
+        for (i, mode) in modes.iter().enumerate() {
+            let part = self.parts[i].clone();
             match mode {
-                Mode::Sticking => *s = s.clamp(-1.0, 1.0),
-                sliding => *s = sliding.sign(),
+                Mode::Sticking if part.len() == 1 => self.s[part.start] = self.s[part.start].clamp(-1.0, 1.0),
+                Mode::Sticking => {
+                    let size = norm(&self.s[part.clone()]).max(1.0);
+                    self.s[part].iter_mut().for_each(|s| *s /= size);
+                }
+                _ if part.len() > 1 => self.aimed.push(i),
+                sliding => self.s[part.start] = sliding.sign(),
             }
         }
+    }
+
+    /// Whether a switch is a unit vector.
+    pub(crate) fn is_vector(&self, switch: usize) -> bool {
+        self.parts[switch].len() > 1
+    }
+
+    /// The sliding mode that a switch takes when it breaks loose with its present sign or direction.
+    pub(crate) fn sliding_mode(&self, switch: usize) -> Mode {
+        if self.is_vector(switch) { Mode::Sliding } else { Mode::of_sign(self.s[self.parts[switch].start]) }
+    }
+
+    /// The size of the sign or direction of a switch.
+    pub(crate) fn size(&self, switch: usize) -> f64 {
+        norm(&self.s[self.parts[switch].clone()])
+    }
+
+    /// Points the directions that are not held along σ; where σ is exactly zero they stay.
+    pub(crate) fn aim(&mut self, system: &mut impl Switched, t: f64, x: &[f64]) {
+        if self.aimed.iter().all(|&i| self.held[i]) {
+            return;
+        }
+        system.switching(t, x, &mut self.sigma);
+        for &i in &self.aimed {
+            let size = norm(&self.sigma[self.parts[i].clone()]);
+            if !self.held[i] && size != 0.0 {
+                for c in self.parts[i].clone() {
+                    self.s[c] = self.sigma[c] / size;
+                }
+            }
+        }
+    }
+
+    /// For a sliding unit vector at a point with velocity `dx`: the rate `s·σ̇` of `|σ|`, by the gradients of the last point.
+    pub(crate) fn radial_rate(&self, switch: usize, dx: &[f64]) -> f64 {
+        self.parts[switch].clone().map(|c| self.s[c] * self.rate(c, dx)).sum()
     }
 
     /// Evaluates the gradients of the switching functions at a point, for [`Multipliers::rate`].
@@ -95,6 +159,7 @@ impl Multipliers {
 
     /// Writes `f(t, x, s)` with the sticking signs solved for; false if there is no solution (or nothing finite).
     pub(crate) fn field(&mut self, system: &mut impl Switched, t: f64, x: &[f64], dx: &mut [f64]) -> bool {
+        self.aim(system, t, x);
         if self.sticking.is_empty() {
             system.rhs(t, x, &self.s, dx);
             self.evaluations += 1;
@@ -239,7 +304,8 @@ impl Multipliers {
     }
 
     /// Solves at a point for the given modes and tells whether the modes are consistent there: sticking signs within
-    /// `[−1, 1]`, sliding switches of the zero set `zero` moving off to their own side (`strict`) or not to the other.
+    /// `[−1, 1]` and directions in the unit ball, sliding switches of the zero set `zero` moving off to their own side
+    /// (`strict`) or not to the other.
     pub(crate) fn consistent(
         &mut self,
         system: &mut impl Switched,
@@ -250,7 +316,14 @@ impl Multipliers {
         dx: &mut [f64],
     ) -> bool {
         self.set_modes(modes);
-        if !self.field(system, t, x, dx) {
+        let leaving: Vec<usize> = zero.iter().copied().filter(|&i| modes[i] == Mode::Sliding).collect();
+        for &i in &leaving {
+            self.held[i] = true;
+        }
+        let solved =
+            if leaving.is_empty() { self.field(system, t, x, dx) } else { self.leave(system, (t, x), &leaving, dx) };
+        self.held.fill(false);
+        if !solved {
             return false;
         }
         if self.sticking.is_empty() {
@@ -258,13 +331,20 @@ impl Multipliers {
         }
         // What hangs on a sticking switch has the rounding of its force as rate.
         let rounding = 1e-12 * self.influence[..self.sticking.len()].iter().fold(0.0f64, |m, v| m.max(*v));
-        zero.iter().all(|&i| match modes[i] {
-            Mode::Sticking => self.s[i].abs() <= 1.0 + STICKING_EXCESS,
-            sliding => {
-                let away = sliding.sign() * self.rate(i, dx);
-                let slack = 1e-9 * self.rate_scale(i, dx) + self.spread(i, rounding);
-                if strict { away > 0.0 } else { away >= -slack }
-            }
+        zero.iter().all(|&i| {
+            let part = self.parts[i].clone();
+            let slack = |scale: f64| {
+                let (rates, spread) = part.clone().fold((0.0f64, 0.0f64), |(r, s), c| {
+                    (r.max(self.rate_scale(c, dx)), s.max(self.spread(c, rounding)))
+                });
+                scale * rates + spread
+            };
+            let away = match modes[i] {
+                Mode::Sticking => return self.size(i) <= 1.0 + STICKING_EXCESS,
+                Mode::Sliding => self.radial_rate(i, dx),
+                sliding => sliding.sign() * self.rate(part.start, dx),
+            };
+            if strict { away > 0.0 } else { away >= -slack(1e-9) }
         })
     }
 
@@ -320,4 +400,9 @@ impl Multipliers {
             }
         }
     }
+}
+
+/// Euclidean norm.
+pub(crate) fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|c| c * c).sum::<f64>().sqrt()
 }

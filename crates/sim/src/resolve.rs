@@ -8,7 +8,7 @@ use crate::{Mode, StopReason, Switched};
 pub(crate) struct ZeroSet {
     /// The switches.
     pub(crate) switches: Vec<usize>,
-    /// For each, the sliding mode to try first: the direction in which it passes or breaks loose.
+    /// For each, the sliding mode to try first: the side to which it passes or breaks loose.
     pub(crate) preferred: Vec<Mode>,
     /// For each, whether sticking is known to have ended.
     pub(crate) loose: Vec<bool>,
@@ -69,6 +69,7 @@ pub(crate) fn resolve(
                     1 => zero.preferred[a],
                     _ => zero.preferred[a].opposite(),
                 };
+                allowed &= rest % 3 != 2 || modes[i] != zero.preferred[a];
                 if modes[i] == Mode::Sticking {
                     allowed &= system.sticks(i) && (restick || !zero.loose[a]);
                 }
@@ -105,8 +106,9 @@ fn active_set(
         let mut changed = false;
         for &i in &zero.switches {
             let next = match modes[i] {
-                Mode::Sticking if multipliers.s[i].abs() > 1.0 => Mode::of_sign(multipliers.s[i]),
-                sliding if sliding != Mode::Sticking && sliding.sign() * multipliers.rate(i, dx) < 0.0 => {
+                Mode::Sticking if multipliers.size(i) > 1.0 => multipliers.sliding_mode(i),
+                Mode::Sliding if multipliers.radial_rate(i, dx) < 0.0 => Mode::Sticking,
+                sliding if sliding.sign() * multipliers.rate(multipliers.parts[i].start, dx) < 0.0 => {
                     if system.sticks(i) { Mode::Sticking } else { sliding.opposite() }
                 }
                 same => same,

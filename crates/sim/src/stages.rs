@@ -6,7 +6,7 @@ use crate::trajectory::Trajectory;
 use crate::{Mode, Switched};
 
 /// Error allowed in the sticking signs from one order to the other: enough to see every excursion towards ±1.
-const SIGN_TOLERANCE: f64 = 1e-4;
+pub(crate) const SIGN_TOLERANCE: f64 = 1e-4;
 
 /// Steps shorter than this part of the time to go need not resolve the signs: where a load vanishes they jump.
 pub(crate) const SIGN_RESOLUTION: f64 = 1e-7;
@@ -25,6 +25,9 @@ impl<S: Switched> Stepper<S> {
     /// Evaluates the first stage at the current point; false if nothing holds what should stick.
     pub(crate) fn first_stage(&mut self) -> bool {
         self.multipliers.set_modes(&self.modes);
+        for i in 0..self.modes.len() {
+            self.multipliers.held[i] = self.departing[i] && self.modes[i] == Mode::Sliding;
+        }
         let solved = self.multipliers.field(&mut self.system, self.t, &self.x, &mut self.k[0]);
         self.signs[0].copy_from_slice(&self.multipliers.s);
         self.first_stage_known = solved;
@@ -46,6 +49,9 @@ impl<S: Switched> Stepper<S> {
     /// The stages of a step of length `h`, its end, its continuous extension and its error; the errors of the
     /// sticking signs count if `control_signs`.
     pub(crate) fn attempt(&mut self, h: f64, control_signs: bool) -> Attempt {
+        if self.implicit {
+            return self.attempt_implicit(h, control_signs);
+        }
         let n = self.x.len();
         for i in 1..7 {
             for j in 0..n {
@@ -78,8 +84,10 @@ impl<S: Switched> Stepper<S> {
         let mut error = (sum / n.max(1) as f64).sqrt();
         for (i, mode) in self.modes.iter().enumerate() {
             if control_signs && *mode == Mode::Sticking {
-                let e: f64 = (0..7).map(|l| E[l] * self.signs[l][i]).sum();
-                error = error.max(e.abs() / SIGN_TOLERANCE);
+                for c in self.multipliers.parts[i].clone() {
+                    let e: f64 = (0..7).map(|l| E[l] * self.signs[l][c]).sum();
+                    error = error.max(e.abs() / SIGN_TOLERANCE);
+                }
             }
         }
         if error.is_nan() { Attempt::NonFinite } else { Attempt::Error(error) }
@@ -97,6 +105,7 @@ impl<S: Switched> Stepper<S> {
         self.signs.swap(0, 6);
         self.multipliers.s.copy_from_slice(&self.signs[0]);
         self.departing.fill(false);
+        self.multipliers.held.fill(false);
         self.statistics.steps += 1;
         self.stalled = 0;
         self.failed.clear();

@@ -1,7 +1,7 @@
 //! The integrator: adaptive Dormand–Prince steps between events, breaks and mode changes.
 
-use crate::events::NEGLIGIBLE;
-use crate::multipliers::Multipliers;
+use crate::arrival::Approach;
+use crate::multipliers::{Multipliers, norm};
 use crate::resolve::{ZeroSet, resolve};
 use crate::stages::{Attempt, SIGN_RESOLUTION};
 use crate::trajectory::{Trajectory, Transition};
@@ -36,6 +36,13 @@ pub struct Stepper<S> {
     pub(crate) departing: Vec<bool>,
     pub(crate) h: f64,
     segment_end: f64,
+    /// Whether the step under way is implicit.
+    pub(crate) implicit: bool,
+    /// The influence of sliding directions on their own σ̇, and the step at which it was measured.
+    pub(crate) influence_size: f64,
+    pub(crate) influence_at: Option<usize>,
+    /// Least |σ| of the sliding unit vectors at the current point.
+    pub(crate) nearest: f64,
     pub(crate) first_stage_known: bool,
     pub(crate) multipliers: Multipliers,
     pub(crate) k: [Vec<f64>; 7],
@@ -64,7 +71,9 @@ impl<S: Switched> Stepper<S> {
     /// [`SimError`] for a state of the wrong length, a time that is not finite, or settings without meaning.
     pub fn new(system: S, t: f64, x: &[f64], settings: &Settings) -> Result<Self, SimError> {
         settings.check()?;
-        let (n, k) = (system.dim(), system.switches());
+        let (n, switches) = (system.dim(), system.switches());
+        let multipliers = Multipliers::new(&system);
+        let k = multipliers.s.len();
         if x.len() != n {
             return Err(SimError::WrongLength { what: "the state", expected: n, found: x.len() });
         }
@@ -76,12 +85,16 @@ impl<S: Switched> Stepper<S> {
             settings: settings.clone(),
             t,
             x: x.to_vec(),
-            modes: vec![Mode::Sticking; k],
-            departing: vec![false; k],
+            modes: vec![Mode::Sticking; switches],
+            departing: vec![false; switches],
             h: 0.0,
             segment_end: f64::NEG_INFINITY,
+            implicit: false,
+            influence_size: 0.0,
+            influence_at: None,
+            nearest: f64::INFINITY,
             first_stage_known: false,
-            multipliers: Multipliers::new(n, k),
+            multipliers,
             k: std::array::from_fn(|_| vec![0.0; n]),
             signs: std::array::from_fn(|_| vec![0.0; k]),
             stage: vec![0.0; n],
@@ -90,10 +103,10 @@ impl<S: Switched> Stepper<S> {
             coefficients: vec![0.0; 5 * n],
             sigma: vec![0.0; k],
             zero: ZeroSet::default(),
-            gaps: vec![0.0; k],
-            samples: vec![0.0; 5 * k],
-            rates: std::array::from_fn(|_| vec![0.0; k]),
-            noise: vec![0.0; k],
+            gaps: vec![0.0; switches],
+            samples: vec![0.0; 5 * switches],
+            rates: std::array::from_fn(|_| vec![0.0; switches]),
+            noise: vec![0.0; switches],
             failed: Vec::new(),
             recent: VecDeque::new(),
             stalled: 0,
@@ -113,7 +126,7 @@ impl<S: Switched> Stepper<S> {
         &self.x
     }
 
-    /// Current modes, one per switching function.
+    /// Current modes, one per switch.
     pub fn modes(&self) -> &[Mode] {
         &self.modes
     }
@@ -157,10 +170,19 @@ impl<S: Switched> Stepper<S> {
         self.system.switching(self.t, &self.x, &mut self.sigma);
         for i in 0..self.modes.len() {
             self.departing[i] = false;
-            self.modes[i] = if self.sigma[i] == 0.0 { Mode::Sticking } else { Mode::of_sign(self.sigma[i]) };
+            self.modes[i] = self.mode_of(i, norm(&self.sigma[self.multipliers.parts[i].clone()]) == 0.0);
         }
         self.first_stage_known = false;
         self.h = 0.0;
+    }
+
+    /// The mode of a switch by its σ (the last evaluated), which vanishes or not.
+    fn mode_of(&self, switch: usize, vanishes: bool) -> Mode {
+        match self.multipliers.parts[switch].start {
+            _ if vanishes => Mode::Sticking,
+            _ if self.multipliers.is_vector(switch) => Mode::Sliding,
+            first => Mode::of_sign(self.sigma[first]),
+        }
     }
 
     /// Integrates to `t_end`; does nothing if that lies in the past, and stops at once if it is not finite.
@@ -237,18 +259,18 @@ impl<S: Switched> Stepper<S> {
         self.multipliers.gradients(&mut self.system, self.t, &self.x);
         self.zero.clear();
         for i in 0..switches {
-            let size = self.multipliers.noise(i, &self.x, &self.k[0], 0.0);
-            let tiny = size + self.multipliers.spread(i, NEGLIGIBLE * self.settings.atol);
-            let sigma = self.sigma[i];
-            let side = Mode::of_sign(sigma);
+            let part = self.multipliers.parts[i].clone();
+            let size = self.rounding(i);
+            let tiny = if part.len() > 1 { self.arrival_size(i) } else { self.negligible(i) };
+            let sigma = norm(&self.sigma[part]);
             match self.modes[i] {
-                Mode::Sticking if sigma.abs() <= 1e5 * size + tiny => {
-                    self.zero.push(i, Mode::of_sign(self.multipliers.s[i]), false);
+                Mode::Sticking if sigma <= 1e5 * size + tiny => {
+                    self.zero.push(i, self.multipliers.sliding_mode(i), false);
                 }
-                sliding if sliding != Mode::Sticking && (self.departing[i] || sigma.abs() <= tiny) => {
+                sliding if sliding != Mode::Sticking && (self.departing[i] || sigma <= tiny) => {
                     self.zero.push(i, sliding, false);
                 }
-                _ => self.modes[i] = side,
+                _ => self.modes[i] = self.mode_of(i, false),
             }
         }
         self.settle(&before, trajectory)
@@ -271,6 +293,7 @@ impl<S: Switched> Stepper<S> {
         )
         .map_err(|reason| if self.rate_is_finite() { reason } else { StopReason::NonFinite })?;
         self.departing.fill(false);
+        self.influence_at = None;
         for &i in &self.zero.switches {
             self.departing[i] = self.modes[i] != Mode::Sticking;
         }
@@ -288,7 +311,10 @@ impl<S: Switched> Stepper<S> {
 
     /// Whether the right-hand side at the current point, with some signs, is finite; where it is not, no mode fits.
     fn rate_is_finite(&mut self) -> bool {
-        let signs: Vec<f64> = self.modes.iter().map(|mode| mode.sign()).collect();
+        let mut signs = vec![0.0; self.multipliers.s.len()];
+        for (part, mode) in self.multipliers.parts.iter().zip(&self.modes) {
+            signs[part.start] = mode.sign();
+        }
         self.system.rhs(self.t, &self.x, &signs, &mut self.stage);
         self.stage.iter().all(|v| v.is_finite())
     }
@@ -314,9 +340,14 @@ impl<S: Switched> Stepper<S> {
         if self.h == 0.0 {
             self.h = self.first_step(remaining);
         }
+        let longest = match self.approach(remaining) {
+            Approach::None => self.settings.max_step,
+            Approach::Within(longest) => self.settings.max_step.min(longest),
+            Approach::Arrives { switch, after } => return self.arrive(switch, after, trajectory),
+        };
         let mut rejected = false;
         loop {
-            let mut h = self.h.min(self.settings.max_step);
+            let mut h = self.h.min(longest);
             if h >= remaining * 0.999 {
                 h = remaining;
             } else if h > 0.5 * remaining {
@@ -325,6 +356,7 @@ impl<S: Switched> Stepper<S> {
             if h < self.shortest() && h < remaining {
                 return Err(StopReason::StepTooSmall);
             }
+            self.implicit = self.is_stiff(h);
             let attempt = self.attempt(h, h > SIGN_RESOLUTION * remaining);
             let error = match attempt {
                 Attempt::Error(error) if error <= 1.0 => error,
@@ -375,8 +407,8 @@ impl<S: Switched> Stepper<S> {
     pub(crate) fn unsolvable(&mut self, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StopReason> {
         self.zero.clear();
         for (i, mode) in self.modes.iter().enumerate() {
-            if *mode == Mode::Sticking {
-                self.zero.push(i, Mode::of_sign(self.multipliers.s[i]), false);
+            if *mode == Mode::Sticking || *mode == Mode::Sliding && self.departing[i] {
+                self.zero.push(i, self.multipliers.sliding_mode(i), false);
             }
         }
         let before = self.modes.clone();

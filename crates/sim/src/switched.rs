@@ -1,28 +1,42 @@
 //! What the integrator needs to know of a piecewise-smooth system.
 
-/// A piecewise-smooth system `x' = f(t, x, s)` with `s_i ∈ Sgn(σ_i(t, x))`, set-valued where `σ_i = 0` (Filippov).
+/// A piecewise-smooth system `x' = f(t, x, s)` with set-valued switches (Filippov): signs `s ∈ Sgn(σ(t, x))`, any value
+/// in `[−1, 1]` where `σ = 0`, and unit vectors `s = σ/|σ|` of several components, any value in the unit ball where
+/// `σ = 0` (dry friction on a plane).
 ///
-/// `f` must be smooth in `t`, `x` and `s` on every segment between two breaks: the signs are *arguments*, so the
-/// integrator holds them at ±1 while `σ_i ≠ 0` and solves for them where `σ_i` stays zero. Methods take `&mut self`
-/// so that compiled models can own their scratch memory.
+/// `f` must be smooth in `t`, `x` and `s` on every segment between two breaks: the signs and directions are *arguments*, so
+/// the integrator sets them while `σ ≠ 0` and solves for them where `σ` stays zero. With `k` components in all, those
+/// of one switch follow each other, and the switches each other. Switches may share components of σ. Methods take
+/// `&mut self` so that compiled models can own their scratch memory.
 pub trait Switched {
     /// Number of states, `n`.
     fn dim(&self) -> usize;
 
-    /// Number of switching functions, `k`.
+    /// Number of switches.
     fn switches(&self) -> usize;
 
-    /// Writes `f(t, x, s)` into `dx` (`n`), for signs `s` (`k`).
+    /// Number of components of one switch: 1 (the default) for a sign, more for a unit vector.
+    fn components(&self, switch: usize) -> usize {
+        let _ = switch;
+        1
+    }
+
+    /// Number of components of all switches, `k`.
+    fn arguments(&self) -> usize {
+        (0..self.switches()).map(|i| self.components(i)).sum()
+    }
+
+    /// Writes `f(t, x, s)` into `dx` (`n`), for signs and directions `s` (`k`).
     fn rhs(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64]);
 
     /// Writes the switching functions `σ(t, x)` into `sigma` (`k`).
     fn switching(&mut self, t: f64, x: &[f64], sigma: &mut [f64]);
 
-    /// Writes `∂σ_i/∂x_j` into `gradient[i * n + j]` and `∂σ_i/∂t` into `partial_t[i]`.
+    /// Writes `∂σ_i/∂x_j` into `gradient[i * n + j]` and `∂σ_i/∂t` into `partial_t[i]` for every component `i`.
     fn switching_gradient(&mut self, t: f64, x: &[f64], gradient: &mut [f64], partial_t: &mut [f64]);
 
-    /// Whether `s_i` may take any value in `[−1, 1]` where `σ_i = 0`. Not so for `|σ_i|` written as `s_i σ_i`, whose
-    /// surface is merely crossed.
+    /// Whether the sign `switch` may take any value in `[−1, 1]` where its `σ = 0`. Not so for `|σ|` written as `s σ`,
+    /// whose surface is merely crossed.
     fn sticks(&self, switch: usize) -> bool {
         let _ = switch;
         true
@@ -97,5 +111,83 @@ where
         gradient.fill(0.0);
         partial_t.fill(0.0);
         (self.gradient)(t, x, gradient, partial_t);
+    }
+}
+
+/// A [`Switched`] system whose signs are taken together as unit vectors.
+///
+/// ```
+/// use bracketry_sim::{simulate, Closures, Coupled, Settings};
+/// // A block slides on a plane: v' = -μ g v/|v|, along a straight line, until it stops at |v|/(μ g).
+/// let block = Closures {
+///     dim: 2,
+///     switches: 2,
+///     rhs: |_t, _x: &[f64], s: &[f64], dx: &mut [f64]| {
+///         dx[0] = -0.3 * 9.81 * s[0];
+///         dx[1] = -0.3 * 9.81 * s[1];
+///     },
+///     switching: |_t, x: &[f64], sigma: &mut [f64]| sigma.copy_from_slice(x),
+///     gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g.copy_from_slice(&[1.0, 0.0, 0.0, 1.0]),
+/// };
+/// let run = simulate(Coupled::new(block, vec![2]), 0.0, &[0.3, 0.4], 1.0, &Settings::default()).unwrap();
+/// let stop = run.trajectory.transitions()[0];
+/// assert!((stop.t - 0.5 / (0.3 * 9.81)).abs() < 1e-10);
+/// ```
+#[derive(Debug, Clone)]
+pub struct Coupled<S> {
+    system: S,
+    components: Vec<usize>,
+}
+
+impl<S: Switched> Coupled<S> {
+    /// Takes the signs of `system` together, `components[i]` of them as switch `i`, in order. What is left of the signs
+    /// stays signs; numbers beyond them count as far as there are signs.
+    pub fn new(system: S, components: Vec<usize>) -> Self {
+        let mut left = system.switches();
+        let mut list: Vec<usize> = Vec::new();
+        for wanted in components.into_iter().chain(std::iter::repeat(1)) {
+            if left == 0 {
+                break;
+            }
+            let taken = wanted.clamp(1, left);
+            left -= taken;
+            list.push(taken);
+        }
+        Self { system, components: list }
+    }
+}
+
+impl<S: Switched> Switched for Coupled<S> {
+    fn dim(&self) -> usize {
+        self.system.dim()
+    }
+
+    fn switches(&self) -> usize {
+        self.components.len()
+    }
+
+    fn components(&self, switch: usize) -> usize {
+        self.components[switch]
+    }
+
+    fn rhs(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64]) {
+        self.system.rhs(t, x, s, dx);
+    }
+
+    fn switching(&mut self, t: f64, x: &[f64], sigma: &mut [f64]) {
+        self.system.switching(t, x, sigma);
+    }
+
+    fn switching_gradient(&mut self, t: f64, x: &[f64], gradient: &mut [f64], partial_t: &mut [f64]) {
+        self.system.switching_gradient(t, x, gradient, partial_t);
+    }
+
+    fn sticks(&self, switch: usize) -> bool {
+        let first: usize = self.components[..switch].iter().sum();
+        self.components[switch] > 1 || self.system.sticks(first)
+    }
+
+    fn enter_segment(&mut self, t: f64) -> f64 {
+        self.system.enter_segment(t)
     }
 }

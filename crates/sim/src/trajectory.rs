@@ -2,33 +2,35 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The mode of one switching function.
+/// The mode of one switch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Mode {
     /// `σ > 0`, `s = +1`.
     Positive,
     /// `σ < 0`, `s = −1`.
     Negative,
-    /// `σ = 0` stays so, by an `s` in `[−1, 1]`.
+    /// A unit vector with `σ ≠ 0`, `s = σ/|σ|`.
+    Sliding,
+    /// `σ = 0` stays so, by an `s` in `[−1, 1]`, or in the unit ball.
     Sticking,
 }
 
 impl Mode {
-    /// `+1`, `−1`, and 0 for sticking.
+    /// `+1`, `−1`, and 0 for sticking and for unit vectors.
     pub fn sign(self) -> f64 {
         match self {
             Mode::Positive => 1.0,
             Mode::Negative => -1.0,
-            Mode::Sticking => 0.0,
+            Mode::Sliding | Mode::Sticking => 0.0,
         }
     }
 
-    /// The other way of sliding; sticking stays sticking.
+    /// The other sign; others stay.
     pub(crate) fn opposite(self) -> Self {
         match self {
             Mode::Positive => Mode::Negative,
             Mode::Negative => Mode::Positive,
-            Mode::Sticking => Mode::Sticking,
+            other => other,
         }
     }
 
@@ -42,7 +44,7 @@ impl Mode {
 pub struct Transition {
     /// Time in seconds.
     pub t: f64,
-    /// Index of the switching function.
+    /// Index of the switch.
     pub switch: usize,
     /// Mode before.
     pub from: Mode,
@@ -50,7 +52,7 @@ pub struct Transition {
     pub to: Mode,
 }
 
-/// A time interval during which a switching function keeps its mode.
+/// A time interval during which a switch keeps its mode.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ModeInterval {
     /// Start in seconds.
@@ -262,7 +264,7 @@ impl Trajectory {
         &self.transitions
     }
 
-    /// The mode of switching function `switch` at `t` (after the transition, at a transition).
+    /// The mode of switch `switch` at `t` (after the transition, at a transition).
     pub fn mode(&self, switch: usize, t: f64) -> Option<Mode> {
         let mut mode = *self.initial_modes.get(switch)?;
         for transition in self.transitions.iter().filter(|e| e.switch == switch) {
@@ -274,7 +276,7 @@ impl Trajectory {
         Some(mode)
     }
 
-    /// The modes of switching function `switch` in time; empty if there is no such function.
+    /// The modes of switch `switch` in time; empty if there is no such switch.
     pub fn mode_intervals(&self, switch: usize) -> Vec<ModeInterval> {
         let Some(&first) = self.initial_modes.get(switch) else {
             return Vec::new();
