@@ -3,6 +3,7 @@
 //! A plate translates along its x axis, `X(t)`, and rotates about the same axis, `theta(t)`. An object lies on it without
 //! being grasped; its position `(x, y)` and yaw `phi` in the plate frame are moved by dry friction alone.
 
+mod body;
 mod experiment;
 mod friction;
 mod maps;
@@ -17,6 +18,7 @@ mod sweep;
 mod two_step;
 mod velocity_field;
 
+pub use body::{BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, PlateFrame, RigidState};
 pub use experiment::{AmplitudeLaw, AmplitudeStep, Experiment, Run};
 pub use friction::Friction;
 pub use maps::{Limits, Map, Summary, linspace, summarise};
@@ -74,6 +76,27 @@ pub enum PlateError {
         /// Angle of the principal axes in rad.
         angle: f64,
     },
+    /// A restitution without meaning.
+    #[error("restitution = {value} must lie between 0 (no rebound) and 1 (no loss)")]
+    Restitution {
+        /// Its value.
+        value: f64,
+    },
+    /// An object whose inertia underflows or overflows.
+    #[error("the object's inertia is out of the range of floating-point numbers; check the units of lengths and mass")]
+    Inertia,
+    /// A body that starts inside the plate.
+    #[error("the body starts {depth} m below the plate's surface; raise its centre of mass by as much")]
+    Penetration {
+        /// How far, in m.
+        depth: f64,
+    },
+    /// A state that is not a number.
+    #[error("the state and its time must be finite numbers")]
+    StateNotFinite,
+    /// The friction at contact points cannot be solved for.
+    #[error(transparent)]
+    Contact(#[from] bracketry_sim::ContactError),
     /// An expression of the plate's motion cannot be used.
     #[error("the plate motion `{text}`: {reason}")]
     Motion {

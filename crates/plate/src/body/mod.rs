@@ -1,0 +1,15 @@
+//! The object as a rigid body with thickness, free to tip, to lift off, to fly and to land.
+
+mod body_on_plate;
+mod contact;
+mod events;
+mod flight;
+mod frame;
+mod normal;
+mod settings;
+mod solid;
+
+pub use body_on_plate::{BodyOnPlate, BodyStop};
+pub use events::{BodyEvent, BodyEventKind};
+pub use frame::{PlateFrame, RigidState};
+pub use settings::BodySettings;
