@@ -4,22 +4,28 @@
 //! being grasped; its position `(x, y)` and yaw `phi` in the plate frame are moved by dry friction alone.
 
 mod body;
+mod derivation;
 mod experiment;
+mod first_principles;
 mod friction;
 mod maps;
 mod motion;
 mod object;
+mod parameters;
 mod plant;
 mod polygon;
 mod published;
 mod quadrature;
+mod reduced;
 mod shape;
 mod sweep;
 mod two_step;
 mod velocity_field;
 
 pub use body::{BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, PlateFrame, RigidState};
+pub use derivation::{FlatContact, flat_contact};
 pub use experiment::{AmplitudeLaw, AmplitudeStep, Experiment, Run};
+pub use first_principles::{Terms, first_principles};
 pub use friction::Friction;
 pub use maps::{Limits, Map, Summary, linspace, summarise};
 pub use motion::{ExpressionMotion, PlateKinematics, PlateMotion};
@@ -28,6 +34,7 @@ pub use plant::{Course, Drive, ModelPlant, Plant, STATES};
 pub use polygon::{ShapeError, Vertices};
 pub use published::published;
 pub use quadrature::Quadrature;
+pub use reduced::reduced;
 pub use shape::Shape;
 pub use sweep::sweep;
 pub use two_step::{Stage, TwoStep, two_step, two_step_on};
@@ -52,6 +59,15 @@ pub enum PlateError {
         /// Its value.
         value: f64,
     },
+    /// A law of friction that cannot be put into a model.
+    #[error("the law of friction gives no expression for `{name}`")]
+    BadLaw {
+        /// What the law replaces.
+        name: &'static str,
+    },
+    /// The static level is no part of this model.
+    #[error("a point contact takes no static level of friction; use Coulomb or Stribeck friction")]
+    NoStaticLevel,
     /// Static friction below sliding friction.
     #[error("mu_static = {mu_static} is below mu = {mu}; give a static level that is at least the sliding one")]
     StaticBelowSliding {

@@ -1,5 +1,6 @@
 //! The published model of the plate.
 
+use crate::parameters::set_positive;
 use crate::{PlateError, Shape};
 use bracketry_system::System;
 
@@ -44,23 +45,7 @@ pub fn published(shape: &Shape, mu: f64) -> Result<System, PlateError> {
     };
     let mut system = System::parse(file, text)?;
     for (name, value) in lengths.into_iter().chain([("mu", mu)]) {
-        set_parameter(&mut system, name, value)?;
+        set_positive(&mut system, name, value)?;
     }
     Ok(system)
-}
-
-/// Sets a parameter to the shortest decimal that reads as `value`, exactly.
-fn set_parameter(system: &mut System, name: &'static str, value: f64) -> Result<(), PlateError> {
-    let bad = PlateError::BadNumber { name, value };
-    if !(value.is_finite() && value > 0.0) {
-        return Err(bad);
-    }
-    let Ok(number) = system.pool.parse(&format!("{value}")) else {
-        return Err(bad);
-    };
-    let Some(number) = system.pool.number(number).cloned() else {
-        return Err(bad);
-    };
-    system.set_parameter(name, number);
-    Ok(())
 }
