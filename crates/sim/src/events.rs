@@ -17,6 +17,9 @@ const SIMULTANEOUS: f64 = 1e-12;
 /// stays there.
 pub(crate) const NEGLIGIBLE: f64 = 1e-4;
 
+/// How many times its range over the stages of a step a sticking sign must stay from ±1 to need no samples between.
+const CALM: f64 = 2.0;
+
 /// What the gaps do during a step.
 pub(crate) enum Scan {
     /// Nothing happens.
@@ -44,6 +47,28 @@ impl<S: Switched> Stepper<S> {
         }
         let solved = !sticks || self.multipliers.field(&mut self.system, t, &self.stage, &mut self.end_velocity);
         self.multipliers.held.fill(false);
+        self.gaps_by_signs(solved);
+    }
+
+    /// The gaps at the start (stage 0) or at the end (stage 6) of the attempted step, whose signs are known.
+    fn gaps_at_stage(&mut self, stage: usize, t: f64) {
+        let x = if stage == 0 { &self.x } else { &self.end };
+        self.system.switching(t, x, &mut self.sigma);
+        self.multipliers.s.copy_from_slice(&self.signs[stage]);
+        self.gaps_by_signs(true);
+    }
+
+    /// The gaps of the signs that slide, at fraction `theta` of the step; of what sticks those before.
+    fn evaluate_sliding_gaps(&mut self, theta: f64, h: f64) {
+        if self.modes.iter().any(|mode| mode.sign() != 0.0) {
+            interpolate(&self.coefficients, self.x.len(), theta, &mut self.stage);
+            self.system.switching(self.t + theta * h, &self.stage, &mut self.sigma);
+            self.gaps_by_signs(true);
+        }
+    }
+
+    /// The gaps by the last σ and the last signs, which hold if they are `solved`.
+    fn gaps_by_signs(&mut self, solved: bool) {
         for (i, mode) in self.modes.iter().enumerate() {
             self.gaps[i] = match mode {
                 Mode::Sticking if solved => 1.0 + STICKING_EXCESS - self.multipliers.size(i),
@@ -53,6 +78,20 @@ impl<S: Switched> Stepper<S> {
                 sliding => sliding.sign() * self.sigma[self.multipliers.parts[i].start],
             };
         }
+    }
+
+    /// Whether what sticks stays away from breaking loose by more than it varies, over all stages of an explicit step.
+    fn sticks_calmly(&self) -> bool {
+        let calm = |i: usize| {
+            let part = self.multipliers.parts[i].clone();
+            let largest = self.signs.iter().map(|signs| norm(&signs[part.clone()])).fold(0.0, f64::max);
+            let range = part.map(|c| {
+                let of_stages = self.signs.iter().map(|signs| signs[c]);
+                of_stages.clone().fold(f64::NEG_INFINITY, f64::max) - of_stages.fold(f64::INFINITY, f64::min)
+            });
+            largest + CALM * range.map(|r| r * r).sum::<f64>().sqrt() < 1.0
+        };
+        !self.implicit && (0..self.modes.len()).filter(|&i| self.modes[i] == Mode::Sticking).all(calm)
     }
 
     fn gap(&mut self, switch: usize, theta: f64, h: f64) -> f64 {
@@ -81,14 +120,23 @@ impl<S: Switched> Stepper<S> {
                 self.rates[1][i] = h * self.modes[i].sign() * self.multipliers.rate(c, &self.k[6]);
             }
         }
+        let calm = self.sticks_calmly();
         for (a, theta) in SAMPLES.into_iter().enumerate() {
-            self.evaluate_gaps(theta, h);
+            match a {
+                0 => self.gaps_at_stage(0, self.t),
+                4 => self.gaps_at_stage(6, self.t + h),
+                _ if calm => self.evaluate_sliding_gaps(theta, h),
+                _ => self.evaluate_gaps(theta, h),
+            }
             self.samples[a * switches..(a + 1) * switches].copy_from_slice(&self.gaps);
         }
         let mut first: Option<(f64, usize)> = None;
         for i in 0..switches {
             let g: [f64; 5] = std::array::from_fn(|a| self.samples[a * switches + i]);
             let sticking = self.modes[i] == Mode::Sticking;
+            if sticking && calm {
+                continue;
+            }
             let noise = if sticking { 0.0 } else { self.noise[i] };
             if g.iter().any(|v| v.is_nan()) {
                 return Scan::Unresolved;

@@ -10,6 +10,7 @@
 //! [`Model`] compiles a [`bracketry_system::System`] with [`Inputs`]; [`simulate`] runs it; [`Stepper`] and [`Plant`] do so
 //! piece by piece, as in a control loop.
 
+mod affine;
 mod arrival;
 mod contact;
 mod drive;

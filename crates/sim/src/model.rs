@@ -39,8 +39,13 @@ pub struct Model {
     /// `t`, states, slots, signs.
     arguments: Vec<f64>,
     field: Tape,
+    /// The field and its derivatives by the signs, if it is affine in them.
+    affine: Option<Tape>,
+    affine_results: Vec<f64>,
     surfaces: Tape,
     gradients: Tape,
+    /// Whether the gradients have one value, which stands in `results`.
+    constant_gradients: bool,
     inputs: Tape,
     outputs: Tape,
     work: Vec<f64>,
@@ -77,6 +82,7 @@ impl Model {
         driven.outputs = zero_at_zero(&mut driven.system, &driven.outputs);
         let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
         let gradients = surface_gradients(&mut driven, &form.switches)?;
+        let affine = with_derivatives_by_signs(&mut driven.system, &form.switches, &form.dynamics);
 
         let mut smooth_arguments = vec![driven.time];
         smooth_arguments.extend(&driven.system.states);
@@ -90,6 +96,7 @@ impl Model {
             Tape::compile(&system.pool, arguments, &expressions)
         };
         let field = compile(&arguments, &form.dynamics)?;
+        let affine = affine.map(|expressions| compile(&arguments, &expressions)).transpose()?;
         let surfaces = compile(&smooth_arguments, &surfaces)?;
         let gradients = compile(&smooth_arguments, &gradients)?;
         let (measured, driving) = outputs.split_at(outputs.len() - input_names.len());
@@ -104,12 +111,16 @@ impl Model {
             moving: driven.tables.iter().any(|table| table.hold == crate::Hold::Linear),
             arguments: vec![0.0; arguments.len()],
             results: vec![0.0; gradients.n_outputs()],
+            constant_gradients: gradients.code().is_empty()
+                && gradients.outputs().iter().all(|&r| r as usize >= gradients.n_inputs()),
+            affine_results: vec![0.0; affine.as_ref().map_or(0, Tape::n_outputs)],
             impulses: driven.impulses,
             sources: driven.sources,
             tables: driven.tables,
             components: form.switches.len(),
             switches: model_switches(&form),
             field,
+            affine,
             surfaces,
             gradients,
             inputs: inputs_tape,
@@ -117,6 +128,10 @@ impl Model {
             work: Vec::new(),
         };
         model.load(0.0);
+        if model.constant_gradients {
+            let last = model.arguments.len() - model.components;
+            model.gradients.eval(&model.arguments[..last], &mut model.work, &mut model.results);
+        }
         Ok(model)
     }
 
@@ -240,6 +255,20 @@ impl Switched for Model {
         self.field.eval(&self.arguments, &mut self.work, dx);
     }
 
+    fn affine(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64], by_sign: &mut [f64]) -> bool {
+        self.point(t, Some(x));
+        let first = self.arguments.len() - self.components;
+        self.arguments[first..].copy_from_slice(s);
+        let Some(affine) = &self.affine else {
+            return false;
+        };
+        affine.eval(&self.arguments, &mut self.work, &mut self.affine_results);
+        let (field, derivatives) = self.affine_results.split_at(self.n);
+        dx.copy_from_slice(field);
+        by_sign.copy_from_slice(derivatives);
+        true
+    }
+
     fn switching(&mut self, t: f64, x: &[f64], sigma: &mut [f64]) {
         self.point(t, Some(x));
         let last = self.arguments.len() - self.components;
@@ -247,9 +276,11 @@ impl Switched for Model {
     }
 
     fn switching_gradient(&mut self, t: f64, x: &[f64], gradient: &mut [f64], partial_t: &mut [f64]) {
-        self.point(t, Some(x));
-        let last = self.arguments.len() - self.components;
-        self.gradients.eval(&self.arguments[..last], &mut self.work, &mut self.results);
+        if !self.constant_gradients {
+            self.point(t, Some(x));
+            let last = self.arguments.len() - self.components;
+            self.gradients.eval(&self.arguments[..last], &mut self.work, &mut self.results);
+        }
         let (by_state, by_time) = self.results.split_at(gradient.len());
         gradient.copy_from_slice(by_state);
         partial_t.copy_from_slice(by_time);
@@ -335,6 +366,16 @@ fn plain_surfaces(system: &mut System, switches: &[Switch]) -> Result<Vec<Expr>,
         surfaces.push(surface);
     }
     Ok(surfaces)
+}
+
+/// The dynamics and `∂f_j/∂s_i` by columns, if these do not depend on the signs.
+fn with_derivatives_by_signs(system: &mut System, switches: &[Switch], dynamics: &[Expr]) -> Option<Vec<Expr>> {
+    let mut all = dynamics.to_vec();
+    for switch in switches {
+        all.extend(dynamics.iter().map(|&f| system.pool.diff(f, switch.sign)));
+    }
+    let used = system.pool.symbols_of(&all[dynamics.len()..]);
+    switches.iter().all(|switch| !used.contains(&switch.sign)).then_some(all)
 }
 
 /// `∂σ_i/∂x_j` by rows, then `∂σ_i/∂t` including what moves with time.

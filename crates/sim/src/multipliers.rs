@@ -19,7 +19,7 @@ pub(crate) const STICKING_EXCESS: f64 = 1e-11;
 /// Solver of the sticking signs, with its scratch memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Multipliers {
-    n: usize,
+    pub(crate) n: usize,
     /// The components of each switch.
     pub(crate) parts: Vec<Range<usize>>,
     /// The signs and directions, `k`: ±1 or a unit vector where sliding, the solution where sticking.
@@ -34,17 +34,20 @@ pub(crate) struct Multipliers {
     /// `∂σ_i/∂t` at the last point.
     pub(crate) partial_t: Vec<f64>,
     /// The components that stick, in order.
-    sticking: Vec<usize>,
+    pub(crate) sticking: Vec<usize>,
     /// Inverse of `∂σ̇_K/∂s_K`; absent until it is needed.
     inverse: Option<DMatrix<f64>>,
     /// Row sums of `|∂σ̇_K/∂s_K|`.
-    influence: Vec<f64>,
+    pub(crate) influence: Vec<f64>,
     residual: Vec<f64>,
     previous: Vec<f64>,
-    delta: Vec<f64>,
+    pub(crate) delta: Vec<f64>,
     image: Vec<f64>,
     row: Vec<f64>,
     scratch: Vec<f64>,
+    /// `∂f/∂s` by columns, and `∂σ̇_K/∂s_K`, of systems that are affine in their signs.
+    pub(crate) by_sign: Vec<f64>,
+    pub(crate) matrix: Vec<f64>,
     /// Evaluations of the right-hand side.
     pub(crate) evaluations: usize,
 }
@@ -77,6 +80,8 @@ impl Multipliers {
             image: vec![0.0; k],
             row: vec![0.0; k],
             scratch: vec![0.0; n],
+            by_sign: vec![0.0; n * k],
+            matrix: vec![0.0; k * k],
             evaluations: 0,
         }
     }
@@ -166,6 +171,9 @@ impl Multipliers {
             return true;
         }
         self.gradients(system, t, x);
+        if self.solve_affine(system, t, x, dx) {
+            return true;
+        }
         let m = self.sticking.len();
         if self.inverse.is_none() {
             self.differentiate(system, t, x, dx);

@@ -29,6 +29,13 @@ pub trait Switched {
     /// Writes `f(t, x, s)` into `dx` (`n`), for signs and directions `s` (`k`).
     fn rhs(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64]);
 
+    /// If `f` is affine in the signs: writes `f(t, x, s)` into `dx` and `∂f_j/∂s_i` into `by_sign[i * n + j]`. False (the
+    /// default) if it is not, or if that is not known; then the signs are solved for by iteration.
+    fn affine(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64], by_sign: &mut [f64]) -> bool {
+        let _ = (t, x, s, dx, by_sign);
+        false
+    }
+
     /// Writes the switching functions `σ(t, x)` into `sigma` (`k`).
     fn switching(&mut self, t: f64, x: &[f64], sigma: &mut [f64]);
 
