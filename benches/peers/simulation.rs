@@ -1,7 +1,8 @@
 //! The plate's experiments, timed; see `simulation.py` for the others.
 
-use bracketry::plate::{Experiment, Shape, published};
+use bracketry::plate::{Experiment, Object, Shape, Terms, published, reduced};
 use bracketry::sim::{Inputs, Model, Settings, Stepper};
+use bracketry::system::System;
 use serde_json::{Value, json};
 
 use crate::median;
@@ -14,11 +15,15 @@ const HALF_DIGITS: std::ops::RangeInclusive<i32> = 8..=24;
 const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
 const RUNS: usize = 21;
 
-/// Experiment 1 on the published model: work and states every half second at each tolerance.
-fn published_plate() -> Value {
-    let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).expect("a model");
+/// The disk of MuJoCo's scene.
+fn disk() -> Object {
+    Object { shape: Shape::REFERENCE_DISK, height: 0.0025, mass: 0.2 }
+}
+
+/// Experiment 1 on a model: work and states every half second at each tolerance.
+fn by_events(system: &System) -> Value {
     let inputs = Experiment::orientation().inputs(0.0);
-    let (compile, model) = median(RUNS, || Model::new(&system, &inputs).expect("inputs that fit"));
+    let (compile, model) = median(RUNS, || Model::new(system, &inputs).expect("inputs that fit"));
     let runs: Vec<Value> = HALF_DIGITS
         .map(|half_digits| {
             let rtol = 10f64.powf(-0.5 * f64::from(half_digits));
@@ -49,5 +54,7 @@ fn creep() -> f64 {
 
 /// Everything that is measured of the simulator.
 pub(crate) fn report() -> Value {
-    json!({"published": published_plate(), "creep": creep()})
+    let published = published(&Shape::REFERENCE_ELLIPSE, 0.3).expect("a model");
+    let reduced = reduced(&disk(), 0.3, Terms::default()).expect("a model");
+    json!({"published": by_events(&published), "reduced": by_events(&reduced), "creep": creep()})
 }
