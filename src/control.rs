@@ -75,7 +75,7 @@ pub fn control(problem: &ControlProblem) -> Result<Controlled, ControlError> {
 /// As [`control`].
 pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)) -> Result<Controlled, ControlError> {
     let mut plant_system = problem.plant.clone();
-    let smooth = plant_system.switched_form().switches.is_empty();
+    let smooth = plant_system.set_valued_form().switches.is_empty();
     let mut plant: Box<dyn Plant> = if smooth {
         let dynamics = Box::new(SymbolicDynamics::new(&problem.plant)?);
         Box::new(RungeKuttaPlant::new(dynamics, problem.plant_substeps))

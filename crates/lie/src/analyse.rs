@@ -143,13 +143,17 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
                 }
                 report.into()
             }
-            (Ok(Regime::Switching(vanishing)), Some((s, fields, reach))) => match s.point.clone() {
-                Some(point) => point_report(&mut s.pool, fields, &names, reach, &point, options, &mut evidence)
-                    .map(|p| of_smoothed(p, vanishing, &options.epsilon))
-                    .into(),
-                None => Answer::Unknown("the smoothed model has no point".to_owned()),
-            },
-            (Ok(Regime::Switching(_)), None) => Answer::Unknown("no mode holds at the point".to_owned()),
+            (Ok(Regime::Switching(vanishing)), Some((s, fields, reach))) => {
+                smoothed_point(s, fields, &names, reach, options, vanishing, &mut evidence)
+            }
+            // Smooth but where a unit vector vanishes, as it does here.
+            (Ok(Regime::Switching(vanishing)), None) => {
+                let width = system.pool.rational(options.epsilon.clone());
+                let mut s = system.smoothed(width);
+                let fields = mode_fields(&mut s)?.remove(0).fields;
+                let reach = Reach::of(&mut s.pool, &fields, first, &mut evidence);
+                smoothed_point(&mut s, &fields, &names, &reach, options, vanishing, &mut evidence)
+            }
             (Err(why), _) => Answer::Unknown(why.to_string()),
         }),
     };
@@ -210,6 +214,24 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
         certificate: evidence,
         seconds: begin.elapsed().as_secs_f64(),
     })
+}
+
+/// The statements at the point of a smoothed model.
+fn smoothed_point(
+    smoothed: &mut System,
+    fields: &VectorFields,
+    names: &[String],
+    reach: &Reach,
+    options: &Options,
+    vanishing: Vec<String>,
+    evidence: &mut Evidence,
+) -> Answer<PointReport> {
+    match smoothed.point.clone() {
+        Some(point) => point_report(&mut smoothed.pool, fields, names, reach, &point, options, evidence)
+            .map(|p| of_smoothed(p, vanishing, &options.epsilon))
+            .into(),
+        None => Answer::Unknown("the smoothed model has no point".to_owned()),
+    }
 }
 
 /// The fields that hold while all switching functions keep their signs.

@@ -21,13 +21,15 @@ use crate::stlc::{self, Stlc, Verdict};
 pub(crate) enum Regime {
     /// The mode with this index: no switching function vanishes.
     Mode(usize),
-    /// The switching functions that vanish.
+    /// The switching functions and unit vectors that vanish.
     Switching(Vec<String>),
 }
 
 /// The regime that holds at `point`.
 pub(crate) fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -> Result<Regime, Error> {
-    let form = system.switched_form();
+    let form = system.set_valued_form();
+    let signed = form.unit_vectors.first().map_or(form.switches.len(), |v| v.switches.start);
+    let switches = &form.switches[..signed];
     let mut at: FxHashMap<Expr, Expr> = FxHashMap::default();
     for (&s, &v) in system.states.iter().zip(&point.states) {
         let s = system.pool.sym(s);
@@ -40,8 +42,8 @@ pub(crate) fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -
     }
     let mut signs: Vec<i8> = Vec::new();
     let mut vanishing: Vec<String> = Vec::new();
-    for s in &form.switches {
-        for (t, &v) in form.switches.iter().zip(&signs) {
+    for s in switches {
+        for (t, &v) in switches.iter().zip(&signs) {
             let inner = system.pool.sym(t.sign);
             let v = system.pool.int(i64::from(v));
             at.insert(inner, v);
@@ -60,6 +62,16 @@ pub(crate) fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -
             return Err(Error::NoValue { what: s.name.clone() });
         };
         signs.push(if number > 0.0 { 1 } else { -1 });
+    }
+    for vector in &form.unit_vectors {
+        let components = &form.switches[vector.switches.clone()];
+        let values: Vec<Expr> = components.iter().map(|s| system.pool.substitute(s.surface, &at)).collect();
+        if values.into_iter().all(|v| matches!(system.pool.zero_test(v, &Bindings::new()), ZeroTest::Zero(_))) {
+            vanishing.push(format!("({})", vector.name));
+        }
+    }
+    if !vanishing.is_empty() {
+        return Ok(Regime::Switching(vanishing));
     }
     let mode = modes.iter().position(|m| m.signs.iter().map(|s| s.1).eq(signs.iter().copied()));
     Ok(mode.map_or(Regime::Switching(vanishing), Regime::Mode))

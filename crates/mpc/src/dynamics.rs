@@ -122,7 +122,7 @@ impl SymbolicDynamics {
             return Err(MpcError::InputDerivative { name: system.symbol_name(d.symbol).to_owned() });
         }
         let mut system = system.clone();
-        let form = system.switched_form();
+        let form = system.set_valued_form();
         let rates = relaxation_rates(&mut system, &form);
         let width_symbol = system.pool.symbol("smoothing#width");
         let width = system.pool.sym(width_symbol);
