@@ -17,6 +17,7 @@ mod range;
 mod rational_function;
 mod separation;
 mod singular;
+mod sum_of_squares;
 mod switching;
 mod system;
 mod trend;

@@ -1,6 +1,6 @@
 //! Unit vectors σ/|σ| in the equations: coupled dry friction, set-valued in the unit ball where σ = 0.
 
-use bracketry_symbolic::{Expr, Func, Node, Rational, Symbol};
+use bracketry_symbolic::{Expr, Node, Rational, Symbol};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::system::System;
@@ -29,9 +29,9 @@ pub(crate) struct Root {
 
 /// A factor `base ^ exponent` of a product.
 #[derive(Clone, Debug)]
-struct Factor {
-    base: Expr,
-    exponent: Rational,
+pub(crate) struct Factor {
+    pub(crate) base: Expr,
+    pub(crate) exponent: Rational,
 }
 
 /// A term `coefficient · base_i` of a numerator; the coefficient as its factors.
@@ -39,7 +39,7 @@ type Linear = Vec<(usize, Vec<Factor>)>;
 
 /// Replaces quotients by symbols.
 pub(crate) struct Rewriter<'s> {
-    system: &'s mut System,
+    pub(crate) system: &'s mut System,
     /// What is known of each sum under a root; none if it is no sum of squares.
     squares: FxHashMap<Expr, Option<usize>>,
     roots: Vec<Root>,
@@ -131,7 +131,7 @@ impl Rewriter<'_> {
     }
 
     /// The factors of `e^power`; products in denominators are taken apart, those in positive powers are not.
-    fn flatten(&mut self, e: Expr, power: &Rational, out: &mut Vec<Factor>) {
+    pub(crate) fn flatten(&mut self, e: Expr, power: &Rational, out: &mut Vec<Factor>) {
         let mut stack = vec![(e, power.clone())];
         while let Some((e, power)) = stack.pop() {
             let pool = &self.system.pool;
@@ -350,136 +350,10 @@ impl Rewriter<'_> {
         }
         None
     }
-
-    /// The components of a sum of squares with positive coefficients; none if it is no such sum, or cannot vanish.
-    fn components(&mut self, square: Expr) -> Option<Vec<Component>> {
-        let mut components: Vec<Component> = Vec::new();
-        let mut stack = vec![(square, Vec::<Factor>::new())];
-        while let Some((e, outer)) = stack.pop() {
-            if matches!(self.system.pool.node(e), Node::Add(..)) {
-                for term in sum_terms(self.system, e).into_iter().rev() {
-                    stack.push((term, outer.clone()));
-                }
-                continue;
-            }
-            let mut factors = outer;
-            self.flatten(e, &Rational::ONE, &mut factors);
-            factors = self.split_squares(factors);
-            let moving = |this: &Self, f: &Factor| !this.is_constant(f.base);
-            let squares: Vec<Factor> =
-                factors.iter().filter(|f| f.exponent == Rational::from(2u8) && moving(self, f)).cloned().collect();
-            if squares.is_empty() {
-                let sums: Vec<usize> = (0..factors.len())
-                    .filter(|&i| factors[i].exponent == Rational::ONE && moving(self, &factors[i]))
-                    .filter(|&i| matches!(self.system.pool.node(factors[i].base), Node::Add(..)))
-                    .collect();
-                if let [at] = sums[..] {
-                    let sum = factors.remove(at).base;
-                    stack.push((sum, factors));
-                    continue;
-                }
-                // A constant term: the sum does not vanish, unless the constant does.
-                if factors.iter().all(|f| self.is_constant(f.base)) && self.constant_product(&factors)? == 0.0 {
-                    continue;
-                }
-                return None;
-            }
-            components.push(self.component(&factors, &squares)?);
-        }
-        Some(components)
-    }
-
-    /// Squares of products as products of squares.
-    fn split_squares(&mut self, factors: Vec<Factor>) -> Vec<Factor> {
-        let mut out = Vec::new();
-        for f in factors {
-            if f.exponent == Rational::from(2u8) && matches!(self.system.pool.node(f.base), Node::Mul(..)) {
-                let mut inner = Vec::new();
-                self.flatten(f.base, &Rational::ONE, &mut inner);
-                for i in inner {
-                    out.push(Factor { base: i.base, exponent: i.exponent * &f.exponent });
-                }
-            } else {
-                out.push(f);
-            }
-        }
-        out
-    }
-
-    /// One term of the sum, from its factors, of which `squares` are squares that move.
-    fn component(&mut self, factors: &[Factor], squares: &[Factor]) -> Option<Component> {
-        let pool = &mut self.system.pool;
-        let mut base = pool.int(1);
-        for f in squares {
-            base = pool.mul(base, f.base);
-        }
-        let mut scale = self.system.pool.int(1);
-        for f in factors {
-            if f.exponent == Rational::from(2u8) {
-                if self.is_constant(f.base) {
-                    let value = self.system.value(f.base).filter(|v| *v != 0.0)?;
-                    let size = if value < 0.0 { self.system.pool.neg(f.base) } else { f.base };
-                    scale = self.system.pool.mul(scale, size);
-                }
-                continue;
-            }
-            let exponent = self.system.pool.rational(f.exponent.clone());
-            let power = self.system.pool.pow(f.base, exponent);
-            if !self.is_positive(power) {
-                return None;
-            }
-            let root = if let Some(root) = self.system.pool.number(power).and_then(exact_root) {
-                self.system.pool.rational(root)
-            } else {
-                let exponent = self.system.pool.rational(f.exponent.clone() * half(1));
-                self.system.pool.pow(f.base, exponent)
-            };
-            scale = self.system.pool.mul(scale, root);
-        }
-        Some(Component { base, scale })
-    }
-
-    /// Whether `e` uses nothing but parameters.
-    fn is_constant(&self, e: Expr) -> bool {
-        let used = self.system.pool.symbols_of(&[e]);
-        used.iter().all(|s| self.system.parameters.iter().any(|p| p.symbol == *s))
-    }
-
-    fn constant_product(&mut self, factors: &[Factor]) -> Option<f64> {
-        let mut product = 1.0;
-        for f in factors {
-            product *= self.system.value(f.base)?.powf(f.exponent.to_f64().value());
-        }
-        Some(product)
-    }
-
-    /// Whether `e` is positive wherever it is defined, but perhaps at single points: by its value if it is constant, by
-    /// its form otherwise.
-    fn is_positive(&mut self, e: Expr) -> bool {
-        let mut stack = vec![e];
-        while let Some(e) = stack.pop() {
-            if self.is_constant(e) {
-                if self.system.value(e).is_none_or(|v| v <= 0.0) {
-                    return false;
-                }
-                continue;
-            }
-            match self.system.pool.node(e) {
-                Node::Add(a, b) | Node::Mul(a, b) => stack.extend([a, b]),
-                Node::Call(Func::Exp | Func::Cosh | Func::Abs, _) => {}
-                Node::Pow(base, exponent) => match self.system.pool.integer(exponent) {
-                    Some(k) if k % 2 == 0 => {}
-                    _ => stack.push(base),
-                },
-                _ => return false,
-            }
-        }
-        true
-    }
 }
 
 /// The terms of a sum.
-fn sum_terms(system: &System, e: Expr) -> Vec<Expr> {
+pub(crate) fn sum_terms(system: &System, e: Expr) -> Vec<Expr> {
     let mut terms = Vec::new();
     let mut stack = vec![e];
     while let Some(e) = stack.pop() {
@@ -491,7 +365,7 @@ fn sum_terms(system: &System, e: Expr) -> Vec<Expr> {
     terms
 }
 
-fn half(numerator: i8) -> Rational {
+pub(crate) fn half(numerator: i8) -> Rational {
     Rational::from(numerator) / Rational::from(2u8)
 }
 
@@ -504,16 +378,4 @@ fn half_powers(exponent: &Rational) -> Option<usize> {
 /// The exponent if it is a positive integer, else 0.
 fn whole(exponent: &Rational) -> usize {
     if exponent.is_int() { usize::try_from(exponent.numerator()).unwrap_or(0) } else { 0 }
-}
-
-/// The root of a square of a rational.
-fn exact_root(x: &Rational) -> Option<Rational> {
-    let (p, q) = (x.numerator(), x.denominator());
-    let root = |v: u64| {
-        let r = v.isqrt();
-        (r * r == v).then_some(r)
-    };
-    let p = root(u64::try_from(p).ok()?)?;
-    let q = root(u64::try_from(q).ok()?)?;
-    Some(Rational::from(p) / Rational::from(q))
 }
