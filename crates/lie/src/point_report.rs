@@ -28,8 +28,7 @@ pub(crate) enum Regime {
 /// The regime that holds at `point`.
 pub(crate) fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -> Result<Regime, Error> {
     let form = system.set_valued_form();
-    let signed = form.unit_vectors.first().map_or(form.switches.len(), |v| v.switches.start);
-    let switches = &form.switches[..signed];
+    let switches = form.signs();
     let mut at: FxHashMap<Expr, Expr> = FxHashMap::default();
     for (&s, &v) in system.states.iter().zip(&point.states) {
         let s = system.pool.sym(s);

@@ -8,7 +8,7 @@ use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 /// Name of time in the pool; no model can declare it.
-const TIME: &str = "(t)";
+pub(crate) const TIME: &str = "(t)";
 
 /// Where the value of a slot comes from.
 #[derive(Debug, Clone)]
@@ -204,6 +204,9 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
     system.dynamics = system.pool.substitute_all(&system.dynamics, &map);
     driven.outputs = system.pool.substitute_all(&[measured, inputs].concat(), &map);
     system.outputs.clear();
+    for level in &mut system.static_levels {
+        level.components = system.pool.substitute_all(&level.components, &map);
+    }
     Ok(driven)
 }
 

@@ -1,9 +1,9 @@
 //! Finding and handling events: a sliding switch reaches zero, or a sticking one needs more than the full sign.
 //!
-//! Every switch has a *gap* that is positive while its mode lasts: `±σ` for a sign, `1 − |s|` sticking. It is sampled on the
+//! Every switch has a *gap* that is positive while its mode lasts: `±σ` for a sign, `1 − |s|` sticking (static over sliding level in place of 1). It is sampled on the
 //! step's continuous extension; the event itself is then reached by a step of its own, corrected by Newton's rule.
 
-use crate::multipliers::{STICKING_EXCESS, norm};
+use crate::multipliers::norm;
 use crate::stepper::Stepper;
 use crate::trajectory::{Trajectory, interpolate};
 use crate::{Mode, StopReason, Switched};
@@ -71,7 +71,7 @@ impl<S: Switched> Stepper<S> {
     fn gaps_by_signs(&mut self, solved: bool) {
         for (i, mode) in self.modes.iter().enumerate() {
             self.gaps[i] = match mode {
-                Mode::Sticking if solved => 1.0 + STICKING_EXCESS - self.multipliers.size(i),
+                Mode::Sticking if solved => self.multipliers.reserve(i, self.multipliers.size(i)),
                 Mode::Sticking => -1.0,
                 // Its σ reaches zero without a change of sign.
                 Mode::Sliding => 1.0,
@@ -355,7 +355,7 @@ impl<S: Switched> Stepper<S> {
         match self.modes[switch] {
             Mode::Sticking | Mode::Sliding => {
                 let size = norm(&self.signs[6][self.multipliers.parts[switch].clone()]);
-                (1.0 + STICKING_EXCESS - size, secant)
+                (self.multipliers.reserve(switch, size), secant)
             }
             sliding => {
                 let t = self.t + length;
@@ -380,7 +380,7 @@ impl<S: Switched> Stepper<S> {
             let part = self.multipliers.parts[i].clone();
             match mode {
                 Mode::Sticking => {
-                    let loose = i == switch && breaks || self.multipliers.size(i) > 1.0 + STICKING_EXCESS;
+                    let loose = i == switch && breaks || self.multipliers.reserve(i, self.multipliers.size(i)) < 0.0;
                     self.zero.push(i, self.multipliers.sliding_mode(i), loose);
                 }
                 Mode::Sliding => {

@@ -19,7 +19,7 @@ const A: [[f64; 3]; 3] = [
     [(16.0 - ROOT6) / 36.0, (16.0 + ROOT6) / 36.0, 1.0 / 9.0],
 ];
 /// Where the fields of the start and the stages are kept among the stages of the explicit method.
-const SLOTS: [usize; 4] = [0, 1, 2, 6];
+pub(crate) const SLOTS: [usize; 4] = [0, 1, 2, 6];
 /// The embedded third-order error (Hairer and Wanner's, without their filter) is this times the third divided difference
 /// of the field.
 const EMBEDDED: f64 = 0.0275;
@@ -264,10 +264,7 @@ impl<S: Switched> Stepper<S> {
 
     /// Within the last implicit step, at fraction `theta`: holds the directions at their interpolated values.
     pub(crate) fn interpolate_directions(&mut self, theta: f64) {
-        let nodes = [0.0, C[0], C[1], C[2]];
-        let weights: [f64; 4] = std::array::from_fn(|i| {
-            (0..4).filter(|&l| l != i).map(|l| (theta - nodes[l]) / (nodes[i] - nodes[l])).product()
-        });
+        let weights = node_weights(theta);
         for i in self.sliding() {
             let part = self.multipliers.parts[i].clone();
             for c in part.clone() {
@@ -278,6 +275,12 @@ impl<S: Switched> Stepper<S> {
             self.multipliers.held[i] = true;
         }
     }
+}
+
+/// Lagrange's weights at `theta` for the start and the nodes of a step.
+pub(crate) fn node_weights(theta: f64) -> [f64; 4] {
+    let nodes = [0.0, C[0], C[1], C[2]];
+    std::array::from_fn(|i| (0..4).filter(|&l| l != i).map(|l| (theta - nodes[l]) / (nodes[i] - nodes[l])).product())
 }
 
 /// Third divided difference over the start and the nodes.

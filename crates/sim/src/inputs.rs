@@ -179,6 +179,14 @@ pub enum InputError {
         /// What is wrong with it.
         source: bracketry_symbolic::ParseError,
     },
+    /// A quantity to keep account of that cannot be read.
+    #[error("`{text}`: {source}")]
+    Quantity {
+        /// The expression.
+        text: String,
+        /// What is wrong with it.
+        source: bracketry_symbolic::ParseError,
+    },
     /// A sampled input whose derivative the model uses and nothing gives.
     #[error("the model uses der({input}, {order}), which nothing gives: add a column der({input},{order})")]
     MissingDerivative {
@@ -200,6 +208,14 @@ pub enum InputError {
         row: usize,
         /// What is wrong.
         problem: &'static str,
+    },
+    /// A static level of dry friction below the sliding level.
+    #[error("the static level of `{switch}` is {ratio} times the sliding level: it must be at least 1")]
+    StaticLevel {
+        /// The switch.
+        switch: String,
+        /// Static over sliding level.
+        ratio: f64,
     },
     /// A switching function that depends on the sign of another.
     #[error("the switching function `{outer}` depends on the sign of `{inner}`, which jumps")]

@@ -12,6 +12,7 @@
 
 mod affine;
 mod arrival;
+mod balance;
 mod contact;
 mod drive;
 mod events;
@@ -31,6 +32,7 @@ mod switched;
 mod tableau;
 mod trajectory;
 
+pub use balance::{Account, Balance};
 pub use contact::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Slip};
 pub use inputs::{Hold, InputError, Inputs, Samples};
 pub use model::Model;

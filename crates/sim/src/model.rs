@@ -13,6 +13,8 @@ struct ModelSwitch {
     name: String,
     components: usize,
     sticks: bool,
+    /// Static over sliding level.
+    static_ratio: f64,
 }
 
 /// A compiled [`System`] with its inputs: a [`Switched`] system.
@@ -48,6 +50,7 @@ pub struct Model {
     constant_gradients: bool,
     inputs: Tape,
     outputs: Tape,
+    measures: Tape,
     work: Vec<f64>,
     results: Vec<f64>,
     impulses: Vec<(String, u32)>,
@@ -75,11 +78,21 @@ impl Model {
     /// assert!((first.t - (0.3f64 * 9.81 / 6.0).asin() / 10.0).abs() < 1e-10);
     /// ```
     pub fn new(system: &System, inputs: &Inputs) -> Result<Self, InputError> {
+        Self::with_measures(system, inputs, 0)
+    }
+
+    /// As [`Model::new`]; the last `measures` outputs of the system become measures instead, which see the set-valued parts
+    /// of the equations at their actual values.
+    pub(crate) fn with_measures(system: &System, inputs: &Inputs, measures: usize) -> Result<Self, InputError> {
         let input_names = system.input_names();
         let mut driven = drive(system, inputs)?;
         let form = driven.system.set_valued_form();
         let n = driven.system.states.len();
-        driven.outputs = zero_at_zero(&mut driven.system, &driven.outputs);
+        let last = driven.outputs.len() - input_names.len();
+        let measures: Vec<Expr> = driven.outputs.drain(last - measures..last).collect();
+        let actual: Vec<Symbol> = form.switches.iter().map(|s| s.sign).collect();
+        let measures = without_set_values(&mut driven.system, &measures, &actual);
+        driven.outputs = without_set_values(&mut driven.system, &driven.outputs, &[]);
         let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
         let gradients = surface_gradients(&mut driven, &form.switches)?;
         let affine = with_derivatives_by_signs(&mut driven.system, &form.switches, &form.dynamics);
@@ -90,6 +103,7 @@ impl Model {
         let mut arguments = smooth_arguments.clone();
         arguments.extend(form.switches.iter().map(|s| s.sign));
 
+        let model_switches = model_switches(&mut driven, &form)?;
         let Driven { mut system, values, outputs, .. } = driven;
         let mut compile = |arguments: &[Symbol], expressions: &[Expr]| {
             let expressions = system.pool.substitute_all(expressions, &values);
@@ -102,6 +116,7 @@ impl Model {
         let (measured, driving) = outputs.split_at(outputs.len() - input_names.len());
         let inputs_tape = compile(&smooth_arguments, driving)?;
         let outputs_tape = compile(&smooth_arguments, measured)?;
+        let measures = compile(&arguments, &measures)?;
         let mut model = Self {
             n,
             input_names,
@@ -118,13 +133,14 @@ impl Model {
             sources: driven.sources,
             tables: driven.tables,
             components: form.switches.len(),
-            switches: model_switches(&form),
+            switches: model_switches,
             field,
             affine,
             surfaces,
             gradients,
             inputs: inputs_tape,
             outputs: outputs_tape,
+            measures,
             work: Vec::new(),
         };
         model.load(0.0);
@@ -207,6 +223,14 @@ impl Model {
         values
     }
 
+    /// Writes the measures at `t` in state `x` for signs and directions `s`.
+    pub(crate) fn measure(&mut self, t: f64, x: &[f64], s: &[f64], values: &mut [f64]) {
+        self.point(t, Some(x));
+        let first = self.arguments.len() - self.components;
+        self.arguments[first..].copy_from_slice(s);
+        self.measures.eval(&self.arguments, &mut self.work, values);
+    }
+
     /// Writes time and state into the arguments, and slots that move with time.
     fn point(&mut self, t: f64, x: Option<&[f64]>) {
         self.arguments[0] = t;
@@ -246,6 +270,10 @@ impl Switched for Model {
 
     fn components(&self, switch: usize) -> usize {
         self.switches[switch].components
+    }
+
+    fn static_ratio(&self, switch: usize) -> f64 {
+        self.switches[switch].static_ratio
     }
 
     fn rhs(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64]) {
@@ -299,19 +327,19 @@ impl Switched for Model {
     }
 }
 
-/// Expressions in which the components of unit vectors are zero where σ is.
-fn zero_at_zero(system: &mut System, expressions: &[Expr]) -> Vec<Expr> {
+/// Expressions without set-valued parts, but for the symbols `kept`: signs as functions, and components of unit vectors
+/// as quotients that are zero where σ is.
+fn without_set_values(system: &mut System, expressions: &[Expr], kept: &[Symbol]) -> Vec<Expr> {
     let mut alone = system.clone();
     alone.dynamics = expressions.to_vec();
     alone.outputs.clear();
     let form = alone.set_valued_form();
-    if form.unit_vectors.is_empty() {
+    if form.unit_vectors.is_empty() && kept.is_empty() {
         return expressions.to_vec();
     }
     let pool = &mut alone.pool;
     let mut values: FxHashMap<Expr, Expr> = FxHashMap::default();
-    let vectors = form.unit_vectors[0].switches.start;
-    for switch in &form.switches[..vectors] {
+    for switch in form.signs().iter().filter(|s| !kept.contains(&s.sign)) {
         let surface = pool.substitute(switch.surface, &values);
         let (symbol, sign) = (pool.sym(switch.sign), pool.call(Func::Sign, surface));
         values.insert(symbol, sign);
@@ -322,7 +350,7 @@ fn zero_at_zero(system: &mut System, expressions: &[Expr]) -> Vec<Expr> {
         let square = pool.substitute(vector.square, &values);
         let size = pool.sqrt(square);
         let size = pool.call2(Func2::Max, size, tiny);
-        for switch in &form.switches[vector.switches.clone()] {
+        for switch in form.switches[vector.switches.clone()].iter().filter(|s| !kept.contains(&s.sign)) {
             let surface = pool.substitute(switch.surface, &values);
             let (symbol, component) = (pool.sym(switch.sign), pool.div(surface, size));
             values.insert(symbol, component);
@@ -334,19 +362,36 @@ fn zero_at_zero(system: &mut System, expressions: &[Expr]) -> Vec<Expr> {
 }
 
 /// Signs, then unit vectors.
-fn model_switches(form: &SwitchedForm) -> Vec<ModelSwitch> {
-    let vectors = form.unit_vectors.iter().map(|v| v.switches.len()).sum::<usize>();
-    let signs = form.switches[..form.switches.len() - vectors].iter().map(|s| ModelSwitch {
-        name: s.name.clone(),
-        components: 1,
-        sticks: s.kind == SwitchKind::Jump,
-    });
-    let vectors = form.unit_vectors.iter().map(|v| ModelSwitch {
-        name: v.name.clone(),
-        components: v.switches.len(),
-        sticks: true,
-    });
-    signs.chain(vectors).collect()
+fn model_switches(driven: &mut Driven, form: &SwitchedForm) -> Result<Vec<ModelSwitch>, InputError> {
+    let switch =
+        |name: &str, components, sticks| ModelSwitch { name: name.to_owned(), components, sticks, static_ratio: 1.0 };
+    let signs = form.signs().iter().map(|s| switch(&s.name, 1, s.kind == SwitchKind::Jump));
+    let vectors = form.unit_vectors.iter().map(|v| switch(&v.name, v.switches.len(), true));
+    let mut switches: Vec<ModelSwitch> = signs.chain(vectors).collect();
+    let system = &mut driven.system;
+    for level in system.static_levels.clone() {
+        // One of a switch that the inputs make constant has nothing to act on.
+        let Some(i) = system.switch_of(form, &level) else { continue };
+        let live: Vec<(Expr, Expr)> = driven
+            .live
+            .iter()
+            .filter_map(|&(_, slot)| match driven.sources[slot] {
+                Source::Held(value) => Some((driven.slots[slot], value)),
+                _ => None,
+            })
+            .filter_map(|(symbol, value)| {
+                let number = Rational::try_from(value).ok()?;
+                Some((system.pool.sym(symbol), system.pool.rational(number)))
+            })
+            .collect();
+        let ratio = system.pool.substitute(level.ratio, &live.into_iter().collect());
+        let ratio = system.value(ratio).unwrap_or(f64::NAN);
+        if !(1.0..f64::INFINITY).contains(&ratio) {
+            return Err(InputError::StaticLevel { switch: switches[i].name.clone(), ratio });
+        }
+        switches[i].static_ratio = ratio;
+    }
+    Ok(switches)
 }
 
 /// The surfaces with the signs of inner switches as functions again (an inner switch comes before an outer one).

@@ -14,7 +14,7 @@ const RESIDUAL: f64 = 1e-14;
 const ROUNDING: f64 = 4e-15;
 
 /// How far a sticking sign may pass 1 before the switch breaks loose: far above its rounding, far below notice.
-pub(crate) const STICKING_EXCESS: f64 = 1e-11;
+const STICKING_EXCESS: f64 = 1e-11;
 
 /// Solver of the sticking signs, with its scratch memory.
 #[derive(Debug, Clone)]
@@ -22,6 +22,8 @@ pub(crate) struct Multipliers {
     pub(crate) n: usize,
     /// The components of each switch.
     pub(crate) parts: Vec<Range<usize>>,
+    /// Static over sliding level of each switch.
+    ratios: Vec<f64>,
     /// The signs and directions, `k`: ±1 or a unit vector where sliding, the solution where sticking.
     pub(crate) s: Vec<f64>,
     /// Unit vectors that slide along their σ.
@@ -67,6 +69,7 @@ impl Multipliers {
             s: vec![1.0; k],
             aimed: Vec::new(),
             held: vec![false; parts.len()],
+            ratios: (0..parts.len()).map(|i| system.static_ratio(i).max(1.0)).collect(),
             parts,
             sigma: vec![0.0; k],
             gradient: vec![0.0; n * k],
@@ -98,10 +101,9 @@ impl Multipliers {
         for (i, mode) in modes.iter().enumerate() {
             let part = self.parts[i].clone();
             match mode {
-                Mode::Sticking if part.len() == 1 => self.s[part.start] = self.s[part.start].clamp(-1.0, 1.0),
                 Mode::Sticking => {
-                    let size = norm(&self.s[part.clone()]).max(1.0);
-                    self.s[part].iter_mut().for_each(|s| *s /= size);
+                    let excess = (norm(&self.s[part.clone()]) / self.ratios[i]).max(1.0);
+                    self.s[part].iter_mut().for_each(|s| *s /= excess);
                 }
                 _ if part.len() > 1 => self.aimed.push(i),
                 sliding => self.s[part.start] = sliding.sign(),
@@ -114,6 +116,11 @@ impl Multipliers {
         self.parts[switch].len() > 1
     }
 
+    /// How much further a sticking switch of this `size` may be loaded before it breaks loose.
+    pub(crate) fn reserve(&self, switch: usize, size: f64) -> f64 {
+        self.ratios[switch] + STICKING_EXCESS - size
+    }
+
     /// The sliding mode that a switch takes when it breaks loose with its present sign or direction.
     pub(crate) fn sliding_mode(&self, switch: usize) -> Mode {
         if self.is_vector(switch) { Mode::Sliding } else { Mode::of_sign(self.s[self.parts[switch].start]) }
@@ -122,6 +129,20 @@ impl Multipliers {
     /// The size of the sign or direction of a switch.
     pub(crate) fn size(&self, switch: usize) -> f64 {
         norm(&self.s[self.parts[switch].clone()])
+    }
+
+    /// Holds the directions that slide at given values, scaled to unit length; none lets them follow σ again.
+    pub(crate) fn hold(&mut self, directions: Option<&[f64]>) {
+        for &i in &self.aimed {
+            self.held[i] = directions.is_some();
+            if let Some(directions) = directions {
+                let part = self.parts[i].clone();
+                let size = norm(&directions[part.clone()]);
+                for c in part {
+                    self.s[c] = directions[c] / size;
+                }
+            }
+        }
     }
 
     /// Points the directions that are not held along σ; where σ is exactly zero they stay.
@@ -348,7 +369,7 @@ impl Multipliers {
                 scale * rates + spread
             };
             let away = match modes[i] {
-                Mode::Sticking => return self.size(i) <= 1.0 + STICKING_EXCESS,
+                Mode::Sticking => return self.reserve(i, self.size(i)) >= 0.0,
                 Mode::Sliding => self.radial_rate(i, dx),
                 sliding => sliding.sign() * self.rate(part.start, dx),
             };

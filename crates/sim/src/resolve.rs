@@ -106,7 +106,7 @@ fn active_set(
         let mut changed = false;
         for &i in &zero.switches {
             let next = match modes[i] {
-                Mode::Sticking if multipliers.size(i) > 1.0 => multipliers.sliding_mode(i),
+                Mode::Sticking if multipliers.reserve(i, multipliers.size(i)) < 0.0 => multipliers.sliding_mode(i),
                 Mode::Sliding if multipliers.radial_rate(i, dx) < 0.0 => Mode::Sticking,
                 sliding if sliding.sign() * multipliers.rate(multipliers.parts[i].start, dx) < 0.0 => {
                     if system.sticks(i) { Mode::Sticking } else { sliding.opposite() }

@@ -1,5 +1,6 @@
 //! One Dormand–Prince step: its stages, its end, its continuous extension, its error.
 
+use crate::implicit::SLOTS;
 use crate::stepper::Stepper;
 use crate::tableau::{A, C, D, E};
 use crate::trajectory::Trajectory;
@@ -97,6 +98,9 @@ impl<S: Switched> Stepper<S> {
     pub(crate) fn accept(&mut self, h: f64, trajectory: &mut Option<&mut Trajectory>) {
         if let Some(trajectory) = trajectory {
             trajectory.push(self.t, h, &self.coefficients, &self.end);
+            if self.implicit {
+                trajectory.keep_directions(SLOTS.iter().map(|&slot| &self.signs[slot]));
+            }
         }
         std::mem::swap(&mut self.x, &mut self.end);
         self.t += h;

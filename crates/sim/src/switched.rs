@@ -49,6 +49,13 @@ pub trait Switched {
         true
     }
 
+    /// How large the argument of a sticking switch may become before it breaks loose, at least 1: static over sliding
+    /// level of dry friction.
+    fn static_ratio(&self, switch: usize) -> f64 {
+        let _ = switch;
+        1.0
+    }
+
     /// Makes the smooth segment that begins at `t` the current one and returns the time at which it ends.
     ///
     /// Until the next call the other methods evaluate this segment's formulas, also at its end, so that jumps of
@@ -144,6 +151,7 @@ where
 pub struct Coupled<S> {
     system: S,
     components: Vec<usize>,
+    ratios: Vec<f64>,
 }
 
 impl<S: Switched> Coupled<S> {
@@ -160,7 +168,18 @@ impl<S: Switched> Coupled<S> {
             left -= taken;
             list.push(taken);
         }
-        Self { system, components: list }
+        let ratios = vec![1.0; list.len()];
+        Self { system, components: list, ratios }
+    }
+
+    /// Gives a switch a static level above its sliding level: `ratio` of them, at least 1. Without effect for a switch that
+    /// does not exist.
+    #[must_use]
+    pub fn with_static_ratio(mut self, switch: usize, ratio: f64) -> Self {
+        if let Some(r) = self.ratios.get_mut(switch) {
+            *r = ratio.max(1.0);
+        }
+        self
     }
 }
 
@@ -192,6 +211,10 @@ impl<S: Switched> Switched for Coupled<S> {
     fn sticks(&self, switch: usize) -> bool {
         let first: usize = self.components[..switch].iter().sum();
         self.components[switch] > 1 || self.system.sticks(first)
+    }
+
+    fn static_ratio(&self, switch: usize) -> f64 {
+        self.ratios[switch]
     }
 
     fn enter_segment(&mut self, t: f64) -> f64 {

@@ -161,6 +161,8 @@ pub struct Statistics {
 struct Piece {
     t: f64,
     h: f64,
+    /// Where its directions begin, if they are kept.
+    directions: Option<usize>,
 }
 
 /// States at any time of a simulation, with the transitions between modes.
@@ -175,6 +177,8 @@ pub struct Trajectory {
     pieces: Vec<Piece>,
     /// Five coefficient vectors per piece.
     coefficients: Vec<f64>,
+    /// Signs and directions at the nodes of implicit steps, where they cannot be told from the states.
+    directions: Vec<f64>,
     transitions: Vec<Transition>,
 }
 
@@ -189,15 +193,37 @@ impl Trajectory {
             initial_modes: modes.to_vec(),
             pieces: Vec::new(),
             coefficients: Vec::new(),
+            directions: Vec::new(),
             transitions: Vec::new(),
         }
     }
 
     pub(crate) fn push(&mut self, t: f64, h: f64, coefficients: &[f64], end_state: &[f64]) {
-        self.pieces.push(Piece { t, h });
+        self.pieces.push(Piece { t, h, directions: None });
         self.coefficients.extend_from_slice(coefficients);
         self.end = t + h;
         self.final_state.copy_from_slice(end_state);
+    }
+
+    /// Keeps the directions at the nodes of the last step.
+    pub(crate) fn keep_directions<'a>(&mut self, nodes: impl Iterator<Item = &'a Vec<f64>>) {
+        if let Some(piece) = self.pieces.last_mut() {
+            piece.directions = Some(self.directions.len());
+            nodes.for_each(|node| self.directions.extend_from_slice(node));
+        }
+    }
+
+    /// Writes the signs and directions at `t`, interpolated but not of unit length; false if they are not kept there.
+    pub(crate) fn directions_into(&self, t: f64, s: &mut [f64]) -> bool {
+        let Some(index) = self.pieces.partition_point(|piece| piece.t <= t).checked_sub(1) else { return false };
+        let piece = &self.pieces[index];
+        let Some(first) = piece.directions else { return false };
+        let weights = crate::implicit::node_weights(((t - piece.t) / piece.h).min(1.0));
+        s.fill(0.0);
+        for (weight, node) in weights.iter().zip(self.directions[first..].chunks(s.len())) {
+            s.iter_mut().zip(node).for_each(|(s, v)| *s += weight * v);
+        }
+        true
     }
 
     /// The time and state at which the integrator stands, with what sticks projected.
@@ -208,6 +234,11 @@ impl Trajectory {
 
     pub(crate) fn push_transition(&mut self, transition: Transition) {
         self.transitions.push(transition);
+    }
+
+    /// The modes of all switches at the start.
+    pub fn initial_modes(&self) -> &[Mode] {
+        &self.initial_modes
     }
 
     /// Number of states.
@@ -295,7 +326,10 @@ impl Trajectory {
 
     /// Joins a later trajectory that begins where this one ends; its transitions follow.
     pub fn append(&mut self, later: &Trajectory) {
-        self.pieces.extend_from_slice(&later.pieces);
+        let shift = self.directions.len();
+        let shifted = |piece: &Piece| Piece { directions: piece.directions.map(|d| d + shift), ..*piece };
+        self.pieces.extend(later.pieces.iter().map(shifted));
+        self.directions.extend_from_slice(&later.directions);
         self.coefficients.extend_from_slice(&later.coefficients);
         self.transitions.extend_from_slice(&later.transitions);
         self.end = later.end;

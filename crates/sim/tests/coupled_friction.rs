@@ -127,3 +127,112 @@ fn the_reduced_model_runs_the_first_experiment() {
     // Area contact turns the disk by 118°; this model stays near it.
     assert!((end[2].to_degrees() - 118.0).abs() < 6.0, "{end:?}");
 }
+
+#[test]
+fn a_push_that_grows_breaks_loose_along_its_own_line() {
+    // a = c t along a line: v = c (t − t₁)²/2 from t₁ = μ g/c on.
+    let (c, angle) = (5.0f64, 0.7f64);
+    let push = |part: f64| format!("{:.17}*t", c * part);
+    let inputs = Inputs::new().expression("a", &push(angle.cos())).expression("b", &push(angle.sin()));
+    let run = simulate_text(&plane("a", "b"), &inputs, &[0.0; 4], 1.5);
+    let start = 0.3 * G / c;
+    let events = run.trajectory.transitions();
+    assert_eq!((events.len(), events[0].to), (1, Mode::Sliding));
+    assert!((events[0].t - start).abs() < 1e-10);
+    for i in 1..=20 {
+        let t = start + (1.5 - start) * f64::from(i) / 20.0;
+        let (v, way) = (c * (t - start).powi(2) / 2.0, c * (t - start).powi(3) / 6.0);
+        let x = run.trajectory.sample(t);
+        for (value, exact) in x.iter().zip([way * angle.cos(), way * angle.sin(), v * angle.cos(), v * angle.sin()]) {
+            assert!((value - exact).abs() < 1e-9, "{t} {:e}", value - exact);
+        }
+    }
+}
+
+#[test]
+fn on_a_circularly_shaken_plate_the_slip_keeps_its_speed() {
+    // v' = a e^{iωt} − f v/|v| has the solution |v| = √(a² − f²)/ω, turning with the plate.
+    let (a, omega, f) = (6.0f64, 20.0f64, 0.3 * G);
+    let speed = (a * a - f * f).sqrt() / omega;
+    let lag = (omega * speed / f).atan();
+    let inputs = Inputs::new().expression("a", "6*cos(20*t)").expression("b", "6*sin(20*t)");
+    let start = [0.0, 0.0, speed * lag.cos(), -speed * lag.sin()];
+    let run = simulate_text(&plane("a", "b"), &inputs, &start, 3.0);
+    assert!(run.trajectory.transitions().is_empty());
+    for i in 1..=300 {
+        let t = 0.01 * f64::from(i);
+        let x = run.trajectory.sample(t);
+        assert!((x[2] - speed * (omega * t - lag).cos()).abs() < 1e-9);
+        assert!((x[3] - speed * (omega * t - lag).sin()).abs() < 1e-9);
+    }
+}
+
+/// Elliptical shaking that makes the object stick, break loose, slide around and stick again.
+fn shaken_in_axes(angle: f64, mirrored: bool) -> Simulation {
+    let (s, c) = angle.sin_cos();
+    let side = if mirrored { -1.0 } else { 1.0 };
+    let (first, second) = ("4*cos(9*t)*sin(t)", "2.5*sin(9*t)*sin(t)");
+    let a = format!("({c:.17})*({first}) - ({s:.17})*({second})");
+    let b = format!("({side:.1})*(({s:.17})*({first}) + ({c:.17})*({second}))");
+    let inputs = Inputs::new().expression("a", &a).expression("b", &b);
+    simulate_text(&plane("a", "b"), &inputs, &[0.0; 4], 8.0)
+}
+
+#[test]
+fn results_do_not_depend_on_the_axes() {
+    let straight = shaken_in_axes(0.0, false);
+    let count = straight.trajectory.transitions().len();
+    assert!(count >= 6, "{:?}", straight.trajectory.transitions());
+    let x = straight.trajectory.final_state();
+    let mirrored = shaken_in_axes(0.0, true);
+    let m = mirrored.trajectory.final_state();
+    assert!((x[0] - m[0]).abs() < 1e-14 && (x[1] + m[1]).abs() < 1e-14, "{x:?} {m:?}");
+    for angle in [0.5f64, 2.0] {
+        let turned = shaken_in_axes(angle, false);
+        let (s, c) = angle.sin_cos();
+        let t = turned.trajectory.final_state();
+        let back = [c * t[0] + s * t[1], c * t[1] - s * t[0]];
+        assert!((x[0] - back[0]).abs() < 1e-9 && (x[1] - back[1]).abs() < 1e-9, "{x:?} {back:?}");
+        assert_eq!(turned.trajectory.transitions().len(), count);
+        for (a, b) in straight.trajectory.transitions().iter().zip(turned.trajectory.transitions()) {
+            assert!((a.t - b.t).abs() < 1e-8, "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn a_disk_whose_spin_brakes_hard_ends_both_motions_together() {
+    // (√c w)' = −k √c w/√(v² + c w²) with k > f: the spin dies out with the speed, which stops at v/f.
+    let text = r#"
+        states = ["vx", "vy", "w"]
+        parameters = { f = 3, k = 4, c = 0.25 }
+        [dynamics]
+        vx = "-f*unit(vx, vy)"
+        vy = "-f*unit(vy, vx)"
+        w = "-k*w/sqrt(vx^2 + vy^2 + c*w^2)"
+    "#;
+    let run = simulate_text(text, &Inputs::new(), &[0.6, 0.8, 0.5], 2.0);
+    let events = run.trajectory.transitions();
+    assert_eq!(events.len(), 2, "{events:?}");
+    for e in events {
+        assert_eq!(e.to, Mode::Sticking);
+        assert!((e.t - 1.0 / 3.0).abs() < 1e-9, "{e:?}");
+    }
+    assert_eq!(run.trajectory.final_state(), &[0.0; 3]);
+}
+
+#[test]
+fn nothing_creeps_on_a_tilted_plate_for_a_minute() {
+    let tilt = 10.0f64.to_radians();
+    let text =
+        plane(&format!("-9.81*{:.17} + a", tilt.sin()), "b").replace("mu*g", &format!("mu*g*{:.17}", tilt.cos()));
+    let inputs = Inputs::new().expression("a", "0.5*sin(50*t)").expression("b", "0.4*cos(37*t)");
+    let run = simulate_text(&text, &inputs, &[0.03, 0.0, 0.1, 0.05], 60.0);
+    let events = run.trajectory.transitions();
+    assert_eq!(events.len(), 1, "{events:?}");
+    let place = run.trajectory.sample(events[0].t);
+    let end = run.trajectory.final_state();
+    // Nothing but rounding: a nanometre would be 1e-9.
+    assert!((end[0] - place[0]).abs() < 1e-15 && (end[1] - place[1]).abs() < 1e-15, "{end:?} {place:?}");
+    assert_eq!(&end[2..], &[0.0, 0.0]);
+}

@@ -7,6 +7,7 @@ use bracketry_symbolic::{Expr, Names, Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
 
 use crate::document::{Document, FileError, Table, Value};
+use crate::static_level::read_static_levels;
 use crate::system::{InputDerivative, InputRange, Parameter, Point, System};
 
 /// Names that a model may not declare.
@@ -15,8 +16,8 @@ pub const RESERVED: [&str; 20] = [
     "abs", "sign", "min", "max", "unit",
 ];
 
-const KEYS: [&str; 9] =
-    ["name", "states", "inputs", "ranges", "parameters", "definitions", "dynamics", "outputs", "point"];
+const KEYS: [&str; 10] =
+    ["name", "states", "inputs", "ranges", "parameters", "definitions", "dynamics", "outputs", "static", "point"];
 const PARAMETER_KEYS: [&str; 5] = ["value", "unit", "min", "max", "about"];
 
 type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
@@ -139,7 +140,7 @@ impl<'d> Reader<'d> {
         let input_ranges = self.read_ranges(&table)?;
         let input_derivatives =
             derivatives.into_iter().map(|((input, order), symbol)| InputDerivative { input, order, symbol }).collect();
-        Ok(System {
+        let mut system = System {
             name,
             pool: self.pool,
             states: self.states,
@@ -150,8 +151,11 @@ impl<'d> Reader<'d> {
             definitions,
             dynamics,
             outputs,
+            static_levels: Vec::new(),
             point,
-        })
+        };
+        read_static_levels(doc, &table, &plain, &mut system)?;
+        Ok(system)
     }
 
     fn declare(

@@ -34,6 +34,8 @@ struct Plain {
     dynamics: toml::Table,
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
     outputs: toml::Table,
+    #[serde(rename = "static", skip_serializing_if = "toml::Table::is_empty")]
+    static_levels: toml::Table,
     #[serde(skip_serializing_if = "Option::is_none")]
     point: Option<toml::Table>,
 }
@@ -79,6 +81,10 @@ impl System {
             let ends = ends.into_iter().filter_map(|(k, v)| Some((k.to_owned(), number(v.as_ref()?)))).collect();
             ranges.insert(self.pool.name(r.input).to_owned(), toml::Value::Table(ends));
         }
+        let static_levels = self.static_levels.iter().map(|level| {
+            let components: Vec<String> = level.components.iter().map(|&c| self.pool.text(c)).collect();
+            (components.join(", "), text(level.ratio))
+        });
         let point = self.point.as_ref().map(|p| {
             let states = self.states.iter().zip(&p.states);
             let inputs = self.inputs.iter().zip(&p.inputs);
@@ -93,6 +99,7 @@ impl System {
             parameters,
             dynamics: self.state_names().into_iter().zip(self.dynamics.iter().map(|&e| text(e))).collect(),
             outputs: self.outputs.iter().map(|(n, e)| (n.clone(), text(*e))).collect(),
+            static_levels: static_levels.collect(),
             point,
         }
     }

@@ -36,6 +36,8 @@ pub struct Switch {
 pub struct UnitVector {
     /// The components as they are written, with commas; names the vector.
     pub name: String,
+    /// The components as they are written; those of σ are positive multiples of them.
+    pub components: Vec<Expr>,
     /// Which of the switches are its components.
     pub switches: Range<usize>,
     /// σ², as it stands under the root.
@@ -56,6 +58,14 @@ pub struct SwitchedForm {
     pub switches: Vec<Switch>,
     /// The unit vectors whose components are switches; only [`System::set_valued_form`] looks for them.
     pub unit_vectors: Vec<UnitVector>,
+}
+
+impl SwitchedForm {
+    /// The switches that are signs: all but the components of unit vectors.
+    pub fn signs(&self) -> &[Switch] {
+        let end = self.unit_vectors.first().map_or(self.switches.len(), |v| v.switches.start);
+        &self.switches[..end]
+    }
 }
 
 /// Fixed signs of all switching functions.
@@ -127,7 +137,8 @@ impl System {
                 form.switches.push(Switch { name, sign, surface, kind: SwitchKind::Jump });
             }
             let switches = first..form.switches.len();
-            form.unit_vectors.push(UnitVector { name: names.join(", "), switches, square });
+            let components = vector.components.iter().map(|c| c.base).collect();
+            form.unit_vectors.push(UnitVector { name: names.join(", "), components, switches, square });
         }
         form
     }
@@ -234,8 +245,7 @@ impl System {
     /// `width` is any expression: a number, or a symbol that gets its value when the expressions are compiled.
     pub fn smooth_signs(&mut self, form: &SwitchedForm, width: Expr) -> FxHashMap<Expr, Expr> {
         let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
-        let vectors = form.unit_vectors.first().map_or(form.switches.len(), |v| v.switches.start);
-        for s in &form.switches[..vectors] {
+        for s in form.signs() {
             // The surface of a nested switch holds the signs of inner ones, which come first.
             let surface = self.pool.substitute(s.surface, &map);
             let ratio = self.pool.div(surface, width);

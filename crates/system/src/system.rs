@@ -51,6 +51,15 @@ pub struct InputRange {
     pub max: Option<Rational>,
 }
 
+/// How far the argument of a sign or unit vector may go before what sticks breaks loose.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StaticLevel {
+    /// The switching function, or the components of the unit vector, as they are written in the equations.
+    pub components: Vec<Expr>,
+    /// Static level over sliding level, at least 1: an expression of parameters.
+    pub ratio: Expr,
+}
+
 /// A control system x' = f(x, u, u', …; p), read from a model file or made by an analysis.
 ///
 /// Definitions are expanded; parameters stay symbols with exact values.
@@ -77,6 +86,8 @@ pub struct System {
     pub dynamics: Vec<Expr>,
     /// Measured outputs.
     pub outputs: Vec<(String, Expr)>,
+    /// Static levels of dry friction above the sliding one.
+    pub static_levels: Vec<StaticLevel>,
     /// Where local statements are made.
     pub point: Option<Point>,
 }
