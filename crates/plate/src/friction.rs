@@ -99,6 +99,14 @@ impl Friction {
         }
     }
 
+    /// The part of [`Friction::coefficient`] that grows in proportion to the speed, in s/m.
+    pub(crate) fn viscosity(&self) -> f64 {
+        match *self {
+            Self::Viscous { coefficient, .. } => coefficient,
+            _ => 0.0,
+        }
+    }
+
     /// Diagonal of `D`, plate axes: friction along each axis relative to the greater one.
     pub fn weights(&self) -> [f64; 2] {
         match *self {

@@ -3,6 +3,7 @@
 //! A plate translates along its x axis, `X(t)`, and rotates about the same axis, `theta(t)`. An object lies on it without
 //! being grasped; its position `(x, y)` and yaw `phi` in the plate frame are moved by dry friction alone.
 
+mod area;
 mod body;
 mod derivation;
 mod experiment;
@@ -14,6 +15,7 @@ mod object;
 mod parameters;
 mod plant;
 mod polygon;
+mod pressure;
 mod published;
 mod quadrature;
 mod reduced;
@@ -22,6 +24,9 @@ mod sweep;
 mod two_step;
 mod velocity_field;
 
+pub use area::{
+    AreaContact, AreaEvent, AreaOutcome, AreaPlant, AreaRecord, AreaSample, AreaSettings, EnergyBalance, Scheme,
+};
 pub use body::{BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, PlateFrame, RigidState};
 pub use derivation::{FlatContact, flat_contact};
 pub use experiment::{AmplitudeLaw, AmplitudeStep, Experiment, Run};
@@ -32,6 +37,7 @@ pub use motion::{ExpressionMotion, PlateKinematics, PlateMotion};
 pub use object::Object;
 pub use plant::{Course, Drive, ModelPlant, Plant, STATES};
 pub use polygon::{ShapeError, Vertices};
+pub use pressure::{Footprint, Load, Support};
 pub use published::published;
 pub use quadrature::Quadrature;
 pub use reduced::reduced;
@@ -75,6 +81,12 @@ pub enum PlateError {
         mu: f64,
         /// Coefficient of sticking.
         mu_static: f64,
+    },
+    /// A number of a state, or a time, that is not finite or lies in the past.
+    #[error("{value} as part of a state or as a time: states must be finite, times finite and not in the past")]
+    BadState {
+        /// The number.
+        value: f64,
     },
     /// Too few points for a footprint.
     #[error("{count} points cannot cover a footprint; ask for at least {least}")]

@@ -94,6 +94,11 @@ pub enum StopReason {
         /// The cap.
         limit: usize,
     },
+    /// The system left what its model covers, such as a contact that opens.
+    Departed {
+        /// What happened.
+        what: String,
+    },
     /// The system announced a segment that does not end after it begins.
     EmptySegment,
 }
@@ -101,6 +106,7 @@ pub enum StopReason {
 impl std::fmt::Display for StopReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            Self::Departed { what } => write!(f, "{what}"),
             Self::NonFinite => {
                 write!(f, "a state, its derivative, a switching function or the end time is not a finite number")
             }

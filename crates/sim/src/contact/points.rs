@@ -158,6 +158,30 @@ impl<const N: usize> FrictionPoints<N> {
         range
     }
 
+    /// With `λ_i = c_i J_i v/sqrt(|J_i v|² + eps²)`: what is dissipated less than with the bounds,
+    /// `Σ c_i |J_i v| − λ_i · J_i v`, and the impulse `Σ J_iᵀ λ_i`.
+    pub(super) fn impulse(&self, v: &[f64; N], eps: f64) -> (f64, [f64; N]) {
+        let mut loss = [0.0; LANES];
+        let mut impulse = [[0.0; LANES]; N];
+        for chunk in &self.chunks {
+            let [jx, jy] = &chunk.rows;
+            let [ux, uy] = chunk.slips(v);
+            let mut factor = [0.0; LANES];
+            for l in 0..LANES {
+                let squared = ux[l] * ux[l] + uy[l] * uy[l];
+                let norm = (squared + eps * eps).sqrt() + f64::MIN_POSITIVE;
+                factor[l] = chunk.bound[l] / norm;
+                loss[l] += chunk.bound[l] * squared.sqrt() - factor[l] * squared;
+            }
+            for i in 0..N {
+                for l in 0..LANES {
+                    impulse[i][l] += factor[l] * (jx[i][l] * ux[l] + jy[i][l] * uy[l]);
+                }
+            }
+        }
+        (total(loss).max(0.0), impulse.map(total))
+    }
+
     /// Value, gradient and Hessian of `Σ c_i sqrt(|J_i v|² + eps²)`. Without smoothing a point at rest has no part in the
     /// derivatives.
     pub(super) fn smoothed(&self, v: &[f64; N], eps: f64) -> Smoothed<N> {
@@ -197,16 +221,19 @@ impl<const N: usize> FrictionPoints<N> {
                 }
             }
         }
-        let add = |chunk: Chunk| (chunk[0] + chunk[1]) + (chunk[2] + chunk[3]);
-        let mut result = Smoothed { value: add(value), gradient: gradient.map(add), hessian: [[0.0; N]; N] };
+        let mut result = Smoothed { value: total(value), gradient: gradient.map(total), hessian: [[0.0; N]; N] };
         for i in 0..N {
             for j in 0..=i {
-                result.hessian[i][j] = add(hessian[i][j]);
+                result.hessian[i][j] = total(hessian[i][j]);
                 result.hessian[j][i] = result.hessian[i][j];
             }
         }
         result
     }
+}
+
+fn total(chunk: Chunk) -> f64 {
+    (chunk[0] + chunk[1]) + (chunk[2] + chunk[3])
 }
 
 impl<const N: usize> PointChunk<N> {

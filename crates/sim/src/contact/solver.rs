@@ -141,11 +141,11 @@ impl<const N: usize> FrictionSolver<N> {
         let stretched: [f64; N] = std::array::from_fn(|i| free[i] / units[i]);
         let largest = stretched.iter().fold(0.0f64, |m, z| m.max(z.abs()));
         self.multipliers.clear();
-        self.multipliers.resize(points.len(), [0.0; 2]);
         self.iterations = 0;
         let undisturbed =
             |slip| ContactStep { velocity: *free, impulse: [0.0; N], slip, gap: 0.0, residual: 0.0, iterations: 0 };
         if largest == 0.0 {
+            self.multipliers.resize(points.len(), [0.0; 2]);
             return Ok(undisturbed(Slip::Held));
         }
         let size = largest * stretched.iter().map(|z| (z / largest).powi(2)).sum::<f64>().sqrt();
@@ -159,6 +159,7 @@ impl<const N: usize> FrictionSolver<N> {
         self.scale_points(points, &units, size)?;
         let (fastest, _) = self.points.speeds(&scaled.free);
         if fastest == 0.0 {
+            self.multipliers.resize(points.len(), [0.0; 2]);
             return Ok(undisturbed(Slip::Sliding));
         }
         let guess = std::array::from_fn(|i| {
@@ -167,9 +168,7 @@ impl<const N: usize> FrictionSolver<N> {
         });
         let solution = self.solve(&scaled, &guess, fastest);
         let (gap, residual) = self.certify(&scaled, &solution);
-        for multiplier in &mut self.multipliers {
-            *multiplier = multiplier.map(|l| l * size);
-        }
+        self.store_multipliers(&solution, size);
         let velocity = std::array::from_fn(|i| size * units[i] * solution.velocity[i]);
         let change = sum(&solution.velocity, -1.0, &scaled.free);
         let impulse = times(&scaled.mass, &change);
@@ -190,11 +189,14 @@ impl<const N: usize> FrictionSolver<N> {
 
     fn scale_points(&mut self, points: &FrictionPoints<N>, units: &[f64; N], size: f64) -> Result<(), ContactError> {
         self.points.clone_from(points);
+        let mut overflow = 0.0;
         for chunk in self.points.chunks_mut() {
             for row in &mut chunk.rows {
                 for (entry, unit) in row.iter_mut().zip(units) {
                     for l in 0..LANES {
                         entry[l] *= unit;
+                        // 0 as long as all is finite.
+                        overflow += 0.0 * entry[l];
                     }
                 }
             }
@@ -203,10 +205,11 @@ impl<const N: usize> FrictionSolver<N> {
                 *bound = (*bound / size).min(1e100);
             }
         }
-        match self.points.invalid() {
-            Some(index) => Err(ContactError::Point { index, bound: points.bound(index) }),
-            None => Ok(()),
+        if overflow == 0.0 {
+            return Ok(());
         }
+        let index = self.points.invalid().unwrap_or_default();
+        Err(ContactError::Point { index, bound: points.bound(index) })
     }
 
     fn solve(&mut self, scaled: &Scaled<N>, guess: &[f64; N], fastest: f64) -> Solution<N> {
@@ -239,7 +242,7 @@ impl<const N: usize> FrictionSolver<N> {
     /// The solution that does not rest, from a velocity near it.
     fn slide(&mut self, scaled: &Scaled<N>, start: &[f64; N], fastest: f64) -> Solution<N> {
         let mut z = *start;
-        if self.points.speeds(&z).1 > 1e-3 * fastest {
+        if self.points.speeds(&z).1 > 1e-6 * fastest {
             let (exact, converged) = newton(&self.points, scaled, &z, 0.0, None, &mut self.iterations);
             if converged {
                 return Solution { velocity: exact, slip: Slip::Sliding, eps: 0.0, rest: None };
@@ -313,43 +316,42 @@ impl<const N: usize> FrictionSolver<N> {
         }
     }
 
-    /// Multipliers, duality gap and error of the balance, in scaled coordinates.
+    /// Duality gap and error of the balance, in scaled coordinates.
     fn certify(&mut self, scaled: &Scaled<N>, solution: &Solution<N>) -> (f64, f64) {
-        let mut balance = times(&scaled.mass, &sum(&solution.velocity, -1.0, &scaled.free));
-        let mut loss = 0.0;
-        for index in 0..self.points.len() {
-            let bound = self.points.bound(index);
-            if bound == 0.0 {
-                continue;
+        let momentum = times(&scaled.mass, &sum(&solution.velocity, -1.0, &scaled.free));
+        let (mut loss, friction) = match (&solution.rest, solution.slip) {
+            (Some(y), Slip::Held) => (0.0, self.points.impulse(y, 1.0).1),
+            (Some(y), _) => {
+                let slipping = self.slipping.impulse(&solution.velocity, 0.0).1;
+                (0.0, sum(&slipping, 1.0, &self.resting.impulse(y, 1.0).1))
             }
-            let slip = self.points.slip(index, &solution.velocity);
-            let speed = slip[0].hypot(slip[1]);
-            let at_rest = solution.rest.filter(|_| match solution.slip {
+            (None, _) => self.points.impulse(&solution.velocity, solution.eps),
+        };
+        if solution.eps == 0.0 {
+            loss = 0.0;
+        }
+        let balance = sum(&momentum, 1.0, &friction);
+        let error = dot(&balance, &solve(&scaled.factor, &balance, N)).max(0.0);
+        (loss + 0.5 * error, error.sqrt())
+    }
+
+    /// Multipliers of a solution, in the units of the caller.
+    fn store_multipliers(&mut self, solution: &Solution<N>, size: f64) {
+        for index in 0..self.points.len() {
+            let resting = match solution.slip {
                 Slip::Held => true,
                 Slip::Pivoting { .. } => self.resting.bound(index) > 0.0,
                 Slip::Sliding => false,
-            });
-            let multiplier = if let Some(y) = at_rest {
-                let u = self.points.slip(index, &y);
-                let norm = u[0].hypot(u[1]).hypot(1.0);
-                u.map(|u| bound * u / norm)
-            } else {
-                let norm = speed.hypot(solution.eps);
-                if norm > 0.0 {
-                    // c |u| − λ · u
-                    loss += bound * speed * (1.0 - speed / norm);
-                    slip.map(|u| bound * u / norm)
-                } else {
-                    [0.0; 2]
-                }
             };
-            for (row, multiplier) in self.points.rows(index).iter().zip(multiplier) {
-                balance = sum(&balance, multiplier, row);
-            }
-            self.multipliers[index] = multiplier;
+            let (motion, eps) = match solution.rest {
+                Some(y) if resting => (y, 1.0),
+                _ => (solution.velocity, solution.eps),
+            };
+            let slip = self.points.slip(index, &motion);
+            let norm = (slip[0] * slip[0] + slip[1] * slip[1] + eps * eps).sqrt();
+            let factor = if norm > 0.0 { size * self.points.bound(index) / norm } else { 0.0 };
+            self.multipliers.push(slip.map(|u| factor * u));
         }
-        let error = dot(&balance, &solve(&scaled.factor, &balance, N)).max(0.0);
-        (loss + 0.5 * error, error.sqrt())
     }
 }
 
