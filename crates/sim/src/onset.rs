@@ -43,6 +43,7 @@ impl Multipliers {
             return false;
         };
         let size = jacobian.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let mut turned: Vec<usize> = Vec::new();
         for iteration in 0..FIXED_POINT + NEWTON {
             if !self.field(system, t, x, dx) {
                 return false;
@@ -66,8 +67,19 @@ impl Multipliers {
                 }
                 first += self.parts[i].len();
             }
-            if residual <= RESIDUAL * size + 1e-15 * rates.amax() {
-                return true;
+            let known = RESIDUAL * size + 1e-15 * rates.amax();
+            if residual <= known {
+                // The way opposite to σ̇ is a fixed point too where `s` has no influence on its own σ̇: turn it round, once.
+                let backwards = |i: &usize| !turned.contains(i) && self.radial_rate(*i, dx) < -known;
+                let backwards: Vec<usize> = leaving.iter().copied().filter(backwards).collect();
+                if backwards.is_empty() {
+                    return true;
+                }
+                for &i in &backwards {
+                    self.s[self.parts[i].clone()].iter_mut().for_each(|s| *s = -*s);
+                }
+                turned.extend(backwards);
+                continue;
             }
             // Close to the solution: Newton's step within the sphere.
             let newton = residual < 1e-2 * size || iteration >= FIXED_POINT;
