@@ -1,12 +1,15 @@
 //! Point contact with coupled dry friction, from first principles.
 
-use crate::parameters::{exact, set_not_negative, set_positive};
+use crate::parameters::{set_not_negative, set_positive};
 use crate::{Friction, Object, PlateError};
-use bracketry_system::symbolic::{Expr, Rational};
-use bracketry_system::{Parameter, System};
+use bracketry_system::System;
+use bracketry_system::symbolic::{Expr, Func, Rational};
 use rustc_hash::FxHashMap;
 
-const POINT: &str = include_str!("../../../models/plate_point.toml");
+const COULOMB: &str = include_str!("../../../models/plate_point.toml");
+const STRIBECK: &str = include_str!("../../../models/plate_point_stribeck.toml");
+const ANISOTROPIC: &str = include_str!("../../../models/plate_point_anisotropic.toml");
+const VISCOUS: &str = include_str!("../../../models/plate_point_viscous.toml");
 
 /// Which terms a model of the plate has. All are on by default; each off leaves its equation without that term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,7 +88,8 @@ impl Terms {
 /// I φ'' = Sxy θ'²
 /// ```
 ///
-/// with states `x, y, phi, vx, vy, w` and inputs `X, theta` (`models/plate_point.toml`; derived by
+/// with states `x, y, phi, vx, vy, w` and inputs `X, theta` (`models/plate_point.toml`, for other laws than Coulomb's
+/// `models/plate_point_stribeck.toml`, `…_viscous.toml`, `…_anisotropic.toml`; derived by
 /// [`flat_contact`](crate::flat_contact)). At rest `e` is any vector of the unit disk. The equations hold while `N > 0`.
 ///
 /// # Errors
@@ -97,45 +101,33 @@ impl Terms {
 /// assert_eq!(system.state_names(), ["x", "y", "phi", "vx", "vy", "w"]);
 /// ```
 pub fn first_principles(object: &Object, friction: &Friction, terms: Terms) -> Result<System, PlateError> {
-    let mut system = with_terms("plate_point.toml", POINT, object, terms)?;
     friction.validate()?;
-    match *friction {
-        Friction::Coulomb { mu } => set_not_negative(&mut system, "mu", mu)?,
+    let (file, text, numbers) = match *friction {
+        Friction::Coulomb { mu } => ("plate_point.toml", COULOMB, vec![("mu", mu)]),
         Friction::StaticLevel { .. } => return Err(PlateError::NoStaticLevel),
         Friction::Stribeck { mu, mu_static, velocity } => {
-            set_not_negative(&mut system, "mu", mu)?;
-            add_parameter(&mut system, "mu_static", mu_static, "1", "friction coefficient at rest")?;
-            add_parameter(&mut system, "velocity", velocity, "m/s", "Stribeck velocity")?;
-            replace(&mut system, &[("mu", "mu + (mu_static - mu)*exp(-(vx^2 + vy^2)/velocity^2)")])?;
-        }
-        Friction::Viscous { mu, coefficient } => {
-            set_not_negative(&mut system, "mu", mu)?;
-            add_parameter(&mut system, "viscosity", coefficient, "s/m", "force per load and speed")?;
-            replace(&mut system, &[("mu", "mu + viscosity*sqrt(vx^2 + vy^2)")])?;
+            let numbers = vec![("mu", mu), ("mu_static", mu_static), ("velocity", velocity)];
+            ("plate_point_stribeck.toml", STRIBECK, numbers)
         }
         Friction::Anisotropic { mu_along, mu_across } => {
-            add_parameter(&mut system, "mu_along", mu_along, "1", "friction coefficient of slip along x")?;
-            add_parameter(&mut system, "mu_across", mu_across, "1", "friction coefficient of slip along y")?;
-            let mut laws = vec![("mu", "1")];
-            if terms.coupled && mu_along > 0.0 && mu_across > 0.0 {
-                laws.push(("ex", "mu_along*mu_along*vx/sqrt((mu_along*vx)^2 + (mu_across*vy)^2)"));
-                laws.push(("ey", "mu_across*mu_across*vy/sqrt((mu_along*vx)^2 + (mu_across*vy)^2)"));
-            } else {
-                laws.extend([("ex", "mu_along*sign(vx)"), ("ey", "mu_across*sign(vy)")]);
-            }
-            replace(&mut system, &laws)?;
-            let mu = system.pool.symbol("mu");
-            system.parameters.retain(|p| p.symbol != mu);
+            let numbers = vec![("mu_along", mu_along), ("mu_across", mu_across)];
+            ("plate_point_anisotropic.toml", ANISOTROPIC, numbers)
         }
+        Friction::Viscous { mu, coefficient } => {
+            ("plate_point_viscous.toml", VISCOUS, vec![("mu", mu), ("viscosity", coefficient)])
+        }
+    };
+    let mut system = with_terms(file, text, object, terms)?;
+    for (name, value) in numbers {
+        set_not_negative(&mut system, name, value)?;
     }
-    if !terms.coupled {
-        replace(&mut system, PER_AXIS)?;
+    // Friction of one axis alone is coupled with nothing.
+    let one_axis = matches!(*friction, Friction::Anisotropic { mu_along, mu_across } if mu_along.min(mu_across) == 0.0);
+    if one_axis || !terms.coupled {
+        act_per_axis(&mut system);
     }
     Ok(system)
 }
-
-/// Friction of each axis on its own.
-pub(crate) const PER_AXIS: &[(&str, &str)] = &[("ex", "sign(vx)"), ("ey", "sign(vy)")];
 
 /// A model file with the second moments and the height of the object and the terms that are factors.
 pub(crate) fn with_terms(file: &str, text: &str, object: &Object, terms: Terms) -> Result<System, PlateError> {
@@ -155,29 +147,14 @@ pub(crate) fn with_terms(file: &str, text: &str, object: &Object, terms: Terms) 
     Ok(system)
 }
 
-/// Gives the model another parameter.
-fn add_parameter(
-    system: &mut System,
-    name: &'static str,
-    value: f64,
-    unit: &str,
-    about: &str,
-) -> Result<(), PlateError> {
-    let value = exact(value).ok_or(PlateError::NegativeNumber { name, value })?;
-    let symbol = system.pool.symbol(name);
-    let (unit, about) = (Some(unit.to_owned()), Some(about.to_owned()));
-    system.parameters.push(Parameter { symbol, value, min: Some(Rational::ZERO), max: None, unit, about });
-    Ok(())
-}
-
-/// Puts expressions in the place of definitions and parameters.
-pub(crate) fn replace(system: &mut System, replaced: &[(&'static str, &str)]) -> Result<(), PlateError> {
+/// Takes friction against each component of the slip on its own: `sign(vx)`, `sign(vy)` in the place of the direction.
+pub(crate) fn act_per_axis(system: &mut System) {
     let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
-    for &(name, text) in replaced {
-        let defined = system.definitions.iter().find(|(n, _)| n == name).map(|(_, e)| *e);
-        let old = defined.unwrap_or_else(|| system.pool.var(name));
-        let new = system.pool.parse(text).map_err(|_| PlateError::BadLaw { name })?;
-        map.insert(old, new);
+    for (direction, component) in [("ex", "vx"), ("ey", "vy")] {
+        let defined = system.definitions.iter().find(|(name, _)| name == direction).map(|(_, e)| *e);
+        let velocity = system.pool.var(component);
+        let sign = system.pool.call(Func::Sign, velocity);
+        map.extend(defined.map(|e| (e, sign)));
     }
     let mut all = system.dynamics.clone();
     all.extend(system.definitions.iter().map(|(_, e)| *e));
@@ -187,5 +164,4 @@ pub(crate) fn replace(system: &mut System, replaced: &[(&'static str, &str)]) ->
     for ((_, e), new) in system.definitions.iter_mut().zip(definitions) {
         *e = *new;
     }
-    Ok(())
 }

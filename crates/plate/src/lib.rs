@@ -6,6 +6,7 @@
 mod area;
 mod body;
 mod derivation;
+mod energy;
 mod experiment;
 mod first_principles;
 mod friction;
@@ -29,6 +30,7 @@ pub use area::{
 };
 pub use body::{BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, PlateFrame, RigidState};
 pub use derivation::{FlatContact, flat_contact};
+pub use energy::{Energy, energy};
 pub use experiment::{AmplitudeLaw, AmplitudeStep, Experiment, Run};
 pub use first_principles::{Terms, first_principles};
 pub use friction::Friction;
@@ -65,10 +67,10 @@ pub enum PlateError {
         /// Its value.
         value: f64,
     },
-    /// A law of friction that cannot be put into a model.
-    #[error("the law of friction gives no expression for `{name}`")]
-    BadLaw {
-        /// What the law replaces.
+    /// The model lacks a definition that its contact forces are read from.
+    #[error("the model defines no `{name}`; use a model from first principles")]
+    NoDefinition {
+        /// The definition.
         name: &'static str,
     },
     /// The static level is no part of this model.

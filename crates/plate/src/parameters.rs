@@ -25,7 +25,7 @@ pub(crate) fn set_not_negative(system: &mut System, name: &'static str, value: f
 }
 
 /// The shortest decimal that reads as `value`.
-pub(crate) fn exact(value: f64) -> Option<Rational> {
+fn exact(value: f64) -> Option<Rational> {
     let mut pool = Pool::new();
     let number = pool.parse(&format!("{value}")).ok()?;
     pool.number(number).cloned()

@@ -1,6 +1,6 @@
 //! The reduced yaw-friction equations of an object on the plate.
 
-use crate::first_principles::{PER_AXIS, replace, with_terms};
+use crate::first_principles::{act_per_axis, with_terms};
 use crate::parameters::set_not_negative;
 use crate::{Object, PlateError, Terms};
 use bracketry_system::System;
@@ -31,7 +31,7 @@ pub fn reduced(object: &Object, mu: f64, terms: Terms) -> Result<System, PlateEr
     let mut system = with_terms("plate_reduced.toml", REDUCED, object, terms)?;
     set_not_negative(&mut system, "mu", mu)?;
     if !terms.coupled {
-        replace(&mut system, PER_AXIS)?;
+        act_per_axis(&mut system);
     }
     Ok(system)
 }
