@@ -2,11 +2,12 @@
 
 use crate::parameters::{set_not_negative, set_positive};
 use crate::{Friction, Object, PlateError};
-use bracketry_system::System;
 use bracketry_system::symbolic::{Expr, Func, Rational};
+use bracketry_system::{StaticLevel, System};
 use rustc_hash::FxHashMap;
 
 const COULOMB: &str = include_str!("../../../models/plate_point.toml");
+const STATIC_LEVEL: &str = include_str!("../../../models/plate_point_static_level.toml");
 const STRIBECK: &str = include_str!("../../../models/plate_point_stribeck.toml");
 const ANISOTROPIC: &str = include_str!("../../../models/plate_point_anisotropic.toml");
 const VISCOUS: &str = include_str!("../../../models/plate_point_viscous.toml");
@@ -89,7 +90,7 @@ impl Terms {
 /// ```
 ///
 /// with states `x, y, phi, vx, vy, w` and inputs `X, theta` (`models/plate_point.toml`, for other laws than Coulomb's
-/// `models/plate_point_stribeck.toml`, `…_viscous.toml`, `…_anisotropic.toml`; derived by
+/// `models/plate_point_static_level.toml`, `…_stribeck.toml`, `…_viscous.toml`, `…_anisotropic.toml`; derived by
 /// [`flat_contact`](crate::flat_contact)). At rest `e` is any vector of the unit disk. The equations hold while `N > 0`.
 ///
 /// # Errors
@@ -104,7 +105,9 @@ pub fn first_principles(object: &Object, friction: &Friction, terms: Terms) -> R
     friction.validate()?;
     let (file, text, numbers) = match *friction {
         Friction::Coulomb { mu } => ("plate_point.toml", COULOMB, vec![("mu", mu)]),
-        Friction::StaticLevel { .. } => return Err(PlateError::NoStaticLevel),
+        Friction::StaticLevel { mu, mu_static } => {
+            ("plate_point_static_level.toml", STATIC_LEVEL, vec![("mu", mu), ("mu_static", mu_static)])
+        }
         Friction::Stribeck { mu, mu_static, velocity } => {
             let numbers = vec![("mu", mu), ("mu_static", mu_static), ("velocity", velocity)];
             ("plate_point_stribeck.toml", STRIBECK, numbers)
@@ -120,6 +123,10 @@ pub fn first_principles(object: &Object, friction: &Friction, terms: Terms) -> R
     let mut system = with_terms(file, text, object, terms)?;
     for (name, value) in numbers {
         set_not_negative(&mut system, name, value)?;
+    }
+    if let Friction::StaticLevel { mu, .. } = *friction {
+        // The model knows the level at rest relative to that of sliding.
+        set_positive(&mut system, "mu", mu)?;
     }
     // Friction of one axis alone is coupled with nothing.
     let one_axis = matches!(*friction, Friction::Anisotropic { mu_along, mu_across } if mu_along.min(mu_across) == 0.0);
@@ -156,6 +163,13 @@ pub(crate) fn act_per_axis(system: &mut System) {
         let sign = system.pool.call(Func::Sign, velocity);
         map.extend(defined.map(|e| (e, sign)));
     }
+    // The level at rest is now that of each sign.
+    let levels = std::mem::take(&mut system.static_levels);
+    let each = |level: StaticLevel| {
+        let ratio = level.ratio;
+        level.components.into_iter().map(move |c| StaticLevel { components: vec![c], ratio })
+    };
+    system.static_levels = levels.into_iter().flat_map(each).collect();
     let mut all = system.dynamics.clone();
     all.extend(system.definitions.iter().map(|(_, e)| *e));
     let all = system.pool.substitute_all(&all, &map);

@@ -73,9 +73,6 @@ pub enum PlateError {
         /// The definition.
         name: &'static str,
     },
-    /// The static level is no part of this model.
-    #[error("a point contact takes no static level of friction; use Coulomb or Stribeck friction")]
-    NoStaticLevel,
     /// Static friction below sliding friction.
     #[error("mu_static = {mu_static} is below mu = {mu}; give a static level that is at least the sliding one")]
     StaticBelowSliding {

@@ -139,6 +139,7 @@ fn accelerations(system: &mut System, state: [f64; 6], plate: [f64; 4]) -> [f64;
 fn every_law_of_friction_acts_in_the_model_as_it_does_by_itself() {
     let laws = [
         COULOMB,
+        Friction::StaticLevel { mu: 0.3, mu_static: 0.4 },
         Friction::Stribeck { mu: 0.3, mu_static: 0.4, velocity: 0.05 },
         Friction::Anisotropic { mu_along: 0.2, mu_across: 0.4 },
         Friction::Anisotropic { mu_along: 0.0, mu_across: 0.4 },

@@ -4,8 +4,9 @@
 //! where there is none, its test passes as ignored and says so.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
-use bracketry_plate::{Experiment, Friction, Object, Run, Shape, Terms, first_principles, reduced};
-use bracketry_sim::Settings;
+use bracketry_plate::{Energy, Experiment, Friction, Object, PlateError, Run, Shape, Terms};
+use bracketry_plate::{energy, first_principles, published, reduced};
+use bracketry_sim::{Balance, Settings};
 use bracketry_system::System;
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
@@ -203,4 +204,69 @@ fn stuck_objects_stay_whatever_the_law() {
     let slid = run(&system, &still, &START, 1.0).trajectory.final_state()[1] - START[1];
     let (s, c) = 10f64.to_radians().sin_cos();
     assert!((slid + 0.5 * 9.81 * (s - 0.1 * c)).abs() < 1e-9, "{slid}");
+}
+
+#[test]
+fn a_static_level_holds_beyond_the_sliding_one_and_then_lets_go() {
+    let law = Friction::StaticLevel { mu: 0.3, mu_static: 0.4 };
+    for terms in [Terms::default(), Terms { coupled: false, ..Terms::default() }] {
+        let system = first_principles(&Object::REFERENCE, &law, terms).unwrap();
+        // Between the levels, tan 20° = 0.364, and beyond both, tan 22° = 0.404.
+        let slid = |tilt: f64| {
+            let mut still = Experiment::translation_y();
+            (still.tilt, still.law) = (format!("{tilt}"), None);
+            run(&system, &still, &START, 1.0).trajectory.final_state()[1] - START[1]
+        };
+        assert!(slid(20f64.to_radians()).abs() < 1e-9);
+        let (s, c) = 22f64.to_radians().sin_cos();
+        assert!((slid(22f64.to_radians()) + 0.5 * 9.81 * (s - 0.3 * c)).abs() < 1e-9);
+    }
+}
+
+/// Error of the energy balance over experiment 1, relative to the energy exchanged.
+fn imbalance(system: &System, account: &Energy) -> f64 {
+    let experiment = Experiment::orientation();
+    let run = run(system, &experiment, &[0.3, 0.01, 0.4, 0.0, 0.0, 0.0], 15.0);
+    let mut balance = Balance::new(system, &experiment.inputs(0.0), &account.stored, &account.power, &[]).unwrap();
+    let account = balance.of(&run.trajectory);
+    assert!(account.turnover > 1.0);
+    account.relative_error()
+}
+
+#[test]
+fn the_energy_balance_of_experiment_1_closes() {
+    let thick = Object { shape: Shape::REFERENCE_ELLIPSE, height: 0.02, ..Object::REFERENCE };
+    let system = reduced(&thick, 0.25, Terms::default()).unwrap();
+    let account = energy(&system).unwrap();
+    assert!(imbalance(&system, &account) < 1e-6, "{:e}", imbalance(&system, &account));
+    // It would not without one of the terms.
+    for terms in [
+        Terms { centrifugal: false, ..Terms::default() },
+        Terms { gyroscopic: false, ..Terms::default() },
+        Terms { thickness: false, ..Terms::default() },
+    ] {
+        let system = reduced(&thick, 0.25, terms).unwrap();
+        assert!(imbalance(&system, &account) > 1e-5, "{terms:?} {:e}", imbalance(&system, &account));
+    }
+}
+
+#[test]
+fn the_energy_balance_closes_under_every_law_of_friction() {
+    for law in [
+        Friction::Coulomb { mu: 0.25 },
+        Friction::StaticLevel { mu: 0.25, mu_static: 0.3 },
+        Friction::Stribeck { mu: 0.2, mu_static: 0.3, velocity: 0.05 },
+        Friction::Anisotropic { mu_along: 0.2, mu_across: 0.3 },
+        Friction::Viscous { mu: 0.25, coefficient: 0.2 },
+    ] {
+        let system = first_principles(&Object::REFERENCE, &law, Terms::default()).unwrap();
+        let account = energy(&system).unwrap();
+        assert!(imbalance(&system, &account) < 1e-6, "{law:?} {:e}", imbalance(&system, &account));
+    }
+}
+
+#[test]
+fn models_without_contact_forces_have_no_account() {
+    let system = published(&Shape::REFERENCE_DISK, 0.3).unwrap();
+    assert_eq!(energy(&system), Err(PlateError::NoDefinition { name: "fx" }));
 }
