@@ -3,13 +3,14 @@
 //!
 //! The logs are read from the folder that `BRACKETRY_SHARED` names (default `../shared` seen from the workspace root);
 //! where it is absent, the comparison with them passes as not made and says so.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use bracketry_plate::{
     AreaContact, AreaEvent, AreaOutcome, AreaPlant, AreaRecord, AreaSettings, Course, Experiment, Friction, Object,
     Plant, PlateKinematics, PlateMotion, Scheme, Shape, Terms,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::path::PathBuf;
 
 const G: f64 = 9.81;
 const R: f64 = 0.12;
@@ -207,4 +208,57 @@ fn friction_of_each_axis_on_its_own_hardly_turns_the_object() {
     };
     let (coupled, uncoupled) = (turned(true), turned(false));
     assert!((coupled - 118.0).abs() < 1.0 && uncoupled.abs() < 7.0, "{coupled} and {uncoupled}");
+}
+
+/// Columns `t, x, y, phi` of a log, if it is there.
+fn log(name: &str) -> Option<Vec<[f64; 4]>> {
+    let workspace = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let shared = std::env::var("BRACKETRY_SHARED").map_or_else(|_| workspace.join("../shared"), PathBuf::from);
+    let path = shared.join("data/plate").join(name);
+    let Ok(text) = std::fs::read_to_string(&path) else {
+        eprintln!("not compared: {} cannot be read", path.display());
+        return None;
+    };
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let columns = ["t", "x_plate", "y_plate", "phi_plate"].map(|c| names.iter().position(|n| *n == c).unwrap());
+    Some(
+        lines
+            .map(|line| {
+                let fields: Vec<&str> = line.split(',').collect();
+                columns.map(|c| fields[c].parse().unwrap())
+            })
+            .collect(),
+    )
+}
+
+#[test]
+fn the_logs_of_an_independent_engine_agree_in_orientation() {
+    let Some(log) = log("exp1_disk_mu0.3.csv") else { return };
+    let run = experiment(&Experiment::orientation(), &Object::REFERENCE, 0.3, 4e-3, 15.0);
+    let end = log.last().unwrap();
+    let yaw = run.trajectory.state_at(end[0])[2];
+    assert!((yaw / end[3] - 1.0).abs() < 0.1, "{yaw}, log {}", end[3]);
+    // All the way, from the first eighth of a turn on.
+    for row in log.iter().filter(|row| row[3] > PI / 4.0) {
+        assert!((run.trajectory.state_at(row[0])[2] / row[3] - 1.0).abs() < 0.1, "{row:?}");
+    }
+}
+
+#[test]
+fn the_logs_of_an_independent_engine_agree_in_position() {
+    let cases = [
+        ("exp2_disk_w3pi_mu0.3.csv", Experiment::translation_x(3)),
+        ("exp3_disk_mu0.3.csv", Experiment::translation_y()),
+    ];
+    for (name, published) in cases {
+        let Some(log) = log(name) else { return };
+        let end = log.last().unwrap()[0];
+        let run = experiment(&published, &Object::REFERENCE, 0.3, 2e-3, end);
+        for (k, coordinate) in ["x", "y"].into_iter().enumerate() {
+            let squares: f64 = log.iter().map(|row| (run.trajectory.state_at(row[0])[k] - row[k + 1]).powi(2)).sum();
+            let rms = (squares / log.len() as f64).sqrt();
+            assert!(rms < 3e-3, "{name}: {coordinate} is off by {rms} m rms");
+        }
+    }
 }

@@ -188,6 +188,14 @@ impl Equations {
                 base.velocity[1] + base.length * drive[1],
                 base.velocity[2] + base.length * drive[2] / self.inertia,
             ];
+            if free.iter().any(|v| !v.is_finite()) {
+                // Nothing is carried then, and no number tells how.
+                return Ok(Stage {
+                    normal: f64::NAN,
+                    support: Support::LiftOff,
+                    ..stage(velocity, friction, Slip::Sliding)
+                });
+            }
             let held = if base.at_rest && self.friction.static_coefficient() > self.friction.coefficient(0.0) {
                 self.set_points(&support, load.normal, [s, c], &velocity, base.length, true);
                 let step = self.solver.step(&self.mass(0.0), &free, &self.points, &velocity)?;
