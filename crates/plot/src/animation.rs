@@ -112,7 +112,7 @@ impl Animation {
         self
     }
 
-    /// Adds a category with its colour; they are numbered from 0.
+    /// Adds a category with its colour; they are numbered from 0. The legend shows those that occur.
     #[must_use]
     pub fn category(mut self, name: impl Into<String>, color: Color) -> Self {
         self.categories.push((name.into(), color));
@@ -235,8 +235,10 @@ impl Animation {
         let side_unit = (side_width / (2.1 * reach)).min(tall / (2.1 * rise));
 
         let title = Title::figure(&self.title, WIDTH - BORDER - RIGHT);
+        let occurring =
+            self.categories.iter().enumerate().filter(|(k, _)| self.snapshots.iter().any(|s| s.category == *k));
         let mut entries: Vec<(Sample, String)> =
-            self.categories.iter().map(|(name, color)| (Sample::Patch(fill(*color)), name.clone())).collect();
+            occurring.map(|(_, (name, color))| (Sample::Patch(fill(*color)), name.clone())).collect();
         entries.push((Sample::Line(Stroke::solid(TRAIL, 1.75), None), "path on the plate".to_owned()));
         entries.push((Sample::Heading(Color::INK), "heading".to_owned()));
         if self.target.is_some() {
@@ -323,6 +325,8 @@ impl Animation {
         canvas.line(&rim(now.pose), Stroke::solid(color, 2.0))?;
         if let Some(target) = self.target {
             canvas.line(&rim(target), target_stroke())?;
+            let ends = [0.82 * nose, nose].map(|u| place(target.place((u, 0.0))));
+            canvas.line(&ends, target_stroke())?;
         }
         let trail: Vec<_> = if self.path.is_empty() {
             self.snapshots[..=index].iter().map(|s| place((s.pose.x, s.pose.y))).collect()
