@@ -31,7 +31,7 @@ impl Scenario {
     /// # Errors
     /// [`FileError`] with line and column of what is wrong.
     pub fn from_csv(path: &Path, system: &System, hold: Hold) -> Result<SampledScenario, FileError> {
-        let doc = read(path)?;
+        let doc = read(path, "name a CSV file: a table with a column t and one per input")?;
         doc.time_is_free(system)?;
         let Table { columns, lines } = read_table(&doc)?;
         let Some(times) = columns.get("t") else {
@@ -88,13 +88,13 @@ impl Scenario {
     }
 }
 
-/// Reads the text of a table.
-fn read(path: &Path) -> Result<Document, FileError> {
+/// Reads the text of a table; `what` says what to name where the path is no file.
+pub(crate) fn read(path: &Path, what: &str) -> Result<Document, FileError> {
     let name = path.display().to_string();
     let whole = |message: String, remedy: &str| Document::new(name.clone(), "").missing(message, remedy);
     let meta = std::fs::metadata(path).map_err(|e| whole(format!("cannot be read: {e}"), "check the path"))?;
     if !meta.is_file() {
-        return Err(whole("is not a file".into(), "name a CSV file: a table with a column t and one per input"));
+        return Err(whole("is not a file".into(), what));
     }
     if meta.len() > MAX_BYTES {
         let message = format!("is larger than {} MiB", MAX_BYTES >> 20);
@@ -116,12 +116,13 @@ fn derivative_column(name: &str) -> Option<(&str, u32)> {
 }
 
 /// The columns of a table by name, every entry a finite number, and the line of each row.
-struct Table {
-    columns: BTreeMap<String, Vec<f64>>,
-    lines: Vec<u64>,
+pub(crate) struct Table {
+    pub(crate) columns: BTreeMap<String, Vec<f64>>,
+    pub(crate) lines: Vec<u64>,
 }
 
-fn read_table(doc: &Document) -> Result<Table, FileError> {
+/// Reads a table with a header.
+pub(crate) fn read_table(doc: &Document) -> Result<Table, FileError> {
     let (before, header, after) = split_header(doc.text());
     let header = quote_parentheses(header);
     let text = before.as_bytes().chain(header.as_bytes()).chain(after.as_bytes());

@@ -14,6 +14,7 @@ mod analysis;
 mod control;
 mod input_table;
 mod plate_move;
+mod plate_run;
 mod point;
 mod reach;
 mod report;
@@ -24,6 +25,10 @@ pub use analysis::{Analysis, AnalysisError, analyze};
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
 pub use input_table::SampledScenario;
 pub use plate_move::{Arrival, MoveError, plate_move, target_of};
+pub use plate_run::{
+    Comparison, Deviation, Jump, LoggedMotion, PlateLog, PlateModel, PlateOptions, PlateRow, PlateRun, PlateRunError,
+    PlateSetup, SetupError,
+};
 pub use point::{PointError, point};
 pub use reach::{Influence, ReachTable, Reached};
 pub use scenario::{Run, Scenario, ScenarioError};

@@ -11,6 +11,7 @@ mod control;
 mod main_job;
 mod output;
 mod pictures;
+mod plate;
 mod simulate;
 
 /// How a command ended; bad input is an error instead.
@@ -60,6 +61,11 @@ enum Command {
         after_help = "Example:\n  bracketry simulate models/plate_published.toml --scenario models/plate_experiment_2.toml --out out"
     )]
     Simulate(simulate::SimulateArgs),
+    /// Run an experiment on the vibrating plate, on the model of your choice, beside a log if there is one
+    #[command(after_help = "Examples:\n  bracketry plate 1 --shape ellipse:0.15x0.10 --out out --gif\n  \
+        bracketry plate 2 --omega 4 --model published\n  \
+        bracketry plate 1 --compare log.csv --motion log --mu 0.3 --out out")]
+    Plate(Box<plate::PlateArgs>),
     /// Close the loop of a problem file
     #[command(after_help = "Example:\n  bracketry control models/cart_pole_swing_up.toml --out out")]
     Control {
@@ -79,6 +85,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Analyze(args)) => analyze::analyze(&args, &output),
         Some(Command::Affinize(args)) => affinize::affinize(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
+        Some(Command::Plate(args)) => plate::run(&args, &output),
         Some(Command::Control { problem }) => control::run(&problem, &output),
     }
 }

@@ -1,0 +1,164 @@
+//! `bracketry plate`: one experiment on the vibrating plate, on one model, perhaps beside a log.
+
+mod files;
+mod report;
+
+use std::path::{Path, PathBuf};
+
+use bracketry::{Comparison, PlateLog, PlateOptions, PlateRun, PlateSetup};
+use clap::{Args, ValueEnum};
+
+use super::output::{folder, json, line, print, spinner};
+use super::{Outcome, OutputArgs};
+use report::Report;
+
+/// What moves the plate.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MotionArg {
+    /// The experiment's formula
+    Formula,
+    /// The columns plate_X and plate_theta of the log
+    Log,
+}
+
+/// Arguments of `plate`. Texts and numbers are checked with those of scenario files.
+#[derive(Args)]
+pub(crate) struct PlateArgs {
+    /// Experiment 1 (orientation), 2 (along x) or 3 (along y), or a scenario file (TOML) with the options below by name
+    what: Option<String>,
+    /// Experiment 1, 2 or 3
+    #[arg(long, conflicts_with = "what", value_name = "N")]
+    experiment: Option<String>,
+    /// Frequency ω of experiment 2 in units of π [default: 3]
+    #[arg(long, allow_negative_numbers = true)]
+    omega: Option<f64>,
+    /// Model of the contact: published, point, reduced, area or body [default: area]
+    #[arg(long)]
+    model: Option<String>,
+    /// disk:R, ellipse:AxB (semi-axes), rectangle:AxB (full side lengths) or polygon:FILE.csv (rows x,y); metres
+    /// [default: disk:0.12]
+    #[arg(long)]
+    shape: Option<String>,
+    /// Thickness of the object in metres [default: 0.005]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    thickness: Option<f64>,
+    /// Mass of the object in kg [default: 0.2]
+    #[arg(long, value_name = "KG", allow_negative_numbers = true)]
+    mass: Option<f64>,
+    /// Friction coefficient of sliding [default: 0.3]
+    #[arg(long, allow_negative_numbers = true)]
+    mu: Option<f64>,
+    /// Law of friction: coulomb, static:MU_S, stribeck:MU_S,V, anisotropic:MU_Y or viscous:C, beside --mu
+    /// [default: coulomb]
+    #[arg(long)]
+    friction: Option<String>,
+    /// Start at rest: x,y,phi in metres and radians, or degrees such as 45deg [default: that of log or experiment]
+    #[arg(long, allow_hyphen_values = true, value_name = "X,Y,PHI")]
+    start: Option<String>,
+    /// Duration in seconds [default: that of the log, else 15]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    seconds: Option<f64>,
+    /// Points of contact of the area model [default: 48]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    points: Option<f64>,
+    /// Time step of the models area and body in seconds [default: 5e-4]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    dt: Option<f64>,
+    /// Restitution of impacts of the body model, 0 to 1 [default: 0]
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    restitution: Option<f64>,
+    /// Where the amplitude changes: world (the plate jumps, the object stays in the world) or smooth [default: world]
+    #[arg(long)]
+    jumps: Option<String>,
+    /// Seconds between the rows of the result [default: 0.002]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    sample: Option<f64>,
+    /// Compare with a log: CSV with columns t, x_plate, y_plate, phi_plate (SI, radians)
+    #[arg(long, value_name = "LOG.csv")]
+    compare: Option<PathBuf>,
+    /// What moves the plate
+    #[arg(long, value_enum, default_value = "formula")]
+    motion: MotionArg,
+    /// Write plate.gif too: the object on the plate in real time
+    #[arg(long)]
+    gif: bool,
+}
+
+impl PlateArgs {
+    fn options(&self) -> anyhow::Result<PlateOptions> {
+        let file = |what: &str| Path::new(what).extension().is_some_and(|e| e == "toml") || Path::new(what).is_file();
+        let (experiment, scenario) = match self.what.as_deref() {
+            Some(what) if file(what) => (None, PlateOptions::read(Path::new(what))?),
+            Some(number) => (Some(number.to_owned()), PlateOptions::default()),
+            None => (self.experiment.clone(), PlateOptions::default()),
+        };
+        let given = PlateOptions {
+            experiment,
+            omega: self.omega,
+            model: self.model.clone(),
+            shape: self.shape.clone(),
+            thickness: self.thickness,
+            mass: self.mass,
+            mu: self.mu,
+            friction: self.friction.clone(),
+            start: self.start.clone(),
+            seconds: self.seconds,
+            points: self.points,
+            dt: self.dt,
+            restitution: self.restitution,
+            jumps: self.jumps.clone(),
+            sample: self.sample,
+        };
+        Ok(given.or(scenario))
+    }
+}
+
+/// What was run and what it gave.
+struct Ran {
+    setup: PlateSetup,
+    run: PlateRun,
+    log: Option<PlateLog>,
+    comparison: Option<Comparison>,
+}
+
+/// Runs the experiment and writes what it gave.
+pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let options = args.options()?;
+    let log = args.compare.as_deref().map(PlateLog::read).transpose()?;
+    if args.motion == MotionArg::Log && log.is_none() {
+        anyhow::bail!("--motion log: there is no log; name one with --compare LOG.csv");
+    }
+    if args.gif && output.out.is_none() {
+        anyhow::bail!("--gif: there is no folder for the GIF; name one with --out DIR");
+    }
+    let setup = options.setup(log.as_ref())?;
+    let logged = args.motion == MotionArg::Log;
+    let driven_by = log.as_ref().filter(|_| logged);
+    let progress = spinner("on the plate");
+    let end = setup.end();
+    let run = setup.run(driven_by, |t| progress.set_message(format!("on the plate, {t:.1} of {end:.1} s")))?;
+    progress.finish_and_clear();
+    let comparison = log.as_ref().and_then(|log| Comparison::new(&run.rows, log));
+    if let (Some(log), None) = (&log, &comparison) {
+        anyhow::bail!("{}: the log has no time in common with the run; shift its column t or give --seconds", log.name);
+    }
+    let ran = Ran { setup, run, log, comparison };
+    let report = Report::new(&ran, logged);
+    let mut written = Vec::new();
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        let progress = spinner("drawing");
+        written = files::write_all(dir, &ran, &report, args.gif)?;
+        progress.finish_and_clear();
+    }
+    if output.json {
+        print(&json(&report)?)?;
+    } else {
+        print(&report.to_string())?;
+        match &output.out {
+            Some(dir) => line(&format!("written to {}: {}", dir.display(), written.join(", ")))?,
+            None => line("(--out DIR writes trajectory and plots, with --gif an animation)")?,
+        }
+    }
+    Ok(if report.reached.is_some() && report.stopped.is_none() { Outcome::Done } else { Outcome::Negative })
+}

@@ -1,0 +1,288 @@
+//! Smoothing splines: a sampled motion with its derivatives.
+
+/// Relative rounding below which a column counts as exact.
+const EXACT: f64 = 1e-13;
+/// Neighbours that sixth differences combine; shorter columns are interpolated.
+const WINDOW: usize = 7;
+
+/// Samples at either end through which a cubic is fitted for the second derivative there.
+const END: usize = 7;
+
+/// A cubic smoothing spline after Reinsch (Numer. Math. 10, 1967): of all curves whose root mean square distance from the
+/// samples is that of their noise, the one with the least `∫ (f − p)''²`. The cubic `p` has the second derivatives of
+/// the motion at both ends, so that the spline need not be straight there.
+#[derive(Clone, Debug)]
+pub(crate) struct Spline {
+    times: Vec<f64>,
+    values: Vec<f64>,
+    /// Second derivatives at the knots.
+    curvatures: Vec<f64>,
+    ends: End,
+}
+
+/// A cubic that has given second derivatives at the ends of an interval, and vanishes there.
+#[derive(Clone, Debug, Default)]
+struct End {
+    from: f64,
+    length: f64,
+    /// Second derivatives at both ends.
+    curvatures: [f64; 2],
+}
+
+impl End {
+    /// The cubic with the second derivatives of the motion at its ends; zero for too few samples.
+    fn of(times: &[f64], values: &[f64]) -> Self {
+        let n = times.len();
+        if n < END {
+            return Self::default();
+        }
+        let curvatures = [
+            end_curvature(&times[..END], &values[..END], times[0]),
+            end_curvature(&times[n - END..], &values[n - END..], times[n - 1]),
+        ];
+        Self { from: times[0], length: times[n - 1] - times[0], curvatures }
+    }
+
+    /// Value, first and second derivative.
+    fn at(&self, t: f64) -> [f64; 3] {
+        if self.length == 0.0 {
+            return [0.0; 3];
+        }
+        let (h, [m0, m1]) = (self.length, self.curvatures);
+        let b = (t - self.from) / h;
+        let a = 1.0 - b;
+        [
+            ((a * a * a - a) * m0 + (b * b * b - b) * m1) * h * h / 6.0,
+            ((3.0 * b * b - 1.0) * m1 - (3.0 * a * a - 1.0) * m0) * h / 6.0,
+            a * m0 + b * m1,
+        ]
+    }
+}
+
+/// Second derivative at `at` of the cubic that is nearest to the samples.
+fn end_curvature(times: &[f64], values: &[f64], at: f64) -> f64 {
+    let reach = times.iter().map(|t| (t - at).abs()).fold(0.0, f64::max);
+    // Normal equations in the powers of the scaled time, solved by elimination; they are positive definite.
+    let mut rows = [[0.0; 5]; 4];
+    for (t, v) in times.iter().zip(values) {
+        let s = (t - at) / reach;
+        let powers = [1.0, s, s * s, s * s * s];
+        for i in 0..4 {
+            for j in 0..4 {
+                rows[i][j] += powers[i] * powers[j];
+            }
+            rows[i][4] += powers[i] * v;
+        }
+    }
+    for i in 0..4 {
+        for k in i + 1..4 {
+            let factor = rows[k][i] / rows[i][i];
+            for j in i..5 {
+                rows[k][j] -= factor * rows[i][j];
+            }
+        }
+    }
+    let cubic = rows[3][4] / rows[3][3];
+    let square = (rows[2][4] - rows[2][3] * cubic) / rows[2][2];
+    2.0 * square / (reach * reach)
+}
+
+impl Spline {
+    /// The spline through or near `values` at increasing `times`, of equal length, at least one. The noise is estimated
+    /// from the sixth differences, in which a smooth motion vanishes.
+    pub(crate) fn fit(times: &[f64], values: &[f64]) -> Self {
+        let n = times.len();
+        let ends = End::of(times, values);
+        let (curve, values) = (values, values.iter().zip(times).map(|(v, t)| v - ends.at(*t)[0]).collect::<Vec<_>>());
+        let values = values.as_slice();
+        let size = curve.iter().map(|v| v.abs()).fold(0.0, f64::max);
+        let noise = noise(curve);
+        let interpolating = solve(times, values, 0.0);
+        let (values, curvatures) = if n < WINDOW || noise <= EXACT * size {
+            interpolating
+        } else {
+            let distance = |fitted: &[f64]| {
+                let sum: f64 = fitted.iter().zip(values).map(|(f, v)| (f - v) * (f - v)).sum();
+                (sum / n as f64).sqrt()
+            };
+            // The distance grows with the weight of the curvature; the weight has the unit s³.
+            let step = (times[n - 1] - times[0]) / (n - 1) as f64;
+            let (mut low, mut high) = (step.powi(3) * 1e-8, step.powi(3) * 1e12);
+            for _ in 0..60 {
+                let weight = (low * high).sqrt();
+                if distance(&solve(times, values, weight).0) < noise { low = weight } else { high = weight }
+            }
+            solve(times, values, low)
+        };
+        Self { times: times.to_vec(), values, curvatures, ends }
+    }
+
+    /// The times of the samples.
+    pub(crate) fn knots(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Value, first and second derivative at `t`; beyond the ends the curve goes on as a parabola.
+    pub(crate) fn at(&self, t: f64) -> [f64; 3] {
+        let n = self.times.len();
+        if n == 1 {
+            return [self.values[0], 0.0, 0.0];
+        }
+        let k = self.times.partition_point(|s| *s <= t).clamp(1, n - 1);
+        let (t0, t1) = (self.times[k - 1], self.times[k]);
+        let inside = t.clamp(self.times[0], self.times[n - 1]);
+        let h = t1 - t0;
+        let (a, b) = ((t1 - inside) / h, (inside - t0) / h);
+        let (f, m) = (&self.values, &self.curvatures);
+        let [p, dp, ddp] = self.ends.at(inside);
+        let value = a * f[k - 1] + b * f[k] + ((a * a * a - a) * m[k - 1] + (b * b * b - b) * m[k]) * h * h / 6.0 + p;
+        let slope =
+            (f[k] - f[k - 1]) / h + ((3.0 * b * b - 1.0) * m[k] - (3.0 * a * a - 1.0) * m[k - 1]) * h / 6.0 + dp;
+        let curvature = a * m[k - 1] + b * m[k] + ddp;
+        // Beyond the ends a parabola: a jump may lie up to one sample after the last one of its piece.
+        let beyond = t - inside;
+        [value + (slope + 0.5 * curvature * beyond) * beyond, slope + curvature * beyond, curvature]
+    }
+}
+
+/// Standard deviation of independent noise that explains the sixth differences of `values`, by their median.
+fn noise(values: &[f64]) -> f64 {
+    const BINOMIAL: [f64; WINDOW] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+    let difference = |w: &[f64]| w.iter().zip(BINOMIAL).map(|(v, c)| v * c).sum::<f64>().abs();
+    let mut differences: Vec<f64> = values.windows(WINDOW).map(difference).collect();
+    if differences.is_empty() {
+        return 0.0;
+    }
+    differences.sort_unstable_by(f64::total_cmp);
+    // Half of a normal variable's values lie within 0.6745 standard deviations.
+    let spread: f64 = BINOMIAL.iter().map(|c| c * c).sum::<f64>().sqrt();
+    differences[differences.len() / 2] / (0.6745 * spread)
+}
+
+/// Values and second derivatives at the knots of the spline that minimises `Σ (f − y)² + weight ∫ f''²`: the solution of
+/// `(R + weight QᵀQ) γ = Qᵀ y`, `f = y − weight Q γ` (Green and Silverman 1994, section 2.3), by a banded LDLᵀ
+/// factorisation.
+fn solve(times: &[f64], y: &[f64], weight: f64) -> (Vec<f64>, Vec<f64>) {
+    let n = times.len();
+    if n < 3 {
+        return (y.to_vec(), vec![0.0; n]);
+    }
+    let h: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
+    let inner = n - 2;
+    // Column k of Q has the entries q[k] at the knots k, k + 1, k + 2.
+    let q: Vec<[f64; 3]> = (0..inner).map(|k| [1.0 / h[k], -1.0 / h[k] - 1.0 / h[k + 1], 1.0 / h[k + 1]]).collect();
+    let dot = |k: usize, j: usize| -> f64 {
+        let shift = j - k;
+        (shift..3).map(|i| q[k][i] * q[j][i - shift]).sum()
+    };
+    // The matrix by diagonals, factorised in place: unit lower triangle with two diagonals below, and D.
+    let mut diagonal = vec![0.0; inner];
+    let mut first = vec![0.0; inner];
+    let mut second = vec![0.0; inner];
+    let mut rhs: Vec<f64> = (0..inner).map(|k| (0..3).map(|i| q[k][i] * y[k + i]).sum()).collect();
+    for k in 0..inner {
+        let mut d = (h[k] + h[k + 1]) / 3.0 + weight * dot(k, k);
+        let mut e = if k + 1 < inner { h[k + 1] / 6.0 + weight * dot(k, k + 1) } else { 0.0 };
+        let f = if k + 2 < inner { weight * dot(k, k + 2) } else { 0.0 };
+        if k >= 1 {
+            d -= first[k - 1] * first[k - 1] * diagonal[k - 1];
+            e -= first[k - 1] * second[k - 1] * diagonal[k - 1];
+            rhs[k] -= first[k - 1] * rhs[k - 1];
+        }
+        if k >= 2 {
+            d -= second[k - 2] * second[k - 2] * diagonal[k - 2];
+            rhs[k] -= second[k - 2] * rhs[k - 2];
+        }
+        diagonal[k] = d;
+        (first[k], second[k]) = (e / d, f / d);
+    }
+    let mut gamma = rhs;
+    for k in (0..inner).rev() {
+        gamma[k] /= diagonal[k];
+        if k + 1 < inner {
+            gamma[k] -= first[k] * gamma[k + 1];
+        }
+        if k + 2 < inner {
+            gamma[k] -= second[k] * gamma[k + 2];
+        }
+    }
+    let mut values = y.to_vec();
+    for k in 0..inner {
+        for i in 0..3 {
+            values[k + i] -= weight * q[k][i] * gamma[k];
+        }
+    }
+    let mut curvatures = vec![0.0; n];
+    curvatures[1..=inner].copy_from_slice(&gamma);
+    (values, curvatures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(n: usize, step: f64, f: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
+        let t: Vec<f64> = (0..n).map(|k| k as f64 * step).collect();
+        let y = t.iter().map(|t| f(*t)).collect();
+        (t, y)
+    }
+
+    #[test]
+    fn exact_samples_are_interpolated_with_their_derivatives() {
+        let (t, y) = samples(501, 2e-3, |t| (12.0 * t).sin());
+        let spline = Spline::fit(&t, &y);
+        for k in 0..500 {
+            let at = t[k] + 0.7e-3;
+            let [value, rate, acceleration] = spline.at(at);
+            let exact = [(12.0 * at).sin(), 12.0 * (12.0 * at).cos(), -144.0 * (12.0 * at).sin()];
+            // At the ends the second derivative is that of a cubic through a few samples, within 1 % of the largest.
+            let end = !(20..480).contains(&k);
+            let [a, b, c] = if end { [1e-6, 1e-3, 1.44] } else { [1e-8, 1e-5, 0.02] };
+            assert!((value - exact[0]).abs() < a && (rate - exact[1]).abs() < b, "{at}");
+            assert!((acceleration - exact[2]).abs() < c, "{at}");
+        }
+    }
+
+    #[test]
+    fn the_slope_is_the_derivative_of_the_value_and_the_curvature_that_of_the_slope() {
+        let (t, y) = samples(20, 0.1, |t| t * t * t - 2.0 * t * t);
+        let spline = Spline::fit(&t, &y);
+        let h = 1e-5;
+        for at in [0.031, 0.55, 1.234, 1.87] {
+            let [before, now, after] = [at - h, at, at + h].map(|t| spline.at(t));
+            assert!(((after[0] - before[0]) / (2.0 * h) - now[1]).abs() < 1e-8);
+            assert!(((after[1] - before[1]) / (2.0 * h) - now[2]).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn noise_is_estimated_and_taken_away() {
+        // A reproducible sequence, uniform in ±1 with standard deviation 1/√3.
+        let mut state = 1u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let (t, exact) = samples(3000, 2e-3, |t| 0.02 * (12.0 * t).sin());
+        let noisy: Vec<f64> = exact.iter().map(|v| v + 1e-5 * random()).collect();
+        let expected = 1e-5 / 3f64.sqrt();
+        assert!((noise(&noisy) / expected - 1.0).abs() < 0.15, "{}", noise(&noisy));
+        let spline = Spline::fit(&t, &noisy);
+        let rms = |f: &dyn Fn(usize) -> f64| ((50..2950).map(|k| f(k).powi(2)).sum::<f64>() / 2900.0).sqrt();
+        let value = rms(&|k| spline.at(t[k])[0] - exact[k]);
+        assert!(value < 0.5 * expected, "{value}");
+        let curvature = rms(&|k| spline.at(t[k])[2] + 144.0 * exact[k]);
+        // Second differences of the samples would be off by √6 σ/h² = 3.5 m/s².
+        assert!(curvature < 0.1, "{curvature}");
+    }
+
+    #[test]
+    fn short_columns_are_interpolated() {
+        assert_eq!(Spline::fit(&[0.0], &[3.0]).at(1.0), [3.0, 0.0, 0.0]);
+        let two = Spline::fit(&[0.0, 2.0], &[0.0, 1.0]);
+        assert_eq!(two.at(1.0), [0.5, 0.5, 0.0]);
+        assert_eq!(two.at(4.0), [2.0, 0.5, 0.0]);
+        let three = Spline::fit(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]);
+        assert!((three.at(1.0)[0] - 1.0).abs() < 1e-12 && three.at(1.0)[2] < 0.0);
+    }
+}
