@@ -1,6 +1,6 @@
 //! The three published open-loop experiments, with the amplitude held over each period.
 
-use crate::plant::crossing;
+use crate::plant::{crossing, least_load};
 use crate::{Course, Drive, ExpressionMotion, ModelPlant, Plant, PlateError, PlateMotion, STATES};
 use bracketry_sim::{Inputs, Outcome, Settings, Trajectory};
 use bracketry_system::System;
@@ -209,7 +209,7 @@ impl Experiment {
         let (mut trajectory, mut outcome) = plant.record(from)?;
         let level = self.start + REACHED * (self.target - self.start);
         let way = (self.target - self.start).signum();
-        let (mut amplitudes, mut reached) = (Vec::new(), None);
+        let (mut amplitudes, mut reached, mut least_load) = (Vec::new(), None, f64::INFINITY);
         let mut period = 0u32;
         while outcome.is_finished() && plant.time() - from < duration {
             amplitudes.push((plant.time(), held.renew(plant)?));
@@ -217,13 +217,14 @@ impl Experiment {
             let end = from + (f64::from(period) * self.period).min(duration);
             let (piece, ended) = plant.record(end)?;
             reached = reached.or_else(|| crossing(&piece, index, level, way));
+            least_load = least_load.min(held.least_load(&piece));
             trajectory.join(&piece);
             outcome = ended;
             if ends(plant.time(), &plant.state()) {
                 break;
             }
         }
-        Ok(Run { trajectory, outcome, amplitudes, reached, coordinate: index, target: self.target })
+        Ok(Run { trajectory, outcome, amplitudes, reached, least_load, coordinate: index, target: self.target })
     }
 
     /// Index of the coordinate among the states.
@@ -272,8 +273,14 @@ impl<'a> HeldAmplitude<'a> {
             }
         }
         plant.set_number("A", amplitude);
+        self.motion.set("A", amplitude);
         self.amplitude = Some(amplitude);
         Ok(amplitude)
+    }
+
+    /// The least normal load over a course of this period.
+    fn least_load<C: Course>(&mut self, course: &C) -> f64 {
+        least_load(course, &mut self.motion, 0.0)
     }
 }
 
@@ -294,6 +301,9 @@ pub struct Run<C = Trajectory> {
     pub amplitudes: Vec<(f64, f64)>,
     /// First time at which 98 % of the way was covered, in seconds.
     pub reached: Option<f64>,
+    /// Least normal load per mass in m/s² met on the way, see [`normal_load`](crate::normal_load), without thickness. Where it is negative, the
+    /// object lifts off in truth, whatever a model without flight says.
+    pub least_load: f64,
     coordinate: usize,
     target: f64,
 }

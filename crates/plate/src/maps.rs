@@ -31,6 +31,8 @@ pub struct Summary {
     pub end: [f64; 6],
     /// Way from the start to the end in x, y (m) and phi (rad).
     pub way: [f64; 3],
+    /// Least normal load per mass in m/s²; see [`Run::least_load`](crate::Run::least_load).
+    pub least_load: f64,
     /// How the simulation ended.
     pub outcome: Outcome,
 }
@@ -66,6 +68,7 @@ pub fn summarise<P: Plant>(
         duration: run.trajectory.end() - from,
         end,
         way: [end[0] - start[0], end[1] - start[1], end[2] - start[2]],
+        least_load: run.least_load,
         outcome: run.outcome,
     })
 }

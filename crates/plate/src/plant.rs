@@ -1,9 +1,12 @@
 //! Whatever moves an object on an imposed plate motion: what experiments, sweeps and velocity fields run on.
 
-use crate::{ExpressionMotion, PlateError};
+use crate::{ExpressionMotion, PlateError, PlateKinematics, PlateMotion};
 use bracketry_sim::{Inputs, Model, Outcome, Settings, Stepper, Trajectory};
 use bracketry_system::System;
 use std::sync::Arc;
+
+/// Acceleration of gravity in m/s², as in the model files.
+pub const GRAVITY: f64 = 9.81;
 
 /// The states of every plant: position of the centre of mass in the plate frame (m), yaw (rad), and their rates.
 pub const STATES: [&str; 6] = ["x", "y", "phi", "vx", "vy", "w"];
@@ -166,6 +169,25 @@ impl Plant for ModelPlant {
     fn record(&mut self, t_end: f64) -> Result<(Trajectory, Outcome), PlateError> {
         Ok(self.stepper.record(t_end)?)
     }
+}
+
+/// Normal load per mass in m/s² on an object whose centre of mass is `height` above the plate, `g cos θ + y θ'' + 2 y' θ' −
+/// h θ'²`: where it is negative, the object lifts off and models without flight say
+/// nothing.
+pub fn normal_load(state: &[f64; 6], plate: &PlateKinematics, height: f64) -> f64 {
+    GRAVITY * plate.tilt.cos() + state[1] * plate.tilt_acceleration + 2.0 * state[4] * plate.tilt_rate
+        - height * plate.tilt_rate.powi(2)
+}
+
+/// The least normal load over a course, looked at [`PARTS`] times.
+pub(crate) fn least_load<C: Course, M: PlateMotion>(course: &C, motion: &mut M, height: f64) -> f64 {
+    let (start, length) = (course.start(), course.end() - course.start());
+    (0..=PARTS)
+        .map(|part| {
+            let t = start + length * f64::from(part) / f64::from(PARTS);
+            normal_load(&course.state_at(t), &motion.at(t), height)
+        })
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// Parts of a course in which a rate is taken to change its sign once at most.

@@ -1,5 +1,6 @@
 //! Cycle-averaged velocities of an object under periodic plate motions.
 
+use crate::plant::least_load;
 use crate::{Drive, Plant, PlateError, sweep};
 use bracketry_sim::Outcome;
 use serde::{Deserialize, Serialize};
@@ -83,6 +84,8 @@ pub struct MeanVelocity {
     pub periods: usize,
     /// Whether the velocities repeat; if not, the mean is that of the last period allowed.
     pub established: bool,
+    /// Least normal load per mass in m/s² in that period; see [`normal_load`](crate::normal_load), without thickness.
+    pub least_load: f64,
     /// How the simulation ended.
     pub outcome: Outcome,
 }
@@ -108,10 +111,13 @@ pub fn mean_velocity<P: Plant>(
     let mut v = [0.0; 3];
     plant.set_state(0.0, [x, y, phi, 0.0, 0.0, 0.0])?;
     plant.drive(&drive)?;
-    let mut result = MeanVelocity { mean: v, periods: 0, established: false, outcome: Outcome::Finished };
+    let mut kinematics = drive.motion()?;
+    let mut result =
+        MeanVelocity { mean: v, periods: 0, established: false, least_load: f64::INFINITY, outcome: Outcome::Finished };
     while result.periods < establishing.periods && !result.established {
         plant.set_state(0.0, [x, y, phi, v[0], v[1], v[2]])?;
-        let (_, outcome) = plant.record(period)?;
+        let (course, outcome) = plant.record(period)?;
+        result.least_load = least_load(&course, &mut kinematics, 0.0);
         let end = plant.state();
         result.periods += 1;
         result.outcome = outcome;

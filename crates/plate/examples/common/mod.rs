@@ -1,0 +1,106 @@
+//! What the examples with figures share: models by name, progress, the folder of the figures.
+
+use anyhow::Context;
+use bracketry_plate::{
+    AmplitudeStep, Experiment, Friction, Limits, ModelPlant, Object, PlateError, Shape, Summary, Terms,
+    first_principles, published, reduced, summarise,
+};
+use bracketry_plot::Drawing;
+use bracketry_sim::Settings;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+/// Starts of the experiments: 1 from x = 0.3 m, 2 and 3 from where they are published.
+pub(crate) fn start(experiment: &Experiment) -> [f64; 6] {
+    match experiment.coordinate {
+        "phi" => [0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
+        _ => [0.48, -0.03, 0.0, 0.0, 0.0, 0.0],
+    }
+}
+
+/// Tolerances of the sweeps.
+pub(crate) fn settings() -> Settings {
+    Settings::default().with_tolerance(1e-7, 1e-9)
+}
+
+/// The ellipse of the reference results, 5 mm thick.
+pub(crate) const ELLIPSE: Object = Object { shape: Shape::REFERENCE_ELLIPSE, ..Object::REFERENCE };
+
+/// Models of the plate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Model {
+    /// As published; its torque turns the other way round.
+    Published,
+    /// First principles, contact in one point.
+    Point,
+    /// The area contact reduced to a differential equation, with these terms.
+    Reduced(Terms),
+}
+
+impl Model {
+    pub(crate) fn plant(self, object: &Object, mu: f64, state: [f64; 6]) -> Result<ModelPlant, PlateError> {
+        let system = match self {
+            Self::Published => published(&object.shape, mu)?,
+            Self::Point => first_principles(object, &Friction::Coulomb { mu }, Terms::default())?,
+            Self::Reduced(terms) => reduced(object, mu, terms)?,
+        };
+        ModelPlant::new(&system, state, &settings())
+    }
+
+    /// The experiment as this model has to be given it: the published torque turns clockwise, so that its tilt is turned
+    /// round, and it knows no jump of the plate.
+    pub(crate) fn experiment(self, experiment: Experiment) -> Experiment {
+        match self {
+            Self::Published if experiment.coordinate == "phi" => experiment.with_reversed_tilt(),
+            Self::Published => experiment.with_amplitude_step(AmplitudeStep::Smooth),
+            _ => experiment,
+        }
+    }
+
+    pub(crate) fn summary(self, experiment: &Experiment, mu: f64, duration: f64) -> Result<Summary, PlateError> {
+        let mut plant = self.plant(&Object::REFERENCE, mu, start(experiment))?;
+        summarise(experiment, &mut plant, duration, Limits::default())
+    }
+}
+
+/// A progress bar for a sweep.
+pub(crate) struct Progress(ProgressBar);
+
+impl Progress {
+    pub(crate) fn new(what: &str, runs: usize) -> Self {
+        let bar = ProgressBar::new(runs as u64).with_message(what.to_owned());
+        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
+            bar.set_style(style);
+        }
+        Self(bar)
+    }
+
+    /// Tells the bar how many runs are done.
+    pub(crate) fn tell(&self, done: usize) -> ControlFlow<()> {
+        self.0.set_position(done as u64);
+        ControlFlow::Continue(())
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// The folder for the figures: the first argument, or `docs/figures`.
+pub(crate) fn folder() -> anyhow::Result<PathBuf> {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/figures");
+    let folder = std::env::args().nth(1).map_or(default, PathBuf::from);
+    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    Ok(folder)
+}
+
+/// Writes the PNG of a figure.
+pub(crate) fn save(drawing: &Drawing, folder: &Path, name: &str) -> anyhow::Result<()> {
+    let path = folder.join(format!("{name}.png"));
+    std::fs::write(&path, drawing.png()?).with_context(|| format!("cannot write {}", path.display()))?;
+    println!("{}", path.display());
+    Ok(())
+}
