@@ -36,12 +36,12 @@ impl Regime {
     ];
 
     fn of(summary: &Summary) -> Self {
-        if summary.least_load < 0.0 || !summary.outcome.is_finished() {
+        if summary.run_off.is_some() {
+            Self::RunOff
+        } else if summary.least_load < 0.0 || !summary.outcome.is_finished() {
             Self::LiftsOff
         } else if summary.reached.is_some() {
             Self::Reached
-        } else if summary.run_off.is_some() {
-            Self::RunOff
         } else if summary.way.iter().all(|way| way.abs() < STUCK) {
             Self::Stuck
         } else {
@@ -85,11 +85,14 @@ impl Sweep {
 
     /// Time to target, where there is one.
     fn draw_time(&self, map: &Results, model: &str, folder: &Path) -> anyhow::Result<()> {
-        let times = self.rows(map, |s| if s.least_load > 0.0 { s.reached.unwrap_or(f64::NAN) } else { f64::NAN });
+        let times = self.rows(map, |s| match Regime::of(s) {
+            Regime::Reached => s.reached.unwrap_or(f64::NAN),
+            _ => f64::NAN,
+        });
         let (x, y) = self.published_at();
         let drawing = HeatMap::new(MU, FREQUENCY, "time to 98 % of the way [s]")
             .values(self.mu.clone(), self.frequency.clone(), times)
-            .missing(format!("not reached within {} s, or lifts off", self.duration))
+            .missing(format!("not within {} s on the plate", self.duration))
             .mark("as published", x, y)
             .title(format!("Experiment {}: {model}", self.experiment.name))
             .draw()?;
@@ -97,12 +100,15 @@ impl Sweep {
     }
 
     fn draw_drift(&self, map: &Results, model: &str, folder: &Path) -> anyhow::Result<()> {
-        let drift = self.rows(map, |s| if s.least_load > 0.0 { 1e3 * s.drift() } else { f64::NAN });
+        let drift = self.rows(map, |s| match Regime::of(s) {
+            Regime::RunOff | Regime::LiftsOff => f64::NAN,
+            _ => 1e3 * s.drift(),
+        });
         let (x, y) = self.published_at();
         let drawing = HeatMap::new(MU, FREQUENCY, "drift over the plate [mm/s]")
             .values(self.mu.clone(), self.frequency.clone(), drift)
             .range(0.0, 5.0)
-            .missing("lifts off")
+            .missing("runs off or lifts off")
             .mark("as published", x, y)
             .title(format!("Experiment {}: {model}", self.experiment.name))
             .draw()?;

@@ -44,7 +44,7 @@ struct Case {
 struct Way {
     values: Vec<f64>,
     run_off: bool,
-    /// Whether the load stays positive, without which the model says nothing.
+    /// Whether the load stays positive while the object is on the plate, without which the model says nothing.
     valid: bool,
 }
 
@@ -61,7 +61,7 @@ impl Case {
         })?;
         let count = (run.trajectory.end() / STEP).floor() as usize;
         let values = (0..=count).map(|i| run.trajectory.state_at(STEP * i as f64)[run.coordinate()]).collect();
-        Ok(Way { values, run_off, valid: run.outcome.is_finished() && run.least_load > 0.0 })
+        Ok(Way { values, run_off, valid: run_off || (run.outcome.is_finished() && run.least_load > 0.0) })
     }
 
     /// Root mean square difference of two courses, as a share of the way to the target; infinite where one runs off the
@@ -95,7 +95,7 @@ fn effects(case: &Case, mu: f64, frequency: f64) -> Result<Effects, PlateError> 
 }
 
 fn study(case: &Case, folder: &Path) -> anyhow::Result<()> {
-    let (mu, frequency) = (linspace(0.05, 0.6, 23), linspace(1.0, 4.0, 25));
+    let (mu, frequency) = (linspace(0.05, 0.6, 12), linspace(1.0, 4.0, 13));
     let progress = Progress::new(&case.experiment.name, mu.len() * frequency.len());
     let map = Map::compute(&mu, &frequency, |mu, f| effects(case, mu, f), |done| progress.tell(done));
     drop(progress);
@@ -115,9 +115,15 @@ fn study(case: &Case, folder: &Path) -> anyhow::Result<()> {
         "| term switched off | median effect | largest 10 % from | matters (> 3 %) | matters most | decides about running off |"
     );
     println!("|---|---|---|---|---|---|");
+    // Without friction the spin of experiment 1 has no bound: there, the question is which term comes next.
+    let skipped = usize::from(case.key == "1");
     let most = |e: &Effects| {
-        let (index, largest) =
-            e.of_terms.iter().copied().enumerate().fold((0, 0.0), |best, (i, v)| if v > best.1 { (i, v) } else { best });
+        let (index, largest) = e
+            .of_terms
+            .iter()
+            .copied()
+            .enumerate()
+            .fold((0, 0.0), |best, (i, v)| if v > best.1 { (i, v) } else { best });
         (largest > MATTERS).then_some(index)
     };
     for (index, (name, ..)) in terms().iter().enumerate() {

@@ -12,9 +12,9 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// A quarter of a metre.
+    /// 0.15 m.
     fn default() -> Self {
-        Self { travel: 0.25 }
+        Self { travel: 0.15 }
     }
 }
 
