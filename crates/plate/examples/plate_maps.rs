@@ -149,34 +149,35 @@ impl Sweep {
 
 fn main() -> anyhow::Result<()> {
     let folder = folder()?;
-    let mu = linspace(0.05, 0.6, 23);
+    let mu = linspace(0.05, 0.6, 12);
     let sweeps = [
         Sweep {
             key: "1",
             experiment: Experiment::orientation(),
             duration: 15.0,
             mu: mu.clone(),
-            frequency: linspace(1.0, 4.0, 25),
+            frequency: linspace(1.0, 4.0, 13),
         },
         Sweep {
             key: "2",
             experiment: Experiment::translation_x(3),
             duration: 8.0,
             mu: mu.clone(),
-            frequency: linspace(1.0, 5.0, 25),
+            frequency: linspace(1.0, 5.0, 17),
         },
         Sweep {
             key: "3",
             experiment: Experiment::translation_y(),
             duration: 8.0,
             mu,
-            frequency: linspace(1.0, 5.0, 25),
+            frequency: linspace(1.0, 5.0, 17),
         },
     ];
     let models = [
         ("published", "published model", Model::Published),
         ("point", "point contact", Model::Point),
         ("reduced", "reduced model", Model::Reduced(Terms::default())),
+        ("area", "area contact", Model::Area),
     ];
     println!(
         "| experiment | model | reached | moves | stays | runs off | lifts off | refused |\n|---|---|---|---|---|---|---|---|"

@@ -8,7 +8,7 @@ use bracketry_plate::{
     Establishing, Harmonic, Map, MeanVelocity, Object, PeriodicMotion, PlateError, Terms, linspace, mean_velocity,
 };
 use bracketry_plot::{Arrow, ColorMap, HeatMap, VectorField};
-use common::{Model, Progress, folder, save};
+use common::{Progress, folder, reduced_plant, save};
 use std::f64::consts::{PI, TAU};
 
 const MU: f64 = 0.3;
@@ -26,7 +26,7 @@ fn motion(phase: f64) -> PeriodicMotion {
 
 fn mean(motion: &PeriodicMotion, place: [f64; 3]) -> Result<MeanVelocity, PlateError> {
     mean_velocity(
-        &mut Model::Reduced(Terms::default()).plant(&Object::REFERENCE, MU, [0.0; 6])?,
+        &mut reduced_plant(&Object::REFERENCE, Terms::default(), MU, [0.0; 6])?,
         motion,
         place,
         Establishing::default(),

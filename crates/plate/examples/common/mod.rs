@@ -2,8 +2,8 @@
 
 use anyhow::Context;
 use bracketry_plate::{
-    AmplitudeStep, Experiment, Friction, Limits, ModelPlant, Object, PlateError, Shape, Summary, Terms,
-    first_principles, published, reduced, summarise,
+    AmplitudeStep, AreaContact, AreaPlant, AreaSettings, Experiment, Friction, Limits, ModelPlant, Object, Plant,
+    PlateError, Shape, Summary, Terms, first_principles, published, reduced, summarise,
 };
 use bracketry_plot::Drawing;
 use bracketry_sim::Settings;
@@ -36,18 +36,11 @@ pub(crate) enum Model {
     Point,
     /// The area contact reduced to a differential equation, with these terms.
     Reduced(Terms),
+    /// Area contact.
+    Area,
 }
 
 impl Model {
-    pub(crate) fn plant(self, object: &Object, mu: f64, state: [f64; 6]) -> Result<ModelPlant, PlateError> {
-        let system = match self {
-            Self::Published => published(&object.shape, mu)?,
-            Self::Point => first_principles(object, &Friction::Coulomb { mu }, Terms::default())?,
-            Self::Reduced(terms) => reduced(object, mu, terms)?,
-        };
-        ModelPlant::new(&system, state, &settings())
-    }
-
     /// The experiment as this model has to be given it: the published torque turns clockwise, so that its tilt is turned
     /// round, and it knows no jump of the plate.
     pub(crate) fn experiment(self, experiment: Experiment) -> Experiment {
@@ -58,10 +51,27 @@ impl Model {
         }
     }
 
+    /// Runs an experiment with the disk of the reference results.
     pub(crate) fn summary(self, experiment: &Experiment, mu: f64, duration: f64) -> Result<Summary, PlateError> {
-        let mut plant = self.plant(&Object::REFERENCE, mu, start(experiment))?;
-        summarise(experiment, &mut plant, duration, Limits::default())
+        let (object, law, state) = (&Object::REFERENCE, Friction::Coulomb { mu }, start(experiment));
+        let system = match self {
+            Self::Area => {
+                let settings = AreaSettings::default().with_step(2e-3).with_points(48);
+                let mut plant = AreaPlant::new(AreaContact::new(object, &law, &settings)?)?;
+                plant.set_state(0.0, state)?;
+                return summarise(experiment, &mut plant, duration, Limits::default());
+            }
+            Self::Published => published(&object.shape, mu)?,
+            Self::Point => first_principles(object, &law, Terms::default())?,
+            Self::Reduced(terms) => reduced(object, mu, terms)?,
+        };
+        summarise(experiment, &mut ModelPlant::new(&system, state, &settings())?, duration, Limits::default())
     }
+}
+
+/// The reduced model of an object.
+pub(crate) fn reduced_plant(object: &Object, terms: Terms, mu: f64, state: [f64; 6]) -> Result<ModelPlant, PlateError> {
+    ModelPlant::new(&reduced(object, mu, terms)?, state, &settings())
 }
 
 /// A progress bar for a sweep.
