@@ -24,7 +24,8 @@ pub struct Terms {
     pub coriolis: bool,
     /// `h θ''` in `y''` and `h θ'²` in the load.
     pub thickness: bool,
-    /// Friction against the slip; without, against each component of the slip on its own, by its sign.
+    /// Friction against the slip; without, against each component of the slip on its own, by its sign, and against the
+    /// spin with the mean second moment.
     pub coupled: bool,
     /// Friction along x follows the load; without, it is that of the load `g`.
     pub load_along_x: bool,
@@ -156,12 +157,17 @@ pub(crate) fn with_terms(file: &str, text: &str, object: &Object, terms: Terms) 
 
 /// Takes friction against each component of the slip on its own: `sign(vx)`, `sign(vy)` in the place of the direction.
 pub(crate) fn act_per_axis(system: &mut System) {
+    let defined: FxHashMap<String, Expr> = system.definitions.iter().cloned().collect();
     let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
     for (direction, component) in [("ex", "vx"), ("ey", "vy")] {
-        let defined = system.definitions.iter().find(|(name, _)| name == direction).map(|(_, e)| *e);
         let velocity = system.pool.var(component);
         let sign = system.pool.call(Func::Sign, velocity);
-        map.extend(defined.map(|e| (e, sign)));
+        map.extend(defined.get(direction).map(|&e| (e, sign)));
+    }
+    // Two signs are no direction: the second moment along the slip becomes the mean one.
+    if let (Some(&along), Some(&inertia)) = (defined.get("See"), defined.get("I")) {
+        let half = system.pool.ratio(1, 2);
+        map.insert(along, system.pool.mul(half, inertia));
     }
     // The level at rest is now that of each sign.
     let levels = std::mem::take(&mut system.static_levels);
