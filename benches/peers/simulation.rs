@@ -1,6 +1,6 @@
 //! The plate's experiments, timed; see `simulation.py` for the others.
 
-use bracketry::plate::{Experiment, Object, Shape, Terms, published, reduced};
+use bracketry::plate::{AreaContact, AreaSettings, Experiment, Friction, Object, Shape, Terms, published, reduced};
 use bracketry::sim::{Inputs, Model, Settings, Stepper};
 use bracketry::system::System;
 use serde_json::{Value, json};
@@ -42,6 +42,20 @@ fn by_events(system: &System) -> Value {
     json!({"compile": compile, "runs": runs})
 }
 
+/// Experiment 1 with contact over the whole footprint.
+fn area_contact() -> Value {
+    let settings = AreaSettings::default();
+    let start = AreaContact::new(&disk(), &Friction::Coulomb { mu: 0.3 }, &settings).expect("an object");
+    let motion = Experiment::orientation().motion(0.0).expect("a motion");
+    let (seconds, yaw) = median(RUNS, || {
+        let (mut area, mut motion) = (start.clone(), motion.clone());
+        area.set_state(START).expect("a state");
+        assert!(area.advance(&mut motion, DURATION).expect("a time span").is_finished());
+        area.state()[2]
+    });
+    json!({"seconds": seconds, "points": settings.points, "step": settings.step, "yaw": yaw.to_degrees()})
+}
+
 /// How far an object at rest on a plate tilted by 10° moves in 60 s, in metres.
 fn creep() -> f64 {
     let system = published(&Shape::REFERENCE_DISK, 0.3).expect("a model");
@@ -56,5 +70,5 @@ fn creep() -> f64 {
 pub(crate) fn report() -> Value {
     let published = published(&Shape::REFERENCE_ELLIPSE, 0.3).expect("a model");
     let reduced = reduced(&disk(), 0.3, Terms::default()).expect("a model");
-    json!({"published": by_events(&published), "reduced": by_events(&reduced), "creep": creep()})
+    json!({"published": by_events(&published), "reduced": by_events(&reduced), "area": area_contact(), "creep": creep()})
 }
