@@ -301,8 +301,8 @@ pub struct Run<C = Trajectory> {
     pub amplitudes: Vec<(f64, f64)>,
     /// First time at which 98 % of the way was covered, in seconds.
     pub reached: Option<f64>,
-    /// Least normal load per mass in m/s² met on the way, see [`normal_load`](crate::normal_load), without thickness. Where it is negative, the
-    /// object lifts off in truth, whatever a model without flight says.
+    /// Least normal load per mass in m/s² met on the way, without thickness; see [`normal_load`](crate::normal_load). Where
+    /// it is negative, the object lifts off in truth, whatever a model without flight says.
     pub least_load: f64,
     coordinate: usize,
     target: f64,

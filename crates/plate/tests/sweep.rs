@@ -75,6 +75,27 @@ fn an_object_that_slides_without_end_is_stopped_at_the_limit() {
 }
 
 #[test]
+fn the_least_load_tells_that_an_object_far_from_the_axis_would_lift_off() {
+    // It rests at y = −0.1 m while θ = a sin ωt tilts: the load g cos θ − 0.1 θ'' is least near a quarter of the period later.
+    let least = |a: f64| {
+        let system = published(&Shape::REFERENCE_ELLIPSE, 5.0).unwrap();
+        let mut plant = ModelPlant::new(&system, [0.0, -0.1, 0.0, 0.0, 0.0, 0.0], &Settings::default()).unwrap();
+        let tilt = format!("-{a}*sin(20*t)");
+        let shake = Experiment { tilt, law: None, period: 0.1, ..Experiment::translation_y() };
+        summarise(&shake, &mut plant, 0.4, Limits::default()).unwrap().least_load
+    };
+    let exact = |a: f64| {
+        (0..=40_000).map(|i| 1e-5 * f64::from(i)).map(move |t| {
+            let s = (20.0 * t).sin();
+            9.81 * (a * s).cos() - 0.1 * a * 400.0 * s
+        })
+    };
+    let smallest = |a| exact(a).fold(f64::INFINITY, f64::min);
+    assert!((least(0.1) - smallest(0.1)).abs() < 1e-3 && least(0.1) > 5.0);
+    assert!(smallest(0.3) < 0.0 && least(0.3) < 0.0);
+}
+
+#[test]
 fn evenly_spaced_values_include_both_ends() {
     assert_eq!(linspace(2.0, 4.0, 5), [2.0, 2.5, 3.0, 3.5, 4.0]);
     assert_eq!((linspace(1.0, 2.0, 1), linspace(1.0, 2.0, 0)), (vec![1.0], vec![]));
