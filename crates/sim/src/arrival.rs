@@ -56,7 +56,7 @@ impl<S: Switched> Stepper<S> {
     pub(crate) fn approach(&mut self, remaining: f64) -> Approach {
         let slides = |i: &usize| self.modes[*i] == Mode::Sliding && !self.departing[*i];
         let sliding: Vec<usize> = (0..self.modes.len()).filter(slides).collect();
-        self.nearest = f64::INFINITY;
+        let before = std::mem::replace(&mut self.nearest, f64::INFINITY);
         if sliding.is_empty() {
             return Approach::None;
         }
@@ -76,6 +76,10 @@ impl<S: Switched> Stepper<S> {
                 return Approach::Arrives { switch: i, after };
             }
             longest = longest.min((SHARE * after).max(10.0 * self.shortest()));
+        }
+        if self.nearest < before && before.is_finite() && !self.implicit {
+            // The direction turns at a rate that grows like 1/|σ|.
+            self.h *= self.nearest / before;
         }
         if longest.is_finite() { Approach::Within(longest) } else { Approach::None }
     }

@@ -102,6 +102,9 @@ impl<S: Switched> Stepper<S> {
     /// Samples the gaps over the attempted step and finds the first event.
     pub(crate) fn scan(&mut self, h: f64) -> Scan {
         let switches = self.modes.len();
+        if self.modes.iter().all(|&mode| mode == Mode::Sliding) {
+            return Scan::Clear;
+        }
         // Rates at both ends, and the rounding to expect.
         let sliding = self.modes.iter().any(|&mode| mode.sign() != 0.0);
         self.noise.fill(0.0);

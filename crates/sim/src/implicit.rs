@@ -102,14 +102,14 @@ impl<S: Switched> Stepper<S> {
             later[SLOTS[stage] - 1].copy_from_slice(&first[0]);
         }
         let mut points = vec![vec![0.0; n]; 3];
-        let mut turn = f64::INFINITY;
         for iteration in 0..ITERATIONS {
             let mut change = 0.0f64;
             for i in 0..3 {
                 for j in 0..n {
                     let sum: f64 = (0..3).map(|l| A[i][l] * self.k[SLOTS[l + 1]][j]).sum();
                     let value = self.x[j] + h * sum;
-                    let scale = self.settings.atol + self.settings.rtol * value.abs();
+                    // Loose tolerances leave no room for an iteration that is loose, too.
+                    let scale = self.settings.atol.min(1e-9) + self.settings.rtol.min(1e-9) * value.abs();
                     change = change.max((value - points[i][j]).abs() / scale);
                     points[i][j] = value;
                 }
@@ -117,11 +117,13 @@ impl<S: Switched> Stepper<S> {
             if change.is_nan() {
                 return None;
             }
-            if iteration > 0 && change <= CONVERGED && turn <= 1e-5 {
+            if iteration > 1 && change <= CONVERGED {
                 self.end.copy_from_slice(&points[2]);
                 return Some(self.all_forward(h, sliding, &points));
             }
-            turn = self.turn_directions(h, sliding, influence, &points)?;
+            if !self.turn_directions(h, sliding, influence, &points) {
+                return Some(false);
+            }
             for i in 0..3 {
                 let slot = SLOTS[i + 1];
                 self.multipliers.s.copy_from_slice(&self.signs[slot]);
@@ -153,14 +155,9 @@ impl<S: Switched> Stepper<S> {
         true
     }
 
-    /// Newton's step for `P_i σ(X_i) = 0` in the directions of all stages, `P = 1 − s sᵀ`; returns how far they turn.
-    fn turn_directions(
-        &mut self,
-        h: f64,
-        sliding: &[usize],
-        influence: &DMatrix<f64>,
-        points: &[Vec<f64>],
-    ) -> Option<f64> {
+    /// Newton's step for `P_i σ(X_i) = 0` in the directions of all stages, `P = 1 − s sᵀ`; false if there is no
+    /// such step.
+    fn turn_directions(&mut self, h: f64, sliding: &[usize], influence: &DMatrix<f64>, points: &[Vec<f64>]) -> bool {
         let k = influence.nrows();
         let size = influence.amax();
         let mut projections = Vec::with_capacity(3);
@@ -168,11 +165,21 @@ impl<S: Switched> Stepper<S> {
         let mut lengths = vec![0.0; 3 * k];
         for (i, point) in points.iter().enumerate() {
             self.system.switching(self.t + C[i] * h, point, &mut self.sigma);
-            let s = &self.signs[SLOTS[i + 1]];
+            let s = &mut self.signs[SLOTS[i + 1]];
             let mut projection = DMatrix::<f64>::identity(k, k);
             let mut first = 0;
             for &switch in sliding {
                 let part = self.multipliers.parts[switch].clone();
+                if influence.rows(first, part.len()).amax() == 0.0 {
+                    // Nothing to solve for: the direction follows σ.
+                    let length = norm(&self.sigma[part.clone()]);
+                    for c in part.clone().filter(|_| length > 0.0) {
+                        s[c] = self.sigma[c] / length;
+                    }
+                    lengths[i * k + first..i * k + first + part.len()].fill(1.0);
+                    first += part.len();
+                    continue;
+                }
                 let along: f64 = part.clone().map(|c| s[c] * self.sigma[c]).sum();
                 for (a, c) in part.clone().enumerate() {
                     right[i * k + first + a] = along * s[c] - self.sigma[c];
@@ -198,12 +205,10 @@ impl<S: Switched> Stepper<S> {
         for (a, length) in lengths.iter().enumerate() {
             matrix[(a, a)] -= length;
         }
-        let step = matrix.lu().solve(&right)?;
-        if !step.iter().all(|v| v.is_finite()) {
-            return None;
-        }
-        let longest = step.amax();
-        let shorten = (0.7 / longest).min(1.0);
+        let Some(step) = matrix.lu().solve(&right).filter(|step| step.iter().all(|v| v.is_finite())) else {
+            return false;
+        };
+        let shorten = (0.7 / step.amax()).min(1.0);
         for i in 0..3 {
             let mut first = 0;
             for &switch in sliding {
@@ -217,7 +222,7 @@ impl<S: Switched> Stepper<S> {
                 first += part.len();
             }
         }
-        Some(longest)
+        true
     }
 
     /// The polynomial of degree 4 with the field of the start and of all stages as derivatives.

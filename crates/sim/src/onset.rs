@@ -181,8 +181,18 @@ impl Multipliers {
         let part = self.parts[switch].clone();
         let rates: Vec<f64> = part.clone().map(|c| self.rate(c, dx)).collect();
         let rate = norm(&rates);
-        let missing = 1.0 - self.size(switch).powi(2);
-        if missing <= 0.0 || rate == 0.0 || !rate.is_finite() {
+        let size = self.size(switch);
+        let missing = 1.0 - size.powi(2);
+        if rate == 0.0 || !rate.is_finite() {
+            // Nothing tells where to: any direction, or the present one.
+            if size > 0.0 {
+                part.for_each(|c| self.s[c] /= size);
+            } else {
+                self.s[part.start] = 1.0;
+            }
+            return;
+        }
+        if missing <= 0.0 {
             return;
         }
         let along: f64 = part.clone().zip(&rates).map(|(c, r)| self.s[c] * r / rate).sum();

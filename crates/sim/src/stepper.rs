@@ -364,7 +364,7 @@ impl<S: Switched> Stepper<S> {
                     self.statistics.rejected += 1;
                     rejected = true;
                     self.h = match other {
-                        Attempt::Error(error) => h * (0.9 * error.powf(-0.2)).clamp(0.1, 0.9),
+                        Attempt::Error(error) => h * (0.9 * error.powf(self.exponent())).clamp(0.1, 0.9),
                         _ => 0.25 * h,
                     };
                     if self.h < self.shortest() {
@@ -396,11 +396,16 @@ impl<S: Switched> Stepper<S> {
             if at_limit {
                 self.t = limit;
             }
-            let growth = (0.9 * error.max(1e-10).powf(-0.2)).clamp(0.2, if rejected { 1.0 } else { 8.0 });
+            let growth = (0.9 * error.max(1e-10).powf(self.exponent())).clamp(0.2, if rejected { 1.0 } else { 8.0 });
             // A step cut short by its limit says nothing against the length before.
             self.h = if at_limit { self.h.max(h * growth) } else { h * growth };
             return Ok(());
         }
+    }
+
+    /// By which power of its error a step's length changes: the error estimates are of order 5 and 4.
+    fn exponent(&self) -> f64 {
+        if self.implicit { -0.25 } else { -0.2 }
     }
 
     /// The sticking signs have no solution at the current point: the modes cannot be kept, others are sought.
