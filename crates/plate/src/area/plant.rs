@@ -16,7 +16,7 @@ impl AreaPlant {
     /// The object on a plate that stays still.
     ///
     /// # Errors
-    /// None: the motion of a plate at rest is known to compile.
+    /// [`PlateError::Motion`] if the motion cannot be compiled.
     pub fn new(contact: AreaContact) -> Result<Self, PlateError> {
         Ok(Self { contact, motion: Drive::still().motion()?, outcome: AreaOutcome::Finished })
     }
