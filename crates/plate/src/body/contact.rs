@@ -19,6 +19,8 @@ pub(super) struct Contact {
     pub(super) target: f64,
     /// Friction coefficient.
     pub(super) coefficient: f64,
+    /// Share in an impulse that the points can bear in many ways.
+    pub(super) weight: f64,
 }
 
 /// What the impulses did.
@@ -45,6 +47,7 @@ pub(super) struct ContactSolver {
     points: FrictionPoints<6>,
     normals: Vec<Vector6<f64>>,
     targets: Vec<f64>,
+    weights: Vec<f64>,
     /// Normal impulses of the last call.
     pub(super) impulses: Vec<f64>,
     friction: Vector6<f64>,
@@ -56,7 +59,7 @@ pub(super) fn normal_row(arm: &Vector3<f64>) -> Vector6<f64> {
 }
 
 impl ContactSolver {
-    /// The velocity after impulses at `contacts` on a body with the velocity `free` without them. `weights` is the diagonal
+    /// The velocity after impulses at `contacts` on a body with the velocity `free` without them. `axes` is the diagonal
     /// that makes the friction norm isotropic.
     pub(super) fn solve(
         &mut self,
@@ -64,16 +67,18 @@ impl ContactSolver {
         inverse: &Matrix6<f64>,
         free: &Vector6<f64>,
         contacts: &[Contact],
-        weights: [f64; 2],
+        axes: [f64; 2],
     ) -> Result<Impulses, ContactError> {
         self.normals.clear();
         self.targets.clear();
+        self.weights.clear();
         self.points.clear();
         for contact in contacts {
             let arm = &contact.arm;
             self.normals.push(normal_row(arm));
             self.targets.push(contact.target);
-            let [dx, dy] = weights;
+            self.weights.push(contact.weight);
+            let [dx, dy] = axes;
             let along = [dx, 0.0, 0.0, 0.0, dx * arm.z, -dx * arm.y];
             let across = [0.0, dy, 0.0, -dy * arm.z, 0.0, dy * arm.x];
             self.points.push([along, across], 0.0);
@@ -85,7 +90,7 @@ impl ContactSolver {
         let mut guess = *free;
         for _ in 0..ROUNDS {
             let pushed = free + inverse * self.friction;
-            let held = normal_impulses(mass, &pushed, &self.normals, &self.targets, &mut self.impulses);
+            let held = normal_impulses(mass, &pushed, &self.normals, &self.targets, &self.weights, &mut self.impulses);
             for (k, contact) in contacts.iter().enumerate() {
                 self.points.set_bound(k, contact.coefficient * self.impulses[k]);
             }
@@ -107,8 +112,14 @@ impl ContactSolver {
             self.friction += residual * relaxation;
             last = Some(residual);
         }
-        let velocity =
-            normal_impulses(mass, &(free + inverse * self.friction), &self.normals, &self.targets, &mut self.impulses);
+        let velocity = normal_impulses(
+            mass,
+            &(free + inverse * self.friction),
+            &self.normals,
+            &self.targets,
+            &self.weights,
+            &mut self.impulses,
+        );
         Ok(Impulses { velocity, normal: self.impulses.iter().sum(), converged: false })
     }
 

@@ -2,9 +2,12 @@
 
 mod body_on_plate;
 mod contact;
+mod contact_step;
 mod events;
 mod flight;
+mod flight_step;
 mod frame;
+mod locate;
 mod normal;
 mod settings;
 mod solid;

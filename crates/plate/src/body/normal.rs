@@ -3,14 +3,14 @@
 use nalgebra::{Matrix6, Vector6};
 
 /// Stiffness of the regularisation against the mass of the body.
-const STIFFNESS: f64 = 1e4;
+const STIFFNESS: f64 = 1e6;
 /// Violation of the conditions that is left, relative to the velocities at work.
-const TOLERANCE: f64 = 1e-13;
+const TOLERANCE: f64 = 1e-14;
 
 /// Solves `M (v − v*) = Σ λ_k n_k` with `0 ≤ λ_k ⊥ n_k·v − b_k ≥ 0`.
 ///
 /// The velocity is the projection of `v*` onto `{n_k·v ≥ b_k}` in the metric `M`. Where more points touch than the rigid
-/// body can tell apart, the impulses are those of least norm: the problem is solved by the proximal method of multipliers
+/// body can tell apart, the impulses are those of least norm `Σ λ_k²/w_k`: the problem is solved by the proximal method of multipliers
 /// started at `λ = 0` (Rockafellar 1976), whose inner problems, piecewise quadratic in the six velocities, Newton's method
 /// with a line search solves in finitely many steps.
 ///
@@ -20,6 +20,7 @@ pub(super) fn normal_impulses(
     free: &Vector6<f64>,
     normals: &[Vector6<f64>],
     targets: &[f64],
+    weights: &[f64],
     impulses: &mut Vec<f64>,
 ) -> Vector6<f64> {
     impulses.clear();
@@ -30,11 +31,11 @@ pub(super) fn normal_impulses(
         return v;
     }
     for _ in 0..60 {
-        v = inner(mass, free, normals, targets, impulses, v);
+        v = inner(mass, free, normals, targets, weights, impulses, v);
         let mut violation = 0.0_f64;
-        for ((n, b), impulse) in normals.iter().zip(targets).zip(impulses.iter_mut()) {
-            let next = (*impulse + STIFFNESS * (b - n.dot(&v))).max(0.0);
-            violation = violation.max((next - *impulse).abs() / STIFFNESS);
+        for (((n, b), w), impulse) in normals.iter().zip(targets).zip(weights).zip(impulses.iter_mut()) {
+            let next = (*impulse + STIFFNESS * w * (b - n.dot(&v))).max(0.0);
+            violation = violation.max((next - *impulse).abs() / (STIFFNESS * w));
             *impulse = next;
         }
         if violation <= TOLERANCE * scale {
@@ -44,12 +45,13 @@ pub(super) fn normal_impulses(
     v
 }
 
-/// Minimises `½ |v − v*|²_M + Σ max(0, λ_k + κ (b_k − n_k·v))²/(2κ)` from `start`.
+/// Minimises `½ |v − v*|²_M + Σ max(0, λ_k + κ_k (b_k − n_k·v))²/(2κ_k)` from `start`.
 fn inner(
     mass: &Matrix6<f64>,
     free: &Vector6<f64>,
     normals: &[Vector6<f64>],
     targets: &[f64],
+    weights: &[f64],
     impulses: &[f64],
     start: Vector6<f64>,
 ) -> Vector6<f64> {
@@ -59,21 +61,22 @@ fn inner(
         normals
             .iter()
             .zip(targets)
+            .zip(weights)
             .zip(impulses)
-            .map(move |((n, b), l)| (n, l + STIFFNESS * (b - n.dot(&v))))
-            .filter(|(_, push)| *push > 0.0)
+            .map(move |(((n, b), w), l)| (n, STIFFNESS * w, l + STIFFNESS * w * (b - n.dot(&v))))
+            .filter(|(_, _, push)| *push > 0.0)
     };
     let value = |v: &Vector6<f64>| {
         let d = v - free;
-        0.5 * d.dot(&(mass * d)) + pushes(v).map(|(_, p)| p * p).sum::<f64>() / (2.0 * STIFFNESS)
+        0.5 * d.dot(&(mass * d)) + 0.5 * pushes(v).map(|(_, k, p)| p * p / k).sum::<f64>()
     };
     let mut now = value(&v);
     for _ in 0..50 {
         let mut gradient = mass * (v - free);
         let mut hessian = *mass;
-        for (n, push) in pushes(&v) {
+        for (n, stiffness, push) in pushes(&v) {
             gradient -= n * push;
-            hessian.ger(STIFFNESS, n, n, 1.0);
+            hessian.ger(stiffness, n, n, 1.0);
         }
         let Some(factor) = hessian.cholesky() else { return v };
         let step = -factor.solve(&gradient);
@@ -113,7 +116,7 @@ mod tests {
         let normals = [normal(1.0, 1.0), normal(-1.0, 1.0), normal(-1.0, -1.0), normal(1.0, -1.0)];
         let free = Vector6::new(0.3, 0.0, -2.0, 0.0, 0.0, 1.0);
         let mut impulses = Vec::new();
-        let v = normal_impulses(&mass(), &free, &normals, &[0.0; 4], &mut impulses);
+        let v = normal_impulses(&mass(), &free, &normals, &[0.0; 4], &[1.0; 4], &mut impulses);
         assert!((v - Vector6::new(0.3, 0.0, 0.0, 0.0, 0.0, 1.0)).amax() < 1e-13);
         for impulse in impulses {
             assert!((impulse - 0.5).abs() < 1e-12);
@@ -125,7 +128,7 @@ mod tests {
         let normals: Vec<_> = (0..12).map(|k| f64::from(k) * 0.7).map(|a| normal(a.cos(), 0.5 * a.sin())).collect();
         let free = Vector6::new(0.0, 0.0, -1.0, 2.0, -3.0, 0.5);
         let mut impulses = Vec::new();
-        let v = normal_impulses(&mass(), &free, &normals, &[0.0; 12], &mut impulses);
+        let v = normal_impulses(&mass(), &free, &normals, &[0.0; 12], &[1.0; 12], &mut impulses);
         let mut sum = mass() * (v - free);
         for (n, impulse) in normals.iter().zip(&impulses) {
             let speed = n.dot(&v);

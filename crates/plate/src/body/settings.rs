@@ -16,6 +16,8 @@ pub struct BodySettings {
     /// Speed of approach in m/s below which an impact ends without rebound. A sequence of impacts that accumulates in time
     /// ends here, at most `2 rest_speed/(g (1 − e))` before its limit.
     pub rest_speed: f64,
+    /// Number of contact points, about, on a face that lies flat; see [`crate::Shape::quadrature`].
+    pub points: usize,
     /// Most steps of one call.
     pub max_steps: usize,
 }
@@ -28,6 +30,7 @@ impl Default for BodySettings {
             contact_step: 2e-4,
             flight_step: 1e-3,
             rest_speed: 1e-6,
+            points: 48,
             max_steps: 5_000_000,
         }
     }

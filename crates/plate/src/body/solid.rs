@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::RigidState;
-use crate::{Object, PlateError, Shape};
+use crate::{Object, PlateError, Quadrature, Shape};
 
 /// Points on the rim of a round face. The ring always has one of them at the lowest point of the rim.
 const RING: usize = 24;
@@ -21,6 +21,8 @@ pub(super) enum Outline {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Solid {
     outline: Outline,
+    /// Points and weights of the footprint.
+    rule: Quadrature,
     /// Half the thickness.
     half: f64,
     pub(super) mass: f64,
@@ -32,8 +34,8 @@ pub(super) struct Solid {
 }
 
 impl Solid {
-    /// The prism of an object.
-    pub(super) fn of(object: &Object) -> Result<Self, PlateError> {
+    /// The prism of an object, with about `points` points on each face.
+    pub(super) fn of(object: &Object, points: usize) -> Result<Self, PlateError> {
         object.validate()?;
         let outline = match &object.shape {
             Shape::Ellipse { a, b } => Outline::Ellipse { a: *a, b: *b },
@@ -50,7 +52,8 @@ impl Solid {
             Outline::Ellipse { a, b } => a.max(*b),
             Outline::Corners(corners) => corners.iter().map(|c| c[0].hypot(c[1])).fold(0.0, f64::max),
         };
-        Ok(Self { outline, half, mass, inertia, inverse_inertia, radius: rim.hypot(half) })
+        let rule = object.shape.quadrature(points)?;
+        Ok(Self { outline, rule, half, mass, inertia, inverse_inertia, radius: rim.hypot(half) })
     }
 
     /// The inertia in the axes of the frame in which the body has that orientation.
@@ -100,7 +103,18 @@ impl Solid {
         (0..points.len()).step_by(stride).map(gap).collect()
     }
 
-    /// How many points one face has.
+    /// The points inside a face, from the centre of mass in the axes of the plate, with their shares of its area.
+    pub(super) fn face_points(
+        &self,
+        orientation: &UnitQuaternion<f64>,
+        upper: bool,
+    ) -> impl Iterator<Item = (Vector3<f64>, f64)> {
+        let r = orientation.to_rotation_matrix();
+        let z = if upper { self.half } else { -self.half };
+        self.rule.points.iter().zip(&self.rule.weights).map(move |(p, w)| (r * Vector3::new(p[0], p[1], z), *w))
+    }
+
+    /// How many points the rim of one face has.
     pub(super) fn points_per_face(&self) -> usize {
         match &self.outline {
             Outline::Ellipse { .. } => RING,
