@@ -28,7 +28,10 @@ mod velocity_field;
 pub use area::{
     AreaContact, AreaEvent, AreaOutcome, AreaPlant, AreaRecord, AreaSample, AreaSettings, EnergyBalance, Scheme,
 };
-pub use body::{BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, PlateFrame, RigidState};
+pub use body::{
+    BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, ObjectMode, ObjectOnPlate, ObjectStop, PlateFrame,
+    RigidState,
+};
 pub use derivation::{FlatContact, flat_contact};
 pub use energy::{Energy, energy};
 pub use experiment::{AmplitudeLaw, AmplitudeStep, Experiment, Run};
@@ -118,9 +121,14 @@ pub enum PlateError {
         /// How far, in m.
         depth: f64,
     },
-    /// A state that is not a number.
-    #[error("the state and its time must be finite numbers")]
-    StateNotFinite,
+    /// Two settings of gravity for one object.
+    #[error("gravity is {area} m/s² while the object lies flat and {body} m/s² otherwise; give both the same")]
+    GravityDiffers {
+        /// That of the settings of area contact.
+        area: f64,
+        /// That of the settings of the rigid body.
+        body: f64,
+    },
     /// The friction at contact points cannot be solved for.
     #[error(transparent)]
     Contact(#[from] bracketry_sim::ContactError),

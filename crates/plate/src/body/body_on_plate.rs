@@ -89,10 +89,13 @@ impl BodyOnPlate {
     /// Starts from `state`, relative to the plate, at `time`.
     ///
     /// # Errors
-    /// [`PlateError::StateNotFinite`], or [`PlateError::Penetration`] if a point lies below the plate.
+    /// [`PlateError::BadState`] for a number that is not finite, or [`PlateError::Penetration`] if a point lies below the plate.
     pub fn set_state(&mut self, time: f64, state: &RigidState) -> Result<(), PlateError> {
-        if !(state.is_finite() && time.is_finite()) {
-            return Err(PlateError::StateNotFinite);
+        if !time.is_finite() {
+            return Err(PlateError::BadState { value: time });
+        }
+        if let Some(value) = state.components().find(|c| !c.is_finite()) {
+            return Err(PlateError::BadState { value });
         }
         let gap = self.solid.gap(state).0;
         if gap < -TOUCHING * self.solid.radius {
@@ -153,7 +156,7 @@ impl BodyOnPlate {
         let mut impacts_at_once = 0;
         let mut window = (self.time, 0);
         for _ in 0..self.settings.max_steps {
-            if !self.state.is_finite() {
+            if !self.state.components().all(f64::is_finite) {
                 return Ok(BodyStop::NotFinite);
             }
             if self.time >= t_end {
@@ -222,7 +225,7 @@ impl BodyOnPlate {
     }
 
     /// The face that lies on the plate and does not move along the normal: true for the upper one.
-    fn lies_flat(&mut self) -> Option<bool> {
+    pub(super) fn lies_flat(&mut self) -> Option<bool> {
         self.find_contacts();
         let rate = |k: &usize| self.state.velocity.z + self.state.angular_velocity.cross(&self.points[*k]).z;
         let still = self.closed.iter().all(|k| rate(k).abs() < self.settings.rest_speed);

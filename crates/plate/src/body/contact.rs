@@ -6,9 +6,13 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use super::normal::normal_impulses;
 
 /// Iterations between normal impulses and friction.
-const ROUNDS: usize = 300;
+const ROUNDS: usize = 150;
 /// Change of the friction impulse at which the iteration ends, relative to the velocities at work.
-const TOLERANCE: f64 = 1e-12;
+const TOLERANCE: f64 = 1e-11;
+/// Change that is accepted where rounding does not let it become less for [`STALLED`] rounds.
+const ACCEPTED: f64 = 1e-8;
+/// Rounds without a new least change.
+const STALLED: usize = 8;
 
 /// A point that touches.
 #[derive(Debug, Clone, Copy)]
@@ -86,6 +90,7 @@ impl ContactSolver {
         let matrix: [[f64; 6]; 6] = std::array::from_fn(|i| std::array::from_fn(|j| mass[(i, j)]));
         let scale = free.amax().max(f64::MIN_POSITIVE);
         let mut relaxation = 1.0;
+        let (mut least, mut since) = (f64::INFINITY, 0);
         let mut last: Option<Vector6<f64>> = None;
         let mut guess = *free;
         for _ in 0..ROUNDS {
@@ -99,7 +104,13 @@ impl ContactSolver {
             let velocity = Vector6::from(step.velocity);
             guess = velocity;
             let residual = mass * (velocity - without) - self.friction;
-            if residual.amax() <= TOLERANCE * scale {
+            let change = residual.amax();
+            if change < 0.9 * least {
+                (least, since) = (change, 0);
+            } else {
+                since += 1;
+            }
+            if change <= TOLERANCE * scale || (since >= STALLED && change <= ACCEPTED * scale) {
                 return Ok(Impulses { velocity, normal: self.impulses.iter().sum(), converged: true });
             }
             if let Some(before) = last {

@@ -40,13 +40,10 @@ impl RigidState {
         Self { position: self.position + shift, orientation, ..*self }
     }
 
-    /// Every component is a finite number.
-    pub fn is_finite(&self) -> bool {
-        let finite = |v: &Vector3<f64>| v.iter().all(|c| c.is_finite());
-        finite(&self.position)
-            && finite(&self.velocity)
-            && finite(&self.angular_velocity)
-            && self.orientation.coords.iter().all(|c| c.is_finite())
+    /// All 13 numbers.
+    pub(super) fn components(&self) -> impl Iterator<Item = f64> {
+        let vectors = self.position.iter().chain(self.velocity.iter()).chain(self.angular_velocity.iter());
+        vectors.chain(self.orientation.coords.iter()).copied()
     }
 }
 

@@ -9,10 +9,12 @@ mod flight_step;
 mod frame;
 mod locate;
 mod normal;
+mod object_on_plate;
 mod settings;
 mod solid;
 
 pub use body_on_plate::{BodyOnPlate, BodyStop};
 pub use events::{BodyEvent, BodyEventKind};
 pub use frame::{PlateFrame, RigidState};
+pub use object_on_plate::{ObjectMode, ObjectOnPlate, ObjectStop};
 pub use settings::BodySettings;
