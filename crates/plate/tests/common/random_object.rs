@@ -136,7 +136,7 @@ fn simulate(rng: &mut StdRng, impossible: bool) -> Result<(ObjectOnPlate, Object
     let mut friction = friction(rng);
     let mut settings = BodySettings {
         restitution: if rng.random_bool(0.2) { 0.0 } else { rng.random_range(0.0..1.0) },
-        max_steps: 100_000,
+        max_steps: 50_000,
         ..BodySettings::default()
     };
     // One in ten is thrown at absurd speeds.
