@@ -20,7 +20,7 @@ fn main() {
     let begin = Instant::now();
     let timed = |seed: u64| {
         let start = Instant::now();
-        let outcome = std::panic::catch_unwind(|| run(seed)).unwrap_or_else(|_| Outcome {
+        let outcome = std::panic::catch_unwind(|| run(seed, 0.25)).unwrap_or_else(|_| Outcome {
             kind: "panic".into(),
             impossible: false,
             refused: false,

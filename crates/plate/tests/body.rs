@@ -469,11 +469,11 @@ fn states_and_settings_without_meaning_are_refused_with_the_reason() {
 
 #[test]
 fn random_objects_run_to_an_end_or_are_refused_with_the_reason() {
-    let outcomes: Vec<_> = (1..=300_u64).into_par_iter().map(|seed| (seed, random_object::run(seed))).collect();
+    let outcomes: Vec<_> = (1..=300_u64).into_par_iter().map(|seed| (seed, random_object::run(seed, 0.1))).collect();
     for (seed, outcome) in &outcomes {
         assert_eq!(outcome.fault, None, "seed {seed}: {}", outcome.kind);
         assert_eq!(outcome.refused, outcome.impossible, "seed {seed}: {}", outcome.kind);
     }
-    assert!(outcomes.iter().any(|(_, o)| o.refused) && outcomes.iter().map(|(_, o)| o.events).sum::<usize>() > 1000);
+    assert!(outcomes.iter().any(|(_, o)| o.refused) && outcomes.iter().map(|(_, o)| o.events).sum::<usize>() > 100);
     assert!(outcomes.iter().map(|(_, o)| o.unresolved).sum::<usize>() < 3000);
 }

@@ -86,13 +86,13 @@ fn motion(rng: &mut StdRng) -> impl FnMut(f64) -> PlateKinematics + use<> {
     }
 }
 
-/// Simulates a quarter of a second of the object number `seed`.
-pub(crate) fn run(seed: u64) -> Outcome {
+/// Simulates the object number `seed` for `duration` seconds.
+pub(crate) fn run(seed: u64, duration: f64) -> Outcome {
     let mut rng = StdRng::seed_from_u64(seed);
     let impossible = rng.random_bool(0.15);
     let mut events = 0;
     let mut unresolved = 0;
-    let (kind, refused, fault) = match simulate(&mut rng, impossible) {
+    let (kind, refused, fault) = match simulate(&mut rng, impossible, duration) {
         Err(error) => {
             let text = error.to_string();
             let fault = (!impossible).then(|| format!("refused without cause: {text}"));
@@ -128,7 +128,7 @@ fn words(text: &str) -> String {
     text.split_whitespace().filter(number).take(9).collect::<Vec<_>>().join(" ")
 }
 
-fn simulate(rng: &mut StdRng, impossible: bool) -> Result<(ObjectOnPlate, ObjectStop), PlateError> {
+fn simulate(rng: &mut StdRng, impossible: bool, duration: f64) -> Result<(ObjectOnPlate, ObjectStop), PlateError> {
     let shape = shape(rng)?;
     let size = shape.second_moments().0.max(shape.second_moments().1).sqrt();
     let height = if rng.random_bool(0.1) { 0.0 } else { size * magnitude(rng, -2.0, 0.7) };
@@ -167,7 +167,7 @@ fn simulate(rng: &mut StdRng, impossible: bool) -> Result<(ObjectOnPlate, Object
             0 => object.mass = -object.mass,
             1 => object.mass = f64::NAN,
             2 => object.shape = Shape::Rectangle { a: 0.0, b: 0.1 },
-            3 => object.shape = Shape::polygon(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]])?,
+            3 => object.shape = Shape::polygon(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 3.0]])?,
             4 => friction = Friction::StaticLevel { mu: 0.4, mu_static: 0.3 },
             5 => settings.restitution = rng.random_range(1.001..9.0),
             6 => state.position.z -= 0.5 * (height + size) + 20.0 * size + 1.0,
@@ -183,6 +183,6 @@ fn simulate(rng: &mut StdRng, impossible: bool) -> Result<(ObjectOnPlate, Object
     } else {
         simulated.set_state(0.0, &state)?;
     }
-    let stop = simulated.advance(&mut motion, 0.25)?;
+    let stop = simulated.advance(&mut motion, duration)?;
     Ok((simulated, stop))
 }
