@@ -241,3 +241,15 @@ fn what_tips_ends_the_area_model_and_goes_on_as_a_body() {
     assert_eq!((number(&body, "/t_final"), body["outcome"].as_str()), (0.4, Some("not reached")));
     assert!(number(&body, "/events") > 0.0);
 }
+
+#[test]
+fn what_loses_its_load_ends_the_models_that_lie_on_the_plate() {
+    // Half a metre from the axis experiment 3 tilts by more than 100°.
+    for model in ["point", "reduced"] {
+        let o = bracketry(&["plate", "3", "--model", model, "--start", "0.3,-0.5,0", "--seconds", "4", "--json"]);
+        let v: Value = serde_json::from_slice(&o.stdout).unwrap();
+        assert_eq!((code(&o), v["outcome"].as_str()), (1, Some("stopped")), "{v}");
+        assert!(v["stopped"].as_str().unwrap().contains("the normal force became negative"), "{v}");
+        assert!(number(&v, "/t_final") < 4.0);
+    }
+}

@@ -257,7 +257,18 @@ impl PlateSetup {
             if run.stopped.is_none() {
                 run.stopped = object.advance(sample)?;
             }
-            run.rows.push(self.row(object.as_mut(), amplitude));
+            let row = self.row(object.as_mut(), amplitude);
+            // Without a load there is no friction; equations of an object that lies on the plate end here.
+            if run.stopped.is_none()
+                && matches!(self.model, PlateModel::Point | PlateModel::Reduced)
+                && row.normal_force < 0.0
+            {
+                run.stopped = Some(format!(
+                    "lift-off by t = {:.3} s: the normal force became negative, which this model cannot follow; take --model body",
+                    row.t
+                ));
+            }
+            run.rows.push(row);
             if k % 100 == 0 {
                 watch(object.time());
             }
