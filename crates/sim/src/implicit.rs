@@ -155,71 +155,76 @@ impl<S: Switched> Stepper<S> {
         true
     }
 
-    /// Newton's step for `P_i σ(X_i) = 0` in the directions of all stages, `P = 1 − s sᵀ`; false if there is no
-    /// such step.
+    /// Newton's step for `Q_iᵀ σ(X_i) = 0` in the directions of all stages, where the columns of `Q_i` span what is normal to
+    /// them; false if there is no such step.
     fn turn_directions(&mut self, h: f64, sliding: &[usize], influence: &DMatrix<f64>, points: &[Vec<f64>]) -> bool {
-        let k = influence.nrows();
         let size = influence.amax();
-        let mut projections = Vec::with_capacity(3);
-        let mut right = DVector::zeros(3 * k);
-        let mut lengths = vec![0.0; 3 * k];
+        let (mut turning, mut following, mut unknowns, mut first) = (Vec::new(), Vec::new(), 0, 0);
+        for &switch in sliding {
+            let part = self.multipliers.parts[switch].clone();
+            let rows = first..first + part.len();
+            first = rows.end;
+            if influence.rows_range(rows.clone()).amax() == 0.0 {
+                following.push(part);
+            } else {
+                unknowns += part.len() - 1;
+                turning.push((rows, part));
+            }
+        }
+        let mut normals = DMatrix::zeros(influence.nrows(), 3 * unknowns);
+        let mut right = DVector::zeros(3 * unknowns);
+        let mut lengths = DVector::zeros(3 * unknowns);
         for (i, point) in points.iter().enumerate() {
             self.system.switching(self.t + C[i] * h, point, &mut self.sigma);
             let s = &mut self.signs[SLOTS[i + 1]];
-            let mut projection = DMatrix::<f64>::identity(k, k);
-            let mut first = 0;
-            for &switch in sliding {
-                let part = self.multipliers.parts[switch].clone();
-                if influence.rows(first, part.len()).amax() == 0.0 {
-                    // Nothing to solve for: the direction follows σ.
-                    let length = norm(&self.sigma[part.clone()]);
-                    for c in part.clone().filter(|_| length > 0.0) {
-                        s[c] = self.sigma[c] / length;
-                    }
-                    lengths[i * k + first..i * k + first + part.len()].fill(1.0);
-                    first += part.len();
-                    continue;
+            for part in &following {
+                // Nothing to solve for: the direction follows σ.
+                let length = norm(&self.sigma[part.clone()]);
+                for c in part.clone().filter(|_| length > 0.0) {
+                    s[c] = self.sigma[c] / length;
                 }
-                let along: f64 = part.clone().map(|c| s[c] * self.sigma[c]).sum();
-                for (a, c) in part.clone().enumerate() {
-                    right[i * k + first + a] = along * s[c] - self.sigma[c];
-                    lengths[i * k + first + a] = along.max(0.0) + 1e-6 * h * size;
-                    for (b, d) in part.clone().enumerate() {
-                        projection[(first + a, first + b)] -= s[c] * s[d];
-                    }
-                }
-                first += part.len();
             }
-            projections.push(projection);
+            let mut column = i * unknowns;
+            for (rows, part) in &turning {
+                let (s, sigma) = (&s[part.clone()], &self.sigma[part.clone()]);
+                let along: f64 = s.iter().zip(sigma).map(|(s, v)| s * v).sum();
+                for normal in normals_to(s) {
+                    for (row, v) in rows.clone().zip(normal) {
+                        normals[(row, column)] = v;
+                        right[column] -= v * sigma[row - rows.start];
+                    }
+                    lengths[column] = along.max(0.0) + 1e-6 * h * size;
+                    column += 1;
+                }
+            }
         }
-        let mut matrix = DMatrix::zeros(3 * k, 3 * k);
+        if unknowns == 0 {
+            return true;
+        }
+        let mut matrix = normals.tr_mul(&(influence * &normals));
         for i in 0..3 {
             for j in 0..3 {
-                let block = (&projections[i] * influence * &projections[j]) * (h * A[i][j]);
-                matrix.view_mut((i * k, j * k), (k, k)).copy_from(&block);
+                let mut block = matrix.view_mut((i * unknowns, j * unknowns), (unknowns, unknowns));
+                block *= h * A[i][j];
             }
-            let along = (DMatrix::identity(k, k) - &projections[i]) * (h * size + f64::MIN_POSITIVE);
-            let mut block = matrix.view_mut((i * k, i * k), (k, k));
-            block -= along;
         }
         for (a, length) in lengths.iter().enumerate() {
             matrix[(a, a)] -= length;
         }
-        let Some(step) = matrix.lu().solve(&right).filter(|step| step.iter().all(|v| v.is_finite())) else {
+        let Some(turn) = matrix.lu().solve(&right).filter(|turn| turn.iter().all(|v| v.is_finite())) else {
             return false;
         };
-        let shorten = (0.7 / step.amax()).min(1.0);
-        for i in 0..3 {
-            let mut first = 0;
-            for &switch in sliding {
-                let part = self.multipliers.parts[switch].clone();
-                let s = &mut self.signs[SLOTS[i + 1]];
-                for (a, c) in part.clone().enumerate() {
-                    s[c] += shorten * step[i * k + first + a];
+        let steps: [DVector<f64>; 3] =
+            std::array::from_fn(|i| normals.columns(i * unknowns, unknowns) * turn.rows(i * unknowns, unknowns));
+        let shorten = (0.7 / steps.iter().fold(0.0f64, |largest, step| largest.max(step.amax()))).min(1.0);
+        for (i, step) in steps.iter().enumerate() {
+            let s = &mut self.signs[SLOTS[i + 1]];
+            for (rows, part) in &turning {
+                for (c, row) in part.clone().zip(rows.clone()) {
+                    s[c] += shorten * step[row];
                 }
                 let length = norm(&s[part.clone()]);
                 s[part.clone()].iter_mut().for_each(|v| *v /= length);
-                first += part.len();
             }
         }
         true
@@ -280,6 +285,17 @@ impl<S: Switched> Stepper<S> {
             self.multipliers.held[i] = true;
         }
     }
+}
+
+/// An orthonormal basis of what is normal to a unit vector: Householder's reflection of its largest component, without
+/// the column of that.
+fn normals_to(s: &[f64]) -> impl Iterator<Item = impl Iterator<Item = f64>> {
+    let largest = (1..s.len()).fold(0, |m, c| if s[c].abs() > s[m].abs() { c } else { m });
+    let mirror = move |c: usize| if c == largest { s[c] + s[c].signum() } else { s[c] };
+    let denominator = 1.0 + s[largest].abs();
+    (0..s.len())
+        .filter(move |&b| b != largest)
+        .map(move |b| (0..s.len()).map(move |a| f64::from(u8::from(a == b)) - mirror(a) * mirror(b) / denominator))
 }
 
 /// Lagrange's weights at `theta` for the start and the nodes of a step.
