@@ -178,11 +178,16 @@ impl Carried for AreaCarried {
         self.set_flat(self.contact.time(), state)
     }
 
+    fn flat(&self) -> bool {
+        self.free().is_none()
+    }
+
     fn touch(&mut self) -> Touch {
         if let Some(body) = self.free() {
             let normal = body.on_plate.state().orientation * Vector3::z();
             let lean = (-normal.y).atan2(normal.z);
-            return Touch { load: Some(0.0), stick_fraction: 0.0, gap: body.on_plate.gap().max(0.0), lean };
+            let gap = body.on_plate.gap().max(0.0);
+            return Touch { load: Some(f64::NAN), stick_fraction: f64::NAN, gap, lean };
         }
         let [_, _, phi, vx, vy, w] = self.contact.state();
         let (s, c) = phi.sin_cos();

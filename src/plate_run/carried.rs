@@ -10,7 +10,7 @@ use super::{Moving, PlateModel, PlateRunError, PlateSetup};
 /// How object and plate touch at one time.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Touch {
-    /// Normal force per mass in m/s², where the model reckons with one of its own.
+    /// Normal force per mass in m/s², where the model reckons with one of its own; NaN where it is not known.
     pub(super) load: Option<f64>,
     /// Share of the contact that sticks.
     pub(super) stick_fraction: f64,
@@ -35,6 +35,10 @@ pub(super) trait Carried {
     /// Shifts the object along the plate's x axis and changes its rate.
     fn shift(&mut self, x: f64, vx: f64) -> Result<(), PlateRunError>;
     fn touch(&mut self) -> Touch;
+    /// Whether the object lies flat on the plate.
+    fn flat(&self) -> bool {
+        true
+    }
     /// Number of events so far, where the model tells it.
     fn events(&self) -> Option<usize>;
     /// Error of the energy balance, where the model tells it.

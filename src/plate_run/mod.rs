@@ -11,6 +11,7 @@ use std::time::Instant;
 
 use bracketry_plate::{
     AmplitudeStep, Experiment, ExpressionMotion, Friction, Object, PlateError, PlateKinematics, PlateMotion, STATES,
+    normal_load,
 };
 use bracketry_system::FileError;
 use serde::Serialize;
@@ -24,9 +25,14 @@ pub use options::{PlateOptions, SetupError};
 const REACHED: f64 = 0.98;
 /// Most rows of a result.
 const MAX_ROWS: f64 = 2e6;
+/// Most steps of a run.
+const MAX_STEPS: f64 = 2e7;
+/// Longest time between rows, in seconds.
+const MAX_SAMPLE: f64 = 0.02;
+/// Longest step of area contact, in seconds.
+const MAX_STEP: f64 = 0.01;
 /// Times closer than this are the same, in seconds.
 const SAME: f64 = 1e-10;
-const GRAVITY: f64 = 9.81;
 
 /// How object and plate touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -98,9 +104,9 @@ pub struct PlateRow {
     pub state: [f64; 6],
     /// Amplitude held in this period; 1 for experiments without amplitude law, not a number for a logged motion.
     pub amplitude: f64,
-    /// Normal force in N.
+    /// Normal force in N; NaN where the body is free to tip and fly, and its model tells impulses only.
     pub normal_force: f64,
-    /// Share of the contact that sticks, 0 to 1.
+    /// Share of the contact that sticks, 0 to 1; NaN where the body is free to tip and fly.
     pub stick_fraction: f64,
     /// Gap between plate and object in metres.
     pub gap: f64,
@@ -117,6 +123,8 @@ pub struct PlateRun {
     pub reached: Option<f64>,
     /// Why it ended early, if it did.
     pub stopped: Option<String>,
+    /// Whether the object lies flat on the plate at the end.
+    pub flat: bool,
     /// Jumps of the plate that the object did not follow.
     pub jumps: Vec<Jump>,
     /// Changes between sticking and sliding and other events, where the model tells them.
@@ -236,6 +244,7 @@ impl PlateSetup {
             rows: Vec::new(),
             reached: None,
             stopped: None,
+            flat: true,
             jumps: Vec::new(),
             events: None,
             energy_closure: None,
@@ -260,7 +269,7 @@ impl PlateSetup {
             let row = self.row(object.as_mut(), amplitude);
             // Without a load there is no friction; equations of an object that lies on the plate end here.
             if run.stopped.is_none()
-                && matches!(self.model, PlateModel::Point | PlateModel::Reduced)
+                && !matches!(self.model, PlateModel::Area | PlateModel::Body)
                 && row.normal_force < 0.0
             {
                 run.stopped = Some(format!(
@@ -280,6 +289,7 @@ impl PlateSetup {
         run.reached = self.reached(&run.rows);
         run.events = object.events();
         run.energy_closure = object.energy_closure();
+        run.flat = object.flat();
         Ok(run)
     }
 
@@ -335,11 +345,10 @@ impl PlateSetup {
     }
 
     /// Normal force per mass that the model reckons with: `g cos θ + y θ''` as published, first principles otherwise.
-    fn load(&self, plate: &PlateKinematics, [_, y, _, _, vy, _]: &[f64; 6]) -> f64 {
-        let published = GRAVITY * plate.tilt.cos() + y * plate.tilt_acceleration;
+    fn load(&self, plate: &PlateKinematics, state: &[f64; 6]) -> f64 {
         match self.model {
-            PlateModel::Published => published,
-            _ => published + 2.0 * vy * plate.tilt_rate - self.object.height * plate.tilt_rate * plate.tilt_rate,
+            PlateModel::Published => normal_load(state, &PlateKinematics { tilt_rate: 0.0, ..*plate }, 0.0),
+            _ => normal_load(state, plate, self.object.height),
         }
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use bracketry_plate::{AmplitudeStep, Experiment, Friction, Object, PlateError, Shape};
 use bracketry_system::{Document, FileError};
 
-use super::{MAX_ROWS, PlateLog, PlateModel, PlateSetup};
+use super::{MAX_ROWS, MAX_SAMPLE, MAX_STEP, MAX_STEPS, PlateLog, PlateModel, PlateSetup};
 
 /// What a run is told; what is absent has a default. Texts are as on the command line.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -174,8 +174,9 @@ impl PlateOptions {
             },
             "mass" => positive("mass", self.mass, "kg"),
             "seconds" => positive("seconds", self.seconds, "s"),
-            "sample" => positive("sample", self.sample, "s"),
-            "dt" => positive("dt", self.dt, "s"),
+            // Rows give time to target, shares and extremes: they must be close to each other.
+            "sample" => at_most("sample", self.sample, MAX_SAMPLE),
+            "dt" => at_most("dt", self.dt, MAX_STEP),
             _ => Ok(()),
         }
     }
@@ -201,6 +202,12 @@ impl PlateOptions {
         let from = log.map_or(0.0, |l| l.t[0]);
         let seconds = self.seconds.or(log.map(|l| l.t[l.t.len() - 1] - from)).unwrap_or(15.0);
         let sample = self.sample.unwrap_or(2e-3);
+        let dt = self.dt.unwrap_or(5e-4);
+        if seconds / dt > MAX_STEPS {
+            let p =
+                problem(format!("more than {MAX_STEPS:.0} steps would be taken"), "enlarge --dt or shorten --seconds");
+            return Err(placed("dt", p));
+        }
         if seconds / sample > MAX_ROWS {
             let p = problem(format!("more than {MAX_ROWS:.0} rows would be written"), "enlarge --sample");
             return Err(placed("seconds", p));
@@ -218,7 +225,7 @@ impl PlateOptions {
             from,
             seconds,
             points: self.points.unwrap_or(48.0) as usize,
-            dt: self.dt.unwrap_or(5e-4),
+            dt,
             restitution: self.restitution.unwrap_or(0.0),
             sample,
         };
@@ -395,6 +402,16 @@ fn positive(name: &str, value: Option<f64>, unit: &str) -> Result<(), Problem> {
         Some(v) if !(v.is_finite() && v > 0.0) => Err(problem(
             format!("{name} = {v} must be positive"),
             format!("give a number (unit {unit}) greater than zero"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn at_most(name: &str, value: Option<f64>, most: f64) -> Result<(), Problem> {
+    match value {
+        Some(v) if !(v > 0.0 && v <= most) => Err(problem(
+            format!("{name} = {v} is not between 0 and {most} s"),
+            "give a number of seconds, greater than zero and within this limit",
         )),
         _ => Ok(()),
     }

@@ -85,8 +85,9 @@ fn table(path: &Path, rows: &[PlateRow]) -> anyhow::Result<()> {
 }
 
 fn series(name: &str, rows: &[PlateRow], value: impl Fn(&PlateRow) -> f64) -> Series {
-    let t: Vec<f64> = rows.iter().map(|r| r.t).collect();
-    Series::new(name, t, rows.iter().map(value).collect::<Vec<_>>())
+    // What the model does not tell is left out.
+    let (t, values): (Vec<f64>, Vec<f64>) = rows.iter().map(|r| (r.t, value(r))).filter(|(_, v)| !v.is_nan()).unzip();
+    Series::new(name, t, values)
 }
 
 fn title(ran: &Ran) -> String {
@@ -184,7 +185,7 @@ fn animation(ran: &Ran) -> Animation {
             gap: row.gap,
             lean: row.lean,
             category: match row.stick_fraction {
-                _ if row.gap > 0.0 || row.normal_force == 0.0 => 3,
+                _ if row.gap > 0.0 || row.normal_force.is_nan() => 3,
                 s if s >= STICKS => 0,
                 s if s <= SLIDES => 1,
                 _ => 2,

@@ -160,5 +160,5 @@ pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outco
             None => line("(--out DIR writes trajectory and plots, with --gif an animation)")?,
         }
     }
-    Ok(if report.reached.is_some() && report.stopped.is_none() { Outcome::Done } else { Outcome::Negative })
+    Ok(if report.outcome == "reached" { Outcome::Done } else { Outcome::Negative })
 }

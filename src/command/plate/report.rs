@@ -34,8 +34,8 @@ pub(super) struct Report {
     pub(super) reached: Option<f64>,
     /// Why the run ended early.
     pub(super) stopped: Option<String>,
-    /// `reached`, `not reached` or `stopped`.
-    outcome: &'static str,
+    /// `reached`, `not reached`, `stopped`, or `not flat` where the body has left the plate with its lower face.
+    pub(super) outcome: &'static str,
     t_final: f64,
     #[serde(rename = "final")]
     last: State,
@@ -93,10 +93,11 @@ impl Report {
             target: setup.experiment.target,
             reached: run.reached,
             stopped: run.stopped.clone(),
-            outcome: match (&run.stopped, run.reached) {
-                (Some(_), _) => "stopped",
-                (None, Some(_)) => "reached",
-                (None, None) => "not reached",
+            outcome: match (&run.stopped, run.flat, run.reached) {
+                (Some(_), _, _) => "stopped",
+                (None, false, _) => "not flat",
+                (None, true, Some(_)) => "reached",
+                (None, true, None) => "not reached",
             },
             t_final: last.t,
             last: State::new(pose),
@@ -104,7 +105,7 @@ impl Report {
             drift: State::new([0, 1, 2].map(|k| pose[k] - setup.start[k])),
             events: run.events,
             plate_jumps: run.jumps.len(),
-            stick_share: rows.iter().map(|r| r.stick_fraction).sum::<f64>() / rows.len() as f64,
+            stick_share: mean_of_known(rows.iter().map(|r| r.stick_fraction)),
             least_normal_force: rows.iter().map(|r| r.normal_force).fold(f64::INFINITY, f64::min),
             largest_gap: rows.iter().map(|r| r.gap).fold(0.0, f64::max),
             energy_closure: run.energy_closure,
@@ -113,6 +114,12 @@ impl Report {
             comparison: ran.comparison.clone(),
         }
     }
+}
+
+/// Mean of the values that are numbers.
+fn mean_of_known(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.filter(|v| !v.is_nan()).fold((0.0, 0usize), |(sum, n), v| (sum + v, n + 1));
+    sum / count.max(1) as f64
 }
 
 fn shape(shape: &Shape) -> Value {
@@ -190,6 +197,9 @@ impl fmt::Display for Report {
         if let Some(stopped) = &self.stopped {
             writeln!(f, "  outcome     {stopped}")?;
         }
+        if self.outcome == "not flat" {
+            writeln!(f, "  outcome     the object does not lie flat at the end: it tips, has toppled or flies")?;
+        }
         let l = &self.last;
         writeln!(
             f,
@@ -217,7 +227,10 @@ impl fmt::Display for Report {
             writeln!(f, "  plate       jumped {} times under the object", self.plate_jumps)?;
         }
         if let Some(closure) = self.energy_closure {
-            writeln!(f, "  energy      balance closes to {closure:.1e} of the energy exchanged")?;
+            writeln!(
+                f,
+                "  energy      balance of the stepped equations closes to {closure:.1e} of the energy exchanged"
+            )?;
         }
         writeln!(f, "  speed       {:.3} s, {} times real time", self.wall_seconds, two_digits(self.times_real_time))?;
         if let Some(c) = &self.comparison {
