@@ -10,7 +10,7 @@ use crate::median;
 /// Seconds of experiment 1.
 const DURATION: f64 = 15.0;
 /// The tolerances whose work and error are told: 10 to the minus half of these.
-const HALF_DIGITS: std::ops::RangeInclusive<i32> = 8..=24;
+const HALF_DIGITS: std::ops::RangeInclusive<i32> = 6..=24;
 /// `x, y, phi, vx, vy, w` at the start.
 const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
 const RUNS: usize = 21;
