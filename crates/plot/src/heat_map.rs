@@ -141,16 +141,8 @@ impl HeatMap {
             entries.push((Sample::Hatched, self.missing.clone()));
         }
         let (columns, rows) = self.cells.edges();
-        let field = Field {
-            labels: &self.labels,
-            x: (columns[0], columns[columns.len() - 1]),
-            y: (rows[0], rows[rows.len() - 1]),
-            scale: Some(&scale),
-            entries,
-            marks: &self.marks,
-            grid: false,
-        };
-        field.draw(|canvas, axes| {
+        let field = field_of_cells(&self.labels, (&columns, &rows), &self.marks);
+        Field { scale: Some(&scale), entries, ..field }.draw(|canvas, axes| {
             let fill = |i: usize, j: usize| {
                 let v = self.values[j][i];
                 (!v.is_nan()).then(|| scale.color(v))
@@ -269,16 +261,8 @@ impl RegimeMap {
             entries.push((Sample::Hatched, self.missing.clone()));
         }
         let (columns, rows) = self.cells.edges();
-        let field = Field {
-            labels: &self.labels,
-            x: (columns[0], columns[columns.len() - 1]),
-            y: (rows[0], rows[rows.len() - 1]),
-            scale: None,
-            entries,
-            marks: &self.marks,
-            grid: false,
-        };
-        field.draw(|canvas, axes| {
+        let field = field_of_cells(&self.labels, (&columns, &rows), &self.marks);
+        Field { entries, ..field }.draw(|canvas, axes| {
             draw_cells(canvas, axes, (&columns, &rows), |i, j| self.rows[j][i].map(|k| self.categories[k].1))
         })
     }
@@ -291,6 +275,12 @@ fn check_grid<T>(labels: &Labels, cells: &Cells, name: &str, rows: &[Vec<T>]) ->
     cells.check(labels)?;
     check_lengths(&format!("rows of {name}"), cells.y.len(), rows.len())?;
     rows.iter().try_for_each(|row| check_lengths(&format!("a row of {name}"), cells.x.len(), row.len()))
+}
+
+/// A figure that the cells between these borders fill.
+fn field_of_cells<'a>(labels: &'a Labels, (columns, rows): (&[f64], &[f64]), marks: &'a [Mark]) -> Field<'a> {
+    let ends = |edges: &[f64]| (edges[0], edges[edges.len() - 1]);
+    Field { labels, x: ends(columns), y: ends(rows), scale: None, entries: Vec::new(), marks, grid: false }
 }
 
 /// Draws cells, those of one colour beside each other in one piece; `None` is hatched.
