@@ -12,6 +12,7 @@
 //! ```
 
 mod canonical;
+mod closest_name;
 mod collect;
 mod diff;
 mod exact;
@@ -27,10 +28,11 @@ mod table;
 mod tape;
 mod text;
 
+pub use closest_name::closest_name;
 pub use dashu_ratio::RBig as Rational;
 pub use exact::{Bindings, Certificate, Echelon, Fp, Rank, Residue, SECOND_PRIME, Samples, Undecided, ZeroTest};
 pub use func::{Func, Func2};
-pub use parse::{Names, ParseError, closest_name};
+pub use parse::{Names, ParseError};
 pub use point::PointError;
 pub use pool::{Expr, Node, Pool, Symbol};
 pub use source::Language;
