@@ -5,6 +5,7 @@
 
 mod area;
 mod body;
+mod control;
 mod derivation;
 mod energy;
 mod experiment;
@@ -32,6 +33,7 @@ pub use body::{
     BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, ObjectMode, ObjectOnPlate, ObjectStop, PlateFrame,
     RigidState,
 };
+pub use control::{Command, Measurement, PlateController, PlateLimits};
 pub use derivation::{FlatContact, flat_contact};
 pub use energy::{Energy, energy};
 pub use experiment::{AmplitudeLaw, AmplitudeStep, Experiment, Run};
