@@ -40,6 +40,7 @@
 //! reason; an error is misuse.
 
 mod closed_loop;
+mod constraint;
 mod control_run;
 mod convexify;
 mod cost;
@@ -59,6 +60,7 @@ mod transcription;
 pub use closed_loop::{
     ClosedLoop, Controller, Counts, Plant, RungeKuttaPlant, SolveTimes, SqpController, run_closed_loop,
 };
+pub use constraint::{NormConstraint, PathConstraint, TerminalSet, VectorFunction};
 pub use control_run::{ControlReport, ControlRun, PlanReport};
 pub use cost::{CostFunction, CostKind};
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};

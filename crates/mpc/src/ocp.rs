@@ -1,5 +1,6 @@
 //! The optimal control problem as data.
 
+use crate::constraint::{NormConstraint, PathConstraint, TerminalSet};
 use crate::cost::CostFunction;
 use crate::error::{MpcError, check_length};
 use crate::trajectory::Trajectory;
@@ -88,6 +89,15 @@ pub struct Ocp {
     pub state_bounds: Vec<Bounds>,
     /// Targets at the end.
     pub targets: Vec<TerminalTarget>,
+    /// Functions of states and inputs that are kept within bounds.
+    pub path_constraints: Vec<PathConstraint>,
+    /// Vectors whose length is limited.
+    pub norm_constraints: Vec<NormConstraint>,
+    /// Numbers of intervals over which the inputs are held, in order; their sum is N. Empty: the inputs of every interval
+    /// are free. A shrinking horizon loses intervals from the front of the first block.
+    pub move_blocks: Vec<usize>,
+    /// A set in which the last state shall lie.
+    pub terminal_set: Option<TerminalSet>,
     /// Typical size of each state: defects are measured in it.
     pub state_scale: Vec<f64>,
     /// Size of a change of each state within one iteration beyond which the linearisation is not trusted, for the proximal
@@ -110,6 +120,10 @@ impl Ocp {
             input_bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); inputs],
             state_bounds: vec![Bounds::FREE; states],
             targets: Vec::new(),
+            path_constraints: Vec::new(),
+            norm_constraints: Vec::new(),
+            move_blocks: Vec::new(),
+            terminal_set: None,
             state_scale: vec![1.0; states],
             state_trust: vec![f64::INFINITY; states],
             input_trust: vec![1.0; inputs],
@@ -208,7 +222,9 @@ impl Ocp {
         if let Some(c) = &self.terminal {
             c.check("the terminal cost's list of variables", states)?;
         }
-        let references = self.stage.iter().chain(&self.terminal).map(CostFunction::references).max().unwrap_or(0);
+        self.check_constraints(states, inputs)?;
+        let costs = self.stage.iter().chain(&self.terminal).map(CostFunction::references).max().unwrap_or(0);
+        let references = costs.max(self.constraint_references());
         for row in &self.references {
             check_length("a row of references", row.len(), references)?;
         }
@@ -246,9 +262,10 @@ impl Ocp {
             .map_or(0.0, |c| c.value(trajectory.x(steps), &[], end as f64 * dt, &r[..c.references()]))
     }
 
-    /// Cost of violated bounds (hard ones at `hard` per unit of scale) and missed targets.
-    pub(crate) fn penalty(&self, trajectory: &Trajectory, hard: f64) -> f64 {
-        let mut sum = 0.0;
+    /// Cost of violated bounds and constraints (hard ones at `hard` per unit of scale) and missed targets of a trajectory that
+    /// starts at grid point `k0` of the run.
+    pub(crate) fn penalty(&mut self, k0: usize, trajectory: &Trajectory, hard: f64) -> f64 {
+        let mut sum = self.constraint_penalty(k0, trajectory, hard);
         for k in 1..=trajectory.steps() {
             for (i, b) in self.state_bounds.iter().enumerate() {
                 let v = b.violation(trajectory.x(k)[i]);
@@ -267,15 +284,12 @@ impl Ocp {
 
     /// Weights of violation and its square of bound i, dt included.
     pub(crate) fn weights(&self, i: usize, hard: f64) -> (f64, f64) {
-        match self.state_bounds[i].softness {
-            Softness::Soft { linear, quadratic } => (self.dt * linear, self.dt * quadratic),
-            Softness::Hard => (hard / self.state_scale[i], 0.0),
-        }
+        self.state_bounds[i].softness.weights(self.dt, hard / self.state_scale[i])
     }
 
-    /// Largest violation of a hard bound, in units of its state's scale.
-    pub(crate) fn hard_violation(&self, trajectory: &Trajectory) -> f64 {
-        let mut worst = 0.0_f64;
+    /// Largest violation of a hard bound or constraint, in units of its scale.
+    pub(crate) fn hard_violation(&mut self, k0: usize, trajectory: &Trajectory) -> f64 {
+        let mut worst = self.hard_constraint_violation(k0, trajectory);
         for k in 1..=trajectory.steps() {
             for (i, b) in self.state_bounds.iter().enumerate() {
                 if b.softness == Softness::Hard {
@@ -287,7 +301,7 @@ impl Ocp {
     }
 }
 
-fn positive(what: &'static str, value: f64) -> Result<(), MpcError> {
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<(), MpcError> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {
@@ -295,7 +309,7 @@ fn positive(what: &'static str, value: f64) -> Result<(), MpcError> {
     }
 }
 
-fn weight(what: &'static str, value: f64) -> Result<(), MpcError> {
+pub(crate) fn weight(what: impl Into<String>, value: f64) -> Result<(), MpcError> {
     if value >= 0.0 && value.is_finite() {
         Ok(())
     } else {
@@ -303,6 +317,6 @@ fn weight(what: &'static str, value: f64) -> Result<(), MpcError> {
     }
 }
 
-fn ordered(what: &'static str, index: usize, min: f64, max: f64) -> Result<(), MpcError> {
+pub(crate) fn ordered(what: &'static str, index: usize, min: f64, max: f64) -> Result<(), MpcError> {
     if min <= max { Ok(()) } else { Err(MpcError::EmptyBounds { what, index, min, max }) }
 }

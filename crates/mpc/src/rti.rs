@@ -278,8 +278,8 @@ impl Rti {
     }
 
     /// The outcome of a solved program whose trajectory may still break a hard bound.
-    fn judged(&self, outcome: StepStatus) -> StepStatus {
-        if self.problem.ocp.hard_violation(&self.trajectory) > HARD_TOLERANCE {
+    fn judged(&mut self, outcome: StepStatus) -> StepStatus {
+        if self.problem.ocp.hard_violation(self.problem.k0, &self.trajectory) > HARD_TOLERANCE {
             StepStatus::Infeasible
         } else {
             outcome

@@ -221,7 +221,7 @@ impl Sqp {
                 }
             }
         }
-        let violation = self.problem.ocp.hard_violation(&z);
+        let violation = self.problem.ocp.hard_violation(self.problem.k0, &z);
         if status == SolveStatus::Converged && violation > 1e-5 {
             status = SolveStatus::Infeasible { violation };
         }

@@ -102,7 +102,7 @@ impl Transcription {
                 worst = worst.max(d);
             }
         }
-        let objective = self.ocp.cost(self.k0, trajectory) + self.ocp.penalty(trajectory, hard);
+        let objective = self.ocp.cost(self.k0, trajectory) + self.ocp.penalty(self.k0, trajectory, hard);
         Merit { objective, defects: sum, worst_defect: worst }
     }
 
