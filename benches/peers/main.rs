@@ -3,6 +3,7 @@
 //! Prints one JSON object: CPU time of the process, medians, in seconds.
 #![allow(clippy::print_stdout)]
 
+mod control;
 #[path = "../../crates/native/benches/model/mod.rs"]
 mod model;
 mod simulation;
@@ -92,7 +93,13 @@ fn algebra() -> serde_json::Value {
 }
 
 fn main() {
-    let simulate = std::env::args().any(|argument| argument == "simulation");
-    let report = if simulate { simulation::report() } else { algebra() };
+    let asked = |part: &str| std::env::args().any(|argument| argument == part);
+    let report = if asked("simulation") {
+        simulation::report()
+    } else if asked("control") {
+        control::report()
+    } else {
+        algebra()
+    };
     println!("{report}");
 }

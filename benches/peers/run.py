@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Compares speed with other systems and writes the tables in docs/speed.md.
 
-    python3 benches/peers/run.py [--only algebra|simulation]
+    python3 benches/peers/run.py [--only algebra|simulation|control]
 
 makes a virtual environment in target/peers, installs the others from PyPI, builds our side in release mode, runs
 everything one after the other on one core and replaces what stands between the marks in docs/speed.md: algebra with
-SymPy, SymEngine and CasADi (its C code is built with cc), simulation with SciPy and MuJoCo. `--python FILE` uses an
+SymPy, SymEngine and CasADi (its C code is built with cc), simulation with SciPy and MuJoCo, control with CasADi's solvers and
+do-mpc. `--python FILE` uses an
 interpreter that has them already.
 """
 import argparse
@@ -20,7 +21,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-PACKAGES = ["sympy", "symengine", "casadi", "numpy", "scipy", "mujoco"]
+PACKAGES = ["sympy", "symengine", "casadi", "numpy", "scipy", "mujoco", "do-mpc"]
 # Largest errors of x, y (m) and phi (rad) at which the simulators are compared.
 ERRORS = [1e-4, 1e-6, 1e-8]
 # The same for coupled friction, which SciPy only approaches as the speed of stopping goes to zero.
@@ -170,6 +171,30 @@ def simulation_table(us, them):
     return written(them["versions"], rows)
 
 
+def control_table(us, them):
+    rows = []
+    pendulum, plate = us["pendulum"], us["plate"]
+    assert abs(pendulum["cost"] - 2047.463) < 2.047, "the closed-loop cost of the swing-up"
+    others = {"casadi_cold": "CasADi, IPOPT, started from the shifted solution",
+              "casadi_warm": "CasADi, IPOPT, with multipliers and a small barrier too", "do_mpc": "do-mpc, IPOPT"}
+    works = [("sqp", "a sample solved to convergence", {"casadi_cold": 10}), ("rti", "a sample of real-time iteration", {})]
+    for key, work, wanted in works:
+        for other, name in others.items():
+            assert them[other]["difference"] < 1e-4, f"{name}: the same inputs"
+            for kind, ours in (("median", "total"), ("mean", "mean")):
+                rows.append(row(f"swing-up of the pendulum, N = 40, {work}, {kind}", pendulum[key][ours], name,
+                                them[other][kind], wanted.get(other)))
+    for key, what in (("pendulum", "the pendulum's"), ("plate", "the plate's (10 states, soft bounds)")):
+        for name, peer in them[f"{key}_programs"].items():
+            agree = f"same first input in {peer['same']} of {peer['of']}"
+            rows.append(row(f"{what} quadratic program, N = 40", us[key]["rti"]["program"], f"{name}, {agree}",
+                            peer["seconds"]))
+        times = us[key]["rti"]
+        rows.append((f"| {what} sample: linearise and assemble; program; rest | {ms(times['linearise'])};"
+                     f" {ms(times['program'])}; {ms(times['rest'])} | | | | |", times["linearise"] < times["program"]))
+    return written(them["versions"], rows)
+
+
 def replace(name, text):
     """Writes `text` between the marks of the table `name` in docs/speed.md."""
     document = ROOT / "docs" / "speed.md"
@@ -202,8 +227,16 @@ def compare_simulation(cargo, python):
     return simulation_table(us, json.loads(output([python, HERE / "simulation.py"])))
 
 
+def compare_control(cargo, python):
+    us = output([*cargo, "control"], cwd=ROOT)
+    with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+        file.write(us)
+        file.flush()
+        return control_table(json.loads(us), json.loads(output([python, HERE / "control.py", file.name])))
+
+
 def main():
-    parts = {"algebra": compare_algebra, "simulation": compare_simulation}
+    parts = {"algebra": compare_algebra, "simulation": compare_simulation, "control": compare_control}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--python", type=Path, help="interpreter with " + ", ".join(PACKAGES))
     parser.add_argument("--only", choices=parts, help="this part alone")
