@@ -80,7 +80,7 @@ fn real_time_iteration(problem: &ControlProblem, start: Trajectory, goal: &[f64]
     for k in 0..problem.samples {
         rti.prepare();
         let (states, inputs) = rows(rti.trajectory());
-        let step = rti.feedback(&x).expect("a state of the right length");
+        let step = rti.feedback(&x).expect("a state of the right length").clone();
         if k % EVERY == EVERY - 1 {
             programs.push(json!({"x": states, "u": inputs, "start": x, "u0": step.u, "goal": goal}));
         }

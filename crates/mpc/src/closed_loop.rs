@@ -1,12 +1,14 @@
-//! Controller and plant together.
+//! Controller and plant together, with all that stands between them: what is measured, how well, how late, and what fails.
 
+use crate::controller::Controller;
+use crate::counts::{Counts, PhaseTimes, SolveTimes};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, PlantError, check_length};
+use crate::faults::{Fault, StepLimits, disturb, lose};
 use crate::ocp::Ocp;
-use crate::rti::{FallbackReason, Rti, Step, StepStatus, Timings};
 use crate::shooting::Shooter;
-use crate::sqp::{SolveStatus, Sqp};
-use crate::trajectory::Trajectory;
+use crate::step::{Step, StepStatus, Timings};
+use std::collections::VecDeque;
 
 /// The thing that is controlled.
 pub trait Plant {
@@ -38,107 +40,127 @@ impl Plant for RungeKuttaPlant {
     }
 }
 
-/// Something that answers a measured state with an input, sample by sample.
-pub trait Controller {
-    /// The input for the next interval.
+/// Measured outputs as a function of time (s) and state.
+pub type MeasurementFunction<'a> = Box<dyn FnMut(f64, &[f64]) -> Vec<f64> + 'a>;
+/// Changes the measured outputs of sample k.
+pub type NoiseFunction<'a> = Box<dyn FnMut(usize, &mut [f64]) + 'a>;
+/// What goes wrong at sample k.
+pub type FaultFunction<'a> = Box<dyn FnMut(usize) -> Vec<Fault> + 'a>;
+
+/// What stands between controller and plant. The default: the state is measured exactly and at once, and nothing fails.
+#[derive(Default)]
+pub struct LoopSettings<'a> {
+    /// The measured outputs; the states themselves when there is none. Other outputs than the states need an estimator.
+    pub measurement: Option<MeasurementFunction<'a>>,
+    /// Noise on the measured outputs.
+    pub noise: Option<NoiseFunction<'a>>,
+    /// Samples between the measurement that an input answers and its application. A controller that knows of them is a
+    /// [`DelayCompensated`](crate::DelayCompensated) one.
+    pub delay: usize,
+    /// Input of the first `delay` samples; zero when empty.
+    pub initial_input: Vec<f64>,
+    /// What goes wrong.
+    pub faults: Option<FaultFunction<'a>>,
+}
+
+/// One sample of a closed loop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Time, s.
+    pub t: f64,
+    /// State of the plant at that time.
+    pub x: Vec<f64>,
+    /// Measured outputs.
+    pub y: Vec<f64>,
+    /// Input applied from that time on.
+    pub u: Vec<f64>,
+    /// What the controller answered; with a delay its input is applied later.
+    pub step: Step,
+}
+
+/// A closed loop that is run sample by sample and keeps nothing of the past but counts and cost.
+pub struct SampledLoop<'a> {
+    controller: &'a mut dyn Controller,
+    plant: &'a mut dyn Plant,
+    settings: LoopSettings<'a>,
+    ocp: Ocp,
+    k: usize,
+    x: Vec<f64>,
+    under_way: VecDeque<Vec<f64>>,
+    cost: f64,
+    counts: Counts,
+}
+
+impl<'a> SampledLoop<'a> {
+    /// A loop at time 0 in the state `x0`.
     ///
     /// # Errors
-    /// Only for misuse; trouble while solving is a status.
-    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError>;
-    /// The problem that the controller solves.
-    fn ocp(&self) -> &Ocp;
-}
-
-impl Controller for Rti {
-    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
-        let step = self.feedback(x)?;
-        self.shift();
-        Ok(step)
+    /// If a length is wrong.
+    pub fn new(
+        controller: &'a mut dyn Controller,
+        plant: &'a mut dyn Plant,
+        x0: &[f64],
+        settings: LoopSettings<'a>,
+    ) -> Result<Self, MpcError> {
+        let ocp = controller.ocp().clone();
+        check_length("the initial state", x0.len(), ocp.states())?;
+        let first =
+            if settings.initial_input.is_empty() { vec![0.0; ocp.inputs()] } else { settings.initial_input.clone() };
+        check_length("the initial input", first.len(), ocp.inputs())?;
+        let under_way = vec![first; settings.delay].into();
+        let (x, cost, counts) = (x0.to_vec(), 0.0, Counts::default());
+        Ok(Self { controller, plant, settings, ocp, k: 0, x, under_way, cost, counts })
     }
-    fn ocp(&self) -> &Ocp {
-        Rti::ocp(self)
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.k as f64 * self.ocp.dt
     }
-}
 
-/// Solves every sample to convergence, from the shifted solution of the last.
-pub struct SqpController {
-    sqp: Sqp,
-    trajectory: Trajectory,
-    k: usize,
-    planned: usize,
-}
-
-impl SqpController {
-    /// A controller that starts from the guess.
-    pub fn new(sqp: Sqp, guess: Trajectory) -> Self {
-        Self { sqp, planned: guess.steps(), trajectory: guess, k: 0 }
+    /// State of the plant.
+    pub fn state(&self) -> &[f64] {
+        &self.x
     }
-}
 
-impl Controller for SqpController {
-    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
-        self.sqp.set_start(self.k);
-        let solution = self.sqp.solve(x, &self.trajectory)?;
-        let status = match solution.status {
-            SolveStatus::Converged => StepStatus::Solved,
-            SolveStatus::Infeasible { .. } => StepStatus::Infeasible,
-            SolveStatus::IterationLimit | SolveStatus::Stalled => StepStatus::Inaccurate,
-            SolveStatus::QpFailed(s) => StepStatus::Fallback(FallbackReason::Qp(s)),
-            SolveStatus::NotANumber => StepStatus::Fallback(FallbackReason::Measurement),
+    /// Σ dt·stage cost at the samples so far.
+    pub fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    /// Outcomes of the samples so far.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Runs one sample: disturb, measure, decide, apply.
+    ///
+    /// # Errors
+    /// If a length is wrong or the plant stops ([`MpcError::Plant`]).
+    pub fn sample(&mut self) -> Result<Sample, MpcError> {
+        let (k, t, dt) = (self.k, self.time(), self.ocp.dt);
+        let faults = self.settings.faults.as_mut().map_or_else(Vec::new, |f| f(k));
+        disturb(&faults, &mut self.x);
+        let x = self.x.clone();
+        let mut y = match &mut self.settings.measurement {
+            Some(measure) => measure(t, &x),
+            None => x.clone(),
         };
-        if matches!(status, StepStatus::Fallback(_)) {
-            self.planned = self.planned.saturating_sub(1);
-        } else {
-            self.trajectory = solution.trajectory;
-            self.planned = self.trajectory.steps();
+        if let Some(noise) = &mut self.settings.noise {
+            noise(k, &mut y);
         }
-        let u = if self.planned > 0 { self.trajectory.u(0).to_vec() } else { vec![0.0; self.trajectory.inputs()] };
+        lose(&faults, &mut y);
+        let limits = StepLimits::of(&faults);
+        if limits != StepLimits::default() {
+            self.controller.limit_next_step(limits);
+        }
+        let step = self.controller.step(&y)?;
+        self.under_way.push_back(step.u.clone());
+        let u = self.under_way.pop_front().unwrap_or_else(|| step.u.clone());
+        self.counts.add(&step);
+        self.cost += dt * self.ocp.stage_cost(k, t, &x, &u);
+        self.plant.step(t, &mut self.x, &u, dt).map_err(|source| MpcError::Plant { time: t, source })?;
         self.k += 1;
-        self.sqp.set_start(self.k);
-        self.trajectory = self.sqp.shifted(&self.trajectory);
-        Ok(Step { u, status, timings: Timings { qp: solution.seconds, ..Timings::default() } })
-    }
-    fn ocp(&self) -> &Ocp {
-        self.sqp.ocp()
-    }
-}
-
-/// How often each status occurred.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
-pub struct Counts {
-    /// Inputs from programs solved to full accuracy.
-    pub solved: usize,
-    /// Inputs from less accurate solutions.
-    pub inaccurate: usize,
-    /// Inputs from programs in which a hard bound cannot be kept.
-    pub infeasible: usize,
-    /// Inputs planned earlier.
-    pub fallback: usize,
-    /// Samples after the end of a plan, for which nothing is solved.
-    pub played_out: usize,
-}
-
-/// Times of the samples, ms.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct SolveTimes {
-    /// Half of the samples take less.
-    pub median: f64,
-    /// 99 % of the samples take less.
-    pub p99: f64,
-    /// Longest.
-    pub max: f64,
-}
-
-impl SolveTimes {
-    /// Order statistics of times in seconds; zeros for none.
-    pub fn of(seconds: &[f64]) -> Self {
-        let mut sorted = seconds.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let at = |q: f64| {
-            let i = (q * sorted.len() as f64).ceil() as usize;
-            1e3 * sorted.get(i.saturating_sub(1).min(sorted.len().saturating_sub(1))).copied().unwrap_or(0.0)
-        };
-        Self { median: at(0.5), p99: at(0.99), max: at(1.0) }
+        Ok(Sample { t, x, y, u, step })
     }
 }
 
@@ -149,6 +171,8 @@ pub struct ClosedLoop {
     pub t: Vec<f64>,
     /// States at these times.
     pub x: Vec<Vec<f64>>,
+    /// Measured outputs of each sample.
+    pub y: Vec<Vec<f64>>,
     /// Inputs applied from each time on.
     pub u: Vec<Vec<f64>>,
     /// Outcome of each sample.
@@ -159,10 +183,11 @@ pub struct ClosedLoop {
     pub counts: Counts,
     /// Times per sample.
     pub times: SolveTimes,
+    /// The same by phase.
+    pub phases: PhaseTimes,
 }
 
-/// Runs `controller` on `plant` from `x0` for a number of samples. `disturb` may change the measured state of sample k
-/// (noise, dropouts).
+/// Runs `controller` on `plant` from `x0` for a number of samples.
 ///
 /// # Errors
 /// If a length is wrong or the plant stops ([`MpcError::Plant`]).
@@ -171,43 +196,35 @@ pub fn run_closed_loop(
     plant: &mut dyn Plant,
     x0: &[f64],
     samples: usize,
-    mut disturb: impl FnMut(usize, &mut [f64]),
+    settings: LoopSettings<'_>,
 ) -> Result<ClosedLoop, MpcError> {
-    let mut ocp = controller.ocp().clone();
-    check_length("the initial state", x0.len(), ocp.states())?;
-    let dt = ocp.dt;
+    let mut sampled = SampledLoop::new(controller, plant, x0, settings)?;
     let mut run = ClosedLoop {
-        t: vec![0.0],
-        x: vec![x0.to_vec()],
-        u: Vec::new(),
-        steps: Vec::new(),
+        t: Vec::with_capacity(samples + 1),
+        x: Vec::with_capacity(samples + 1),
+        y: Vec::with_capacity(samples),
+        u: Vec::with_capacity(samples),
+        steps: Vec::with_capacity(samples),
         cost: 0.0,
         counts: Counts::default(),
         times: SolveTimes::default(),
+        phases: PhaseTimes::default(),
     };
-    let mut x = x0.to_vec();
-    for k in 0..samples {
-        let t = k as f64 * dt;
-        let mut measured = x.clone();
-        disturb(k, &mut measured);
-        let step = controller.step(&measured)?;
-        run.cost += dt * ocp.stage_cost(k, t, &x, &step.u);
-        let counter = match step.status {
-            StepStatus::Solved => &mut run.counts.solved,
-            StepStatus::PlayedOut => &mut run.counts.played_out,
-            StepStatus::Inaccurate => &mut run.counts.inaccurate,
-            StepStatus::Infeasible => &mut run.counts.infeasible,
-            StepStatus::Fallback(_) => &mut run.counts.fallback,
-        };
-        *counter += 1;
-        plant.step(t, &mut x, &step.u, dt).map_err(|source| MpcError::Plant { time: t, source })?;
-        run.t.push((k + 1) as f64 * dt);
-        run.x.push(x.clone());
-        run.u.push(step.u.clone());
-        run.steps.push(step);
+    for _ in 0..samples {
+        let sample = sampled.sample()?;
+        run.t.push(sample.t);
+        run.x.push(sample.x);
+        run.y.push(sample.y);
+        run.u.push(sample.u);
+        run.steps.push(sample.step);
     }
-    let solved: Vec<f64> =
-        run.steps.iter().filter(|s| s.status != StepStatus::PlayedOut).map(|s| s.timings.total()).collect();
-    run.times = SolveTimes::of(&solved);
+    run.t.push(sampled.time());
+    run.x.push(sampled.state().to_vec());
+    run.cost = sampled.cost();
+    run.counts = *sampled.counts();
+    let timings: Vec<Timings> =
+        run.steps.iter().filter(|s| s.status != StepStatus::PlayedOut).map(|s| s.timings).collect();
+    run.times = SolveTimes::of(&timings.iter().map(Timings::total).collect::<Vec<f64>>());
+    run.phases = PhaseTimes::of(&timings);
     Ok(run)
 }

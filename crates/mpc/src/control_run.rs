@@ -1,6 +1,8 @@
 //! A control problem run from start to end, and what is to be said about it.
 
-use crate::closed_loop::{ClosedLoop, Controller, Counts, Plant, SolveTimes, SqpController, run_closed_loop};
+use crate::closed_loop::{ClosedLoop, LoopSettings, Plant, run_closed_loop};
+use crate::controller::{Controller, SqpController};
+use crate::counts::{Counts, SolveTimes};
 use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
 use crate::ocp::Ocp;
@@ -205,7 +207,8 @@ impl ControlProblem {
                 (Box::new(SqpController::new(sqp, first.trajectory)), None, first.cost)
             }
         };
-        let run = run_closed_loop(controller.as_mut(), plant, &self.x0, self.samples, disturb)?;
+        let settings = LoopSettings { noise: Some(Box::new(disturb)), ..LoopSettings::default() };
+        let run = run_closed_loop(controller.as_mut(), plant, &self.x0, self.samples, settings)?;
         let end = run.x.last().unwrap_or(&self.x0);
         let names = self.system.state_names();
         let planned = plan.as_ref().is_none_or(|p| p.status == SolveStatus::Converged);

@@ -42,11 +42,16 @@
 mod closed_loop;
 mod constraint;
 mod control_run;
+mod controller;
 mod convexify;
 mod cost;
+mod counts;
+mod delay;
 mod dynamics;
 mod error;
+mod faults;
 mod ocp;
+mod policy;
 mod problem;
 mod problem_reader;
 mod qp;
@@ -54,21 +59,29 @@ mod qp_layout;
 mod rti;
 mod shooting;
 mod sqp;
+mod step;
 mod trajectory;
 mod transcription;
 
 pub use closed_loop::{
-    ClosedLoop, Controller, Counts, Plant, RungeKuttaPlant, SolveTimes, SqpController, run_closed_loop,
+    ClosedLoop, FaultFunction, LoopSettings, MeasurementFunction, NoiseFunction, Plant, RungeKuttaPlant, Sample,
+    SampledLoop, run_closed_loop,
 };
 pub use constraint::{NormConstraint, PathConstraint, TerminalSet, VectorFunction};
 pub use control_run::{ControlReport, ControlRun, PlanReport};
+pub use controller::{Controller, SqpController};
 pub use cost::{CostFunction, CostKind};
+pub use counts::{Counts, PhaseTimes, ReasonCounts, SolveTimes, SourceCounts};
+pub use delay::DelayCompensated;
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::{MpcError, PlantError};
+pub use faults::{Fault, StepLimits};
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
+pub use policy::{Brake, FailurePolicy};
 pub use problem::{ControlProblem, Method, ProblemError};
 pub use qp::{QpSettings, QpStatus};
-pub use rti::{FallbackReason, Horizon, Rti, RtiSettings, Step, StepStatus, Timings};
+pub use rti::{Horizon, Rti, RtiSettings};
 pub use shooting::Linearisation;
 pub use sqp::{Iteration, Solution, SolveStatus, Sqp, SqpSettings};
+pub use step::{FallbackReason, InputSource, Step, StepStatus, Timings};
 pub use trajectory::Trajectory;

@@ -261,6 +261,21 @@ impl Qp {
         self.steps
     }
 
+    /// Sets the limits of the solutions that follow: interior-point iterations, and time in s.
+    pub(crate) fn set_limits(&mut self, max_iterations: u32, time_limit: f64) -> Result<(), MpcError> {
+        if (self.settings.max_iterations, self.settings.time_limit) == (max_iterations, time_limit) {
+            return Ok(());
+        }
+        self.settings.max_iterations = max_iterations;
+        self.settings.time_limit = time_limit;
+        let settings = self.settings.clarabel()?;
+        if self.solver.as_mut().is_some_and(|s| s.update_settings(settings).is_err()) {
+            // The next solution builds a new solver with them.
+            self.solver = None;
+        }
+        Ok(())
+    }
+
     fn index(&self) -> Index {
         Index { n: self.n, m: self.m, nb: self.bounded.len(), steps: self.steps }
     }

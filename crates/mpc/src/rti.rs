@@ -1,13 +1,17 @@
 //! Real-time iteration: one quadratic program per sample.
 //!
 //! Preparation, before the measurement: linearise along the shifted trajectory and fill the program. Feedback, after it:
-//! linearise the first interval at the measured state, solve, apply the first input.
+//! linearise the first interval at the measured state, solve, apply the first input. A sample without a solution gets the
+//! input of the [`FailurePolicy`].
 
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
-use crate::ocp::Ocp;
+use crate::faults::StepLimits;
+use crate::ocp::{Bounds, Ocp};
+use crate::policy::{FailurePolicy, Failures, rest_input};
 use crate::qp::{Qp, QpSettings, QpStatus};
 use crate::shooting::Linearisation;
+use crate::step::{FallbackReason, InputSource, Step, StepStatus, Timings};
 use crate::trajectory::Trajectory;
 use crate::transcription::Transcription;
 use std::time::Instant;
@@ -15,6 +19,10 @@ use std::time::Instant;
 /// Violation of a hard bound, in units of its state's scale, above which a sample counts as infeasible. A trajectory that
 /// is linearised once per sample misses its bounds by a little.
 const HARD_TOLERANCE: f64 = 1e-3;
+/// Largest change, in units of state scales and input trusts, after which further iterations of a sample change nothing.
+const SETTLED: f64 = 1e-7;
+/// Samples in a row without a solution of their program after which the trajectory is started again.
+const PATIENCE: usize = 3;
 
 /// What happens to the horizon from sample to sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,8 +48,17 @@ pub struct RtiSettings {
     pub proximal: f64,
     /// Whether a step that does not lower the merit is shortened (to 1/2, 1/4, 1/10) or left out.
     pub guarded: bool,
-    /// Input after the end of a shrinking horizon, and when everything planned has been used up; zero when empty.
+    /// Input after the end of a shrinking horizon, and when everything planned has been used up; when empty, the one
+    /// closest to zero within the bounds.
     pub rest_input: Vec<f64>,
+    /// What is applied when a sample has no solution.
+    pub policy: FailurePolicy,
+    /// Largest number of programs per sample, at least 1. Those after the first are solved only while the step still changes
+    /// something and, under a time limit, while the time left is enough for one more like the last.
+    pub iterations: usize,
+    /// Time of a sample, s, preparation included: what linearising leaves of it is the time limit of the program, and a
+    /// sample without a solution by then falls to the failure policy.
+    pub time_limit: f64,
     /// Settings of the quadratic programs.
     pub qp: QpSettings,
 }
@@ -54,64 +71,12 @@ impl Default for RtiSettings {
             proximal: 0.0,
             guarded: false,
             rest_input: Vec::new(),
+            policy: FailurePolicy::ShiftedInput,
+            iterations: 1,
+            time_limit: f64::INFINITY,
             qp: QpSettings::default(),
         }
     }
-}
-
-/// Why the planned input was used in place of a new one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FallbackReason {
-    /// The measurement has an entry that is not finite.
-    Measurement,
-    /// The linearisation has an entry that is not finite.
-    Linearisation,
-    /// The quadratic program was not solved.
-    Qp(QpStatus),
-}
-
-/// Outcome of one sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StepStatus {
-    /// A new input from a program solved to full accuracy.
-    Solved,
-    /// A new input from a program solved to reduced accuracy.
-    Inaccurate,
-    /// A new input, but a hard bound cannot be kept: the violation is as small as it can be.
-    Infeasible,
-    /// The shrinking horizon is (nearly) used up: the plan is played out.
-    PlayedOut,
-    /// The planned input, or the input of rest when the plan is used up.
-    Fallback(FallbackReason),
-}
-
-/// Where the time of one sample went, s.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Timings {
-    /// Linearisation and filling of the program (preparation).
-    pub linearise: f64,
-    /// Quadratic program.
-    pub qp: f64,
-    /// Everything else of the feedback.
-    pub rest: f64,
-}
-
-impl Timings {
-    /// The whole sample.
-    pub fn total(&self) -> f64 {
-        self.linearise + self.qp + self.rest
-    }
-}
-
-/// One sample's input.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Step {
-    /// Input to apply over the next interval.
-    pub u: Vec<f64>,
-    /// Where it comes from.
-    pub status: StepStatus,
-    /// Times taken.
-    pub timings: Timings,
 }
 
 /// The controller.
@@ -121,17 +86,25 @@ pub struct Rti {
     qp: Qp,
     lin: Linearisation,
     trajectory: Trajectory,
+    /// Trajectory at work in the feedback; a failed one leaves the plan as it is.
+    work: Trajectory,
+    /// Candidate of the guarded step.
+    trial: Trajectory,
+    step: Step,
+    failures: Failures,
+    limits: StepLimits,
     prepared: bool,
-    linearise_seconds: f64,
-    /// Intervals of the trajectory that have been planned and not yet used, when programs fail.
-    planned: usize,
+    /// Time taken by the preparation, s.
+    prepare_seconds: f64,
+    /// The trajectory is no good to linearise along.
+    lost: bool,
 }
 
 impl Rti {
     /// A controller that starts from `trajectory` (a plan, or [`Trajectory::constant`]).
     ///
     /// # Errors
-    /// If the problem contradicts itself, the dynamics or the trajectory.
+    /// If the problem contradicts itself, the dynamics or the trajectory, or a setting is out of its range.
     pub fn new(
         dynamics: Box<dyn Dynamics>,
         ocp: Ocp,
@@ -140,25 +113,48 @@ impl Rti {
     ) -> Result<Self, MpcError> {
         let mut problem = Transcription::new(dynamics, ocp)?;
         problem.check_trajectory(&trajectory)?;
-        let mut settings = settings;
-        if settings.rest_input.is_empty() {
-            settings.rest_input = vec![0.0; problem.ocp.inputs()];
+        if settings.iterations == 0 {
+            return Err(MpcError::Value {
+                what: "the number of iterations per sample".into(),
+                value: 0.0,
+                remedy: "give at least 1",
+            });
         }
-        check_length("the input of rest", settings.rest_input.len(), problem.ocp.inputs())?;
+        if settings.time_limit.is_nan() || settings.time_limit <= 0.0 {
+            return Err(MpcError::Value {
+                what: "the time limit of a sample".into(),
+                value: settings.time_limit,
+                remedy: "give a positive number of seconds, or infinity for none",
+            });
+        }
+        settings.policy.check(problem.ocp.states(), problem.ocp.inputs())?;
+        let rest = rest_input(&settings.rest_input, &problem.ocp.input_bounds)?;
         if let Some(w) = settings.smoothing {
             problem.dynamics.set_smoothing(w);
         }
         problem.choose_substeps(&trajectory);
-        let qp = Qp::new(&problem.ocp, trajectory.steps(), problem.shooter.closure(), settings.qp);
+        let steps = trajectory.steps();
+        let qp = Qp::new(&problem.ocp, steps, problem.shooter.closure(), settings.qp);
+        let timings = Timings::default();
         Ok(Self {
+            failures: Failures::new(settings.policy.clone(), rest, problem.ocp.states(), steps),
+            step: Step {
+                u: vec![0.0; problem.ocp.inputs()],
+                status: StepStatus::PlayedOut,
+                source: InputSource::Rest,
+                timings,
+            },
             problem,
             settings,
             qp,
             lin: Linearisation::default(),
-            planned: trajectory.steps(),
+            work: trajectory.clone(),
+            trial: trajectory.clone(),
             trajectory,
+            limits: StepLimits::default(),
             prepared: false,
-            linearise_seconds: 0.0,
+            prepare_seconds: 0.0,
+            lost: false,
         })
     }
 
@@ -182,6 +178,77 @@ impl Rti {
         self.problem.substeps
     }
 
+    /// Sets the grid point of the run at which the horizon starts (time and references follow it).
+    pub fn set_start(&mut self, k0: usize) {
+        self.problem.k0 = k0;
+        self.prepared = false;
+    }
+
+    /// Limits the next feedback alone, on top of the settings.
+    pub fn limit_next_step(&mut self, limits: StepLimits) {
+        self.limits = limits;
+    }
+
+    /// Replaces the references, from the next preparation on.
+    ///
+    /// # Errors
+    /// If a row has the wrong length or there is none and the cost needs references.
+    pub fn set_references(&mut self, references: Vec<Vec<f64>>) -> Result<(), MpcError> {
+        self.change(|ocp| ocp.references = references)
+    }
+
+    /// Replaces the value of target `index` of the problem's list, from the next preparation on.
+    ///
+    /// # Errors
+    /// If there is no such target or the value is not finite.
+    pub fn set_target(&mut self, index: usize, value: f64) -> Result<(), MpcError> {
+        let found = self.problem.ocp.targets.len();
+        if index >= found {
+            return Err(MpcError::Length { what: "the list of targets", found, expected: index + 1 });
+        }
+        self.change(|ocp| ocp.targets[index].value = value)
+    }
+
+    /// Replaces the bounds of states and inputs, from the next preparation on. Cheap when the same bounds are finite as
+    /// before, else the program is laid out anew.
+    ///
+    /// # Errors
+    /// If the bounds contradict themselves or the number of states and inputs.
+    pub fn set_bounds(&mut self, states: Vec<Bounds>, inputs: Vec<(f64, f64)>) -> Result<(), MpcError> {
+        let shape = |ocp: &Ocp| -> Vec<bool> {
+            let states = ocp.state_bounds.iter().map(|b| (b.min, b.max));
+            states.chain(ocp.input_bounds.iter().copied()).flat_map(|b| [b.0.is_finite(), b.1.is_finite()]).collect()
+        };
+        let rest = rest_input(&[], &inputs)?;
+        let before = shape(&self.problem.ocp);
+        self.change(|ocp| {
+            ocp.state_bounds = states;
+            ocp.input_bounds = inputs;
+        })?;
+        if self.settings.rest_input.is_empty() {
+            self.failures.set_rest(rest);
+        }
+        if shape(&self.problem.ocp) != before {
+            self.lay_out();
+        }
+        Ok(())
+    }
+
+    /// Changes the problem; a change that contradicts it is undone.
+    fn change(&mut self, change: impl FnOnce(&mut Ocp)) -> Result<(), MpcError> {
+        let mut ocp = self.problem.ocp.clone();
+        change(&mut ocp);
+        ocp.check(self.problem.dynamics.states(), self.problem.dynamics.inputs())?;
+        self.problem.ocp = ocp;
+        self.prepared = false;
+        Ok(())
+    }
+
+    fn lay_out(&mut self) {
+        let steps = self.trajectory.steps();
+        self.qp = Qp::new(&self.problem.ocp, steps, self.problem.shooter.closure(), self.settings.qp);
+    }
+
     fn used_up(&self) -> bool {
         match self.settings.horizon {
             Horizon::Receding => false,
@@ -195,101 +262,165 @@ impl Rti {
             return;
         }
         let start = Instant::now();
-        let steps = self.trajectory.steps();
-        if self.qp.steps() != steps {
-            self.qp = Qp::new(&self.problem.ocp, steps, self.problem.shooter.closure(), self.settings.qp);
+        if self.qp.steps() != self.trajectory.steps() {
+            self.lay_out();
         }
+        let steps = self.trajectory.steps();
         self.problem.linearise(&self.trajectory, 0, steps, &mut self.lin);
         let (k0, lambda) = (self.problem.k0, self.settings.proximal);
         self.qp.assemble(&mut self.problem.ocp, k0, &self.trajectory, &self.lin, lambda);
-        self.linearise_seconds = start.elapsed().as_secs_f64();
+        self.work.copy_from(&self.trajectory);
+        self.trial.copy_from(&self.trajectory);
+        self.prepare_seconds = start.elapsed().as_secs_f64();
         self.prepared = true;
     }
 
-    /// The input for the measured state `x`. Does not move the horizon: [`Rti::shift`] does.
+    /// The input for the measured state `x`, NaN where nothing is known. Does not move the horizon: [`Rti::shift`] does.
     ///
     /// # Errors
     /// If `x` has the wrong length.
-    pub fn feedback(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+    pub fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         check_length("the measured state", x.len(), self.problem.ocp.states())?;
+        let limits = std::mem::take(&mut self.limits);
+        self.failures.believe(x);
         if self.used_up() {
-            return Ok(Step { u: self.planned_input(), status: StepStatus::PlayedOut, timings: Timings::default() });
+            self.step.source =
+                self.failures.play_out(&self.trajectory, &self.problem.ocp.input_bounds, &mut self.step.u);
+            self.step.status = StepStatus::PlayedOut;
+            self.step.timings = Timings::default();
+            return Ok(&self.step);
         }
         self.prepare();
         self.prepared = false;
         let start = Instant::now();
-        let (status, qp_seconds) = if x.iter().all(|v| v.is_finite()) {
-            self.solve_from(x)?
-        } else {
-            (StepStatus::Fallback(FallbackReason::Measurement), 0.0)
+        let mut timings = Timings { linearise: self.prepare_seconds, ..Timings::default() };
+        let result = match FallbackReason::of_measurement(x) {
+            Some(reason) => Err(reason),
+            None => self.solve_from(x, limits, start, &mut timings)?,
         };
-        let u = if let StepStatus::Fallback(_) = status {
-            self.planned_input()
-        } else {
-            self.planned = self.trajectory.steps();
-            self.trajectory.u(0).to_vec()
-        };
-        let rest = start.elapsed().as_secs_f64() - qp_seconds;
-        Ok(Step { u, status, timings: Timings { linearise: self.linearise_seconds, qp: qp_seconds, rest } })
+        match result {
+            Ok(status) => {
+                self.step.status = status;
+                self.step.source = InputSource::Program;
+                self.step.u.copy_from_slice(self.trajectory.u(0));
+                self.failures.solved(self.trajectory.steps());
+                self.lost = false;
+            }
+            Err(reason) => {
+                let bounds = &self.problem.ocp.input_bounds;
+                self.step.status = StepStatus::Fallback(reason);
+                self.step.source = self.failures.decide(&self.trajectory, bounds, &mut self.step.u);
+                self.lost = match reason {
+                    FallbackReason::LostSample | FallbackReason::Measurement => false,
+                    FallbackReason::Linearisation | FallbackReason::Qp(QpStatus::Failed) => true,
+                    FallbackReason::TimeLimit | FallbackReason::Qp(_) => self.failures.in_a_row() >= PATIENCE,
+                };
+            }
+        }
+        timings.rest = start.elapsed().as_secs_f64() - timings.qp;
+        self.step.timings = timings;
+        Ok(&self.step)
     }
 
-    fn planned_input(&self) -> Vec<f64> {
-        let left = self.planned > 0 && self.trajectory.steps() > 0;
-        if left { self.trajectory.u(0).to_vec() } else { self.settings.rest_input.clone() }
+    /// Solves one program, and more of them as far as the settings say. The new trajectory is taken over on success.
+    fn solve_from(
+        &mut self,
+        x: &[f64],
+        limits: StepLimits,
+        start: Instant,
+        timings: &mut Timings,
+    ) -> Result<Result<StepStatus, FallbackReason>, MpcError> {
+        let budget = self.settings.time_limit.min(limits.time) - self.prepare_seconds;
+        let max_iterations = self.settings.qp.max_iterations.min(limits.iterations);
+        let (k0, lambda) = (self.problem.k0, self.settings.proximal);
+        self.work.x_mut(0).copy_from_slice(x);
+        let mut outcome = Err(FallbackReason::TimeLimit);
+        let mut last = 0.0;
+        for iteration in 0..self.settings.iterations {
+            let began = start.elapsed().as_secs_f64();
+            if iteration > 0 && budget - began < last {
+                break;
+            }
+            if iteration == 0 {
+                self.problem.linearise(&self.work, 0, 1, &mut self.lin);
+                self.qp.update_first_interval(&mut self.problem.ocp, k0, &self.work, &self.lin);
+            } else {
+                self.problem.linearise(&self.work, 0, self.work.steps(), &mut self.lin);
+                self.qp.assemble(&mut self.problem.ocp, k0, &self.work, &self.lin, lambda);
+            }
+            let ready = start.elapsed().as_secs_f64();
+            let left = budget - ready;
+            if left <= 0.0 {
+                break;
+            }
+            self.qp.set_limits(max_iterations, self.settings.qp.time_limit.min(left))?;
+            let status = self.qp.solve()?;
+            let now = start.elapsed().as_secs_f64();
+            timings.qp += now - ready;
+            let solved = match status {
+                QpStatus::Solved => Ok(StepStatus::Solved),
+                QpStatus::Inaccurate => Ok(StepStatus::Inaccurate),
+                QpStatus::NotANumber => Err(FallbackReason::Linearisation),
+                QpStatus::Limit if now >= budget => Err(FallbackReason::TimeLimit),
+                s => Err(FallbackReason::Qp(s)),
+            };
+            if solved.is_err() && iteration > 0 {
+                break;
+            }
+            outcome = solved;
+            if outcome.is_err() {
+                break;
+            }
+            if !self.advance() {
+                break;
+            }
+            last = start.elapsed().as_secs_f64() - began;
+        }
+        let outcome = match outcome {
+            Ok(_) if !self.work.is_finite() => Err(FallbackReason::Linearisation),
+            Ok(_) if self.problem.ocp.hard_violation(self.problem.k0, &self.work) > HARD_TOLERANCE => {
+                Ok(StepStatus::Infeasible)
+            }
+            other => other,
+        };
+        if outcome.is_ok() {
+            std::mem::swap(&mut self.trajectory, &mut self.work);
+        }
+        Ok(outcome)
     }
 
-    fn solve_from(&mut self, x: &[f64]) -> Result<(StepStatus, f64), MpcError> {
-        let mut z = self.trajectory.clone();
-        z.x_mut(0).copy_from_slice(x);
-        self.problem.linearise(&z, 0, 1, &mut self.lin);
-        self.qp.update_first_interval(&mut self.problem.ocp, self.problem.k0, &z, &self.lin);
-        let start = Instant::now();
-        let status = self.qp.solve()?;
-        let seconds = start.elapsed().as_secs_f64();
-        let outcome = match status {
-            QpStatus::Solved => StepStatus::Solved,
-            QpStatus::Inaccurate => StepStatus::Inaccurate,
-            QpStatus::NotANumber => return Ok((StepStatus::Fallback(FallbackReason::Linearisation), seconds)),
-            s => return Ok((StepStatus::Fallback(FallbackReason::Qp(s)), seconds)),
-        };
+    /// Takes the step of the program; whether it changes anything.
+    fn advance(&mut self) -> bool {
+        let ocp = &self.problem.ocp;
         let (dx, du) = (&self.qp.solution.dx, &self.qp.solution.du);
-        let step = |alpha: f64, bounds: &[(f64, f64)]| {
-            let mut t = z.moved(alpha, dx, du);
-            t.clamp_inputs(bounds);
-            t
-        };
+        let (n, m) = (ocp.states(), ocp.inputs());
+        let moves = dx.iter().enumerate().any(|(i, d)| d.abs() > SETTLED * ocp.state_scale[i % n])
+            || du.iter().enumerate().any(|(j, d)| d.abs() > SETTLED * ocp.input_trust[j % m]);
         if !self.settings.guarded {
-            self.trajectory = step(1.0, &self.problem.ocp.input_bounds);
-            return Ok((self.judged(outcome), seconds));
+            self.work.add(1.0, dx, du);
+            self.work.clamp_inputs(&self.problem.ocp.input_bounds);
+            return moves;
         }
         let hard = self.settings.qp.hard_weight;
         let weight = self.problem.penalty_weight(&self.qp.solution.multipliers);
-        let before = self.problem.merit_with(&z, &self.lin.end, hard).value(weight);
-        let mut chosen = None;
+        let before = self.problem.merit_with(&self.work, &self.lin.end, hard).value(weight);
         for alpha in [1.0, 0.5, 0.25, 0.1] {
-            let trial = step(alpha, &self.problem.ocp.input_bounds);
-            if self.problem.merit(&trial, hard).value(weight) < before {
-                chosen = Some(trial);
-                break;
+            self.trial.copy_from(&self.work);
+            self.trial.add(alpha, &self.qp.solution.dx, &self.qp.solution.du);
+            self.trial.clamp_inputs(&self.problem.ocp.input_bounds);
+            if self.problem.merit(&self.trial, hard).value(weight) < before {
+                std::mem::swap(&mut self.work, &mut self.trial);
+                return moves;
             }
         }
-        self.trajectory = chosen.unwrap_or(z);
-        Ok((self.judged(outcome), seconds))
-    }
-
-    /// The outcome of a solved program whose trajectory may still break a hard bound.
-    fn judged(&mut self, outcome: StepStatus) -> StepStatus {
-        if self.problem.ocp.hard_violation(self.problem.k0, &self.trajectory) > HARD_TOLERANCE {
-            StepStatus::Infeasible
-        } else {
-            outcome
-        }
+        false
     }
 
     /// Moves the horizon by one interval.
     pub fn shift(&mut self) {
         self.prepared = false;
-        self.planned = self.planned.saturating_sub(1);
+        self.failures.shift();
+        self.problem.predict(&mut self.failures.x, &self.step.u);
         if self.trajectory.steps() == 0 {
             return;
         }
@@ -303,6 +434,30 @@ impl Rti {
                 self.trajectory.shift();
                 self.problem.k0 += 1;
                 self.problem.extend_last(&mut self.trajectory);
+            }
+        }
+        if self.lost || self.failures.used_up() {
+            self.start_again();
+        }
+    }
+
+    /// Replaces the states of the trajectory by those that follow from the state as far as known and the planned inputs, or
+    /// the input of rest when these have been used up; where that leads to no numbers, by the state itself.
+    fn start_again(&mut self) {
+        if self.failures.x.iter().any(|v| !v.is_finite()) {
+            return;
+        }
+        let steps = self.trajectory.steps();
+        if self.failures.plan(&self.trajectory).is_none() {
+            for k in 0..steps {
+                self.trajectory.u_mut(k).copy_from_slice(self.failures.rest());
+            }
+        }
+        self.trajectory.x_mut(0).copy_from_slice(&self.failures.x);
+        self.problem.roll_out(&mut self.trajectory);
+        if !self.trajectory.is_finite() {
+            for k in 0..=steps {
+                self.trajectory.x_mut(k).copy_from_slice(&self.failures.x);
             }
         }
     }

@@ -7,6 +7,7 @@
 
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
+use crate::faults::StepLimits;
 use crate::ocp::Ocp;
 use crate::qp::{Qp, QpSettings, QpStatus};
 use crate::shooting::Linearisation;
@@ -161,6 +162,12 @@ impl Sqp {
     /// Sets the grid point of the run at which the horizon starts (time and references follow it).
     pub fn set_start(&mut self, k0: usize) {
         self.problem.k0 = k0;
+    }
+
+    /// Limits the programs that follow on top of the settings.
+    pub(crate) fn limit_programs(&mut self, limits: StepLimits) -> Result<(), MpcError> {
+        let qp = &self.settings.qp;
+        self.qp.set_limits(qp.max_iterations.min(limits.iterations), qp.time_limit.min(limits.time))
     }
 
     /// Inputs put to use from `x0`: a guess whose states obey the dynamics at the first smoothing width.

@@ -93,6 +93,18 @@ impl Trajectory {
         Self { n: self.n, m: self.m, x: add(&self.x, dx), u: add(&self.u, du) }
     }
 
+    /// Takes over the numbers and the length of another trajectory of the same states and inputs.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.x.clone_from(&other.x);
+        self.u.clone_from(&other.u);
+    }
+
+    /// Adds alpha·(dx, du), where dx starts at x_0.
+    pub(crate) fn add(&mut self, alpha: f64, dx: &[f64], du: &[f64]) {
+        self.x.iter_mut().zip(dx).for_each(|(a, d)| *a += alpha * d);
+        self.u.iter_mut().zip(du).for_each(|(a, d)| *a += alpha * d);
+    }
+
     pub(crate) fn clamp_inputs(&mut self, bounds: &[(f64, f64)]) {
         for row in self.u.chunks_exact_mut(self.m.max(1)) {
             for (v, b) in row.iter_mut().zip(bounds) {

@@ -91,6 +91,16 @@ impl Transcription {
         }
     }
 
+    /// Advances a state by one interval from the start of the horizon; it is kept where the dynamics fail.
+    pub(crate) fn predict(&mut self, x: &mut Vec<f64>, u: &[f64]) {
+        let grid = self.grid();
+        let mut end = x.clone();
+        self.shooter.advance(self.dynamics.as_mut(), grid.t0, &mut end, u, grid.dt, grid.substeps);
+        if end.iter().all(|v| v.is_finite()) {
+            *x = end;
+        }
+    }
+
     /// Merit of a trajectory whose interval ends have been computed.
     pub(crate) fn merit_with(&mut self, trajectory: &Trajectory, ends: &[f64], hard: f64) -> Merit {
         let n = self.ocp.states();

@@ -4,8 +4,8 @@
 mod common;
 
 use bracketry_mpc::{
-    CostFunction, CostKind, Ocp, Rti, RtiSettings, RungeKuttaPlant, Sqp, SqpController, SqpSettings, Substeps,
-    SymbolicDynamics, Trajectory, run_closed_loop,
+    CostFunction, CostKind, LoopSettings, Ocp, Rti, RtiSettings, RungeKuttaPlant, Sqp, SqpController, SqpSettings,
+    Substeps, SymbolicDynamics, Trajectory, run_closed_loop,
 };
 use bracketry_system::System;
 use std::f64::consts::PI;
@@ -36,7 +36,7 @@ fn rti_cost(initial_iterations: usize) -> f64 {
         rti.feedback(&X0).unwrap();
     }
     let mut plant = RungeKuttaPlant::new(Box::new(SymbolicDynamics::new(&system).unwrap()), 2);
-    let run = run_closed_loop(&mut rti, &mut plant, &X0, 100, |_, _| {}).unwrap();
+    let run = run_closed_loop(&mut rti, &mut plant, &X0, 100, LoopSettings::default()).unwrap();
     assert_eq!(run.counts.fallback, 0);
     run.cost
 }
@@ -60,6 +60,6 @@ fn converged_sqp_reaches_the_reference_cost() {
     let guess = Trajectory::constant(40, &X0, &[0.0]);
     let mut controller = SqpController::new(sqp, guess);
     let mut plant = RungeKuttaPlant::new(Box::new(SymbolicDynamics::new(&system).unwrap()), 2);
-    let run = run_closed_loop(&mut controller, &mut plant, &X0, 100, |_, _| {}).unwrap();
+    let run = run_closed_loop(&mut controller, &mut plant, &X0, 100, LoopSettings::default()).unwrap();
     assert!((run.cost / 2047.463 - 1.0).abs() < 1e-3, "{}", run.cost);
 }

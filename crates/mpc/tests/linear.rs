@@ -73,7 +73,7 @@ fn one_real_time_iteration_is_the_regulator_from_any_measured_state() {
     let (k, _) = riccati(30);
     for x in [[1.0, -0.5], [-2.0, 3.0], [0.1, 0.0]] {
         rti.prepare();
-        let step = rti.feedback(&x).unwrap();
+        let step = rti.feedback(&x).unwrap().clone();
         rti.shift();
         assert_eq!(step.status, StepStatus::Solved);
         assert_relative_eq!(step.u[0], -(k * Vector2::from(x))[0], epsilon = 1e-5);
@@ -177,7 +177,7 @@ fn a_measurement_that_is_not_a_number_falls_back_to_the_plan_and_then_to_rest() 
     let plan: Vec<f64> = (0..3).map(|k| rti.trajectory().u(k)[0]).collect();
     rti.shift();
     for expected in [plan[1], plan[2], -0.25, -0.25] {
-        let step = rti.feedback(&[f64::NAN, 0.0]).unwrap();
+        let step = rti.feedback(&[f64::NAN, 0.0]).unwrap().clone();
         rti.shift();
         assert_eq!(step.status, StepStatus::Fallback(FallbackReason::Measurement));
         assert_eq!(step.u, [expected]);
@@ -230,7 +230,7 @@ fn a_shrinking_horizon_reaches_its_end_and_rests() {
     let (a, b) = discrete();
     let mut x = Vector2::zeros();
     for k in 0..14 {
-        let step = rti.feedback(&[x[0], x[1]]).unwrap();
+        let step = rti.feedback(&[x[0], x[1]]).unwrap().clone();
         rti.shift();
         assert_eq!(step.status == StepStatus::Solved, k <= 9, "sample {k}");
         assert_eq!(step.u[0] == 0.0, k >= 12, "sample {k}");

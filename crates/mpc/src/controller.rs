@@ -1,0 +1,128 @@
+//! What answers measured states with inputs, sample by sample.
+
+use crate::error::{MpcError, check_length};
+use crate::faults::StepLimits;
+use crate::ocp::Ocp;
+use crate::policy::{FailurePolicy, Failures};
+use crate::qp::QpStatus;
+use crate::rti::Rti;
+use crate::sqp::{SolveStatus, Sqp};
+use crate::step::{FallbackReason, InputSource, Step, StepStatus, Timings};
+use crate::trajectory::Trajectory;
+
+/// Something that answers a measured state with an input, sample by sample.
+pub trait Controller {
+    /// The input for the next interval, from the state `x`, whose entries are NaN where nothing is known.
+    ///
+    /// # Errors
+    /// Only for misuse; trouble while solving is a status.
+    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError>;
+    /// The problem that the controller solves.
+    fn ocp(&self) -> &Ocp;
+    /// Sets the grid point of the run at which the next horizon starts (time and references follow it).
+    fn set_start(&mut self, k0: usize);
+    /// Limits the next step alone.
+    fn limit_next_step(&mut self, limits: StepLimits);
+}
+
+impl<C: Controller + ?Sized> Controller for Box<C> {
+    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+        (**self).step(x)
+    }
+    fn ocp(&self) -> &Ocp {
+        (**self).ocp()
+    }
+    fn set_start(&mut self, k0: usize) {
+        (**self).set_start(k0);
+    }
+    fn limit_next_step(&mut self, limits: StepLimits) {
+        (**self).limit_next_step(limits);
+    }
+}
+
+impl Controller for Rti {
+    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+        let step = self.feedback(x)?.clone();
+        self.shift();
+        Ok(step)
+    }
+    fn ocp(&self) -> &Ocp {
+        Rti::ocp(self)
+    }
+    fn set_start(&mut self, k0: usize) {
+        Rti::set_start(self, k0);
+    }
+    fn limit_next_step(&mut self, limits: StepLimits) {
+        Rti::limit_next_step(self, limits);
+    }
+}
+
+/// Solves every sample to convergence, from the shifted solution of the last.
+pub struct SqpController {
+    sqp: Sqp,
+    trajectory: Trajectory,
+    k: usize,
+    failures: Failures,
+    limits: StepLimits,
+}
+
+impl SqpController {
+    /// A controller that starts from the guess and rests at zero (or the input closest to it) when a plan is used up.
+    pub fn new(sqp: Sqp, guess: Trajectory) -> Self {
+        let rest = sqp.ocp().input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
+        let failures = Failures::new(FailurePolicy::ShiftedInput, rest, guess.states(), guess.steps());
+        Self { sqp, trajectory: guess, k: 0, failures, limits: StepLimits::default() }
+    }
+}
+
+impl Controller for SqpController {
+    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+        check_length("the measured state", x.len(), self.sqp.ocp().states())?;
+        self.sqp.set_start(self.k);
+        self.failures.believe(x);
+        let limits = std::mem::take(&mut self.limits);
+        let mut seconds = 0.0;
+        let status = if let Some(reason) = FallbackReason::of_measurement(x) {
+            StepStatus::Fallback(reason)
+        } else {
+            self.sqp.limit_programs(limits)?;
+            let solution = self.sqp.solve(x, &self.trajectory)?;
+            seconds = solution.seconds;
+            let status = match solution.status {
+                SolveStatus::Converged => StepStatus::Solved,
+                SolveStatus::Infeasible { .. } => StepStatus::Infeasible,
+                SolveStatus::IterationLimit | SolveStatus::Stalled => StepStatus::Inaccurate,
+                SolveStatus::QpFailed(QpStatus::Limit) if solution.seconds >= limits.time => {
+                    StepStatus::Fallback(FallbackReason::TimeLimit)
+                }
+                SolveStatus::QpFailed(s) => StepStatus::Fallback(FallbackReason::Qp(s)),
+                SolveStatus::NotANumber => StepStatus::Fallback(FallbackReason::Linearisation),
+            };
+            if !matches!(status, StepStatus::Fallback(_)) {
+                self.trajectory = solution.trajectory;
+            }
+            status
+        };
+        let mut u = self.trajectory.u(0).to_vec();
+        let source = if matches!(status, StepStatus::Fallback(_)) {
+            self.failures.decide(&self.trajectory, &self.sqp.ocp().input_bounds, &mut u)
+        } else {
+            self.failures.solved(self.trajectory.steps());
+            InputSource::Program
+        };
+        self.failures.shift();
+        self.k += 1;
+        self.sqp.set_start(self.k);
+        self.trajectory = self.sqp.shifted(&self.trajectory);
+        Ok(Step { u, status, source, timings: Timings { qp: seconds, ..Timings::default() } })
+    }
+    fn ocp(&self) -> &Ocp {
+        self.sqp.ocp()
+    }
+    fn set_start(&mut self, k0: usize) {
+        self.k = k0;
+    }
+    fn limit_next_step(&mut self, limits: StepLimits) {
+        self.limits = limits;
+    }
+}
