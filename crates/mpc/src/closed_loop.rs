@@ -5,6 +5,7 @@ use crate::counts::{Counts, PhaseTimes, SolveTimes};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, PlantError, check_length};
 use crate::faults::{Fault, StepLimits, disturb, lose};
+use crate::integrator::Integrator;
 use crate::ocp::Ocp;
 use crate::shooting::Shooter;
 use crate::step::{Step, StepStatus, Timings};
@@ -29,7 +30,7 @@ pub struct RungeKuttaPlant {
 impl RungeKuttaPlant {
     /// A plant with `substeps` integration steps per call.
     pub fn new(dynamics: Box<dyn Dynamics>, substeps: usize) -> Self {
-        Self { shooter: Shooter::new(dynamics.as_ref()), dynamics, substeps: substeps.max(1) }
+        Self { shooter: Shooter::new(dynamics.as_ref(), Integrator::Rk4), dynamics, substeps: substeps.max(1) }
     }
 }
 

@@ -251,6 +251,7 @@ impl fmt::Display for SolveStatus {
             Self::Stalled => write!(f, "stalled: no step lowers the merit"),
             Self::QpFailed(s) => write!(f, "stopped: a quadratic program ended as {s:?}"),
             Self::NotANumber => write!(f, "stopped: a number is not finite"),
+            Self::IntegratorFailed => write!(f, "stopped: an implicit integration step could not be solved"),
         }
     }
 }

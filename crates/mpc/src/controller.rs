@@ -96,7 +96,9 @@ impl Controller for SqpController {
                     StepStatus::Fallback(FallbackReason::TimeLimit)
                 }
                 SolveStatus::QpFailed(s) => StepStatus::Fallback(FallbackReason::Qp(s)),
-                SolveStatus::NotANumber => StepStatus::Fallback(FallbackReason::Linearisation),
+                SolveStatus::NotANumber | SolveStatus::IntegratorFailed => {
+                    StepStatus::Fallback(FallbackReason::Linearisation)
+                }
             };
             if !matches!(status, StepStatus::Fallback(_)) {
                 self.trajectory = solution.trajectory;

@@ -17,6 +17,12 @@ pub trait Dynamics: Send {
     fn jacobian_pattern(&self) -> &[(usize, usize)];
     /// dx = f and the entries of ∂f/∂(x, u) in the order of [`Dynamics::jacobian_pattern`].
     fn field_and_jacobian(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64], jacobian: &mut [f64]);
+    /// Number of parameters that can be changed while the dynamics are in use.
+    fn parameters(&self) -> usize {
+        0
+    }
+    /// Sets these parameters, [`Dynamics::parameters`] of them.
+    fn set_parameters(&mut self, _parameters: &[f64]) {}
     /// Whether the dynamics contain switching functions that are smoothed.
     fn is_smoothed(&self) -> bool {
         false
@@ -97,7 +103,8 @@ impl<F: FnMut(f64, &[f64], &[f64], &mut [f64], &mut [f64]) + Send> Dynamics for 
 pub struct SymbolicDynamics {
     states: usize,
     inputs: usize,
-    parameters: usize,
+    /// Places of the live parameters among the arguments.
+    live: Vec<usize>,
     field: Function,
     field_and_jacobian: Function,
     rates: Function,
@@ -110,14 +117,40 @@ pub struct SymbolicDynamics {
 }
 
 impl SymbolicDynamics {
-    /// Compiles the dynamics of a system with smoothed signs, its parameters adjustable with
-    /// [`SymbolicDynamics::set_parameter`] by their index in the system.
+    /// Compiles the dynamics of a system with smoothed signs, its parameters at their values.
     ///
     /// The smoothing width starts at 0.01 (in the unit of the sign's argument).
     ///
     /// # Errors
     /// [`MpcError::InputDerivative`] if the equations use a derivative of an input.
     pub fn new(system: &System) -> Result<Self, MpcError> {
+        Self::with_live_parameters(system, &[])
+    }
+
+    /// As [`SymbolicDynamics::new`]; [`Dynamics::set_parameters`] changes the named parameters, in this order.
+    ///
+    /// ```
+    /// use bracketry_mpc::{Dynamics, SymbolicDynamics};
+    /// use bracketry_system::System;
+    /// let system = System::parse("decay.toml", r#"
+    ///     states = ["x"]
+    ///     inputs = ["u"]
+    ///     parameters = { a = 2, b = 1 }
+    ///     dynamics = { x = "b*u - a*x" }
+    /// "#).unwrap();
+    /// let mut dynamics = SymbolicDynamics::with_live_parameters(&system, &["a"]).unwrap();
+    /// let mut dx = [0.0];
+    /// dynamics.field(0.0, &[1.0], &[0.0], &mut dx);
+    /// assert_eq!(dx, [-2.0]);
+    /// dynamics.set_parameters(&[5.0]);
+    /// dynamics.field(0.0, &[1.0], &[0.0], &mut dx);
+    /// assert_eq!(dx, [-5.0]);
+    /// ```
+    ///
+    /// # Errors
+    /// [`MpcError::NoSuchParameter`] for another name, [`MpcError::InputDerivative`] if the equations use a derivative of an
+    /// input.
+    pub fn with_live_parameters(system: &System, live: &[&str]) -> Result<Self, MpcError> {
         if let Some(d) = system.input_derivatives.first() {
             return Err(MpcError::InputDerivative { name: system.symbol_name(d.symbol).to_owned() });
         }
@@ -147,15 +180,24 @@ impl SymbolicDynamics {
                 }
             }
         }
+        let first = 1 + columns.len();
+        let place = |name: &&str| {
+            let at = system.parameters.iter().position(|p| pool.name(p.symbol) == *name);
+            at.map(|i| first + i).ok_or_else(|| MpcError::NoSuchParameter {
+                name: (*name).to_owned(),
+                known: system.parameters.iter().map(|p| pool.name(p.symbol).to_owned()).collect(),
+            })
+        };
+        let live = live.iter().map(place).collect::<Result<Vec<usize>, MpcError>>()?;
         let mut arguments = vec![0.0; all.len()];
-        for (a, p) in arguments[1 + columns.len()..].iter_mut().zip(&system.parameters) {
+        for (a, p) in arguments[first..].iter_mut().zip(&system.parameters) {
             *a = p.value.to_f64().value();
         }
         let field_and_jacobian = Function::new(Tape::compile(pool, &all, &outputs)?);
         Ok(Self {
             states: system.states.len(),
             inputs: system.inputs.len(),
-            parameters: parameters.len(),
+            live,
             field: Function::new(Tape::compile(pool, &all, &f)?),
             rates: Function::new(Tape::compile(pool, &all, &rates)?),
             out: vec![0.0; field_and_jacobian.n_outputs()],
@@ -166,18 +208,6 @@ impl SymbolicDynamics {
             arguments,
             work: Workspace::default(),
         })
-    }
-
-    /// Sets the value of the parameter with this index.
-    ///
-    /// # Errors
-    /// [`MpcError::Length`] if there are fewer parameters.
-    pub fn set_parameter(&mut self, index: usize, value: f64) -> Result<(), MpcError> {
-        if index >= self.parameters {
-            return Err(MpcError::Length { what: "the parameters", found: self.parameters, expected: index + 1 });
-        }
-        self.arguments[1 + self.states + self.inputs + index] = value;
-        Ok(())
     }
 
     fn load(&mut self, t: f64, x: &[f64], u: &[f64]) {
@@ -209,6 +239,14 @@ impl Dynamics for SymbolicDynamics {
         self.field_and_jacobian.call(&self.arguments, &mut self.work, &mut self.out);
         dx.copy_from_slice(&self.out[..self.states]);
         jacobian.copy_from_slice(&self.out[self.states..]);
+    }
+    fn parameters(&self) -> usize {
+        self.live.len()
+    }
+    fn set_parameters(&mut self, parameters: &[f64]) {
+        for (&place, &v) in self.live.iter().zip(parameters) {
+            self.arguments[place] = v;
+        }
     }
     fn is_smoothed(&self) -> bool {
         self.smoothed

@@ -56,6 +56,14 @@ pub enum MpcError {
         /// The reason.
         source: PlantError,
     },
+    /// A name that should be a parameter of the model is none.
+    #[error("the model has no parameter `{name}`: it has {}", if known.is_empty() { "none".into() } else { known.join(", ") })]
+    NoSuchParameter {
+        /// The name.
+        name: String,
+        /// The model's parameters.
+        known: Vec<String>,
+    },
     /// The equations use a derivative of an input.
     #[error("the equations use {name}: make the model affine first, so that this derivative becomes an input")]
     InputDerivative {

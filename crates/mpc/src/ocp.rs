@@ -3,6 +3,7 @@
 use crate::constraint::{NormConstraint, PathConstraint, TerminalSet};
 use crate::cost::CostFunction;
 use crate::error::{MpcError, check_length};
+use crate::integrator::Integrator;
 use crate::trajectory::Trajectory;
 
 /// How many integration steps an interval gets.
@@ -75,6 +76,8 @@ pub struct Ocp {
     pub steps: usize,
     /// Length of an interval, s.
     pub dt: f64,
+    /// Method that carries the state over an interval.
+    pub integrator: Integrator,
     /// Integration steps per interval.
     pub substeps: Substeps,
     /// Integrand of the cost.
@@ -83,6 +86,9 @@ pub struct Ocp {
     pub terminal: Option<CostFunction>,
     /// Values of the references at grid point k, from the start of the run; beyond the end the last row holds.
     pub references: Vec<Vec<f64>>,
+    /// Values of the live parameters of the dynamics at grid point k, from the start of the run; beyond the end the last row
+    /// holds. When empty, the dynamics keep their values.
+    pub parameters: Vec<Vec<f64>>,
     /// Bounds of every input, always hard.
     pub input_bounds: Vec<(f64, f64)>,
     /// Bounds of every state at the grid points 1 … N.
@@ -113,10 +119,12 @@ impl Ocp {
         Self {
             steps,
             dt,
+            integrator: Integrator::Rk4,
             substeps: Substeps::AtLeast(1),
             stage: None,
             terminal: None,
             references: Vec::new(),
+            parameters: Vec::new(),
             input_bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); inputs],
             state_bounds: vec![Bounds::FREE; states],
             targets: Vec::new(),
@@ -184,6 +192,10 @@ impl Ocp {
         positive("the interval dt", self.dt)?;
         let (Substeps::Fixed(substeps) | Substeps::AtLeast(substeps)) = self.substeps;
         positive("the number of substeps", substeps as f64)?;
+        self.integrator.check()?;
+        if let Some(&value) = self.parameters.iter().flatten().find(|v| !v.is_finite()) {
+            return Err(MpcError::Value { what: "a parameter".into(), value, remedy: "give a finite number" });
+        }
         for s in &self.state_scale {
             positive("a scale", *s)?;
         }

@@ -1,9 +1,7 @@
 //! Multiple shooting: the flow over every interval and its exact derivatives.
-//!
-//! The classical Runge–Kutta method of order 4 is differentiated as it stands, so the sensitivities are those of the numbers
-//! it returns: S_{i+1} = S_i + h/6 (D_1 + 2 D_2 + 2 D_3 + D_4), D_j = A_j T_j + [0 B_j].
 
 use crate::dynamics::Dynamics;
+use crate::integrator::{Collocation, ExplicitRungeKutta, Integrator, Tableau};
 use crate::trajectory::Trajectory;
 
 /// End states of every interval, and their derivatives.
@@ -15,38 +13,54 @@ pub struct Linearisation {
     pub jacobian: Vec<f64>,
 }
 
-/// The integrator with its working memory.
+/// Start, interval, number of integration steps per interval and parameters over the horizon.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grid<'a> {
+    /// Grid point of the run at which the horizon starts.
+    pub(crate) k0: usize,
+    pub(crate) dt: f64,
+    pub(crate) substeps: usize,
+    /// Live parameters at the grid points of the run; the last row holds on.
+    pub(crate) parameters: &'a [Vec<f64>],
+}
+
+impl Grid<'_> {
+    /// Gives the dynamics the parameters of interval k of the horizon; its start time.
+    pub(crate) fn enter(&self, dynamics: &mut dyn Dynamics, k: usize) -> f64 {
+        if let Some(last) = self.parameters.len().checked_sub(1) {
+            dynamics.set_parameters(&self.parameters[(self.k0 + k).min(last)]);
+        }
+        (self.k0 + k) as f64 * self.dt
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Method {
+    Explicit(Box<ExplicitRungeKutta>),
+    Implicit(Box<Collocation>),
+}
+
+/// The integrator and what it can reach.
 pub(crate) struct Shooter {
     n: usize,
     m: usize,
-    pattern: Vec<(usize, usize)>,
     /// Entries that the flow's derivative can have: the reflexive and transitive closure of the field's pattern.
     closure: Vec<bool>,
-    /// Columns of the possible entries of each row.
-    columns: Vec<Vec<usize>>,
-    /// Positions of all possible entries.
-    entries: Vec<usize>,
-    stage: Vec<f64>,
-    k: [Vec<f64>; 4],
-    d: [Vec<f64>; 4],
-    s: Vec<f64>,
-    t: Vec<f64>,
-    jac: Vec<f64>,
+    method: Method,
+    /// Whether the equations of an implicit step could not be solved since the last [`Shooter::take_failure`].
+    failed: bool,
 }
 
-const FRACTION: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
-const WEIGHT: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
-
 impl Shooter {
-    pub(crate) fn new(dynamics: &dyn Dynamics) -> Self {
+    pub(crate) fn new(dynamics: &dyn Dynamics, integrator: Integrator) -> Self {
         let (n, m) = (dynamics.states(), dynamics.inputs());
         let w = n + m;
-        let pattern = dynamics.jacobian_pattern().to_vec();
+        let pattern = dynamics.jacobian_pattern();
         let mut closure = vec![false; n * w];
         for i in 0..n {
             closure[i * w + i] = true;
         }
-        for &(i, j) in &pattern {
+        for &(i, j) in pattern {
             closure[i * w + j] = true;
         }
         // Warshall: a path i → k → j makes the entry (i, j) possible.
@@ -59,29 +73,22 @@ impl Shooter {
                 }
             }
         }
-        let columns = (0..n).map(|i| (0..w).filter(|j| closure[i * w + j]).collect()).collect();
-        let entries = (0..n * w).filter(|&e| closure[e]).collect();
-        let row = || vec![0.0; n];
-        let block = || vec![0.0; n * w];
-        Self {
-            n,
-            m,
-            closure,
-            columns,
-            entries,
-            stage: row(),
-            k: [row(), row(), row(), row()],
-            d: [block(), block(), block(), block()],
-            s: block(),
-            t: block(),
-            jac: vec![0.0; pattern.len()],
-            pattern,
-        }
+        let method = if integrator.is_implicit() {
+            Method::Implicit(Box::new(Collocation::new(n, m, pattern, Tableau::new(integrator))))
+        } else {
+            Method::Explicit(Box::new(ExplicitRungeKutta::new(n, m, pattern, &closure)))
+        };
+        Self { n, m, closure, method, failed: false }
     }
 
     /// Which entries of ∂F/∂(x, u) can differ from zero, n rows of n + m.
     pub(crate) fn closure(&self) -> &[bool] {
         &self.closure
+    }
+
+    /// Whether an implicit step has failed since this was last asked. Its end state is no number.
+    pub(crate) fn take_failure(&mut self) -> bool {
+        std::mem::take(&mut self.failed)
     }
 
     /// Advances `x` over `dt`.
@@ -95,18 +102,9 @@ impl Shooter {
         substeps: usize,
     ) {
         let h = dt / substeps as f64;
-        for step in 0..substeps {
-            let time = t + step as f64 * h;
-            for q in 0..4 {
-                let c = FRACTION[q] * h;
-                for i in 0..self.n {
-                    self.stage[i] = if q == 0 { x[i] } else { x[i] + c * self.k[q - 1][i] };
-                }
-                dynamics.field(time + c, &self.stage, u, &mut self.k[q]);
-            }
-            for i in 0..self.n {
-                x[i] += h * (0..4).map(|q| WEIGHT[q] * self.k[q][i]).sum::<f64>();
-            }
+        match &mut self.method {
+            Method::Explicit(m) => m.advance(dynamics, t, x, u, h, substeps),
+            Method::Implicit(m) => self.failed |= !m.advance(dynamics, t, x, u, h, substeps),
         }
     }
 
@@ -122,57 +120,20 @@ impl Shooter {
         substeps: usize,
         jacobian: &mut [f64],
     ) {
-        let (n, w) = (self.n, self.n + self.m);
         let h = dt / substeps as f64;
-        self.s.fill(0.0);
-        for i in 0..n {
-            self.s[i * w + i] = 1.0;
-        }
-        for step in 0..substeps {
-            let time = t + step as f64 * h;
-            for q in 0..4 {
-                let c = FRACTION[q] * h;
-                if q == 0 {
-                    self.stage.copy_from_slice(x);
-                    self.t.copy_from_slice(&self.s);
-                } else {
-                    for i in 0..n {
-                        self.stage[i] = x[i] + c * self.k[q - 1][i];
-                    }
-                    for &e in &self.entries {
-                        self.t[e] = self.s[e] + c * self.d[q - 1][e];
-                    }
-                }
-                dynamics.field_and_jacobian(time + c, &self.stage, u, &mut self.k[q], &mut self.jac);
-                let d = &mut self.d[q];
-                for &e in &self.entries {
-                    d[e] = 0.0;
-                }
-                for (&(i, j), &a) in self.pattern.iter().zip(&self.jac) {
-                    if j >= n {
-                        d[i * w + j] += a;
-                    } else {
-                        for &c in &self.columns[j] {
-                            d[i * w + c] += a * self.t[j * w + c];
-                        }
-                    }
-                }
-            }
-            for i in 0..n {
-                x[i] += h * (0..4).map(|q| WEIGHT[q] * self.k[q][i]).sum::<f64>();
-            }
-            for &e in &self.entries {
-                self.s[e] += h * (0..4).map(|q| WEIGHT[q] * self.d[q][e]).sum::<f64>();
+        match &mut self.method {
+            Method::Explicit(m) => m.advance_with_sensitivity(dynamics, t, x, u, h, substeps, jacobian),
+            Method::Implicit(m) => {
+                self.failed |= !m.advance_with_sensitivity(dynamics, t, x, u, h, substeps, jacobian);
             }
         }
-        jacobian.copy_from_slice(&self.s);
     }
 
-    /// Linearises every interval of the trajectory from `first` on.
+    /// Linearises some intervals of the trajectory.
     pub(crate) fn linearise(
         &mut self,
         dynamics: &mut dyn Dynamics,
-        grid: Grid,
+        grid: Grid<'_>,
         trajectory: &Trajectory,
         intervals: std::ops::Range<usize>,
         out: &mut Linearisation,
@@ -181,10 +142,10 @@ impl Shooter {
         out.end.resize(trajectory.steps() * n, 0.0);
         out.jacobian.resize(trajectory.steps() * n * w, 0.0);
         for k in intervals {
+            let t = grid.enter(dynamics, k);
             let end = &mut out.end[k * n..(k + 1) * n];
             end.copy_from_slice(trajectory.x(k));
             let block = &mut out.jacobian[k * n * w..(k + 1) * n * w];
-            let t = grid.t0 + k as f64 * grid.dt;
             self.advance_with_sensitivity(dynamics, t, end, trajectory.u(k), grid.dt, grid.substeps, block);
         }
     }
@@ -193,36 +154,28 @@ impl Shooter {
     pub(crate) fn end_states(
         &mut self,
         dynamics: &mut dyn Dynamics,
-        grid: Grid,
+        grid: Grid<'_>,
         trajectory: &Trajectory,
         end: &mut Vec<f64>,
     ) {
         let n = self.n;
         end.resize(trajectory.steps() * n, 0.0);
         for (k, row) in end.chunks_exact_mut(n).enumerate() {
+            let t = grid.enter(dynamics, k);
             row.copy_from_slice(trajectory.x(k));
-            let t = grid.t0 + k as f64 * grid.dt;
             self.advance(dynamics, t, row, trajectory.u(k), grid.dt, grid.substeps);
         }
     }
 
     /// Replaces the states by those that follow from x_0 and the inputs.
-    pub(crate) fn roll_out(&mut self, dynamics: &mut dyn Dynamics, grid: Grid, trajectory: &mut Trajectory) {
+    pub(crate) fn roll_out(&mut self, dynamics: &mut dyn Dynamics, grid: Grid<'_>, trajectory: &mut Trajectory) {
         for k in 0..trajectory.steps() {
+            let t = grid.enter(dynamics, k);
             let mut x = trajectory.x(k).to_vec();
-            let t = grid.t0 + k as f64 * grid.dt;
             self.advance(dynamics, t, &mut x, trajectory.u(k), grid.dt, grid.substeps);
             trajectory.x_mut(k + 1).copy_from_slice(&x);
         }
     }
-}
-
-/// Start time, interval and number of integration steps per interval.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Grid {
-    pub(crate) t0: f64,
-    pub(crate) dt: f64,
-    pub(crate) substeps: usize,
 }
 
 #[cfg(test)]
@@ -248,7 +201,7 @@ mod tests {
     #[test]
     fn sensitivities_are_the_derivatives_of_the_flow() {
         let mut d = oscillator();
-        let mut s = Shooter::new(&d);
+        let mut s = Shooter::new(&d, Integrator::Rk4);
         let (x, u) = ([0.3, 0.02, -0.4], [0.6, 1.5]);
         let mut flow = |x: &[f64], u: &[f64]| {
             let mut end = x.to_vec();
@@ -272,7 +225,7 @@ mod tests {
         let end = flow(&x, &u);
         let mut jacobian = vec![0.0; 15];
         let mut same = x.to_vec();
-        let mut s = Shooter::new(&d);
+        let mut s = Shooter::new(&d, Integrator::Rk4);
         s.advance_with_sensitivity(&mut d, 0.0, &mut same, &u, 0.1, 5, &mut jacobian);
         assert_eq!(same, end);
         for (a, b) in jacobian.iter().zip(&expected) {
@@ -292,7 +245,7 @@ mod tests {
             dynamics = { x1 = "x2", x2 = "u" }
         "#;
         let d = SymbolicDynamics::new(&System::parse("chain.toml", text).unwrap()).unwrap();
-        assert_eq!(Shooter::new(&d).closure(), [true, true, true, false, true, true]);
+        assert_eq!(Shooter::new(&d, Integrator::Rk4).closure(), [true, true, true, false, true, true]);
     }
 
     #[test]
@@ -301,7 +254,7 @@ mod tests {
             dx[0] = x[0] * t.cos();
             jac.copy_from_slice(&[t.cos(), 0.0]);
         });
-        let mut s = Shooter::new(&d);
+        let mut s = Shooter::new(&d, Integrator::Rk4);
         let mut error = |steps| {
             let mut x = [1.0];
             s.advance(&mut d, 0.0, &mut x, &[0.0], 2.0, steps);

@@ -76,6 +76,8 @@ pub enum SolveStatus {
     QpFailed(QpStatus),
     /// Guess, initial state or dynamics gave a number that is not finite.
     NotANumber,
+    /// The equations of an implicit integration step have no solution at the guess: give a better one or more substeps.
+    IntegratorFailed,
 }
 
 /// One line of the log.
@@ -170,6 +172,14 @@ impl Sqp {
         self.qp.set_limits(qp.max_iterations.min(limits.iterations), qp.time_limit.min(limits.time))
     }
 
+    /// Gives the live parameters of the dynamics these values at every grid point, for instance those of an estimator.
+    ///
+    /// # Errors
+    /// If their number is not that of the live parameters.
+    pub fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        self.problem.set_parameters(parameters)
+    }
+
     /// Inputs put to use from `x0`: a guess whose states obey the dynamics at the first smoothing width.
     ///
     /// # Errors
@@ -217,13 +227,16 @@ impl Sqp {
                     lambda = lambda.max(1e-2 * self.settings.proximal);
                 }
                 status = match self.iterate(&mut z, width, i == last, &mut lambda, &mut log)? {
+                    Stop::QpFailed(QpStatus::NotANumber) if self.problem.shooter.take_failure() => {
+                        SolveStatus::IntegratorFailed
+                    }
                     Stop::QpFailed(QpStatus::NotANumber) => SolveStatus::NotANumber,
                     Stop::QpFailed(s) => SolveStatus::QpFailed(s),
                     Stop::Converged => SolveStatus::Converged,
                     Stop::Limit => SolveStatus::IterationLimit,
                     Stop::Stalled => SolveStatus::Stalled,
                 };
-                if status == SolveStatus::NotANumber {
+                if matches!(status, SolveStatus::NotANumber | SolveStatus::IntegratorFailed) {
                     break;
                 }
             }

@@ -36,15 +36,27 @@ impl Merit {
     }
 }
 
+fn grid(ocp: &Ocp, k0: usize, substeps: usize) -> Grid<'_> {
+    Grid { k0, dt: ocp.dt, substeps, parameters: &ocp.parameters }
+}
+
 impl Transcription {
     pub(crate) fn new(dynamics: Box<dyn Dynamics>, ocp: Ocp) -> Result<Self, MpcError> {
         ocp.check(dynamics.states(), dynamics.inputs())?;
-        let shooter = Shooter::new(dynamics.as_ref());
+        for row in &ocp.parameters {
+            check_length("a row of parameters", row.len(), dynamics.parameters())?;
+        }
+        let shooter = Shooter::new(dynamics.as_ref(), ocp.integrator);
         Ok(Self { dynamics, ocp, shooter, substeps: 1, k0: 0, ends: Vec::new() })
     }
 
-    pub(crate) fn grid(&self) -> Grid {
-        Grid { t0: self.k0 as f64 * self.ocp.dt, dt: self.ocp.dt, substeps: self.substeps }
+    /// Gives the live parameters of the dynamics these values at every grid point.
+    pub(crate) fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        check_length("the parameters", parameters.len(), self.dynamics.parameters())?;
+        self.ocp.parameters.resize(1, Vec::new());
+        self.ocp.parameters[0].clear();
+        self.ocp.parameters[0].extend_from_slice(parameters);
+        Ok(())
     }
 
     pub(crate) fn check_trajectory(&self, trajectory: &Trajectory) -> Result<(), MpcError> {
@@ -57,10 +69,13 @@ impl Transcription {
     pub(crate) fn choose_substeps(&mut self, trajectory: &Trajectory) {
         self.substeps = match self.ocp.substeps {
             Substeps::Fixed(s) => s,
+            // An implicit method is stable for any step.
+            Substeps::AtLeast(s) if self.ocp.integrator.is_implicit() => s,
             Substeps::AtLeast(s) => {
                 let mut rate = 0.0_f64;
+                let grid = grid(&self.ocp, self.k0, self.substeps);
                 for k in 0..trajectory.steps() {
-                    let t = (self.k0 + k) as f64 * self.ocp.dt;
+                    let t = grid.enter(self.dynamics.as_mut(), k);
                     rate = rate.max(self.dynamics.relaxation_rate(t, trajectory.x(k), trajectory.u(k)));
                 }
                 s.max((self.ocp.dt * rate / STABLE_STEP).ceil().min(1e4) as usize)
@@ -69,12 +84,12 @@ impl Transcription {
     }
 
     pub(crate) fn linearise(&mut self, trajectory: &Trajectory, from: usize, to: usize, lin: &mut Linearisation) {
-        let grid = self.grid();
+        let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.linearise(self.dynamics.as_mut(), grid, trajectory, from..to, lin);
     }
 
     pub(crate) fn roll_out(&mut self, trajectory: &mut Trajectory) {
-        let grid = self.grid();
+        let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.roll_out(self.dynamics.as_mut(), grid, trajectory);
     }
 
@@ -82,9 +97,9 @@ impl Transcription {
     pub(crate) fn extend_last(&mut self, trajectory: &mut Trajectory) {
         let last = trajectory.steps() - 1;
         let mut end = trajectory.x(last).to_vec();
-        let grid = self.grid();
-        let t = grid.t0 + last as f64 * grid.dt;
+        let grid = grid(&self.ocp, self.k0, self.substeps);
         let dynamics = self.dynamics.as_mut();
+        let t = grid.enter(dynamics, last);
         self.shooter.advance(dynamics, t, &mut end, trajectory.u(last), grid.dt, grid.substeps);
         if end.iter().all(|v| v.is_finite()) {
             trajectory.x_mut(last + 1).copy_from_slice(&end);
@@ -119,7 +134,7 @@ impl Transcription {
     /// Merit of any trajectory.
     pub(crate) fn merit(&mut self, trajectory: &Trajectory, hard: f64) -> Merit {
         let mut ends = std::mem::take(&mut self.ends);
-        let grid = self.grid();
+        let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.end_states(self.dynamics.as_mut(), grid, trajectory, &mut ends);
         let merit = self.merit_with(trajectory, &ends, hard);
         self.ends = ends;
