@@ -108,9 +108,11 @@ impl Transcription {
 
     /// Advances a state by one interval from the start of the horizon; it is kept where the dynamics fail.
     pub(crate) fn predict(&mut self, x: &mut Vec<f64>, u: &[f64]) {
-        let grid = self.grid();
+        let grid = grid(&self.ocp, self.k0, self.substeps);
         let mut end = x.clone();
-        self.shooter.advance(self.dynamics.as_mut(), grid.t0, &mut end, u, grid.dt, grid.substeps);
+        let dynamics = self.dynamics.as_mut();
+        let t = grid.enter(dynamics, 0);
+        self.shooter.advance(dynamics, t, &mut end, u, grid.dt, grid.substeps);
         if end.iter().all(|v| v.is_finite()) {
             *x = end;
         }
