@@ -48,6 +48,16 @@ pub enum MpcError {
         /// Number of states.
         states: usize,
     },
+    /// A name is not known.
+    #[error("there is no {what} `{name}`: known are {}", known.join(", "))]
+    NoSuchName {
+        /// What was looked for: `"parameter"`, `"input"`, `"state"`.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The names that would do.
+        known: Vec<String>,
+    },
     /// The plant could not be simulated further.
     #[error("the plant stops at t = {time}: {source}")]
     Plant {

@@ -49,6 +49,7 @@ mod counts;
 mod delay;
 mod dynamics;
 mod error;
+mod estimation;
 mod faults;
 mod integrator;
 mod ocp;
@@ -76,6 +77,10 @@ pub use counts::{Counts, PhaseTimes, ReasonCounts, SolveTimes, SourceCounts};
 pub use delay::DelayCompensated;
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::{MpcError, PlantError};
+pub use estimation::{
+    Disturbance, DisturbanceChannel, Estimate, EstimateStatus, EstimatedParameter, EstimationProblem, Estimator,
+    ExtendedKalman, MeasuredOutput, Outliers,
+};
 pub use faults::{Fault, StepLimits};
 pub use integrator::Integrator;
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};

@@ -1,0 +1,340 @@
+//! The model with its parameters and disturbances as states and its process noise as inputs.
+
+use super::problem::{DisturbanceChannel, EstimationProblem};
+use crate::dynamics::{Dynamics, SymbolicDynamics};
+use crate::error::MpcError;
+use crate::ocp::Substeps;
+use crate::shooting::Shooter;
+use bracketry_native::{Function, Workspace};
+use bracketry_symbolic::{Expr, Names, Pool, Symbol, Tape};
+use bracketry_system::{SwitchKind, SwitchedForm, System};
+use nalgebra::{DMatrix, DVector};
+
+/// Size of a smoothed sign below which friction is taken to stick.
+const STUCK: f64 = 0.95;
+/// Largest product of step and relaxation rate; the method of order 4 is stable up to 2.78 on the negative real axis.
+const STABLE_STEP: f64 = 2.0;
+
+/// One interval: its end and the derivatives of the end with respect to the start and to the standardised noise.
+#[derive(Clone, Debug)]
+pub(crate) struct Interval {
+    pub(crate) end: DVector<f64>,
+    /// ∂F/∂x.
+    pub(crate) f: DMatrix<f64>,
+    /// ∂F/∂w for noise of unit variance: G Gᵀ is the covariance that the interval adds.
+    pub(crate) g: DMatrix<f64>,
+    /// Which states (parameters and disturbances) cannot be seen because the friction that they act against sticks.
+    pub(crate) hidden: Vec<bool>,
+}
+
+/// A friction force: its smoothed signs, and the rows of the dynamics that it holds while it sticks.
+struct Friction {
+    signs: std::ops::Range<usize>,
+    holds: Vec<bool>,
+}
+
+/// Augmented state z = (x, p, d), known inputs u, standardised noise w.
+pub(crate) struct Augmented {
+    /// Number of model states.
+    pub(crate) states: usize,
+    pub(crate) parameters: usize,
+    /// Number of known inputs.
+    pub(crate) inputs: usize,
+    /// State that every noise input drives, with the standard deviation of its value over an interval.
+    pub(crate) noise: Vec<(usize, f64)>,
+    pub(crate) start: DVector<f64>,
+    pub(crate) start_std: DVector<f64>,
+    pub(crate) bounds: Vec<(f64, f64)>,
+    /// Variance and period of every output.
+    pub(crate) sensors: Vec<(f64, Option<f64>)>,
+    dt: f64,
+    substeps: Substeps,
+    dynamics: SymbolicDynamics,
+    shooter: Shooter,
+    outputs: Function,
+    signs: Function,
+    friction: Vec<Friction>,
+    /// Rows of the dynamics that parameter or disturbance j acts on.
+    acts_on: Vec<Vec<bool>>,
+    work: Workspace,
+    arguments: Vec<f64>,
+    jacobian: Vec<f64>,
+    inputs_and_noise: Vec<f64>,
+    values: Vec<f64>,
+    sign_values: Vec<f64>,
+}
+
+/// The names of an output expression.
+struct OutputNames<'a> {
+    system: &'a System,
+}
+
+impl Names for OutputNames<'_> {
+    fn lookup(&mut self, pool: &mut Pool, name: &str) -> Option<Expr> {
+        if let Some(p) = self.system.parameters.iter().find(|p| self.system.symbol_name(p.symbol) == name) {
+            return Some(pool.rational(p.value.clone()));
+        }
+        if name == "t" || self.system.state_index(name).is_some() {
+            return Some(pool.var(name));
+        }
+        self.system.outputs.iter().find(|(n, _)| n == name).map(|(_, e)| *e)
+    }
+    fn known(&self) -> Vec<String> {
+        let mut names = self.system.state_names();
+        names.extend(self.system.parameters.iter().map(|p| self.system.symbol_name(p.symbol).to_owned()));
+        names.extend(self.system.outputs.iter().map(|(n, _)| n.clone()));
+        names.push("t".into());
+        names
+    }
+}
+
+impl Augmented {
+    pub(crate) fn new(problem: &EstimationProblem) -> Result<Self, MpcError> {
+        problem.check()?;
+        let mut system = problem.system.clone();
+        let (states, inputs) = (system.states.len(), system.inputs.len());
+        let mut start = problem.initial.clone();
+        let mut start_std = problem.initial_std.clone();
+        let mut walks = problem.process_noise.clone();
+        for p in &problem.parameters {
+            let Some(at) = system.parameters.iter().position(|q| system.pool.name(q.symbol) == p.name) else {
+                let known = system.parameters.iter().map(|q| system.pool.name(q.symbol).to_owned()).collect();
+                return Err(MpcError::NoSuchName { what: "parameter", name: p.name.clone(), known });
+            };
+            let parameter = system.parameters.remove(at);
+            system.states.push(parameter.symbol);
+            start.push(parameter.value.to_f64().value());
+            start_std.push(p.std);
+            walks.push(p.walk);
+        }
+        let mut output_disturbances = Vec::new();
+        for (j, d) in problem.disturbances.iter().enumerate() {
+            let symbol = system.pool.symbol(&format!("disturbance#{j}"));
+            let value = system.pool.sym(symbol);
+            match &d.channel {
+                DisturbanceChannel::Input(name) => {
+                    let Some(i) = system.input_index(name) else {
+                        let known = system.input_names();
+                        return Err(MpcError::NoSuchName { what: "input", name: name.clone(), known });
+                    };
+                    let u = system.pool.sym(system.inputs[i]);
+                    let disturbed = system.pool.add(u, value);
+                    let map = [(u, disturbed)].into_iter().collect();
+                    system.dynamics = system.pool.substitute_all(&system.dynamics, &map);
+                }
+                DisturbanceChannel::State(name) => {
+                    let Some(i) = problem.system.state_index(name) else {
+                        let known = problem.system.state_names();
+                        return Err(MpcError::NoSuchName { what: "state", name: name.clone(), known });
+                    };
+                    system.dynamics[i] = system.pool.add(system.dynamics[i], value);
+                }
+                DisturbanceChannel::Output(index) => {
+                    if *index >= problem.outputs.len() {
+                        let (found, expected) = (problem.outputs.len(), index + 1);
+                        return Err(MpcError::Length { what: "the list of measured outputs", found, expected });
+                    }
+                    output_disturbances.push((*index, value));
+                }
+            }
+            system.states.push(symbol);
+            start.push(0.0);
+            start_std.push(d.std);
+            walks.push(d.walk);
+        }
+        let zero = system.pool.int(0);
+        system.dynamics.resize(system.states.len(), zero);
+
+        let mut expressions = Vec::new();
+        for o in &problem.outputs {
+            let mut pool = std::mem::take(&mut system.pool);
+            let parsed = {
+                system.pool = pool.clone();
+                pool.parse_with(&o.expression, &mut OutputNames { system: &system })
+            };
+            system.pool = pool;
+            expressions.push(parsed?);
+        }
+        for (index, d) in output_disturbances {
+            expressions[index] = system.pool.add(expressions[index], d);
+        }
+        let form = system.set_valued_form();
+        let (friction, acts_on) = hiding(&mut system, &form, states);
+        let signs = sign_function(&mut system, &form)?;
+
+        let mut noise = Vec::new();
+        for (i, &walk) in walks.iter().enumerate() {
+            if walk > 0.0 {
+                let w = system.pool.symbol(&format!("noise#{i}"));
+                let value = system.pool.sym(w);
+                system.dynamics[i] = system.pool.add(system.dynamics[i], value);
+                system.inputs.push(w);
+                noise.push((i, walk / problem.dt.sqrt()));
+            }
+        }
+        let mut dynamics = SymbolicDynamics::new(&system)?;
+        dynamics.set_smoothing(problem.smoothing);
+        let time = system.pool.symbol("t");
+        let arguments: Vec<Symbol> = std::iter::once(time).chain(system.states.iter().copied()).collect();
+        let mut all = expressions.clone();
+        all.extend(system.pool.jacobian(&expressions, &system.states.clone()).into_iter().flatten());
+        let outputs = Function::new(system.compile(&arguments, &all)?);
+        let n = system.states.len();
+        Ok(Self {
+            states,
+            parameters: problem.parameters.len(),
+            inputs,
+            start: DVector::from_vec(start),
+            start_std: DVector::from_vec(start_std),
+            bounds: problem.all_bounds(),
+            sensors: problem.outputs.iter().map(|o| (o.std * o.std, o.period)).collect(),
+            dt: problem.dt,
+            substeps: problem.substeps,
+            shooter: Shooter::new(&dynamics),
+            dynamics,
+            values: vec![0.0; outputs.n_outputs()],
+            outputs,
+            sign_values: vec![0.0; signs.n_outputs()],
+            arguments: vec![0.0; signs.n_inputs()],
+            signs,
+            friction,
+            acts_on,
+            work: Workspace::default(),
+            jacobian: vec![0.0; n * (n + inputs + noise.len())],
+            inputs_and_noise: vec![0.0; inputs + noise.len()],
+            noise,
+        }
+        .with_width(problem.smoothing))
+    }
+
+    fn with_width(mut self, width: f64) -> Self {
+        if let Some(last) = self.arguments.last_mut() {
+            *last = width;
+        }
+        self
+    }
+
+    /// Number of augmented states.
+    pub(crate) fn size(&self) -> usize {
+        self.start.len()
+    }
+
+    /// Which parameters and disturbances cannot be seen at this state because friction sticks.
+    pub(crate) fn hidden(&mut self, t: f64, z: &[f64], u: &[f64]) -> Vec<bool> {
+        let n = self.size();
+        let mut hidden = vec![false; n];
+        if self.friction.is_empty() {
+            return hidden;
+        }
+        self.arguments[0] = t;
+        self.arguments[1..=n].copy_from_slice(z);
+        self.arguments[1 + n..1 + n + self.inputs].copy_from_slice(u);
+        self.signs.call(&self.arguments, &mut self.work, &mut self.sign_values);
+        let mut held = vec![false; n];
+        for f in &self.friction {
+            let size: f64 = self.sign_values[f.signs.clone()].iter().map(|s| s * s).sum();
+            if size.sqrt() < STUCK {
+                held.iter_mut().zip(&f.holds).for_each(|(h, &row)| *h |= row);
+            }
+        }
+        for (j, rows) in self.acts_on.iter().enumerate() {
+            let acts = rows.iter().any(|&r| r);
+            hidden[self.states + j] = acts && rows.iter().zip(&held).all(|(&row, &held)| held || !row);
+        }
+        hidden
+    }
+
+    /// The flow over one interval with its derivatives; `w` is standardised noise. Parameters that stay hidden throughout
+    /// neither act nor walk: the creep of smoothed friction, which depends on them, does not exist.
+    pub(crate) fn interval(&mut self, t: f64, z: &[f64], u: &[f64], w: &[f64]) -> Interval {
+        let (n, m) = (self.size(), self.inputs);
+        let columns = n + m + self.noise.len();
+        self.inputs_and_noise[..m].copy_from_slice(u);
+        for (slot, (w, (_, std))) in self.inputs_and_noise[m..].iter_mut().zip(w.iter().zip(&self.noise)) {
+            *slot = w * std;
+        }
+        let mut end = z.to_vec();
+        let substeps = self.substeps(t, z);
+        self.shooter.advance_with_sensitivity(
+            &mut self.dynamics,
+            t,
+            &mut end,
+            &self.inputs_and_noise,
+            self.dt,
+            substeps,
+            &mut self.jacobian,
+        );
+        let before = self.hidden(t, z, u);
+        let after = self.hidden(t + self.dt, &end, u);
+        let hidden: Vec<bool> = before.iter().zip(&after).map(|(a, b)| *a && *b).collect();
+        let entry = |i: usize, j: usize| self.jacobian[i * columns + j];
+        let f = DMatrix::from_fn(n, n, |i, j| if hidden[j] && i != j { 0.0 } else { entry(i, j) });
+        let g = DMatrix::from_fn(n, self.noise.len(), |i, k| {
+            let (state, std) = self.noise[k];
+            if hidden[state] { 0.0 } else { entry(i, n + m + k) * std }
+        });
+        Interval { end: DVector::from_vec(end), f, g, hidden }
+    }
+
+    fn substeps(&mut self, t: f64, z: &[f64]) -> usize {
+        match self.substeps {
+            Substeps::Fixed(s) => s,
+            Substeps::AtLeast(s) => {
+                let rate = self.dynamics.relaxation_rate(t, z, &self.inputs_and_noise);
+                s.max((self.dt * rate / STABLE_STEP).ceil().min(1e4) as usize)
+            }
+        }
+    }
+
+    /// Outputs h(z) and ∂h/∂z.
+    pub(crate) fn outputs(&mut self, t: f64, z: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+        let (n, p) = (self.size(), self.sensors.len());
+        let mut arguments = vec![t];
+        arguments.extend_from_slice(z);
+        self.outputs.call(&arguments, &mut self.work, &mut self.values);
+        (DVector::from_column_slice(&self.values[..p]), DMatrix::from_row_slice(p, n, &self.values[p..]))
+    }
+
+    /// y − h, to the nearest turn for angles.
+    pub(crate) fn residual(&self, output: usize, y: f64, h: f64) -> f64 {
+        match self.sensors[output].1 {
+            Some(period) => (y - h) - period * ((y - h) / period).round(),
+            None => y - h,
+        }
+    }
+}
+
+/// The friction forces with the rows they hold, and the rows that every parameter and disturbance acts on.
+fn hiding(system: &mut System, form: &SwitchedForm, states: usize) -> (Vec<Friction>, Vec<Vec<bool>>) {
+    let acts = |pool: &Pool, s: Symbol| form.dynamics.iter().map(|&f| pool.depends_on(f, s)).collect::<Vec<bool>>();
+    let pool = &system.pool;
+    let single = form.signs().len();
+    let ranges = (0..single).map(|i| i..i + 1).chain(form.unit_vectors.iter().map(|v| v.switches.clone()));
+    let friction = ranges
+        .filter(|r| r.clone().all(|i| form.switches[i].kind == SwitchKind::Jump))
+        .map(|signs| {
+            let mut holds = vec![false; form.dynamics.len()];
+            for i in signs.clone() {
+                let rows = acts(pool, form.switches[i].sign);
+                holds.iter_mut().zip(rows).for_each(|(h, row)| *h |= row);
+            }
+            Friction { signs, holds }
+        })
+        .collect();
+    (friction, system.states[states..].iter().map(|&s| acts(pool, s)).collect())
+}
+
+/// The smoothed signs as functions of time, states, inputs and width.
+fn sign_function(system: &mut System, form: &SwitchedForm) -> Result<Function, MpcError> {
+    let width_symbol = system.pool.symbol("smoothing#width");
+    let width = system.pool.sym(width_symbol);
+    let map = system.smooth_signs(form, width);
+    let signs: Vec<Expr> = form.switches.iter().map(|s| system.pool.sym(s.sign)).collect();
+    let smooth = system.pool.substitute_all(&signs, &map);
+    let time = system.pool.symbol("t");
+    let mut arguments = vec![time];
+    arguments.extend(system.states.iter().chain(&system.inputs));
+    arguments.push(width_symbol);
+    let tape: Tape = system.compile(&arguments, &smooth)?;
+    Ok(Function::new(tape))
+}

@@ -1,0 +1,51 @@
+//! What an estimator does and says.
+
+use crate::error::MpcError;
+
+/// How an estimate came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EstimateStatus {
+    /// From the measurements of this sample.
+    Updated {
+        /// Outputs that were lost and left out.
+        lost: usize,
+    },
+    /// Every output was lost: the model's prediction.
+    Predicted,
+    /// The optimiser gave no usable answer: the update of the extended Kalman filter instead.
+    Fallback,
+    /// The numbers left the finite range; the estimator went back to its prior knowledge, at the last finite estimate.
+    Restarted,
+}
+
+/// What is known after a sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// The states of the model.
+    pub x: Vec<f64>,
+    /// The estimated parameters, in the order of [`EstimationProblem::parameters`](crate::EstimationProblem).
+    pub parameters: Vec<f64>,
+    /// The disturbances, in the order of [`EstimationProblem::disturbances`](crate::EstimationProblem).
+    pub disturbance: Vec<f64>,
+    /// Standard deviations of states, parameters and disturbances, one after the other, as the linearisation gives them.
+    pub std: Vec<f64>,
+    /// How it came about.
+    pub status: EstimateStatus,
+}
+
+/// An observer that runs beside a controller.
+pub trait Estimator: Send {
+    /// Takes in a measurement at the time of the current estimate (the first one of a run). Outputs that are not a number
+    /// are left out.
+    ///
+    /// # Errors
+    /// If the number of outputs is wrong.
+    fn correct(&mut self, y: &[f64]) -> Result<Estimate, MpcError>;
+
+    /// Goes on by one sampling period over which the input `u` was held, then takes in the measurement `y` at its end.
+    /// Outputs that are not a number are left out.
+    ///
+    /// # Errors
+    /// If a length is wrong or an input is not finite; all that measurements can do is a status.
+    fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError>;
+}
