@@ -7,7 +7,7 @@ use crate::shooting::{Grid, Linearisation, Shooter};
 use crate::trajectory::Trajectory;
 
 /// Largest product of step and relaxation rate; the method of order 4 is stable up to 2.78 on the negative real axis.
-const STABLE_STEP: f64 = 2.0;
+pub(crate) const STABLE_STEP: f64 = 2.0;
 
 pub(crate) struct Transcription {
     pub(crate) dynamics: Box<dyn Dynamics>,

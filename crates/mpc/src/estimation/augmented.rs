@@ -5,6 +5,7 @@ use crate::dynamics::{Dynamics, SymbolicDynamics};
 use crate::error::MpcError;
 use crate::ocp::Substeps;
 use crate::shooting::Shooter;
+use crate::transcription::STABLE_STEP;
 use bracketry_native::{Function, Workspace};
 use bracketry_symbolic::{Expr, Names, Pool, Symbol, Tape};
 use bracketry_system::{SwitchKind, SwitchedForm, System};
@@ -12,8 +13,6 @@ use nalgebra::{DMatrix, DVector};
 
 /// Size of a smoothed sign below which friction is taken to stick.
 const STUCK: f64 = 0.95;
-/// Largest product of step and relaxation rate; the method of order 4 is stable up to 2.78 on the negative real axis.
-const STABLE_STEP: f64 = 2.0;
 
 /// One interval: its end and the derivatives of the end with respect to the start and to the standardised noise.
 #[derive(Clone, Debug)]
@@ -49,6 +48,7 @@ pub(crate) struct Augmented {
     pub(crate) sensors: Vec<(f64, Option<f64>)>,
     dt: f64,
     substeps: Substeps,
+    implicit: bool,
     dynamics: SymbolicDynamics,
     shooter: Shooter,
     outputs: Function,
@@ -190,7 +190,8 @@ impl Augmented {
             sensors: problem.outputs.iter().map(|o| (o.std * o.std, o.period)).collect(),
             dt: problem.dt,
             substeps: problem.substeps,
-            shooter: Shooter::new(&dynamics),
+            implicit: problem.integrator.is_implicit(),
+            shooter: Shooter::new(&dynamics, problem.integrator),
             dynamics,
             values: vec![0.0; outputs.n_outputs()],
             outputs,
@@ -279,6 +280,7 @@ impl Augmented {
     fn substeps(&mut self, t: f64, z: &[f64]) -> usize {
         match self.substeps {
             Substeps::Fixed(s) => s,
+            Substeps::AtLeast(s) if self.implicit => s,
             Substeps::AtLeast(s) => {
                 let rate = self.dynamics.relaxation_rate(t, z, &self.inputs_and_noise);
                 s.max((self.dt * rate / STABLE_STEP).ceil().min(1e4) as usize)

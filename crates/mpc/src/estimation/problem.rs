@@ -1,6 +1,7 @@
 //! The estimation problem as data.
 
 use crate::error::{MpcError, check_length};
+use crate::integrator::Integrator;
 use crate::ocp::Substeps;
 use bracketry_system::System;
 
@@ -96,6 +97,8 @@ pub struct EstimationProblem {
     pub system: System,
     /// Sampling period, s.
     pub dt: f64,
+    /// The method of integration.
+    pub integrator: Integrator,
     /// Integration steps per sampling period.
     pub substeps: Substeps,
     /// Width that replaces `sign` and unit vectors in the estimator's model; the controller's may be another.
@@ -125,6 +128,7 @@ impl EstimationProblem {
         Self {
             system: system.clone(),
             dt,
+            integrator: Integrator::default(),
             substeps: Substeps::AtLeast(1),
             smoothing: 0.005,
             outputs: Vec::new(),
@@ -149,6 +153,7 @@ impl EstimationProblem {
         check_length("the process noise", self.process_noise.len(), n)?;
         check_length("the estimator's bounds", self.bounds.len(), n)?;
         number("the sampling period", self.dt, self.dt > 0.0, "give a positive number")?;
+        self.integrator.check()?;
         number("the smoothing width", self.smoothing, self.smoothing > 0.0, "give a positive number")?;
         for &v in &self.initial {
             number("an initial state", v, true, "give a finite number")?;
