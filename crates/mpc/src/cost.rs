@@ -35,37 +35,62 @@ pub enum CostKind {
     Terminal,
 }
 
-/// The names of a cost expression.
+/// The names of a cost expression: states, inputs, time, references, parameters, definitions and outputs of the model.
 pub(crate) struct CostNames<'a> {
-    pub(crate) system: &'a System,
-    pub(crate) kind: CostKind,
-    pub(crate) references: &'a [String],
+    system: &'a System,
+    kind: CostKind,
+    references: &'a [String],
+    /// Definitions and outputs, parameters at their values.
+    defined: Vec<(String, Expr)>,
+}
+
+impl<'a> CostNames<'a> {
+    /// The names, and the pool in which expressions over them are to be read. A reference with the name of a parameter
+    /// stands in its place.
+    pub(crate) fn new(system: &'a System, kind: CostKind, references: &'a [String]) -> (Self, Pool) {
+        let mut valued = system.clone();
+        let pool = &valued.pool;
+        valued.parameters.retain(|p| !references.iter().any(|r| r == pool.name(p.symbol)));
+        let (names, expressions): (Vec<String>, Vec<Expr>) =
+            system.definitions.iter().chain(&system.outputs).cloned().unzip();
+        let defined = names.into_iter().zip(valued.with_values(&expressions)).collect();
+        (Self { system, kind, references, defined }, valued.pool)
+    }
+
+    fn inputs(&self) -> &[Symbol] {
+        if self.kind == CostKind::Stage { &self.system.inputs } else { &[] }
+    }
 }
 
 impl Names for CostNames<'_> {
     fn lookup(&mut self, pool: &mut Pool, name: &str) -> Option<Expr> {
-        let known = |s: &Symbol| self.system.symbol_name(*s) == name;
-        if let Some(p) = self.system.parameters.iter().find(|p| known(&p.symbol)) {
+        let called = |s: &Symbol| self.system.symbol_name(*s) == name;
+        if name == "t" || self.references.iter().any(|r| r == name) {
+            return Some(pool.var(name));
+        }
+        if let Some(p) = self.system.parameters.iter().find(|p| called(&p.symbol)) {
             return Some(pool.rational(p.value.clone()));
         }
-        let inputs: &[Symbol] = if self.kind == CostKind::Stage { &self.system.inputs } else { &[] };
-        let found = self.system.states.iter().chain(inputs).any(known);
-        (found || name == "t" || self.references.iter().any(|r| r == name)).then(|| pool.var(name))
+        if self.system.states.iter().chain(self.inputs()).any(called) {
+            return Some(pool.var(name));
+        }
+        let (_, e) = self.defined.iter().find(|(n, _)| n == name)?;
+        let forbidden = |u: &Symbol| !self.inputs().contains(u) && pool.depends_on(*e, *u);
+        (!self.system.inputs.iter().any(forbidden)).then_some(*e)
     }
     fn known(&self) -> Vec<String> {
         let mut names = self.system.state_names();
-        if self.kind == CostKind::Stage {
-            names.extend(self.system.input_names());
-        }
+        names.extend(self.inputs().iter().map(|u| self.system.symbol_name(*u).to_owned()));
         names.push("t".into());
         names.extend(self.system.parameters.iter().map(|p| self.system.symbol_name(p.symbol).to_owned()));
         names.extend(self.references.iter().cloned());
+        names.extend(self.defined.iter().map(|(n, _)| n.clone()));
         names
     }
 }
 
 impl CostFunction {
-    /// Reads a cost over the names of a system, the time `t` and references.
+    /// Reads a cost over the names of a system (states, inputs, parameters, definitions, outputs), the time `t` and references.
     ///
     /// ```
     /// use bracketry_mpc::{CostFunction, CostKind};
@@ -81,9 +106,9 @@ impl CostFunction {
     /// # Errors
     /// A syntax error, or a name that may not stand there.
     pub fn parse(system: &System, kind: CostKind, references: &[&str], text: &str) -> Result<Self, MpcError> {
-        let mut pool = system.pool.clone();
         let references: Vec<String> = references.iter().map(|s| (*s).to_owned()).collect();
-        let cost = pool.parse_with(text, &mut CostNames { system, kind, references: &references })?;
+        let (mut names, mut pool) = CostNames::new(system, kind, &references);
+        let cost = pool.parse_with(text, &mut names)?;
         Self::of_system(system, kind, &references, &mut pool, cost)
     }
 

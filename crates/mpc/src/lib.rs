@@ -41,7 +41,6 @@
 
 mod closed_loop;
 mod constraint;
-mod control_run;
 mod controller;
 mod convexify;
 mod cost;
@@ -55,7 +54,6 @@ mod integrator;
 mod ocp;
 mod policy;
 mod problem;
-mod problem_reader;
 mod qp;
 mod qp_layout;
 mod rti;
@@ -70,7 +68,6 @@ pub use closed_loop::{
     SampledLoop, run_closed_loop,
 };
 pub use constraint::{NormConstraint, PathConstraint, TerminalSet, VectorFunction};
-pub use control_run::{ControlReport, ControlRun, PlanReport};
 pub use controller::{Controller, SqpController};
 pub use cost::{CostFunction, CostKind};
 pub use counts::{Counts, PhaseTimes, ReasonCounts, SolveTimes, SourceCounts};
@@ -85,7 +82,7 @@ pub use faults::{Fault, StepLimits};
 pub use integrator::Integrator;
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
 pub use policy::{Brake, FailurePolicy};
-pub use problem::{ControlProblem, Method, ProblemError};
+pub use problem::{ControlProblem, ControlReport, ControlRun, Method, PlanReport, ProblemError};
 pub use qp::{QpSettings, QpStatus};
 pub use rti::{Horizon, Rti, RtiSettings};
 pub use shooting::Linearisation;

@@ -1,9 +1,19 @@
 //! Problem files: model, horizon, cost, constraints and run in one TOML file.
 
+mod constraints;
+mod cost;
+mod horizon;
+mod reader;
+mod run;
+mod scaling;
+mod solve;
+
+pub use run::{ControlReport, ControlRun, PlanReport};
+
 use crate::error::MpcError;
 use crate::ocp::Ocp;
-use crate::problem_reader::{KEYS, Reader};
 use bracketry_system::{AffineError, Document, FileError, System};
+use reader::{KEYS, Reader};
 use std::path::Path;
 
 /// How the closed loop is controlled.

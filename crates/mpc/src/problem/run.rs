@@ -6,7 +6,7 @@ use crate::counts::{Counts, SolveTimes};
 use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
 use crate::ocp::Ocp;
-use crate::problem::{ControlProblem, Method};
+use super::{ControlProblem, Method};
 use crate::qp::QpSettings;
 use crate::rti::{Horizon, Rti, RtiSettings};
 use crate::sqp::{Solution, SolveStatus, Sqp, SqpSettings};
