@@ -44,9 +44,8 @@ impl VectorFunction {
     /// # Errors
     /// A syntax error, or a name that is not known.
     pub fn parse(system: &System, references: &[&str], texts: &[&str]) -> Result<Self, MpcError> {
-        let mut pool = system.pool.clone();
         let references: Vec<String> = references.iter().map(|s| (*s).to_owned()).collect();
-        let mut names = CostNames { system, kind: CostKind::Stage, references: &references };
+        let (mut names, mut pool) = CostNames::new(system, CostKind::Stage, &references);
         let functions = texts.iter().map(|text| pool.parse_with(text, &mut names)).collect::<Result<Vec<Expr>, _>>()?;
         let time = pool.symbol("t");
         let references: Vec<Symbol> = references.iter().map(|r| pool.symbol(r)).collect();

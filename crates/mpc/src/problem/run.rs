@@ -1,12 +1,12 @@
 //! A control problem run from start to end, and what is to be said about it.
 
+use super::{ControlProblem, Method};
 use crate::closed_loop::{ClosedLoop, LoopSettings, Plant, run_closed_loop};
 use crate::controller::{Controller, SqpController};
 use crate::counts::{Counts, SolveTimes};
 use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
 use crate::ocp::Ocp;
-use super::{ControlProblem, Method};
 use crate::qp::QpSettings;
 use crate::rti::{Horizon, Rti, RtiSettings};
 use crate::sqp::{Solution, SolveStatus, Sqp, SqpSettings};

@@ -1,0 +1,72 @@
+//! Closed-loop costs of the problem files in `models/`, against those that CasADi with IPOPT gives for the same discretised
+//! problems: `python benches/peers/control_references.py` prints them.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use bracketry_mpc::{ControlProblem, ControlReport, Plant, RungeKuttaPlant, SymbolicDynamics};
+use common::ExactPlant;
+
+fn run(name: &str) -> ControlReport {
+    let problem = ControlProblem::read(common::model_path(&format!("{name}.toml"))).unwrap();
+    let switches = problem.plant.clone().set_valued_form().switches;
+    let mut plant: Box<dyn Plant> = if switches.is_empty() {
+        let dynamics = Box::new(SymbolicDynamics::new(&problem.plant).unwrap());
+        Box::new(RungeKuttaPlant::new(dynamics, problem.plant_substeps))
+    } else {
+        Box::new(ExactPlant::new(&problem.plant, &problem.x0))
+    };
+    problem.run(plant.as_mut()).unwrap().report
+}
+
+/// The closed-loop cost agrees with the reference to 0.1 %, with a solution at every sample.
+fn costs(name: &str, reference: f64) -> ControlReport {
+    let report = run(name);
+    let cost = report.closed_loop_cost;
+    assert!((cost / reference - 1.0).abs() < 1e-3, "{name}: {cost} in place of {reference}");
+    assert_eq!(report.status.infeasible + report.status.fallback, 0, "{name}: {:?}", report.status);
+    report
+}
+
+#[test]
+fn double_integrator() {
+    costs("double_integrator_rest", 5.210479);
+}
+
+#[test]
+fn van_der_pol_oscillator() {
+    costs("van_der_pol_rest", 4.187377);
+}
+
+#[test]
+fn stirred_tank_reactor_at_its_unstable_steady_state() {
+    let report = costs("cstr_set_point", 6.757788);
+    assert!((report.x_final["c"] - 0.5).abs() < 1e-4);
+}
+
+#[test]
+fn fed_batch_fermenter_with_an_economic_cost() {
+    costs("fed_batch_production", -31.689603);
+}
+
+#[test]
+fn six_oscillating_masses() {
+    costs("oscillating_masses_rest", 297.778463);
+}
+
+#[test]
+fn quadrotor_with_limited_thrust_and_tilt() {
+    costs("quadrotor_flight", 17.998294);
+}
+
+#[test]
+#[ignore = "long: cargo test --release -p bracketry-mpc --test known_problems -- --ignored"]
+fn klatt_engell_reactor() {
+    costs("klatt_engell_set_point", 0.070433);
+}
+
+#[test]
+#[ignore = "long: cargo test --release -p bracketry-mpc --test known_problems -- --ignored"]
+fn chain_of_masses_beside_a_wall() {
+    costs("chain_of_masses_rest", 2.396714);
+}
