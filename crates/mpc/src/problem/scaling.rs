@@ -50,7 +50,7 @@ impl Reader<'_> {
             }
             ocp.substeps = match ocp.substeps {
                 Substeps::AtLeast(s) => Substeps::AtLeast(s.max(steps_for(ocp.dt * rate / STABLE))),
-                fixed => fixed,
+                fixed @ Substeps::Fixed(_) => fixed,
             };
         }
         dynamics.set_smoothing(sizes.iter().fold(1e-2, |w: f64, s| w.max(0.1 * s)));
