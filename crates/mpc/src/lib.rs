@@ -51,6 +51,7 @@ mod error;
 mod estimation;
 mod faults;
 mod integrator;
+mod nonsmooth;
 mod ocp;
 mod policy;
 mod problem;
@@ -80,6 +81,7 @@ pub use estimation::{
 };
 pub use faults::{Fault, StepLimits};
 pub use integrator::Integrator;
+pub use nonsmooth::{FrictionMode, ModeChange, StickSlipController, StickSlipSettings};
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
 pub use policy::{Brake, FailurePolicy};
 pub use problem::{ControlProblem, ControlReport, ControlRun, Method, PlanReport, ProblemError};

@@ -9,6 +9,7 @@ mod tests;
 
 pub(crate) use collocation::Collocation;
 pub(crate) use explicit::ExplicitRungeKutta;
+pub(crate) use linear::Factors;
 pub(crate) use tableau::Tableau;
 
 use crate::error::MpcError;
