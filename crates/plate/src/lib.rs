@@ -33,7 +33,10 @@ pub use body::{
     BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, ObjectMode, ObjectOnPlate, ObjectStop, PlateFrame,
     RigidState,
 };
-pub use control::{Command, Measurement, PlateController, PlateLimits};
+pub use control::{
+    Command, Measurement, MoveReport, PlateController, PlateLimits, PoseController, PoseReport, PoseSettings,
+    PoseStatus, RoundedContact,
+};
 pub use derivation::{FlatContact, flat_contact};
 pub use energy::{Energy, energy};
 pub use experiment::{AmplitudeLaw, AmplitudeStep, Experiment, Run};
@@ -173,6 +176,18 @@ pub enum PlateError {
     /// The state or the settings do not fit.
     #[error(transparent)]
     Sim(#[from] bracketry_sim::SimError),
+    /// The optimal control problem of a move cannot be set up.
+    #[error("the move cannot be set up: {reason}")]
+    Move {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl From<bracketry_mpc::MpcError> for PlateError {
+    fn from(error: bracketry_mpc::MpcError) -> Self {
+        Self::Move { reason: error.to_string() }
+    }
 }
 
 impl From<bracketry_system::FileError> for PlateError {

@@ -1,5 +1,18 @@
 //! Feedback control of the object's pose by the plate's motion: what controllers see, what they command, within what bounds.
 
+mod friction_bank;
+mod move_problem;
+mod oscillation;
+mod planner;
+mod pose_controller;
+mod replay;
+mod rounded_contact;
+mod settings;
+
+pub use pose_controller::PoseController;
+pub use rounded_contact::RoundedContact;
+pub use settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
+
 use crate::{PlateError, PlateKinematics};
 use serde::{Deserialize, Serialize};
 

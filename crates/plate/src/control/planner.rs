@@ -1,0 +1,241 @@
+//! Plans of moves from rest to rest.
+
+use super::Command;
+use super::move_problem::MoveProblem;
+use super::oscillation::Oscillation;
+use super::replay::{Replay, moved};
+use crate::{PlateError, PlateKinematics};
+use bracketry_mpc::{Sqp, SqpSettings, Trajectory};
+use std::time::Instant;
+
+/// Width of rounded friction in m/s at which plans end and feedback works.
+pub(super) const WIDTH: f64 = 0.005;
+/// Errors of x and y (m) and of yaw (rad) that are good enough for a plan.
+const GOOD: [f64; 3] = [3e-4, 3e-4, 0.005];
+/// Times a plan's aim is shifted by what its replay misses.
+const AIMS: usize = 2;
+/// Shortest and longest duration of a move in s.
+const SHORTEST: f64 = 0.5;
+const LONGEST: f64 = 4.0;
+/// Frequencies in Hz that the search starts from.
+const FREQUENCIES: [f64; 3] = [2.5, 2.0, 3.2];
+
+/// A move, proved by its replay with exact friction.
+#[derive(Debug, Clone)]
+pub(super) struct Plan {
+    /// States and inputs from sample to sample.
+    pub(super) trajectory: Trajectory,
+    /// Where the optimiser aims, so that exact friction ends at the target.
+    pub(super) aim: [f64; 3],
+    /// What is missing at the end of the replay.
+    pub(super) miss: [f64; 3],
+    /// Quadratic programs solved.
+    pub(super) programs: usize,
+    /// Wall time in s.
+    pub(super) seconds: f64,
+}
+
+/// The largest of the errors, each in units of what is good enough.
+pub(super) fn badness(miss: &[f64; 3]) -> f64 {
+    let worst = miss.iter().zip(GOOD).fold(0.0f64, |worst, (e, good)| worst.max(e.abs() / good));
+    if miss.iter().all(|e| e.is_finite()) { worst } else { f64::INFINITY }
+}
+
+/// A solved problem.
+struct Attempt {
+    trajectory: Trajectory,
+    miss: [f64; 3],
+    programs: usize,
+}
+
+#[derive(Clone)]
+pub(super) struct Planner {
+    problem: MoveProblem,
+}
+
+impl Planner {
+    pub(super) fn new(problem: MoveProblem) -> Self {
+        Self { problem }
+    }
+
+    pub(super) fn problem(&self) -> &MoveProblem {
+        &self.problem
+    }
+
+    /// The best plan found from a state at rest to a pose; absent if no program could be solved at all.
+    pub(super) fn plan(&self, start: &[f64; 10], target: [f64; 3], mu: f64) -> Result<Option<Plan>, PlateError> {
+        let clock = Instant::now();
+        let delta: [f64; 3] = std::array::from_fn(|i| target[i] - start[i]);
+        let mut duration = (0.4 + delta[2].abs() / 1.2 + delta[0].abs().max(delta[1].abs()) * 3.0).max(SHORTEST);
+        let dt = self.problem.period();
+        let (mut best, mut programs): (Option<Attempt>, usize) = (None, 0);
+        for frequency in FREQUENCIES {
+            let steps = (duration / dt).ceil() as usize;
+            let oscillation = Oscillation {
+                frequency: (frequency * duration).round().max(1.0) / duration,
+                displacement: 0.03,
+                tilt: 0.1f64.copysign(delta[2]),
+                phase: 0.0,
+            };
+            let settings = SqpSettings {
+                max_iterations: 30,
+                tolerance: 1e-4,
+                smoothing: vec![0.1, 0.03, 0.01, WIDTH],
+                continuation_iterations: 20,
+                proximal: 0.5,
+                ..SqpSettings::default()
+            };
+            let inputs = oscillation.inputs(steps, dt);
+            let mut sqp =
+                Sqp::new(Box::new(self.problem.dynamics(mu)), self.problem.ocp(steps, start[1], target), settings)?;
+            let guess = sqp.guess(start, &inputs)?;
+            let attempt = Self::solved(&mut sqp, start, &guess)?;
+            programs += attempt.programs;
+            let found = badness(&attempt.miss);
+            let share = attempt.miss[2].abs() / delta[2].abs().max(0.1);
+            if found < best.as_ref().map_or(f64::INFINITY, |b| badness(&b.miss)) {
+                best = Some(attempt);
+            }
+            if found < 1.0 {
+                break;
+            }
+            duration = (duration * (1.2 + share.min(1.0))).min(LONGEST);
+        }
+        let Some(best) = best else {
+            return Ok(None);
+        };
+        let mut plan = self.aimed(start, target, mu, best)?;
+        plan.programs += programs;
+        plan.seconds = clock.elapsed().as_secs_f64();
+        Ok(Some(plan))
+    }
+
+    fn solved(sqp: &mut Sqp, start: &[f64; 10], guess: &Trajectory) -> Result<Attempt, PlateError> {
+        let solution = sqp.solve(start, guess)?;
+        let finite = solution.trajectory.is_finite();
+        let miss = std::array::from_fn(|i| if finite { solution.miss[i] } else { f64::NAN });
+        Ok(Attempt { trajectory: solution.trajectory, miss, programs: solution.iterations.len() })
+    }
+
+    /// Shifts the aim until the replay with exact friction ends at the target.
+    fn aimed(&self, start: &[f64; 10], target: [f64; 3], mu: f64, first: Attempt) -> Result<Plan, PlateError> {
+        let miss = self.replayed(start, &first.trajectory, mu, target)?;
+        let mut best = Plan { trajectory: first.trajectory, aim: target, miss, programs: 0, seconds: 0.0 };
+        // What the optimiser misses by itself no shift of the aim brings back.
+        if badness(&first.miss) > 3.0 {
+            return Ok(best);
+        }
+        for _ in 0..AIMS {
+            if badness(&best.miss) < 1.0 {
+                break;
+            }
+            let aim: [f64; 3] = std::array::from_fn(|i| best.aim[i] - best.miss[i]);
+            let again = self.refined(start, aim, mu, &best.trajectory, 15)?;
+            let miss = self.replayed(start, &again.trajectory, mu, target)?;
+            best.programs += again.programs;
+            if badness(&miss) < badness(&best.miss) {
+                best = Plan { trajectory: again.trajectory, aim, miss, ..best };
+            } else {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// Solves on from a trajectory, at the narrowest width.
+    fn refined(
+        &self,
+        start: &[f64; 10],
+        aim: [f64; 3],
+        mu: f64,
+        trajectory: &Trajectory,
+        programs: usize,
+    ) -> Result<Attempt, PlateError> {
+        let settings = SqpSettings {
+            max_iterations: programs,
+            tolerance: 1e-4,
+            smoothing: vec![WIDTH],
+            proximal: 0.05,
+            ..SqpSettings::default()
+        };
+        let ocp = self.problem.ocp(trajectory.steps(), start[1], aim);
+        let mut sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp, settings)?;
+        Self::solved(&mut sqp, start, trajectory)
+    }
+
+    /// A plan under way, brought back on its way to the target from `state` by one quadratic program, where exact friction
+    /// says that it would miss. The second value is what is missing then, the third whether no program was solved.
+    pub(super) fn followed(
+        &self,
+        state: &[f64; 10],
+        target: [f64; 3],
+        mu: f64,
+        trajectory: &Trajectory,
+    ) -> Result<(Trajectory, [f64; 3], bool), PlateError> {
+        let miss = self.replayed(state, trajectory, mu, target)?;
+        if badness(&miss) < 1.0 {
+            return Ok((trajectory.clone(), miss, false));
+        }
+        let inputs: Vec<Vec<f64>> = (0..trajectory.steps()).map(|k| trajectory.u(k).to_vec()).collect();
+        let settings = SqpSettings {
+            max_iterations: 1,
+            tolerance: 0.0,
+            smoothing: vec![WIDTH],
+            proximal: 0.05,
+            ..SqpSettings::default()
+        };
+        let mut ocp = self.problem.ocp(trajectory.steps(), state[1], target);
+        let mut sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp.clone(), settings.clone())?;
+        let guess = sqp.guess(state, &inputs)?;
+        // The end of the model has to move by what exact friction misses.
+        let end = guess.x(guess.steps());
+        if miss.iter().all(|e| e.is_finite()) {
+            for i in 0..3 {
+                ocp.targets[i].value = end[i] - miss[i];
+            }
+            sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp, settings)?;
+        }
+        let attempt = Self::solved(&mut sqp, state, &guess)?;
+        if !badness(&attempt.miss).is_finite() {
+            return Ok((trajectory.clone(), miss, true));
+        }
+        let after = self.replayed(state, &attempt.trajectory, mu, target)?;
+        if badness(&after) < badness(&miss) {
+            Ok((attempt.trajectory, after, false))
+        } else {
+            Ok((trajectory.clone(), miss, true))
+        }
+    }
+
+    /// What a trajectory's inputs miss with exact friction.
+    fn replayed(
+        &self,
+        start: &[f64; 10],
+        trajectory: &Trajectory,
+        mu: f64,
+        target: [f64; 3],
+    ) -> Result<[f64; 3], PlateError> {
+        let mut object = Replay::new(self.problem.object(), mu)?;
+        object.set_state(std::array::from_fn(|i| start[i]))?;
+        let mut plate = PlateKinematics {
+            displacement: start[6],
+            velocity: start[7],
+            tilt: start[8],
+            tilt_rate: start[9],
+            ..PlateKinematics::default()
+        };
+        let dt = self.problem.period();
+        for k in 0..trajectory.steps() {
+            let u = trajectory.u(k);
+            let command = Command { displacement_acceleration: u[0], tilt_acceleration: u[1] };
+            object.advance(&plate, command, dt)?;
+            plate = moved(&plate, command, dt);
+        }
+        for _ in 0..10 {
+            let still = PlateKinematics { displacement: plate.displacement, ..PlateKinematics::default() };
+            object.advance(&still, Command::default(), dt)?;
+        }
+        let state = object.state();
+        Ok(std::array::from_fn(|i| if object.ended() { f64::INFINITY } else { state[i] - target[i] }))
+    }
+}

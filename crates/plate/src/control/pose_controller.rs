@@ -1,0 +1,279 @@
+//! Position and orientation of the object at the same time, from any start to any target.
+
+use super::friction_bank::FrictionBank;
+use super::move_problem::MoveProblem;
+use super::planner::{Plan, Planner, badness};
+use super::replay::{Replay, moved};
+use super::settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
+use super::{Command, Measurement, PlateController};
+use crate::{Object, PlateError, PlateKinematics};
+use bracketry_mpc::Trajectory;
+use std::collections::VecDeque;
+use std::f64::consts::{PI, TAU};
+use std::time::Instant;
+
+/// Share of the bounds that plans and feedback leave free.
+const MARGIN: f64 = 0.04;
+/// Intervals left at which the rest of a plan is played out.
+const PLAYED_OUT: usize = 3;
+/// Badness of the predicted end above which a move is made longer, intervals added at a time, and most of them.
+const LATE: f64 = 8.0;
+const EXTENSION: usize = 5;
+const MOST_EXTENSION: usize = 40;
+/// Most samples that the controller looks at the resting object before it believes the mean.
+const LOOKS: usize = 25;
+/// Standard deviations of the mean that a verdict has to be sure of.
+const SURE: f64 = 2.5;
+/// Least part of an error that a plan has to remove.
+const PROGRESS: f64 = 0.8;
+
+enum Phase {
+    /// Nothing has been measured yet.
+    Start,
+    /// Samples until the plan begins.
+    Pause { plan: Plan, left: usize },
+    /// The rest of a plan, and by how many samples it has been made longer.
+    Move { trajectory: Trajectory, extended: usize, late: usize },
+    /// Plate and object at rest; samples looked at.
+    Look { samples: usize },
+    /// Nothing more to do.
+    Done,
+}
+
+/// Plans moves from rest to rest, follows them with one quadratic program a sample, and corrects what they missed until the
+/// object rests within the tolerance.
+pub struct PoseController {
+    settings: PoseSettings,
+    target: [f64; 3],
+    planner: Planner,
+    bank: Option<FrictionBank>,
+    predictor: Replay,
+    phase: Phase,
+    report: PoseReport,
+    /// The plate at the last sample.
+    plate: PlateKinematics,
+    /// Commands that have been given and do not act yet.
+    queue: VecDeque<Command>,
+}
+
+impl PoseController {
+    /// A controller that brings the object to `target`: x, y (m), yaw (rad).
+    ///
+    /// # Errors
+    /// [`PlateError`] if object, settings or target have no meaning.
+    pub fn new(object: &Object, target: [f64; 3], settings: &PoseSettings) -> Result<Self, PlateError> {
+        if let Some(value) = target.iter().find(|v| !v.is_finite()) {
+            return Err(PlateError::BadState { value: *value });
+        }
+        let problem = MoveProblem::new(object, &settings.limits, settings.period, MARGIN)?;
+        Ok(Self {
+            target,
+            planner: Planner::new(problem),
+            bank: None,
+            predictor: Replay::new(object, settings.mu)?,
+            phase: Phase::Start,
+            report: PoseReport {
+                status: PoseStatus::Working,
+                moves: Vec::new(),
+                mu: settings.mu,
+                lost: 0,
+                unsolved: 0,
+                longest_step: 0.0,
+            },
+            plate: PlateKinematics::default(),
+            queue: std::iter::repeat_n(Command::default(), settings.delay).collect(),
+            settings: settings.clone(),
+        })
+    }
+
+    /// What has been done so far.
+    pub fn report(&self) -> &PoseReport {
+        &self.report
+    }
+
+    /// The estimated state of the object `x, y, phi, vx, vy, w`; absent before the first measurement.
+    pub fn estimate(&self) -> Option<[f64; 6]> {
+        self.bank.as_ref().map(FrictionBank::state)
+    }
+
+    /// Plans from the estimated pose, at rest; where no plan makes progress, gives up.
+    fn plan(&mut self, pause: usize) -> Result<(), PlateError> {
+        let Some(bank) = &mut self.bank else { return Ok(()) };
+        bank.restart()?;
+        let (state, mu) = (bank.state(), bank.mu());
+        let error: [f64; 3] = std::array::from_fn(|i| state[i] - self.target[i]);
+        if self.report.moves.len() >= self.settings.moves {
+            self.report.status = PoseStatus::MovesUsedUp { miss: error };
+            self.phase = Phase::Done;
+            return Ok(());
+        }
+        let start = [state[0], state[1], state[2], 0.0, 0.0, 0.0, self.plate.displacement, 0.0, 0.0, 0.0];
+        let plan = self.planner.plan(&start, self.target, mu)?;
+        let Some(plan) = plan.filter(|p| badness(&p.miss) < PROGRESS * badness(&error)) else {
+            self.report.status = PoseStatus::Unreachable { miss: error };
+            self.phase = Phase::Done;
+            return Ok(());
+        };
+        self.report.moves.push(MoveReport {
+            duration: plan.trajectory.steps() as f64 * self.settings.period,
+            extended: 0,
+            programs: plan.programs,
+            seconds: plan.seconds,
+            miss: plan.miss,
+            mu,
+        });
+        self.phase = Phase::Pause { plan, left: pause };
+        Ok(())
+    }
+
+    /// The verdict on an object at rest: arrived, to be corrected, or to be looked at longer.
+    fn look(&mut self, samples: usize) -> Result<(), PlateError> {
+        let Some(bank) = &self.bank else { return Ok(()) };
+        let (state, deviation) = (bank.state(), bank.deviation());
+        let [position, yaw] = self.settings.tolerance;
+        let tolerance = [position, position, yaw];
+        let error: [f64; 3] = std::array::from_fn(|i| (state[i] - self.target[i]).abs());
+        let outside = (0..3).any(|i| error[i] - SURE * deviation[i] > tolerance[i]);
+        let inside = (0..3).all(|i| error[i] + SURE * deviation[i] < tolerance[i]);
+        let near = (0..3).all(|i| error[i] < 0.8 * tolerance[i]);
+        let over = samples >= LOOKS;
+        if inside && (over || deviation[0] < 0.1 * position) || (over && near) {
+            self.report.status = PoseStatus::Arrived;
+            self.phase = Phase::Done;
+            return Ok(());
+        }
+        if outside || over {
+            return self.plan(self.settings.planning_samples);
+        }
+        self.phase = Phase::Look { samples: samples + 1 };
+        Ok(())
+    }
+
+    /// The state at the time from which the command of this sample acts.
+    fn predicted(&mut self) -> Result<[f64; 10], PlateError> {
+        let mut state = self.bank.as_ref().map_or([0.0; 6], FrictionBank::state);
+        let mut plate = self.plate;
+        if !self.queue.is_empty() {
+            self.predictor = Replay::new(self.planner.problem().object(), self.report.mu)?;
+            self.predictor.set_state(state)?;
+            for &command in &self.queue {
+                self.predictor.advance(&plate, command, self.settings.period)?;
+                plate = moved(&plate, command, self.settings.period);
+            }
+            state = self.predictor.state();
+        }
+        let [x, y, phi, vx, vy, w] = state;
+        Ok([x, y, phi, vx, vy, w, plate.displacement, plate.velocity, plate.tilt, plate.tilt_rate])
+    }
+
+    /// The command of a sample of a move.
+    fn follow(&mut self, trajectory: &Trajectory, mut extended: usize, mut late: usize) -> Result<Command, PlateError> {
+        let mut next = trajectory.clone();
+        if trajectory.steps() > PLAYED_OUT {
+            let state = self.predicted()?;
+            let (solved, miss, failed) = self.planner.followed(&state, self.target, self.report.mu, trajectory)?;
+            next = solved;
+            late = if badness(&miss) > LATE { late + 1 } else { 0 };
+            self.report.unsolved += usize::from(failed);
+        }
+        let u = next.u(0);
+        let command = Command { displacement_acceleration: u[0], tilt_acceleration: u[1] };
+        let extend = late >= 3 && extended < MOST_EXTENSION;
+        if extend {
+            extended += EXTENSION;
+            late = 0;
+            if let Some(report) = self.report.moves.last_mut() {
+                report.extended = extended;
+            }
+        }
+        self.phase = if next.steps() > 1 {
+            let rest = rest_of(&next, if extend { EXTENSION } else { 0 })?;
+            Phase::Move { trajectory: rest, extended, late }
+        } else {
+            Phase::Look { samples: 0 }
+        };
+        Ok(command)
+    }
+
+    fn decide(&mut self) -> Result<Command, PlateError> {
+        if let Phase::Start = self.phase {
+            self.plan(0)?;
+        }
+        if let Phase::Look { samples } = self.phase {
+            let resting = self.bank.as_ref().is_some_and(FrictionBank::at_rest)
+                && self.queue.iter().all(|c| *c == Command::default());
+            if resting {
+                self.look(samples)?;
+            }
+        }
+        match std::mem::replace(&mut self.phase, Phase::Done) {
+            Phase::Pause { plan, left: 0 } => self.follow(&plan.trajectory, 0, 0),
+            Phase::Pause { plan, left } => {
+                self.phase = Phase::Pause { plan, left: left - 1 };
+                Ok(Command::default())
+            }
+            Phase::Move { trajectory, extended, late } => self.follow(&trajectory, extended, late),
+            phase => {
+                self.phase = phase;
+                Ok(Command::default())
+            }
+        }
+    }
+}
+
+/// A trajectory without its first interval, and with intervals of rest at its end.
+fn rest_of(trajectory: &Trajectory, more: usize) -> Result<Trajectory, PlateError> {
+    let steps = trajectory.steps();
+    let mut x: Vec<Vec<f64>> = (1..=steps).map(|k| trajectory.x(k).to_vec()).collect();
+    let mut u: Vec<Vec<f64>> = (1..steps).map(|k| trajectory.u(k).to_vec()).collect();
+    for _ in 0..more {
+        x.push(trajectory.x(steps).to_vec());
+        u.push(vec![0.0; 2]);
+    }
+    Ok(Trajectory::from_rows(&x, &u)?)
+}
+
+/// The angle that differs from `angle` by whole turns and is nearest to `to`.
+fn nearest_turn(angle: f64, to: f64) -> f64 {
+    to + (angle - to + PI).rem_euclid(TAU) - PI
+}
+
+impl PlateController for PoseController {
+    fn period(&self) -> f64 {
+        self.settings.period
+    }
+
+    fn command(&mut self, measurement: &Measurement) -> Result<Command, PlateError> {
+        let clock = Instant::now();
+        let seen = measurement.object.iter().all(|v| v.is_finite());
+        self.report.lost += usize::from(!seen);
+        let period = self.settings.period;
+        if let Some(bank) = &mut self.bank {
+            // What the plate really did since the last sample.
+            let acted = Command {
+                displacement_acceleration: (measurement.plate.velocity - self.plate.velocity) / period,
+                tilt_acceleration: (measurement.plate.tilt_rate - self.plate.tilt_rate) / period,
+            };
+            bank.advance(&self.plate, acted, period)?;
+            bank.update(&measurement.object);
+            self.report.mu = bank.mu();
+        } else if seen {
+            self.target[2] = nearest_turn(self.target[2], measurement.object[2]);
+            let object = self.planner.problem().object();
+            self.bank = Some(FrictionBank::new(object, &self.settings, measurement.object)?);
+        }
+        self.plate = measurement.plate;
+        let moving = matches!(self.phase, Phase::Move { .. });
+        let command = if self.bank.is_some() { self.decide()? } else { Command::default() };
+        self.queue.push_back(command);
+        self.queue.pop_front();
+        if moving {
+            self.report.longest_step = self.report.longest_step.max(clock.elapsed().as_secs_f64());
+        }
+        Ok(command)
+    }
+
+    fn finished(&self) -> bool {
+        matches!(self.phase, Phase::Done)
+    }
+}

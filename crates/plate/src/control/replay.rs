@@ -1,0 +1,70 @@
+//! The object with exact friction on a plate that is moved by constant accelerations over each period.
+
+use super::Command;
+use crate::{AreaContact, AreaSettings, Friction, Object, PlateError, PlateKinematics};
+
+/// Time step of replays in s.
+const STEP: f64 = 2e-3;
+/// Contact points of replays.
+const POINTS: usize = 24;
+
+/// The plate after `time` seconds under a command.
+pub(super) fn moved(plate: &PlateKinematics, command: Command, time: f64) -> PlateKinematics {
+    let (a, b) = (command.displacement_acceleration, command.tilt_acceleration);
+    PlateKinematics {
+        displacement: plate.displacement + time * (plate.velocity + 0.5 * time * a),
+        velocity: plate.velocity + time * a,
+        acceleration: a,
+        tilt: plate.tilt + time * (plate.tilt_rate + 0.5 * time * b),
+        tilt_rate: plate.tilt_rate + time * b,
+        tilt_acceleration: b,
+    }
+}
+
+/// An object with set-valued friction, advanced from sample to sample.
+#[derive(Debug, Clone)]
+pub(super) struct Replay {
+    contact: AreaContact,
+    /// Whether contact has ended: from then on the object stays where it is.
+    ended: bool,
+}
+
+impl Replay {
+    /// The object at rest in the origin.
+    pub(super) fn new(object: &Object, mu: f64) -> Result<Self, PlateError> {
+        let settings = AreaSettings::default().with_step(STEP).with_points(POINTS);
+        Ok(Self { contact: AreaContact::new(object, &Friction::Coulomb { mu }, &settings)?, ended: false })
+    }
+
+    /// Puts the object into a state.
+    pub(super) fn set_state(&mut self, state: [f64; 6]) -> Result<(), PlateError> {
+        self.ended = false;
+        self.contact.set_state(state)
+    }
+
+    /// The state `x, y, phi, vx, vy, w`.
+    pub(super) fn state(&self) -> [f64; 6] {
+        self.contact.state()
+    }
+
+    /// Whether the object tipped or lifted off.
+    pub(super) fn ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Moves on by a period.
+    pub(super) fn advance(&mut self, plate: &PlateKinematics, command: Command, period: f64) -> Result<(), PlateError> {
+        if self.ended {
+            return Ok(());
+        }
+        let start = self.contact.time();
+        let mut motion = |t: f64| moved(plate, command, t - start);
+        let outcome = self.contact.advance(&mut motion, start + period)?;
+        if !outcome.is_finished() {
+            let [x, y, phi, ..] = self.contact.state();
+            self.contact.set_state([x, y, phi, 0.0, 0.0, 0.0])?;
+            self.ended = true;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,98 @@
+//! Settings of the pose controller and what it tells about its work.
+
+use super::PlateLimits;
+
+/// Settings of [`super::PoseController`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseSettings {
+    /// Sampling period in s.
+    pub period: f64,
+    /// Samples after which a command acts: 0 or more.
+    pub delay: usize,
+    /// Bounds of the plate's motion.
+    pub limits: PlateLimits,
+    /// Friction coefficient that is believed in at first.
+    pub mu: f64,
+    /// Standard deviation of what is not known of it, as a share of it; 0 if it is exact.
+    pub mu_deviation: f64,
+    /// Standard deviations of the noise of the measured pose: position in m, yaw in rad; 0 without noise.
+    pub noise: [f64; 2],
+    /// What counts as arrived: greatest error of x and y in m, and of yaw in rad.
+    pub tolerance: [f64; 2],
+    /// Samples that pass, with the plate at rest, between the decision to correct and the first motion: the time that
+    /// planning may take.
+    pub planning_samples: usize,
+    /// Most moves; with more needed, the controller gives up.
+    pub moves: usize,
+}
+
+impl Default for PoseSettings {
+    /// 20 ms, one sample of delay, μ = 0.3 within 12 %, noise of 0.5 mm and 0.5°, tolerance 2 mm and 2°, 10 samples for
+    /// planning, 8 moves.
+    fn default() -> Self {
+        Self {
+            period: 0.02,
+            delay: 1,
+            limits: PlateLimits::default(),
+            mu: 0.3,
+            mu_deviation: 0.12,
+            noise: [5e-4, 0.5f64.to_radians()],
+            tolerance: [2e-3, 2f64.to_radians()],
+            planning_samples: 10,
+            moves: 8,
+        }
+    }
+}
+
+/// How far the controller is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PoseStatus {
+    /// It still moves the object, or looks where it is.
+    Working,
+    /// The object rests within the tolerance, as far as measurements tell.
+    Arrived,
+    /// No plan brings the object closer: what would be left of the error of x, y (m) and yaw (rad).
+    Unreachable {
+        /// Error at the end of the best plan.
+        miss: [f64; 3],
+    },
+    /// The number of moves is used up: error of x, y (m) and yaw (rad) when it gave up.
+    MovesUsedUp {
+        /// Error.
+        miss: [f64; 3],
+    },
+}
+
+/// One move from rest to rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MoveReport {
+    /// Planned duration in s.
+    pub duration: f64,
+    /// Samples by which it was made longer on the way.
+    pub extended: usize,
+    /// Quadratic programs of the planning.
+    pub programs: usize,
+    /// Wall time of the planning in s.
+    pub seconds: f64,
+    /// Error of x, y (m) and yaw (rad) at the end of the plan when replayed with exact friction.
+    pub miss: [f64; 3],
+    /// Friction coefficient that was believed in.
+    pub mu: f64,
+}
+
+/// What the controller did and why it ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseReport {
+    /// How far it is.
+    pub status: PoseStatus,
+    /// Moves, the first and the corrections.
+    pub moves: Vec<MoveReport>,
+    /// The friction coefficient believed in now.
+    pub mu: f64,
+    /// Samples without a measurement.
+    pub lost: usize,
+    /// Samples at which no program improved a plan that would miss, so that it went on unchanged.
+    pub unsolved: usize,
+    /// Longest time of one sample of a move, in s.
+    pub longest_step: f64,
+}
