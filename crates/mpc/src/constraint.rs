@@ -218,6 +218,16 @@ impl TerminalSet {
         SymmetricEigen::new(DMatrix::from_fn(n, n, |i, j| f64::midpoint(self.matrix[i][j], self.matrix[j][i])))
     }
 
+    /// Rows of a matrix W with WᵀW = P, so that the set is ‖W (x − c)‖ ≤ √α; directions without weight are left out.
+    pub(crate) fn root(&self) -> Vec<Vec<f64>> {
+        let eigen = self.eigen();
+        let largest = eigen.eigenvalues.amax();
+        (0..self.centre.len())
+            .filter(|&i| eigen.eigenvalues[i] > SEMIDEFINITE_TOLERANCE * largest)
+            .map(|i| eigen.eigenvectors.column(i).iter().map(|v| v * eigen.eigenvalues[i].sqrt()).collect())
+            .collect()
+    }
+
     fn violation(&self, x: &[f64]) -> f64 {
         let e: Vec<f64> = x.iter().zip(&self.centre).map(|(x, c)| x - c).collect();
         let square: f64 =
@@ -333,6 +343,23 @@ impl Ocp {
         let path = self.path_constraints.iter().map(|c| c.function.references());
         let norm = self.norm_constraints.iter().map(|c| c.vector.references().max(c.limit.references()));
         path.chain(norm).max().unwrap_or(0)
+    }
+
+    /// The first interval of the block that each interval belongs to. A horizon that has become shorter than the blocks has
+    /// lost its first intervals.
+    pub(crate) fn block_starts(&self, steps: usize) -> Vec<usize> {
+        if self.move_blocks.is_empty() {
+            return (0..steps).collect();
+        }
+        let lost = self.move_blocks.iter().sum::<usize>().saturating_sub(steps);
+        let mut starts = Vec::with_capacity(steps);
+        let mut begin = 0;
+        for &length in &self.move_blocks {
+            let first = begin.max(lost);
+            begin += length;
+            starts.extend((first..begin).map(|_| first - lost));
+        }
+        starts
     }
 
     /// Visits the violation of every path constraint, norm constraint and of the terminal set along a trajectory that starts

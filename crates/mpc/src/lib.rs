@@ -56,7 +56,6 @@ mod ocp;
 mod policy;
 mod problem;
 mod qp;
-mod qp_layout;
 mod rti;
 mod shooting;
 mod sqp;
@@ -85,7 +84,7 @@ pub use nonsmooth::{FrictionMode, ModeChange, StickSlipController, StickSlipSett
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
 pub use policy::{Brake, FailurePolicy};
 pub use problem::{ControlProblem, ControlReport, ControlRun, Method, PlanReport, ProblemError};
-pub use qp::{QpSettings, QpStatus};
+pub use qp::{Backend, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use rti::{Horizon, Rti, RtiSettings};
 pub use shooting::Linearisation;
 pub use sqp::{Iteration, Solution, SolveStatus, Sqp, SqpSettings};

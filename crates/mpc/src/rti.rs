@@ -358,7 +358,7 @@ impl Rti {
             let now = start.elapsed().as_secs_f64();
             timings.qp += now - ready;
             let solved = match status {
-                QpStatus::Solved => Ok(StepStatus::Solved),
+                QpStatus::Solved | QpStatus::Relaxed => Ok(StepStatus::Solved),
                 QpStatus::Inaccurate => Ok(StepStatus::Inaccurate),
                 QpStatus::NotANumber => Err(FallbackReason::Linearisation),
                 QpStatus::Limit if now >= budget => Err(FallbackReason::TimeLimit),

@@ -365,7 +365,7 @@ impl StickSlipController {
         }
         Ok(match status {
             _ if !cost.is_finite() => StepStatus::Fallback(FallbackReason::Linearisation),
-            QpStatus::Solved => StepStatus::Solved,
+            QpStatus::Solved | QpStatus::Relaxed => StepStatus::Solved,
             QpStatus::Inaccurate => StepStatus::Inaccurate,
             QpStatus::NotANumber => StepStatus::Fallback(FallbackReason::Linearisation),
             s => StepStatus::Fallback(FallbackReason::Qp(s)),

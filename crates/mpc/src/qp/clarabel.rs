@@ -1,0 +1,124 @@
+//! Clarabel on the program with any of its states eliminated.
+
+use super::program::StageProgram;
+use super::substitution::Substitution;
+use super::{QpBackend, QpSettings, QpStatus, StageSolution};
+use crate::error::MpcError;
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::SupportedConeT::{NonnegativeConeT, SecondOrderConeT, ZeroConeT};
+use clarabel::solver::{
+    DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
+};
+
+impl QpSettings {
+    fn clarabel(self) -> Result<DefaultSettings<f64>, MpcError> {
+        DefaultSettingsBuilder::default()
+            .verbose(false)
+            .max_iter(self.max_iterations)
+            .time_limit(self.time_limit)
+            .tol_gap_abs(self.tolerance)
+            .tol_gap_rel(self.tolerance)
+            .tol_feas(self.tolerance)
+            // Data updates need the structure as given.
+            .presolve_enable(false)
+            .input_sparse_dropzeros(false)
+            .iterative_refinement_enable(self.refine)
+            .max_threads(1)
+            .build()
+            .map_err(|_| MpcError::Value {
+                what: "the tolerance of the quadratic program".into(),
+                value: self.tolerance,
+                remedy: "give a tolerance between 0 and 1, a positive time limit and number of iterations",
+            })
+    }
+}
+
+/// The solver with the matrices of the program as it sees it.
+pub(super) struct Clarabel {
+    substitution: Substitution,
+    settings: QpSettings,
+    p: CscMatrix<f64>,
+    a: CscMatrix<f64>,
+    q: Vec<f64>,
+    b: Vec<f64>,
+    cones: Vec<SupportedConeT<f64>>,
+    solver: Option<DefaultSolver<f64>>,
+}
+
+impl Clarabel {
+    /// Every state stays a variable: multiple shooting as it stands.
+    pub(super) fn sparse(program: &StageProgram, settings: QpSettings) -> Self {
+        Self::new(program, settings, |_, _| false)
+    }
+
+    /// States stay variables at every `block`-th grid point within the horizon.
+    pub(super) fn condensed(program: &StageProgram, settings: QpSettings, block: usize) -> Self {
+        let steps = program.steps;
+        Self::new(program, settings, |k, _| block > 1 && (k % block != 0 || k == steps))
+    }
+
+    fn new(program: &StageProgram, settings: QpSettings, eliminate: impl Fn(usize, usize) -> bool) -> Self {
+        let (substitution, p, a) = Substitution::new(program, eliminate);
+        let mut cones = vec![ZeroConeT(substitution.equalities()), NonnegativeConeT(program.nonnegative)];
+        cones.extend(program.second_order.iter().map(|&d| SecondOrderConeT(d)));
+        let (q, b) = (vec![0.0; p.n], vec![0.0; a.m]);
+        Self { substitution, settings, p, a, q, b, cones, solver: None }
+    }
+
+    fn gather(&mut self) {
+        self.substitution.gather(&mut self.p.nzval, &mut self.q, &mut self.a.nzval, &mut self.b);
+    }
+}
+
+impl QpBackend for Clarabel {
+    fn load(&mut self, program: &StageProgram, flow: &[f64]) {
+        self.substitution.load(program, flow);
+        self.gather();
+    }
+
+    fn load_first(&mut self, program: &StageProgram, flow: &[f64]) {
+        self.substitution.load_first(program, flow);
+        self.gather();
+    }
+
+    fn set_limits(&mut self, max_iterations: u32, time_limit: f64) -> Result<(), MpcError> {
+        self.settings.max_iterations = max_iterations;
+        self.settings.time_limit = time_limit;
+        let settings = self.settings.clarabel()?;
+        if self.solver.as_mut().is_some_and(|s| s.update_settings(settings).is_err()) {
+            // The next solution builds a new solver with them.
+            self.solver = None;
+        }
+        Ok(())
+    }
+
+    fn solve(&mut self, program: &StageProgram, solution: &mut StageSolution) -> Result<QpStatus, MpcError> {
+        let finite = |v: &[f64]| v.iter().all(|x| x.is_finite());
+        if !(finite(&self.p.nzval) && finite(&self.q) && finite(&self.a.nzval) && finite(&self.b)) {
+            return Ok(QpStatus::NotANumber);
+        }
+        let updated =
+            self.solver.as_mut().is_some_and(|s| s.update_data(&self.p.nzval, &self.q, &self.a.nzval, &self.b).is_ok());
+        if !updated {
+            let settings = self.settings.clarabel()?;
+            // A structure that the solver refuses would be a defect of this module; it is reported as a failed program.
+            match DefaultSolver::new(&self.p, &self.q, &self.a, &self.b, &self.cones, settings) {
+                Ok(s) => self.solver = Some(s),
+                Err(_) => return Ok(QpStatus::Failed),
+            }
+        }
+        let Some(solver) = self.solver.as_mut() else { return Ok(QpStatus::Failed) };
+        solver.solve();
+        let status = match solver.solution.status {
+            SolverStatus::Solved => QpStatus::Solved,
+            SolverStatus::AlmostSolved => QpStatus::Inaccurate,
+            SolverStatus::MaxIterations | SolverStatus::MaxTime => QpStatus::Limit,
+            _ => QpStatus::Failed,
+        };
+        solution.iterations = solver.solution.iterations;
+        let (x, z) = (&solver.solution.x, &solver.solution.z);
+        self.substitution.recover(x, z, &mut solution.z, &mut solution.multipliers, program.states);
+        let whole = finite(&solution.z);
+        Ok(if status.is_usable() && !whole { QpStatus::Failed } else { status })
+    }
+}

@@ -1,0 +1,226 @@
+//! The quadratic program of one iteration, on Clarabel.
+//!
+//! [`Assembly`] fills a [`StageProgram`] from the problem; a [`QpBackend`] solves it. The structure is fixed by the problem,
+//! so everything is laid out once and only numbers are replaced afterwards. Hard constraints on states are exact penalties
+//! with slacks: a program without a feasible point becomes the one with the smallest weighted violation, and its status says
+//! so.
+
+mod assembly;
+mod clarabel;
+mod pattern;
+mod program;
+mod substitution;
+#[cfg(test)]
+mod tests;
+
+use crate::error::MpcError;
+use crate::ocp::Ocp;
+use crate::shooting::Linearisation;
+use crate::trajectory::Trajectory;
+use assembly::Assembly;
+use clarabel::Clarabel;
+pub use program::StageProgram;
+
+/// The form in which the quadratic program is solved. The solution is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backend {
+    /// Multiple shooting as it stands: every state is a variable.
+    #[default]
+    Sparse,
+    /// Partial condensing: states stay variables at every `block`-th grid point, the others are eliminated. A block of at
+    /// least N intervals is full condensing: the inputs (and slacks) are the only variables.
+    Condensed {
+        /// Number of intervals between states that stay.
+        block: usize,
+    },
+}
+
+/// Settings of the interior-point solver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QpSettings {
+    /// Form in which the program is solved.
+    pub backend: Backend,
+    /// Largest number of interior-point iterations.
+    pub max_iterations: u32,
+    /// Absolute and relative tolerance on gap and feasibility.
+    pub tolerance: f64,
+    /// Whether the solver refines the solution of every linear system: slower, for tolerances below 1e-8.
+    pub refine: bool,
+    /// Time after which the solver gives up, s.
+    pub time_limit: f64,
+    /// Weight, per unit of scale, on violations of hard constraints on states.
+    pub hard_weight: f64,
+}
+
+impl Default for QpSettings {
+    fn default() -> Self {
+        Self {
+            backend: Backend::default(),
+            max_iterations: 100,
+            tolerance: 1e-8,
+            refine: false,
+            time_limit: f64::INFINITY,
+            hard_weight: 1e4,
+        }
+    }
+}
+
+/// How the quadratic program ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QpStatus {
+    /// To full accuracy.
+    Solved,
+    /// To full accuracy, but the hard constraints contradict each other: the step is the one with the smallest violation.
+    Relaxed,
+    /// To reduced accuracy.
+    Inaccurate,
+    /// Not at all: iteration or time limit.
+    Limit,
+    /// Not at all: numerical trouble.
+    Failed,
+    /// The data contain a number that is not finite; nothing was solved.
+    NotANumber,
+}
+
+impl QpStatus {
+    /// Whether there is a step to use.
+    pub fn is_usable(self) -> bool {
+        matches!(self, Self::Solved | Self::Relaxed | Self::Inaccurate)
+    }
+}
+
+/// Solution of a [`StageProgram`].
+#[derive(Clone, Debug, Default)]
+pub struct StageSolution {
+    /// All variables.
+    pub z: Vec<f64>,
+    /// Multipliers y of dx_{k+1} − A_k dx_k − B_k du_k − c_k = 0, N rows of n.
+    pub multipliers: Vec<f64>,
+    /// Number of iterations.
+    pub iterations: u32,
+}
+
+/// A solver of stage programs. What may change between two loads are the numbers, never the structure.
+pub trait QpBackend: Send {
+    /// Takes in every number. `flow` holds the blocks (A_k, B_k), N blocks of n rows of n + m entries.
+    fn load(&mut self, program: &StageProgram, flow: &[f64]);
+    /// Takes in the numbers of the first interval (grid point 0), all others being those of the last
+    /// [`QpBackend::load`].
+    fn load_first(&mut self, program: &StageProgram, flow: &[f64]);
+    /// Sets the limits of the solutions that follow: iterations, and time in s.
+    ///
+    /// # Errors
+    /// If a limit is not positive.
+    fn set_limits(&mut self, max_iterations: u32, time_limit: f64) -> Result<(), MpcError>;
+    /// Solves what was loaded; `solution` has the right lengths.
+    ///
+    /// # Errors
+    /// If the settings are out of range; everything else is a status.
+    fn solve(&mut self, program: &StageProgram, solution: &mut StageSolution) -> Result<QpStatus, MpcError>;
+}
+
+/// A step and its multipliers.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct QpSolution {
+    /// Change of the states, from x_0 on.
+    pub(crate) dx: Vec<f64>,
+    /// Change of the inputs.
+    pub(crate) du: Vec<f64>,
+    /// Multipliers of the dynamics, N rows of n.
+    pub(crate) multipliers: Vec<f64>,
+    pub(crate) iterations: u32,
+}
+
+/// Violation of a hard constraint, in units of its scale, above which a program counts as relaxed.
+const RELAXED: f64 = 1e-5;
+
+/// The program: numbers and solver.
+pub(crate) struct Qp {
+    settings: QpSettings,
+    assembly: Assembly,
+    backend: Box<dyn QpBackend>,
+    stage: StageSolution,
+    proximal: f64,
+    pub(crate) solution: QpSolution,
+}
+
+impl Qp {
+    /// Lays out the program for a horizon of `steps` intervals; `closure` marks the possible entries of ∂F/∂(x, u).
+    pub(crate) fn new(ocp: &Ocp, steps: usize, closure: &[bool], settings: QpSettings) -> Self {
+        let assembly = Assembly::new(ocp, steps, closure);
+        let program = &assembly.program;
+        let backend: Box<dyn QpBackend> = match settings.backend {
+            Backend::Sparse => Box::new(Clarabel::sparse(program, settings)),
+            Backend::Condensed { block } => Box::new(Clarabel::condensed(program, settings, block)),
+        };
+        let (n, m) = (program.states, program.inputs);
+        let stage =
+            StageSolution { z: vec![0.0; program.variables()], multipliers: vec![0.0; steps * n], iterations: 0 };
+        let solution = QpSolution {
+            dx: vec![0.0; (steps + 1) * n],
+            du: vec![0.0; steps * m],
+            multipliers: vec![0.0; steps * n],
+            iterations: 0,
+        };
+        Self { settings, assembly, backend, stage, proximal: 0.0, solution }
+    }
+
+    /// Number of intervals.
+    pub(crate) fn steps(&self) -> usize {
+        self.assembly.program.steps
+    }
+
+    /// Sets the limits of the solutions that follow: interior-point iterations, and time in s.
+    pub(crate) fn set_limits(&mut self, max_iterations: u32, time_limit: f64) -> Result<(), MpcError> {
+        if (self.settings.max_iterations, self.settings.time_limit) == (max_iterations, time_limit) {
+            return Ok(());
+        }
+        self.settings.max_iterations = max_iterations;
+        self.settings.time_limit = time_limit;
+        self.backend.set_limits(max_iterations, time_limit)
+    }
+
+    /// Fills in every number. `k0` is the grid point of the run at which the horizon starts, `proximal` the weight λ of the
+    /// term dt·λ/2·Σ (change/trust)².
+    pub(crate) fn assemble(
+        &mut self,
+        ocp: &mut Ocp,
+        k0: usize,
+        trajectory: &Trajectory,
+        lin: &Linearisation,
+        proximal: f64,
+    ) {
+        self.proximal = proximal;
+        self.assembly.fill(ocp, k0, trajectory, lin, proximal, self.settings.hard_weight);
+        self.backend.load(&self.assembly.program, &lin.jacobian);
+    }
+
+    /// Replaces the numbers of the first interval alone, after its state has become known.
+    pub(crate) fn update_first_interval(
+        &mut self,
+        ocp: &mut Ocp,
+        k0: usize,
+        trajectory: &Trajectory,
+        lin: &Linearisation,
+    ) {
+        self.assembly.fill_first(ocp, k0, trajectory, lin, self.proximal);
+        self.backend.load_first(&self.assembly.program, &lin.jacobian);
+    }
+
+    /// Solves; the step is in [`Qp::solution`] when the status says so.
+    pub(crate) fn solve(&mut self) -> Result<QpStatus, MpcError> {
+        let program = &self.assembly.program;
+        let status = self.backend.solve(program, &mut self.stage)?;
+        let (n, m) = (program.states, program.inputs);
+        let (z, s) = (&self.stage.z, &mut self.solution);
+        s.iterations = self.stage.iterations;
+        for k in 0..program.steps {
+            let (x, u) = (program.state(k + 1, 0), program.input(k, 0));
+            s.du[k * m..(k + 1) * m].copy_from_slice(&z[u..u + m]);
+            s.dx[(k + 1) * n..(k + 2) * n].copy_from_slice(&z[x..x + n]);
+        }
+        s.multipliers.copy_from_slice(&self.stage.multipliers);
+        let relaxed = status == QpStatus::Solved && self.assembly.relaxation(z) > RELAXED;
+        Ok(if relaxed { QpStatus::Relaxed } else { status })
+    }
+}

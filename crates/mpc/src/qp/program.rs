@@ -1,0 +1,120 @@
+//! The quadratic program stage by stage, before anything is eliminated and in no solver's format.
+
+/// The quadratic program of one iteration.
+///
+/// Variables are the changes dx_k (1 ≤ k ≤ N; dx_0 = 0) and du_k (0 ≤ k < N), and slacks s:
+///
+/// ```text
+/// min  ½ zᵀHz + gᵀz                    z = (du_0, dx_1, s_1, du_1, …, dx_N, s_N)
+/// s.t. dx_{k+1} = A_k dx_k + B_k du_k + c_k
+///      du_k = du_{b(k)} + o_k           for intervals k that share the input of the first of their block, b(k) < k
+///      r − Rz ∈ K                       K a product of a nonnegative orthant and second-order cones
+/// ```
+///
+/// The blocks A_k, B_k stand in the `flow` that comes with it: N blocks of n rows of n + m entries (A_k, B_k), row by row.
+#[derive(Clone, Debug, Default)]
+pub struct StageProgram {
+    pub(crate) states: usize,
+    pub(crate) inputs: usize,
+    pub(crate) steps: usize,
+    /// Entries of a flow block that can differ from zero.
+    pub(crate) flow_pattern: Vec<bool>,
+    /// Number of the first variable of every grid point 0 … N, and the number of variables.
+    pub(crate) first: Vec<usize>,
+    /// Number of slacks at every grid point.
+    pub(crate) slacks: Vec<usize>,
+    /// c_k, N rows of n.
+    pub(crate) defect: Vec<f64>,
+    /// b(k) of every interval.
+    pub(crate) block_start: Vec<usize>,
+    /// o_k, N rows of m.
+    pub(crate) offset: Vec<f64>,
+    /// Places (i ≤ j) of H: the whole diagonal first.
+    pub(crate) hessian_places: Vec<(usize, usize)>,
+    pub(crate) hessian: Vec<f64>,
+    pub(crate) gradient: Vec<f64>,
+    /// Places (row, variable) of R.
+    pub(crate) row_places: Vec<(usize, usize)>,
+    pub(crate) rows: Vec<f64>,
+    pub(crate) right: Vec<f64>,
+    /// Grid point of every row.
+    pub(crate) row_stage: Vec<usize>,
+    /// Rows of the orthant, which come first.
+    pub(crate) nonnegative: usize,
+    /// Dimensions of the second-order cones, in order.
+    pub(crate) second_order: Vec<usize>,
+}
+
+impl StageProgram {
+    /// Number of states n.
+    pub fn states(&self) -> usize {
+        self.states
+    }
+    /// Number of inputs m.
+    pub fn inputs(&self) -> usize {
+        self.inputs
+    }
+    /// Number of intervals N.
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+    /// Number of variables z.
+    pub fn variables(&self) -> usize {
+        self.gradient.len()
+    }
+    /// Number of state i in dx_k, 1 ≤ k ≤ N.
+    pub fn state(&self, k: usize, i: usize) -> usize {
+        self.first[k] + i
+    }
+    /// Number of a slack of grid point k.
+    pub fn slack(&self, k: usize, place: usize) -> usize {
+        self.first[k] + if k == 0 { 0 } else { self.states } + place
+    }
+    /// Number of input j in du_k, 0 ≤ k < N.
+    pub fn input(&self, k: usize, j: usize) -> usize {
+        self.slack(k, self.slacks[k]) + j
+    }
+    /// Number of variable v of the list (x, u) at grid point k; `None` for x_0, which is fixed.
+    pub fn variable(&self, k: usize, v: usize) -> Option<usize> {
+        if v >= self.states {
+            Some(self.input(k, v - self.states))
+        } else if k > 0 {
+            Some(self.state(k, v))
+        } else {
+            None
+        }
+    }
+    /// Places (row, column), row ≤ column, and values of the upper triangle of H.
+    pub fn hessian(&self) -> impl Iterator<Item = ((usize, usize), f64)> {
+        self.hessian_places.iter().copied().zip(self.hessian.iter().copied())
+    }
+    /// g.
+    pub fn gradient(&self) -> &[f64] {
+        &self.gradient
+    }
+    /// Places (row, column) and values of R.
+    pub fn rows(&self) -> impl Iterator<Item = ((usize, usize), f64)> {
+        self.row_places.iter().copied().zip(self.rows.iter().copied())
+    }
+    /// r.
+    pub fn right_hand_side(&self) -> &[f64] {
+        &self.right
+    }
+    /// Number of rows in the nonnegative orthant, which come first, and the dimensions of the second-order cones after it.
+    pub fn cones(&self) -> (usize, &[usize]) {
+        (self.nonnegative, &self.second_order)
+    }
+    /// c_k, N rows of n.
+    pub fn defects(&self) -> &[f64] {
+        &self.defect
+    }
+    /// First interval b(k) of the block of interval k, and o_k: du_k = du_{b(k)} + o_k when b(k) < k.
+    pub fn block(&self, k: usize) -> (usize, &[f64]) {
+        (self.block_start[k], &self.offset[k * self.inputs..(k + 1) * self.inputs])
+    }
+    /// Whether every number is finite.
+    pub fn is_finite(&self) -> bool {
+        let all = [&self.hessian, &self.gradient, &self.rows, &self.right, &self.defect, &self.offset];
+        all.iter().all(|v| v.iter().all(|x| x.is_finite()))
+    }
+}
