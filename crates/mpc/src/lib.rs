@@ -76,7 +76,7 @@ pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::{MpcError, PlantError};
 pub use estimation::{
     Disturbance, DisturbanceChannel, Estimate, EstimateStatus, EstimatedParameter, EstimationProblem, Estimator,
-    ExtendedKalman, MeasuredOutput, Outliers,
+    ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings, Outliers,
 };
 pub use faults::{Fault, StepLimits};
 pub use integrator::Integrator;

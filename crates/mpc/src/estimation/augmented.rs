@@ -88,11 +88,19 @@ impl Names for OutputNames<'_> {
     }
 }
 
-impl Augmented {
-    pub(crate) fn new(problem: &EstimationProblem) -> Result<Self, MpcError> {
+/// The augmented equations without process noise, and what is known of their states beforehand.
+struct Equations {
+    system: System,
+    outputs: Vec<Expr>,
+    start: Vec<f64>,
+    start_std: Vec<f64>,
+    walks: Vec<f64>,
+}
+
+impl Equations {
+    fn of(problem: &EstimationProblem) -> Result<Self, MpcError> {
         problem.check()?;
         let mut system = problem.system.clone();
-        let (states, inputs) = (system.states.len(), system.inputs.len());
         let mut start = problem.initial.clone();
         let mut start_std = problem.initial_std.clone();
         let mut walks = problem.process_noise.clone();
@@ -158,6 +166,20 @@ impl Augmented {
         for (index, d) in output_disturbances {
             expressions[index] = system.pool.add(expressions[index], d);
         }
+        Ok(Self { system, outputs: expressions, start, start_std, walks })
+    }
+}
+
+impl Augmented {
+    /// The augmented equations without process noise, and the measured outputs.
+    pub(crate) fn symbolic(problem: &EstimationProblem) -> Result<(System, Vec<Expr>), MpcError> {
+        let equations = Equations::of(problem)?;
+        Ok((equations.system, equations.outputs))
+    }
+
+    pub(crate) fn new(problem: &EstimationProblem) -> Result<Self, MpcError> {
+        let Equations { mut system, outputs: expressions, start, start_std, walks } = Equations::of(problem)?;
+        let (states, inputs) = (problem.system.states.len(), problem.system.inputs.len());
         let form = system.set_valued_form();
         let (friction, acts_on) = hiding(&mut system, &form, states);
         let signs = sign_function(&mut system, &form)?;
@@ -220,6 +242,12 @@ impl Augmented {
         self.start.len()
     }
 
+    /// Which entries of row i of ∂F/∂z can differ from zero.
+    pub(crate) fn flow_pattern(&self, i: usize) -> Vec<bool> {
+        let width = self.size() + self.inputs + self.noise.len();
+        self.shooter.closure()[i * width..i * width + self.size()].to_vec()
+    }
+
     /// Which parameters and disturbances cannot be seen at this state because friction sticks.
     pub(crate) fn hidden(&mut self, t: f64, z: &[f64], u: &[f64]) -> Vec<bool> {
         let n = self.size();
@@ -246,8 +274,9 @@ impl Augmented {
     }
 
     /// The flow over one interval with its derivatives; `w` is standardised noise. Parameters that stay hidden throughout
-    /// neither act nor walk: the creep of smoothed friction, which depends on them, does not exist.
-    pub(crate) fn interval(&mut self, t: f64, z: &[f64], u: &[f64], w: &[f64]) -> Interval {
+    /// neither act nor walk: the creep of smoothed friction, which depends on them, does not exist. Without `hide` nothing
+    /// is taken to be hidden.
+    pub(crate) fn interval(&mut self, t: f64, z: &[f64], u: &[f64], w: &[f64], hide: bool) -> Interval {
         let (n, m) = (self.size(), self.inputs);
         let columns = n + m + self.noise.len();
         self.inputs_and_noise[..m].copy_from_slice(u);
@@ -267,7 +296,7 @@ impl Augmented {
         );
         let before = self.hidden(t, z, u);
         let after = self.hidden(t + self.dt, &end, u);
-        let hidden: Vec<bool> = before.iter().zip(&after).map(|(a, b)| *a && *b).collect();
+        let hidden: Vec<bool> = before.iter().zip(&after).map(|(a, b)| hide && *a && *b).collect();
         let entry = |i: usize, j: usize| self.jacobian[i * columns + j];
         let f = DMatrix::from_fn(n, n, |i, j| if hidden[j] && i != j { 0.0 } else { entry(i, j) });
         let g = DMatrix::from_fn(n, self.noise.len(), |i, k| {

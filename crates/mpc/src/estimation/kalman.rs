@@ -4,10 +4,12 @@ use super::augmented::Augmented;
 use super::estimate::{Estimate, EstimateStatus, Estimator};
 use super::problem::{EstimationProblem, Outliers};
 use crate::error::{MpcError, check_length};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Standard deviations of a residual beyond which "it sticks" is no longer believed.
 const SURPRISE: f64 = 4.0;
+/// Samples for which it is not believed after that.
+const DOUBT: usize = 10;
 
 /// The discrete extended Kalman filter on the exact flow and its exact derivatives, with parameters and disturbances as
 /// further states.
@@ -41,6 +43,8 @@ pub struct ExtendedKalman {
     outliers: Outliers,
     time: f64,
     dt: f64,
+    /// Samples for which friction is not believed to stick, whatever the model says.
+    doubt: usize,
     pub(crate) z: DVector<f64>,
     pub(crate) p: DMatrix<f64>,
 }
@@ -54,7 +58,7 @@ impl ExtendedKalman {
         let model = Augmented::new(problem)?;
         let z = model.start.clone();
         let p = prior(&model);
-        Ok(Self { model, outliers: problem.outliers, time: 0.0, dt: problem.dt, z, p })
+        Ok(Self { model, outliers: problem.outliers, time: 0.0, dt: problem.dt, doubt: 0, z, p })
     }
 
     /// Covariance of states, parameters and disturbances, one after the other.
@@ -67,10 +71,15 @@ impl ExtendedKalman {
         self.time
     }
 
+    /// Whether sticking friction hides what acts against it, as far as is known at present.
+    pub(crate) fn believes_sticking(&self) -> bool {
+        self.doubt == 0
+    }
+
     /// Moves on by one interval without a measurement; says what friction hides.
-    fn predict(&mut self, u: &[f64]) -> Vec<bool> {
+    pub(crate) fn predict(&mut self, u: &[f64]) -> Vec<bool> {
         let rest = vec![0.0; self.model.noise.len()];
-        let step = self.model.interval(self.time, self.z.as_slice(), u, &rest);
+        let step = self.model.interval(self.time, self.z.as_slice(), u, &rest, self.doubt == 0);
         self.p = &step.f * &self.p * step.f.transpose() + &step.g * step.g.transpose();
         self.z = step.end;
         self.time += self.dt;
@@ -78,7 +87,7 @@ impl ExtendedKalman {
     }
 
     /// Takes in the outputs one by one; returns how many were lost.
-    fn take_in(&mut self, y: &[f64], hidden: &[bool]) -> usize {
+    pub(crate) fn take_in(&mut self, y: &[f64], hidden: &[bool]) -> usize {
         let (h, c) = self.model.outputs(self.time, self.z.as_slice());
         let predicted = self.z.clone();
         let residual: Vec<f64> = (0..y.len()).map(|i| self.model.residual(i, y[i], h[i])).collect();
@@ -87,40 +96,28 @@ impl ExtendedKalman {
             let variance = (row * &self.p * row.transpose())[(0, 0)] + self.model.sensors[i].0;
             residual[i].abs() > SURPRISE * variance.sqrt()
         });
+        self.doubt = if surprised { DOUBT } else { self.doubt.saturating_sub(1) };
+        let free = vec![false; hidden.len()];
+        let frozen = if surprised { &free } else { hidden };
         let mut lost = 0;
         for i in 0..y.len() {
             if !y[i].is_finite() {
                 lost += 1;
                 continue;
             }
-            let row = c.row(i);
-            let ph = &self.p * row.transpose();
-            let spread = (row * &ph)[(0, 0)];
+            let row = c.row(i).into_owned();
             // The residual of the linearisation at the prediction, moved along with the outputs before this one.
-            let r = residual[i] - (row * (&self.z - &predicted))[(0, 0)];
-            let mut noise = self.model.sensors[i].0;
-            if let Outliers::Huber(threshold) = self.outliers {
-                let ratio = r.abs() / (threshold * (spread + noise).sqrt());
-                // The weight that Huber's function gives to this residual, as a larger variance.
-                noise += (ratio - 1.0).max(0.0) * (spread + noise);
-            }
-            let variance = spread + noise;
-            let mut gain = &ph / variance;
-            if !surprised {
-                gain.iter_mut().zip(hidden).filter(|(_, h)| **h).for_each(|(g, _)| *g = 0.0);
-            }
-            self.z += &gain * r;
-            let cross = &gain * ph.transpose();
-            self.p += &gain * gain.transpose() * variance - &cross - cross.transpose();
+            let r = residual[i] - (&row * (&self.z - &predicted))[(0, 0)];
+            let noise = self.model.sensors[i].0;
+            absorb(&mut self.z, &mut self.p, &row, r, noise, self.outliers, frozen);
         }
-        self.p = (&self.p + self.p.transpose()) * 0.5;
         for (v, b) in self.z.iter_mut().zip(&self.model.bounds) {
             *v = v.clamp(b.0, b.1);
         }
         lost
     }
 
-    fn finish(&mut self, lost: usize, last: &DVector<f64>) -> Estimate {
+    pub(crate) fn finish(&mut self, lost: usize, last: &DVector<f64>) -> Estimate {
         let finite = self.z.iter().chain(self.p.iter()).all(|v| v.is_finite());
         let status = if !finite {
             self.z.copy_from(last);
@@ -153,7 +150,32 @@ impl Estimator for ExtendedKalman {
     }
 }
 
-fn prior(model: &Augmented) -> DMatrix<f64> {
+/// Takes in one scalar output with the residual `r` and the row ∂h/∂z, without changing what is frozen.
+pub(crate) fn absorb(
+    z: &mut DVector<f64>,
+    p: &mut DMatrix<f64>,
+    row: &RowDVector<f64>,
+    r: f64,
+    mut noise: f64,
+    outliers: Outliers,
+    frozen: &[bool],
+) {
+    let ph = &*p * row.transpose();
+    let spread = (row * &ph)[(0, 0)];
+    if let Outliers::Huber(threshold) = outliers {
+        // The weight that Huber's function gives to this residual, as a larger variance.
+        let ratio = r.abs() / (threshold * (spread + noise).sqrt());
+        noise += (ratio - 1.0).max(0.0) * (spread + noise);
+    }
+    let variance = spread + noise;
+    let mut gain = &ph / variance;
+    gain.iter_mut().zip(frozen).filter(|(_, f)| **f).for_each(|(g, _)| *g = 0.0);
+    *z += &gain * r;
+    let cross = &gain * ph.transpose();
+    *p += &gain * gain.transpose() * variance - &cross - cross.transpose();
+}
+
+pub(crate) fn prior(model: &Augmented) -> DMatrix<f64> {
     DMatrix::from_diagonal(&model.start_std.map(|s| s * s))
 }
 
