@@ -4,6 +4,7 @@
 //! being grasped; its position `(x, y)` and yaw `phi` in the plate frame are moved by dry friction alone.
 
 mod area;
+mod baseline;
 mod body;
 mod control;
 mod derivation;
@@ -12,6 +13,7 @@ mod experiment;
 mod first_principles;
 mod friction;
 mod maps;
+mod monte_carlo;
 mod motion;
 mod object;
 mod parameters;
@@ -29,6 +31,7 @@ mod velocity_field;
 pub use area::{
     AreaContact, AreaEvent, AreaOutcome, AreaPlant, AreaRecord, AreaSample, AreaSettings, EnergyBalance, Scheme,
 };
+pub use baseline::TwoStepController;
 pub use body::{
     BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, ObjectMode, ObjectOnPlate, ObjectStop, PlateFrame,
     RigidState,
@@ -43,6 +46,11 @@ pub use experiment::{AmplitudeLaw, AmplitudeStep, Experiment, Run};
 pub use first_principles::{Terms, first_principles};
 pub use friction::Friction;
 pub use maps::{Limits, Map, Summary, linspace, summarise};
+pub use monte_carlo::{
+    ControlSample, PoseRange, Push, PushRange, Quantiles, Scenario, Share, Tolerance, Trial, TrialFile, TrialOutcome,
+    TrialReport, TrialRun, TrialSample, TrialSetup, TrialSummary, Utilisation, WallTimes, at_rest, median_time_ratio,
+    pose_error, quantile, run_trial, run_trials, time_to_target,
+};
 pub use motion::{ExpressionMotion, PlateKinematics, PlateMotion};
 pub use object::Object;
 pub use plant::{Course, Drive, GRAVITY, ModelPlant, Plant, STATES, normal_load};
@@ -66,6 +74,16 @@ pub enum PlateError {
         name: &'static str,
         /// Its value.
         value: f64,
+    },
+    /// A range that is none.
+    #[error("{name} = [{low}, {high}] must be finite numbers, the lower one first")]
+    BadRange {
+        /// Which one.
+        name: &'static str,
+        /// Its lower end.
+        low: f64,
+        /// Its upper end.
+        high: f64,
     },
     /// A coefficient without meaning.
     #[error("{name} = {value} must be a finite number, zero or positive")]
@@ -167,6 +185,9 @@ pub enum PlateError {
     /// The shape is none.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+    /// A file of trials cannot be read.
+    #[error("the trials cannot be read: {0}")]
+    Trials(Box<toml::de::Error>),
     /// The model file cannot be read.
     #[error(transparent)]
     File(Box<bracketry_system::FileError>),

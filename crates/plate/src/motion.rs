@@ -20,6 +20,21 @@ pub struct PlateKinematics {
     pub tilt_acceleration: f64,
 }
 
+impl PlateKinematics {
+    /// The motion `dt` seconds later if the accelerations stay as they are; exact for held commands.
+    #[must_use]
+    pub fn after(&self, dt: f64) -> Self {
+        let half = 0.5 * dt * dt;
+        Self {
+            displacement: self.displacement + dt * self.velocity + half * self.acceleration,
+            velocity: self.velocity + dt * self.acceleration,
+            tilt: self.tilt + dt * self.tilt_rate + half * self.tilt_acceleration,
+            tilt_rate: self.tilt_rate + dt * self.tilt_acceleration,
+            ..*self
+        }
+    }
+}
+
 /// A plate motion in time. Closures `FnMut(f64) -> PlateKinematics` are motions.
 pub trait PlateMotion {
     /// The motion at time `t` in seconds.

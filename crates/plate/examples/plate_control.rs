@@ -1,0 +1,199 @@
+//! Runs random trials of the plate's controllers on the area-contact plant and draws the figures of `docs/plate_control.md`:
+//! `cargo run --release -p bracketry-plate --example plate_control -- --trials 200 --case robust`
+#![allow(clippy::print_stdout)]
+
+use anyhow::{Context, bail};
+use bracketry_plate::{
+    PlateController, PlateError, Quantiles, Trial, TrialFile, TrialReport, TrialSetup, TrialSummary, TwoStepController,
+    median_time_ratio, run_trials,
+};
+use clap::{Parser, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+/// Random trials of controllers of the plate.
+#[derive(Parser)]
+struct Arguments {
+    /// Number of trials.
+    #[arg(long, default_value_t = 200)]
+    trials: usize,
+    /// Case of the file of trials.
+    #[arg(long, default_value = "robust")]
+    case: String,
+    /// Object of the file of trials.
+    #[arg(long, default_value = "ellipse")]
+    object: String,
+    /// Controllers, all unless given.
+    #[arg(long, value_enum)]
+    controller: Vec<Kind>,
+    /// Seed of the series.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// File of trials.
+    #[arg(long)]
+    file: Option<PathBuf>,
+    /// Folder for figures and reports.
+    #[arg(long, default_value = "out/plate_control")]
+    out: PathBuf,
+}
+
+/// The controllers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    TwoStep,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::TwoStep => "two steps",
+        }
+    }
+
+    fn key(self) -> &'static str {
+        match self {
+            Self::TwoStep => "two_step",
+        }
+    }
+
+    fn make(self, trial: &Trial, setup: &TrialSetup) -> Result<Box<dyn PlateController>, PlateError> {
+        Ok(match self {
+            Self::TwoStep => Box::new(TwoStepController::new(trial, setup)?),
+        })
+    }
+}
+
+/// What is written to the report.
+#[derive(Serialize)]
+struct Report<'a> {
+    case: &'a str,
+    object: &'a str,
+    controller: &'a str,
+    seed: u64,
+    summary: TrialSummary,
+    trials: &'a [TrialReport],
+}
+
+fn main() -> anyhow::Result<()> {
+    let arguments = Arguments::parse();
+    let path = arguments
+        .file
+        .clone()
+        .unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/plate_trials.toml"));
+    let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let file = TrialFile::parse(&text).with_context(|| path.display().to_string())?;
+    let names = |all: Vec<&String>| all.into_iter().cloned().collect::<Vec<_>>().join(", ");
+    let Some(scenario) = file.cases.get(&arguments.case) else {
+        bail!("there is no case `{}`; there are {}", arguments.case, names(file.cases.keys().collect()));
+    };
+    let Some(object) = file.objects.get(&arguments.object) else {
+        bail!("there is no object `{}`; there are {}", arguments.object, names(file.objects.keys().collect()));
+    };
+    let setup = TrialSetup::new(object, scenario);
+    let trials = scenario.trials(arguments.seed, arguments.trials);
+    let kinds = if arguments.controller.is_empty() { Kind::value_variants() } else { &arguments.controller };
+    std::fs::create_dir_all(&arguments.out).with_context(|| format!("cannot make {}", arguments.out.display()))?;
+
+    println!("{}: {} of {}, seed {}", arguments.case, arguments.trials, arguments.object, arguments.seed);
+    println!(
+        "| controller | reached (95 %) | time: median, 5 %…95 % [s] | bounds kept | planning: median, max [s] | sample: median, 99 % [ms] | failures |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    let mut all = Vec::new();
+    for &kind in kinds {
+        let bar = progress(kind.name(), trials.len());
+        let reports = run_trials(
+            &trials,
+            &setup,
+            |trial| kind.make(trial, &setup).map(Boxed),
+            |done| {
+                bar.set_position(done as u64);
+                ControlFlow::Continue(())
+            },
+        )?;
+        bar.finish_and_clear();
+        let summary = TrialSummary::of(&reports);
+        print_row(kind.name(), &summary);
+        let report = Report {
+            case: &arguments.case,
+            object: &arguments.object,
+            controller: kind.key(),
+            seed: arguments.seed,
+            summary,
+            trials: &reports,
+        };
+        let name = format!("{}_{}_{}.json", arguments.case, arguments.object, kind.key());
+        let path = arguments.out.join(name);
+        std::fs::write(&path, serde_json::to_string_pretty(&report)?)
+            .with_context(|| format!("cannot write {}", path.display()))?;
+        all.push((kind, reports));
+    }
+    for (kind, reports) in &all {
+        let baseline = all.iter().find(|(other, _)| *other == Kind::TwoStep);
+        if let Some((_, baseline)) = baseline.filter(|(other, _)| other != kind) {
+            let ratio = median_time_ratio(reports, baseline);
+            println!("median ratio of the times, {} to two steps: {}", kind.name(), number(ratio, 1.0, 3));
+        }
+    }
+    Ok(())
+}
+
+/// A controller of any kind.
+struct Boxed(Box<dyn PlateController>);
+
+impl PlateController for Boxed {
+    fn period(&self) -> f64 {
+        self.0.period()
+    }
+
+    fn command(&mut self, measurement: &bracketry_plate::Measurement) -> Result<bracketry_plate::Command, PlateError> {
+        self.0.command(measurement)
+    }
+
+    fn finished(&self) -> bool {
+        self.0.finished()
+    }
+}
+
+fn progress(what: &str, count: usize) -> ProgressBar {
+    let bar = ProgressBar::new(count as u64).with_message(what.to_owned());
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// A number in other units, or a dash where it is infinite.
+fn number(value: Option<f64>, factor: f64, decimals: usize) -> String {
+    value.map_or("–".into(), |value| format!("{:.decimals$}", factor * value))
+}
+
+fn print_row(name: &str, summary: &TrialSummary) {
+    let TrialSummary { reached, bounds_kept, time, planning, sample_p50, sample_p99, .. } = summary;
+    let share = |s: &bracketry_plate::Share| format!("{}/{}", s.count, s.of);
+    let of = |q: &Quantiles| number(q.p50, 1.0, 2);
+    let failures: Vec<String> = summary
+        .outcomes
+        .iter()
+        .filter(|(label, _)| *label != "reached")
+        .map(|(label, count)| format!("{count} {label}"))
+        .collect();
+    println!(
+        "| {name} | {}, {:.1} % ({:.1}…{:.1}) | {}, {}…{} | {} | {}, {} | {}, {} | {} |",
+        share(reached),
+        100.0 * reached.value(),
+        100.0 * reached.low,
+        100.0 * reached.high,
+        of(time),
+        number(time.p5, 1.0, 2),
+        number(time.p95, 1.0, 2),
+        share(bounds_kept),
+        number(planning.p50, 1.0, 3),
+        number(planning.max, 1.0, 3),
+        number(sample_p50.p50, 1e3, 3),
+        number(sample_p99.p50, 1e3, 3),
+        if failures.is_empty() { "none".into() } else { failures.join(", ") },
+    );
+}
