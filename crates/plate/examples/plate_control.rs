@@ -4,8 +4,8 @@
 
 use anyhow::{Context, bail};
 use bracketry_plate::{
-    PlateController, PlateError, Quantiles, Trial, TrialFile, TrialReport, TrialSetup, TrialSummary, TwoStepController,
-    median_time_ratio, run_trials,
+    PlateController, PlateError, PoseController, PoseSettings, Quantiles, Trial, TrialFile, TrialReport, TrialSetup,
+    TrialSummary, TwoStepController, median_time_ratio, run_trials,
 };
 use clap::{Parser, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -42,24 +42,39 @@ struct Arguments {
 /// The controllers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
+    Mpc,
     TwoStep,
 }
 
 impl Kind {
     fn name(self) -> &'static str {
         match self {
+            Self::Mpc => "predictive",
             Self::TwoStep => "two steps",
         }
     }
 
     fn key(self) -> &'static str {
         match self {
+            Self::Mpc => "mpc",
             Self::TwoStep => "two_step",
         }
     }
 
     fn make(self, trial: &Trial, setup: &TrialSetup) -> Result<Box<dyn PlateController>, PlateError> {
         Ok(match self {
+            Self::Mpc => {
+                let settings = PoseSettings {
+                    delay: trial.delay,
+                    limits: setup.limits,
+                    mu: trial.model_mu,
+                    mu_deviation: trial.mu_deviation,
+                    noise: [trial.position_noise, trial.angle_noise],
+                    tolerance: [setup.tolerance.position, setup.tolerance.angle],
+                    ..PoseSettings::default()
+                };
+                Box::new(PoseController::new(&setup.object, trial.target, &settings)?)
+            }
             Self::TwoStep => Box::new(TwoStepController::new(trial, setup)?),
         })
     }

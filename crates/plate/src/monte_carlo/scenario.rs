@@ -99,6 +99,8 @@ pub struct Trial {
     pub target: [f64; 3],
     /// Friction coefficient that the controller believes in.
     pub model_mu: f64,
+    /// Standard deviation of what the controller does not know of it, as a share of it.
+    pub mu_deviation: f64,
     /// Friction coefficient of the plant.
     pub plant_mu: f64,
     /// Standard deviation of the measured position along each axis, in m.
@@ -143,6 +145,8 @@ impl Scenario {
             start,
             target,
             model_mu: self.mu,
+            // Of a uniform distribution.
+            mu_deviation: (self.mu_factor[1] - self.mu_factor[0]) / 12f64.sqrt(),
             plant_mu,
             position_noise: self.position_noise,
             angle_noise: self.angle_noise_deg.to_radians(),
