@@ -5,7 +5,6 @@ use crate::error::{MpcError, check_length};
 use bracketry_native::{Function, Workspace};
 use bracketry_symbolic::{Expr, Names, Pool, Symbol, Tape};
 use bracketry_system::System;
-use nalgebra::DMatrix;
 
 /// A scalar function l(x, u, t, r) of states, inputs, time and references, compiled with its derivatives.
 ///
@@ -24,6 +23,11 @@ pub struct CostFunction {
     arguments: Vec<f64>,
     work: Workspace,
     out: Vec<f64>,
+    /// The Hessian, n rows of n.
+    full: Vec<f64>,
+    /// One connected block of it.
+    block: Vec<f64>,
+    scratch: Vec<f64>,
 }
 
 /// Which variables a cost may use.
@@ -168,6 +172,9 @@ impl CostFunction {
             out: vec![0.0; derivatives.n_outputs()],
             derivatives,
             entries,
+            full: vec![0.0; variables.len().pow(2)],
+            block: Vec::new(),
+            scratch: Vec::new(),
             components,
             pattern,
             arguments: vec![0.0; all.len()],
@@ -228,18 +235,19 @@ impl CostFunction {
         for (g, v) in gradient.iter_mut().zip(&self.out[1..=n]) {
             *g += weight * v;
         }
-        let mut full = DMatrix::zeros(n, n);
         for (&(i, j), &v) in self.entries.iter().zip(&self.out[1 + n..]) {
-            full[(i, j)] = v;
-            full[(j, i)] = v;
+            self.full[i * n + j] = v;
+            self.full[j * n + i] = v;
         }
         let mut at = 0;
         for c in &self.components {
-            let mut block = DMatrix::from_fn(c.len(), c.len(), |a, b| full[(c[a], c[b])]);
-            clip_to_psd(&mut block);
-            for a in 0..c.len() {
-                for b in a..c.len() {
-                    hessian[at] += weight * block[(a, b)];
+            let size = c.len();
+            self.block.clear();
+            self.block.extend(c.iter().flat_map(|&i| c.iter().map(move |&j| (i, j))).map(|(i, j)| self.full[i * n + j]));
+            clip_to_psd(&mut self.block, size, &mut self.scratch);
+            for a in 0..size {
+                for b in a..size {
+                    hessian[at] += weight * self.block[a * size + b];
                     at += 1;
                 }
             }

@@ -17,6 +17,7 @@ pub(crate) struct Transcription {
     /// Grid point of the run at which the horizon starts.
     pub(crate) k0: usize,
     ends: Vec<f64>,
+    end: Vec<f64>,
 }
 
 /// The parts of the merit function.
@@ -47,7 +48,7 @@ impl Transcription {
             check_length("a row of parameters", row.len(), dynamics.parameters())?;
         }
         let shooter = Shooter::new(dynamics.as_ref(), ocp.integrator);
-        Ok(Self { dynamics, ocp, shooter, substeps: 1, k0: 0, ends: Vec::new() })
+        Ok(Self { dynamics, ocp, shooter, substeps: 1, k0: 0, ends: Vec::new(), end: Vec::new() })
     }
 
     /// Gives the live parameters of the dynamics these values at every grid point.
@@ -96,25 +97,27 @@ impl Transcription {
     /// Fills in the last state from the one before it, unless the dynamics fail there.
     pub(crate) fn extend_last(&mut self, trajectory: &mut Trajectory) {
         let last = trajectory.steps() - 1;
-        let mut end = trajectory.x(last).to_vec();
+        self.end.clear();
+        self.end.extend_from_slice(trajectory.x(last));
         let grid = grid(&self.ocp, self.k0, self.substeps);
         let dynamics = self.dynamics.as_mut();
         let t = grid.enter(dynamics, last);
-        self.shooter.advance(dynamics, t, &mut end, trajectory.u(last), grid.dt, grid.substeps);
-        if end.iter().all(|v| v.is_finite()) {
-            trajectory.x_mut(last + 1).copy_from_slice(&end);
+        self.shooter.advance(dynamics, t, &mut self.end, trajectory.u(last), grid.dt, grid.substeps);
+        if self.end.iter().all(|v| v.is_finite()) {
+            trajectory.x_mut(last + 1).copy_from_slice(&self.end);
         }
     }
 
     /// Advances a state by one interval from the start of the horizon; it is kept where the dynamics fail.
-    pub(crate) fn predict(&mut self, x: &mut Vec<f64>, u: &[f64]) {
+    pub(crate) fn predict(&mut self, x: &mut [f64], u: &[f64]) {
         let grid = grid(&self.ocp, self.k0, self.substeps);
-        let mut end = x.clone();
+        self.end.clear();
+        self.end.extend_from_slice(x);
         let dynamics = self.dynamics.as_mut();
         let t = grid.enter(dynamics, 0);
-        self.shooter.advance(dynamics, t, &mut end, u, grid.dt, grid.substeps);
-        if end.iter().all(|v| v.is_finite()) {
-            *x = end;
+        self.shooter.advance(dynamics, t, &mut self.end, u, grid.dt, grid.substeps);
+        if self.end.iter().all(|v| v.is_finite()) {
+            x.copy_from_slice(&self.end);
         }
     }
 

@@ -1,0 +1,91 @@
+//! What the real-time iteration allocates: preparation nothing, feedback only what Clarabel's own update and solution do.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use allocation_counter::measure;
+use bracketry_mpc::{
+    Bounds, CostFunction, CostKind, Ocp, Rti, RtiSettings, Softness, StepStatus, Substeps, SymbolicDynamics,
+    TerminalTarget, Trajectory,
+};
+use bracketry_system::System;
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SupportedConeT};
+use std::f64::consts::PI;
+
+const X0: [f64; 4] = [0.0, PI, 0.0, 0.0];
+
+/// Allocations of one update and solution of min x² + y − …, x ≥ …: Clarabel alone.
+fn clarabel_alone() -> u64 {
+    let p = CscMatrix::identity(2);
+    let a = CscMatrix::identity(2);
+    let cones = [SupportedConeT::NonnegativeConeT(2)];
+    let settings = DefaultSettingsBuilder::default().verbose(false).presolve_enable(false).build().unwrap();
+    let mut solver = DefaultSolver::new(&p, &[1.0, -3.0], &a, &[1.0, 2.0], &cones, settings).unwrap();
+    solver.solve();
+    let (q, b) = (vec![-1.0, -2.0], vec![1.5, 1.0]);
+    measure(|| {
+        solver.update_data(&p.nzval, &q, &a.nzval, &b).unwrap();
+        solver.solve();
+    })
+    .count_total
+}
+
+/// Swing-up of a cart-pole with soft bounds, a target, references and a cost whose Hessian has to be convexified.
+fn swing_up() -> (System, Ocp) {
+    let system = common::cart_pole();
+    let names = ["p_ref".to_owned()];
+    let mut ocp = Ocp::new(4, 1, 40, 0.02);
+    ocp.substeps = Substeps::Fixed(1);
+    ocp.stage = Some(
+        CostFunction::parse(&system, CostKind::Stage, &names, "1e3*(p - p_ref)^2 + 1e3*(1 - cos(th)) + 1e-2*(v*w)^2 + 1e-2*u^2")
+            .unwrap(),
+    );
+    ocp.references = vec![vec![0.1]];
+    ocp.terminal = Some(CostFunction::parse(&system, CostKind::Terminal, &names, "1e3*(p - p_ref)^2 + v^2").unwrap());
+    ocp.input_bounds = vec![(-80.0, 80.0)];
+    ocp.state_bounds[0] = Bounds { min: -2.0, max: 2.0, softness: Softness::Soft { linear: 1e3, quadratic: 1e2 } };
+    ocp.targets = vec![TerminalTarget { state: 2, value: 0.0, linear: 1.0, quadratic: 1.0 }];
+    (system, ocp)
+}
+
+/// Largest numbers of allocations in preparation, feedback and shift over some samples, the first left out.
+fn largest(settings: RtiSettings, programs: u64) -> (u64, u64, u64) {
+    let (system, ocp) = swing_up();
+    let dynamics = Box::new(SymbolicDynamics::new(&system).unwrap());
+    let mut rti = Rti::new(dynamics, ocp, Trajectory::constant(40, &X0, &[0.0]), settings).unwrap();
+    let mut x = X0;
+    let mut worst = (0, 0, 0);
+    for k in 0..12 {
+        let prepare = measure(|| rti.prepare()).count_total;
+        let mut status = None;
+        // Every fourth measurement is lost: the failure policy at work.
+        let y = if k % 4 == 3 { [f64::NAN; 4] } else { x };
+        let feedback = measure(|| status = Some(rti.feedback(&y).unwrap().status)).count_total;
+        let shift = measure(|| rti.shift()).count_total;
+        assert_eq!(matches!(status.unwrap(), StepStatus::Fallback(_)), k % 4 == 3);
+        if k > 0 {
+            worst = (worst.0.max(prepare), worst.1.max(feedback.div_ceil(programs)), worst.2.max(shift));
+        }
+        x.copy_from_slice(rti.trajectory().x(0));
+        x[1] += 1e-3;
+    }
+    worst
+}
+
+#[test]
+fn a_sample_allocates_nothing_but_what_clarabel_does() {
+    assert_eq!(largest(RtiSettings::default(), 1), (0, clarabel_alone(), 0));
+}
+
+#[test]
+fn the_guarded_step_allocates_no_more() {
+    let settings = RtiSettings { guarded: true, proximal: 0.1, ..RtiSettings::default() };
+    assert_eq!(largest(settings, 1), (0, clarabel_alone(), 0));
+}
+
+#[test]
+fn several_iterations_allocate_what_as_many_programs_do() {
+    let settings = RtiSettings { iterations: 3, ..RtiSettings::default() };
+    assert_eq!(largest(settings, 3), (0, clarabel_alone(), 0));
+}
