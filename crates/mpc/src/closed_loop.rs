@@ -4,6 +4,7 @@ use crate::controller::Controller;
 use crate::counts::{Counts, PhaseTimes, SolveTimes};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, PlantError, check_length};
+use crate::estimation::Estimator;
 use crate::faults::{Fault, StepLimits, disturb, lose};
 use crate::integrator::Integrator;
 use crate::ocp::Ocp;
@@ -51,7 +52,12 @@ pub type FaultFunction<'a> = Box<dyn FnMut(usize) -> Vec<Fault> + 'a>;
 /// What stands between controller and plant. The default: the state is measured exactly and at once, and nothing fails.
 #[derive(Default)]
 pub struct LoopSettings<'a> {
-    /// The measured outputs; the states themselves when there is none. Other outputs than the states need an estimator.
+    /// What makes states of the measured outputs; without it the outputs are handed to the controller as states.
+    pub estimator: Option<&'a mut dyn Estimator>,
+    /// Whether the estimated parameters, and after them the estimated disturbances, become the live parameters of the
+    /// controller's model.
+    pub hand_over: bool,
+    /// The measured outputs; the states themselves when there is none.
     pub measurement: Option<MeasurementFunction<'a>>,
     /// Noise on the measured outputs.
     pub noise: Option<NoiseFunction<'a>>,
@@ -73,6 +79,8 @@ pub struct Sample {
     pub x: Vec<f64>,
     /// Measured outputs.
     pub y: Vec<f64>,
+    /// State handed to the controller: estimated, or the measured outputs.
+    pub estimate: Vec<f64>,
     /// Input applied from that time on.
     pub u: Vec<f64>,
     /// What the controller answered; with a delay its input is applied later.
@@ -88,6 +96,8 @@ pub struct SampledLoop<'a> {
     k: usize,
     x: Vec<f64>,
     under_way: VecDeque<Vec<f64>>,
+    /// Input applied since the last measurement.
+    applied: Vec<f64>,
     cost: f64,
     counts: Counts,
 }
@@ -110,7 +120,7 @@ impl<'a> SampledLoop<'a> {
         check_length("the initial input", first.len(), ocp.inputs())?;
         let under_way = vec![first; settings.delay].into();
         let (x, cost, counts) = (x0.to_vec(), 0.0, Counts::default());
-        Ok(Self { controller, plant, settings, ocp, k: 0, x, under_way, cost, counts })
+        Ok(Self { controller, plant, settings, ocp, k: 0, x, under_way, applied: Vec::new(), cost, counts })
     }
 
     /// Time, s.
@@ -133,7 +143,7 @@ impl<'a> SampledLoop<'a> {
         &self.counts
     }
 
-    /// Runs one sample: disturb, measure, decide, apply.
+    /// Runs one sample: disturb, measure, estimate, decide, apply.
     ///
     /// # Errors
     /// If a length is wrong or the plant stops ([`MpcError::Plant`]).
@@ -154,14 +164,28 @@ impl<'a> SampledLoop<'a> {
         if limits != StepLimits::default() {
             self.controller.limit_next_step(limits);
         }
-        let step = self.controller.step(&y)?;
+        let estimate = self.estimate(&y)?;
+        let step = self.controller.step(&estimate)?;
         self.under_way.push_back(step.u.clone());
         let u = self.under_way.pop_front().unwrap_or_else(|| step.u.clone());
         self.counts.add(&step);
         self.cost += dt * self.ocp.stage_cost(k, t, &x, &u);
         self.plant.step(t, &mut self.x, &u, dt).map_err(|source| MpcError::Plant { time: t, source })?;
         self.k += 1;
-        Ok(Sample { t, x, y, u, step })
+        self.applied.clone_from(&u);
+        Ok(Sample { t, x, y, estimate, u, step })
+    }
+
+    /// The state for the controller.
+    fn estimate(&mut self, y: &[f64]) -> Result<Vec<f64>, MpcError> {
+        let Some(estimator) = &mut self.settings.estimator else { return Ok(y.to_vec()) };
+        let estimate = if self.k == 0 { estimator.correct(y)? } else { estimator.update(&self.applied, y)? };
+        if self.settings.hand_over {
+            let mut parameters = estimate.parameters;
+            parameters.extend(estimate.disturbance);
+            self.controller.set_parameters(&parameters)?;
+        }
+        Ok(estimate.x)
     }
 }
 
@@ -174,6 +198,8 @@ pub struct ClosedLoop {
     pub x: Vec<Vec<f64>>,
     /// Measured outputs of each sample.
     pub y: Vec<Vec<f64>>,
+    /// States handed to the controller: estimated, or the measured outputs.
+    pub estimates: Vec<Vec<f64>>,
     /// Inputs applied from each time on.
     pub u: Vec<Vec<f64>>,
     /// Outcome of each sample.
@@ -192,18 +218,19 @@ pub struct ClosedLoop {
 ///
 /// # Errors
 /// If a length is wrong or the plant stops ([`MpcError::Plant`]).
-pub fn run_closed_loop(
-    controller: &mut dyn Controller,
-    plant: &mut dyn Plant,
+pub fn run_closed_loop<'a>(
+    controller: &'a mut dyn Controller,
+    plant: &'a mut dyn Plant,
     x0: &[f64],
     samples: usize,
-    settings: LoopSettings<'_>,
+    settings: LoopSettings<'a>,
 ) -> Result<ClosedLoop, MpcError> {
     let mut sampled = SampledLoop::new(controller, plant, x0, settings)?;
     let mut run = ClosedLoop {
         t: Vec::with_capacity(samples + 1),
         x: Vec::with_capacity(samples + 1),
         y: Vec::with_capacity(samples),
+        estimates: Vec::with_capacity(samples),
         u: Vec::with_capacity(samples),
         steps: Vec::with_capacity(samples),
         cost: 0.0,
@@ -216,6 +243,7 @@ pub fn run_closed_loop(
         run.t.push(sample.t);
         run.x.push(sample.x);
         run.y.push(sample.y);
+        run.estimates.push(sample.estimate);
         run.u.push(sample.u);
         run.steps.push(sample.step);
     }

@@ -23,6 +23,11 @@ pub trait Controller {
     fn set_start(&mut self, k0: usize);
     /// Limits the next step alone.
     fn limit_next_step(&mut self, limits: StepLimits);
+    /// Gives the live parameters of the model these values.
+    ///
+    /// # Errors
+    /// If their number is not that of the live parameters.
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError>;
 }
 
 impl<C: Controller + ?Sized> Controller for Box<C> {
@@ -37,6 +42,9 @@ impl<C: Controller + ?Sized> Controller for Box<C> {
     }
     fn limit_next_step(&mut self, limits: StepLimits) {
         (**self).limit_next_step(limits);
+    }
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        (**self).set_parameters(parameters)
     }
 }
 
@@ -54,6 +62,9 @@ impl Controller for Rti {
     }
     fn limit_next_step(&mut self, limits: StepLimits) {
         Rti::limit_next_step(self, limits);
+    }
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        Rti::set_parameters(self, parameters)
     }
 }
 
@@ -126,5 +137,8 @@ impl Controller for SqpController {
     }
     fn limit_next_step(&mut self, limits: StepLimits) {
         self.limits = limits;
+    }
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        self.sqp.set_parameters(parameters)
     }
 }

@@ -243,7 +243,8 @@ impl CostFunction {
         for c in &self.components {
             let size = c.len();
             self.block.clear();
-            self.block.extend(c.iter().flat_map(|&i| c.iter().map(move |&j| (i, j))).map(|(i, j)| self.full[i * n + j]));
+            self.block
+                .extend(c.iter().flat_map(|&i| c.iter().map(move |&j| (i, j))).map(|(i, j)| self.full[i * n + j]));
             clip_to_psd(&mut self.block, size, &mut self.scratch);
             for a in 0..size {
                 for b in a..size {

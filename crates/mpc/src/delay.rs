@@ -24,7 +24,8 @@ pub struct DelayCompensated<C> {
 }
 
 impl<C: Controller> DelayCompensated<C> {
-    /// Wraps a controller. `dynamics` is the model to predict with, `first` the input that is applied until the first
+    /// Wraps a controller. `dynamics` is the model to predict with (with the same live parameters as the
+    /// controller's, where these are set), `first` the input that is applied until the first
     /// decision takes effect.
     ///
     /// # Errors
@@ -72,5 +73,10 @@ impl<C: Controller> Controller for DelayCompensated<C> {
 
     fn limit_next_step(&mut self, limits: StepLimits) {
         self.controller.limit_next_step(limits);
+    }
+
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        self.model.set_parameters(parameters)?;
+        self.controller.set_parameters(parameters)
     }
 }

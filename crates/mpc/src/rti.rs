@@ -189,6 +189,15 @@ impl Rti {
         self.limits = limits;
     }
 
+    /// Gives the live parameters of the model these values at every grid point, from the next preparation on.
+    ///
+    /// # Errors
+    /// If their number is not that of the live parameters.
+    pub fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        self.prepared = false;
+        self.problem.set_parameters(parameters)
+    }
+
     /// Replaces the references, from the next preparation on.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 const X0: [f64; 4] = [0.0, PI, 0.0, 0.0];
 
-/// Allocations of one update and solution of min x² + y − …, x ≥ …: Clarabel alone.
+/// Allocations of Clarabel alone: one update and solution of a program with two variables and two inequalities.
 fn clarabel_alone() -> u64 {
     let p = CscMatrix::identity(2);
     let a = CscMatrix::identity(2);
@@ -34,12 +34,17 @@ fn clarabel_alone() -> u64 {
 /// Swing-up of a cart-pole with soft bounds, a target, references and a cost whose Hessian has to be convexified.
 fn swing_up() -> (System, Ocp) {
     let system = common::cart_pole();
-    let names = ["p_ref".to_owned()];
+    let names = ["p_ref"];
     let mut ocp = Ocp::new(4, 1, 40, 0.02);
     ocp.substeps = Substeps::Fixed(1);
     ocp.stage = Some(
-        CostFunction::parse(&system, CostKind::Stage, &names, "1e3*(p - p_ref)^2 + 1e3*(1 - cos(th)) + 1e-2*(v*w)^2 + 1e-2*u^2")
-            .unwrap(),
+        CostFunction::parse(
+            &system,
+            CostKind::Stage,
+            &names,
+            "1e3*(p - p_ref)^2 + 1e3*(1 - cos(th)) + 1e-2*(v*w)^2 + 1e-2*u^2",
+        )
+        .unwrap(),
     );
     ocp.references = vec![vec![0.1]];
     ocp.terminal = Some(CostFunction::parse(&system, CostKind::Terminal, &names, "1e3*(p - p_ref)^2 + v^2").unwrap());
