@@ -23,11 +23,13 @@ pub trait Controller {
     fn set_start(&mut self, k0: usize);
     /// Limits the next step alone.
     fn limit_next_step(&mut self, limits: StepLimits);
-    /// Gives the live parameters of the model these values.
+    /// Gives the live parameters of the model these values. A controller has none unless it says so.
     ///
     /// # Errors
     /// If their number is not that of the live parameters.
-    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError>;
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        check_length("the parameters", parameters.len(), 0)
+    }
 }
 
 impl<C: Controller + ?Sized> Controller for Box<C> {

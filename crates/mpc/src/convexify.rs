@@ -50,8 +50,7 @@ pub(crate) fn clip_to_psd(h: &mut [f64], size: usize, scratch: &mut Vec<f64>) {
 fn is_positive_definite(a: &mut [f64], n: usize) -> bool {
     for j in 0..n {
         let pivot = a[j * n + j] - (0..j).map(|k| a[j * n + k].powi(2)).sum::<f64>();
-        // Not a number is not positive either.
-        if !(pivot > 0.0) {
+        if pivot.is_nan() || pivot <= 0.0 {
             return false;
         }
         let root = pivot.sqrt();

@@ -248,13 +248,12 @@ impl Ocp {
 
     /// The references at grid point k.
     pub(crate) fn reference(&self, k: usize) -> &[f64] {
-        let last = self.references.len().saturating_sub(1);
-        self.references.get(k.min(last)).map_or(&[], Vec::as_slice)
+        row(&self.references, k)
     }
 
     /// The stage cost l(x, u) at grid point k, without dt.
     pub(crate) fn stage_cost(&mut self, k: usize, t: f64, x: &[f64], u: &[f64]) -> f64 {
-        let r = self.reference(k).to_vec();
+        let r = row(&self.references, k);
         self.stage.as_mut().map_or(0.0, |c| c.value(x, u, t, &r[..c.references()]))
     }
 
@@ -267,7 +266,7 @@ impl Ocp {
             sum += dt * self.stage_cost(k0 + k, (k0 + k) as f64 * dt, trajectory.x(k), trajectory.u(k));
         }
         let end = k0 + steps;
-        let r = self.reference(end).to_vec();
+        let r = row(&self.references, end);
         sum + self
             .terminal
             .as_mut()
@@ -311,6 +310,11 @@ impl Ocp {
         }
         worst
     }
+}
+
+/// Row k of a list; beyond the end the last one holds.
+fn row(rows: &[Vec<f64>], k: usize) -> &[f64] {
+    rows.get(k.min(rows.len().saturating_sub(1))).map_or(&[], Vec::as_slice)
 }
 
 pub(crate) fn positive(what: &'static str, value: f64) -> Result<(), MpcError> {
