@@ -33,6 +33,15 @@ pub(super) struct MoveProblem {
     reach: f64,
 }
 
+/// Intervals of a problem.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    /// How many.
+    pub(super) steps: usize,
+    /// Their length in s.
+    pub(super) dt: f64,
+}
+
 impl MoveProblem {
     /// `margin` is the share of every bound that is left to feedback.
     pub(super) fn new(object: &Object, limits: &PlateLimits, period: f64, margin: f64) -> Result<Self, PlateError> {
@@ -56,10 +65,11 @@ impl MoveProblem {
         self.contact.with_mu(mu)
     }
 
-    /// The problem of reaching a pose, at rest, within `steps` intervals from a place at `y`.
-    pub(super) fn ocp(&self, steps: usize, y: f64, target: [f64; 3]) -> Ocp {
+    /// The problem of reaching a pose, at rest, on a grid of intervals, from a place at `y`.
+    pub(super) fn ocp(&self, grid: Grid, y: f64, target: [f64; 3]) -> Ocp {
         let mut ocp = self.template.clone();
-        ocp.steps = steps;
+        ocp.steps = grid.steps;
+        ocp.dt = grid.dt;
         let farthest = y.abs().max(target[1].abs()) + self.reach;
         let most = SAFE_PRESSURE * GRAVITY / farthest;
         ocp.input_bounds[1] = (ocp.input_bounds[1].0.max(-most), ocp.input_bounds[1].1.min(most));
@@ -89,11 +99,11 @@ fn template(object: &Object, limits: &PlateLimits, period: f64, margin: f64) -> 
         max: max * share,
         softness: Softness::Soft { linear: weight, quadratic: weight },
     };
-    ocp.state_bounds[6] = soft(limits.stroke, 5e3);
-    ocp.state_bounds[8] = soft(limits.tilt, 1e3);
+    ocp.state_bounds[6] = soft(limits.stroke, 5e4);
+    ocp.state_bounds[8] = soft(limits.tilt, 1e4);
     for text in pressure(object) {
         let function = VectorFunction::parse(&system, &[], &[&text])?;
-        let softness = Softness::Soft { linear: 1e2, quadratic: 1e2 };
+        let softness = Softness::Soft { linear: 1e3, quadratic: 1e3 };
         ocp.path_constraints
             .push(PathConstraint { function, bounds: Bounds { min: LEAST_PRESSURE, max: f64::INFINITY, softness } });
     }

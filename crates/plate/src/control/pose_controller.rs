@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 use std::time::Instant;
 
 /// Share of the bounds that plans and feedback leave free.
-const MARGIN: f64 = 0.04;
+const MARGIN: f64 = 0.05;
 /// Intervals left at which the rest of a plan is played out.
 const PLAYED_OUT: usize = 3;
 /// Badness of the predicted end above which a move is made longer, intervals added at a time, and most of them.
@@ -177,7 +177,10 @@ impl PoseController {
             self.report.unsolved += usize::from(failed);
         }
         let u = next.u(0);
-        let command = Command { displacement_acceleration: u[0], tilt_acceleration: u[1] };
+        let mut command = Command { displacement_acceleration: u[0], tilt_acceleration: u[1] };
+        if next.steps() == 1 {
+            command = self.stopping()?;
+        }
         let extend = late >= 3 && extended < MOST_EXTENSION;
         if extend {
             extended += EXTENSION;
@@ -193,6 +196,17 @@ impl PoseController {
             Phase::Look { samples: 0 }
         };
         Ok(command)
+    }
+
+    /// The command that stops the plate within a period, as far as the bounds allow.
+    fn stopping(&mut self) -> Result<Command, PlateError> {
+        let state = self.predicted()?;
+        let (limits, period) = (self.settings.limits, self.settings.period);
+        let bounded = |rate: f64, limit: f64| (-rate / period).clamp(-limit, limit);
+        Ok(Command {
+            displacement_acceleration: bounded(state[7], limits.displacement_acceleration),
+            tilt_acceleration: bounded(state[9], limits.tilt_acceleration),
+        })
     }
 
     fn decide(&mut self) -> Result<Command, PlateError> {

@@ -4,9 +4,9 @@ use super::Command;
 use crate::{AreaContact, AreaSettings, Friction, Object, PlateError, PlateKinematics};
 
 /// Time step of replays in s.
-const STEP: f64 = 2e-3;
+const STEP: f64 = 4e-3;
 /// Contact points of replays.
-const POINTS: usize = 24;
+const POINTS: usize = 16;
 
 /// The plate after `time` seconds under a command.
 pub(super) fn moved(plate: &PlateKinematics, command: Command, time: f64) -> PlateKinematics {
