@@ -18,8 +18,6 @@ dynamics = { x = "vx", y = "vy", phi = "w", vx = "-Xdd", vy = "0", w = "0", X = 
 const TOLERANCE: [f64; 10] = [0.01, 0.01, 0.1, 0.05, 0.05, 0.3, 0.01, 0.02, 0.05, 0.2];
 /// Least pressure at the rim, in units of gravity, that plans keep.
 const LEAST_PRESSURE: f64 = 0.08;
-/// Part of gravity that the tilt's acceleration may take away at the rim.
-const SAFE_PRESSURE: f64 = 0.85;
 /// Contact points of the model: 16 agree with 48 to a few per mille.
 const POINTS: usize = 16;
 
@@ -29,8 +27,6 @@ pub(super) struct MoveProblem {
     object: Object,
     template: Ocp,
     contact: RoundedContact,
-    /// Distance of the farthest point of the footprint from its centre in m.
-    reach: f64,
 }
 
 /// Intervals of a problem.
@@ -48,8 +44,7 @@ impl MoveProblem {
         limits.validate()?;
         let contact = RoundedContact::new(object, 0.3, POINTS)?;
         let template = template(object, limits, period, margin)?;
-        let reach = object.shape.rim(16).iter().fold(0.0f64, |most, [p, q]| most.max(p.hypot(*q)));
-        Ok(Self { object: object.clone(), template, contact, reach })
+        Ok(Self { object: object.clone(), template, contact })
     }
 
     pub(super) fn object(&self) -> &Object {
@@ -65,14 +60,11 @@ impl MoveProblem {
         self.contact.with_mu(mu)
     }
 
-    /// The problem of reaching a pose, at rest, on a grid of intervals, from a place at `y`.
-    pub(super) fn ocp(&self, grid: Grid, y: f64, target: [f64; 3]) -> Ocp {
+    /// The problem of reaching a pose, at rest, on a grid of intervals.
+    pub(super) fn ocp(&self, grid: Grid, target: [f64; 3]) -> Ocp {
         let mut ocp = self.template.clone();
         ocp.steps = grid.steps;
         ocp.dt = grid.dt;
-        let farthest = y.abs().max(target[1].abs()) + self.reach;
-        let most = SAFE_PRESSURE * GRAVITY / farthest;
-        ocp.input_bounds[1] = (ocp.input_bounds[1].0.max(-most), ocp.input_bounds[1].1.min(most));
         for (target, value) in ocp.targets.iter_mut().zip(target) {
             target.value = value;
         }

@@ -110,9 +110,6 @@ impl Planner {
                 programs += attempt.programs;
                 let found = badness(&attempt.miss);
                 least = least.min(found);
-                if std::env::var("TALK").is_ok() {
-                    println!("   try {duration:.2} s f {} miss {:.2} {:.2} mm {:.2} deg, {} programs, {:.2} s", swing.frequency, attempt.miss[0]*1e3, attempt.miss[1]*1e3, attempt.miss[2].to_degrees(), attempt.programs, clock.elapsed().as_secs_f64());
-                }
                 if best.as_ref().is_none_or(|b| found < badness(&b.miss)) {
                     best = Some(attempt);
                 }
@@ -156,7 +153,7 @@ impl Planner {
             qp: qp_settings(),
             ..SqpSettings::default()
         };
-        let ocp = self.problem.ocp(grid, start[1], target);
+        let ocp = self.problem.ocp(grid, target);
         let mut sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp, settings)?;
         let guess = sqp.guess(start, &oscillation.inputs(grid.steps, grid.dt))?;
         Self::solved(&mut sqp, start, &guess)
@@ -215,7 +212,7 @@ impl Planner {
             proximal: 0.05,
             ..SqpSettings::default()
         };
-        let ocp = self.problem.ocp(self.grid(trajectory), start[1], aim);
+        let ocp = self.problem.ocp(self.grid(trajectory), aim);
         let mut sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp, settings)?;
         Self::solved(&mut sqp, start, trajectory)
     }
@@ -242,7 +239,7 @@ impl Planner {
             proximal: 0.05,
             ..SqpSettings::default()
         };
-        let mut ocp = self.problem.ocp(self.grid(trajectory), state[1], target);
+        let mut ocp = self.problem.ocp(self.grid(trajectory), target);
         let mut sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp.clone(), settings.clone())?;
         let guess = sqp.guess(state, &inputs)?;
         // The end of the model has to move by what exact friction misses.
