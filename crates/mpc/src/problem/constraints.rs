@@ -1,12 +1,25 @@
 //! Bounds and targets of a problem file.
 
-use super::reader::{Parsed, Reader, Variable};
+use super::ProblemError;
+use super::reader::{Located, Parsed, Reader, Variable};
+use crate::constraint::{NormConstraint, PathConstraint, VectorFunction};
+use crate::cost::{CostKind, CostNames};
 use crate::ocp::{Bounds, Ocp, Softness, TerminalTarget};
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
 use bracketry_system::{Table, Value};
 
 /// Default penalty of a violated state bound: linear and quadratic weight.
 const DEFAULT_SOFT: (f64, f64) = (1e3, 1e3);
+
+type Key<'i> = toml::Spanned<std::borrow::Cow<'i, str>>;
+
+/// Expressions in their pool.
+#[derive(Clone)]
+struct Vector {
+    pool: Pool,
+    components: Vec<Expr>,
+    uses_states: bool,
+}
 
 impl Reader<'_> {
     /// Bounds of the inputs that the model declares.
@@ -19,51 +32,180 @@ impl Reader<'_> {
         }
     }
 
-    pub(super) fn constraints(&self, table: &Table<'_>, ocp: &mut Ocp) -> Parsed<()> {
+    /// Bounds on states and inputs, on expressions and on norms. `names` are the references.
+    pub(super) fn constraints(&self, table: &Table<'_>, names: &[String], ocp: &mut Ocp) -> Result<(), ProblemError> {
         let Some(t) = self.doc.sub_table(table, "constraints")? else { return Ok(()) };
         for (key, v) in t {
             let name: &str = key.get_ref();
-            let variable = self.variable(name, key.span())?;
             let Value::Table(b) = v.get_ref() else {
                 let remedy = format!("write {name} = {{ min = …, max = … }}");
                 return Err(self.doc.error(v.span(), format!("the bounds of `{name}` must be a table"), remedy).into());
             };
-            self.doc.only_keys(b, &["min", "max", "soft", "hard"], "a constraint")?;
-            // An end that is not named here stays that of the model's range.
-            let (low, high) = match variable {
-                Variable::State(_) => (f64::NEG_INFINITY, f64::INFINITY),
-                Variable::Input(j) => ocp.input_bounds[j],
-            };
-            let min = self.number(b, "min", Some(low))?.0;
-            let max = self.number(b, "max", Some(high))?.0;
-            if min > max {
-                let message = format!("`{name}` cannot be above {min} and below {max}");
-                return Err(self.doc.error(v.span(), message, "exchange min and max").into());
-            }
-            match variable {
-                Variable::State(i) => {
-                    let softness = if self.boolean(b, "hard", false)? {
-                        if let Some(soft) = b.get("soft") {
-                            let message = format!("the bounds of `{name}` cannot be hard and soft");
-                            return Err(self.doc.error(soft.span(), message, "remove `soft` or `hard`").into());
-                        }
-                        Softness::Hard
-                    } else {
-                        let (linear, quadratic) = self.soft(b)?.unwrap_or(DEFAULT_SOFT);
-                        Softness::Soft { linear, quadratic }
-                    };
-                    ocp.state_bounds[i] = Bounds { min, max, softness };
-                }
-                Variable::Input(j) => {
-                    if let Some(s) = b.get("soft") {
-                        let remedy = "inputs can always be kept within their bounds: remove `soft`";
-                        return Err(self.doc.error(s.span(), "bounds on inputs are hard", remedy).into());
-                    }
-                    ocp.input_bounds[j] = (min, max);
-                }
+            self.doc.only_keys(b, &["min", "max", "soft", "hard", "expression", "norm"], "a constraint")?;
+            if let Some(e) = b.get("expression") {
+                let g = self.vector(&[(e, "expression")], names)?;
+                self.between(&g, key, b, names, ocp)?;
+            } else if let Some(e) = b.get("norm") {
+                self.norm(e, key, b, names, ocp)?;
+            } else {
+                self.bounds(key, v, b, names, ocp)?;
             }
         }
         Ok(())
+    }
+
+    /// Bounds of a state or an input.
+    fn bounds(
+        &self,
+        key: &Key<'_>,
+        v: Located<'_, '_>,
+        b: &Table<'_>,
+        names: &[String],
+        ocp: &mut Ocp,
+    ) -> Result<(), ProblemError> {
+        let name: &str = key.get_ref();
+        let variable = self.variable(name, key.span())?;
+        if [b.get("min"), b.get("max")].into_iter().flatten().any(|end| self.varies(end, names)) {
+            let span = key.span();
+            let own = toml::Spanned::new(span, Value::String(name.to_owned().into()));
+            let g = self.vector(&[(&own, name)], names)?;
+            return self.between(&g, key, b, names, ocp);
+        }
+        // An end that is not named here stays that of the model's range.
+        let (low, high) = match variable {
+            Variable::State(_) => (f64::NEG_INFINITY, f64::INFINITY),
+            Variable::Input(j) => ocp.input_bounds[j],
+        };
+        let min = self.number(b, "min", Some(low))?.0;
+        let max = self.number(b, "max", Some(high))?.0;
+        if min > max {
+            let message = format!("`{name}` cannot be above {min} and below {max}");
+            return Err(self.doc.error(v.span(), message, "exchange min and max").into());
+        }
+        match variable {
+            Variable::State(i) => {
+                let softness = self.softness(name, b, false)?;
+                ocp.state_bounds[i] = Bounds { min, max, softness };
+            }
+            Variable::Input(j) => {
+                if let Some(s) = b.get("soft") {
+                    let remedy = "inputs can always be kept within their bounds: remove `soft`";
+                    return Err(self.doc.error(s.span(), "bounds on inputs are hard", remedy).into());
+                }
+                ocp.input_bounds[j] = (min, max);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an end of a constraint is an expression of more than parameters.
+    fn varies(&self, end: Located<'_, '_>, names: &[String]) -> bool {
+        self.constant(end, "bound").is_err() && self.vector(&[(end, "bound")], names).is_ok()
+    }
+
+    /// min ≤ g ≤ max, where an end may be an expression too.
+    fn between(
+        &self,
+        g: &Vector,
+        key: &Key<'_>,
+        b: &Table<'_>,
+        names: &[String],
+        ocp: &mut Ocp,
+    ) -> Result<(), ProblemError> {
+        let softness = self.softness(key.get_ref(), b, !g.uses_states)?;
+        let mut whole = Bounds { softness, ..Bounds::FREE };
+        for (side, sign) in [("min", -1.0), ("max", 1.0)] {
+            let Some(end) = b.get(side) else { continue };
+            if self.varies(end, names) {
+                let mut g = g.clone();
+                let (mut context, _) = CostNames::new(self.system, CostKind::Stage, names);
+                let e = self.doc.expression(end, side, &mut g.pool, &mut context)?;
+                let difference = g.pool.sub(g.components[0], e);
+                g.components = vec![difference];
+                let (min, max) = if sign > 0.0 { (f64::NEG_INFINITY, 0.0) } else { (0.0, f64::INFINITY) };
+                let function = self.compiled(g, names)?;
+                ocp.path_constraints.push(PathConstraint { function, bounds: Bounds { min, max, softness } });
+            } else {
+                let value = self.constant(end, side)?;
+                *(if sign > 0.0 { &mut whole.max } else { &mut whole.min }) = value;
+            }
+        }
+        if whole.min > whole.max {
+            let message = format!("`{}` cannot be above {} and below {}", key.get_ref(), whole.min, whole.max);
+            return Err(self.doc.error(key.span(), message, "exchange min and max").into());
+        }
+        if !whole.is_free() {
+            ocp.path_constraints.push(PathConstraint { function: self.compiled(g.clone(), names)?, bounds: whole });
+        } else if !b.contains_key("min") && !b.contains_key("max") {
+            let message = format!("`{}` has no bounds", key.get_ref());
+            return Err(self.doc.error(key.span(), message, "add min or max").into());
+        }
+        Ok(())
+    }
+
+    /// ‖(…)‖ ≤ max.
+    fn norm(
+        &self,
+        e: Located<'_, '_>,
+        key: &Key<'_>,
+        b: &Table<'_>,
+        names: &[String],
+        ocp: &mut Ocp,
+    ) -> Result<(), ProblemError> {
+        let remedy = "write norm = [\"u1\", \"u2\"], max = 5";
+        let Value::Array(list) = e.get_ref() else {
+            return Err(self.doc.error(e.span(), "`norm` must be a list of expressions", remedy).into());
+        };
+        let parts: Vec<(Located<'_, '_>, &str)> = list.iter().map(|c| (c, "norm")).collect();
+        if parts.is_empty() {
+            return Err(self.doc.error(e.span(), "`norm` is empty", remedy).into());
+        }
+        if let Some(min) = b.get("min") {
+            let remedy = "a norm is bounded from above: remove `min`";
+            return Err(self.doc.error(min.span(), "a norm has no lower bound here", remedy).into());
+        }
+        let Some(max) = b.get("max") else {
+            return Err(self.doc.error(key.span(), format!("`{}` has no `max`", key.get_ref()), remedy).into());
+        };
+        let (vector, limit) = (self.vector(&parts, names)?, self.vector(&[(max, "max")], names)?);
+        let softness = self.softness(key.get_ref(), b, !vector.uses_states && !limit.uses_states)?;
+        ocp.norm_constraints.push(NormConstraint {
+            vector: self.compiled(vector, names)?,
+            limit: self.compiled(limit, names)?,
+            softness,
+        });
+        Ok(())
+    }
+
+    /// Expressions of states, inputs, time and references.
+    fn vector(&self, parts: &[(Located<'_, '_>, &str)], names: &[String]) -> Parsed<Vector> {
+        let (mut context, mut pool) = CostNames::new(self.system, CostKind::Stage, names);
+        let mut components = Vec::new();
+        for (v, key) in parts {
+            components.push(self.doc.expression(v, key, &mut pool, &mut context)?);
+        }
+        let uses_states = self.system.states.iter().any(|&x| components.iter().any(|&e| pool.depends_on(e, x)));
+        Ok(Vector { pool, components, uses_states })
+    }
+
+    fn compiled(&self, mut g: Vector, names: &[String]) -> Result<VectorFunction, ProblemError> {
+        let time = g.pool.symbol("t");
+        let references: Vec<Symbol> = names.iter().map(|r| g.pool.symbol(r)).collect();
+        let (states, inputs) = (&self.system.states, &self.system.inputs);
+        Ok(VectorFunction::compile(&mut g.pool, time, states, inputs, &references, &g.components)?)
+    }
+
+    /// `soft`, `hard` or the default: constraints on inputs alone are hard, others soft.
+    fn softness(&self, name: &str, b: &Table<'_>, inputs_only: bool) -> Parsed<Softness> {
+        if self.boolean(b, "hard", inputs_only && !b.contains_key("soft"))? {
+            if let Some(soft) = b.get("soft") {
+                let message = format!("the bounds of `{name}` cannot be hard and soft");
+                return Err(self.doc.error(soft.span(), message, "remove `soft` or `hard`").into());
+            }
+            return Ok(Softness::Hard);
+        }
+        let (linear, quadratic) = self.soft(b)?.unwrap_or(DEFAULT_SOFT);
+        Ok(Softness::Soft { linear, quadratic })
     }
 
     fn soft(&self, table: &Table<'_>) -> Parsed<Option<(f64, f64)>> {

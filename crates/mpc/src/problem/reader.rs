@@ -70,7 +70,7 @@ impl Reader<'_> {
         let steps = self.count(horizon, "steps", None)?;
         let dt = self.positive(horizon, "dt", None)?;
         let mut ocp = Ocp::new(n, m, steps, dt);
-        self.integrator(horizon, &mut ocp)?;
+        self.discretisation(horizon, &mut ocp)?;
 
         let run = self.required(table, "run", "[run] with x0 and steps")?;
         self.doc.only_keys(run, &RUN_KEYS, "[run]")?;
@@ -86,8 +86,8 @@ impl Reader<'_> {
         let names = self.references(table, samples + steps, &mut ocp)?;
         self.costs(table, &names, &mut ocp)?;
         self.ranges(&mut ocp);
-        self.constraints(table, &mut ocp)?;
-        let guess = self.guess(table, steps, dt)?;
+        self.constraints(table, &names, &mut ocp)?;
+        let guess = self.guess(table, &ocp)?;
         self.expected_sizes(&x0, &guess, &mut ocp)?;
         self.targets(table, &mut ocp)?;
         self.scales(table, &mut ocp)?;
