@@ -3,7 +3,7 @@
 use crate::error::{MpcError, check_length};
 use crate::faults::StepLimits;
 use crate::ocp::Ocp;
-use crate::policy::{FailurePolicy, Failures};
+use crate::policy::{FailurePolicy, Failures, rest_input};
 use crate::qp::QpStatus;
 use crate::rti::Rti;
 use crate::sqp::{SolveStatus, Sqp};
@@ -85,6 +85,20 @@ impl SqpController {
         let rest = sqp.ocp().input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
         let failures = Failures::new(FailurePolicy::ShiftedInput, rest, guess.states(), guess.steps());
         Self { sqp, trajectory: guess, k: 0, failures, limits: StepLimits::default() }
+    }
+}
+
+impl SqpController {
+    /// What is applied when a sample has no solution; an empty `rest` is zero or the bound closest to it.
+    ///
+    /// # Errors
+    /// If policy or input of rest do not fit the problem.
+    pub fn with_failure_policy(mut self, policy: FailurePolicy, rest: Vec<f64>) -> Result<Self, MpcError> {
+        let ocp = self.sqp.ocp();
+        policy.check(ocp.states(), ocp.inputs())?;
+        let rest = rest_input(&rest, &ocp.input_bounds)?;
+        self.failures = Failures::new(policy, rest, ocp.states(), self.trajectory.steps());
+        Ok(self)
     }
 }
 

@@ -83,7 +83,7 @@ pub use integrator::Integrator;
 pub use nonsmooth::{FrictionMode, ModeChange, StickSlipController, StickSlipSettings};
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
 pub use policy::{Brake, FailurePolicy};
-pub use problem::{ControlProblem, ControlReport, ControlRun, Method, PlanReport, ProblemError};
+pub use problem::{ControlProblem, ControlReport, ControlRun, Method, PlanReport, ProblemError, RunConditions};
 pub use qp::{Backend, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use rti::{Horizon, Rti, RtiSettings};
 pub use shooting::Linearisation;

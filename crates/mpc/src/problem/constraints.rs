@@ -8,8 +8,8 @@ use crate::ocp::{Bounds, Ocp, Softness, TerminalTarget};
 use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
 use bracketry_system::{Table, Value};
 
-/// Default penalty of a violated state bound: linear and quadratic weight.
-const DEFAULT_SOFT: (f64, f64) = (1e3, 1e3);
+/// Stands for the default penalty until the level of the cost is known, see [`Reader::default_penalties`].
+const DEFAULT_SOFT: Softness = Softness::Soft { linear: f64::INFINITY, quadratic: f64::INFINITY };
 
 type Key<'i> = toml::Spanned<std::borrow::Cow<'i, str>>;
 
@@ -204,8 +204,29 @@ impl Reader<'_> {
             }
             return Ok(Softness::Hard);
         }
-        let (linear, quadratic) = self.soft(b)?.unwrap_or(DEFAULT_SOFT);
-        Ok(Softness::Soft { linear, quadratic })
+        Ok(self.soft(b)?.map_or(DEFAULT_SOFT, |(linear, quadratic)| Softness::Soft { linear, quadratic }))
+    }
+
+    /// Weights of soft constraints for which the file gives none: a violation by the size of the constrained quantity at one
+    /// grid point costs what `level` says of the whole horizon, and as much again for its square. That keeps a bound that can
+    /// be kept.
+    pub(super) fn default_penalties(level: f64, ocp: &mut Ocp) {
+        let penalty = |softness: &mut Softness, size: f64| {
+            if *softness == DEFAULT_SOFT {
+                *softness = Softness::Soft { linear: level / size, quadratic: level / size / size };
+            }
+        };
+        for (b, &size) in ocp.state_bounds.iter_mut().zip(&ocp.state_scale) {
+            penalty(&mut b.softness, size);
+        }
+        for c in &mut ocp.path_constraints {
+            let ends = [c.bounds.min.abs(), c.bounds.max.abs()];
+            let size = ends.into_iter().filter(|e| e.is_finite()).fold(0.0, f64::max);
+            penalty(&mut c.bounds.softness, if size > 0.0 { size } else { 1.0 });
+        }
+        for c in &mut ocp.norm_constraints {
+            penalty(&mut c.softness, 1.0);
+        }
     }
 
     fn soft(&self, table: &Table<'_>) -> Parsed<Option<(f64, f64)>> {

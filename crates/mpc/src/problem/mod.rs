@@ -1,5 +1,6 @@
 //! Problem files: model, horizon, cost, constraints and run in one TOML file.
 
+mod conditions;
 mod constraints;
 mod cost;
 mod horizon;
@@ -8,10 +9,12 @@ mod run;
 mod scaling;
 mod solve;
 
+pub use conditions::RunConditions;
 pub use run::{ControlReport, ControlRun, PlanReport};
 
 use crate::error::MpcError;
 use crate::ocp::Ocp;
+use crate::policy::FailurePolicy;
 use bracketry_system::{AffineError, Document, FileError, System};
 use reader::{KEYS, Reader};
 use std::path::Path;
@@ -25,6 +28,8 @@ pub enum Method {
     Sqp,
     /// A plan solved to convergence first, then one quadratic program per sample on what is left of the horizon.
     Plan,
+    /// As [`Method::Sqp`], on the exact stick–slip flow in place of smoothed friction.
+    StickSlip,
 }
 
 /// A problem file that cannot be used.
@@ -61,12 +66,16 @@ pub struct ControlProblem {
     pub method: Method,
     /// Programs solved before the first input is applied (method `rti`).
     pub initial_iterations: usize,
+    /// Largest number of programs per sample (method `rti`).
+    pub iterations: usize,
     /// Largest number of programs of a converged solution, at each smoothing width.
     pub max_iterations: usize,
     /// Tolerance of a converged solution.
     pub tolerance: f64,
     /// Tolerance of the quadratic programs.
     pub qp_tolerance: f64,
+    /// Weight, per unit of scale, of violated hard bounds.
+    pub hard_weight: f64,
     /// Widths that replace `sign` in the controller's model, from wide to narrow; the loop uses the last.
     pub smoothing: Vec<f64>,
     /// Fraction by which the plan's bounds are tightened, to leave the feedback room (method `plan`).
@@ -75,6 +84,14 @@ pub struct ControlProblem {
     pub proximal: f64,
     /// Whether steps in the loop are checked against the merit function.
     pub guarded: bool,
+    /// Largest time of a sample, s (method `rti`).
+    pub time_limit: f64,
+    /// What is applied when a sample has no solution.
+    pub policy: FailurePolicy,
+    /// Input of rest; when empty, the one closest to zero within the bounds.
+    pub rest_input: Vec<f64>,
+    /// Parameters of the controller's model that change over the run, as [`Ocp::parameters`] has them.
+    pub live: Vec<String>,
     /// Inputs of the first guess, one row per interval.
     pub guess: Vec<Vec<f64>>,
     /// Initial state.
@@ -83,6 +100,8 @@ pub struct ControlProblem {
     pub samples: usize,
     /// Integration steps of a smooth plant per sample.
     pub plant_substeps: usize,
+    /// Noise, delay and faults.
+    pub conditions: RunConditions,
 }
 
 impl ControlProblem {
@@ -118,9 +137,11 @@ impl ControlProblem {
         let Some(model) = doc.string(&table, "model")? else {
             return Err(doc.missing("no model is named", "add `model = \"model.toml\"` at the top").into());
         };
-        let system = with_own_inputs(models(&model)?)?;
+        let mut system = with_own_inputs(models(&model)?)?;
         doc.time_is_free(&system)?;
-        let plant = match doc.string(&table, "plant")? {
+        let original = system.clone();
+        Reader { doc, system: &original }.fixed_parameters(&table, &mut system)?;
+        let mut plant = match doc.string(&table, "plant")? {
             Some(name) => with_own_inputs(models(&name)?)?,
             None => system.clone(),
         };
@@ -128,6 +149,9 @@ impl ControlProblem {
             return Err(doc.missing("model and plant differ in their states or inputs", "give both the same").into());
         }
         let reader = Reader { doc, system: &system };
+        if let Some(run) = doc.sub_table(&table, "run")? {
+            reader.plant_parameters(run, &mut plant)?;
+        }
         let problem = reader.problem(&table, plant)?;
         problem.ocp.check(problem.system.states.len(), problem.system.inputs.len())?;
         Ok(problem)

@@ -1,17 +1,20 @@
 //! The tables of a problem file, one by one.
 
 use super::{ControlProblem, Method, ProblemError};
-use crate::ocp::Ocp;
+use crate::ocp::{Ocp, Substeps};
+use crate::policy::FailurePolicy;
+use crate::qp::QpSettings;
 use bracketry_symbolic::{Expr, Names, Pool, Tape};
 use bracketry_system::{Document, FileError, System, Table, Value};
 use std::ops::Range;
 
-pub(super) const KEYS: [&str; 14] = [
+pub(super) const KEYS: [&str; 15] = [
     "name",
     "model",
     "plant",
     "horizon",
     "cost",
+    "parameters",
     "references",
     "constraints",
     "target",
@@ -22,7 +25,6 @@ pub(super) const KEYS: [&str; 14] = [
     "run",
     "about",
 ];
-const RUN_KEYS: [&str; 3] = ["x0", "steps", "plant_substeps"];
 
 pub(super) type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
 pub(super) type Parsed<T> = Result<T, Box<FileError>>;
@@ -72,52 +74,51 @@ impl Reader<'_> {
         let mut ocp = Ocp::new(n, m, steps, dt);
         self.discretisation(horizon, &mut ocp)?;
 
-        let run = self.required(table, "run", "[run] with x0 and steps")?;
-        self.doc.only_keys(run, &RUN_KEYS, "[run]")?;
-        let samples = self.count(run, "steps", Some(steps))?;
-        let mut x0 = vec![0.0; n];
-        if let Some(values) = self.doc.sub_table(run, "x0")? {
-            for (key, value) in values {
-                let i = self.state(key.get_ref(), key.span())?;
-                x0[i] = self.constant(value, key.get_ref())?;
-            }
-        }
-
-        let names = self.references(table, samples + steps, &mut ocp)?;
+        let (run, start) = self.run(table, steps)?;
+        let live = self.parameters(table, start.samples + steps, &mut ocp)?;
+        let names = self.references(table, start.samples + steps, &live, &mut ocp)?;
         self.costs(table, &names, &mut ocp)?;
         self.ranges(&mut ocp);
         self.constraints(table, &names, &mut ocp)?;
         let guess = self.guess(table, &ocp)?;
-        self.expected_sizes(&x0, &guess, &mut ocp)?;
+        let level = self.expected_sizes(&start.x0, &guess, &mut ocp)?;
         self.targets(table, &mut ocp)?;
         self.scales(table, &mut ocp)?;
-
-        let empty = Table::new();
-        let solve = self.doc.sub_table(table, "solve")?.unwrap_or(&empty);
-        self.doc.only_keys(solve, &super::solve::KEYS, "[solve]")?;
-        let method = self.method(solve)?;
-        let planned = method == Method::Plan;
-        Ok(ControlProblem {
-            method,
-            initial_iterations: self.count(solve, "initial_iterations", Some(1))?,
-            max_iterations: self.count(solve, "max_iterations", Some(100))?,
-            tolerance: self.positive(solve, "tolerance", Some(if planned { 1e-2 } else { 1e-8 }))?,
-            qp_tolerance: self.positive(solve, "qp_tolerance", Some(1e-8))?,
-            smoothing: self.smoothing(solve, planned)?,
-            margin: self.not_negative(solve, "margin", if planned { 0.05 } else { 0.0 })?,
-            proximal: self.not_negative(solve, "proximal", if planned { 0.5 } else { 0.0 })?,
-            guarded: self.boolean(solve, "guarded", planned)?,
+        Self::default_penalties(level, &mut ocp);
+        let conditions = self.conditions(run, &system.state_names())?;
+        let (Substeps::Fixed(substeps) | Substeps::AtLeast(substeps)) = ocp.substeps;
+        let mut problem = ControlProblem {
+            method: Method::Rti,
+            initial_iterations: 1,
+            iterations: 1,
+            max_iterations: 100,
+            tolerance: 1e-8,
+            qp_tolerance: 1e-8,
+            // The multiplier of a bound cannot well exceed what the whole horizon costs.
+            hard_weight: (10.0 * dt * level).max(QpSettings::default().hard_weight),
+            smoothing: Vec::new(),
+            margin: 0.0,
+            proximal: 0.0,
+            guarded: false,
+            time_limit: f64::INFINITY,
+            policy: FailurePolicy::default(),
+            rest_input: Vec::new(),
+            live,
             guess,
-            x0,
-            samples,
-            plant_substeps: self.count(run, "plant_substeps", Some(1))?,
+            x0: start.x0,
+            samples: start.samples,
+            plant_substeps: start.plant_substeps.unwrap_or(substeps),
+            conditions,
             system: system.clone(),
             plant,
             ocp,
-        })
+        };
+        let empty = Table::new();
+        self.solve(self.doc.sub_table(table, "solve")?.unwrap_or(&empty), &mut problem)?;
+        Ok(problem)
     }
 
-    fn required<'t, 'i>(&self, table: &'t Table<'i>, key: &str, remedy: &str) -> Parsed<&'t Table<'i>> {
+    pub(super) fn required<'t, 'i>(&self, table: &'t Table<'i>, key: &str, remedy: &str) -> Parsed<&'t Table<'i>> {
         let found = self.doc.sub_table(table, key)?;
         Ok(found.ok_or_else(|| self.doc.missing(format!("[{key}] is missing"), format!("add {remedy}")))?)
     }
@@ -154,6 +155,17 @@ impl Reader<'_> {
             Ok(v as usize)
         } else {
             let message = format!("`{key}` must be a whole number from 1 to 1000000");
+            Err(self.doc.error(span, message, "give a whole number").into())
+        }
+    }
+
+    /// A whole number from 0.
+    pub(super) fn whole(&self, table: &Table<'_>, key: &str, default: usize) -> Parsed<usize> {
+        let (v, span) = self.number(table, key, Some(default as f64))?;
+        if (0.0..=1e9).contains(&v) && v.fract() == 0.0 {
+            Ok(v as usize)
+        } else {
+            let message = format!("`{key}` must be a whole number from 0 to 1000000000");
             Err(self.doc.error(span, message, "give a whole number").into())
         }
     }
@@ -208,6 +220,11 @@ impl Reader<'_> {
     pub(super) fn state(&self, name: &str, span: Range<usize>) -> Parsed<usize> {
         let found = self.system.state_index(name);
         found.ok_or_else(|| self.unknown(name, span, "state", &self.system.state_names()))
+    }
+
+    pub(super) fn input(&self, name: &str, span: Range<usize>) -> Parsed<usize> {
+        let found = self.system.input_index(name);
+        found.ok_or_else(|| self.unknown(name, span, "input", &self.system.input_names()))
     }
 
     pub(super) fn unknown(&self, name: &str, span: Range<usize>, what: &str, known: &[String]) -> Box<FileError> {

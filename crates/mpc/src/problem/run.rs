@@ -1,16 +1,20 @@
 //! A control problem run from start to end, and what is to be said about it.
 
-use super::{ControlProblem, Method};
+use super::{ControlProblem, Method, RunConditions};
 use crate::closed_loop::{ClosedLoop, LoopSettings, Plant, run_closed_loop};
 use crate::controller::{Controller, SqpController};
 use crate::counts::{Counts, SolveTimes};
+use crate::delay::DelayCompensated;
 use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
+use crate::nonsmooth::{StickSlipController, StickSlipSettings};
 use crate::ocp::Ocp;
 use crate::qp::QpSettings;
 use crate::rti::{Horizon, Rti, RtiSettings};
 use crate::sqp::{Solution, SolveStatus, Sqp, SqpSettings};
 use crate::trajectory::Trajectory;
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -110,11 +114,12 @@ pub struct ControlRun {
 
 impl ControlProblem {
     fn dynamics(&self) -> Result<Box<SymbolicDynamics>, MpcError> {
-        SymbolicDynamics::new(&self.system).map(Box::new)
+        let live: Vec<&str> = self.live.iter().map(String::as_str).collect();
+        SymbolicDynamics::with_live_parameters(&self.system, &live).map(Box::new)
     }
 
     fn qp(&self) -> QpSettings {
-        QpSettings { tolerance: self.qp_tolerance, ..QpSettings::default() }
+        QpSettings { tolerance: self.qp_tolerance, hard_weight: self.hard_weight, ..QpSettings::default() }
     }
 
     fn sqp_settings(&self) -> SqpSettings {
@@ -146,6 +151,10 @@ impl ControlProblem {
             smoothing: self.smoothing.last().copied(),
             proximal: self.proximal,
             guarded: self.guarded,
+            rest_input: self.rest_input.clone(),
+            policy: self.policy.clone(),
+            iterations: self.iterations,
+            time_limit: self.time_limit,
             qp: self.qp(),
             ..RtiSettings::default()
         };
@@ -159,6 +168,62 @@ impl ControlProblem {
     pub fn tracker(&self, plan: &Solution) -> Result<Rti, MpcError> {
         let ocp = self.ocp.tightened(LOOP_SHARE * self.margin);
         self.rti(ocp, plan.trajectory.clone(), Horizon::Shrinking { min_steps: MIN_STEPS })
+    }
+
+    /// The guess, at rest in the initial state.
+    fn start(&self) -> Trajectory {
+        let mut start = Trajectory::constant(self.ocp.steps, &self.x0, &self.first_input());
+        for (k, u) in self.guess.iter().enumerate() {
+            start.u_mut(k).copy_from_slice(u);
+        }
+        start
+    }
+
+    /// The input before the first decision takes effect.
+    fn first_input(&self) -> Vec<f64> {
+        let rest = self.ocp.input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1));
+        if self.rest_input.is_empty() { rest.collect() } else { self.rest_input.clone() }
+    }
+
+    /// The controller at its start, with the plan where the method makes one and the cost that it predicts.
+    fn controller(&self) -> Result<(Box<dyn Controller>, Option<Solution>, f64), MpcError> {
+        let mut ocp = self.ocp.clone();
+        Ok(match self.method {
+            Method::Plan => {
+                let plan = self.plan()?;
+                let cost = plan.cost;
+                (Box::new(self.tracker(&plan)?), Some(plan), cost)
+            }
+            Method::Rti => {
+                let mut rti = self.rti(self.ocp.clone(), self.start(), Horizon::Receding)?;
+                for _ in 1..self.initial_iterations {
+                    rti.feedback(&self.x0)?;
+                }
+                let cost = ocp.cost(0, rti.trajectory());
+                (Box::new(rti), None, cost)
+            }
+            Method::Sqp => {
+                let mut sqp = Sqp::new(self.dynamics()?, self.ocp.clone(), self.sqp_settings())?;
+                let first = sqp.solve(&self.x0, &self.start())?;
+                let cost = first.cost;
+                let controller = SqpController::new(sqp, first.trajectory)
+                    .with_failure_policy(self.policy.clone(), self.rest_input.clone())?;
+                (Box::new(controller), None, cost)
+            }
+            Method::StickSlip => {
+                let settings = StickSlipSettings {
+                    iterations: self.iterations.max(self.max_iterations),
+                    smoothing: self.smoothing.clone(),
+                    failure: self.policy.clone(),
+                    rest_input: self.rest_input.clone(),
+                    qp: self.qp(),
+                    ..StickSlipSettings::default()
+                };
+                let controller = StickSlipController::new(&self.system, self.ocp.clone(), self.start(), settings)?;
+                let cost = ocp.cost(0, controller.plan());
+                (Box::new(controller), None, cost)
+            }
+        })
     }
 
     /// Runs the closed loop on a plant.
@@ -178,36 +243,26 @@ impl ControlProblem {
         plant: &mut dyn Plant,
         disturb: impl FnMut(usize, &mut [f64]),
     ) -> Result<ControlRun, MpcError> {
-        let rest = vec![0.0; self.ocp.inputs()];
-        let mut ocp = self.ocp.clone();
-        let (mut controller, plan, open_loop_cost): (Box<dyn Controller>, Option<Solution>, f64) = match self.method {
-            Method::Plan => {
-                let plan = self.plan()?;
-                (Box::new(self.tracker(&plan)?), Some(plan.clone()), plan.cost)
-            }
-            Method::Rti => {
-                let mut start = Trajectory::constant(self.ocp.steps, &self.x0, &rest);
-                for (k, u) in self.guess.iter().enumerate() {
-                    start.u_mut(k).copy_from_slice(u);
-                }
-                let mut rti = self.rti(self.ocp.clone(), start, Horizon::Receding)?;
-                for _ in 1..self.initial_iterations {
-                    rti.feedback(&self.x0)?;
-                }
-                let cost = ocp.cost(0, rti.trajectory());
-                (Box::new(rti), None, cost)
-            }
-            Method::Sqp => {
-                let mut sqp = Sqp::new(self.dynamics()?, self.ocp.clone(), self.sqp_settings())?;
-                let mut start = Trajectory::constant(self.ocp.steps, &self.x0, &rest);
-                for (k, u) in self.guess.iter().enumerate() {
-                    start.u_mut(k).copy_from_slice(u);
-                }
-                let first = sqp.solve(&self.x0, &start)?;
-                (Box::new(SqpController::new(sqp, first.trajectory)), None, first.cost)
-            }
+        let (controller, plan, open_loop_cost) = self.controller()?;
+        let first = self.first_input();
+        let delay = self.conditions.delay;
+        let mut controller: Box<dyn Controller> = if delay > 0 && self.conditions.compensate_delay {
+            Box::new(DelayCompensated::new(controller, self.dynamics()?, delay, &first)?)
+        } else {
+            controller
         };
-        let settings = LoopSettings { noise: Some(Box::new(disturb)), ..LoopSettings::default() };
+        let mut disturb = disturb;
+        let mut noise = Noise::new(&self.conditions);
+        let settings = LoopSettings {
+            noise: Some(Box::new(move |k, y| {
+                noise.add(y);
+                disturb(k, y);
+            })),
+            delay,
+            initial_input: first,
+            faults: Some(Box::new(|k| self.conditions.faults_at(k))),
+            ..LoopSettings::default()
+        };
         let run = run_closed_loop(controller.as_mut(), plant, &self.x0, self.samples, settings)?;
         let end = run.x.last().unwrap_or(&self.x0);
         let names = self.system.state_names();
@@ -237,6 +292,26 @@ impl ControlProblem {
             }),
         };
         Ok(ControlRun { report, closed_loop: run, plan })
+    }
+}
+
+/// Normally distributed noise on what is measured.
+struct Noise {
+    deviations: Vec<f64>,
+    random: StdRng,
+}
+
+impl Noise {
+    fn new(conditions: &RunConditions) -> Self {
+        Self { deviations: conditions.noise.clone(), random: StdRng::seed_from_u64(conditions.seed) }
+    }
+
+    fn add(&mut self, y: &mut [f64]) {
+        for (y, deviation) in y.iter_mut().zip(&self.deviations).filter(|(_, d)| **d > 0.0) {
+            // Box and Muller: two uniform numbers give a normal one.
+            let (a, b): (f64, f64) = (self.random.random(), self.random.random());
+            *y += deviation * (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos();
+        }
     }
 }
 

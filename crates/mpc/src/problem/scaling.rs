@@ -20,7 +20,9 @@ impl Reader<'_> {
     /// inputs (those of the guess, then each at its bounds) take a state within one interval, or, up to 1, within the horizon.
     ///
     /// Where the file does not say how many integration steps an interval gets, there are enough for a stable method.
-    pub(super) fn expected_sizes(&self, x0: &[f64], guess: &[Vec<f64>], ocp: &mut Ocp) -> Result<(), ProblemError> {
+    ///
+    /// Returns the level of the cost: what the horizon costs along the trial runs, per unit of time step.
+    pub(super) fn expected_sizes(&self, x0: &[f64], guess: &[Vec<f64>], ocp: &mut Ocp) -> Result<f64, ProblemError> {
         let (n, m) = (ocp.states(), ocp.inputs());
         let point = self.system.point_values();
         let finite = |values: &[f64]| values.iter().filter(|v| v.is_finite()).fold(0.0, |s: f64, v| s.max(v.abs()));
@@ -80,7 +82,7 @@ impl Reader<'_> {
         for (scale, size) in ocp.state_scale.iter_mut().zip(sizes) {
             *scale = if size > 0.0 { size } else { 1.0 };
         }
-        Ok(())
+        Ok(cost_level(ocp, x0, &guess[0]))
     }
 
     /// The tables `[scale]` and `[trust]`.
@@ -102,6 +104,34 @@ impl Reader<'_> {
         }
         Ok(())
     }
+}
+
+/// N times the size of the stage cost, with the end of the horizon spread over it: the value at the start, and what moving
+/// every state and input by its size changes to second order.
+fn cost_level(ocp: &mut Ocp, x0: &[f64], u0: &[f64]) -> f64 {
+    let (n, steps, dt) = (ocp.states(), ocp.steps as f64, ocp.dt);
+    let sizes: Vec<f64> = ocp.state_scale.iter().chain(&ocp.input_trust).copied().collect();
+    let r = ocp.reference(0).to_vec();
+    let mut level = 0.0;
+    for (cost, u, factor) in [(&mut ocp.stage, u0, steps), (&mut ocp.terminal, &[][..], 1.0 / dt)] {
+        let Some(cost) = cost else { continue };
+        let mut gradient = vec![0.0; n + u.len()];
+        let mut hessian = vec![0.0; cost.hessian_pattern().len()];
+        let r = &r[..cost.references()];
+        cost.add_derivatives(x0, u, 0.0, r, 1.0, &mut gradient, &mut hessian);
+        let mut size = cost.value(x0, u, 0.0, r).abs();
+        size += gradient.iter().zip(&sizes).map(|(g, s)| (g * s).abs()).sum::<f64>();
+        for (&(i, j), h) in cost.hessian_pattern().iter().zip(&hessian) {
+            if i == j {
+                size += 0.5 * h * sizes[i] * sizes[i];
+            }
+        }
+        level += factor * size;
+    }
+    for t in &ocp.targets {
+        level += t.linear * (x0[t.state] - t.value).abs() / dt;
+    }
+    if level.is_finite() && level > 0.0 { level } else { 1e3 }
 }
 
 fn steps_for(steps: f64) -> usize {

@@ -1,12 +1,14 @@
 //! How a problem file wants to be solved.
 
-use super::Method;
 use super::reader::{Parsed, Reader};
+use super::{ControlProblem, Method};
+use crate::policy::{Brake, FailurePolicy};
 use bracketry_system::{Table, Value};
 
-pub(super) const KEYS: [&str; 9] = [
+const KEYS: [&str; 15] = [
     "method",
     "initial_iterations",
+    "iterations",
     "max_iterations",
     "tolerance",
     "qp_tolerance",
@@ -14,22 +16,115 @@ pub(super) const KEYS: [&str; 9] = [
     "margin",
     "proximal",
     "guarded",
+    "time_limit",
+    "policy",
+    "brake",
+    "brake_after",
+    "rest",
 ];
 
 impl Reader<'_> {
-    pub(super) fn method(&self, solve: &Table<'_>) -> Parsed<Method> {
+    /// The table `[solve]`.
+    pub(super) fn solve(&self, solve: &Table<'_>, problem: &mut ControlProblem) -> Parsed<()> {
+        self.doc.only_keys(solve, &KEYS, "[solve]")?;
+        let method = self.method(solve)?;
+        let planned = method == Method::Plan;
+        problem.method = method;
+        problem.initial_iterations = self.count(solve, "initial_iterations", Some(problem.initial_iterations))?;
+        problem.iterations = self.count(solve, "iterations", Some(1))?;
+        problem.max_iterations = self.count(solve, "max_iterations", Some(100))?;
+        problem.tolerance = self.positive(solve, "tolerance", Some(if planned { 1e-2 } else { 1e-8 }))?;
+        problem.qp_tolerance = self.positive(solve, "qp_tolerance", Some(1e-8))?;
+        problem.smoothing = self.smoothing(solve, planned)?;
+        problem.margin = self.not_negative(solve, "margin", if planned { 0.05 } else { 0.0 })?;
+        problem.proximal = self.not_negative(solve, "proximal", if planned { 0.5 } else { 0.0 })?;
+        problem.guarded = self.boolean(solve, "guarded", planned)?;
+        problem.time_limit = self.positive(solve, "time_limit", Some(f64::INFINITY))?;
+        if let Some(t) = self.doc.sub_table(solve, "rest")? {
+            problem.rest_input = problem.ocp.input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
+            for (key, v) in t {
+                let j = self.input(key.get_ref(), key.span())?;
+                let value = self.constant(v, key.get_ref())?;
+                let (min, max) = problem.ocp.input_bounds[j];
+                if !(min..=max).contains(&value) {
+                    let message = format!("`{}` at rest is outside of its bounds", key.get_ref());
+                    return Err(self.doc.error(v.span(), message, format!("choose from {min} to {max}")).into());
+                }
+                problem.rest_input[j] = value;
+            }
+        }
+        problem.policy = self.policy(solve)?;
+        Ok(())
+    }
+
+    fn method(&self, solve: &Table<'_>) -> Parsed<Method> {
         match (self.doc.string(solve, "method")?.as_deref(), solve.get("method")) {
             (None | Some("rti"), _) | (_, None) => Ok(Method::Rti),
             (Some("sqp"), _) => Ok(Method::Sqp),
             (Some("plan"), _) => Ok(Method::Plan),
+            (Some("stick-slip"), _) => Ok(Method::StickSlip),
             (Some(other), Some(v)) => {
                 let message = format!("there is no method `{other}`");
-                Err(self.doc.error(v.span(), message, "write \"rti\", \"sqp\" or \"plan\"").into())
+                let remedy = "write \"rti\", \"sqp\", \"plan\" or \"stick-slip\"";
+                Err(self.doc.error(v.span(), message, remedy).into())
             }
         }
     }
 
-    pub(super) fn smoothing(&self, solve: &Table<'_>, planned: bool) -> Parsed<Vec<f64>> {
+    /// What is applied when a sample has no solution.
+    fn policy(&self, solve: &Table<'_>) -> Parsed<FailurePolicy> {
+        let name = self.doc.string(solve, "policy")?;
+        let brakes = self.doc.sub_table(solve, "brake")?;
+        let policy = match (name.as_deref(), solve.get("policy")) {
+            (None, _) | (_, None) if brakes.is_none() => FailurePolicy::ShiftedInput,
+            (Some("shift"), _) => FailurePolicy::ShiftedInput,
+            (Some("rest"), _) => FailurePolicy::RestInput,
+            (Some("brake") | None, _) | (_, None) => {
+                let after = self.whole(solve, "brake_after", 0)?;
+                let brakes = self.brakes(brakes, solve)?;
+                FailurePolicy::BrakeToRest { after, brakes }
+            }
+            (Some(other), Some(v)) => {
+                let message = format!("there is no policy `{other}`");
+                return Err(self.doc.error(v.span(), message, "write \"shift\", \"brake\" or \"rest\"").into());
+            }
+        };
+        let brakes_are_used = matches!(policy, FailurePolicy::BrakeToRest { .. });
+        for key in ["brake", "brake_after"] {
+            if let Some(v) = solve.get(key).filter(|_| !brakes_are_used) {
+                let message = format!("`{key}` is not used by this policy");
+                return Err(self.doc.error(v.span(), message, "write policy = \"brake\", or remove it").into());
+            }
+        }
+        Ok(policy)
+    }
+
+    fn brakes(&self, brakes: Option<&Table<'_>>, solve: &Table<'_>) -> Parsed<Vec<Brake>> {
+        let remedy = "write brake = { u = { velocity = \"v\", rate = 10 } }: u = rest - rate*v";
+        let Some(t) = brakes else {
+            let span = solve.get("policy").map_or(0..0, toml::Spanned::span);
+            return Err(self.doc.error(span, "nothing says how to brake", remedy).into());
+        };
+        let mut list = Vec::new();
+        for (key, v) in t {
+            let input = self.input(key.get_ref(), key.span())?;
+            let Value::Table(entry) = v.get_ref() else {
+                return Err(self.doc.error(v.span(), "a brake must be a table", remedy).into());
+            };
+            self.doc.only_keys(entry, &["velocity", "rate"], "a brake")?;
+            let (Some(name), Some(place)) = (self.doc.string(entry, "velocity")?, entry.get("velocity")) else {
+                return Err(self.doc.error(v.span(), "the brake names no velocity", remedy).into());
+            };
+            let velocity = self.state(&name, place.span())?;
+            if !entry.contains_key("rate") {
+                return Err(self.doc.error(v.span(), "the brake has no rate", remedy).into());
+            }
+            list.push(Brake { input, velocity, rate: self.not_negative(entry, "rate", 0.0)? });
+        }
+        Ok(list)
+    }
+
+    fn smoothing(&self, solve: &Table<'_>, planned: bool) -> Parsed<Vec<f64>> {
         let Some(v) = solve.get("smoothing") else {
             return Ok(if planned { vec![0.1, 0.03, 0.01, 0.003] } else { vec![0.01] });
         };
