@@ -93,10 +93,10 @@ impl SqpController {
     ///
     /// # Errors
     /// If policy or input of rest do not fit the problem.
-    pub fn with_failure_policy(mut self, policy: FailurePolicy, rest: Vec<f64>) -> Result<Self, MpcError> {
+    pub fn with_failure_policy(mut self, policy: FailurePolicy, rest: &[f64]) -> Result<Self, MpcError> {
         let ocp = self.sqp.ocp();
         policy.check(ocp.states(), ocp.inputs())?;
-        let rest = rest_input(&rest, &ocp.input_bounds)?;
+        let rest = rest_input(rest, &ocp.input_bounds)?;
         self.failures = Failures::new(policy, rest, ocp.states(), self.trajectory.steps());
         Ok(self)
     }

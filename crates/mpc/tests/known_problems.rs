@@ -60,13 +60,11 @@ fn quadrotor_with_limited_thrust_and_tilt() {
 }
 
 #[test]
-#[ignore = "long: cargo test --release -p bracketry-mpc --test known_problems -- --ignored"]
 fn klatt_engell_reactor() {
     costs("klatt_engell_set_point", 0.070433);
 }
 
 #[test]
-#[ignore = "long: cargo test --release -p bracketry-mpc --test known_problems -- --ignored"]
 fn chain_of_masses_beside_a_wall() {
     costs("chain_of_masses_rest", 2.396714);
 }

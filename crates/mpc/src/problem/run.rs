@@ -112,6 +112,9 @@ pub struct ControlRun {
     pub plan: Option<Solution>,
 }
 
+/// A controller at its start, with the plan where the method makes one and the cost that it predicts.
+type Prepared = (Box<dyn Controller>, Option<Solution>, f64);
+
 impl ControlProblem {
     fn dynamics(&self) -> Result<Box<SymbolicDynamics>, MpcError> {
         let live: Vec<&str> = self.live.iter().map(String::as_str).collect();
@@ -156,7 +159,6 @@ impl ControlProblem {
             iterations: self.iterations,
             time_limit: self.time_limit,
             qp: self.qp(),
-            ..RtiSettings::default()
         };
         Rti::new(self.dynamics()?, ocp, trajectory, settings)
     }
@@ -185,8 +187,8 @@ impl ControlProblem {
         if self.rest_input.is_empty() { rest.collect() } else { self.rest_input.clone() }
     }
 
-    /// The controller at its start, with the plan where the method makes one and the cost that it predicts.
-    fn controller(&self) -> Result<(Box<dyn Controller>, Option<Solution>, f64), MpcError> {
+    /// The controller at its start.
+    fn controller(&self) -> Result<Prepared, MpcError> {
         let mut ocp = self.ocp.clone();
         Ok(match self.method {
             Method::Plan => {
@@ -207,7 +209,7 @@ impl ControlProblem {
                 let first = sqp.solve(&self.x0, &self.start())?;
                 let cost = first.cost;
                 let controller = SqpController::new(sqp, first.trajectory)
-                    .with_failure_policy(self.policy.clone(), self.rest_input.clone())?;
+                    .with_failure_policy(self.policy.clone(), &self.rest_input)?;
                 (Box::new(controller), None, cost)
             }
             Method::StickSlip => {

@@ -5,9 +5,6 @@ use crate::ocp::{Ocp, Softness};
 use crate::shooting::Linearisation;
 use crate::trajectory::Trajectory;
 
-/// Smallest curvature of any variable: keeps the program strictly convex.
-const REGULARISATION: f64 = 1e-9;
-
 /// An entry that stands nowhere: x_0 does not change.
 const NOWHERE: usize = usize::MAX;
 
@@ -188,7 +185,8 @@ impl Assembly {
                 assembled.target_rows.push(BoundRow { k, of: j, upper, row });
             }
             let softness = Softness::Soft { linear: t.linear, quadratic: 0.0 };
-            assembled.slacks.push(Slack { variable: slack, softness, factor: 1.0, scale: 1.0 });
+            let scale = ocp.state_scale[t.state];
+            assembled.slacks.push(Slack { variable: slack, softness, factor: 1.0, scale });
         }
         for &(c, k, (_, place)) in &norm_slacks {
             let slack = rows.program.slack(k, place);
@@ -242,6 +240,30 @@ impl Assembly {
         program.hessian = vec![0.0; program.hessian_places.len()];
         assembled.program = program;
         assembled
+    }
+
+    /// Sizes of states and inputs.
+    pub(super) fn columns(ocp: &Ocp) -> Vec<f64> {
+        let input = |trust: &f64| if trust.is_finite() { *trust } else { 1.0 };
+        ocp.state_scale.iter().copied().chain(ocp.input_trust.iter().map(input)).collect()
+    }
+
+    /// Sizes of all variables.
+    pub(super) fn sizes(&self, ocp: &Ocp) -> Vec<f64> {
+        let (p, columns) = (&self.program, Self::columns(ocp));
+        let mut sizes = vec![1.0; p.variables()];
+        for s in &self.slacks {
+            sizes[s.variable] = s.scale;
+        }
+        for k in 0..=p.steps {
+            let inputs = if k < p.steps { p.inputs } else { 0 };
+            for (v, size) in columns.iter().enumerate().take(p.states + inputs) {
+                if let Some(variable) = p.variable(k, v) {
+                    sizes[variable] = *size;
+                }
+            }
+        }
+        sizes
     }
 
     /// Fills in every number; see [`Qp::assemble`](super::Qp::assemble).
@@ -307,19 +329,18 @@ impl Assembly {
         }
     }
 
-    /// Sets the Hessian to the regularisation and the proximal term; for the first interval alone, only that of its inputs.
+    /// Sets the Hessian to the proximal term; for the first interval alone, only that of its inputs.
     fn fill_curvature(&mut self, ocp: &Ocp, proximal: f64, intervals: std::ops::Range<usize>) {
         let p = &mut self.program;
         if intervals.len() == p.steps {
             p.hessian.fill(0.0);
-            p.hessian[..p.gradient.len()].fill(REGULARISATION);
         } else {
             for &slot in self.stage_slots[0].iter().filter(|s| **s != NOWHERE) {
                 p.hessian[slot] = 0.0;
             }
             for j in 0..p.inputs {
                 let variable = p.input(0, j);
-                p.hessian[variable] = REGULARISATION;
+                p.hessian[variable] = 0.0;
             }
         }
         if proximal == 0.0 {

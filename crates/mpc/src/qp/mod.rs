@@ -9,6 +9,7 @@ mod assembly;
 mod clarabel;
 mod pattern;
 mod program;
+mod scaling;
 mod substitution;
 #[cfg(test)]
 mod tests;
@@ -20,6 +21,7 @@ use crate::trajectory::Trajectory;
 use assembly::Assembly;
 use clarabel::Clarabel;
 pub use program::StageProgram;
+use scaling::Scaled;
 
 /// The form in which the quadratic program is solved. The solution is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -156,6 +158,8 @@ impl Qp {
         let (n, m) = (program.states, program.inputs);
         let stage =
             StageSolution { z: vec![0.0; program.variables()], multipliers: vec![0.0; steps * n], iterations: 0 };
+        let backend =
+            Box::new(Scaled::new(backend, program, assembly.sizes(ocp), Assembly::columns(ocp), stage.clone()));
         let solution = QpSolution {
             dx: vec![0.0; (steps + 1) * n],
             du: vec![0.0; steps * m],
