@@ -50,43 +50,41 @@ pub struct ModeChange {
 
 /// A switching function this small is zero: its sign is chosen, not read.
 const ZERO: f64 = 1e-9;
-/// How far a located σ may lie beyond zero.
-const SURFACE_TOLERANCE: f64 = 1e-12;
 /// How far a sticking sign may lie beyond ±1.
-const SIGN_TOLERANCE: f64 = 1e-9;
+pub(super) const SIGN_TOLERANCE: f64 = 1e-9;
 /// Most events within one interval; beyond it the switches chatter.
 const MAX_EVENTS: usize = 60;
 
 /// Where the integration stands in an interval.
 #[derive(Clone, Copy)]
-struct Span {
-    t: f64,
-    h: f64,
+pub(super) struct Span {
+    pub(super) t: f64,
+    pub(super) h: f64,
 }
 
 /// Exact flow with its working memory.
 #[derive(Clone)]
 pub(crate) struct StickSlipFlow {
     pub(crate) field: SwitchedField,
-    modes: Vec<FrictionMode>,
-    signs: Vec<f64>,
+    pub(super) modes: Vec<FrictionMode>,
+    pub(super) signs: Vec<f64>,
     /// Switches whose sign is kept whatever their σ does.
-    held: Vec<bool>,
-    stuck: Vec<usize>,
+    pub(super) held: Vec<bool>,
+    pub(super) stuck: Vec<usize>,
     /// x', σ̇ at the resolved signs.
-    f: Vec<f64>,
-    rates: Vec<f64>,
+    pub(super) f: Vec<f64>,
+    pub(super) rates: Vec<f64>,
     stage: Vec<f64>,
-    trial: Vec<f64>,
+    pub(super) trial: Vec<f64>,
     k: [Vec<f64>; 4],
     d: [Vec<f64>; 4],
-    s: Vec<f64>,
+    pub(super) s: Vec<f64>,
     moved: Vec<f64>,
     factors: Factors,
     right: Vec<f64>,
-    before: Vec<f64>,
-    modes_before: Vec<FrictionMode>,
-    event_row: Vec<f64>,
+    pub(super) before: Vec<f64>,
+    pub(super) modes_before: Vec<FrictionMode>,
+    pub(super) event_row: Vec<f64>,
     /// Modes and signs at the start of the last interval, and ∂s/∂(x, u) of those that stick (k rows of n + m).
     pub(crate) start_modes: Vec<FrictionMode>,
     pub(crate) start_signs: Vec<f64>,
@@ -131,7 +129,8 @@ impl StickSlipFlow {
     }
 
     /// Advances `x` over `dt` in `substeps` steps and more at events; `jacobian` receives the derivative of the end state
-    /// with respect to (x, u), n rows of n + m. `hold` keeps the sign of one switch. False where no mode is consistent or
+    /// with respect to (x, u), n rows of n + m. `hold` keeps the signs of some switches, whatever their σ do
+    /// (empty: none). False where no mode is consistent or
     /// the switches chatter.
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn advance(
@@ -142,7 +141,7 @@ impl StickSlipFlow {
         dt: f64,
         substeps: usize,
         jacobian: Option<&mut [f64]>,
-        hold: Option<(usize, FrictionMode)>,
+        hold: &[Option<FrictionMode>],
     ) -> bool {
         let (n, m) = (self.field.states, self.field.inputs);
         let w = n + m;
@@ -200,16 +199,18 @@ impl StickSlipFlow {
     }
 
     /// Reads the modes off the state; what is zero is settled by its consistent signs.
-    fn begin(&mut self, t: f64, x: &mut [f64], u: &[f64], hold: Option<(usize, FrictionMode)>) -> bool {
+    fn begin(&mut self, t: f64, x: &mut [f64], u: &[f64], hold: &[Option<FrictionMode>]) -> bool {
         self.held.fill(false);
         self.field.evaluate(t, x, u, &self.signs);
         for i in 0..self.modes.len() {
             let sigma = self.field.surface(i);
             self.modes[i] = if sigma.abs() > ZERO { FrictionMode::of(sigma) } else { FrictionMode::Sticking };
         }
-        if let Some((i, mode)) = hold {
-            self.held[i] = true;
-            self.modes[i] = mode;
+        for (i, mode) in hold.iter().enumerate() {
+            if let Some(mode) = *mode {
+                self.held[i] = true;
+                self.modes[i] = mode;
+            }
         }
         let zero: u64 = (0..self.modes.len())
             .filter(|&i| self.modes[i] == FrictionMode::Sticking && !self.held[i])
@@ -225,7 +226,7 @@ impl StickSlipFlow {
 
     /// Finds consistent modes for the switches in `zero` (a bit set), from the modes they have as a guess: an active-set
     /// search, then every combination.
-    fn settle(&mut self, t: f64, x: &[f64], u: &[f64], zero: u64) -> bool {
+    pub(super) fn settle(&mut self, t: f64, x: &[f64], u: &[f64], zero: u64) -> bool {
         let members: Vec<usize> = (0..self.modes.len()).filter(|i| zero >> i & 1 == 1).collect();
         for &i in &members {
             if !self.field.sticks[i] && self.modes[i] == FrictionMode::Sticking {
@@ -281,7 +282,7 @@ impl StickSlipFlow {
     }
 
     /// Field and rates at the signs of the current modes; sticking signs are solved for.
-    fn resolve(&mut self, t: f64, x: &[f64], u: &[f64]) {
+    pub(super) fn resolve(&mut self, t: f64, x: &[f64], u: &[f64]) {
         self.stuck.clear();
         for (i, mode) in self.modes.iter().enumerate() {
             if *mode == FrictionMode::Sticking {
@@ -330,7 +331,7 @@ impl StickSlipFlow {
     }
 
     /// One step of the integrator from `x` into `trial`.
-    fn step(&mut self, span: Span, x: &[f64], u: &[f64]) {
+    pub(super) fn step(&mut self, span: Span, x: &[f64], u: &[f64]) {
         for q in 0..4 {
             let c = FRACTION[q] * span.h;
             for i in 0..x.len() {
@@ -478,132 +479,6 @@ impl StickSlipFlow {
                 }
             }
         }
-    }
-
-    /// Smallest room that any switch has to its event at `x`, in units of its tolerance, and which it is. Negative beyond
-    /// the event.
-    fn room(&mut self, t: f64, x: &[f64], u: &[f64]) -> (f64, usize) {
-        self.resolve(t, x, u);
-        let mut least = (f64::INFINITY, usize::MAX);
-        for i in 0..self.modes.len() {
-            if self.held[i] {
-                continue;
-            }
-            let room = match self.modes[i] {
-                FrictionMode::Sticking => (1.0 - self.signs[i].abs()) / SIGN_TOLERANCE,
-                mode => mode.sign() * self.field.surface(i) / SURFACE_TOLERANCE,
-            };
-            if room < least.0 {
-                least = (room, i);
-            }
-        }
-        least
-    }
-
-    /// Time after the start of the step and switch of the event within it, if `trial`, its end, lies beyond one.
-    fn first_event(&mut self, span: Span, x: &[f64], u: &[f64]) -> Option<(f64, usize)> {
-        if self.modes.is_empty() {
-            return None;
-        }
-        let end = std::mem::take(&mut self.trial);
-        let at_end = self.room(span.t + span.h, &end, u);
-        self.trial = end;
-        if at_end.0 >= -1.0 {
-            return None;
-        }
-        let (mut high, mut at_high, mut switch) = (span.h, at_end.0, at_end.1);
-        // A switch that starts at its event (just broken loose, just stopped) has to be seen to move away from it first.
-        let (mut low, mut at_low) = (0.0, self.room(span.t, x, u).0);
-        for fraction in [1e-2, 1e-4, 1e-7] {
-            if at_low > 1.0 {
-                break;
-            }
-            (low, at_low) = (fraction * span.h, self.room_after(span.t, x, u, fraction * span.h).0);
-            if at_low < -1.0 {
-                (high, at_high) = (low, at_low);
-                (low, at_low) = (0.0, 0.0);
-            }
-        }
-        if at_low <= 1.0 {
-            return Some((0.0, switch));
-        }
-        // Illinois variant of the false-position method.
-        let mut side = 0;
-        for _ in 0..80 {
-            if high - low <= 1e-15 * span.h.max(1e-3) {
-                break;
-            }
-            let at = (low * at_high - high * at_low) / (at_high - at_low);
-            let at = if at > low && at < high { at } else { 0.5 * (low + high) };
-            let (room, which) = self.room_after(span.t, x, u, at);
-            if room.abs() <= 0.5 {
-                return Some((at, which));
-            }
-            if room < 0.0 {
-                (high, at_high, switch) = (at, room, which);
-                if side == -1 {
-                    at_low *= 0.5;
-                }
-                side = -1;
-            } else {
-                (low, at_low) = (at, room);
-                if side == 1 {
-                    at_high *= 0.5;
-                }
-                side = 1;
-            }
-        }
-        Some((high, switch))
-    }
-
-    fn room_after(&mut self, t: f64, x: &[f64], u: &[f64], h: f64) -> (f64, usize) {
-        self.step(Span { t, h }, x, u);
-        let end = std::mem::take(&mut self.trial);
-        let room = self.room(t + h, &end, u);
-        self.trial = end;
-        room
-    }
-
-    /// Changes modes at the event of `switch`, and the derivative with them.
-    fn cross(&mut self, t: f64, x: &[f64], u: &[f64], switch: usize, derive: bool) -> bool {
-        let n = x.len();
-        let w = n + u.len();
-        self.resolve(t, x, u);
-        self.before.copy_from_slice(&self.f);
-        let slid = self.modes[switch] != FrictionMode::Sticking;
-        if derive && slid {
-            let rate = self.rates[switch];
-            self.field.differentiate(t, x, u, &self.signs);
-            for c in 0..w {
-                let along: f64 = (0..n).map(|j| self.field.gradient(switch, j) * self.s[j * w + c]).sum();
-                self.event_row[c] = if rate == 0.0 { 0.0 } else { -along / rate };
-            }
-        }
-        let mut old = std::mem::take(&mut self.modes_before);
-        old.clone_from(&self.modes);
-        let zero = self.stuck.iter().fold(1u64 << switch, |z, &i| z | 1 << i);
-        self.modes[switch] = if slid { FrictionMode::Sticking } else { FrictionMode::of(self.signs[switch]) };
-        if slid && !self.field.sticks[switch] {
-            self.modes[switch] = FrictionMode::of(-old[switch].sign());
-        }
-        let settled = self.settle(t, x, u, zero);
-        if derive && slid {
-            for j in 0..n {
-                let jump = self.before[j] - self.f[j];
-                if jump != 0.0 {
-                    for c in 0..w {
-                        self.s[j * w + c] += jump * self.event_row[c];
-                    }
-                }
-            }
-        }
-        for (i, &from) in old.iter().enumerate() {
-            if self.modes[i] != from {
-                self.changes.push(ModeChange { t, switch: i, from, to: self.modes[i] });
-            }
-        }
-        self.modes_before = old;
-        settled
     }
 }
 

@@ -55,7 +55,7 @@ fn end_states_and_modes_are_those_of_the_simulator() {
     for _ in 0..80 {
         let (x0, u) = start(&mut numbers);
         let mut x = x0;
-        assert!(flow.advance(0.0, &mut x, &u, 0.6, 40, None, None));
+        assert!(flow.advance(0.0, &mut x, &u, 0.6, 40, None, &[]));
         let mut plant = Plant::new(&system, &x0, &Settings::default()).unwrap();
         plant.step(&u, 0.6).unwrap();
         for (a, b) in x.iter().zip(plant.state()) {
@@ -76,7 +76,7 @@ fn the_derivative_is_that_of_the_flow_across_events() {
         let (x0, u) = start(&mut numbers);
         let mut x = x0;
         let mut jacobian = vec![0.0; 35];
-        assert!(flow.advance(0.0, &mut x, &u, 0.6, 40, Some(&mut jacobian), None));
+        assert!(flow.advance(0.0, &mut x, &u, 0.6, 40, Some(&mut jacobian), &[]));
         let sequence: Vec<(usize, FrictionMode)> = flow.changes.iter().map(|c| (c.switch, c.to)).collect();
         let h = 1e-5;
         for j in 0..7 {
@@ -87,7 +87,7 @@ fn the_derivative_is_that_of_the_flow_across_events() {
                 } else {
                     u[j - 5] += by;
                 }
-                assert!(flow.advance(0.0, &mut x, &u, 0.6, 40, None, None));
+                assert!(flow.advance(0.0, &mut x, &u, 0.6, 40, None, &[]));
                 x
             };
             let (a, b, c, d) = (end(h), end(-h), end(h / 2.0), end(-h / 2.0));
@@ -119,7 +119,7 @@ fn what_sticks_feels_neither_input_nor_speed() {
     let mut flow = flow(&System::parse("block.toml", text).unwrap());
     let mut x = [0.3, 0.0];
     let mut jacobian = [0.0; 6];
-    assert!(flow.advance(0.0, &mut x, &[0.7], 0.5, 1, Some(&mut jacobian), None));
+    assert!(flow.advance(0.0, &mut x, &[0.7], 0.5, 1, Some(&mut jacobian), &[]));
     assert_eq!(x, [0.3, 0.0]);
     assert_eq!(jacobian, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     assert_eq!(flow.start_modes, [FrictionMode::Sticking]);
@@ -140,7 +140,7 @@ fn a_block_stops_where_it_should_and_the_derivative_knows() {
     let (v0, a) = (0.6, -0.5);
     let mut x = [0.0, v0];
     let mut jacobian = [0.0; 6];
-    assert!(flow.advance(0.0, &mut x, &[a], 1.0, 1, Some(&mut jacobian), None));
+    assert!(flow.advance(0.0, &mut x, &[a], 1.0, 1, Some(&mut jacobian), &[]));
     assert_relative_eq!(x[0], v0 * v0 / 3.0, epsilon = 1e-12);
     assert_eq!(x[1], 0.0);
     assert_relative_eq!(flow.changes[0].t, v0 / 1.5, epsilon = 1e-12);
