@@ -221,8 +221,8 @@ impl ControlProblem {
                     qp: self.qp(),
                     ..StickSlipSettings::default()
                 };
-                let controller = StickSlipController::new(&self.system, self.ocp.clone(), self.start(), settings)?;
-                let cost = ocp.cost(0, controller.plan());
+                let mut controller = StickSlipController::new(&self.system, self.ocp.clone(), self.start(), settings)?;
+                let cost = ocp.cost(0, controller.plan_from(&self.x0)?);
                 (Box::new(controller), None, cost)
             }
         })

@@ -35,7 +35,7 @@ impl Reader<'_> {
         problem.max_iterations = self.count(solve, "max_iterations", Some(100))?;
         problem.tolerance = self.positive(solve, "tolerance", Some(if planned { 1e-2 } else { 1e-8 }))?;
         problem.qp_tolerance = self.positive(solve, "qp_tolerance", Some(1e-8))?;
-        problem.smoothing = self.smoothing(solve, planned)?;
+        problem.smoothing = self.smoothing(solve, problem.method)?;
         problem.margin = self.not_negative(solve, "margin", if planned { 0.05 } else { 0.0 })?;
         problem.proximal = self.not_negative(solve, "proximal", if planned { 0.5 } else { 0.0 })?;
         problem.guarded = self.boolean(solve, "guarded", planned)?;
@@ -124,9 +124,13 @@ impl Reader<'_> {
         Ok(list)
     }
 
-    fn smoothing(&self, solve: &Table<'_>, planned: bool) -> Parsed<Vec<f64>> {
+    fn smoothing(&self, solve: &Table<'_>, method: Method) -> Parsed<Vec<f64>> {
         let Some(v) = solve.get("smoothing") else {
-            return Ok(if planned { vec![0.1, 0.03, 0.01, 0.003] } else { vec![0.01] });
+            return Ok(match method {
+                Method::Plan => vec![0.1, 0.03, 0.01, 0.003],
+                Method::StickSlip => vec![0.1, 0.01],
+                Method::Rti | Method::Sqp => vec![0.01],
+            });
         };
         let mut widths = Vec::new();
         match v.get_ref() {
