@@ -58,6 +58,28 @@ pub enum MpcError {
         /// The names that would do.
         known: Vec<String>,
     },
+    /// The inputs cannot bring every state to rest.
+    #[error("the linearised system is not stabilisable: add an input, or leave out the states that no input reaches")]
+    NotStabilisable,
+    /// A motion that does not decay costs nothing.
+    #[error("a motion that does not decay costs nothing: give every state that does not decay by itself a cost")]
+    NotDetectable,
+    /// A point is not at rest.
+    #[error(
+        "the point is no steady state: state {index} moves by {moved} over one interval; give a state and input at rest"
+    )]
+    NotSteady {
+        /// Index of the state, from 0.
+        index: usize,
+        /// Its movement over one interval.
+        moved: f64,
+    },
+    /// The references do not determine the steady state.
+    #[error("the references leave the steady state open: give every state a cost, or set the terminal cost by hand")]
+    SteadyStateNotUnique,
+    /// There is no stage cost to be continued beyond the horizon.
+    #[error("there is no stage cost: set `Ocp::stage` first")]
+    NoStageCost,
     /// The plant could not be simulated further.
     #[error("the plant stops at t = {time}: {source}")]
     Plant {
