@@ -252,6 +252,13 @@ impl TerminalSet {
             }
         }
         let size = self.matrix.iter().flatten().fold(0.0, |a: f64, v| a.max(v.abs()));
+        if size == 0.0 {
+            return Err(MpcError::Value {
+                what: "the largest entry of the terminal set's matrix".into(),
+                value: size,
+                remedy: "give a matrix that is not zero",
+            });
+        }
         for i in 0..states {
             for j in 0..i {
                 let value = self.matrix[i][j] - self.matrix[j][i];

@@ -5,6 +5,12 @@ use crate::ocp::{Ocp, Softness};
 use crate::shooting::Linearisation;
 use crate::trajectory::Trajectory;
 
+/// Smallest curvature of any variable, in units of its size and of the objective: keeps the program strictly convex.
+const REGULARISATION: f64 = 1e-9;
+
+/// Smallest unit of the objective.
+const SMALLEST_OBJECTIVE: f64 = 1e-12;
+
 /// An entry that stands nowhere: x_0 does not change.
 const NOWHERE: usize = usize::MAX;
 
@@ -239,31 +245,61 @@ impl Assembly {
         assembled.terminal_slots = places(&mut program, steps, terminal_pattern);
         program.hessian = vec![0.0; program.hessian_places.len()];
         assembled.program = program;
+        assembled.set_scales(ocp);
         assembled
     }
 
-    /// Sizes of states and inputs.
-    pub(super) fn columns(ocp: &Ocp) -> Vec<f64> {
-        let input = |trust: &f64| if trust.is_finite() { *trust } else { 1.0 };
-        ocp.state_scale.iter().copied().chain(ocp.input_trust.iter().map(input)).collect()
-    }
-
-    /// Sizes of all variables.
-    pub(super) fn sizes(&self, ocp: &Ocp) -> Vec<f64> {
-        let (p, columns) = (&self.program, Self::columns(ocp));
-        let mut sizes = vec![1.0; p.variables()];
-        for s in &self.slacks {
-            sizes[s.variable] = s.scale;
-        }
+    /// Sizes: of states as the problem states them, of inputs half the distance of their bounds, else their trust.
+    fn set_scales(&mut self, ocp: &Ocp) {
+        let p = &mut self.program;
+        p.scale = vec![1.0; p.variables()];
+        p.row_scale = vec![1.0; p.right.len()];
         for k in 0..=p.steps {
-            let inputs = if k < p.steps { p.inputs } else { 0 };
-            for (v, size) in columns.iter().enumerate().take(p.states + inputs) {
-                if let Some(variable) = p.variable(k, v) {
-                    sizes[variable] = *size;
-                }
+            for i in (0..p.states).filter(|_| k > 0) {
+                let v = p.state(k, i);
+                p.scale[v] = ocp.state_scale[i];
+            }
+            for j in (0..p.inputs).filter(|_| k < p.steps) {
+                let v = p.input(k, j);
+                let half = (ocp.input_bounds[j].1 - ocp.input_bounds[j].0) / 2.0;
+                let sizes = [half, ocp.input_trust[j]];
+                p.scale[v] = sizes.into_iter().find(|s| s.is_finite() && *s > 0.0).unwrap_or(1.0);
             }
         }
-        sizes
+        for s in &self.slacks {
+            p.scale[s.variable] = s.scale;
+        }
+        // The first entry of a bound is the variable that it bounds.
+        for &(row, variable) in p.row_places.iter().rev().filter(|(row, _)| *row < p.nonnegative) {
+            p.row_scale[row] = p.scale[variable];
+        }
+        for rows in &self.path {
+            rows.sides.iter().for_each(|&(_, row, _)| p.row_scale[row] = 1.0);
+        }
+        if let (Some(rows), Some(set)) = (&self.set, &ocp.terminal_set) {
+            p.row_scale[rows.row..].fill(set.level.sqrt());
+        }
+    }
+
+    /// The unit of the objective: the most that moving a state or an input by its size changes, but no more than 1, so that
+    /// tolerances mean something for costs in small units too.
+    fn choose_objective_scale(&mut self) {
+        let p = &mut self.program;
+        let (mut curvature, mut slope) = (0.0_f64, 0.0_f64);
+        for k in 0..=p.steps {
+            let inputs = if k < p.steps { p.inputs } else { 0 };
+            for v in (0..p.states + inputs).filter_map(|v| p.variable(k, v)) {
+                curvature = curvature.max(p.hessian[v] * p.scale[v].powi(2));
+                slope = slope.max((p.gradient[v] * p.scale[v]).abs());
+            }
+        }
+        let size = if curvature > 0.0 { curvature } else { slope };
+        p.objective_scale = if size > 0.0 { size.clamp(SMALLEST_OBJECTIVE, 1.0) } else { 1.0 };
+    }
+
+    fn regularise(&mut self, v: usize) {
+        let p = &mut self.program;
+        p.hessian[v] += REGULARISATION * p.objective_scale / p.scale[v].powi(2);
     }
 
     /// Fills in every number; see [`Qp::assemble`](super::Qp::assemble).
@@ -288,6 +324,10 @@ impl Assembly {
             self.add_stage_cost(ocp, k0, k, trajectory);
         }
         self.add_end_cost(ocp, k0, trajectory);
+        self.choose_objective_scale();
+        for v in 0..self.program.variables() {
+            self.regularise(v);
+        }
         self.fill_flow(trajectory, lin, 0..steps);
         self.fill_bounds(ocp, trajectory);
         self.fill_constraints(ocp, k0, trajectory, 0..self.path.len(), 0..self.norm.len());
@@ -316,6 +356,9 @@ impl Assembly {
             self.program.gradient[variable] = 0.0;
         }
         self.add_stage_cost(ocp, k0, 0, trajectory);
+        for j in 0..self.program.inputs {
+            self.regularise(self.program.input(0, j));
+        }
         self.fill_flow(trajectory, lin, 0..1);
         for i in 0..self.path.len() {
             if self.path[i].k == 0 {

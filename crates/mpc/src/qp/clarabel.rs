@@ -10,6 +10,9 @@ use clarabel::solver::{
     DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
 };
 
+/// Mean curvature, per squared size of the variables, above which the objective is scaled down.
+const STEEP: f64 = 1e3;
+
 impl QpSettings {
     fn clarabel(self) -> Result<DefaultSettings<f64>, MpcError> {
         DefaultSettingsBuilder::default()
@@ -22,6 +25,7 @@ impl QpSettings {
             // Data updates need the structure as given.
             .presolve_enable(false)
             .input_sparse_dropzeros(false)
+            .equilibrate_enable(self.equilibrate)
             .iterative_refinement_enable(self.refine)
             .max_threads(1)
             .build()
@@ -68,6 +72,19 @@ impl Clarabel {
     fn gather(&mut self) {
         self.substitution.gather(&mut self.p.nzval, &mut self.q, &mut self.a.nzval, &mut self.b);
     }
+
+    /// A solver with the present numbers; `None` if it refuses the structure, which would be a defect of this module.
+    fn build(&self, settings: QpSettings) -> Result<Option<DefaultSolver<f64>>, MpcError> {
+        Ok(DefaultSolver::new(&self.p, &self.q, &self.a, &self.b, &self.cones, settings.clarabel()?).ok())
+    }
+
+    /// Factor of the objective within the solver, whose tolerances remain those of the objective as it is: a steep one would
+    /// let the regularisation of the linear systems vanish.
+    fn objective_factor(&self) -> f64 {
+        // The diagonal entry is the last of its column.
+        let diagonal = self.p.colptr[1..].iter().map(|&end| self.p.nzval[end - 1]);
+        (STEEP * self.p.n as f64 / diagonal.sum::<f64>()).min(1.0)
+    }
 }
 
 impl QpBackend for Clarabel {
@@ -97,28 +114,43 @@ impl QpBackend for Clarabel {
         if !(finite(&self.p.nzval) && finite(&self.q) && finite(&self.a.nzval) && finite(&self.b)) {
             return Ok(QpStatus::NotANumber);
         }
-        let updated =
-            self.solver.as_mut().is_some_and(|s| s.update_data(&self.p.nzval, &self.q, &self.a.nzval, &self.b).is_ok());
-        if !updated {
-            let settings = self.settings.clarabel()?;
-            // A structure that the solver refuses would be a defect of this module; it is reported as a failed program.
-            match DefaultSolver::new(&self.p, &self.q, &self.a, &self.b, &self.cones, settings) {
-                Ok(s) => self.solver = Some(s),
-                Err(_) => return Ok(QpStatus::Failed),
+        if self.solver.is_none() {
+            self.solver = self.build(self.settings)?;
+        }
+        let factor = self.objective_factor();
+        let Some(solver) = self.solver.as_mut() else { return Ok(QpStatus::Failed) };
+        if !self.settings.equilibrate {
+            solver.data.equilibration.c = factor;
+        }
+        if solver.update_data(&self.p.nzval, &self.q, &self.a.nzval, &self.b).is_err() {
+            return Ok(QpStatus::Failed);
+        }
+        solver.solve();
+        let mut status = status_of(solver);
+        solution.iterations = solver.solution.iterations;
+        let mut again = None;
+        if status == QpStatus::Failed && !self.settings.equilibrate {
+            // Sizes that do not fit the problem: once more, with sizes drawn from the numbers.
+            again = self.build(QpSettings { equilibrate: true, ..self.settings })?;
+            if let Some(s) = &mut again {
+                s.solve();
+                status = status_of(s);
+                solution.iterations += s.solution.iterations;
             }
         }
-        let Some(solver) = self.solver.as_mut() else { return Ok(QpStatus::Failed) };
-        solver.solve();
-        let status = match solver.solution.status {
-            SolverStatus::Solved => QpStatus::Solved,
-            SolverStatus::AlmostSolved => QpStatus::Inaccurate,
-            SolverStatus::MaxIterations | SolverStatus::MaxTime => QpStatus::Limit,
-            _ => QpStatus::Failed,
-        };
-        solution.iterations = solver.solution.iterations;
+        let Some(solver) = again.as_ref().or(self.solver.as_ref()) else { return Ok(QpStatus::Failed) };
         let (x, z) = (&solver.solution.x, &solver.solution.z);
         self.substitution.recover(x, z, &mut solution.z, &mut solution.multipliers, program.states);
         let whole = finite(&solution.z);
         Ok(if status.is_usable() && !whole { QpStatus::Failed } else { status })
+    }
+}
+
+fn status_of(solver: &DefaultSolver<f64>) -> QpStatus {
+    match solver.solution.status {
+        SolverStatus::Solved => QpStatus::Solved,
+        SolverStatus::AlmostSolved => QpStatus::Inaccurate,
+        SolverStatus::MaxIterations | SolverStatus::MaxTime => QpStatus::Limit,
+        _ => QpStatus::Failed,
     }
 }

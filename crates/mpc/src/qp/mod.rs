@@ -9,7 +9,6 @@ mod assembly;
 mod clarabel;
 mod pattern;
 mod program;
-mod scaling;
 mod substitution;
 #[cfg(test)]
 mod tests;
@@ -21,13 +20,14 @@ use crate::trajectory::Trajectory;
 use assembly::Assembly;
 use clarabel::Clarabel;
 pub use program::StageProgram;
-use scaling::Scaled;
 
 /// The form in which the quadratic program is solved. The solution is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// Multiple shooting as it stands: every state is a variable.
+    /// Partial condensing with the block that is about the fastest: ⌈n/m⌉ intervals, between 2 and 5.
     #[default]
+    Automatic,
+    /// Multiple shooting as it stands: every state is a variable.
     Sparse,
     /// Partial condensing: states stay variables at every `block`-th grid point, the others are eliminated. A block of at
     /// least N intervals is full condensing: the inputs (and slacks) are the only variables.
@@ -48,6 +48,9 @@ pub struct QpSettings {
     pub tolerance: f64,
     /// Whether the solver refines the solution of every linear system: slower, for tolerances below 1e-8.
     pub refine: bool,
+    /// Whether the solver draws the sizes of variables and rows from the numbers of the first program, on top of those that
+    /// the problem states (state scales, bounds and trusts of inputs). Without it, it does so where it fails otherwise.
+    pub equilibrate: bool,
     /// Time after which the solver gives up, s.
     pub time_limit: f64,
     /// Weight, per unit of scale, on violations of hard constraints on states.
@@ -61,6 +64,7 @@ impl Default for QpSettings {
             max_iterations: 100,
             tolerance: 1e-8,
             refine: false,
+            equilibrate: false,
             time_limit: f64::INFINITY,
             hard_weight: 1e4,
         }
@@ -152,14 +156,16 @@ impl Qp {
         let assembly = Assembly::new(ocp, steps, closure);
         let program = &assembly.program;
         let backend: Box<dyn QpBackend> = match settings.backend {
+            Backend::Automatic => {
+                let block = program.states.div_ceil(program.inputs.max(1)).clamp(2, 5);
+                Box::new(Clarabel::condensed(program, settings, block))
+            }
             Backend::Sparse => Box::new(Clarabel::sparse(program, settings)),
             Backend::Condensed { block } => Box::new(Clarabel::condensed(program, settings, block)),
         };
         let (n, m) = (program.states, program.inputs);
         let stage =
             StageSolution { z: vec![0.0; program.variables()], multipliers: vec![0.0; steps * n], iterations: 0 };
-        let backend =
-            Box::new(Scaled::new(backend, program, assembly.sizes(ocp), Assembly::columns(ocp), stage.clone()));
         let solution = QpSolution {
             dx: vec![0.0; (steps + 1) * n],
             du: vec![0.0; steps * m],

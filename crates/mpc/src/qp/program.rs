@@ -37,6 +37,11 @@ pub struct StageProgram {
     pub(crate) row_places: Vec<(usize, usize)>,
     pub(crate) rows: Vec<f64>,
     pub(crate) right: Vec<f64>,
+    /// Typical size of every variable and of the residual of every row; rows of one cone share one.
+    pub(crate) scale: Vec<f64>,
+    pub(crate) row_scale: Vec<f64>,
+    /// Typical size of what the step changes in the objective.
+    pub(crate) objective_scale: f64,
     /// Grid point of every row.
     pub(crate) row_stage: Vec<usize>,
     /// Rows of the orthant, which come first.
@@ -99,6 +104,18 @@ impl StageProgram {
     /// r.
     pub fn right_hand_side(&self) -> &[f64] {
         &self.right
+    }
+    /// Typical size of every variable.
+    pub fn scales(&self) -> &[f64] {
+        &self.scale
+    }
+    /// Typical size of what the step changes in the objective.
+    pub fn objective_scale(&self) -> f64 {
+        self.objective_scale
+    }
+    /// Typical size of the residual of every row; rows of one cone share one.
+    pub fn row_scales(&self) -> &[f64] {
+        &self.row_scale
     }
     /// Number of rows in the nonnegative orthant, which come first, and the dimensions of the second-order cones after it.
     pub fn cones(&self) -> (usize, &[usize]) {

@@ -83,11 +83,18 @@ pub(super) struct Substitution {
     /// Variables that stay, rows of the dynamics that stay: (interval, state).
     kept: Vec<usize>,
     dynamics: Vec<(usize, usize)>,
-    gather_p: Vec<u32>,
-    gather_a: Vec<u32>,
-    gather_q: Vec<u32>,
-    gather_b: Vec<u32>,
+    gather_p: Gather,
+    gather_a: Gather,
+    gather_q: Gather,
+    gather_b: Gather,
+    /// Sizes of the objective, and of the variables and rows that stay.
+    objective_scale: f64,
+    scale: Vec<f64>,
+    row_scale: Vec<f64>,
 }
+
+/// Slots of values that a solver wants, with the factors that scale them.
+type Gather = Vec<(u32, f64)>;
 
 /// Begin of the parts of the work.
 #[derive(Clone, Copy)]
@@ -320,6 +327,16 @@ impl Substitution {
                 _ => false,
             })
             .collect();
+        let scale: Vec<f64> = kept.iter().map(|&v| program.scale[v]).collect();
+        let of_dynamics = dynamics.iter().map(|&(k, i)| program.scale[program.state(k + 1, i)]);
+        let row_scale: Vec<f64> = of_dynamics.chain(program.row_scale.iter().copied()).collect();
+        let scaled = |matrix: &CscMatrix<f64>, slots: Vec<u32>, of_row: &dyn Fn(usize) -> f64| -> Gather {
+            let columns = (0..matrix.n).flat_map(|c| vec![c; matrix.colptr[c + 1] - matrix.colptr[c]]);
+            let factors = columns.zip(&matrix.rowval).map(|(c, &r)| scale[c] * of_row(r));
+            slots.into_iter().zip(factors).collect()
+        };
+        let gather_p = scaled(&p, gather_p, &|r| scale[r]);
+        let gather_a = scaled(&a, gather_a, &|r| 1.0 / row_scale[r]);
         let substitution = Self {
             work: vec![0.0; b.slots],
             saved: vec![0.0; b.slots],
@@ -334,8 +351,11 @@ impl Substitution {
             ones,
             eliminated,
             sections,
-            gather_q: kept.iter().map(|&v| (gradient + v) as u32).collect(),
-            gather_b: b.right,
+            gather_q: kept.iter().zip(&scale).map(|(&v, &s)| ((gradient + v) as u32, s)).collect(),
+            gather_b: b.right.into_iter().zip(&row_scale).map(|(slot, s)| (slot, 1.0 / s)).collect(),
+            objective_scale: 1.0,
+            scale,
+            row_scale,
             kept,
             dynamics,
             gather_p,
@@ -409,6 +429,7 @@ impl Substitution {
 
     /// Adds the numbers of the first interval and what follows from them.
     fn finish(&mut self, program: &StageProgram) {
+        self.objective_scale = program.objective_scale;
         for &(slot, source) in &self.first_loads {
             self.work[slot] += match source {
                 Source::Hessian(i) => program.hessian[i],
@@ -420,32 +441,37 @@ impl Substitution {
         replay(&self.late, &mut self.work, &self.coefficients);
     }
 
-    /// Writes the values of P and A and the vectors q and b.
+    /// Writes the values of P and A and the vectors q and b, all divided by their sizes.
     pub(super) fn gather(&self, p: &mut [f64], q: &mut [f64], a: &mut [f64], b: &mut [f64]) {
-        let parts = [(p, &self.gather_p), (q, &self.gather_q), (a, &self.gather_a), (b, &self.gather_b)];
-        for (to, from) in parts {
-            for (v, &s) in to.iter_mut().zip(from) {
-                *v = self.work[s as usize];
+        let c = 1.0 / self.objective_scale;
+        let parts =
+            [(p, &self.gather_p, c), (q, &self.gather_q, c), (a, &self.gather_a, 1.0), (b, &self.gather_b, 1.0)];
+        for (to, from, common) in parts {
+            for (v, &(slot, factor)) in to.iter_mut().zip(from) {
+                *v = common * factor * self.work[slot as usize];
             }
         }
     }
 
     /// Values of all variables and multipliers of all dynamics from those of the solver.
     pub(super) fn recover(&self, x: &[f64], multipliers: &[f64], z: &mut [f64], y: &mut [f64], states: usize) {
-        for (&v, &x) in self.kept.iter().zip(x) {
-            z[v] = x;
+        for ((&v, &s), &x) in self.kept.iter().zip(&self.scale).zip(x) {
+            z[v] = s * x;
         }
         for e in self.eliminated.iter().rev() {
             let sum = e.parents.iter().map(|&(p, a)| self.coefficients[a as usize] * z[p]);
             z[e.variable] = sum.sum::<f64>() + self.coefficients[e.constant as usize];
         }
-        for (&(k, i), &v) in self.dynamics.iter().zip(multipliers) {
-            y[k * states + i] = v;
+        for ((&(k, i), &s), &v) in self.dynamics.iter().zip(&self.row_scale).zip(multipliers) {
+            y[k * states + i] = v * self.objective_scale / s;
         }
         for e in &self.eliminated {
             let Some(at) = e.multiplier else { continue };
             let curvature = e.curvature.iter().map(|&(s, r)| self.work[s as usize] * z[r]);
-            let rows = e.rows.iter().map(|&(s, r)| self.work[s as usize] * multipliers[r]);
+            let rows = e
+                .rows
+                .iter()
+                .map(|&(s, r)| self.work[s as usize] * multipliers[r] * self.objective_scale / self.row_scale[r]);
             y[at] = -(self.work[e.gradient as usize] + curvature.sum::<f64>() + rows.sum::<f64>());
         }
     }

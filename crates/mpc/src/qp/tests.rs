@@ -7,6 +7,7 @@ use crate::ocp::{Bounds, Softness, TerminalTarget};
 use ::clarabel::algebra::CscMatrix;
 use approx::assert_relative_eq;
 use bracketry_system::System;
+use nalgebra::{DMatrix, DVector};
 
 /// Numbers in [−1, 1] from a linear congruential generator.
 struct Random(u64);
@@ -38,6 +39,7 @@ fn everything() -> Ocp {
     let system = system();
     let function = |texts: &[&str]| VectorFunction::parse(&system, &["r"], texts).unwrap();
     let mut ocp = Ocp::new(3, 2, STEPS, 0.1);
+    ocp.state_scale = vec![1.0, 0.5, 2.0];
     let stage = "(a - r)^2 + 2*b^2 + c^2 + a*u + u^2 + u*v + 3*v^2 + exp(a)";
     ocp.stage = Some(CostFunction::parse(&system, CostKind::Stage, &["r"], stage).unwrap());
     ocp.terminal = Some(CostFunction::parse(&system, CostKind::Terminal, &["r"], "a^2 + a*b + b^2 + c^2").unwrap());
@@ -135,6 +137,7 @@ fn elimination_keeps_objective_and_constraints_of_every_step_that_obeys_the_dyna
         ocp.move_blocks = blocks;
         for (seed, rule) in rules.iter().enumerate() {
             let (trajectory, lin, closure) = random_point(seed as u64);
+            let scale = ocp.state_scale.clone();
             let mut assembly = Assembly::new(&ocp, STEPS, &closure);
             assembly.fill(&mut ocp, 2, &trajectory, &lin, 0.1, 1e4);
             let program = &assembly.program;
@@ -151,9 +154,9 @@ fn elimination_keeps_objective_and_constraints_of_every_step_that_obeys_the_dyna
                 substitution.recover(&y, &vec![0.0; a.m], &mut z, &mut multipliers, 3);
                 let (full, expected) = objective_and_rows(program, &z);
                 let (value, rows) = reduced(&p, &q, &a, &b, &y);
-                values.push(full - value);
-                for (r, e) in rows[substitution.equalities()..].iter().zip(&expected) {
-                    assert_relative_eq!(r, e, epsilon = 1e-10);
+                values.push(full - value * program.objective_scale());
+                for ((r, e), s) in rows[substitution.equalities()..].iter().zip(&expected).zip(program.row_scales()) {
+                    assert_relative_eq!(*r * s, *e, epsilon = 1e-10);
                 }
                 // What was eliminated obeys the dynamics; the residuals of what was not are the rows of the solver.
                 let mut kept = rows[..substitution.equalities()].iter();
@@ -162,7 +165,7 @@ fn elimination_keeps_objective_and_constraints_of_every_step_that_obeys_the_dyna
                         let flow = &lin.jacobian[(k * 3 + i) * 5..][..5];
                         let step = (0..5).map(|v| program.variable(k, v).map_or(0.0, |z_v| flow[v] * z[z_v]));
                         let residual = program.defects()[k * 3 + i] + step.sum::<f64>() - z[program.state(k + 1, i)];
-                        let expected = if rule(k + 1, i) { 0.0 } else { *kept.next().unwrap() };
+                        let expected = if rule(k + 1, i) { 0.0 } else { scale[i] * *kept.next().unwrap() };
                         assert_relative_eq!(residual, expected, epsilon = 1e-10);
                     }
                     let (start, offset) = program.block(k);
@@ -222,5 +225,117 @@ fn every_form_takes_the_same_step_where_bounds_are_linear() {
                 assert!(difference(&sparse.multipliers, &condensed.multipliers) < 1e-6, "{seed} {block}");
             }
         }
+    }
+}
+
+#[test]
+fn without_inequalities_every_form_solves_the_optimality_conditions() {
+    // H z + g + Eᵀy = 0, E z = c as one dense system, put together from the blocks.
+    let mut ocp = everything();
+    ocp.path_constraints.clear();
+    ocp.norm_constraints.clear();
+    ocp.terminal_set = None;
+    ocp.targets.truncate(0);
+    ocp.input_bounds = vec![(f64::NEG_INFINITY, f64::INFINITY); 2];
+    ocp.state_bounds = vec![Bounds::FREE; 3];
+    for seed in 0..5 {
+        let (trajectory, lin, closure) = random_point(seed);
+        for backend in [Backend::Sparse, Backend::Condensed { block: 4 }, Backend::Condensed { block: STEPS }] {
+            let mut qp = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-12));
+            qp.assemble(&mut ocp, 2, &trajectory, &lin, 0.1);
+            assert_eq!(qp.solve().unwrap(), QpStatus::Solved);
+            let program = &qp.assembly.program;
+            let (nv, ne) = (program.variables(), STEPS * 3);
+            let mut matrix = DMatrix::zeros(nv + ne, nv + ne);
+            let mut right = DVector::zeros(nv + ne);
+            for ((i, j), h) in program.hessian() {
+                matrix[(i, j)] += h;
+                if i != j {
+                    matrix[(j, i)] += h;
+                }
+            }
+            for v in 0..nv {
+                right[v] = -program.gradient()[v];
+            }
+            for k in 0..STEPS {
+                for i in 0..3 {
+                    let row = nv + k * 3 + i;
+                    let mut set = |v: usize, a: f64| {
+                        matrix[(row, v)] += a;
+                        matrix[(v, row)] += a;
+                    };
+                    set(program.state(k + 1, i), 1.0);
+                    for j in 0..5 {
+                        if let Some(v) = program.variable(k, j) {
+                            set(v, -lin.jacobian[(k * 3 + i) * 5 + j]);
+                        }
+                    }
+                    right[row] = program.defects()[k * 3 + i];
+                }
+            }
+            let expected = matrix.lu().solve(&right).unwrap();
+            assert!(difference(&qp.stage.z, &expected.as_slice()[..nv]) < 1e-7);
+            assert!(difference(&qp.stage.multipliers, &expected.as_slice()[nv..]) < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn a_program_whose_first_interval_was_replaced_is_the_program_assembled_anew() {
+    for blocks in [vec![], vec![4, 4, 3]] {
+        let mut ocp = everything();
+        ocp.move_blocks = blocks;
+        for backend in [Backend::Sparse, Backend::Condensed { block: 3 }, Backend::Condensed { block: STEPS }] {
+            let (mut trajectory, mut lin, closure) = random_point(5);
+            let mut updated = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-8));
+            updated.assemble(&mut ocp, 2, &trajectory, &lin, 0.1);
+            // A new measurement moves x_0, and with it the first block of the flow.
+            let mut random = Random(77);
+            trajectory.x_mut(0).copy_from_slice(&random.vector(3, 0.5));
+            for (i, v) in lin.jacobian[..15].iter_mut().enumerate().filter(|(i, _)| closure[*i]) {
+                *v += 0.01 * i as f64;
+            }
+            lin.end[..3].copy_from_slice(&random.vector(3, 0.5));
+            let mut anew = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-8));
+            anew.assemble(&mut ocp, 2, &trajectory, &lin, 0.1);
+            for _ in 0..2 {
+                updated.update_first_interval(&mut ocp, 2, &trajectory, &lin);
+                assert_eq!(updated.solve().unwrap(), anew.solve().unwrap());
+                assert_eq!(updated.solution.dx, anew.solution.dx);
+                assert_eq!(updated.solution.du, anew.solution.du);
+                assert_eq!(updated.solution.multipliers, anew.solution.multipliers);
+            }
+        }
+    }
+}
+
+#[test]
+fn new_numbers_give_the_solution_of_a_new_program() {
+    let mut ocp = everything();
+    for backend in [Backend::Sparse, Backend::Condensed { block: 3 }] {
+        let (_, _, closure) = random_point(0);
+        let mut updated = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-8));
+        for seed in [0, 2, 4] {
+            let (trajectory, lin, _) = random_point(seed);
+            let mut anew = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-8));
+            for qp in [&mut updated, &mut anew] {
+                qp.assemble(&mut ocp, 2, &trajectory, &lin, 0.1);
+                assert!(qp.solve().unwrap().is_usable());
+            }
+            assert_eq!(updated.solution.dx, anew.solution.dx);
+            assert_eq!(updated.solution.multipliers, anew.solution.multipliers);
+        }
+    }
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_reported_before_anything_is_solved() {
+    let mut ocp = everything();
+    let (trajectory, mut lin, closure) = random_point(0);
+    lin.end[4] = f64::NAN;
+    for backend in [Backend::Sparse, Backend::Condensed { block: 100 }] {
+        let mut qp = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-8));
+        qp.assemble(&mut ocp, 0, &trajectory, &lin, 0.0);
+        assert_eq!(qp.solve().unwrap(), QpStatus::NotANumber);
     }
 }

@@ -1,0 +1,125 @@
+//! What a sample of the real-time iteration costs, and where: `cargo bench -p bracketry-mpc --bench programs`.
+//!
+//! Every row is one closed loop under one setting of the quadratic programs; times are medians over its samples.
+
+use bracketry_mpc::{
+    Backend, ControlProblem, Dynamics, Plant, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Step, SymbolicDynamics,
+    Trajectory,
+};
+use bracketry_system::System;
+
+/// Hold an object on the plate against errors of its pose, from a running oscillation.
+const PLATE: &str = r#"
+model = "plate_reduced.toml"
+[horizon]
+steps = 40
+dt = 0.02
+substeps = 2
+[cost]
+stage    = "10*(x - 0.02)^2 + 10*(y - 0.01)^2 + (phi - 0.5)^2 + 0.1*vx^2 + 0.1*vy^2 + 0.01*w^2 + 10*X^2 + 0.1*Xd^2 + theta^2 + 0.01*thetad^2 + 5e-4*Xdd^2 + 5e-5*thetadd^2"
+terminal = "10*(x - 0.02)^2 + 10*(y - 0.01)^2 + (phi - 0.5)^2 + 0.1*vx^2 + 0.1*vy^2 + 0.01*w^2 + 10*X^2 + 0.1*Xd^2 + theta^2 + 0.01*thetad^2"
+[constraints]
+X       = { min = -0.1, max = 0.1, soft = [50, 1e3] }
+theta   = { min = -0.35, max = 0.35, soft = [50, 1e3] }
+Xdd     = { min = -15, max = 15 }
+thetadd = { min = -40, max = 40 }
+[guess]
+Xdd     = "-0.03*(6*pi)^2*sin(6*pi*t)"
+thetadd = "-0.1*(6*pi)^2*sin(6*pi*t)"
+[solve]
+smoothing = 0.02
+[run]
+steps = 60
+"#;
+
+fn dynamics(problem: &ControlProblem) -> Box<SymbolicDynamics> {
+    let mut dynamics = SymbolicDynamics::new(&problem.system).expect("dynamics that compile");
+    if let Some(&width) = problem.smoothing.last() {
+        dynamics.set_smoothing(width);
+    }
+    Box::new(dynamics)
+}
+
+/// The guess of the problem, rolled out from its initial state.
+fn start(problem: &ControlProblem) -> Trajectory {
+    let mut z = Trajectory::constant(problem.ocp.steps, &problem.x0, &vec![0.0; problem.ocp.inputs()]);
+    let mut plant = RungeKuttaPlant::new(dynamics(problem), 2);
+    let mut x = problem.x0.clone();
+    for (k, u) in problem.guess.iter().enumerate().filter(|(_, u)| u.iter().any(|v| *v != 0.0)) {
+        plant.step(k as f64 * problem.ocp.dt, &mut x, u, problem.ocp.dt).expect("a smooth plant");
+        z.u_mut(k).copy_from_slice(u);
+        z.x_mut(k + 1).copy_from_slice(&x);
+    }
+    z
+}
+
+/// One closed loop: its samples and its cost.
+fn closed_loop(problem: &ControlProblem, qp: QpSettings) -> (Vec<Step>, f64) {
+    let settings = RtiSettings { smoothing: problem.smoothing.last().copied(), qp, ..RtiSettings::default() };
+    let mut rti = Rti::new(dynamics(problem), problem.ocp.clone(), start(problem), settings).expect("a controller");
+    let mut plant = RungeKuttaPlant::new(dynamics(problem), 2);
+    for _ in 1..problem.initial_iterations {
+        rti.feedback(&problem.x0).expect("a state of the right length");
+    }
+    let (mut x, mut steps, mut effort) = (problem.x0.clone(), Vec::new(), 0.0);
+    for k in 0..problem.samples {
+        rti.prepare();
+        let step = rti.feedback(&x).expect("a state of the right length").clone();
+        rti.shift();
+        plant.step(k as f64 * problem.ocp.dt, &mut x, &step.u, problem.ocp.dt).expect("a smooth plant");
+        effort += step.u.iter().map(|u| u * u).sum::<f64>();
+        steps.push(step);
+    }
+    (steps, effort)
+}
+
+fn median(steps: &[Step], of: impl Fn(&Step) -> f64) -> f64 {
+    let mut values: Vec<f64> = steps.iter().skip(1).map(of).collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+#[allow(clippy::print_stdout)]
+fn row(problem: &ControlProblem, name: &str, qp: QpSettings) {
+    let (steps, effort) = closed_loop(problem, qp);
+    let micro = |of: fn(&Step) -> f64| 1e6 * median(&steps, of);
+    println!(
+        "| {name:32} | {:8.1} | {:8.1} | {:6.1} | {effort:.6} |",
+        micro(|s| s.timings.linearise),
+        micro(|s| s.timings.qp),
+        micro(|s| s.timings.rest),
+    );
+}
+
+#[allow(clippy::print_stdout)]
+fn table(name: &str, problem: &ControlProblem) {
+    println!("\n| {name:32} | prepare, µs | program, µs | rest, µs | Σ u² of the loop |");
+    println!("|---|---|---|---|---|");
+    let form = |backend| QpSettings { backend, ..QpSettings::default() };
+    row(problem, "default", QpSettings::default());
+    row(problem, "sparse", form(Backend::Sparse));
+    for block in [2, 3, 5, 10, 20, problem.ocp.steps] {
+        row(problem, &format!("blocks of {block}"), form(Backend::Condensed { block }));
+    }
+    row(problem, "sizes from numbers", QpSettings { equilibrate: true, ..QpSettings::default() });
+    row(problem, "refined", QpSettings { refine: true, ..QpSettings::default() });
+    row(problem, "tolerance 1e-6", QpSettings { tolerance: 1e-6, ..QpSettings::default() });
+    let slow = QpSettings { equilibrate: true, refine: true, ..form(Backend::Sparse) };
+    row(problem, "sparse, refined, from numbers", slow);
+}
+
+fn main() {
+    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models");
+    let pendulum = ControlProblem::read(format!("{models}/cart_pole_swing_up.toml")).expect("a problem file");
+    table("pendulum, N = 40", &pendulum);
+    let mut plate = ControlProblem::parse("plate", PLATE, |name| Ok(System::read(format!("{models}/{name}"))?))
+        .expect("a problem without mistakes");
+    table("plate, N = 40", &plate);
+    // The same over 2.4 s.
+    plate.ocp.steps = 120;
+    let omega = 6.0 * std::f64::consts::PI;
+    let swing = |k: usize| omega.powi(2) * (omega * 0.02 * k as f64).sin();
+    plate.guess = (0..120).map(|k| vec![-0.03 * swing(k), -0.1 * swing(k)]).collect();
+    plate.samples = 20;
+    table("plate, N = 120", &plate);
+}
