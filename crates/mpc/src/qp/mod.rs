@@ -7,6 +7,7 @@
 
 mod assembly;
 mod clarabel;
+mod filling;
 mod pattern;
 mod program;
 mod substitution;
