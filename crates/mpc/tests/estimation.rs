@@ -7,7 +7,7 @@ mod noise;
 
 use bracketry_mpc::{
     Disturbance, DisturbanceChannel, Estimate, EstimateStatus, EstimatedParameter, EstimationProblem, Estimator,
-    ExtendedKalman, MeasuredOutput, Plant,
+    ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings, Plant,
 };
 use bracketry_symbolic::Rational;
 use bracketry_system::System;
@@ -124,6 +124,33 @@ fn friction_is_frozen_while_it_sticks_and_found_once_it_slides() {
         last = step(5.0 * (f64::from(k) * DT * 6.0 * PI).sin(), &mut x);
     }
     assert!((last.parameters[0] - 0.25).abs() < 0.02, "{}", last.parameters[0]);
+}
+
+#[test]
+fn a_block_that_slides_against_the_model_s_belief_is_noticed() {
+    // With the model's friction the push would not move the block at all, so that at first mu seems to be hidden.
+    for (percent, push) in [(20u8, 2.6), (24, 2.8)] {
+        let mut true_block = block();
+        assert!(true_block.set_parameter("mu", Rational::from_parts(percent.into(), 100u8.into())));
+        let mut x = vec![0.0, 0.0];
+        let mut plant = ExactPlant::new(&true_block, &x);
+        let mut problem = EstimationProblem::new(&block(), DT, &x);
+        problem.process_noise[1] = 0.05;
+        problem.outputs = vec![MeasuredOutput::new("x", 5e-4)];
+        problem.parameters = vec![EstimatedParameter { min: 0.0, ..EstimatedParameter::new("mu", 0.06) }];
+        let mut estimator = MovingHorizon::new(&problem, MovingHorizonSettings::default()).unwrap();
+        let mut noise = Noise::new(7);
+        for k in 0..100 {
+            let a = if (k / 8) % 2 == 0 { push } else { -push };
+            plant.step(0.0, &mut x, &[a], DT).unwrap();
+            let estimate = estimator.update(&[a], &[x[0] + 5e-4 * noise.normal()]).unwrap();
+            if k >= 50 {
+                let (mu, v) = (estimate.parameters[0], estimate.x[1]);
+                assert!((mu - f64::from(percent) / 100.0).abs() < 0.01, "sample {k}: {mu}");
+                assert!((v - x[1]).abs() < 0.025, "sample {k}: {v} and {}", x[1]);
+            }
+        }
+    }
 }
 
 #[test]

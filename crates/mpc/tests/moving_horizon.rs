@@ -78,7 +78,7 @@ fn kalman(y0: f64, rows: &[(f64, f64)]) -> Vec<(Vector3<f64>, Matrix3<f64>)> {
 }
 
 fn accurate() -> QpSettings {
-    QpSettings { tolerance: 1e-13, ..QpSettings::default() }
+    QpSettings { tolerance: 1e-12, refine: true, ..QpSettings::default() }
 }
 
 #[test]

@@ -47,6 +47,7 @@ pub(crate) struct Augmented {
     /// Variance and period of every output.
     pub(crate) sensors: Vec<(f64, Option<f64>)>,
     dt: f64,
+    width: f64,
     substeps: Substeps,
     implicit: bool,
     dynamics: SymbolicDynamics,
@@ -197,11 +198,15 @@ impl Augmented {
         let mut dynamics = SymbolicDynamics::new(&system)?;
         dynamics.set_smoothing(problem.smoothing);
         let time = system.pool.symbol("t");
-        let arguments: Vec<Symbol> = std::iter::once(time).chain(system.states.iter().copied()).collect();
+        let time_and_states: Vec<Symbol> = std::iter::once(time).chain(system.states.iter().copied()).collect();
         let mut all = expressions.clone();
         all.extend(system.pool.jacobian(&expressions, &system.states.clone()).into_iter().flatten());
-        let outputs = Function::new(system.compile(&arguments, &all)?);
+        let outputs = Function::new(system.compile(&time_and_states, &all)?);
         let n = system.states.len();
+        let mut arguments = vec![0.0; signs.n_inputs()];
+        if let Some(last) = arguments.last_mut() {
+            *last = problem.smoothing;
+        }
         Ok(Self {
             states,
             parameters: problem.parameters.len(),
@@ -218,7 +223,8 @@ impl Augmented {
             values: vec![0.0; outputs.n_outputs()],
             outputs,
             sign_values: vec![0.0; signs.n_outputs()],
-            arguments: vec![0.0; signs.n_inputs()],
+            arguments,
+            width: problem.smoothing,
             signs,
             friction,
             acts_on,
@@ -226,15 +232,7 @@ impl Augmented {
             jacobian: vec![0.0; n * (n + inputs + noise.len())],
             inputs_and_noise: vec![0.0; inputs + noise.len()],
             noise,
-        }
-        .with_width(problem.smoothing))
-    }
-
-    fn with_width(mut self, width: f64) -> Self {
-        if let Some(last) = self.arguments.last_mut() {
-            *last = width;
-        }
-        self
+        })
     }
 
     /// Number of augmented states.
@@ -248,28 +246,32 @@ impl Augmented {
         self.shooter.closure()[i * width..i * width + self.size()].to_vec()
     }
 
-    /// Which parameters and disturbances cannot be seen at this state because friction sticks.
-    pub(crate) fn hidden(&mut self, t: f64, z: &[f64], u: &[f64]) -> Vec<bool> {
-        let n = self.size();
-        let mut hidden = vec![false; n];
+    /// Which friction sticks at this state.
+    fn stuck(&mut self, t: f64, z: &[f64], u: &[f64]) -> Vec<bool> {
         if self.friction.is_empty() {
-            return hidden;
+            return Vec::new();
         }
+        let n = self.size();
         self.arguments[0] = t;
         self.arguments[1..=n].copy_from_slice(z);
         self.arguments[1 + n..1 + n + self.inputs].copy_from_slice(u);
         self.signs.call(&self.arguments, &mut self.work, &mut self.sign_values);
+        let size = |f: &Friction| self.sign_values[f.signs.clone()].iter().map(|s| s * s).sum::<f64>().sqrt();
+        self.friction.iter().map(|f| size(f) < STUCK).collect()
+    }
+
+    /// Which parameters and disturbances cannot be seen because of the friction that sticks: those that act on nothing but
+    /// what it holds.
+    fn hidden(&self, stuck: &[bool]) -> Vec<bool> {
+        let n = self.size();
         let mut held = vec![false; n];
-        for f in &self.friction {
-            let size: f64 = self.sign_values[f.signs.clone()].iter().map(|s| s * s).sum();
-            if size.sqrt() < STUCK {
-                held.iter_mut().zip(&f.holds).for_each(|(h, &row)| *h |= row);
-            }
+        for (f, _) in self.friction.iter().zip(stuck).filter(|(_, stuck)| **stuck) {
+            held.iter_mut().zip(&f.holds).for_each(|(h, &row)| *h |= row);
         }
-        for (j, rows) in self.acts_on.iter().enumerate() {
-            let acts = rows.iter().any(|&r| r);
-            hidden[self.states + j] = acts && rows.iter().zip(&held).all(|(&row, &held)| held || !row);
-        }
+        let unseen =
+            |rows: &Vec<bool>| rows.iter().any(|&row| row) && rows.iter().zip(&held).all(|(&row, &held)| held || !row);
+        let mut hidden = vec![false; self.states];
+        hidden.extend(self.acts_on.iter().map(unseen));
         hidden
     }
 
@@ -294,9 +296,13 @@ impl Augmented {
             substeps,
             &mut self.jacobian,
         );
-        let before = self.hidden(t, z, u);
-        let after = self.hidden(t + self.dt, &end, u);
-        let hidden: Vec<bool> = before.iter().zip(&after).map(|(a, b)| hide && *a && *b).collect();
+        let before = self.stuck(t, z, u);
+        let after = self.stuck(t + self.dt, &end, u);
+        let stuck: Vec<bool> = before.iter().zip(&after).map(|(a, b)| hide && *a && *b).collect();
+        let hidden = self.hidden(&stuck);
+        if stuck.contains(&true) {
+            self.take_out_creep(t, z, substeps, &mut end);
+        }
         let entry = |i: usize, j: usize| self.jacobian[i * columns + j];
         let f = DMatrix::from_fn(n, n, |i, j| if hidden[j] && i != j { 0.0 } else { entry(i, j) });
         let g = DMatrix::from_fn(n, self.noise.len(), |i, k| {
@@ -304,6 +310,16 @@ impl Augmented {
             if hidden[state] { 0.0 } else { entry(i, n + m + k) * std }
         });
         Interval { end: DVector::from_vec(end), f, g, hidden }
+    }
+
+    /// What smoothed friction holds creeps with a speed proportional to the width: extrapolation to the width 0.
+    fn take_out_creep(&mut self, t: f64, z: &[f64], substeps: usize, end: &mut [f64]) {
+        let mut half = z.to_vec();
+        self.dynamics.set_smoothing(self.width / 2.0);
+        let dynamics = &mut self.dynamics;
+        self.shooter.advance(dynamics, t, &mut half, &self.inputs_and_noise, self.dt, 2 * substeps);
+        self.dynamics.set_smoothing(self.width);
+        end.iter_mut().zip(half).for_each(|(whole, half)| *whole = 2.0 * half - *whole);
     }
 
     fn substeps(&mut self, t: f64, z: &[f64]) -> usize {

@@ -30,6 +30,9 @@ impl Default for MovingHorizonSettings {
     }
 }
 
+/// Standardised noise beyond this is taken to be impossible.
+const UNHEARD_OF: f64 = 1e3;
+
 /// A grid point of the horizon and the interval that follows it.
 struct Node {
     z: DVector<f64>,
@@ -106,6 +109,10 @@ impl MovingHorizon {
         let mut closure = vec![true; n * (n + columns)];
         for i in 0..n {
             closure[i * (n + columns)..i * (n + columns) + n].copy_from_slice(&model.flow_pattern(i));
+        }
+        if model.bounds.iter().all(|b| b.0 == f64::NEG_INFINITY && b.1 == f64::INFINITY) {
+            // An interior-point method stalls short of its tolerance when there is no inequality at all.
+            ocp.input_bounds.fill((-UNHEARD_OF, UNHEARD_OF));
         }
         let qp = Qp::new(&ocp, steps, &closure, settings.qp);
         let (mean, covariance) = (model.start.clone(), prior(model));
