@@ -48,6 +48,12 @@ pub enum MpcError {
         /// Number of states.
         states: usize,
     },
+    /// Measured outputs do not tell of everything that is to be estimated.
+    #[error("the measured outputs do not tell of {}, or not apart from one another: measure more or estimate less", names.join(", "))]
+    NotObservable {
+        /// What cannot be told.
+        names: Vec<String>,
+    },
     /// A name is not known.
     #[error("there is no {what} `{name}`: known are {}", known.join(", "))]
     NoSuchName {

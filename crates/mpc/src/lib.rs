@@ -77,7 +77,8 @@ pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::{MpcError, PlantError};
 pub use estimation::{
     Disturbance, DisturbanceChannel, Estimate, EstimateStatus, EstimatedParameter, EstimationProblem, Estimator,
-    ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings, Outliers,
+    ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings, OffsetFree, Outliers, SteadyTarget,
+    TargetCalculator, TargetStatus,
 };
 pub use faults::{Fault, StepLimits};
 pub use integrator::Integrator;

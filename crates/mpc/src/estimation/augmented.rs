@@ -7,8 +7,8 @@ use crate::ocp::Substeps;
 use crate::shooting::Shooter;
 use crate::transcription::STABLE_STEP;
 use bracketry_native::{Function, Workspace};
-use bracketry_symbolic::{Expr, Names, Pool, Symbol, Tape};
-use bracketry_system::{SwitchKind, SwitchedForm, System};
+use bracketry_symbolic::{Expr, Names, Pool, Rational, Symbol, Tape};
+use bracketry_system::{Parameter, SwitchKind, SwitchedForm, System};
 use nalgebra::{DMatrix, DVector};
 
 /// Size of a smoothed sign below which friction is taken to stick.
@@ -178,6 +178,20 @@ impl Augmented {
         Ok((equations.system, equations.outputs))
     }
 
+    /// The equations with estimated parameters and disturbances as parameters, in the order of
+    /// [`EstimationProblem::live_parameters`], and the measured outputs.
+    pub(crate) fn disturbed(problem: &EstimationProblem) -> Result<(System, Vec<Expr>), MpcError> {
+        let (mut system, outputs) = Self::symbolic(problem)?;
+        let n = problem.system.states.len();
+        for symbol in system.states.split_off(n) {
+            let known = problem.system.parameters.iter().find(|p| p.symbol == symbol).cloned();
+            let (min, max, unit, about) = (None, None, None, None);
+            system.parameters.push(known.unwrap_or(Parameter { symbol, value: Rational::ZERO, min, max, unit, about }));
+        }
+        system.dynamics.truncate(n);
+        Ok((system, outputs))
+    }
+
     pub(crate) fn new(problem: &EstimationProblem) -> Result<Self, MpcError> {
         let Equations { mut system, outputs: expressions, start, start_std, walks } = Equations::of(problem)?;
         let (states, inputs) = (problem.system.states.len(), problem.system.inputs.len());
@@ -247,7 +261,7 @@ impl Augmented {
     }
 
     /// Which friction sticks at this state.
-    fn stuck(&mut self, t: f64, z: &[f64], u: &[f64]) -> Vec<bool> {
+    pub(crate) fn stuck(&mut self, t: f64, z: &[f64], u: &[f64]) -> Vec<bool> {
         if self.friction.is_empty() {
             return Vec::new();
         }
