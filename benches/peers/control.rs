@@ -78,7 +78,7 @@ fn real_time_iteration(problem: &ControlProblem, start: Trajectory, goal: &[f64]
     };
     let (mut x, mut steps, mut programs) = (problem.x0.clone(), Vec::new(), Vec::new());
     for k in 0..problem.samples {
-        rti.prepare();
+        rti.prepare().expect("settings in their ranges");
         let (states, inputs) = rows(rti.trajectory());
         let step = rti.feedback(&x).expect("a state of the right length").clone();
         if k % EVERY == EVERY - 1 {

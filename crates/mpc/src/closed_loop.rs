@@ -53,7 +53,7 @@ pub type FaultFunction<'a> = Box<dyn FnMut(usize) -> Vec<Fault> + 'a>;
 #[derive(Default)]
 pub struct LoopSettings<'a> {
     /// What makes states of the measured outputs; without it the outputs are handed to the controller as states.
-    pub estimator: Option<&'a mut dyn Estimator>,
+    pub estimator: Option<&'a mut (dyn Estimator + 'static)>,
     /// Whether the estimated parameters, and after them the estimated disturbances, become the live parameters of the
     /// controller's model.
     pub hand_over: bool,
@@ -218,12 +218,12 @@ pub struct ClosedLoop {
 ///
 /// # Errors
 /// If a length is wrong or the plant stops ([`MpcError::Plant`]).
-pub fn run_closed_loop<'a>(
-    controller: &'a mut dyn Controller,
-    plant: &'a mut dyn Plant,
+pub fn run_closed_loop(
+    controller: &mut dyn Controller,
+    plant: &mut dyn Plant,
     x0: &[f64],
     samples: usize,
-    settings: LoopSettings<'a>,
+    settings: LoopSettings<'_>,
 ) -> Result<ClosedLoop, MpcError> {
     let mut sampled = SampledLoop::new(controller, plant, x0, settings)?;
     let mut run = ClosedLoop {

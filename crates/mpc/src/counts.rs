@@ -44,6 +44,8 @@ pub struct ReasonCounts {
 pub struct SourceCounts {
     /// Programs solved for the measurement.
     pub program: usize,
+    /// Programs solved ahead and moved to the measurement by the tangential predictor.
+    pub tangent: usize,
     /// The last usable plan, shifted.
     pub plan: usize,
     /// The law that brakes.
@@ -68,6 +70,7 @@ impl Counts {
         *counter += 1;
         *match step.source {
             InputSource::Program => &mut self.sources.program,
+            InputSource::Tangent => &mut self.sources.tangent,
             InputSource::Plan => &mut self.sources.plan,
             InputSource::Brake => &mut self.sources.brake,
             InputSource::Rest => &mut self.sources.rest,
@@ -101,7 +104,7 @@ impl ReasonCounts {
 impl SourceCounts {
     /// Their sum.
     pub fn total(&self) -> usize {
-        self.program + self.plan + self.brake + self.rest
+        self.program + self.tangent + self.plan + self.brake + self.rest
     }
 }
 

@@ -88,7 +88,7 @@ pub use policy::{Brake, FailurePolicy};
 pub use problem::{ControlProblem, ControlReport, ControlRun, Method, PlanReport, ProblemError, RunConditions};
 pub use qp::{Backend, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{Riccati, dare};
-pub use rti::{Horizon, Rti, RtiSettings};
+pub use rti::{Horizon, Preparation, Rti, RtiSettings};
 pub use shooting::Linearisation;
 pub use sqp::{Iteration, Solution, SolveStatus, Sqp, SqpSettings};
 pub use step::{FallbackReason, InputSource, Step, StepStatus, Timings};

@@ -147,6 +147,11 @@ impl Failures {
         self.planned = steps;
     }
 
+    /// Notes a solution ahead of the measurement.
+    pub(crate) fn plan_ahead(&mut self, steps: usize) {
+        self.planned = steps;
+    }
+
     /// The input planned for now.
     pub(crate) fn plan<'a>(&self, trajectory: &'a Trajectory) -> Option<&'a [f64]> {
         (self.planned > 0 && trajectory.steps() > 0).then(|| trajectory.u(0))

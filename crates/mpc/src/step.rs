@@ -50,6 +50,8 @@ pub enum StepStatus {
 pub enum InputSource {
     /// A program solved for this measurement.
     Program,
+    /// A program solved ahead, moved to this measurement by the tangential predictor.
+    Tangent,
     /// The last usable plan, shifted.
     Plan,
     /// The law that brakes.

@@ -62,7 +62,7 @@ fn largest(settings: RtiSettings, programs: u64) -> (u64, u64, u64) {
     let mut x = X0;
     let mut worst = (0, 0, 0);
     for k in 0..12 {
-        let prepare = measure(|| rti.prepare()).count_total;
+        let prepare = measure(|| rti.prepare().unwrap()).count_total;
         let mut status = None;
         // Every fourth measurement is lost: the failure policy at work.
         let y = if k % 4 == 3 { [f64::NAN; 4] } else { x };

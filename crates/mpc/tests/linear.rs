@@ -72,7 +72,7 @@ fn one_real_time_iteration_is_the_regulator_from_any_measured_state() {
     let mut rti = Rti::new(dynamics(&system), ocp, start, RtiSettings::default()).unwrap();
     let (k, _) = riccati(30);
     for x in [[1.0, -0.5], [-2.0, 3.0], [0.1, 0.0]] {
-        rti.prepare();
+        rti.prepare().unwrap();
         let step = rti.feedback(&x).unwrap().clone();
         rti.shift();
         assert_eq!(step.status, StepStatus::Solved);

@@ -159,6 +159,7 @@ impl ControlProblem {
             iterations: self.iterations,
             time_limit: self.time_limit,
             qp: self.qp(),
+            ..RtiSettings::default()
         };
         Rti::new(self.dynamics()?, ocp, trajectory, settings)
     }

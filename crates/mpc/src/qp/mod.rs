@@ -181,6 +181,11 @@ impl Qp {
         self.assembly.program.steps
     }
 
+    /// The program as it was last filled, and its last solution.
+    pub(crate) fn stage_program(&self) -> (&StageProgram, &[f64]) {
+        (&self.assembly.program, &self.stage.z)
+    }
+
     /// Sets the limits of the solutions that follow: interior-point iterations, and time in s.
     pub(crate) fn set_limits(&mut self, max_iterations: u32, time_limit: f64) -> Result<(), MpcError> {
         if (self.settings.max_iterations, self.settings.time_limit) == (max_iterations, time_limit) {

@@ -4,17 +4,24 @@
 //! linearise the first interval at the measured state, solve, apply the first input. A sample without a solution gets the
 //! input of the [`FailurePolicy`].
 
+mod ahead;
+mod settings;
+mod tangent;
+
+pub use settings::{Horizon, Preparation, RtiSettings};
+
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
 use crate::faults::StepLimits;
 use crate::ocp::{Bounds, Ocp};
-use crate::policy::{FailurePolicy, Failures, rest_input};
-use crate::qp::{Qp, QpSettings, QpStatus};
+use crate::policy::{Failures, rest_input};
+use crate::qp::{Qp, QpStatus};
 use crate::shooting::Linearisation;
 use crate::step::{FallbackReason, InputSource, Step, StepStatus, Timings};
 use crate::trajectory::Trajectory;
 use crate::transcription::Transcription;
 use std::time::Instant;
+use tangent::{Tangent, first_hessian};
 
 /// Violation of a hard bound, in units of its state's scale, above which a sample counts as infeasible. A trajectory that
 /// is linearised once per sample misses its bounds by a little.
@@ -23,61 +30,6 @@ const HARD_TOLERANCE: f64 = 1e-3;
 const SETTLED: f64 = 1e-7;
 /// Samples in a row without a solution of their program after which the trajectory is started again.
 const PATIENCE: usize = 3;
-
-/// What happens to the horizon from sample to sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Horizon {
-    /// It keeps its length and moves on.
-    Receding,
-    /// Its end stays where it is; after it, the inputs are those of [`RtiSettings::rest_input`]. With fewer than `min_steps`
-    /// intervals left the last trajectory is played out.
-    Shrinking {
-        /// Fewest intervals for which a program is solved.
-        min_steps: usize,
-    },
-}
-
-/// Settings of [`Rti`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct RtiSettings {
-    /// Receding or shrinking horizon.
-    pub horizon: Horizon,
-    /// Smoothing width of switching functions; `None` keeps what the dynamics have.
-    pub smoothing: Option<f64>,
-    /// Weight λ of the proximal term; 0 is the plain real-time iteration.
-    pub proximal: f64,
-    /// Whether a step that does not lower the merit is shortened (to 1/2, 1/4, 1/10) or left out.
-    pub guarded: bool,
-    /// Input after the end of a shrinking horizon, and when everything planned has been used up; when empty, the one
-    /// closest to zero within the bounds.
-    pub rest_input: Vec<f64>,
-    /// What is applied when a sample has no solution.
-    pub policy: FailurePolicy,
-    /// Largest number of programs per sample, at least 1. Those after the first are solved only while the step still changes
-    /// something and, under a time limit, while the time left is enough for one more like the last.
-    pub iterations: usize,
-    /// Time of a sample, s, preparation included: what linearising leaves of it is the time limit of the program, and a
-    /// sample without a solution by then falls to the failure policy.
-    pub time_limit: f64,
-    /// Settings of the quadratic programs.
-    pub qp: QpSettings,
-}
-
-impl Default for RtiSettings {
-    fn default() -> Self {
-        Self {
-            horizon: Horizon::Receding,
-            smoothing: None,
-            proximal: 0.0,
-            guarded: false,
-            rest_input: Vec::new(),
-            policy: FailurePolicy::ShiftedInput,
-            iterations: 1,
-            time_limit: f64::INFINITY,
-            qp: QpSettings::default(),
-        }
-    }
-}
 
 /// The controller.
 pub struct Rti {
@@ -98,6 +50,8 @@ pub struct Rti {
     prepare_seconds: f64,
     /// The trajectory is no good to linearise along.
     lost: bool,
+    /// Gains and status of a program solved ahead.
+    tangent: Option<(Tangent, StepStatus)>,
 }
 
 impl Rti {
@@ -113,21 +67,7 @@ impl Rti {
     ) -> Result<Self, MpcError> {
         let mut problem = Transcription::new(dynamics, ocp)?;
         problem.check_trajectory(&trajectory)?;
-        if settings.iterations == 0 {
-            return Err(MpcError::Value {
-                what: "the number of iterations per sample".into(),
-                value: 0.0,
-                remedy: "give at least 1",
-            });
-        }
-        if settings.time_limit.is_nan() || settings.time_limit <= 0.0 {
-            return Err(MpcError::Value {
-                what: "the time limit of a sample".into(),
-                value: settings.time_limit,
-                remedy: "give a positive number of seconds, or infinity for none",
-            });
-        }
-        settings.policy.check(problem.ocp.states(), problem.ocp.inputs())?;
+        settings.check(&problem.ocp)?;
         let rest = rest_input(&settings.rest_input, &problem.ocp.input_bounds)?;
         if let Some(w) = settings.smoothing {
             problem.dynamics.set_smoothing(w);
@@ -155,6 +95,7 @@ impl Rti {
             prepared: false,
             prepare_seconds: 0.0,
             lost: false,
+            tangent: None,
         })
     }
 
@@ -228,14 +169,13 @@ impl Rti {
             let states = ocp.state_bounds.iter().map(|b| (b.min, b.max));
             states.chain(ocp.input_bounds.iter().copied()).flat_map(|b| [b.0.is_finite(), b.1.is_finite()]).collect()
         };
-        let rest = rest_input(&[], &inputs)?;
         let before = shape(&self.problem.ocp);
         self.change(|ocp| {
             ocp.state_bounds = states;
             ocp.input_bounds = inputs;
         })?;
         if self.settings.rest_input.is_empty() {
-            self.failures.set_rest(rest);
+            self.failures.set_rest(rest_input(&[], &self.problem.ocp.input_bounds)?);
         }
         if shape(&self.problem.ocp) != before {
             self.lay_out();
@@ -266,22 +206,42 @@ impl Rti {
     }
 
     /// Everything that does not need the measurement. Called by [`Rti::feedback`] when it has not been before.
-    pub fn prepare(&mut self) {
+    ///
+    /// # Errors
+    /// If a setting of the programs is out of its range.
+    pub fn prepare(&mut self) -> Result<(), MpcError> {
         if self.prepared || self.used_up() {
-            return;
+            return Ok(());
         }
         let start = Instant::now();
         if self.qp.steps() != self.trajectory.steps() {
             self.lay_out();
         }
-        let steps = self.trajectory.steps();
-        self.problem.linearise(&self.trajectory, 0, steps, &mut self.lin);
-        let (k0, lambda) = (self.problem.k0, self.settings.proximal);
-        self.qp.assemble(&mut self.problem.ocp, k0, &self.trajectory, &self.lin, lambda);
+        self.tangent = None;
+        let ahead = match self.settings.preparation {
+            Preparation::Linearise => None,
+            Preparation::Ahead { programs } | Preparation::AheadTangential { programs } => {
+                self.solve_ahead(programs, start)?
+            }
+        };
+        self.fill();
+        if let (Some(status), Preparation::AheadTangential { .. }) = (ahead, self.settings.preparation) {
+            let first = first_hessian(&mut self.problem.ocp, self.problem.k0, &self.trajectory);
+            let (program, z) = self.qp.stage_program();
+            self.tangent = Tangent::of(program, z, &self.lin.jacobian, &first).map(|t| (t, status));
+        }
         self.work.copy_from(&self.trajectory);
         self.trial.copy_from(&self.trajectory);
         self.prepare_seconds = start.elapsed().as_secs_f64();
         self.prepared = true;
+        Ok(())
+    }
+
+    /// Linearises along the trajectory and fills the program.
+    fn fill(&mut self) {
+        let (k0, steps) = (self.problem.k0, self.trajectory.steps());
+        self.problem.linearise(&self.trajectory, 0, steps, &mut self.lin);
+        self.qp.assemble(&mut self.problem.ocp, k0, &self.trajectory, &self.lin, self.settings.proximal);
     }
 
     /// The input for the measured state `x`, NaN where nothing is known. Does not move the horizon: [`Rti::shift`] does.
@@ -299,18 +259,25 @@ impl Rti {
             self.step.timings = Timings::default();
             return Ok(&self.step);
         }
-        self.prepare();
+        self.prepare()?;
         self.prepared = false;
         let start = Instant::now();
         let mut timings = Timings { linearise: self.prepare_seconds, ..Timings::default() };
+        let mut source = InputSource::Program;
         let result = match FallbackReason::of_measurement(x) {
             Some(reason) => Err(reason),
-            None => self.solve_from(x, limits, start, &mut timings)?,
+            None => match self.move_along(x) {
+                Some(status) => {
+                    source = InputSource::Tangent;
+                    Ok(status)
+                }
+                None => self.solve_from(x, limits, start, &mut timings)?,
+            },
         };
         match result {
             Ok(status) => {
                 self.step.status = status;
-                self.step.source = InputSource::Program;
+                self.step.source = source;
                 self.step.u.copy_from_slice(self.trajectory.u(0));
                 self.failures.solved(self.trajectory.steps());
                 self.lost = false;

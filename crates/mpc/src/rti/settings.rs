@@ -1,0 +1,129 @@
+//! Settings of the real-time iteration.
+
+use crate::error::MpcError;
+use crate::ocp::Ocp;
+use crate::policy::FailurePolicy;
+use crate::qp::QpSettings;
+
+/// What happens to the horizon from sample to sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Horizon {
+    /// It keeps its length and moves on.
+    Receding,
+    /// Its end stays where it is; after it, the inputs are those of [`RtiSettings::rest_input`]. With fewer than `min_steps`
+    /// intervals left the last trajectory is played out.
+    Shrinking {
+        /// Fewest intervals for which a program is solved.
+        min_steps: usize,
+    },
+}
+
+/// What is done before the measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preparation {
+    /// Linearisation along the shifted trajectory.
+    Linearise,
+    /// The advanced step: programs for the state that the model predicts, then linearisation along their solution. The
+    /// measurement is answered by one more program.
+    Ahead {
+        /// Number of programs, at least 1; fewer when they settle, or when the time limit comes first.
+        programs: usize,
+    },
+    /// The same, but the measurement is answered by the tangential predictor: the solution moved along its derivative with the
+    /// active inequalities held, which needs no program. Where that leads an input out of its bounds, a program is solved.
+    AheadTangential {
+        /// Number of programs, at least 1.
+        programs: usize,
+    },
+}
+
+/// Settings of [`Rti`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct RtiSettings {
+    /// Receding or shrinking horizon.
+    pub horizon: Horizon,
+    /// Smoothing width of switching functions; `None` keeps what the dynamics have.
+    pub smoothing: Option<f64>,
+    /// What is done before the measurement.
+    pub preparation: Preparation,
+    /// Weight λ of the proximal term; 0 is the plain real-time iteration.
+    pub proximal: f64,
+    /// Whether a step that does not lower the merit is shortened (to 1/2, 1/4, 1/10) or left out.
+    pub guarded: bool,
+    /// Input after the end of a shrinking horizon, and when everything planned has been used up; when empty, the one
+    /// closest to zero within the bounds.
+    pub rest_input: Vec<f64>,
+    /// What is applied when a sample has no solution.
+    pub policy: FailurePolicy,
+    /// Largest number of programs per sample, at least 1. Those after the first are solved only while the step still changes
+    /// something and, under a time limit, while the time left is enough for one more like the last.
+    pub iterations: usize,
+    /// Time of a sample, s, preparation included: what linearising leaves of it is the time limit of the program, and a
+    /// sample without a solution by then falls to the failure policy.
+    pub time_limit: f64,
+    /// Settings of the quadratic programs.
+    pub qp: QpSettings,
+}
+
+impl Default for RtiSettings {
+    fn default() -> Self {
+        Self {
+            horizon: Horizon::Receding,
+            smoothing: None,
+            preparation: Preparation::Linearise,
+            proximal: 0.0,
+            guarded: false,
+            rest_input: Vec::new(),
+            policy: FailurePolicy::ShiftedInput,
+            iterations: 1,
+            time_limit: f64::INFINITY,
+            qp: QpSettings::default(),
+        }
+    }
+}
+
+impl RtiSettings {
+    /// Whether the settings are in their ranges and fit the problem.
+    pub(super) fn check(&self, ocp: &Ocp) -> Result<(), MpcError> {
+        if self.iterations == 0 {
+            return Err(MpcError::Value {
+                what: "the number of iterations per sample".into(),
+                value: 0.0,
+                remedy: "give at least 1",
+            });
+        }
+        if self.time_limit.is_nan() || self.time_limit <= 0.0 {
+            return Err(MpcError::Value {
+                what: "the time limit of a sample".into(),
+                value: self.time_limit,
+                remedy: "give a positive number of seconds, or infinity for none",
+            });
+        }
+        if let Preparation::Ahead { programs: 0 } | Preparation::AheadTangential { programs: 0 } = self.preparation {
+            return Err(MpcError::Value {
+                what: "the number of programs solved ahead".into(),
+                value: 0.0,
+                remedy: "give at least 1",
+            });
+        }
+        if let (Preparation::AheadTangential { .. }, Some(what)) = (self.preparation, not_tangential(ocp)) {
+            return Err(MpcError::Value {
+                what: format!("the number of {what}"),
+                value: 1.0,
+                remedy: "prepare by Preparation::Ahead: the tangential predictor holds bounds and targets alone",
+            });
+        }
+        self.policy.check(ocp.states(), ocp.inputs())
+    }
+}
+
+/// What the tangential predictor cannot hold.
+fn not_tangential(ocp: &Ocp) -> Option<&'static str> {
+    let cases = [
+        (!ocp.path_constraints.is_empty(), "path constraints"),
+        (!ocp.norm_constraints.is_empty(), "norm constraints"),
+        (!ocp.move_blocks.is_empty(), "move blocks"),
+        (ocp.terminal_set.is_some(), "terminal sets"),
+    ];
+    cases.into_iter().find(|(there, _)| *there).map(|(_, what)| what)
+}
