@@ -195,3 +195,23 @@ fn lost_and_wrong_measurements_are_survived_by_the_plan() {
     assert_eq!((run.counts.fallback, run.counts.solved), (3, 37));
     assert!((run.x[40][0] - 2.0).abs() < 0.005, "{:?}", run.x[40]);
 }
+
+#[test]
+fn friction_that_is_handed_over_controls_like_friction_that_was_known() {
+    let text = r#"
+        states = ["x", "v"]
+        inputs = ["u"]
+        parameters = { F = 0.5 }
+        dynamics = { x = "v", v = "-0.8*x - 0.5*v + u - F*sign(v)" }
+    "#;
+    let (model, truth) = (System::parse("spring_mass.toml", text).unwrap(), spring_mass(0.2));
+    let settings = StickSlipSettings { live_parameters: vec!["F".into()], ..StickSlipSettings::default() };
+    let guess = Trajectory::constant(20, &[0.0, 0.0], &[0.0]);
+    let mut told = StickSlipController::new(&model, benchmark(&model), guess, settings).unwrap();
+    assert!(told.set_parameters(&[0.2, 0.3]).is_err());
+    told.set_parameters(&[0.2]).unwrap();
+    let mut plant = common::ExactPlant::new(&truth, &[0.0, 0.0]);
+    let told = run_closed_loop(&mut told, &mut plant, &[0.0, 0.0], 40, LoopSettings::default()).unwrap();
+    let knew = run(&truth, &truth, benchmark(&truth), &[0.0, 0.0], 40);
+    assert!((told.cost - knew.cost).abs() < 1e-9, "{} {}", told.cost, knew.cost);
+}

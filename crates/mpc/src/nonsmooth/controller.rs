@@ -21,7 +21,8 @@ use std::time::Instant;
 /// Settings of [`StickSlipController`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct StickSlipSettings {
-    /// Largest number of quadratic programs per sample along the plan; 1 is the real-time iteration.
+    /// Largest number of quadratic programs per sample along the plan; 1 is the real-time iteration. From sample to sample the
+    /// plan changes little, so that two or three mostly do.
     pub iterations: usize,
     /// Largest number of quadratic programs that refine the first plan.
     pub initial_iterations: usize,
@@ -33,6 +34,8 @@ pub struct StickSlipSettings {
     pub smoothing: Vec<f64>,
     /// Width by which unit vectors σ/|σ| are rounded, in the unit of σ.
     pub rounding: f64,
+    /// Names of the model's parameters that the problem gives over the horizon, or an estimator hands over.
+    pub live_parameters: Vec<String>,
     /// What is applied when a sample has no solution.
     pub failure: FailurePolicy,
     /// Input of rest; zero, or the bound closest to it, when empty.
@@ -44,11 +47,12 @@ pub struct StickSlipSettings {
 impl Default for StickSlipSettings {
     fn default() -> Self {
         Self {
-            iterations: 1,
+            iterations: 20,
             initial_iterations: 50,
             tolerance: 1e-6,
             smoothing: vec![0.1, 0.01],
             rounding: 1e-3,
+            live_parameters: Vec::new(),
             failure: FailurePolicy::default(),
             rest_input: Vec::new(),
             qp: QpSettings::default(),
@@ -122,8 +126,9 @@ impl StickSlipController {
     /// If the problem contradicts itself, the system, the guess or the settings.
     pub fn new(system: &System, ocp: Ocp, guess: Trajectory, settings: StickSlipSettings) -> Result<Self, MpcError> {
         settings.check()?;
-        let dynamics = SymbolicDynamics::new(system)?;
-        let flow = StickSlipFlow::new(SwitchedField::new(system, settings.rounding)?);
+        let live: Vec<&str> = settings.live_parameters.iter().map(String::as_str).collect();
+        let dynamics = SymbolicDynamics::with_live_parameters(system, &live)?;
+        let flow = StickSlipFlow::new(SwitchedField::new(system, &live, settings.rounding)?);
         let switches = flow.field.switches;
         settings.failure.check(ocp.states(), ocp.inputs())?;
         let mut smooth = Transcription::new(Box::new(dynamics.clone()), ocp.clone())?;
@@ -150,6 +155,19 @@ impl StickSlipController {
             start: Instant::now(),
             qp_seconds: 0.0,
         })
+    }
+
+    /// Gives the live parameters these values at every grid point, for instance those of an estimator.
+    ///
+    /// # Errors
+    /// If their number is not that of the live parameters.
+    pub fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        check_length("the parameters", parameters.len(), self.settings.live_parameters.len())?;
+        self.problem.ocp.parameters = vec![parameters.to_vec()];
+        match &mut self.smooth {
+            Some(smooth) => smooth.set_parameters(parameters),
+            None => Ok(()),
+        }
     }
 
     /// The trajectory that the next input comes from.

@@ -18,7 +18,7 @@ fn masses() -> System {
 }
 
 fn flow(system: &System) -> StickSlipFlow {
-    StickSlipFlow::new(SwitchedField::new(system, 1e-3).unwrap())
+    StickSlipFlow::new(SwitchedField::new(system, &[], 1e-3).unwrap())
 }
 
 /// Reproducible numbers in [−1, 1] (a linear congruential generator).

@@ -49,13 +49,17 @@ impl ExactProblem {
         s
     }
 
-    fn time(&self, k: usize) -> f64 {
+    /// Gives the flow the parameters of interval k of the horizon; its start time.
+    fn enter(&mut self, k: usize) -> f64 {
+        if let Some(last) = self.ocp.parameters.len().checked_sub(1) {
+            self.flow.field.set_parameters(&self.ocp.parameters[(self.k0 + k).min(last)]);
+        }
         (self.k0 + k) as f64 * self.ocp.dt
     }
 
     /// Fills in the state at the end of interval k; false where the flow fails.
     pub(crate) fn advance(&mut self, z: &mut Trajectory, k: usize) -> bool {
-        let (dt, substeps, t) = (self.ocp.dt, self.substeps(), self.time(k));
+        let (dt, substeps, t) = (self.ocp.dt, self.substeps(), self.enter(k));
         self.end.clear();
         self.end.extend_from_slice(z.x(k));
         let done = self.flow.advance(t, &mut self.end, z.u(k), dt, substeps, None, &[]);
@@ -135,7 +139,7 @@ impl ExactProblem {
         let block = n * (n + self.ocp.inputs());
         let (dt, substeps) = (self.ocp.dt, self.substeps());
         for k in 0..z.steps() {
-            let t = self.time(k);
+            let t = self.enter(k);
             let interval = &self.intervals[k];
             self.holds.clear();
             if let Some(release) = release {
@@ -160,7 +164,7 @@ impl ExactProblem {
 
     /// Whether any switch sticks over the first interval of a roll-out.
     pub(crate) fn sticks_at_start(&mut self, z: &Trajectory) -> bool {
-        let (dt, substeps, t) = (self.ocp.dt, self.substeps(), self.time(0));
+        let (dt, substeps, t) = (self.ocp.dt, self.substeps(), self.enter(0));
         self.end.clear();
         self.end.extend_from_slice(z.x(0));
         let done = self.flow.advance(t, &mut self.end, z.u(0), dt, substeps, None, &[]);
@@ -174,7 +178,8 @@ impl ExactProblem {
     pub(crate) fn directions(&mut self, z: &Trajectory, dx: &[f64]) -> Vec<Option<FrictionMode>> {
         let n = self.ocp.states();
         let signs = self.intervals[0].signs.clone();
-        self.flow.field.differentiate(self.time(0), z.x(0), z.u(0), &signs);
+        let t = self.enter(0);
+        self.flow.field.differentiate(t, z.x(0), z.u(0), &signs);
         (0..signs.len())
             .map(|i| {
                 let along: f64 = dx

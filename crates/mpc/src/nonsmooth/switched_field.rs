@@ -25,13 +25,15 @@ pub(crate) struct SwitchedField {
     /// ∂σ̇/∂s of every component of a unit vector: divided by the width, the speed at which it relaxes onto rest.
     relaxation: Function,
     rounding: f64,
+    /// Places of the live parameters among the arguments.
+    live: Vec<usize>,
     arguments: Vec<f64>,
     work: Workspace,
     out: Vec<f64>,
 }
 
 impl SwitchedField {
-    pub(crate) fn new(system: &System, rounding: f64) -> Result<Self, MpcError> {
+    pub(crate) fn new(system: &System, live: &[&str], rounding: f64) -> Result<Self, MpcError> {
         if let Some(d) = system.input_derivatives.first() {
             return Err(MpcError::InputDerivative { name: system.symbol_name(d.symbol).to_owned() });
         }
@@ -96,6 +98,14 @@ impl SwitchedField {
         let rate_pattern = pattern_of(&rates);
         let derivatives = Function::new(Tape::compile(pool, &all, &outputs)?);
 
+        let place = |name: &&str| {
+            let at = system.parameters.iter().position(|p| pool.name(p.symbol) == *name);
+            at.map(|i| 1 + columns.len() + i).ok_or_else(|| MpcError::NoSuchParameter {
+                name: (*name).to_owned(),
+                known: system.parameters.iter().map(|p| pool.name(p.symbol).to_owned()).collect(),
+            })
+        };
+        let live = live.iter().map(place).collect::<Result<Vec<usize>, MpcError>>()?;
         let mut arguments = vec![0.0; all.len()];
         for (a, p) in arguments[1 + columns.len()..].iter_mut().zip(&system.parameters) {
             *a = p.value.to_f64().value();
@@ -109,6 +119,7 @@ impl SwitchedField {
             affine,
             relaxation,
             rounding,
+            live,
             out: vec![0.0; derivatives.n_outputs()],
             values,
             derivatives,
@@ -117,6 +128,13 @@ impl SwitchedField {
             arguments,
             work: Workspace::default(),
         })
+    }
+
+    /// Gives the live parameters their values.
+    pub(crate) fn set_parameters(&mut self, values: &[f64]) {
+        for (&place, &value) in self.live.iter().zip(values) {
+            self.arguments[place] = value;
+        }
     }
 
     fn load(&mut self, t: f64, x: &[f64], u: &[f64], s: &[f64]) {

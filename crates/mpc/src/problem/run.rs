@@ -217,6 +217,7 @@ impl ControlProblem {
                 let settings = StickSlipSettings {
                     iterations: self.iterations.max(self.max_iterations),
                     smoothing: self.smoothing.clone(),
+                    live_parameters: self.live.clone(),
                     failure: self.policy.clone(),
                     rest_input: self.rest_input.clone(),
                     qp: self.qp(),
