@@ -5,6 +5,9 @@ use bracketry_native::{Function, Workspace};
 use bracketry_symbolic::{Expr, Symbol, Tape};
 use bracketry_system::{SwitchKind, System};
 
+/// Sets of switches are the bits of a word.
+const MAX_SWITCHES: usize = 64;
+
 /// The equations x' = f(t, x, u, s) with one sign s_i for every switching function σ_i, compiled with the derivatives that
 /// event-driven integration and its sensitivities need. Unit vectors are rounded with a width.
 #[derive(Clone)]
@@ -40,6 +43,13 @@ impl SwitchedField {
         let mut system = system.clone();
         let form = system.set_valued_form();
         let signs: Vec<Symbol> = form.signs().iter().map(|s| s.sign).collect();
+        if signs.len() > MAX_SWITCHES {
+            return Err(MpcError::Value {
+                what: "the number of switching functions".into(),
+                value: signs.len() as f64,
+                remedy: "give a model with at most 64 for the exact flow, or smooth them",
+            });
+        }
         let width = system.pool.symbol("smoothing#width");
         let width_expr = system.pool.sym(width);
         let mut rounded = system.smooth_signs(&form, width_expr);
