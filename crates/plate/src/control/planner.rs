@@ -1,15 +1,17 @@
 //! Plans of moves from rest to rest.
 
 use super::Command;
-use super::move_problem::{Grid, MoveProblem};
+use super::move_problem::MoveProblem;
 use super::oscillation::Oscillation;
 use super::replay::{Replay, moved};
 use crate::{PlateError, PlateKinematics};
-use bracketry_mpc::{QpSettings, Sqp, SqpSettings, Trajectory};
+use bracketry_mpc::{Dynamics, QpSettings, Rti, RtiSettings, Sqp, SqpSettings, Trajectory};
 use std::time::Instant;
 
-/// Width of rounded friction in m/s at which plans end and feedback works.
-pub(super) const WIDTH: f64 = 0.005;
+/// Width of rounded friction in m/s at which plans end.
+const WIDTH: f64 = 0.005;
+/// The same for feedback: wider is faster, and the replay sees to the end.
+const FEEDBACK_WIDTH: f64 = 0.01;
 /// Errors of x and y (m) and of yaw (rad) that are good enough for a plan.
 const GOOD: [f64; 3] = [3e-4, 3e-4, 0.005];
 /// Times a plan's aim is shifted by what its replay misses.
@@ -19,8 +21,6 @@ const SHORTEST: f64 = 0.5;
 const LONGEST: f64 = 4.0;
 /// Durations tried for one move.
 const DURATIONS: usize = 3;
-/// Periods in one interval of the first search.
-const COARSE: usize = 2;
 /// Oscillations that the search starts from.
 const SWINGS: [Oscillation; 3] = [
     Oscillation { frequency: 2.5, displacement: 0.03, tilt: 0.1, phase: 0.0 },
@@ -35,19 +35,6 @@ fn expected_duration([x, y, yaw]: [f64; 3]) -> f64 {
 
 fn qp_settings() -> QpSettings {
     QpSettings { tolerance: 1e-6, ..QpSettings::default() }
-}
-
-/// The same inputs on a grid of intervals [`COARSE`] times shorter, with states in between that the next iteration corrects.
-fn split(trajectory: &Trajectory) -> Result<Trajectory, PlateError> {
-    let (mut x, mut u) = (vec![trajectory.x(0).to_vec()], Vec::new());
-    for k in 0..trajectory.steps() {
-        for part in 1..=COARSE {
-            let share = part as f64 / COARSE as f64;
-            x.push(trajectory.x(k).iter().zip(trajectory.x(k + 1)).map(|(a, b)| a + share * (b - a)).collect());
-            u.push(trajectory.u(k).to_vec());
-        }
-    }
-    Ok(Trajectory::from_rows(&x, &u)?)
 }
 
 /// A move, proved by its replay with exact friction.
@@ -94,19 +81,17 @@ impl Planner {
 
     /// The best plan found from a state at rest to a pose; absent if no program could be solved at all.
     ///
-    /// Oscillations of several frequencies are tried, then longer durations, on a grid of intervals twice as long as the
-    /// period; the best is refined on the grid of the period.
+    /// Oscillations of several frequencies are tried, then longer durations.
     pub(super) fn plan(&self, start: &[f64; 10], target: [f64; 3], mu: f64) -> Result<Option<Plan>, PlateError> {
         let clock = Instant::now();
         let delta: [f64; 3] = std::array::from_fn(|i| target[i] - start[i]);
         let mut duration = expected_duration(delta);
-        let dt = self.problem.period() * COARSE as f64;
+        let dt = self.problem.interval();
         let (mut best, mut programs): (Option<Attempt>, usize) = (None, 0);
         'search: for _ in 0..DURATIONS {
             let mut least = f64::INFINITY;
             for swing in SWINGS {
-                let grid = Grid { steps: (duration / dt).ceil() as usize, dt };
-                let attempt = self.attempt(start, target, mu, grid, swing)?;
+                let attempt = self.attempt(start, target, mu, (duration / dt).ceil() as usize, swing)?;
                 programs += attempt.programs;
                 let found = badness(&attempt.miss);
                 least = least.min(found);
@@ -122,23 +107,23 @@ impl Planner {
         let Some(best) = best else {
             return Ok(None);
         };
-        let best = Attempt { trajectory: split(&best.trajectory)?, ..best };
         let mut plan = self.aimed(start, target, mu, best)?;
         plan.programs += programs;
         plan.seconds = clock.elapsed().as_secs_f64();
         Ok(Some(plan))
     }
 
-    /// Solves on a grid from an oscillation.
+    /// Solves for a number of intervals from an oscillation.
     fn attempt(
         &self,
         start: &[f64; 10],
         target: [f64; 3],
         mu: f64,
-        grid: Grid,
+        steps: usize,
         swing: Oscillation,
     ) -> Result<Attempt, PlateError> {
-        let duration = grid.steps as f64 * grid.dt;
+        let dt = self.problem.interval();
+        let duration = steps as f64 * dt;
         let oscillation = Oscillation {
             frequency: (swing.frequency * duration).round().max(1.0) / duration,
             tilt: swing.tilt.copysign(target[2] - start[2]),
@@ -153,14 +138,10 @@ impl Planner {
             qp: qp_settings(),
             ..SqpSettings::default()
         };
-        let ocp = self.problem.ocp(grid, target);
+        let ocp = self.problem.ocp(steps, target);
         let mut sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp, settings)?;
-        let guess = sqp.guess(start, &oscillation.inputs(grid.steps, grid.dt))?;
+        let guess = sqp.guess(start, &oscillation.inputs(steps, dt))?;
         Self::solved(&mut sqp, start, &guess)
-    }
-
-    fn grid(&self, trajectory: &Trajectory) -> Grid {
-        Grid { steps: trajectory.steps(), dt: self.problem.period() }
     }
 
     fn solved(sqp: &mut Sqp, start: &[f64; 10], guess: &Trajectory) -> Result<Attempt, PlateError> {
@@ -212,49 +193,42 @@ impl Planner {
             proximal: 0.05,
             ..SqpSettings::default()
         };
-        let ocp = self.problem.ocp(self.grid(trajectory), aim);
+        let ocp = self.problem.ocp(trajectory.steps(), aim);
         let mut sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp, settings)?;
         Self::solved(&mut sqp, start, trajectory)
     }
 
-    /// A plan under way, brought back on its way to the target from `state` by one quadratic program, where exact friction
-    /// says that it would miss. The second value is what is missing then, the third whether no program was solved.
-    pub(super) fn followed(
+    /// The program that brings a plan under way back to the target, prepared for a state near `state`; absent where exact
+    /// friction says that the plan arrives as it is.
+    pub(super) fn correction(
         &self,
         state: &[f64; 10],
         target: [f64; 3],
         mu: f64,
         trajectory: &Trajectory,
-    ) -> Result<(Trajectory, [f64; 3], bool), PlateError> {
+        time_limit: f64,
+    ) -> Result<Option<Rti>, PlateError> {
         let miss = self.replayed(state, trajectory, mu, target)?;
         if badness(&miss) < 1.0 {
-            return Ok((trajectory.clone(), miss, false));
+            return Ok(None);
         }
-        let inputs: Vec<Vec<f64>> = (0..trajectory.steps()).map(|k| trajectory.u(k).to_vec()).collect();
-        let settings = SqpSettings {
-            max_iterations: 1,
-            tolerance: 0.0,
-            smoothing: vec![WIDTH],
-            qp: qp_settings(),
-            proximal: 0.05,
-            ..SqpSettings::default()
-        };
-        let mut ocp = self.problem.ocp(self.grid(trajectory), target);
-        let mut sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp.clone(), settings.clone())?;
-        let guess = sqp.guess(state, &inputs)?;
+        let mut dynamics = self.problem.feedback_dynamics(mu);
+        dynamics.set_smoothing(FEEDBACK_WIDTH);
+        let predicted = dynamics.rolled_out(state, trajectory, self.problem.interval())?;
         // The end of the model has to move by what exact friction misses.
-        let end = guess.x(guess.steps());
-        if miss.iter().all(|e| e.is_finite()) {
-            for i in 0..3 {
-                ocp.targets[i].value = end[i] - miss[i];
-            }
-            sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp, settings)?;
-        }
-        let attempt = Self::solved(&mut sqp, state, &guess)?;
-        if !badness(&attempt.miss).is_finite() {
-            return Ok((trajectory.clone(), miss, true));
-        }
-        Ok((attempt.trajectory, attempt.miss, false))
+        let end = predicted.x(predicted.steps());
+        let aim = std::array::from_fn(|i| if miss[i].is_finite() { end[i] - miss[i] } else { target[i] });
+        let settings = RtiSettings {
+            smoothing: Some(FEEDBACK_WIDTH),
+            proximal: 0.05,
+            guarded: true,
+            time_limit,
+            qp: qp_settings(),
+            ..RtiSettings::default()
+        };
+        let mut rti = Rti::new(Box::new(dynamics), self.problem.ocp(trajectory.steps(), aim), predicted, settings)?;
+        rti.prepare();
+        Ok(Some(rti))
     }
 
     /// What a trajectory's inputs miss with exact friction.
@@ -274,7 +248,7 @@ impl Planner {
             tilt_rate: start[9],
             ..PlateKinematics::default()
         };
-        let dt = self.problem.period();
+        let dt = self.problem.interval();
         for k in 0..trajectory.steps() {
             let u = trajectory.u(k);
             let command = Command { displacement_acceleration: u[0], tilt_acceleration: u[1] };

@@ -7,19 +7,21 @@ use super::replay::{Replay, moved};
 use super::settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
 use super::{Command, Measurement, PlateController};
 use crate::{Object, PlateError, PlateKinematics};
-use bracketry_mpc::Trajectory;
+use bracketry_mpc::{Rti, StepStatus, Trajectory};
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 use std::time::Instant;
 
 /// Share of the bounds that plans and feedback leave free.
 const MARGIN: f64 = 0.05;
+/// Periods in an interval of plans.
+const INTERVAL: usize = 2;
 /// Intervals left at which the rest of a plan is played out.
-const PLAYED_OUT: usize = 3;
+const PLAYED_OUT: usize = 1;
 /// Badness of the predicted end above which a move is made longer, intervals added at a time, and most of them.
 const LATE: f64 = 8.0;
-const EXTENSION: usize = 5;
-const MOST_EXTENSION: usize = 40;
+const EXTENSION: usize = 2;
+const MOST_EXTENSION: usize = 20;
 /// Most samples that the controller looks at the resting object before it believes the mean.
 const LOOKS: usize = 25;
 /// Standard deviations of the mean that a verdict has to be sure of.
@@ -32,12 +34,27 @@ enum Phase {
     Start,
     /// Samples until the plan begins.
     Pause { plan: Plan, left: usize },
-    /// The rest of a plan, and by how many samples it has been made longer.
-    Move { trajectory: Trajectory, extended: usize, late: usize },
+    /// A plan under way.
+    Move(Move),
     /// Plate and object at rest; samples looked at.
     Look { samples: usize },
     /// Nothing more to do.
     Done,
+}
+
+/// A plan under way. An interval is two periods: at its second sample the next program is prepared, at the first sample of
+/// the next interval it is solved for the state that the latest measurement gives.
+struct Move {
+    /// What is left, from the interval under way on.
+    trajectory: Trajectory,
+    /// Whether the first command of the interval has been given.
+    half: bool,
+    /// The program prepared for the next interval; absent where the plan goes on as it is.
+    correction: Option<Rti>,
+    /// Intervals by which it has been made longer.
+    extended: usize,
+    /// Programs in a row whose end misses the target.
+    late: usize,
 }
 
 /// Plans moves from rest to rest, follows them with one quadratic program a sample, and corrects what they missed until the
@@ -47,7 +64,6 @@ pub struct PoseController {
     target: [f64; 3],
     planner: Planner,
     bank: Option<FrictionBank>,
-    predictor: Replay,
     phase: Phase,
     report: PoseReport,
     /// The plate at the last sample.
@@ -65,12 +81,11 @@ impl PoseController {
         if let Some(value) = target.iter().find(|v| !v.is_finite()) {
             return Err(PlateError::BadState { value: *value });
         }
-        let problem = MoveProblem::new(object, &settings.limits, settings.period, MARGIN)?;
+        let problem = MoveProblem::new(object, &settings.limits, settings.period * INTERVAL as f64, MARGIN)?;
         Ok(Self {
             target,
             planner: Planner::new(problem),
             bank: None,
-            predictor: Replay::new(object, settings.mu)?,
             phase: Phase::Start,
             report: PoseReport {
                 status: PoseStatus::Working,
@@ -78,7 +93,7 @@ impl PoseController {
                 mu: settings.mu,
                 lost: 0,
                 unsolved: 0,
-                longest_step: 0.0,
+                sample_seconds: Vec::new(),
             },
             plate: PlateKinematics::default(),
             queue: std::iter::repeat_n(Command::default(), settings.delay).collect(),
@@ -115,7 +130,7 @@ impl PoseController {
             return Ok(());
         };
         self.report.moves.push(MoveReport {
-            duration: plan.trajectory.steps() as f64 * self.settings.period,
+            duration: (plan.trajectory.steps() * INTERVAL) as f64 * self.settings.period,
             extended: 0,
             programs: plan.programs,
             seconds: plan.seconds,
@@ -149,52 +164,74 @@ impl PoseController {
         Ok(())
     }
 
-    /// The state at the time from which the command of this sample acts.
+    /// The state at the time from which the next command acts, after those in the queue.
     fn predicted(&mut self) -> Result<[f64; 10], PlateError> {
         let mut state = self.bank.as_ref().map_or([0.0; 6], FrictionBank::state);
         let mut plate = self.plate;
         if !self.queue.is_empty() {
-            self.predictor = Replay::new(self.planner.problem().object(), self.report.mu)?;
-            self.predictor.set_state(state)?;
+            let mut object = Replay::new(self.planner.problem().object(), self.report.mu)?;
+            object.set_state(state)?;
             for &command in &self.queue {
-                self.predictor.advance(&plate, command, self.settings.period)?;
+                object.advance(&plate, command, self.settings.period)?;
                 plate = moved(&plate, command, self.settings.period);
             }
-            state = self.predictor.state();
+            state = object.state();
         }
         let [x, y, phi, vx, vy, w] = state;
         Ok([x, y, phi, vx, vy, w, plate.displacement, plate.velocity, plate.tilt, plate.tilt_rate])
     }
 
     /// The command of a sample of a move.
-    fn follow(&mut self, trajectory: &Trajectory, mut extended: usize, mut late: usize) -> Result<Command, PlateError> {
-        let mut next = trajectory.clone();
-        if trajectory.steps() > PLAYED_OUT {
+    fn follow(&mut self, mut under_way: Move) -> Result<Command, PlateError> {
+        if under_way.half {
+            return self.second_half(under_way);
+        }
+        if let Some(mut rti) = under_way.correction.take() {
             let state = self.predicted()?;
-            let (solved, miss, failed) = self.planner.followed(&state, self.target, self.report.mu, trajectory)?;
-            next = solved;
-            late = if badness(&miss) > LATE { late + 1 } else { 0 };
-            self.report.unsolved += usize::from(failed);
-        }
-        let u = next.u(0);
-        let mut command = Command { displacement_acceleration: u[0], tilt_acceleration: u[1] };
-        if next.steps() == 1 {
-            command = self.stopping()?;
-        }
-        let extend = late >= 3 && extended < MOST_EXTENSION;
-        if extend {
-            extended += EXTENSION;
-            late = 0;
-            if let Some(report) = self.report.moves.last_mut() {
-                report.extended = extended;
+            let solved = matches!(
+                rti.feedback(&state)?.status,
+                StepStatus::Solved | StepStatus::Inaccurate | StepStatus::Infeasible
+            );
+            if solved && rti.trajectory().is_finite() {
+                under_way.trajectory = rti.trajectory().clone();
+                let end = under_way.trajectory.x(under_way.trajectory.steps());
+                let miss = std::array::from_fn(|i| end[i] - rti.ocp().targets[i].value);
+                under_way.late = if badness(&miss) > LATE { under_way.late + 1 } else { 0 };
+            } else {
+                self.report.unsolved += 1;
             }
         }
-        self.phase = if next.steps() > 1 {
-            let rest = rest_of(&next, if extend { EXTENSION } else { 0 })?;
-            Phase::Move { trajectory: rest, extended, late }
-        } else {
-            Phase::Look { samples: 0 }
-        };
+        under_way.half = true;
+        let command = command_of(&under_way.trajectory);
+        self.phase = Phase::Move(under_way);
+        Ok(command)
+    }
+
+    /// The command of the second sample of an interval, and the program for the next interval.
+    fn second_half(&mut self, mut under_way: Move) -> Result<Command, PlateError> {
+        if under_way.trajectory.steps() == 1 {
+            self.phase = Phase::Look { samples: 0 };
+            return self.stopping();
+        }
+        let command = command_of(&under_way.trajectory);
+        let extend = under_way.late >= 2 && under_way.extended < MOST_EXTENSION;
+        under_way.trajectory = rest_of(&under_way.trajectory, if extend { EXTENSION } else { 0 })?;
+        if extend {
+            under_way.extended += EXTENSION;
+            under_way.late = 0;
+            if let Some(report) = self.report.moves.last_mut() {
+                report.extended = under_way.extended * INTERVAL;
+            }
+        }
+        if under_way.trajectory.steps() > PLAYED_OUT {
+            self.queue.push_back(command);
+            let state = self.predicted();
+            self.queue.pop_back();
+            let (mu, limit) = (self.report.mu, self.settings.time_limit);
+            under_way.correction = self.planner.correction(&state?, self.target, mu, &under_way.trajectory, limit)?;
+        }
+        under_way.half = false;
+        self.phase = Phase::Move(under_way);
         Ok(command)
     }
 
@@ -221,18 +258,26 @@ impl PoseController {
             }
         }
         match std::mem::replace(&mut self.phase, Phase::Done) {
-            Phase::Pause { plan, left: 0 } => self.follow(&plan.trajectory, 0, 0),
+            Phase::Pause { plan, left: 0 } => {
+                self.follow(Move { trajectory: plan.trajectory, half: false, correction: None, extended: 0, late: 0 })
+            }
             Phase::Pause { plan, left } => {
                 self.phase = Phase::Pause { plan, left: left - 1 };
                 Ok(Command::default())
             }
-            Phase::Move { trajectory, extended, late } => self.follow(&trajectory, extended, late),
+            Phase::Move(under_way) => self.follow(under_way),
             phase => {
                 self.phase = phase;
                 Ok(Command::default())
             }
         }
     }
+}
+
+/// The command of a trajectory's first interval.
+fn command_of(trajectory: &Trajectory) -> Command {
+    let u = trajectory.u(0);
+    Command { displacement_acceleration: u[0], tilt_acceleration: u[1] }
 }
 
 /// A trajectory without its first interval, and with intervals of rest at its end.
@@ -277,12 +322,12 @@ impl PlateController for PoseController {
             self.bank = Some(FrictionBank::new(object, &self.settings, measurement.object)?);
         }
         self.plate = measurement.plate;
-        let moving = matches!(self.phase, Phase::Move { .. });
+        let moving = matches!(self.phase, Phase::Move(_));
         let command = if self.bank.is_some() { self.decide()? } else { Command::default() };
         self.queue.push_back(command);
         self.queue.pop_front();
         if moving {
-            self.report.longest_step = self.report.longest_step.max(clock.elapsed().as_secs_f64());
+            self.report.sample_seconds.push(clock.elapsed().as_secs_f64());
         }
         Ok(command)
     }

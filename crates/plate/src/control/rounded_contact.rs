@@ -1,7 +1,7 @@
 //! The area contact with rounded friction, as differential equations for an optimiser.
 
 use crate::{GRAVITY, Object, PlateError};
-use bracketry_mpc::Dynamics;
+use bracketry_mpc::{Dynamics, MpcError, Trajectory};
 
 /// States of [`RoundedContact`]: `x, y, phi, vx, vy, w` of the object in the plate frame, `X, X', θ, θ'` of the plate.
 const CONTROL_STATES: usize = 10;
@@ -9,6 +9,9 @@ const CONTROL_STATES: usize = 10;
 const CONTROL_INPUTS: usize = 2;
 /// Variables of states and inputs.
 const VARIABLES: usize = CONTROL_STATES + CONTROL_INPUTS;
+
+/// Largest product of step and relaxation rate of an explicit method of order 4.
+const STABLE_STEP: f64 = 2.0;
 
 const Y: usize = 1;
 const PHI: usize = 2;
@@ -79,6 +82,46 @@ impl RoundedContact {
     #[must_use]
     pub fn with_mu(&self, mu: f64) -> Self {
         Self { mu, ..self.clone() }
+    }
+
+    /// A trajectory with the inputs of another and the states that they give from `start`.
+    pub(super) fn rolled_out(
+        &mut self,
+        start: &[f64; CONTROL_STATES],
+        trajectory: &Trajectory,
+        interval: f64,
+    ) -> Result<Trajectory, MpcError> {
+        let mut x = *start;
+        let mut states = vec![x.to_vec()];
+        let mut inputs = Vec::with_capacity(trajectory.steps());
+        for k in 0..trajectory.steps() {
+            let u = trajectory.u(k);
+            let parts = (interval * self.relaxation_rate(0.0, &x, u) / STABLE_STEP).ceil().clamp(1.0, 1e3);
+            for _ in 0..parts as usize {
+                self.step(&mut x, u, interval / parts);
+            }
+            states.push(x.to_vec());
+            inputs.push(u.to_vec());
+        }
+        Trajectory::from_rows(&states, &inputs)
+    }
+
+    /// One step of the classical Runge–Kutta method.
+    fn step(&mut self, x: &mut [f64; CONTROL_STATES], u: &[f64], dt: f64) {
+        let mut slopes = [[0.0; CONTROL_STATES]; 4];
+        for stage in 0..4 {
+            let mut at = *x;
+            if stage > 0 {
+                let share = if stage == 3 { dt } else { 0.5 * dt };
+                for i in 0..CONTROL_STATES {
+                    at[i] += share * slopes[stage - 1][i];
+                }
+            }
+            self.field(0.0, &at, u, &mut slopes[stage]);
+        }
+        for i in 0..CONTROL_STATES {
+            x[i] += dt / 6.0 * (slopes[0][i] + 2.0 * slopes[1][i] + 2.0 * slopes[2][i] + slopes[3][i]);
+        }
     }
 
     /// The three accelerations; with slopes if `slopes`.

@@ -22,6 +22,9 @@ pub struct PoseSettings {
     /// Samples that pass, with the plate at rest, between the decision to correct and the first motion: the time that
     /// planning may take.
     pub planning_samples: usize,
+    /// Time in s after which the program of a sample is given up and the plan goes on unchanged. Infinite at first, so that
+    /// simulated runs do not depend on the machine; at most the period where the plate is real.
+    pub time_limit: f64,
     /// Most moves; with more needed, the controller gives up.
     pub moves: usize,
 }
@@ -39,6 +42,7 @@ impl Default for PoseSettings {
             noise: [5e-4, 0.5f64.to_radians()],
             tolerance: [2e-3, 2f64.to_radians()],
             planning_samples: 10,
+            time_limit: f64::INFINITY,
             moves: 8,
         }
     }
@@ -91,8 +95,8 @@ pub struct PoseReport {
     pub mu: f64,
     /// Samples without a measurement.
     pub lost: usize,
-    /// Samples at which no program improved a plan that would miss, so that it went on unchanged.
+    /// Programs that were not solved, so that the plan went on unchanged.
     pub unsolved: usize,
-    /// Longest time of one sample of a move, in s.
-    pub longest_step: f64,
+    /// Wall time of every sample of a move in s, estimation included, planning not.
+    pub sample_seconds: Vec<f64>,
 }
