@@ -16,6 +16,8 @@ dynamics = { x = "vx", y = "vy", phi = "w", vx = "-Xdd", vy = "0", w = "0", X = 
 
 /// Miss of each state that costs about 1.5: what targets and defects are measured in.
 const TOLERANCE: [f64; 10] = [0.01, 0.01, 0.1, 0.05, 0.05, 0.3, 0.01, 0.02, 0.05, 0.2];
+/// How much more a miss of the plate's own rest costs than one of the object: what is level and at rest stays.
+const REST: f64 = 30.0;
 /// Least pressure at the rim, in units of gravity, that plans keep.
 const LEAST_PRESSURE: f64 = 0.14;
 /// Contact points of the model: 16 agree with 48 to a few per mille.
@@ -103,7 +105,10 @@ fn template(object: &Object, limits: &PlateLimits, interval: f64, margin: f64) -
     ocp.targets = TOLERANCE
         .iter()
         .enumerate()
-        .map(|(state, e)| TerminalTarget { state, value: 0.0, linear: 1.0 / e, quadratic: 0.5 / (e * e) })
+        .map(|(state, e)| {
+            let weight = if state > 6 { REST } else { 1.0 };
+            TerminalTarget { state, value: 0.0, linear: weight / e, quadratic: 0.5 / (e * e) }
+        })
         .collect();
     ocp.state_scale = TOLERANCE.to_vec();
     for (state, trust) in [(3, 0.1), (4, 0.1), (5, 1.0)] {

@@ -35,7 +35,7 @@ enum Phase {
     /// Samples until the plan begins.
     Pause { plan: Plan, left: usize },
     /// A plan under way.
-    Move(Move),
+    Move(Box<Move>),
     /// Plate and object at rest; samples looked at.
     Look { samples: usize },
     /// Nothing more to do.
@@ -57,8 +57,16 @@ struct Move {
     late: usize,
 }
 
-/// Plans moves from rest to rest, follows them with one quadratic program a sample, and corrects what they missed until the
-/// object rests within the tolerance.
+/// Plans moves from rest to rest, follows them with one quadratic program every second sample, and corrects what they missed
+/// by further moves until the object rests within the tolerance.
+///
+/// A plan is found on the area contact with rounded friction and proved on the exact one: the optimiser's aim is shifted until
+/// a replay with set-valued friction ends at the target, before the move and on the way. On the way the friction coefficient
+/// is estimated from the measured positions. At the end of each move the plate is level and friction holds the object, so
+/// that the mean of the measurements tells where it is, and what has arrived stays.
+///
+/// The first plan is made by the first call of [`PlateController::command`], which takes about a second. For corrections the
+/// plate rests [`PoseSettings::planning_samples`] samples.
 pub struct PoseController {
     settings: PoseSettings,
     target: [f64; 3],
@@ -182,7 +190,7 @@ impl PoseController {
     }
 
     /// The command of a sample of a move.
-    fn follow(&mut self, mut under_way: Move) -> Result<Command, PlateError> {
+    fn follow(&mut self, mut under_way: Box<Move>) -> Result<Command, PlateError> {
         if under_way.half {
             return self.second_half(under_way);
         }
@@ -208,7 +216,7 @@ impl PoseController {
     }
 
     /// The command of the second sample of an interval, and the program for the next interval.
-    fn second_half(&mut self, mut under_way: Move) -> Result<Command, PlateError> {
+    fn second_half(&mut self, mut under_way: Box<Move>) -> Result<Command, PlateError> {
         if under_way.trajectory.steps() == 1 {
             self.phase = Phase::Look { samples: 0 };
             return self.stopping();
@@ -259,7 +267,8 @@ impl PoseController {
         }
         match std::mem::replace(&mut self.phase, Phase::Done) {
             Phase::Pause { plan, left: 0 } => {
-                self.follow(Move { trajectory: plan.trajectory, half: false, correction: None, extended: 0, late: 0 })
+                let trajectory = plan.trajectory;
+                self.follow(Box::new(Move { trajectory, half: false, correction: None, extended: 0, late: 0 }))
             }
             Phase::Pause { plan, left } => {
                 self.phase = Phase::Pause { plan, left: left - 1 };
