@@ -227,7 +227,7 @@ impl Planner {
             ..RtiSettings::default()
         };
         let mut rti = Rti::new(Box::new(dynamics), self.problem.ocp(trajectory.steps(), aim), predicted, settings)?;
-        rti.prepare();
+        rti.prepare()?;
         Ok(Some(rti))
     }
 
