@@ -13,6 +13,9 @@
 //! friction), continuation in the smoothing width. [`Rti`] is the real-time iteration: one quadratic program per sample.
 //! [`run_closed_loop`] puts a [`Controller`] and a [`Plant`] together; [`ControlProblem`] reads all of it from a file.
 //!
+//! Where not all states are measured, an [`Estimator`] ([`ExtendedKalman`] or [`MovingHorizon`]) finds states, parameters and
+//! disturbances from an [`EstimationProblem`]; [`OffsetFree`] makes a controller of them that leaves no offset.
+//!
 //! Swinging a mass by the shortest way, from rest to rest:
 //!
 //! ```
