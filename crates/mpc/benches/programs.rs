@@ -67,7 +67,7 @@ fn closed_loop(problem: &ControlProblem, qp: QpSettings) -> (Vec<Step>, f64) {
     }
     let (mut x, mut steps, mut effort) = (problem.x0.clone(), Vec::new(), 0.0);
     for k in 0..problem.samples {
-        rti.prepare();
+        rti.prepare().expect("settings within their ranges");
         let step = rti.feedback(&x).expect("a state of the right length").clone();
         rti.shift();
         plant.step(k as f64 * problem.ocp.dt, &mut x, &step.u, problem.ocp.dt).expect("a smooth plant");
