@@ -4,14 +4,16 @@
 
 use anyhow::{Context, bail};
 use bracketry_plate::{
-    PlateController, PlateError, PoseController, PoseSettings, Quantiles, Trial, TrialFile, TrialReport, TrialSetup,
-    TrialSummary, TwoStepController, median_time_ratio, run_trials,
+    AveragedController, CycleGrid, CycleMap, PlateController, PlateError, PoseController, PoseSettings, Quantiles,
+    Trial, TrialFile, TrialReport, TrialSetup, TrialSummary, TwoStepController, median_time_ratio, run_trials,
 };
 use clap::{Parser, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
 
 /// Random trials of controllers of the plate.
 #[derive(Parser)]
@@ -39,10 +41,14 @@ struct Arguments {
     out: PathBuf,
 }
 
+/// Makes the controller of a trial.
+type Make<'a> = dyn Fn(&Trial) -> Result<Box<dyn PlateController>, PlateError> + Sync + 'a;
+
 /// The controllers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
     Mpc,
+    Averaged,
     TwoStep,
 }
 
@@ -50,6 +56,7 @@ impl Kind {
     fn name(self) -> &'static str {
         match self {
             Self::Mpc => "predictive",
+            Self::Averaged => "cycle-averaged",
             Self::TwoStep => "two steps",
         }
     }
@@ -57,13 +64,15 @@ impl Kind {
     fn key(self) -> &'static str {
         match self {
             Self::Mpc => "mpc",
+            Self::Averaged => "averaged",
             Self::TwoStep => "two_step",
         }
     }
 
-    fn make(self, trial: &Trial, setup: &TrialSetup) -> Result<Box<dyn PlateController>, PlateError> {
+    /// What makes this controller for a trial. The map of the averaged one, which is the same for all, is computed first.
+    fn maker<'a>(self, setup: &'a TrialSetup, mu: f64) -> anyhow::Result<Box<Make<'a>>> {
         Ok(match self {
-            Self::Mpc => {
+            Self::Mpc => Box::new(|trial| {
                 let settings = PoseSettings {
                     delay: trial.delay,
                     limits: setup.limits,
@@ -73,9 +82,18 @@ impl Kind {
                     tolerance: [setup.tolerance.position, setup.tolerance.angle],
                     ..PoseSettings::default()
                 };
-                Box::new(PoseController::new(&setup.object, trial.target, &settings)?)
+                Ok(Box::new(PoseController::new(&setup.object, trial.target, &settings)?))
+            }),
+            Self::Averaged => {
+                let grid = CycleGrid::default();
+                let bar = progress("map of cycles", CycleMap::count(&setup.object, &grid));
+                let begin = Instant::now();
+                let map = Arc::new(CycleMap::new(&setup.object, mu, &grid, |done| tell(&bar, done))?);
+                bar.finish_and_clear();
+                println!("map of cycles: {:.1} s", begin.elapsed().as_secs_f64());
+                Box::new(move |trial| Ok(Box::new(AveragedController::new(Arc::clone(&map), trial, setup))))
             }
-            Self::TwoStep => Box::new(TwoStepController::new(trial, setup)?),
+            Self::TwoStep => Box::new(|trial| Ok(Box::new(TwoStepController::new(trial, setup)?))),
         })
     }
 }
@@ -111,23 +129,16 @@ fn main() -> anyhow::Result<()> {
     let kinds = if arguments.controller.is_empty() { Kind::value_variants() } else { &arguments.controller };
     std::fs::create_dir_all(&arguments.out).with_context(|| format!("cannot make {}", arguments.out.display()))?;
 
-    println!("{}: {} of {}, seed {}", arguments.case, arguments.trials, arguments.object, arguments.seed);
+    println!("{}: {} trials of {}, seed {}", arguments.case, arguments.trials, arguments.object, arguments.seed);
     println!(
         "| controller | reached (95 %) | time: median, 5 %…95 % [s] | bounds kept | planning: median, max [s] | sample: median, 99 % [ms] | failures |"
     );
     println!("|---|---|---|---|---|---|---|");
     let mut all = Vec::new();
     for &kind in kinds {
+        let make = kind.maker(&setup, scenario.mu)?;
         let bar = progress(kind.name(), trials.len());
-        let reports = run_trials(
-            &trials,
-            &setup,
-            |trial| kind.make(trial, &setup).map(Boxed),
-            |done| {
-                bar.set_position(done as u64);
-                ControlFlow::Continue(())
-            },
-        )?;
+        let reports = run_trials(&trials, &setup, |trial| make(trial).map(Boxed), |done| tell(&bar, done))?;
         bar.finish_and_clear();
         let summary = TrialSummary::of(&reports);
         print_row(kind.name(), &summary);
@@ -178,6 +189,11 @@ fn progress(what: &str, count: usize) -> ProgressBar {
         bar.set_style(style);
     }
     bar
+}
+
+fn tell(bar: &ProgressBar, done: usize) -> ControlFlow<()> {
+    bar.set_position(done as u64);
+    ControlFlow::Continue(())
 }
 
 /// A number in other units, or a dash where it is infinite.

@@ -31,7 +31,7 @@ mod velocity_field;
 pub use area::{
     AreaContact, AreaEvent, AreaOutcome, AreaPlant, AreaRecord, AreaSample, AreaSettings, EnergyBalance, Scheme,
 };
-pub use baseline::TwoStepController;
+pub use baseline::{AveragedController, Cycle, CycleGrid, CycleMap, TwoStepController};
 pub use body::{
     BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, ObjectMode, ObjectOnPlate, ObjectStop, PlateFrame,
     RigidState,
@@ -185,6 +185,12 @@ pub enum PlateError {
     /// The shape is none.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+    /// A grid of places without places.
+    #[error("the grid needs places y in increasing order and at least one yaw")]
+    NoGrid,
+    /// A computation was broken off through its progress callback.
+    #[error("the computation was cancelled")]
+    Cancelled,
     /// A file of trials cannot be read.
     #[error("the trials cannot be read: {0}")]
     Trials(Box<toml::de::Error>),
