@@ -2,11 +2,13 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
-    AreaContact, AreaSettings, Command, Friction, Measurement, Object, PlateController, PlateError, PlateKinematics,
-    Scenario, Shape, Share, Trial, TrialFile, TrialOutcome, TrialReport, TrialSample, TrialSetup, TrialSummary,
-    TwoStepController, Utilisation, median_time_ratio, quantile, run_trial, run_trials, time_to_target,
+    AreaContact, AreaPlant, AreaSettings, AveragedController, Command, Cycle, CycleGrid, CycleMap, Establishing,
+    Friction, Measurement, Object, PlateController, PlateError, PlateKinematics, Scenario, Shape, Share, Trial,
+    TrialFile, TrialOutcome, TrialReport, TrialSample, TrialSetup, TrialSummary, TwoStepController, Utilisation,
+    mean_velocity, median_time_ratio, quantile, run_trial, run_trials, time_to_target,
 };
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// Commands in order, then nothing.
 struct Script {
@@ -275,4 +277,56 @@ fn two_steps_bring_the_disk_to_a_pose_near_by() {
     let run = run_trial(&near, &setup, &mut controller).unwrap();
     assert!(run.outcome.time().is_some_and(|t| t > 1.0), "{:?} {:?}", run.outcome, run.final_error);
     assert!(setup.tolerance.holds(run.final_error) == [true, true]);
+}
+
+#[test]
+fn the_map_of_cycles_holds_the_mean_velocities_and_the_ways_of_bursts() {
+    let disk = Object { shape: Shape::REFERENCE_DISK, ..Object::REFERENCE };
+    let area = AreaSettings::default().with_step(4e-3).with_points(8);
+    let grid = CycleGrid { y: vec![0.0], yaws: 3, area: area.clone() };
+    assert_eq!(CycleMap::count(&disk, &grid), 27);
+    let map = CycleMap::new(&disk, 0.3, &grid, |_| ControlFlow::Continue(())).unwrap();
+    let contact = AreaContact::new(&disk, &Friction::Coulomb { mu: 0.3 }, &area).unwrap();
+    let mean = |drift: [f64; 3]| {
+        let mut plant = AreaPlant::new(contact.clone()).unwrap();
+        let establishing = Establishing { periods: 8, tolerance: 1e-3 };
+        mean_velocity(&mut plant, &Cycle::drifting(drift).motion(), [0.0; 3], establishing).unwrap().mean
+    };
+    // At the nodes it is exact; between them, that of the lines between the nodes.
+    for drift in [[1.0, 0.0, 0.0], [0.0, 1.0, -1.0], [-1.0, -1.0, 1.0]] {
+        let (table, truth) = (map.velocity(drift, 0.0, 0.4), mean(drift));
+        assert!((0..3).all(|i| (table[i] - truth[i]).abs() < 1e-12), "{table:?} {truth:?}");
+    }
+    let halves = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(mean);
+    assert!((map.velocity([0.0, 0.5, 0.0], 0.0, 0.0)[1] - 0.5 * (halves[0][1] + halves[1][1])).abs() < 1e-12);
+    // A mean tilt lets the object slide down, and the swing of the tilt in time with the shaking turns it.
+    assert!(map.velocity([0.0, 1.0, 0.0], 0.0, 0.0)[1] < -0.02);
+    let turns = [1.0, -1.0].map(|swing| map.velocity([0.0, 0.0, swing], 0.0, 0.0)[2]);
+    assert!(turns[0].abs() > 0.2 && (turns[0] + turns[1]).abs() < 1e-6, "{turns:?}");
+    // Mirroring y mirrors a burst.
+    let (way, mirrored) = (map.burst([0.5, 0.4, 0.3], 0.0, 0.0), map.burst([0.5, -0.4, -0.3], 0.0, 0.0));
+    assert!((way[0] - mirrored[0]).abs() < 1e-4 && (way[1] + mirrored[1]).abs() < 1e-4 && way[1] < -0.005);
+}
+
+#[test]
+fn a_map_without_places_or_broken_off_is_an_error() {
+    let area = AreaSettings::default().with_step(4e-3).with_points(8);
+    let map = |y: Vec<f64>, go_on: ControlFlow<()>| {
+        CycleMap::new(&Object::REFERENCE, 0.3, &CycleGrid { y, yaws: 1, area: area.clone() }, |_| go_on).unwrap_err()
+    };
+    assert_eq!(map(vec![], ControlFlow::Continue(())), PlateError::NoGrid);
+    assert_eq!(map(vec![0.1, 0.0], ControlFlow::Continue(())), PlateError::NoGrid);
+    assert_eq!(map(vec![0.0], ControlFlow::Break(())), PlateError::Cancelled);
+}
+
+#[test]
+fn cycles_bring_the_disk_to_a_pose_while_friction_is_another_one() {
+    let scenario = &file().cases["robust"];
+    let setup = setup(scenario, 12.0);
+    let grid = CycleGrid { y: vec![0.0], yaws: 1, area: AreaSettings::default().with_step(4e-3).with_points(8) };
+    let map = Arc::new(CycleMap::new(&setup.object, 0.3, &grid, |_| ControlFlow::Continue(())).unwrap());
+    let turn = Trial { plant_mu: 0.26, delay: 1, ..trial([0.02, 0.01, 0.3], [-0.02, 0.03, 0.0]) };
+    let run = run_trial(&turn, &setup, &mut AveragedController::new(map, &turn, &setup)).unwrap();
+    assert!(run.outcome.time().is_some(), "{:?} {:?}", run.outcome, run.final_error);
+    assert!(run.utilisation.keeps());
 }

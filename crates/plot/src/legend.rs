@@ -62,6 +62,8 @@ impl Marker {
 pub(crate) enum Sample {
     /// A line, perhaps with a marker on it.
     Line(Stroke, Option<Marker>),
+    /// A marker alone.
+    Point(Marker, Color),
     /// A filled patch.
     Patch(Color),
     /// A line going from pale to dark.
@@ -99,6 +101,7 @@ impl Sample {
                     None => Ok(()),
                 }
             }
+            Self::Point(marker, color) => marker.draw(canvas, (left + SAMPLE / 2.0, middle), color),
             Self::Patch(color) => {
                 let patch = Rect { left, top: middle - 6.0, right, bottom: middle + 6.0 };
                 canvas.rect(patch, color)?;

@@ -31,6 +31,8 @@ pub struct Series {
     pub step: bool,
     /// Whether every point gets a marker.
     pub markers: bool,
+    /// Whether the points are joined by a line.
+    pub line: bool,
 }
 
 impl Series {
@@ -44,6 +46,7 @@ impl Series {
             dash: Dash::Solid,
             step: false,
             markers: false,
+            line: true,
         }
     }
 
@@ -72,6 +75,13 @@ impl Series {
     #[must_use]
     pub fn markers(mut self) -> Self {
         self.markers = true;
+        self
+    }
+
+    /// Marks every point and draws no line: a cloud of points in any order.
+    #[must_use]
+    pub fn points(mut self) -> Self {
+        (self.markers, self.line) = (true, false);
         self
     }
 
@@ -259,7 +269,13 @@ impl Panel {
 
     /// Legend of the lines.
     pub(crate) fn entries(&self) -> Vec<(Sample, String)> {
-        let entry = |(k, s): (usize, &Series)| (Sample::Line(s.stroke(k), s.marker(k)), s.name.clone());
+        let entry = |(k, s): (usize, &Series)| {
+            let sample = match s.marker(k) {
+                Some(marker) if !s.line => Sample::Point(marker, s.stroke(k).color),
+                marker => Sample::Line(s.stroke(k), marker),
+            };
+            (sample, s.name.clone())
+        };
         self.series.iter().enumerate().map(entry).collect()
     }
 
@@ -287,7 +303,9 @@ impl Panel {
                 points.push(place(x, y));
             }
             let stroke = series.stroke(k);
-            for part in clip_to_strip(&decimate(&points, COLUMN), r.top, r.bottom) {
+            let parts =
+                if series.line { clip_to_strip(&decimate(&points, COLUMN), r.top, r.bottom) } else { Vec::new() };
+            for part in parts {
                 match part.as_slice() {
                     [only] => canvas.disk(*only, 3.0, stroke.color)?,
                     line => canvas.line(&simplify(line, TOLERANCE), stroke)?,
@@ -295,7 +313,9 @@ impl Panel {
             }
             if let Some(marker) = series.marker(k) {
                 let inside = data().map(|(x, y)| place(x, y)).filter(|p| (r.top..=r.bottom).contains(&p.1));
-                let marks = decimate(&inside.collect::<Vec<_>>(), COLUMN);
+                let inside: Vec<_> = inside.collect();
+                // Points of a line may be thinned by columns; those of a cloud have no order.
+                let marks = if series.line { decimate(&inside, COLUMN) } else { inside };
                 marks.into_iter().try_for_each(|p| marker.draw(canvas, p, stroke.color))?;
             }
         }

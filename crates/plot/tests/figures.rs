@@ -305,3 +305,18 @@ fn a_tile_outside_its_grid_or_an_empty_grid_is_refused() {
     assert!(matches!(TileChart::new().grid(empty).draw(), Err(PlotError::NoContent { .. })));
     assert!(matches!(TileChart::new().draw(), Err(PlotError::NoContent { missing: "grid" })));
 }
+
+#[test]
+fn a_cloud_of_points_has_all_its_markers_in_any_order_and_no_line() {
+    // Disks in the same column of pixels, out of order: a line through them would be thinned.
+    let x: Vec<f64> = (0..40).map(|k| f64::from(k % 2)).collect();
+    let y: Vec<f64> = (0..40).map(|k| f64::from(k * 7 % 40)).collect();
+    let count = |series: Series| {
+        let drawing = one_line(series).draw().unwrap();
+        (drawing.svg().matches("<circle").count(), drawing.svg().matches(BLUE).count())
+    };
+    // One more in the legend.
+    assert_eq!(count(Series::new("x", x.clone(), y.clone()).points()), (41, 41));
+    let (disks, blue) = count(Series::new("x", x, y).markers());
+    assert!(blue > disks, "a line is blue as well");
+}

@@ -2,12 +2,16 @@
 //! `cargo run --release -p bracketry-plate --example plate_control -- --trials 200 --case robust`
 #![allow(clippy::print_stdout)]
 
+mod figures;
+
 use anyhow::{Context, bail};
 use bracketry_plate::{
     AveragedController, CycleGrid, CycleMap, PlateController, PlateError, PoseController, PoseSettings, Quantiles,
-    Trial, TrialFile, TrialReport, TrialSetup, TrialSummary, TwoStepController, median_time_ratio, run_trials,
+    Trial, TrialFile, TrialReport, TrialSetup, TrialSummary, TwoStepController, median_time_ratio, run_trial,
+    run_trials,
 };
 use clap::{Parser, ValueEnum};
+use figures::Figures;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::ops::ControlFlow;
@@ -154,16 +158,39 @@ fn main() -> anyhow::Result<()> {
         let path = arguments.out.join(name);
         std::fs::write(&path, serde_json::to_string_pretty(&report)?)
             .with_context(|| format!("cannot write {}", path.display()))?;
-        all.push((kind, reports));
+        all.push((kind, reports, make));
     }
-    for (kind, reports) in &all {
-        let baseline = all.iter().find(|(other, _)| *other == Kind::TwoStep);
-        if let Some((_, baseline)) = baseline.filter(|(other, _)| other != kind) {
+    let figures = Figures {
+        folder: arguments.out.clone(),
+        stem: format!("control_{}_{}", arguments.case, arguments.object),
+        what: format!("{}, {}", arguments.case, arguments.object),
+    };
+    let named: Vec<(&str, &[TrialReport])> = all.iter().map(|(kind, reports, _)| (kind.name(), &reports[..])).collect();
+    figures.times(&named)?;
+    figures.errors(&named, setup.tolerance)?;
+    for (kind, reports, make) in &all {
+        figures.success(kind.name(), kind.key(), reports)?;
+        if let Some(report) = typical(reports) {
+            let mut controller = make(&report.trial).map(Boxed)?;
+            let run = run_trial(&report.trial, &setup, &mut controller)?;
+            figures.trial(kind.name(), kind.key(), report, &run, &setup)?;
+        }
+    }
+    for (kind, reports, _) in &all {
+        let baseline = all.iter().find(|(other, ..)| *other == Kind::TwoStep);
+        if let Some((_, baseline, _)) = baseline.filter(|(other, ..)| other != kind) {
             let ratio = median_time_ratio(reports, baseline);
             println!("median ratio of the times, {} to two steps: {}", kind.name(), number(ratio, 1.0, 3));
         }
     }
     Ok(())
+}
+
+/// The trial whose time to target is the median of those that arrived.
+fn typical(reports: &[TrialReport]) -> Option<&TrialReport> {
+    let mut reached: Vec<&TrialReport> = reports.iter().filter(|r| r.outcome.time().is_some()).collect();
+    reached.sort_by(|a, b| a.time().total_cmp(&b.time()));
+    reached.get(reached.len() / 2).copied()
 }
 
 /// A controller of any kind.
