@@ -74,7 +74,7 @@ impl Kind {
     }
 
     /// What makes this controller for a trial. The map of the averaged one, which is the same for all, is computed first.
-    fn maker<'a>(self, setup: &'a TrialSetup, mu: f64) -> anyhow::Result<Box<Make<'a>>> {
+    fn maker(self, setup: &TrialSetup, mu: f64) -> anyhow::Result<Box<Make<'_>>> {
         Ok(match self {
             Self::Mpc => Box::new(|trial| {
                 let settings = PoseSettings {

@@ -29,7 +29,7 @@ const RESIDUAL: f64 = 4e-3;
 /// In every cycle the drift of the next one is chosen from a [`CycleMap`] so that the error that remains after ebbing away is
 /// the least. Once a burst can make up for what will be left, the plate comes to rest; bursts then follow, each after a look
 /// at the object at rest, until it is within the tolerance. What a burst did otherwise than the map said, as the friction is
-/// another one, is reckoned with in the next.
+/// another one, is reckoned with in the next. The cycles are made for the bounds of [`PlateLimits::default`](crate::PlateLimits).
 #[derive(Debug, Clone)]
 pub struct AveragedController {
     map: Arc<CycleMap>,

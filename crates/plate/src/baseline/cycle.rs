@@ -14,8 +14,8 @@ const SHAKE: f64 = 0.03;
 const ASYMMETRY: f64 = 0.005;
 /// Greatest mean tilt in rad.
 const SLOPE: f64 = 0.1;
-/// Greatest first harmonic of the tilt in rad: 42 rad/s².
-const SWING: f64 = 42.0 / (TAU * FREQUENCY * TAU * FREQUENCY);
+/// Greatest first harmonic of the tilt in rad: 40 rad/s².
+const SWING: f64 = 40.0 / (TAU * FREQUENCY * TAU * FREQUENCY);
 
 /// A periodic motion of the plate: `X = a sin ωt + b cos 2ωt`, `θ = c + d sin ωt`. Shaking with `a` fixed alone moves the object to
 /// and fro; `b` makes it drift along x, `c` along y, and `d` turns it.
