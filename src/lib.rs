@@ -36,3 +36,7 @@ pub use scenario::{Run, Scenario, ScenarioError};
 /// A tutorial: from two equations to a verdict, and from there to the plate.
 #[doc = include_str!("../docs/tutorial.md")]
 pub mod tutorial {}
+
+/// Model-predictive control of a model of one's own, from a problem file and from Rust.
+#[doc = include_str!("../docs/mpc.md")]
+pub mod control_guide {}

@@ -68,3 +68,17 @@ fn klatt_engell_reactor() {
 fn chain_of_masses_beside_a_wall() {
     costs("chain_of_masses_rest", 2.396714);
 }
+
+#[test]
+fn spring_mass_with_friction() {
+    // Smoothed friction gives 5.791814 and ends at 1.98475; the optimum on the exact flow is 5.791733 and 1.996371.
+    let report = run("spring_mass_friction_target");
+    assert!(report.closed_loop_cost <= 5.793, "{}", report.closed_loop_cost);
+    assert!((report.x_final["x"] - 2.0).abs() <= 0.005, "{}", report.x_final["x"]);
+}
+
+#[test]
+fn cart_pole_with_friction() {
+    // The reference smooths the friction in the controller, with a width of 0.05 m/s.
+    costs("cart_pole_friction_swing_up", 2062.145902);
+}
