@@ -88,7 +88,10 @@ pub use integrator::Integrator;
 pub use nonsmooth::{FrictionMode, ModeChange, StickSlipController, StickSlipSettings};
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
 pub use policy::{Brake, FailurePolicy};
-pub use problem::{ControlProblem, ControlReport, ControlRun, Method, PlanReport, ProblemError, RunConditions};
+pub use problem::{
+    ControlProblem, ControlReport, ControlRun, Estimation, EstimatorKind, Method, PlanReport, ProblemError,
+    RunConditions,
+};
 pub use qp::{Backend, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{Riccati, dare};
 pub use rti::{Horizon, Preparation, Rti, RtiSettings};

@@ -1,7 +1,7 @@
 //! Bounds and targets of a problem file.
 
 use super::ProblemError;
-use super::reader::{Located, Parsed, Reader, Variable};
+use super::reader::{Key, Located, Parsed, Reader, Variable};
 use crate::constraint::{NormConstraint, PathConstraint, VectorFunction};
 use crate::cost::{CostKind, CostNames};
 use crate::ocp::{Bounds, Ocp, Softness, TerminalTarget};
@@ -10,8 +10,6 @@ use bracketry_system::{Table, Value};
 
 /// Stands for the default penalty until the level of the cost is known, see [`Reader::default_penalties`].
 const DEFAULT_SOFT: Softness = Softness::Soft { linear: f64::INFINITY, quadratic: f64::INFINITY };
-
-type Key<'i> = toml::Spanned<std::borrow::Cow<'i, str>>;
 
 /// Expressions in their pool.
 #[derive(Clone)]

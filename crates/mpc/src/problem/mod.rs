@@ -3,6 +3,7 @@
 mod conditions;
 mod constraints;
 mod cost;
+mod estimation;
 mod horizon;
 mod reader;
 mod run;
@@ -10,6 +11,7 @@ mod scaling;
 mod solve;
 
 pub use conditions::RunConditions;
+pub use estimation::{Estimation, EstimatorKind};
 pub use run::{ControlReport, ControlRun, PlanReport};
 
 use crate::error::MpcError;
@@ -102,6 +104,8 @@ pub struct ControlProblem {
     pub plant_substeps: usize,
     /// Noise, delay and faults.
     pub conditions: RunConditions,
+    /// What is measured, and the estimator; without it the states are measured.
+    pub estimation: Option<Estimation>,
 }
 
 impl ControlProblem {
@@ -152,7 +156,15 @@ impl ControlProblem {
         if let Some(run) = doc.sub_table(&table, "run")? {
             reader.plant_parameters(run, &mut plant)?;
         }
-        let problem = reader.problem(&table, plant)?;
+        let mut problem = reader.problem(&table, plant)?;
+        if let Some(e) = problem.estimation.as_ref().filter(|e| e.hands_over()) {
+            if !problem.live.is_empty() {
+                let message =
+                    "parameters that change over time and an estimator that hands parameters over do not go together";
+                return Err(doc.missing(message, "make one of them constant").into());
+            }
+            (problem.system, problem.live) = e.disturbed(&system);
+        }
         problem.ocp.check(problem.system.states.len(), problem.system.inputs.len())?;
         Ok(problem)
     }

@@ -8,7 +8,7 @@ use bracketry_symbolic::{Expr, Names, Pool, Tape};
 use bracketry_system::{Document, FileError, System, Table, Value};
 use std::ops::Range;
 
-pub(super) const KEYS: [&str; 15] = [
+pub(super) const KEYS: [&str; 16] = [
     "name",
     "model",
     "plant",
@@ -22,11 +22,13 @@ pub(super) const KEYS: [&str; 15] = [
     "trust",
     "guess",
     "solve",
+    "estimation",
     "run",
     "about",
 ];
 
 pub(super) type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
+pub(super) type Key<'i> = toml::Spanned<std::borrow::Cow<'i, str>>;
 pub(super) type Parsed<T> = Result<T, Box<FileError>>;
 
 /// Numbers and `pi`, with the names of parameters and perhaps the time.
@@ -85,7 +87,9 @@ impl Reader<'_> {
         self.targets(table, &mut ocp)?;
         self.scales(table, &mut ocp)?;
         Self::default_penalties(level, &mut ocp);
-        let conditions = self.conditions(run, &system.state_names())?;
+        let estimation = self.estimation(table, &start.x0, &ocp)?;
+        let measured = estimation.as_ref().map_or_else(|| system.state_names(), |e| e.names.clone());
+        let conditions = self.conditions(run, &measured)?;
         let (Substeps::Fixed(substeps) | Substeps::AtLeast(substeps)) = ocp.substeps;
         let mut problem = ControlProblem {
             method: Method::Rti,
@@ -109,6 +113,7 @@ impl Reader<'_> {
             samples: start.samples,
             plant_substeps: start.plant_substeps.unwrap_or(substeps),
             conditions,
+            estimation,
             system: system.clone(),
             plant,
             ocp,

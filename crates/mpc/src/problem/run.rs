@@ -1,12 +1,13 @@
 //! A control problem run from start to end, and what is to be said about it.
 
-use super::{ControlProblem, Method, RunConditions};
-use crate::closed_loop::{ClosedLoop, LoopSettings, Plant, run_closed_loop};
+use super::{ControlProblem, Estimation, Method, RunConditions};
+use crate::closed_loop::{ClosedLoop, LoopSettings, MeasurementFunction, Plant, run_closed_loop};
 use crate::controller::{Controller, SqpController};
 use crate::counts::{Counts, SolveTimes};
 use crate::delay::DelayCompensated;
 use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
+use crate::estimation::Estimator;
 use crate::nonsmooth::{StickSlipController, StickSlipSettings};
 use crate::ocp::Ocp;
 use crate::qp::QpSettings;
@@ -257,7 +258,14 @@ impl ControlProblem {
         };
         let mut disturb = disturb;
         let mut noise = Noise::new(&self.conditions);
+        let mut estimator = self.estimation.as_ref().map(Estimation::estimator).transpose()?;
+        let mut outputs = self.estimation.as_ref().map(|e| e.outputs(&self.plant)).transpose()?;
         let settings = LoopSettings {
+            estimator: estimator.as_mut().map(|e| e.as_mut() as &mut dyn Estimator),
+            hand_over: self.estimation.as_ref().is_some_and(Estimation::hands_over),
+            measurement: outputs
+                .as_mut()
+                .map(|h| Box::new(|t: f64, x: &[f64]| h.values(x, &[], t, &[]).to_vec()) as MeasurementFunction<'_>),
             noise: Some(Box::new(move |k, y| {
                 noise.add(y);
                 disturb(k, y);
@@ -265,7 +273,6 @@ impl ControlProblem {
             delay,
             initial_input: first,
             faults: Some(Box::new(|k| self.conditions.faults_at(k))),
-            ..LoopSettings::default()
         };
         let run = run_closed_loop(controller.as_mut(), plant, &self.x0, self.samples, settings)?;
         let end = run.x.last().unwrap_or(&self.x0);

@@ -1,0 +1,194 @@
+//! Keys of problem files beyond the simplest ones: what they do in the loop, and what is said about mistakes in them.
+#![allow(clippy::unwrap_used)]
+
+use bracketry_mpc::{
+    ControlProblem, ControlReport, FailurePolicy, Integrator, RungeKuttaPlant, Softness, Substeps, SymbolicDynamics,
+};
+use bracketry_system::System;
+
+const CART: &str = r#"
+states = ["x", "y", "vx", "vy"]
+inputs = ["ux", "uy"]
+ranges = { ux = { min = -3, max = 3 }, uy = { min = -3 } }
+parameters = { m = 1, c = 0.1 }
+definitions = { speed2 = "vx^2 + vy^2" }
+dynamics = { x = "vx", y = "vy", vx = "(ux - c*vx)/m", vy = "(uy - c*vy)/m" }
+"#;
+
+const PROBLEM: &str = r#"
+model = "cart.toml"
+[horizon]
+steps = 20
+dt = 0.1
+[cost]
+stage = "(x - 1)^2 + (y - 1)^2 + 0.1*speed2 + 0.01*(ux^2 + uy^2)"
+terminal = "10*((x - 1)^2 + (y - 1)^2) + vx^2 + vy^2"
+[constraints]
+uy = { max = 3 }
+[solve]
+method = "sqp"
+[run]
+x0 = { x = 0 }
+steps = 60
+"#;
+
+fn read(text: &str) -> Result<ControlProblem, String> {
+    ControlProblem::parse("p.toml", text, |file| System::parse(file, CART).map_err(Box::new)).map_err(|e| e.to_string())
+}
+
+fn with(line: &str, before: &str) -> String {
+    PROBLEM.replace(before, &format!("{line}\n{before}"))
+}
+
+fn run(text: &str) -> (ControlReport, Vec<Vec<f64>>, Vec<Vec<f64>>) {
+    let problem = read(text).unwrap();
+    let dynamics = SymbolicDynamics::new(&problem.plant).unwrap();
+    let mut plant = RungeKuttaPlant::new(Box::new(dynamics), problem.plant_substeps);
+    let run = problem.run(&mut plant).unwrap();
+    (run.report, run.closed_loop.x, run.closed_loop.u)
+}
+
+#[test]
+fn ranges_of_the_model_bound_the_inputs() {
+    assert_eq!(read(PROBLEM).unwrap().ocp.input_bounds, [(-3.0, 3.0), (-3.0, 3.0)]);
+}
+
+#[test]
+fn the_length_of_the_input_is_limited_by_a_cone() {
+    let (report, _, u) = run(&with("force = { norm = [\"ux\", \"uy\"], max = 2 }", "[solve]"));
+    let longest = u.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
+    assert!((longest - 2.0).abs() < 1e-5, "{longest}");
+    assert!(report.succeeded && (report.x_final["x"] - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn an_expression_is_kept_within_its_bounds() {
+    // The straight way leads through the circle of radius 0.3 about (0.55, 0.5).
+    let text = with("hole = { expression = \"(x - 0.55)^2 + (y - 0.5)^2\", min = 0.09 }", "[solve]");
+    let distance = |x: &Vec<f64>| (x[0] - 0.55).hypot(x[1] - 0.5);
+    let nearest = |x: &[Vec<f64>]| x.iter().map(distance).fold(f64::INFINITY, f64::min);
+    assert!(nearest(&run(PROBLEM).1) < 0.1);
+    let (report, x, _) = run(&text);
+    assert!(nearest(&x) > 0.2999, "{}", nearest(&x));
+    assert!((report.x_final["y"] - 1.0).abs() < 1e-2);
+}
+
+#[test]
+fn a_bound_may_move() {
+    let (_, x, _) = run(&with("x = { max = \"0.1 + 0.2*t\" }", "[solve]"));
+    for (k, x) in x.iter().enumerate().skip(1) {
+        assert!(x[0] < 0.1 + 0.02 * k as f64 + 1e-4, "sample {k}: {}", x[0]);
+    }
+}
+
+#[test]
+fn inputs_are_held_over_blocks() {
+    let mut problem = read(&with("blocks = [1, 1, 2, 4]", "[cost]")).unwrap();
+    assert_eq!(problem.ocp.move_blocks, [1, 1, 2, 16]);
+    problem.samples = 1;
+    let plan = problem.plan().unwrap().trajectory;
+    assert_eq!(plan.u(2), plan.u(3));
+    assert_eq!(plan.u(4), plan.u(19));
+    assert_ne!(plan.u(3), plan.u(4));
+}
+
+#[test]
+fn integrators_have_names_and_stages() {
+    let integrator = |line: &str| read(&with(line, "[cost]")).unwrap().ocp.integrator;
+    assert_eq!(integrator("integrator = \"radau\""), Integrator::RadauIIA { stages: 2 });
+    assert_eq!(integrator("integrator = \"gauss-legendre\"\nstages = 3"), Integrator::GaussLegendre { stages: 3 });
+}
+
+#[test]
+fn stiff_models_get_enough_steps() {
+    let stiff = |c: f64| {
+        let model = CART.replace("c = 0.1", &format!("c = {c}"));
+        let read = ControlProblem::parse("p.toml", PROBLEM, |f| System::parse(f, &model).map_err(Box::new)).unwrap();
+        (read.ocp.substeps, read.plant_substeps)
+    };
+    assert_eq!(stiff(0.1), (Substeps::AtLeast(1), 1));
+    // Rate 100 /s over 0.1 s: the method of order 4 is stable up to 2.78.
+    assert_eq!(stiff(100.0), (Substeps::AtLeast(4), 4));
+}
+
+#[test]
+fn parameters_may_differ_between_controller_plant_and_time() {
+    let text = with("[parameters]\nm = \"2/3\"\nc = \"0.1 + 0.01*t\"", "[horizon]") + "parameters = { c = 0.3 }\n";
+    let problem = read(&text).unwrap();
+    let value = |s: &System, i: usize| s.parameters[i].value.to_f64().value();
+    assert_eq!((value(&problem.system, 0), value(&problem.plant, 0)), (2.0 / 3.0, 2.0 / 3.0));
+    assert_eq!(value(&problem.plant, 1), 0.3);
+    assert_eq!(problem.live, ["c"]);
+    assert!((problem.ocp.parameters[50][0] - 0.15).abs() < 1e-12);
+    assert!(run(&text).0.succeeded);
+}
+
+#[test]
+fn the_default_penalty_of_a_bound_grows_with_the_cost() {
+    let linear = |factor: f64| {
+        let text = with("x = { max = 0.5 }", "[solve]").replace("stage = \"", &format!("stage = \"{factor}*("));
+        let text = text.replace("uy^2)\"", "uy^2))\"");
+        match read(&text).unwrap().ocp.state_bounds[0].softness {
+            Softness::Soft { linear, .. } => linear,
+            Softness::Hard => 0.0,
+        }
+    };
+    assert!(linear(1e6) > 1e3 * linear(1.0));
+    let (_, x, _) = run(&with("x = { max = 0.5 }", "[solve]")
+        .replace("stage = \"", "stage = \"1e6*(")
+        .replace("uy^2)\"", "uy^2))\""));
+    assert!(x.iter().all(|x| x[0] < 0.5 + 1e-5));
+}
+
+#[test]
+fn an_estimator_finds_velocities_and_a_constant_disturbance() {
+    let estimation = |disturbances: &str| {
+        PROBLEM.replace("steps = 60", "steps = 200\nnoise = { x = 1e-4, y = 1e-4 }\nparameters = { c = 0.3 }")
+            + &format!("[estimation]\nkind = \"ekf\"\noutputs = {{ x = 1e-4, y = 1e-4 }}\n{disturbances}")
+    };
+    let (report, _, _) = run(&estimation("disturbances = { ux = { std = 0.1, walk = 0.1 } }\n"));
+    assert!((report.x_final["x"] - 1.0).abs() < 5e-3, "{:?}", report.x_final);
+    assert_eq!(report.status.fallback, 0);
+}
+
+#[test]
+fn policies_have_names() {
+    let policy = |line: &str| read(&with(line, "[run]")).map(|p| p.policy);
+    assert_eq!(policy("policy = \"rest\"").unwrap(), FailurePolicy::RestInput);
+    let brake =
+        policy("policy = \"brake\"\nbrake = { ux = { velocity = \"vx\", rate = 5 } }\nbrake_after = 2").unwrap();
+    assert!(matches!(brake, FailurePolicy::BrakeToRest { after: 2, brakes } if brakes[0].velocity == 2));
+}
+
+#[test]
+fn mistakes_are_named_with_their_place() {
+    for (line, before, message, place) in [
+        ("integrator = \"rk4\"\nstages = 3", "[cost]", "always has 4 stages", "p.toml:7:10"),
+        ("stages = 7\nintegrator = \"radau\"", "[cost]", "must be 1, 2, 3 or 4", "p.toml:6:10"),
+        ("blocks = [1, 0]", "[cost]", "a block must be a whole number", "p.toml:6:14"),
+        ("blocks = [30]", "[cost]", "the blocks hold 30 intervals, the horizon 20", "p.toml:6:10"),
+        ("g = { expression = \"x + q\", max = 1 }", "[solve]", "`q`", "p.toml:11:25"),
+        ("g = { expression = \"x + y\" }", "[solve]", "`g` has no bounds", "p.toml:11:1"),
+        ("g = { norm = [\"ux\"] }", "[solve]", "`g` has no `max`", "p.toml:11:1"),
+        ("g = { norm = \"ux\", max = 1 }", "[solve]", "must be a list", "p.toml:11:14"),
+        ("policy = \"hope\"", "[run]", "there is no policy `hope`", "p.toml:13:10"),
+        ("policy = \"brake\"", "[run]", "nothing says how to brake", "p.toml:13:10"),
+        ("rest = { ux = 9 }", "[run]", "outside of its bounds", "p.toml:13:15"),
+        ("[parameters]\nmass = 2", "[horizon]", "`mass` is no parameter", "p.toml:4:1"),
+        ("[estimation]\noutputs = { z = 0.1 }", "[run]", "`z`", "p.toml:14:13"),
+        ("[estimation]\nkind = \"ukf\"", "[run]", "there is no estimator `ukf`", "p.toml:14:8"),
+        ("[estimation]\nkind = \"ekf\"", "[run]", "the estimator measures nothing", "p.toml"),
+    ] {
+        let error = read(&with(line, before)).err().unwrap();
+        assert!(error.contains(message) && error.contains(place), "{line}: {error}");
+    }
+    for (line, message, place) in [
+        ("noise = { z = 1 }", "`z` is not measured", "p.toml:16:11"),
+        ("faults = [{ lost = true }]", "the fault has no `at`", "p.toml:16:11"),
+        ("faults = [{ at = 3 }]", "nothing goes wrong", "p.toml:16:11"),
+        ("delay = -1", "whole number", "p.toml:16:9"),
+    ] {
+        let error = read(&format!("{PROBLEM}{line}\n")).err().unwrap();
+        assert!(error.contains(message) && error.contains(place), "{line}: {error}");
+    }
+}
