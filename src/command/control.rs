@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bracketry::mpc::{ControlProblem, MpcError};
-use bracketry::plot::{Panel, Series, TimeSeries};
+use bracketry::plot::{Dash, Panel, Series, TimeSeries};
 use bracketry::{ControlError, Controlled, control_watched};
 
 use super::bands::{friction_bands, friction_colors};
@@ -49,14 +49,19 @@ pub(crate) fn run(path: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
 fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) -> anyhow::Result<()> {
     let run = &controlled.run.closed_loop;
     let (states, inputs) = (problem.plant.state_names(), problem.plant.input_names());
+    let estimated = problem.estimation.is_some();
     let mut header = vec!["t".to_owned()];
     header.extend(states.iter().cloned());
     header.extend(inputs.iter().cloned());
-    // The last state has no input after it: the last applied one stands there.
+    if estimated {
+        header.extend(states.iter().map(|x| format!("estimated {x}")));
+    }
+    // The last state has no sample of its own: the last applied input and the last estimate stand there.
     let rows: Vec<Vec<f64>> = (0..run.t.len())
         .map(|k| {
-            let u = &run.u[k.min(run.u.len() - 1)];
-            std::iter::once(run.t[k]).chain(run.x[k].iter().copied()).chain(u.iter().copied()).collect()
+            let last = k.min(run.u.len() - 1);
+            let estimate = run.estimates[last].iter().take(if estimated { states.len() } else { 0 });
+            std::iter::once(&run.t[k]).chain(&run.x[k]).chain(&run.u[last]).chain(estimate).copied().collect()
         })
         .collect();
     csv(&dir.join("closed_loop.csv"), &header, rows.iter().map(Vec::as_slice))?;
@@ -64,7 +69,12 @@ fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) ->
     let mut chart = friction_colors(TimeSeries::new()).title(format!("Closed loop, {}", problem.system.name));
     for (k, name) in states.iter().enumerate() {
         let values: Vec<f64> = run.x.iter().map(|x| x[k]).collect();
-        let mut panel = Panel::new(name.clone()).series(Series::new("", run.t.clone(), values));
+        let label = if estimated { "true state" } else { "" };
+        let mut panel = Panel::new(name.clone()).series(Series::new(label, run.t.clone(), values));
+        if estimated {
+            let values: Vec<f64> = run.estimates.iter().map(|x| x[k]).collect();
+            panel = panel.series(Series::new("estimate", run.t[..values.len()].to_vec(), values).dash(Dash::Dashed));
+        }
         for target in problem.ocp.targets.iter().filter(|t| t.state == k) {
             panel = panel.target(target.value);
         }
@@ -85,6 +95,9 @@ fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) ->
         }
         chart = chart.panel(panel);
     }
+    let milliseconds: Vec<f64> = run.steps.iter().map(|s| 1e3 * s.timings.total()).collect();
+    let times = run.t[..milliseconds.len()].to_vec();
+    chart = chart.panel(Panel::new("solve time [ms]").series(Series::new("", times, milliseconds).step()));
     figure(chart.draw(), &dir.join("closed_loop"));
     Ok(())
 }

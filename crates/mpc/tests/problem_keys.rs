@@ -152,6 +152,31 @@ fn an_estimator_finds_velocities_and_a_constant_disturbance() {
 }
 
 #[test]
+fn the_infinite_horizon_is_a_terminal_cost() {
+    // A linear model with a quadratic cost about its point: whatever its length, the horizon is the infinite one.
+    let text = |steps: usize| {
+        PROBLEM
+            .replace("(x - 1)^2 + (y - 1)^2", "x^2 + y^2")
+            .replace("terminal = \"10*(x^2 + y^2) + vx^2 + vy^2\"", "terminal = \"riccati\"")
+            .replace("steps = 20", &format!("steps = {steps}"))
+            .replace("x = 0", "x = 0.5, y = -0.2")
+    };
+    let (short, long) = (run(&text(2)).0.closed_loop_cost, run(&text(30)).0.closed_loop_cost);
+    assert!((short / long - 1.0).abs() < 1e-6, "{short} {long}");
+    let bounded = text(2).replace("terminal = ", "terminal_set = true\nterminal = ");
+    assert!(read(&bounded).unwrap().ocp.terminal_set.is_some_and(|s| s.level > 0.0));
+    assert!(read(&PROBLEM.replace("stage", "terminal_set = true\nstage")).err().unwrap().contains("p.toml:7:16"));
+}
+
+#[test]
+fn backends_give_the_same_loop() {
+    let cost = |line: &str| run(&with(line, "[run]")).0.closed_loop_cost;
+    let condensed = cost("backend = \"condensed\"");
+    assert!((cost("backend = \"sparse\"") / condensed - 1.0).abs() < 1e-6);
+    assert!((cost("backend = \"condensed\"\nblock = 5") / condensed - 1.0).abs() < 1e-6);
+}
+
+#[test]
 fn policies_have_names() {
     let policy = |line: &str| read(&with(line, "[run]")).map(|p| p.policy);
     assert_eq!(policy("policy = \"rest\"").unwrap(), FailurePolicy::RestInput);

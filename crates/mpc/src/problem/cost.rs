@@ -2,9 +2,11 @@
 
 use super::ProblemError;
 use super::reader::{Located, Parsed, Reader};
+use crate::constraint::TerminalSet;
 use crate::cost::{CostFunction, CostKind, CostNames};
-use crate::ocp::Ocp;
-use bracketry_system::Table;
+use crate::dynamics::SymbolicDynamics;
+use crate::ocp::{Ocp, Softness};
+use bracketry_system::{Table, Value};
 
 impl Reader<'_> {
     /// Parameters of the controller's model that change over the run, their values at the grid points 0 … `points` into the
@@ -69,9 +71,59 @@ impl Reader<'_> {
 
     pub(super) fn costs(&self, table: &Table<'_>, references: &[String], ocp: &mut Ocp) -> Result<(), ProblemError> {
         let Some(cost) = self.doc.sub_table(table, "cost")? else { return Ok(()) };
-        self.doc.only_keys(cost, &["stage", "terminal"], "[cost]")?;
+        self.doc.only_keys(cost, &["stage", "terminal", "terminal_set"], "[cost]")?;
         ocp.stage = self.cost(cost, "stage", CostKind::Stage, references)?;
-        ocp.terminal = self.cost(cost, "terminal", CostKind::Terminal, references)?;
+        if !self.infinite_horizon(cost)? {
+            ocp.terminal = self.cost(cost, "terminal", CostKind::Terminal, references)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the terminal cost is to be that of the infinite horizon.
+    fn infinite_horizon(&self, cost: &Table<'_>) -> Parsed<bool> {
+        let text = |v: &toml::Spanned<Value<'_>>| matches!(v.get_ref(), Value::String(s) if s == "riccati");
+        let riccati = cost.get("terminal").is_some_and(text);
+        if let Some(v) = cost.get("terminal_set").filter(|_| !riccati) {
+            let remedy = "write terminal = \"riccati\", or remove `terminal_set`";
+            return Err(self.doc.error(v.span(), "the terminal set is one of the Riccati solution", remedy).into());
+        }
+        Ok(riccati)
+    }
+
+    /// Terminal cost of the infinite horizon at the model's point (else the origin), and the set in which its feedback keeps
+    /// all bounds. `level` is that of the cost.
+    pub(super) fn end_of_horizon(&self, table: &Table<'_>, live: &[String], level: f64, ocp: &mut Ocp) -> Parsed<()> {
+        let Some(cost) = self.doc.sub_table(table, "cost")? else { return Ok(()) };
+        let Some(v) = cost.get("terminal").filter(|_| self.infinite_horizon(cost).unwrap_or(false)) else {
+            return Ok(());
+        };
+        let (n, m) = (ocp.states(), ocp.inputs());
+        let (x, u) = self.system.point_values().unwrap_or_else(|| (vec![0.0; n], vec![0.0; m]));
+        let live: Vec<&str> = live.iter().map(String::as_str).collect();
+        let solved = SymbolicDynamics::with_live_parameters(self.system, &live)
+            .and_then(|mut dynamics| ocp.clone().with_terminal_cost_at(&mut dynamics, &x, &u));
+        let (whole, riccati) = solved.map_err(|e| {
+            let remedy =
+                "the model's [point] must be a steady state at which the cost holds everything, or write a cost";
+            self.doc.error(v.span(), e.to_string(), remedy)
+        })?;
+        *ocp = whole;
+        if self.boolean(cost, "terminal_set", false)? {
+            let alpha = ocp.largest_terminal_level(&riccati, &x, &u);
+            if alpha <= 0.0 {
+                let remedy = "move the model's [point] inside of the bounds, or remove `terminal_set`";
+                return Err(self.doc.error(v.span(), "the steady state is not within the bounds", remedy).into());
+            }
+            if alpha.is_finite() {
+                let weight = ocp.dt * level / alpha.sqrt();
+                ocp.terminal_set = Some(TerminalSet {
+                    matrix: riccati.cost_to_go.row_iter().map(|r| r.iter().copied().collect()).collect(),
+                    centre: x,
+                    level: alpha,
+                    softness: Softness::Soft { linear: weight, quadratic: weight / alpha.sqrt() },
+                });
+            }
+        }
         Ok(())
     }
 

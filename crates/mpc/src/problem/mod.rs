@@ -17,6 +17,7 @@ pub use run::{ControlReport, ControlRun, PlanReport};
 use crate::error::MpcError;
 use crate::ocp::Ocp;
 use crate::policy::FailurePolicy;
+use crate::qp::Backend;
 use bracketry_system::{AffineError, Document, FileError, System};
 use reader::{KEYS, Reader};
 use std::path::Path;
@@ -76,6 +77,8 @@ pub struct ControlProblem {
     pub tolerance: f64,
     /// Tolerance of the quadratic programs.
     pub qp_tolerance: f64,
+    /// Form in which the quadratic programs are solved.
+    pub backend: Backend,
     /// Weight, per unit of scale, of violated hard bounds.
     pub hard_weight: f64,
     /// Widths that replace `sign` in the controller's model, from wide to narrow; the loop uses the last.

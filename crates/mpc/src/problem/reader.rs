@@ -3,7 +3,7 @@
 use super::{ControlProblem, Method, ProblemError};
 use crate::ocp::{Ocp, Substeps};
 use crate::policy::FailurePolicy;
-use crate::qp::QpSettings;
+use crate::qp::{Backend, QpSettings};
 use bracketry_symbolic::{Expr, Names, Pool, Tape};
 use bracketry_system::{Document, FileError, System, Table, Value};
 use std::ops::Range;
@@ -87,6 +87,7 @@ impl Reader<'_> {
         self.targets(table, &mut ocp)?;
         self.scales(table, &mut ocp)?;
         Self::default_penalties(level, &mut ocp);
+        self.end_of_horizon(table, &live, level, &mut ocp)?;
         let estimation = self.estimation(table, &start.x0, &ocp)?;
         let measured = estimation.as_ref().map_or_else(|| system.state_names(), |e| e.names.clone());
         let conditions = self.conditions(run, &measured)?;
@@ -98,6 +99,7 @@ impl Reader<'_> {
             max_iterations: 100,
             tolerance: 1e-8,
             qp_tolerance: 1e-8,
+            backend: Backend::default(),
             // The multiplier of a bound cannot well exceed what the whole horizon costs.
             hard_weight: (10.0 * dt * level).max(QpSettings::default().hard_weight),
             smoothing: Vec::new(),

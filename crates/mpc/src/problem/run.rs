@@ -123,7 +123,12 @@ impl ControlProblem {
     }
 
     fn qp(&self) -> QpSettings {
-        QpSettings { tolerance: self.qp_tolerance, hard_weight: self.hard_weight, ..QpSettings::default() }
+        QpSettings {
+            tolerance: self.qp_tolerance,
+            backend: self.backend,
+            hard_weight: self.hard_weight,
+            ..QpSettings::default()
+        }
     }
 
     fn sqp_settings(&self) -> SqpSettings {

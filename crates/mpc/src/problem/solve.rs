@@ -3,15 +3,18 @@
 use super::reader::{Parsed, Reader};
 use super::{ControlProblem, Method};
 use crate::policy::{Brake, FailurePolicy};
+use crate::qp::Backend;
 use bracketry_system::{Table, Value};
 
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 17] = [
     "method",
     "initial_iterations",
     "iterations",
     "max_iterations",
     "tolerance",
     "qp_tolerance",
+    "backend",
+    "block",
     "smoothing",
     "margin",
     "proximal",
@@ -39,6 +42,7 @@ impl Reader<'_> {
         problem.margin = self.not_negative(solve, "margin", if planned { 0.05 } else { 0.0 })?;
         problem.proximal = self.not_negative(solve, "proximal", if planned { 0.5 } else { 0.0 })?;
         problem.guarded = self.boolean(solve, "guarded", planned)?;
+        problem.backend = self.backend(solve)?;
         problem.time_limit = self.positive(solve, "time_limit", Some(f64::INFINITY))?;
         if let Some(t) = self.doc.sub_table(solve, "rest")? {
             problem.rest_input = problem.ocp.input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
@@ -67,6 +71,24 @@ impl Reader<'_> {
                 let message = format!("there is no method `{other}`");
                 let remedy = "write \"rti\", \"sqp\", \"plan\" or \"stick-slip\"";
                 Err(self.doc.error(v.span(), message, remedy).into())
+            }
+        }
+    }
+
+    /// The form in which the quadratic programs are solved.
+    fn backend(&self, solve: &Table<'_>) -> Parsed<Backend> {
+        let name = self.doc.string(solve, "backend")?;
+        let condensed = name.as_deref() == Some("condensed");
+        if let Some(v) = solve.get("block").filter(|_| !condensed) {
+            return Err(self.doc.error(v.span(), "`block` is one of condensing", "add backend = \"condensed\"").into());
+        }
+        match (name.as_deref(), solve.get("backend")) {
+            (None, _) | (_, None) => Ok(Backend::default()),
+            (Some("sparse"), _) => Ok(Backend::Sparse),
+            (Some("condensed"), _) => Ok(Backend::Condensed { block: self.count(solve, "block", Some(1_000_000))? }),
+            (Some(other), Some(v)) => {
+                let message = format!("there is no backend `{other}`");
+                Err(self.doc.error(v.span(), message, "write \"sparse\" or \"condensed\"").into())
             }
         }
     }
