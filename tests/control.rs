@@ -6,7 +6,8 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{file, json, scratch};
+use common::{bracketry, code, file, json, scratch};
+use serde_json::Value;
 
 #[test]
 fn the_ten_lines_of_the_guide_swing_a_pendulum_up() {
@@ -30,12 +31,17 @@ fn a_loop_survives_faults_noise_and_delay_and_counts_them() {
                 brake = { u = { velocity = 'v', rate = 2 } }\n[run]\nx0 = { p = 1 }\nsteps = 80\nseed = 3\ndelay = 1\n\
                 noise = { p = 1e-4 }\nfaults = [{ at = 5, until = 7, lost = true }, { at = 12, nan = ['v'] },\n\
                 { at = 20, disturbance = { v = 0.5 } }, { at = 30, solver_limit = 1 }]\n";
-    let v = json(&["control", &file(&dir, "problem.toml", text), "--json"]);
+    let run = || {
+        let o = bracketry(&["control", &file(&dir, "problem.toml", text), "--json"]);
+        // Inputs of the failure policy are a negative answer.
+        assert_eq!(code(&o), 1, "{}", String::from_utf8_lossy(&o.stderr));
+        serde_json::from_slice::<Value>(&o.stdout).unwrap()
+    };
+    let v = run();
     let status = &v["status"];
     assert_eq!((&status["reasons"]["lost_sample"], &status["reasons"]["measurement"]), (&3.into(), &1.into()), "{v}");
     assert_eq!(status["reasons"]["qp_limit"], 1, "{v}");
     assert_eq!(status["sources"]["brake"], 5, "{v}");
     assert!(v["x_final"]["p"].as_f64().unwrap().abs() < 5e-3, "{v}");
-    let again = json(&["control", &file(&dir, "problem.toml", text), "--json"]);
-    assert_eq!(v["closed_loop_cost"], again["closed_loop_cost"], "the same seed gives the same run");
+    assert_eq!(v["closed_loop_cost"], run()["closed_loop_cost"], "the same seed gives the same run");
 }

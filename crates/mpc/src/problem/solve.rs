@@ -83,12 +83,12 @@ impl Reader<'_> {
             return Err(self.doc.error(v.span(), "`block` is one of condensing", "add backend = \"condensed\"").into());
         }
         match (name.as_deref(), solve.get("backend")) {
-            (None, _) | (_, None) => Ok(Backend::default()),
+            (None | Some("automatic"), _) | (_, None) => Ok(Backend::Automatic),
             (Some("sparse"), _) => Ok(Backend::Sparse),
             (Some("condensed"), _) => Ok(Backend::Condensed { block: self.count(solve, "block", Some(1_000_000))? }),
             (Some(other), Some(v)) => {
                 let message = format!("there is no backend `{other}`");
-                Err(self.doc.error(v.span(), message, "write \"sparse\" or \"condensed\"").into())
+                Err(self.doc.error(v.span(), message, "write \"automatic\", \"sparse\" or \"condensed\"").into())
             }
         }
     }
