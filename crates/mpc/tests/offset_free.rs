@@ -106,7 +106,7 @@ struct Case {
 const PLAIN: Case = Case { friction: (20, 1.0), disturbance: 0.15, dead_band: 0.03, delay: 0, losses: false };
 
 /// The loop on exact friction.
-fn run(problem: &EstimationProblem, estimator: &mut dyn Estimator, case: &Case) -> ClosedLoop {
+fn run(problem: &EstimationProblem, estimator: &mut (dyn Estimator + 'static), case: &Case) -> ClosedLoop {
     let inside = OffsetFree::new(controller(problem), problem, &[0], &[GOAL], &[case.dead_band]).unwrap();
     let model = Box::new(problem.controller_dynamics().unwrap());
     let mut controller = DelayCompensated::new(inside, model, case.delay, &[0.0]).unwrap();

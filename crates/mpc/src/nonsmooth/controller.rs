@@ -408,4 +408,8 @@ impl Controller for StickSlipController {
     fn limit_next_step(&mut self, limits: StepLimits) {
         self.limits = limits;
     }
+
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        StickSlipController::set_parameters(self, parameters)
+    }
 }
