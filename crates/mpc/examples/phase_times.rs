@@ -1,0 +1,60 @@
+//! Times of the phases of a control step: `cargo run --release -p bracketry-mpc --example phase_times`.
+//!
+//! The swing-up of the pendulum with every kind of preparation, then the move of the plate along its plan.
+#![allow(clippy::print_stdout)]
+
+use bracketry_mpc::{
+    ControlProblem, LoopSettings, PhaseTimes, Plant, PlantError, Preparation, Rti, RtiSettings, RungeKuttaPlant,
+    SolveTimes, SymbolicDynamics, Trajectory, run_closed_loop,
+};
+use std::error::Error;
+
+/// A system with set-valued friction as a plant.
+struct ExactPlant(bracketry_sim::Plant);
+
+impl Plant for ExactPlant {
+    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
+        if self.0.state() != x {
+            self.0.set_state(x)?;
+        }
+        let outcome = self.0.step(u, dt)?;
+        x.copy_from_slice(self.0.state());
+        if outcome.is_finished() { Ok(()) } else { Err(format!("{outcome:?}").into()) }
+    }
+}
+
+fn print(name: &str, times: &PhaseTimes) {
+    let cell = |t: &SolveTimes| format!("{:.3} / {:.3}", t.median, t.p99);
+    let cells = [&times.prepare, &times.qp, &times.rest, &times.feedback].map(cell);
+    println!("| {name} | {} |", cells.join(" | "));
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/");
+    println!(
+        "| step, ms (median / 99 %) | prepare | program | rest of the feedback | feedback |\n|---|---|---|---|---|"
+    );
+    let pendulum = ControlProblem::read(format!("{models}cart_pole_swing_up.toml"))?;
+    let kinds = [
+        ("pendulum", Preparation::Linearise),
+        ("pendulum, one program ahead", Preparation::Ahead { programs: 1 }),
+        ("pendulum, one program ahead and tangent", Preparation::AheadTangential { programs: 1 }),
+    ];
+    for (name, preparation) in kinds {
+        let settings = RtiSettings { preparation, ..RtiSettings::default() };
+        let start = Trajectory::constant(pendulum.ocp.steps, &pendulum.x0, &[0.0]);
+        let model = || SymbolicDynamics::new(&pendulum.system).map(Box::new);
+        let mut rti = Rti::new(model()?, pendulum.ocp.clone(), start, settings)?;
+        for _ in 1..30 {
+            rti.feedback(&pendulum.x0)?;
+        }
+        let mut plant = RungeKuttaPlant::new(model()?, 2);
+        let run = run_closed_loop(&mut rti, &mut plant, &pendulum.x0, 1000, LoopSettings::default())?;
+        print(name, &run.phases);
+    }
+    let plate = ControlProblem::read(format!("{models}plate_move.toml"))?;
+    let exact = bracketry_sim::Plant::new(&plate.plant, &plate.x0, &bracketry_sim::Settings::default())?;
+    let run = plate.run(&mut ExactPlant(exact))?;
+    print("plate along its plan", &run.closed_loop.phases);
+    Ok(())
+}
