@@ -4,11 +4,14 @@
 
 mod common;
 
-use bracketry_mpc::{ControlProblem, ControlReport, Plant, RungeKuttaPlant, SymbolicDynamics};
+use bracketry_mpc::{ControlProblem, ControlReport, Method, Plant, RungeKuttaPlant, SymbolicDynamics};
 use common::ExactPlant;
 
 fn run(name: &str) -> ControlReport {
-    let problem = ControlProblem::read(common::model_path(&format!("{name}.toml"))).unwrap();
+    run_problem(&ControlProblem::read(common::model_path(&format!("{name}.toml"))).unwrap())
+}
+
+fn run_problem(problem: &ControlProblem) -> ControlReport {
     let switches = problem.plant.clone().set_valued_form().switches;
     let mut plant: Box<dyn Plant> = if switches.is_empty() {
         let dynamics = Box::new(SymbolicDynamics::new(&problem.plant).unwrap());
@@ -81,4 +84,12 @@ fn spring_mass_with_friction() {
 fn cart_pole_with_friction() {
     // The reference smooths the friction in the controller, with a width of 0.05 m/s.
     costs("cart_pole_friction_swing_up", 2062.145902);
+}
+
+#[test]
+fn cart_pole_with_smoothed_friction_in_the_controller() {
+    let mut problem = ControlProblem::read(common::model_path("cart_pole_friction_swing_up.toml")).unwrap();
+    problem.method = Method::Sqp;
+    let cost = run_problem(&problem).closed_loop_cost;
+    assert!((cost / 2062.145902 - 1.0).abs() < 1e-3, "{cost}");
 }

@@ -22,6 +22,8 @@ use std::fmt;
 
 /// Intervals left at which a shrinking horizon is played out instead of solved again.
 const MIN_STEPS: usize = 1;
+/// Programs with whole steps from which a problem with smoothed friction is solved a second time.
+const WHOLE_STEPS: usize = 50;
 /// Share of the plan's margin that the loop keeps too: bounds hold at the samples, and a state curves beyond them in between.
 const LOOP_SHARE: f64 = 0.2;
 
@@ -213,7 +215,19 @@ impl ControlProblem {
             }
             Method::Sqp => {
                 let mut sqp = Sqp::new(self.dynamics()?, self.ocp.clone(), self.sqp_settings())?;
-                let first = sqp.solve(&self.x0, &self.start())?;
+                let mut first = sqp.solve(&self.x0, &self.start())?;
+                if !self.system.clone().set_valued_form().switches.is_empty() {
+                    // Whole steps often find a better solution through states that a merit function forbids.
+                    let mut rti = self.rti(self.ocp.clone(), self.start(), Horizon::Receding)?;
+                    for _ in 0..WHOLE_STEPS {
+                        rti.feedback(&self.x0)?;
+                    }
+                    let second = sqp.solve(&self.x0, rti.trajectory())?;
+                    let better = first.status != SolveStatus::Converged || second.cost < first.cost;
+                    if second.status == SolveStatus::Converged && better {
+                        first = second;
+                    }
+                }
                 let cost = first.cost;
                 let controller = SqpController::new(sqp, first.trajectory)
                     .with_failure_policy(self.policy.clone(), &self.rest_input)?;
