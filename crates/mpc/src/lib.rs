@@ -53,6 +53,8 @@ mod dynamics;
 mod error;
 mod estimation;
 mod faults;
+mod filter;
+mod filter_method;
 mod integrator;
 mod nonsmooth;
 mod ocp;

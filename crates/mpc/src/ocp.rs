@@ -6,6 +6,10 @@ use crate::error::{MpcError, check_length};
 use crate::integrator::Integrator;
 use crate::trajectory::Trajectory;
 
+/// Violation of a hard constraint, in units of its scale, that costs nothing: programs are solved to a tolerance, and at the
+/// weight of hard constraints its noise would hide the objective.
+pub(crate) const HARD_TOLERANCE: f64 = 1e-6;
+
 /// How many integration steps an interval gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Substeps {
@@ -279,7 +283,8 @@ impl Ocp {
         let mut sum = self.constraint_penalty(k0, trajectory, hard);
         for k in 1..=trajectory.steps() {
             for (i, b) in self.state_bounds.iter().enumerate() {
-                let v = b.violation(trajectory.x(k)[i]);
+                let allowed = if b.softness == Softness::Hard { HARD_TOLERANCE * self.state_scale[i] } else { 0.0 };
+                let v = b.violation(trajectory.x(k)[i]) - allowed;
                 if v > 0.0 {
                     let (linear, quadratic) = self.weights(i, hard);
                     sum += linear * v + quadratic * v * v;

@@ -1,6 +1,6 @@
 //! Sequential quadratic programming to convergence.
 //!
-//! Each iteration solves the Gauss–Newton program with a proximal term λ/2 ‖Δ/trust‖² and takes the whole step when the
+//! Smooth dynamics are tried with the filter method first. Else, or where it does not converge, each iteration solves the Gauss–Newton program with a proximal term λ/2 ‖Δ/trust‖² and takes the whole step when the
 //! exact ℓ₁ merit function falls by enough of what the program predicted, else λ grows (Levenberg–Marquardt with slacks:
 //! the program is always feasible). Smoothed switching functions are sharpened along a schedule of widths; between two
 //! widths it is enough to be near the solution.
@@ -30,9 +30,9 @@ pub struct SqpSettings {
     pub continuation_iterations: usize,
     /// Promised fraction of the merit below which the next width follows.
     pub continuation_tolerance: f64,
-    /// Number of whole, undamped steps tried first on smooth dynamics. They often find a good solution through states that a
-    /// merit function forbids; when they do not converge, the guarded iteration starts from the guess.
-    pub full_steps: usize,
+    /// Largest number of programs of the filter method, which smooth dynamics are tried with first: it may pass through large
+    /// defects, which a merit function forbids. When it does not converge, the guarded iteration starts from the guess.
+    pub filter_iterations: usize,
     /// Proximal weight λ of the first program.
     pub proximal: f64,
     /// Smallest proximal weight; below it the term is left out.
@@ -50,7 +50,7 @@ impl Default for SqpSettings {
             smoothing: Vec::new(),
             continuation_iterations: 25,
             continuation_tolerance: 0.05,
-            full_steps: 50,
+            filter_iterations: 100,
             proximal: 1.0,
             min_proximal: 1e-4,
             qp: QpSettings::default(),
@@ -123,9 +123,9 @@ pub struct Solution {
 /// The solver: problem, dynamics and memory.
 pub struct Sqp {
     pub(crate) problem: Transcription,
-    settings: SqpSettings,
-    qp: Qp,
-    lin: Linearisation,
+    pub(crate) settings: SqpSettings,
+    pub(crate) qp: Qp,
+    pub(crate) lin: Linearisation,
 }
 
 /// How one width ended.
@@ -213,8 +213,8 @@ impl Sqp {
         let widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
         let mut lambda = self.settings.proximal;
         let mut status = SolveStatus::NotANumber;
-        let full = z.is_finite() && widths.is_empty() && self.full_steps(&mut z, &mut log)?;
-        if full {
+        let found = z.is_finite() && widths.is_empty() && self.filter_method(&mut z, &mut log)?;
+        if found {
             status = SolveStatus::Converged;
         } else if z.is_finite() {
             let last = widths.len().saturating_sub(1);
@@ -258,48 +258,6 @@ impl Sqp {
             iterations: log,
             seconds: start.elapsed().as_secs_f64(),
         })
-    }
-
-    /// Undamped iteration; on failure the trajectory is as it was.
-    fn full_steps(&mut self, z: &mut Trajectory, log: &mut Vec<Iteration>) -> Result<bool, MpcError> {
-        let s = self.settings.clone();
-        let mut at = z.clone();
-        self.problem.choose_substeps(&at);
-        for _ in 0..s.full_steps {
-            self.problem.linearise(&at, 0, at.steps(), &mut self.lin);
-            self.qp.assemble(&mut self.problem.ocp, self.problem.k0, &at, &self.lin, 0.0);
-            let now = self.problem.merit_with(&at, &self.lin.end, s.qp.hard_weight);
-            let qp = self.qp.solve()?;
-            if !qp.is_usable() {
-                return Ok(false);
-            }
-            let mut trial = at.moved(1.0, &self.qp.solution.dx, &self.qp.solution.du);
-            trial.clamp_inputs(&self.problem.ocp.input_bounds);
-            let after = self.problem.merit(&trial, s.qp.hard_weight);
-            let weight = self.problem.penalty_weight(&self.qp.solution.multipliers);
-            let predicted = now.value(weight) - after.objective;
-            let fall = now.value(weight) - after.value(weight);
-            log.push(Iteration {
-                smoothing: 0.0,
-                objective: now.objective,
-                defect: now.worst_defect,
-                predicted,
-                ratio: fall / predicted.max(f64::MIN_POSITIVE),
-                proximal: 0.0,
-                qp,
-                qp_iterations: self.qp.solution.iterations,
-            });
-            if !fall.is_finite() {
-                return Ok(false);
-            }
-            let near = predicted.abs() <= s.tolerance * now.objective.abs().max(1e-12);
-            at = trial;
-            if near && now.worst_defect <= s.defect_tolerance {
-                *z = at;
-                return Ok(true);
-            }
-        }
-        Ok(false)
     }
 
     /// A trajectory moved on by one interval: the last input is held for one more.

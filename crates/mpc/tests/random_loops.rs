@@ -93,7 +93,7 @@ fn controller(random: &mut Random, system: &System, ocp: &Ocp) -> Box<dyn Contro
     let guess = Trajectory::constant(ocp.steps, &start, &vec![random.uniform(-4.0, 4.0); m]);
     let dynamics = Box::new(SymbolicDynamics::new(system).unwrap());
     if random.chance(0.2) {
-        let settings = SqpSettings { full_steps: 3, max_iterations: 4, ..SqpSettings::default() };
+        let settings = SqpSettings { filter_iterations: 3, max_iterations: 4, ..SqpSettings::default() };
         return Box::new(SqpController::new(Sqp::new(dynamics, ocp.clone(), settings).unwrap(), guess));
     }
     let policy = match random.below(3) {

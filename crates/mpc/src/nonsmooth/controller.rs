@@ -305,7 +305,7 @@ impl StickSlipController {
             last = sqp.solve(&x0, &last)?.trajectory;
             candidates.push(last.clone());
         }
-        let guarded = SqpSettings { smoothing: self.settings.smoothing.clone(), full_steps: 0, ..settings };
+        let guarded = SqpSettings { smoothing: self.settings.smoothing.clone(), filter_iterations: 0, ..settings };
         let mut sqp = Sqp::new(Box::new(self.dynamics.clone()), self.problem.ocp.clone(), guarded)?;
         sqp.set_start(self.problem.k0);
         candidates.push(sqp.solve(&x0, &guess)?.trajectory);

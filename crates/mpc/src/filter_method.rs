@@ -1,0 +1,149 @@
+//! Sequential quadratic programming globalised by a filter, for smooth dynamics.
+//!
+//! Steps are whole where the filter allows it and shortened otherwise. Where the linearisation was a poor guide, or no step is
+//! acceptable, a proximal term grows; its size follows the change that the programs promise, so that it does not depend on
+//! the unit of the cost. Where programs fail, the defects are removed by simulating the inputs (feasibility restoration).
+
+use crate::error::MpcError;
+use crate::filter::{Filter, Verdict};
+use crate::qp::QpStatus;
+use crate::sqp::{Iteration, Sqp};
+use crate::trajectory::Trajectory;
+use crate::transcription::Merit;
+
+/// Factor by which the proximal weight grows when no step is acceptable, and falls after a whole step.
+const GROWTH: f64 = 8.0;
+const SHRINKAGE: f64 = 5.0;
+/// Factor by which it grows when the linearisation was a poor guide.
+const DAMPING: f64 = 2.0;
+/// Proximal weight after the first program without that fails, relative to what counts.
+const FIRST_PROXIMAL: f64 = 1e-2;
+/// Programs in a row without an acceptable step before the defects are removed by simulation.
+const PATIENCE: usize = 4;
+/// Shortest fraction of a step that is tried.
+const SHORTEST: f64 = 0.1;
+/// Programs in a row without an acceptable step.
+const MAX_FAILURES: usize = 12;
+
+impl Sqp {
+    /// Whether the method converges; if not, the trajectory is as it was.
+    pub(crate) fn filter_method(&mut self, z: &mut Trajectory, log: &mut Vec<Iteration>) -> Result<bool, MpcError> {
+        let s = self.settings.clone();
+        let mut at = z.clone();
+        let steps = at.steps();
+        self.problem.choose_substeps(&at);
+        self.problem.linearise(&at, 0, steps, &mut self.lin);
+        let mut now = self.problem.merit_with(&at, &self.lin.end, s.qp.hard_weight);
+        let mut filter = Filter::new(&now);
+        let mut restored = false;
+        let mut failures = 0;
+        let (mut lambda, mut weight) = (0.0_f64, 0.0_f64);
+        // A proximal weight of this size counts: the term is as large as the change of the objective when every input moves by
+        // its trust.
+        let mut unit = 1.0_f64;
+        for _ in 0..s.filter_iterations {
+            let proximal = if lambda < s.min_proximal { 0.0 } else { lambda };
+            self.qp.assemble(&mut self.problem.ocp, self.problem.k0, &at, &self.lin, proximal);
+            let qp = self.qp.solve()?;
+            let mut line = Iteration {
+                smoothing: 0.0,
+                objective: now.objective,
+                defect: now.worst_defect,
+                predicted: 0.0,
+                ratio: 0.0,
+                proximal,
+                qp,
+                qp_iterations: self.qp.solution.iterations,
+            };
+            if !qp.is_usable() {
+                log.push(line);
+                if !restored && self.restore(&mut at, &mut now) {
+                    restored = true;
+                    filter = Filter::new(&now);
+                    continue;
+                }
+                if qp == QpStatus::NotANumber || failures > MAX_FAILURES {
+                    return Ok(false);
+                }
+                failures += 1;
+                lambda = (lambda * GROWTH).max(FIRST_PROXIMAL * unit);
+                continue;
+            }
+            let (mut trial, mut after) = self.trial(&at, 1.0);
+            let promised = now.objective - after.objective;
+            if promised.is_finite() {
+                unit = promised.abs().min(now.objective.abs()) / (steps as f64 * self.problem.ocp.dt);
+            }
+            if promised.abs() <= s.tolerance * now.objective.abs().max(1e-12) && now.worst_defect <= s.defect_tolerance
+            {
+                line.predicted = promised;
+                log.push(line);
+                // The last step is still worth taking unless it leaves the tolerance.
+                *z = if after.worst_defect <= s.defect_tolerance { trial } else { at };
+                return Ok(true);
+            }
+            let mut fraction = 1.0;
+            let mut verdict = filter.judge(&now, &after, promised);
+            while verdict == Verdict::Rejected && fraction > SHORTEST {
+                fraction /= 2.0;
+                (trial, after) = self.trial(&at, fraction);
+                verdict = filter.judge(&now, &after, fraction * promised);
+            }
+            weight = self.problem.penalty_weight(&self.qp.solution.multipliers).max(0.8 * weight);
+            line.predicted = now.value(weight) - now.objective + fraction * promised;
+            line.ratio = (now.value(weight) - after.value(weight)) / line.predicted.max(f64::MIN_POSITIVE);
+            let ratio = line.ratio;
+            log.push(line);
+            if verdict == Verdict::Rejected {
+                failures += 1;
+                lambda = (lambda * GROWTH).max(FIRST_PROXIMAL * unit);
+                let infeasible = now.worst_defect > s.defect_tolerance;
+                if failures == PATIENCE && infeasible && !restored && self.restore(&mut at, &mut now) {
+                    restored = true;
+                    filter = Filter::new(&now);
+                    lambda = 0.0;
+                }
+                if failures > MAX_FAILURES {
+                    return Ok(false);
+                }
+                continue;
+            }
+            if verdict == Verdict::Progress {
+                filter.add(&now);
+            }
+            failures = 0;
+            at = trial;
+            now = after;
+            self.problem.linearise(&at, 0, steps, &mut self.lin);
+            if fraction == 1.0 && ratio > 0.7 {
+                lambda /= SHRINKAGE;
+            } else if fraction < 0.3 || ratio < 0.25 {
+                lambda = (lambda * DAMPING).max(FIRST_PROXIMAL * unit);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Feasibility restoration: the trajectory of the same inputs, which has no defects, unless the dynamics leave the numbers
+    /// on the way.
+    fn restore(&mut self, z: &mut Trajectory, now: &mut Merit) -> bool {
+        let mut simulated = z.clone();
+        self.problem.roll_out(&mut simulated);
+        self.problem.shooter.take_failure();
+        if !simulated.is_finite() {
+            return false;
+        }
+        self.problem.linearise(&simulated, 0, simulated.steps(), &mut self.lin);
+        *now = self.problem.merit_with(&simulated, &self.lin.end, self.settings.qp.hard_weight);
+        *z = simulated;
+        now.objective.is_finite()
+    }
+
+    /// The iterate after a fraction of the program's step, with its inputs within their bounds.
+    fn trial(&mut self, z: &Trajectory, fraction: f64) -> (Trajectory, Merit) {
+        let mut trial = z.moved(fraction, &self.qp.solution.dx, &self.qp.solution.du);
+        trial.clamp_inputs(&self.problem.ocp.input_bounds);
+        let merit = self.problem.merit(&trial, self.settings.qp.hard_weight);
+        (trial, merit)
+    }
+}
