@@ -1,8 +1,14 @@
 //! Sequential quadratic programming globalised by a filter, for smooth dynamics.
 //!
-//! Steps are whole where the filter allows it and shortened otherwise. Where the linearisation was a poor guide, or no step is
-//! acceptable, a proximal term grows; its size follows the change that the programs promise, so that it does not depend on
-//! the unit of the cost. Where programs fail, the defects are removed by simulating the inputs (feasibility restoration).
+//! Steps are whole where the filter allows it, if need be after a second-order correction, and shortened otherwise. Where the
+//! linearisation was a poor guide, or no step is acceptable, a proximal term grows; its size follows the change that the
+//! programs promise, so that it does not depend on the unit of the cost.
+//!
+//! The iteration ends when a program promises too little, or without that program where its promise is known: dᵀHd of two whole
+//! steps in a row tells the rate at which the iteration contracts, and so what is left of the change of the objective; the
+//! defects of the last step are evaluated anyway, and the multipliers tell what removing them changes.
+//!
+//! Where programs fail, the defects are removed by simulating the inputs (feasibility restoration).
 
 use crate::error::MpcError;
 use crate::filter::{Filter, Verdict};
@@ -22,6 +28,11 @@ const FIRST_PROXIMAL: f64 = 1e-2;
 const PATIENCE: usize = 4;
 /// Shortest fraction of a step that is tried.
 const SHORTEST: f64 = 0.1;
+/// Largest defect after a step, in units of the state scale, that a second-order correction is tried on: farther away, the
+/// corrected step leads as far astray as the other.
+const CORRECTABLE: f64 = 1e-2;
+/// Ratio of what two whole steps in a row cost by curvature below which the iteration counts as contracting.
+const CONTRACTING: f64 = 0.1;
 /// Programs in a row without an acceptable step.
 const MAX_FAILURES: usize = 12;
 
@@ -41,6 +52,8 @@ impl Sqp {
         // A proximal weight of this size counts: the term is as large as the change of the objective when every input moves by
         // its trust.
         let mut unit = 1.0_f64;
+        // ½ dᵀHd of the last step, if it was a whole one of a program without proximal term.
+        let mut last_curvature = None;
         for _ in 0..s.filter_iterations {
             let proximal = if lambda < s.min_proximal { 0.0 } else { lambda };
             self.qp.assemble(&mut self.problem.ocp, self.problem.k0, &at, &self.lin, proximal);
@@ -52,11 +65,14 @@ impl Sqp {
                 predicted: 0.0,
                 ratio: 0.0,
                 proximal,
+                fraction: 0.0,
+                correction: false,
                 qp,
                 qp_iterations: self.qp.solution.iterations,
             };
             if !qp.is_usable() {
                 log.push(line);
+                last_curvature = None;
                 if !restored && self.restore(&mut at, &mut now) {
                     restored = true;
                     filter = Filter::new(&now);
@@ -82,20 +98,37 @@ impl Sqp {
                 *z = if after.worst_defect <= s.defect_tolerance { trial } else { at };
                 return Ok(true);
             }
+            weight = self.problem.penalty_weight(&self.qp.solution.multipliers).max(0.8 * weight);
+            let curvature = self.curvature();
             let mut fraction = 1.0;
             let mut verdict = filter.judge(&now, &after, promised);
+            let correctable = s.second_order_correction && self.is_curved(&now, &after);
+            if verdict == Verdict::Rejected && correctable {
+                let step = self.qp.solution.clone();
+                self.qp.correct(&mut self.problem.ocp, self.problem.k0, &trial, &self.problem.ends, &self.lin);
+                let qp = self.qp.solve()?;
+                log.push(line);
+                line.correction = true;
+                (line.qp, line.qp_iterations) = (qp, self.qp.solution.iterations);
+                if qp.is_usable() {
+                    (trial, after) = self.trial(&at, 1.0);
+                    verdict = filter.judge(&now, &after, promised);
+                }
+                self.qp.solution = step;
+            }
             while verdict == Verdict::Rejected && fraction > SHORTEST {
                 fraction /= 2.0;
                 (trial, after) = self.trial(&at, fraction);
                 verdict = filter.judge(&now, &after, fraction * promised);
             }
-            weight = self.problem.penalty_weight(&self.qp.solution.multipliers).max(0.8 * weight);
             line.predicted = now.value(weight) - now.objective + fraction * promised;
             line.ratio = (now.value(weight) - after.value(weight)) / line.predicted.max(f64::MIN_POSITIVE);
             let ratio = line.ratio;
+            line.fraction = if verdict == Verdict::Rejected { 0.0 } else { fraction };
             log.push(line);
             if verdict == Verdict::Rejected {
                 failures += 1;
+                last_curvature = None;
                 lambda = (lambda * GROWTH).max(FIRST_PROXIMAL * unit);
                 let infeasible = now.worst_defect > s.defect_tolerance;
                 if failures == PATIENCE && infeasible && !restored && self.restore(&mut at, &mut now) {
@@ -114,6 +147,22 @@ impl Sqp {
             failures = 0;
             at = trial;
             now = after;
+            let whole = fraction == 1.0 && proximal == 0.0 && !line.correction && line.qp == QpStatus::Solved;
+            if let Some(before) = last_curvature.replace(curvature).filter(|_| whole) {
+                let contraction = curvature / before;
+                let promise = contraction * curvature.max(promised.abs()) + self.price_of_defects(&at);
+                if contraction <= CONTRACTING
+                    && promise <= s.tolerance * now.objective.abs().max(1e-12)
+                    && now.worst_defect <= s.defect_tolerance
+                    && !self.has_curved_constraints()
+                {
+                    *z = at;
+                    return Ok(true);
+                }
+            }
+            if !whole {
+                last_curvature = None;
+            }
             self.problem.linearise(&at, 0, steps, &mut self.lin);
             if fraction == 1.0 && ratio > 0.7 {
                 lambda /= SHRINKAGE;
@@ -122,6 +171,32 @@ impl Sqp {
             }
         }
         Ok(false)
+    }
+
+    /// Whether the defects, or the violations of curved constraints, may be why a step is not acceptable, and are small enough
+    /// for a correction of second order.
+    fn is_curved(&self, now: &Merit, after: &Merit) -> bool {
+        let close = after.worst_defect <= CORRECTABLE && after.objective.is_finite();
+        close && (after.defects > now.defects || self.has_curved_constraints())
+    }
+
+    fn has_curved_constraints(&self) -> bool {
+        let ocp = &self.problem.ocp;
+        !ocp.path_constraints.is_empty() || !ocp.norm_constraints.is_empty()
+    }
+
+    /// ½ dᵀHd of the program's step: what a step to the solution gains.
+    fn curvature(&self) -> f64 {
+        let (program, step) = self.qp.stage_program();
+        let term = |((i, j), h): ((usize, usize), f64)| if i == j { 0.5 * h } else { h } * step[i] * step[j];
+        program.hessian().map(term).sum()
+    }
+
+    /// What removing the defects of the trajectory whose merit was computed last may change in the objective, to first order.
+    fn price_of_defects(&self, z: &Trajectory) -> f64 {
+        let n = z.states();
+        let (y, ends) = (&self.qp.solution.multipliers, &self.problem.ends);
+        y.iter().zip(ends).enumerate().map(|(i, (y, end))| (y * (end - z.x(i / n + 1)[i % n])).abs()).sum()
     }
 
     /// Feasibility restoration: the trajectory of the same inputs, which has no defects, unless the dynamics leave the numbers

@@ -33,6 +33,9 @@ pub struct SqpSettings {
     /// Largest number of programs of the filter method, which smooth dynamics are tried with first: it may pass through large
     /// defects, which a merit function forbids. When it does not converge, the guarded iteration starts from the guess.
     pub filter_iterations: usize,
+    /// Whether the filter method solves a second program, with the curvature of dynamics and constraints on its right-hand
+    /// side, where a whole step close to feasible points is not acceptable because of it (Maratos effect).
+    pub second_order_correction: bool,
     /// Proximal weight λ of the first program.
     pub proximal: f64,
     /// Smallest proximal weight; below it the term is left out.
@@ -51,6 +54,7 @@ impl Default for SqpSettings {
             continuation_iterations: 25,
             continuation_tolerance: 0.05,
             filter_iterations: 100,
+            second_order_correction: true,
             proximal: 1.0,
             min_proximal: 1e-4,
             qp: QpSettings::default(),
@@ -95,6 +99,10 @@ pub struct Iteration {
     pub ratio: f64,
     /// Proximal weight.
     pub proximal: f64,
+    /// Fraction of the program's step that was taken; 0 where it was rejected.
+    pub fraction: f64,
+    /// Whether this is a second-order correction of the program before.
+    pub correction: bool,
     /// Status of the program.
     pub qp: QpStatus,
     /// Interior-point iterations.
@@ -299,6 +307,8 @@ impl Sqp {
                 predicted: 0.0,
                 ratio: 0.0,
                 proximal,
+                fraction: 0.0,
+                correction: false,
                 qp,
                 qp_iterations: self.qp.solution.iterations,
             };
@@ -320,6 +330,8 @@ impl Sqp {
             let fall = before - after.value(weight);
             line.predicted = predicted;
             line.ratio = fall / predicted.max(f64::MIN_POSITIVE);
+            let taken = fall.is_finite() && line.ratio > 0.05;
+            line.fraction = f64::from(u8::from(taken));
             log.push(line);
             let near = predicted <= tolerance * now.objective.abs().max(1e-12);
             if near && now.worst_defect <= defect_tolerance {
@@ -329,7 +341,7 @@ impl Sqp {
                 }
                 return Ok(Stop::Converged);
             }
-            if fall.is_finite() && line.ratio > 0.05 {
+            if taken {
                 *z = trial;
                 self.problem.linearise(z, 0, steps, &mut self.lin);
                 if line.ratio > 0.7 {

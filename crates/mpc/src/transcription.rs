@@ -16,7 +16,8 @@ pub(crate) struct Transcription {
     pub(crate) substeps: usize,
     /// Grid point of the run at which the horizon starts.
     pub(crate) k0: usize,
-    ends: Vec<f64>,
+    /// Ends of the intervals of the trajectory whose merit was computed last.
+    pub(crate) ends: Vec<f64>,
     end: Vec<f64>,
 }
 

@@ -107,6 +107,37 @@ impl Assembly {
         }
     }
 
+    /// Moves the right-hand sides by the curvature of dynamics and constraints along the step `z`; see
+    /// [`Qp::correct`](super::Qp::correct).
+    pub(super) fn correct(&mut self, ocp: &mut Ocp, k0: usize, trial: &Trajectory, ends: &[f64], z: &[f64]) {
+        let n = self.program.states;
+        for (i, c) in self.program.defect.iter_mut().enumerate() {
+            *c += ends[i] - trial.x(i / n + 1)[i % n];
+        }
+        if self.path.is_empty() && self.norm.is_empty() {
+            return;
+        }
+        // Right-hand sides belong to a step that starts at the trial: R·step makes them those of one from here.
+        let (rows, mut right) = (self.program.rows.clone(), self.program.right.clone());
+        self.fill_constraints(ocp, k0, trial, 0..self.path.len(), 0..self.norm.len());
+        self.program.rows.clone_from(&rows);
+        let mut step = z.to_vec();
+        for s in &self.slacks {
+            step[s.variable] = 0.0;
+        }
+        for (&(row, variable), r) in self.program.row_places.iter().zip(&rows) {
+            self.program.right[row] += r * step[variable];
+        }
+        // The other rows are linear.
+        let curved = self.path.iter().flat_map(|c| c.sides.iter().map(|s| s.1..s.1 + 1));
+        let curved = curved
+            .chain(self.norm.iter().map(|c| c.row..c.row + 1 + ocp.norm_constraints[c.constraint].vector.outputs()));
+        for rows in curved {
+            right[rows.clone()].copy_from_slice(&self.program.right[rows]);
+        }
+        self.program.right = right;
+    }
+
     /// Sets the Hessian to the proximal term.
     fn fill_curvature(&mut self, ocp: &Ocp, proximal: f64) {
         let p = &mut self.program;

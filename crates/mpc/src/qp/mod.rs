@@ -223,6 +223,14 @@ impl Qp {
         self.backend.load_first(&self.assembly.program, &lin.jacobian);
     }
 
+    /// Second-order correction of the program just solved: matrices and objective stay, but dynamics and constraints take the
+    /// values at the end of the step in place of those that their linearisations promised there. `trial` is that end, `ends`
+    /// the ends of its intervals.
+    pub(crate) fn correct(&mut self, ocp: &mut Ocp, k0: usize, trial: &Trajectory, ends: &[f64], lin: &Linearisation) {
+        self.assembly.correct(ocp, k0, trial, ends, &self.stage.z);
+        self.backend.load(&self.assembly.program, &lin.jacobian);
+    }
+
     /// Solves; the step is in [`Qp::solution`] when the status says so.
     pub(crate) fn solve(&mut self) -> Result<QpStatus, MpcError> {
         let program = &self.assembly.program;
