@@ -1,11 +1,11 @@
 //! Counts programs and successes of the solution method over random starts of several problems.
 //!
-//! `cargo run --release -p bracketry-mpc --example random_starts [STARTS] [PROBLEM]`
+//! `cargo run --release -p bracketry-mpc --example random_starts [STARTS] [PROBLEM] [--exact]`
 #![allow(clippy::print_stdout, clippy::format_push_string)]
 
 use bracketry_mpc::{
-    Bounds, ControlProblem, CostFunction, CostKind, Integrator, MpcError, Ocp, Softness, SolveStatus, Sqp, SqpSettings,
-    Substeps, SymbolicDynamics, Trajectory,
+    Bounds, ControlProblem, CostFunction, CostKind, Hessian, Integrator, MpcError, Ocp, Softness, SolveStatus, Sqp,
+    SqpSettings, Substeps, SymbolicDynamics, Trajectory,
 };
 use bracketry_system::System;
 use std::f64::consts::PI;
@@ -246,11 +246,12 @@ fn solve(sqp: &mut Sqp, x0: &[f64], guess: &Trajectory) -> Result<Outcome, MpcEr
 }
 
 /// Moves of the plate between random places.
-fn plate(starts: usize, random: &mut Uniform) -> Result<Vec<Outcome>, Failure> {
+fn plate(starts: usize, hessian: Hessian, random: &mut Uniform) -> Result<Vec<Outcome>, Failure> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/plate_move.toml");
     let mut outcomes = Vec::new();
     for _ in 0..starts {
         let mut p = ControlProblem::read(path)?;
+        p.hessian = hessian;
         for i in 0..3 {
             let reach = [0.1, 0.1, PI][i];
             p.x0[i] = reach * (2.0 * random.next() - 1.0);
@@ -266,12 +267,14 @@ fn plate(starts: usize, random: &mut Uniform) -> Result<Vec<Outcome>, Failure> {
 }
 
 fn main() -> Result<(), Failure> {
-    let mut arguments = std::env::args().skip(1);
+    let exact = std::env::args().any(|a| a == "--exact");
+    let hessian = if exact { Hessian::Exact } else { Hessian::GaussNewton };
+    let mut arguments = std::env::args().skip(1).filter(|a| a != "--exact");
     let starts: usize = arguments.next().map_or(Ok(30), |a| a.parse())?;
     let only = arguments.next();
     let chosen = |name: &str| only.as_ref().is_none_or(|o| o == name);
     for c in cases()?.into_iter().filter(|c| chosen(c.name)) {
-        let settings = SqpSettings { smoothing: c.smoothing.clone(), ..SqpSettings::default() };
+        let settings = SqpSettings { smoothing: c.smoothing.clone(), hessian, ..SqpSettings::default() };
         let mut sqp = Sqp::new(Box::new(SymbolicDynamics::new(&c.system)?), c.ocp.clone(), settings)?;
         let mut random = Uniform(1);
         let mut outcomes = Vec::new();
@@ -283,7 +286,7 @@ fn main() -> Result<(), Failure> {
         report(c.name, &outcomes, only.is_some());
     }
     if chosen("plate") {
-        report("plate", &plate(starts.div_ceil(5), &mut Uniform(1))?, only.is_some());
+        report("plate", &plate(starts.div_ceil(5), hessian, &mut Uniform(1))?, only.is_some());
     }
     Ok(())
 }

@@ -217,6 +217,36 @@ impl CostFunction {
         &self.pattern
     }
 
+    /// Adds `weight` times the gradient; the Hessian is then in `full`.
+    fn differentiate(&mut self, x: &[f64], u: &[f64], t: f64, r: &[f64], weight: f64, gradient: &mut [f64]) {
+        self.load(x, u, t, r);
+        self.derivatives.call(&self.arguments, &mut self.work, &mut self.out);
+        let n = self.variables;
+        for (g, v) in gradient.iter_mut().zip(&self.out[1..=n]) {
+            *g += weight * v;
+        }
+        for (&(i, j), &v) in self.entries.iter().zip(&self.out[1 + n..]) {
+            self.full[i * n + j] = v;
+            self.full[j * n + i] = v;
+        }
+    }
+
+    /// Adds `weight` times gradient and Hessian as they are, the Hessian in full by rows.
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn add_exact_derivatives(
+        &mut self,
+        x: &[f64],
+        u: &[f64],
+        t: f64,
+        r: &[f64],
+        weight: f64,
+        gradient: &mut [f64],
+        hessian: &mut [f64],
+    ) {
+        self.differentiate(x, u, t, r, weight, gradient);
+        hessian.iter_mut().zip(&self.full).for_each(|(h, v)| *h += weight * v);
+    }
+
     /// Adds `weight` times gradient and convexified Hessian (in the order of [`CostFunction::hessian_pattern`]).
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn add_derivatives(
@@ -229,16 +259,8 @@ impl CostFunction {
         gradient: &mut [f64],
         hessian: &mut [f64],
     ) {
-        self.load(x, u, t, r);
-        self.derivatives.call(&self.arguments, &mut self.work, &mut self.out);
+        self.differentiate(x, u, t, r, weight, gradient);
         let n = self.variables;
-        for (g, v) in gradient.iter_mut().zip(&self.out[1..=n]) {
-            *g += weight * v;
-        }
-        for (&(i, j), &v) in self.entries.iter().zip(&self.out[1 + n..]) {
-            self.full[i * n + j] = v;
-            self.full[j * n + i] = v;
-        }
         let mut at = 0;
         for c in &self.components {
             let size = c.len();

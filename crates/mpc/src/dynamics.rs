@@ -1,6 +1,7 @@
 //! The dynamics as the optimiser needs them: a field and its exact derivatives.
 
 use crate::error::MpcError;
+use crate::hessian::{SecondDerivatives, WeightedHessian};
 use bracketry_native::{Function, Workspace};
 use bracketry_symbolic::{Expr, Symbol, Tape};
 use bracketry_system::{SwitchKind, SwitchedForm, System};
@@ -17,6 +18,18 @@ pub trait Dynamics: Send {
     fn jacobian_pattern(&self) -> &[(usize, usize)];
     /// dx = f and the entries of ∂f/∂(x, u) in the order of [`Dynamics::jacobian_pattern`].
     fn field_and_jacobian(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64], jacobian: &mut [f64]);
+    /// Prepares [`Dynamics::weighted_hessian`]; the places (i, j), i ≤ j < n + m, that the Hessian can occupy.
+    ///
+    /// # Errors
+    /// [`MpcError::NoSecondDerivatives`] if there are none, which is the default.
+    fn second_derivatives(&mut self) -> Result<Vec<(usize, usize)>, MpcError> {
+        Err(MpcError::NoSecondDerivatives)
+    }
+    /// The entries of ∇²_(x, u) Σ w_i f_i(t, x, u) in the order of the places that [`Dynamics::second_derivatives`] returned,
+    /// which has to be called first; else they are no numbers.
+    fn weighted_hessian(&mut self, _t: f64, _x: &[f64], _u: &[f64], _weights: &[f64], hessian: &mut [f64]) {
+        hessian.fill(f64::NAN);
+    }
     /// Number of parameters that can be changed while the dynamics are in use.
     fn parameters(&self) -> usize {
         0
@@ -109,6 +122,9 @@ pub struct SymbolicDynamics {
     field_and_jacobian: Function,
     rates: Function,
     pattern: Vec<(usize, usize)>,
+    second: SecondDerivatives,
+    /// Compiled when it is first asked for.
+    hessian: Option<WeightedHessian>,
     smoothed: bool,
     width: f64,
     arguments: Vec<f64>,
@@ -180,6 +196,7 @@ impl SymbolicDynamics {
                 }
             }
         }
+        let jacobian = pattern.iter().zip(&outputs[f.len()..]).map(|(&(i, j), &e)| (i, j, e)).collect();
         let first = 1 + columns.len();
         let place = |name: &&str| {
             let at = system.parameters.iter().position(|p| pool.name(p.symbol) == *name);
@@ -204,6 +221,8 @@ impl SymbolicDynamics {
             field_and_jacobian,
             pattern,
             smoothed: !form.switches.is_empty(),
+            second: SecondDerivatives::new(pool, all, columns, f.len(), jacobian),
+            hessian: None,
             width: 0.01,
             arguments,
             work: Workspace::default(),
@@ -239,6 +258,19 @@ impl Dynamics for SymbolicDynamics {
         self.field_and_jacobian.call(&self.arguments, &mut self.work, &mut self.out);
         dx.copy_from_slice(&self.out[..self.states]);
         jacobian.copy_from_slice(&self.out[self.states..]);
+    }
+    fn second_derivatives(&mut self) -> Result<Vec<(usize, usize)>, MpcError> {
+        if self.hessian.is_none() {
+            self.hessian = Some(self.second.compile()?);
+        }
+        Ok(self.hessian.as_ref().map_or(Vec::new(), |h| h.pattern().to_vec()))
+    }
+    fn weighted_hessian(&mut self, t: f64, x: &[f64], u: &[f64], weights: &[f64], hessian: &mut [f64]) {
+        self.load(t, x, u);
+        match &mut self.hessian {
+            Some(h) => h.call(&self.arguments, weights, &mut self.work, hessian),
+            None => hessian.fill(f64::NAN),
+        }
     }
     fn parameters(&self) -> usize {
         self.live.len()

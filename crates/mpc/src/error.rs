@@ -86,6 +86,9 @@ pub enum MpcError {
     /// There is no stage cost to be continued beyond the horizon.
     #[error("there is no stage cost: set `Ocp::stage` first")]
     NoStageCost,
+    /// Second derivatives were asked for where there are none.
+    #[error("the dynamics have no second derivatives: use symbolic dynamics, or the Gauss-Newton Hessian")]
+    NoSecondDerivatives,
     /// The plant could not be simulated further.
     #[error("the plant stops at t = {time}: {source}")]
     Plant {

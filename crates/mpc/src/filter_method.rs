@@ -56,7 +56,7 @@ impl Sqp {
         let mut last_curvature = None;
         for _ in 0..s.filter_iterations {
             let proximal = if lambda < s.min_proximal { 0.0 } else { lambda };
-            self.qp.assemble(&mut self.problem.ocp, self.problem.k0, &at, &self.lin, proximal);
+            self.assemble(&at, proximal);
             let qp = self.qp.solve()?;
             let mut line = Iteration {
                 smoothing: 0.0,

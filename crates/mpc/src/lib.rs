@@ -55,6 +55,7 @@ mod estimation;
 mod faults;
 mod filter;
 mod filter_method;
+mod hessian;
 mod integrator;
 mod nonsmooth;
 mod ocp;
@@ -98,6 +99,6 @@ pub use qp::{Backend, QpBackend, QpSettings, QpStatus, StageProgram, StageSoluti
 pub use riccati::{Riccati, dare};
 pub use rti::{Horizon, Preparation, Rti, RtiSettings};
 pub use shooting::Linearisation;
-pub use sqp::{Iteration, Solution, SolveStatus, Sqp, SqpSettings};
+pub use sqp::{Hessian, Iteration, Solution, SolveStatus, Sqp, SqpSettings};
 pub use step::{FallbackReason, InputSource, Step, StepStatus, Timings};
 pub use trajectory::Trajectory;

@@ -1,7 +1,7 @@
 //! Multiple shooting: the flow over every interval and its exact derivatives.
 
 use crate::dynamics::Dynamics;
-use crate::integrator::{Collocation, ExplicitRungeKutta, Integrator, Tableau};
+use crate::integrator::{Collocation, ExplicitRungeKutta, Integrator, Stages, Tableau};
 use crate::trajectory::Trajectory;
 
 /// End states of every interval, and their derivatives.
@@ -11,6 +11,9 @@ pub struct Linearisation {
     pub end: Vec<f64>,
     /// ∂F/∂(x, u), N blocks of n rows of n + m entries.
     pub jacobian: Vec<f64>,
+    /// Second derivatives ∇²_(x, u) λ_kᵀF of the Lagrangian's dynamics, N blocks of n + m rows of n + m entries; empty where the
+    /// exact Hessian is not asked for.
+    pub curvature: Vec<f64>,
 }
 
 /// Start, interval, number of integration steps per interval and parameters over the horizon.
@@ -49,6 +52,10 @@ pub(crate) struct Shooter {
     method: Method,
     /// Whether the equations of an implicit step could not be solved since the last [`Shooter::take_failure`].
     failed: bool,
+    /// Memory of the second derivatives.
+    stages: Stages,
+    end: Vec<f64>,
+    jacobian: Vec<f64>,
 }
 
 impl Shooter {
@@ -78,7 +85,7 @@ impl Shooter {
         } else {
             Method::Explicit(Box::new(ExplicitRungeKutta::new(n, m, pattern, &closure)))
         };
-        Self { n, m, closure, method, failed: false }
+        Self { n, m, closure, method, failed: false, stages: Stages::default(), end: Vec::new(), jacobian: Vec::new() }
     }
 
     /// Which entries of ∂F/∂(x, u) can differ from zero, n rows of n + m.
@@ -122,9 +129,9 @@ impl Shooter {
     ) {
         let h = dt / substeps as f64;
         match &mut self.method {
-            Method::Explicit(m) => m.advance_with_sensitivity(dynamics, t, x, u, h, substeps, jacobian),
+            Method::Explicit(m) => m.advance_with_sensitivity(dynamics, t, x, u, h, substeps, jacobian, None),
             Method::Implicit(m) => {
-                self.failed |= !m.advance_with_sensitivity(dynamics, t, x, u, h, substeps, jacobian);
+                self.failed |= !m.advance_with_sensitivity(dynamics, t, x, u, h, substeps, jacobian, None);
             }
         }
     }
@@ -147,6 +154,80 @@ impl Shooter {
             end.copy_from_slice(trajectory.x(k));
             let block = &mut out.jacobian[k * n * w..(k + 1) * n * w];
             self.advance_with_sensitivity(dynamics, t, end, trajectory.u(k), grid.dt, grid.substeps, block);
+        }
+    }
+
+    /// Places (i ≤ j) that ∇²_(x, u) λᵀF can occupy when those of the field are `field`.
+    pub(crate) fn curvature_places(&self, field: &[(usize, usize)]) -> Vec<(usize, usize)> {
+        let w = self.n + self.m;
+        let reaches = |i: usize, c: usize| if i < self.n { self.closure[i * w + c] } else { i == c };
+        let all = (0..w).flat_map(|a| (a..w).map(move |b| (a, b)));
+        all.filter(|&(a, b)| {
+            field.iter().any(|&(i, j)| reaches(i, a) && reaches(j, b) || reaches(i, b) && reaches(j, a))
+        })
+        .collect()
+    }
+
+    /// ∇²_(x, u) λᵀF over one interval, n + m rows of n + m entries; `field` holds the places of the field's second
+    /// derivatives. `lambda` is lost.
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn curvature(
+        &mut self,
+        dynamics: &mut dyn Dynamics,
+        t: f64,
+        x: &[f64],
+        u: &[f64],
+        dt: f64,
+        substeps: usize,
+        lambda: &mut [f64],
+        field: &[(usize, usize)],
+        out: &mut [f64],
+    ) {
+        let h = dt / substeps as f64;
+        self.end.clear();
+        self.end.extend_from_slice(x);
+        self.jacobian.resize(self.n * (self.n + self.m), 0.0);
+        let (end, jacobian, stages) = (&mut self.end, &mut self.jacobian, &mut self.stages);
+        stages.clear();
+        let solved = match &mut self.method {
+            Method::Explicit(m) => {
+                m.advance_with_sensitivity(dynamics, t, end, u, h, substeps, jacobian, Some(stages));
+                m.adjoints(h, stages, lambda);
+                true
+            }
+            Method::Implicit(m) => {
+                let solved = m.advance_with_sensitivity(dynamics, t, end, u, h, substeps, jacobian, Some(stages));
+                if solved {
+                    m.adjoints(dynamics.jacobian_pattern(), h, stages, lambda);
+                }
+                solved
+            }
+        };
+        if solved {
+            stages.hessian(dynamics, u, field, out);
+        } else {
+            out.fill(f64::NAN);
+        }
+    }
+
+    /// The curvature of every interval for the multipliers y of x_{k+1} − F(x_k, u_k) = 0 in the Lagrangian, N rows of n.
+    pub(crate) fn curvatures(
+        &mut self,
+        dynamics: &mut dyn Dynamics,
+        grid: Grid<'_>,
+        trajectory: &Trajectory,
+        multipliers: &[f64],
+        field: &[(usize, usize)],
+        out: &mut Vec<f64>,
+    ) {
+        let (n, w) = (self.n, self.n + self.m);
+        out.resize(trajectory.steps() * w * w, 0.0);
+        let mut lambda = vec![0.0; n];
+        for (k, block) in out.chunks_exact_mut(w * w).enumerate() {
+            let t = grid.enter(dynamics, k);
+            lambda.iter_mut().zip(&multipliers[k * n..(k + 1) * n]).for_each(|(l, y)| *l = -y);
+            let (x, u) = (trajectory.x(k), trajectory.u(k));
+            self.curvature(dynamics, t, x, u, grid.dt, grid.substeps, &mut lambda, field, block);
         }
     }
 

@@ -15,6 +15,17 @@ use crate::trajectory::Trajectory;
 use crate::transcription::Transcription;
 use std::time::Instant;
 
+/// Second derivatives of the quadratic programs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hessian {
+    /// Those of the cost, convexified: robust, converges linearly where multipliers and curvature of the dynamics are large.
+    #[default]
+    GaussNewton,
+    /// Those of the Lagrangian, curvature of the dynamics included, with the negative eigenvalues of every stage's block clipped:
+    /// converges quadratically where the blocks are positive semidefinite at the solution.
+    Exact,
+}
+
 /// Settings of [`Sqp`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct SqpSettings {
@@ -40,6 +51,8 @@ pub struct SqpSettings {
     pub proximal: f64,
     /// Smallest proximal weight; below it the term is left out.
     pub min_proximal: f64,
+    /// Second derivatives of the quadratic programs.
+    pub hessian: Hessian,
     /// Settings of the quadratic programs.
     pub qp: QpSettings,
 }
@@ -57,6 +70,7 @@ impl Default for SqpSettings {
             second_order_correction: true,
             proximal: 1.0,
             min_proximal: 1e-4,
+            hessian: Hessian::default(),
             qp: QpSettings::default(),
         }
     }
@@ -134,6 +148,8 @@ pub struct Sqp {
     pub(crate) settings: SqpSettings,
     pub(crate) qp: Qp,
     pub(crate) lin: Linearisation,
+    /// Places of the field's second derivatives, for the exact Hessian.
+    field: Option<Vec<(usize, usize)>>,
 }
 
 /// How one width ended.
@@ -148,9 +164,10 @@ impl Sqp {
     /// A solver for the problem.
     ///
     /// # Errors
-    /// If the problem contradicts itself or the dynamics.
+    /// If the problem contradicts itself or the dynamics; [`MpcError::NoSecondDerivatives`] if the exact Hessian is asked of
+    /// dynamics that do not have it.
     pub fn new(dynamics: Box<dyn Dynamics>, ocp: Ocp, settings: SqpSettings) -> Result<Self, MpcError> {
-        let problem = Transcription::new(dynamics, ocp)?;
+        let mut problem = Transcription::new(dynamics, ocp)?;
         for &w in &settings.smoothing {
             if !(w > 0.0 && w.is_finite()) {
                 return Err(MpcError::Value {
@@ -160,8 +177,14 @@ impl Sqp {
                 });
             }
         }
-        let qp = Qp::new(&problem.ocp, problem.ocp.steps, problem.shooter.closure(), settings.qp);
-        Ok(Self { problem, settings, qp, lin: Linearisation::default() })
+        let field = match settings.hessian {
+            Hessian::GaussNewton => None,
+            Hessian::Exact => Some(problem.dynamics.second_derivatives()?),
+        };
+        let exact = field.as_ref().map(|f| problem.shooter.curvature_places(f));
+        let (steps, closure) = (problem.ocp.steps, problem.shooter.closure());
+        let qp = Qp::with_hessian(&problem.ocp, steps, closure, exact.as_deref(), settings.qp);
+        Ok(Self { problem, settings, qp, lin: Linearisation::default(), field })
     }
 
     /// The problem.
@@ -218,6 +241,7 @@ impl Sqp {
         z.x_mut(0).copy_from_slice(x0);
         z.clamp_inputs(&self.problem.ocp.input_bounds);
         let mut log = Vec::new();
+        self.qp.solution.multipliers.fill(0.0);
         let widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
         let mut lambda = self.settings.proximal;
         let mut status = SolveStatus::NotANumber;
@@ -225,6 +249,7 @@ impl Sqp {
         if found {
             status = SolveStatus::Converged;
         } else if z.is_finite() {
+            self.qp.solution.multipliers.fill(0.0);
             let last = widths.len().saturating_sub(1);
             for i in 0..=last {
                 if let Some(&w) = widths.get(i) {
@@ -276,6 +301,14 @@ impl Sqp {
         z
     }
 
+    /// Fills the program in at a trajectory that has been linearised, the exact Hessian with the multipliers of the last program.
+    pub(crate) fn assemble(&mut self, z: &Trajectory, proximal: f64) {
+        if let Some(field) = &self.field {
+            self.problem.curvatures(z, &self.qp.solution.multipliers, field, &mut self.lin);
+        }
+        self.qp.assemble(&mut self.problem.ocp, self.problem.k0, z, &self.lin, proximal);
+    }
+
     fn iterate(
         &mut self,
         z: &mut Trajectory,
@@ -297,7 +330,7 @@ impl Sqp {
         let mut failures = 0;
         for _ in 0..limit {
             let proximal = if *lambda < s.min_proximal { 0.0 } else { *lambda };
-            self.qp.assemble(&mut self.problem.ocp, self.problem.k0, z, &self.lin, proximal);
+            self.assemble(z, proximal);
             let now = self.problem.merit_with(z, &self.lin.end, s.qp.hard_weight);
             let qp = self.qp.solve()?;
             let mut line = Iteration {

@@ -90,6 +90,20 @@ impl Transcription {
         self.shooter.linearise(self.dynamics.as_mut(), grid, trajectory, from..to, lin);
     }
 
+    /// Adds the second derivatives of the dynamics in the Lagrangian with these multipliers; `field` holds the places of those of
+    /// the field.
+    pub(crate) fn curvatures(
+        &mut self,
+        trajectory: &Trajectory,
+        multipliers: &[f64],
+        field: &[(usize, usize)],
+        lin: &mut Linearisation,
+    ) {
+        let grid = grid(&self.ocp, self.k0, self.substeps);
+        let dynamics = self.dynamics.as_mut();
+        self.shooter.curvatures(dynamics, grid, trajectory, multipliers, field, &mut lin.curvature);
+    }
+
     pub(crate) fn roll_out(&mut self, trajectory: &mut Trajectory) {
         let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.roll_out(self.dynamics.as_mut(), grid, trajectory);

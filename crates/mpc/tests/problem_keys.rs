@@ -169,6 +169,22 @@ fn the_infinite_horizon_is_a_terminal_cost() {
 }
 
 #[test]
+fn the_exact_hessian_gives_the_same_loop() {
+    // Springs that harden: the dynamics are curved.
+    let cost = |line: &str| {
+        let model = CART.replace("c*vx)", "c*vx - x^3)").replace("c*vy)", "c*vy - y*x)");
+        let text = with(line, "[run]");
+        let p = ControlProblem::parse("p.toml", &text, |f| System::parse(f, &model).map_err(Box::new)).unwrap();
+        let mut plant = RungeKuttaPlant::new(Box::new(SymbolicDynamics::new(&p.plant).unwrap()), p.plant_substeps);
+        p.run(&mut plant).unwrap().report.closed_loop_cost
+    };
+    let (one, other) = (cost("hessian = \"exact\""), cost("hessian = \"gauss-newton\""));
+    assert!((one / other - 1.0).abs() < 1e-6, "{one} {other}");
+    let error = read(&with("hessian = \"exact\"", "[run]").replace("\"sqp\"", "\"rti\"")).err().unwrap();
+    assert!(error.contains("p.toml:13:11") && error.contains("does not use the exact Hessian"), "{error}");
+}
+
+#[test]
 fn backends_give_the_same_loop() {
     let cost = |line: &str| run(&with(line, "[run]")).0.closed_loop_cost;
     let condensed = cost("backend = \"condensed\"");
@@ -196,6 +212,7 @@ fn mistakes_are_named_with_their_place() {
         ("g = { expression = \"x + y\" }", "[solve]", "`g` has no bounds", "p.toml:11:1"),
         ("g = { norm = [\"ux\"] }", "[solve]", "`g` has no `max`", "p.toml:11:1"),
         ("g = { norm = \"ux\", max = 1 }", "[solve]", "must be a list", "p.toml:11:14"),
+        ("hessian = \"newton\"", "[run]", "there is no Hessian `newton`", "p.toml:13:11"),
         ("policy = \"hope\"", "[run]", "there is no policy `hope`", "p.toml:13:10"),
         ("policy = \"brake\"", "[run]", "nothing says how to brake", "p.toml:13:10"),
         ("rest = { ux = 9 }", "[run]", "outside of its bounds", "p.toml:13:15"),

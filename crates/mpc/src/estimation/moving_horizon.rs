@@ -119,7 +119,11 @@ impl MovingHorizon {
         let node = Node { z: mean.clone(), w: Vec::new(), u: Vec::new(), y: Vec::new(), hide: true };
         Ok(Self {
             trajectory: Trajectory::constant(steps, mean.as_slice(), &vec![0.0; columns]),
-            lin: Linearisation { end: vec![0.0; steps * n], jacobian: vec![0.0; steps * n * (n + columns)] },
+            lin: Linearisation {
+                end: vec![0.0; steps * n],
+                jacobian: vec![0.0; steps * n * (n + columns)],
+                ..Linearisation::default()
+            },
             hidden_before: vec![false; n],
             nodes: VecDeque::from([node]),
             head,

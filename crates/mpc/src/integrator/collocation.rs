@@ -4,6 +4,7 @@
 //! from the implicit function theorem at its solution: (I − h A⊗J) dZ = h A⊗(J S + \[0 B\]).
 
 use super::linear::Factors;
+use super::stages::Stages;
 use super::tableau::Tableau;
 use crate::dynamics::Dynamics;
 
@@ -89,7 +90,8 @@ impl Collocation {
         true
     }
 
-    /// As [`Collocation::advance`], and the derivative of the end state with respect to (x, u) into `jacobian`.
+    /// As [`Collocation::advance`], and the derivative of the end state with respect to (x, u) into `jacobian`; the stages
+    /// are noted where somebody wants them.
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn advance_with_sensitivity(
         &mut self,
@@ -100,6 +102,7 @@ impl Collocation {
         h: f64,
         steps: usize,
         jacobian: &mut [f64],
+        mut stages: Option<&mut Stages>,
     ) -> bool {
         let (n, w) = (self.n, self.n + self.m);
         self.s.fill(0.0);
@@ -114,6 +117,9 @@ impl Collocation {
                 return false;
             }
             self.stage_sensitivities(dynamics.jacobian_pattern(), h);
+            if let Some(stages) = &mut stages {
+                self.note(time, x, h, dynamics.jacobian_pattern().len(), stages);
+            }
             for (q, d) in self.end.iter().enumerate() {
                 for e in 0..n * w {
                     self.s[e] += d * self.dz[q * n * w + e];
@@ -123,6 +129,43 @@ impl Collocation {
         }
         jacobian.copy_from_slice(&self.s);
         true
+    }
+
+    fn note(&mut self, time: f64, x: &[f64], h: f64, entries: usize, stages: &mut Stages) {
+        let (n, block) = (self.n, self.n * (self.n + self.m));
+        for (q, c) in self.tableau.c.iter().enumerate() {
+            for i in 0..n {
+                self.point[i] = x[i] + self.z[q * n + i];
+            }
+            let sensitivity = self.s.iter().zip(&self.dz[q * block..(q + 1) * block]).map(|(s, d)| s + d);
+            stages.push(time + c * h, &self.point, &self.jacobian[q * entries..(q + 1) * entries], sensitivity);
+        }
+    }
+
+    /// The adjoints of the field at the stages from that of the end state, `lambda`, which becomes that of the start: with
+    /// (I − h A⊗J)ᵀ w = d⊗λ they are h Σ_p a_pq w_p.
+    pub(crate) fn adjoints(&mut self, pattern: &[(usize, usize)], h: f64, stages: &mut Stages, lambda: &mut [f64]) {
+        let (n, s) = (self.n, self.tableau.stages());
+        stages.weights.resize(stages.times.len() * n, 0.0);
+        for step in (0..stages.times.len() / s).rev() {
+            let block = self.jacobian.len();
+            self.jacobian.copy_from_slice(&stages.jacobians[step * block..(step + 1) * block]);
+            self.factorise(pattern, h);
+            for (p, d) in self.end.iter().enumerate() {
+                for i in 0..n {
+                    self.residual[p * n + i] = d * lambda[i];
+                }
+            }
+            self.factors.solve_transposed(&mut self.residual);
+            for q in 0..s {
+                let at = step * s + q;
+                for i in 0..n {
+                    let sum: f64 = (0..s).map(|p| self.tableau.a[p * s + q] * self.residual[p * n + i]).sum();
+                    stages.weights[at * n + i] = h * sum;
+                }
+                stages.add_transposed(pattern, at, lambda);
+            }
+        }
     }
 
     fn finish(&self, x: &mut [f64]) {
@@ -220,13 +263,19 @@ impl Collocation {
                 &mut self.jacobian[q * entries..(q + 1) * entries],
             );
         }
+        self.factorise(dynamics.jacobian_pattern(), h)
+    }
+
+    /// The factors of I − h A⊗J from the Jacobians at the stages.
+    fn factorise(&mut self, pattern: &[(usize, usize)], h: f64) -> bool {
+        let (n, s, entries) = (self.n, self.tableau.stages(), pattern.len());
         let size = s * n;
         let matrix = self.factors.matrix(size);
         matrix.fill(0.0);
         for i in 0..size {
             matrix[i * size + i] = 1.0;
         }
-        for (e, &(i, j)) in dynamics.jacobian_pattern().iter().enumerate() {
+        for (e, &(i, j)) in pattern.iter().enumerate() {
             if j < n {
                 for p in 0..s {
                     for q in 0..s {

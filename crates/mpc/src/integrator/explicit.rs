@@ -3,6 +3,7 @@
 //! It is differentiated as it stands, so the sensitivities are those of the numbers it returns:
 //! S_{i+1} = S_i + h/6 (D_1 + 2 D_2 + 2 D_3 + D_4), D_j = A_j T_j + [0 B_j].
 
+use super::stages::Stages;
 use crate::dynamics::Dynamics;
 
 /// The method with its working memory.
@@ -74,7 +75,8 @@ impl ExplicitRungeKutta {
         }
     }
 
-    /// As [`ExplicitRungeKutta::advance`], and the derivative of the end state with respect to (x, u) into `jacobian`.
+    /// As [`ExplicitRungeKutta::advance`], and the derivative of the end state with respect to (x, u) into `jacobian`; the
+    /// stages are noted where somebody wants them.
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn advance_with_sensitivity(
         &mut self,
@@ -85,6 +87,7 @@ impl ExplicitRungeKutta {
         h: f64,
         substeps: usize,
         jacobian: &mut [f64],
+        mut stages: Option<&mut Stages>,
     ) {
         let (n, w) = (self.n, self.n + self.m);
         self.s.fill(0.0);
@@ -107,6 +110,9 @@ impl ExplicitRungeKutta {
                     }
                 }
                 dynamics.field_and_jacobian(time + c, &self.stage, u, &mut self.k[q], &mut self.jac);
+                if let Some(stages) = &mut stages {
+                    stages.push(time + c, &self.stage, &self.jac, self.t.iter().copied());
+                }
                 let d = &mut self.d[q];
                 for &e in &self.entries {
                     d[e] = 0.0;
@@ -129,5 +135,26 @@ impl ExplicitRungeKutta {
             }
         }
         jacobian.copy_from_slice(&self.s);
+    }
+
+    /// The adjoints of the field at the stages from that of the end state, `lambda`, which becomes that of the start.
+    pub(crate) fn adjoints(&mut self, h: f64, stages: &mut Stages, lambda: &mut [f64]) {
+        let n = self.n;
+        stages.weights.resize(stages.times.len() * n, 0.0);
+        for step in (0..stages.times.len() / 4).rev() {
+            // The adjoint of the stage after this one, through its increment, then that of this one.
+            let next = &mut self.stage;
+            self.s[..n].copy_from_slice(lambda);
+            for q in (0..4).rev() {
+                let at = step * 4 + q;
+                for i in 0..n {
+                    let through = if q < 3 { FRACTION[q + 1] * h * next[i] } else { 0.0 };
+                    stages.weights[at * n + i] = h * WEIGHT[q] * self.s[i] + through;
+                }
+                next.fill(0.0);
+                stages.add_transposed(&self.pattern, at, next);
+                lambda.iter_mut().zip(&*next).for_each(|(l, v)| *l += v);
+            }
+        }
     }
 }

@@ -3,6 +3,7 @@
 mod collocation;
 mod explicit;
 mod linear;
+mod stages;
 mod tableau;
 #[cfg(test)]
 mod tests;
@@ -10,6 +11,7 @@ mod tests;
 pub(crate) use collocation::Collocation;
 pub(crate) use explicit::ExplicitRungeKutta;
 pub(crate) use linear::Factors;
+pub(crate) use stages::Stages;
 pub(crate) use tableau::Tableau;
 
 use crate::error::MpcError;

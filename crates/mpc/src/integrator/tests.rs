@@ -135,3 +135,52 @@ fn equations_without_a_solution_are_a_failure_and_no_hang() {
     assert!(shooter.take_failure());
     assert!(!shooter.take_failure());
 }
+
+#[test]
+fn curvature_is_the_derivative_of_the_sensitivities() {
+    let text = r#"
+        states = ["q", "v", "z"]
+        inputs = ["a", "b"]
+        dynamics = { q = "v", v = "-sin(q) - 3*v*(1 + z^2) + a", z = "b*v - z + a*q + z^2" }
+    "#;
+    let mut d = symbolic(text);
+    let field = d.second_derivatives().unwrap();
+    let z0 = [0.3, 0.2, -0.4, 0.6, 1.5];
+    let lambda = [0.7, -1.3, 2.1];
+    for method in IMPLICIT.into_iter().chain([Rk4]) {
+        let mut shooter = Shooter::new(&d, method);
+        let mut hessian = vec![0.0; 25];
+        shooter.curvature(&mut d, 0.2, &z0[..3], &z0[3..], 0.3, 2, &mut lambda.clone(), &field, &mut hessian);
+        let places = shooter.curvature_places(&field);
+        let mut gradient = |z: [f64; 5]| {
+            let (mut x, mut jacobian) = (z[..3].to_vec(), vec![0.0; 15]);
+            shooter.advance_with_sensitivity(&mut d, 0.2, &mut x, &z[3..], 0.3, 2, &mut jacobian);
+            [0, 1, 2, 3, 4].map(|j| (0..3).map(|i| lambda[i] * jacobian[i * 5 + j]).sum::<f64>())
+        };
+        let h = 1e-5;
+        for j in 0..5 {
+            let (mut plus, mut minus) = (z0, z0);
+            plus[j] += h;
+            minus[j] -= h;
+            let (plus, minus) = (gradient(plus), gradient(minus));
+            for i in 0..5 {
+                let v = hessian[i * 5 + j];
+                assert_relative_eq!(v, (plus[i] - minus[i]) / (2.0 * h), epsilon = 1e-8);
+                assert!(v == 0.0 || places.contains(&(i.min(j), i.max(j))), "an entry outside of the pattern");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_curvature_of_a_linear_system_has_no_places() {
+    let mut d = symbolic("states = [\"x\", \"v\"]\ninputs = [\"u\"]\ndynamics = { x = \"v\", v = \"u - x\" }");
+    let field = d.second_derivatives().unwrap();
+    assert_eq!(Shooter::new(&d, Rk4).curvature_places(&field), []);
+    // v e^(hu) is linear in v; everything else couples.
+    let mut d =
+        symbolic("states = [\"x\", \"v\", \"w\"]\ninputs = [\"u\"]\ndynamics = { x = \"v\", v = \"u*v\", w = \"x\" }");
+    let field = d.second_derivatives().unwrap();
+    assert_eq!(field, [(1, 3)]);
+    assert_eq!(Shooter::new(&d, Rk4).curvature_places(&field), [(1, 3), (3, 3)]);
+}

@@ -39,7 +39,11 @@ pub(crate) struct ExactProblem {
 impl ExactProblem {
     pub(crate) fn new(ocp: Ocp, flow: StickSlipFlow, hard_weight: f64) -> Self {
         let (n, m) = (ocp.states(), ocp.inputs());
-        let lin = Linearisation { end: vec![0.0; ocp.steps * n], jacobian: vec![0.0; ocp.steps * n * (n + m)] };
+        let lin = Linearisation {
+            end: vec![0.0; ocp.steps * n],
+            jacobian: vec![0.0; ocp.steps * n * (n + m)],
+            ..Linearisation::default()
+        };
         let intervals = vec![Interval::default(); ocp.steps];
         Self { ocp, flow, hard_weight, k0: 0, lin, intervals, holds: Vec::new(), end: Vec::new() }
     }

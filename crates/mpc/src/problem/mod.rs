@@ -18,6 +18,7 @@ use crate::error::MpcError;
 use crate::ocp::Ocp;
 use crate::policy::FailurePolicy;
 use crate::qp::Backend;
+use crate::sqp::Hessian;
 use bracketry_system::{AffineError, Document, FileError, System};
 use reader::{KEYS, Reader};
 use std::path::Path;
@@ -75,6 +76,8 @@ pub struct ControlProblem {
     pub max_iterations: usize,
     /// Tolerance of a converged solution.
     pub tolerance: f64,
+    /// Second derivatives of the programs of a converged solution (methods `sqp` and `plan`).
+    pub hessian: Hessian,
     /// Tolerance of the quadratic programs.
     pub qp_tolerance: f64,
     /// Form in which the quadratic programs are solved.

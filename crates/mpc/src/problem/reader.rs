@@ -4,6 +4,7 @@ use super::{ControlProblem, Method, ProblemError};
 use crate::ocp::{Ocp, Substeps};
 use crate::policy::FailurePolicy;
 use crate::qp::{Backend, QpSettings};
+use crate::sqp::Hessian;
 use bracketry_symbolic::{Expr, Names, Pool, Tape};
 use bracketry_system::{Document, FileError, System, Table, Value};
 use std::ops::Range;
@@ -98,6 +99,7 @@ impl Reader<'_> {
             iterations: 1,
             max_iterations: 100,
             tolerance: 1e-8,
+            hessian: Hessian::default(),
             qp_tolerance: 1e-8,
             backend: Backend::default(),
             // The multiplier of a bound cannot well exceed what the whole horizon costs.

@@ -139,6 +139,7 @@ impl ControlProblem {
             tolerance: self.tolerance,
             defect_tolerance: if self.method == Method::Plan { 1e-3 } else { 1e-6 },
             smoothing: self.smoothing.clone(),
+            hessian: self.hessian,
             qp: self.qp(),
             ..SqpSettings::default()
         }

@@ -4,14 +4,16 @@ use super::reader::{Parsed, Reader};
 use super::{ControlProblem, Method};
 use crate::policy::{Brake, FailurePolicy};
 use crate::qp::Backend;
+use crate::sqp::Hessian;
 use bracketry_system::{Table, Value};
 
-const KEYS: [&str; 17] = [
+const KEYS: [&str; 18] = [
     "method",
     "initial_iterations",
     "iterations",
     "max_iterations",
     "tolerance",
+    "hessian",
     "qp_tolerance",
     "backend",
     "block",
@@ -37,6 +39,7 @@ impl Reader<'_> {
         problem.iterations = self.count(solve, "iterations", Some(1))?;
         problem.max_iterations = self.count(solve, "max_iterations", Some(100))?;
         problem.tolerance = self.positive(solve, "tolerance", Some(if planned { 1e-2 } else { 1e-8 }))?;
+        problem.hessian = self.hessian(solve, method)?;
         problem.qp_tolerance = self.positive(solve, "qp_tolerance", Some(1e-8))?;
         problem.smoothing = self.smoothing(solve, problem.method)?;
         problem.margin = self.not_negative(solve, "margin", if planned { 0.05 } else { 0.0 })?;
@@ -71,6 +74,22 @@ impl Reader<'_> {
                 let message = format!("there is no method `{other}`");
                 let remedy = "write \"rti\", \"sqp\", \"plan\" or \"stick-slip\"";
                 Err(self.doc.error(v.span(), message, remedy).into())
+            }
+        }
+    }
+
+    /// The second derivatives of the programs of a converged solution.
+    fn hessian(&self, solve: &Table<'_>, method: Method) -> Parsed<Hessian> {
+        match (self.doc.string(solve, "hessian")?.as_deref(), solve.get("hessian")) {
+            (None | Some("gauss-newton"), _) | (_, None) => Ok(Hessian::GaussNewton),
+            (Some("exact"), _) if matches!(method, Method::Sqp | Method::Plan) => Ok(Hessian::Exact),
+            (Some("exact"), Some(v)) => {
+                let message = "this method does not use the exact Hessian";
+                Err(self.doc.error(v.span(), message, "write method = \"sqp\" or \"plan\", or remove it").into())
+            }
+            (Some(other), Some(v)) => {
+                let message = format!("there is no Hessian `{other}`");
+                Err(self.doc.error(v.span(), message, "write \"gauss-newton\" or \"exact\"").into())
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Layout of the stage program: which variables, rows and places there are.
 
+use super::curvature::StageBlocks;
 use super::program::StageProgram;
 use crate::ocp::{Ocp, Softness};
 
@@ -51,6 +52,8 @@ pub(super) struct SetRows {
 pub(super) struct Assembly {
     pub(super) program: StageProgram,
     pub(super) stage_slots: Vec<Vec<usize>>,
+    /// Blocks of the exact Hessian; without them that of the stage cost is convexified.
+    pub(super) blocks: Option<StageBlocks>,
     pub(super) terminal_slots: Vec<usize>,
     pub(super) input_rows: Vec<BoundRow>,
     pub(super) state_rows: Vec<BoundRow>,
@@ -76,8 +79,9 @@ impl Slacks {
 }
 
 impl Assembly {
-    /// Lays out the program for a horizon of `steps` intervals; `closure` marks the possible entries of ∂F/∂(x, u).
-    pub(super) fn new(ocp: &Ocp, steps: usize, closure: &[bool]) -> Self {
+    /// Lays out the program for a horizon of `steps` intervals; `closure` marks the possible entries of ∂F/∂(x, u), `exact`
+    /// holds the places of ∇²λᵀF where the exact Hessian is wanted.
+    pub(super) fn new(ocp: &Ocp, steps: usize, closure: &[bool], exact: Option<&[(usize, usize)]>) -> Self {
         let (n, m) = (ocp.states(), ocp.inputs());
         // First pass: which slacks there are.
         let mut slacks = Slacks { counts: vec![0; steps + 1] };
@@ -125,6 +129,7 @@ impl Assembly {
         let mut assembled = Self {
             program: StageProgram::default(),
             stage_slots: Vec::new(),
+            blocks: exact.map(|places| StageBlocks::new(ocp, places)),
             terminal_slots: Vec::new(),
             input_rows: Vec::new(),
             state_rows: Vec::new(),
@@ -229,9 +234,10 @@ impl Assembly {
         }
 
         // The places of the costs' second derivatives.
-        let stage_pattern = ocp.stage.as_ref().map_or(&[][..], |c| c.hessian_pattern());
+        let convexified = || ocp.stage.as_ref().map_or(Vec::new(), |c| c.hessian_pattern().to_vec());
+        let stage_pattern = assembled.blocks.as_ref().map_or_else(convexified, StageBlocks::pattern);
         for k in 0..steps {
-            assembled.stage_slots.push(places(&mut program, k, stage_pattern));
+            assembled.stage_slots.push(places(&mut program, k, &stage_pattern));
         }
         let terminal_pattern = ocp.terminal.as_ref().map_or(&[][..], |c| c.hessian_pattern());
         assembled.terminal_slots = places(&mut program, steps, terminal_pattern);

@@ -52,7 +52,7 @@ impl Assembly {
             self.program.hessian[s.variable] += 2.0 * quadratic;
         }
         for k in 0..steps {
-            self.add_stage_cost(ocp, k0, k, trajectory);
+            self.add_stage_cost(ocp, k0, k, trajectory, lin);
         }
         self.add_end_cost(ocp, k0, trajectory);
         self.choose_objective_scale();
@@ -90,7 +90,7 @@ impl Assembly {
             p.gradient[variable] = 0.0;
             p.hessian[variable] = proximal * ocp.dt / ocp.input_trust[j].powi(2);
         }
-        self.add_stage_cost(ocp, k0, 0, trajectory);
+        self.add_stage_cost(ocp, k0, 0, trajectory, lin);
         for j in 0..self.program.inputs {
             self.regularise(self.program.input(0, j));
         }
@@ -157,7 +157,12 @@ impl Assembly {
         }
     }
 
-    fn add_stage_cost(&mut self, ocp: &mut Ocp, k0: usize, k: usize, trajectory: &Trajectory) {
+    fn add_stage_cost(&mut self, ocp: &mut Ocp, k0: usize, k: usize, trajectory: &Trajectory, lin: &Linearisation) {
+        if let Some(mut blocks) = self.blocks.take() {
+            self.add_exact_stage(&mut blocks, ocp, k0, k, trajectory, lin);
+            self.blocks = Some(blocks);
+            return;
+        }
         let Some(mut cost) = ocp.stage.take() else { return };
         self.gradient.fill(0.0);
         self.hessian.clear();

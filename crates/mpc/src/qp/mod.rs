@@ -7,6 +7,7 @@
 
 mod assembly;
 mod clarabel;
+mod curvature;
 mod filling;
 mod pattern;
 mod program;
@@ -154,7 +155,19 @@ pub(crate) struct Qp {
 impl Qp {
     /// Lays out the program for a horizon of `steps` intervals; `closure` marks the possible entries of ∂F/∂(x, u).
     pub(crate) fn new(ocp: &Ocp, steps: usize, closure: &[bool], settings: QpSettings) -> Self {
-        let assembly = Assembly::new(ocp, steps, closure);
+        Self::with_hessian(ocp, steps, closure, None, settings)
+    }
+
+    /// As [`Qp::new`], with the exact Hessian of the Lagrangian, clipped to a positive semidefinite one stage by stage; `exact`
+    /// holds the places of ∇²λᵀF.
+    pub(crate) fn with_hessian(
+        ocp: &Ocp,
+        steps: usize,
+        closure: &[bool],
+        exact: Option<&[(usize, usize)]>,
+        settings: QpSettings,
+    ) -> Self {
+        let assembly = Assembly::new(ocp, steps, closure, exact);
         let program = &assembly.program;
         let backend: Box<dyn QpBackend> = match settings.backend {
             Backend::Automatic => {
@@ -243,7 +256,9 @@ impl Qp {
             s.du[k * m..(k + 1) * m].copy_from_slice(&z[u..u + m]);
             s.dx[(k + 1) * n..(k + 2) * n].copy_from_slice(&z[x..x + n]);
         }
-        s.multipliers.copy_from_slice(&self.stage.multipliers);
+        if status.is_usable() {
+            s.multipliers.copy_from_slice(&self.stage.multipliers);
+        }
         let relaxed = status == QpStatus::Solved && self.assembly.relaxation(z) > RELAXED;
         Ok(if relaxed { QpStatus::Relaxed } else { status })
     }

@@ -82,7 +82,7 @@ fn random_point(seed: u64) -> (Trajectory, Linearisation, Vec<bool>) {
         *v = 0.0 * i as f64;
     }
     let end = random.vector(STEPS * 3, 0.8);
-    (Trajectory::from_rows(&x, &u).unwrap(), Linearisation { end, jacobian }, closure)
+    (Trajectory::from_rows(&x, &u).unwrap(), Linearisation { end, jacobian, ..Linearisation::default() }, closure)
 }
 
 fn settings(backend: Backend, tolerance: f64) -> QpSettings {
@@ -138,7 +138,7 @@ fn elimination_keeps_objective_and_constraints_of_every_step_that_obeys_the_dyna
         for (seed, rule) in rules.iter().enumerate() {
             let (trajectory, lin, closure) = random_point(seed as u64);
             let scale = ocp.state_scale.clone();
-            let mut assembly = Assembly::new(&ocp, STEPS, &closure);
+            let mut assembly = Assembly::new(&ocp, STEPS, &closure, None);
             assembly.fill(&mut ocp, 2, &trajectory, &lin, 0.1, 1e4);
             let program = &assembly.program;
             let (mut substitution, mut p, mut a) = Substitution::new(program, rule);

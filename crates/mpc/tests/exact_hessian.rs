@@ -1,0 +1,58 @@
+//! The exact Hessian of the Lagrangian: convergence, and the same solutions as without it.
+#![allow(clippy::unwrap_used)]
+
+use bracketry_mpc::{
+    Backend, CostFunction, CostKind, FieldDynamics, Hessian, MpcError, Ocp, QpSettings, Solution, SolveStatus, Sqp,
+    SqpSettings, SymbolicDynamics, Trajectory,
+};
+use bracketry_system::System;
+
+/// A pendulum driven far from its cost's reference: strong curvature of the dynamics and large multipliers.
+const PENDULUM: &str = r#"
+    states = ["th", "w"]
+    inputs = ["u"]
+    dynamics = { th = "w", w = "-sin(th)*(1 + 0.5*u) - 0.1*w^3 + u" }
+"#;
+
+fn pendulum() -> (System, Ocp) {
+    let system = System::parse("pendulum.toml", PENDULUM).unwrap();
+    let mut ocp = Ocp::new(2, 1, 20, 0.2);
+    let (stage, terminal) = ("(th - 2)^2 + 0.1*w^2 + u^2", "20*(th - 2)^2 + 5*w^2");
+    ocp.stage = Some(CostFunction::parse(&system, CostKind::Stage, &[], stage).unwrap());
+    ocp.terminal = Some(CostFunction::parse(&system, CostKind::Terminal, &[], terminal).unwrap());
+    (system, ocp)
+}
+
+fn settings(hessian: Hessian) -> SqpSettings {
+    let qp = QpSettings { backend: Backend::Sparse, tolerance: 1e-12, refine: true, ..QpSettings::default() };
+    SqpSettings { hessian, tolerance: 1e-15, qp, ..SqpSettings::default() }
+}
+
+fn solve(system: &System, ocp: &Ocp, settings: SqpSettings, x0: &[f64]) -> Solution {
+    let dynamics = SymbolicDynamics::new(system).unwrap();
+    let mut sqp = Sqp::new(Box::new(dynamics), ocp.clone(), settings).unwrap();
+    let guess = Trajectory::constant(ocp.steps, x0, &vec![0.0; ocp.inputs()]);
+    sqp.solve(x0, &guess).unwrap()
+}
+
+#[test]
+fn both_hessians_lead_to_the_same_solution() {
+    let (system, ocp) = pendulum();
+    let [one, other] = [Hessian::GaussNewton, Hessian::Exact].map(|h| solve(&system, &ocp, settings(h), &[0.5, 0.0]));
+    assert_eq!([one.status, other.status], [SolveStatus::Converged; 2]);
+    assert!((one.cost / other.cost - 1.0).abs() < 1e-12, "{} {}", one.cost, other.cost);
+    for k in 0..ocp.steps {
+        let (u, v) = (one.trajectory.u(k)[0], other.trajectory.u(k)[0]);
+        assert!((u - v).abs() < 1e-6, "{k}: {u} {v}");
+    }
+}
+
+#[test]
+fn dynamics_without_second_derivatives_are_refused() {
+    let field = FieldDynamics::new(2, 1, |_t, x, u, dx, jac| {
+        dx.copy_from_slice(&[x[1], u[0]]);
+        jac.copy_from_slice(&[0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    });
+    let error = Sqp::new(Box::new(field), pendulum().1, settings(Hessian::Exact)).err().unwrap();
+    assert!(matches!(error, MpcError::NoSecondDerivatives));
+}
