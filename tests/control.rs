@@ -45,3 +45,37 @@ fn a_loop_survives_faults_noise_and_delay_and_counts_them() {
     assert!(v["x_final"]["p"].as_f64().unwrap().abs() < 5e-3, "{v}");
     assert_eq!(v["closed_loop_cost"], run()["closed_loop_cost"], "the same seed gives the same run");
 }
+
+#[test]
+fn the_seed_of_the_command_line_replaces_that_of_the_file() {
+    let dir = scratch("control_seed");
+    file(&dir, "cart.toml", "states = ['p', 'v']\ninputs = ['u']\n[dynamics]\np = 'v'\nv = 'u'\n");
+    let text = "model = 'cart.toml'\nhorizon = { steps = 10, dt = 0.1 }\ncost = { stage = 'p^2 + 0.1*v^2 + 0.01*u^2' }\n\
+                run = { x0 = { p = 1 }, steps = 10, seed = 3, noise = { p = 1e-2 } }\n";
+    let problem = file(&dir, "problem.toml", text);
+    let cost =
+        |options: &[&str]| json(&[&["control", &problem, "--json"], options].concat())["closed_loop_cost"].clone();
+    assert_eq!(cost(&[]), cost(&["--seed", "3"]));
+    assert_eq!(cost(&["--seed", "5"]), cost(&["--seed", "5"]));
+    assert_ne!(cost(&["--seed", "5"]), cost(&[]));
+}
+
+#[test]
+fn the_figures_of_a_run_have_the_agreed_names() {
+    let dir = scratch("control_keys");
+    file(&dir, "cart.toml", "states = ['p', 'v']\ninputs = ['u']\n[dynamics]\np = 'v'\nv = 'u'\n");
+    let text = "model = 'cart.toml'\nhorizon = { steps = 10, dt = 0.1 }\ncost = { stage = 'log(p - 5) + u^2' }\nrun = { x0 = { p = 1 } }\n";
+    let o = bracketry(&["control", &file(&dir, "problem.toml", text), "--json"]);
+    assert_eq!(code(&o), 1, "a cost that is not a number is a negative answer");
+    let v: Value = serde_json::from_slice(&o.stdout).unwrap();
+    for key in
+        ["closed_loop_cost", "open_loop_cost", "x_final", "steps", "status", "solve_ms", "constraint_violation_max"]
+    {
+        assert!(v.get(key).is_some(), "{key} is missing: {v}");
+    }
+    for (table, keys) in [("status", ["solved", "inaccurate", "fallback"]), ("solve_ms", ["median", "p99", "max"])] {
+        assert!(keys.iter().all(|k| v[table].get(k).is_some()), "{v}");
+    }
+    assert_eq!(v["status"]["reasons"]["cost"], 10, "{v}");
+    assert!(v["notes"][0].as_str().unwrap().contains("the stage cost is not finite at sample 0"), "{v}");
+}

@@ -11,9 +11,13 @@ use super::output::{csv, figure, folder, json, line, print, spinner, write};
 use super::{Outcome, OutputArgs};
 
 /// Runs the loop and writes what it gave.
-pub(crate) fn run(path: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
-    let problem = ControlProblem::read(path)?;
-    let progress = spinner("closed loop");
+pub(crate) fn run(path: &Path, seed: Option<u64>, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let progress = spinner("reading and building the problem");
+    let mut problem = ControlProblem::read(path)?;
+    if let Some(seed) = seed {
+        problem.conditions.seed = seed;
+    }
+    progress.set_message("first plan");
     let total = problem.samples;
     let outcome = control_watched(&problem, |k| progress.set_message(format!("closed loop, sample {k} of {total}")));
     progress.finish_and_clear();

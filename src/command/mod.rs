@@ -71,6 +71,9 @@ enum Command {
     Control {
         /// Problem file
         problem: PathBuf,
+        /// Seed of the measurement noise, in place of `seed` in [run]
+        #[arg(long)]
+        seed: Option<u64>,
     },
 }
 
@@ -86,6 +89,6 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Affinize(args)) => affinize::affinize(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
-        Some(Command::Control { problem }) => control::run(&problem, &output),
+        Some(Command::Control { problem, seed }) => control::run(&problem, seed, &output),
     }
 }

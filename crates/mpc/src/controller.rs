@@ -116,6 +116,14 @@ impl Controller for SqpController {
             let solution = self.sqp.solve(x, &self.trajectory)?;
             seconds = solution.seconds;
             let status = match solution.status {
+                SolveStatus::Converged
+                | SolveStatus::Infeasible { .. }
+                | SolveStatus::IterationLimit
+                | SolveStatus::Stalled
+                    if !solution.cost.is_finite() =>
+                {
+                    StepStatus::Fallback(FallbackReason::Cost)
+                }
                 SolveStatus::Converged => StepStatus::Solved,
                 SolveStatus::Infeasible { .. } => StepStatus::Infeasible,
                 SolveStatus::IterationLimit | SolveStatus::Stalled => StepStatus::Inaccurate,

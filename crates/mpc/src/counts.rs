@@ -31,6 +31,8 @@ pub struct ReasonCounts {
     pub measurement: usize,
     /// The linearisation was not finite.
     pub linearisation: usize,
+    /// The cost along the plan was not finite.
+    pub cost: usize,
     /// The time of the sample was over.
     pub time_limit: usize,
     /// The program reached its iteration limit.
@@ -89,6 +91,7 @@ impl ReasonCounts {
             FallbackReason::LostSample => &mut self.lost_sample,
             FallbackReason::Measurement => &mut self.measurement,
             FallbackReason::Linearisation | FallbackReason::Qp(QpStatus::NotANumber) => &mut self.linearisation,
+            FallbackReason::Cost => &mut self.cost,
             FallbackReason::TimeLimit => &mut self.time_limit,
             FallbackReason::Qp(QpStatus::Limit) => &mut self.qp_limit,
             FallbackReason::Qp(_) => &mut self.qp_failed,
@@ -97,7 +100,13 @@ impl ReasonCounts {
 
     /// Their sum.
     pub fn total(&self) -> usize {
-        self.lost_sample + self.measurement + self.linearisation + self.time_limit + self.qp_limit + self.qp_failed
+        self.lost_sample
+            + self.measurement
+            + self.linearisation
+            + self.cost
+            + self.time_limit
+            + self.qp_limit
+            + self.qp_failed
     }
 }
 

@@ -11,6 +11,8 @@ pub enum FallbackReason {
     Measurement,
     /// The linearisation has an entry that is not finite.
     Linearisation,
+    /// The cost along the plan is not finite.
+    Cost,
     /// The time of the sample was over before there was a solution.
     TimeLimit,
     /// The quadratic program was not solved.

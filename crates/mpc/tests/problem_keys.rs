@@ -234,3 +234,92 @@ fn mistakes_are_named_with_their_place() {
         assert!(error.contains(message) && error.contains(place), "{line}: {error}");
     }
 }
+
+/// The message about a mistake, which must name its line.
+fn refused(text: &str, wrong: &str) -> String {
+    let message = read(text).err().unwrap();
+    let line = text.lines().position(|l| l.contains(wrong)).unwrap() + 1;
+    assert!(message.contains(&format!("p.toml:{line}:")), "{message}");
+    message
+}
+
+#[test]
+fn a_mistake_about_the_estimator_is_found_in_its_line() {
+    let with = |line: &str| format!("{PROBLEM}[estimation]\noutputs = {{ x = 0.01, y = 0.01 }}\n{line}\n");
+    for (line, said) in [
+        ("process_noise = { vx = -1 }", "must not be negative"),
+        ("initial_std = { vx = -0.1 }", "must not be negative"),
+        ("initial_std = { vx = nan }", "not a finite number"),
+        ("parameters = { m = { std = -1 } }", "must not be negative"),
+        ("parameters = { m = { std = 1, min = 2, max = 1 } }", "contradict"),
+        ("smoothing = 0", "must be positive"),
+        ("outliers = -3", "must be positive"),
+    ] {
+        let message = refused(&with(line), line);
+        assert!(message.contains(said), "{line}: {message}");
+    }
+}
+
+#[test]
+fn an_estimator_looks_back_no_further_than_the_run() {
+    let text = format!("{PROBLEM}[estimation]\nhorizon = 100000\noutputs = {{ x = 0.01, y = 0.01 }}\n");
+    assert_eq!(read(&text).unwrap().estimation.unwrap().settings.horizon, 60);
+    let long = text.replace("steps = 60", "steps = 100000");
+    assert!(refused(&long, "horizon = 100000").contains("looks back"));
+}
+
+#[test]
+fn a_horizon_too_long_to_be_solved_is_refused() {
+    let message = refused(&PROBLEM.replace("steps = 20", "steps = 100000"), "steps = 100000");
+    assert!(message.contains("too large"), "{message}");
+}
+
+#[test]
+fn smoothing_widths_decrease() {
+    for widths in ["[0.01, 0.1]", "[0.1, 0.1]"] {
+        let line = format!("smoothing = {widths}");
+        assert!(refused(&with(&line, "[run]"), &line).contains("does not decrease"));
+    }
+    assert_eq!(read(&with("smoothing = [0.1, 0.01]", "[run]")).unwrap().smoothing, [0.1, 0.01]);
+}
+
+#[test]
+fn real_time_iteration_predicts_the_cost_of_its_first_plan() {
+    // A linear-quadratic problem: one program solves it, and the guess (at rest) costs 2 s times 2.
+    let quadratic = PROBLEM.replace(" + 0.1*speed2", "");
+    let converged = run(&quadratic).0.open_loop_cost;
+    let (once, _, _) = run(&quadratic.replace("\"sqp\"", "\"rti\""));
+    assert!((once.open_loop_cost - converged).abs() < 1e-6 * converged, "{} {converged}", once.open_loop_cost);
+    assert!(converged < 20.0, "the guess costs 4 along the horizon and 20 at its end: {converged}");
+}
+
+#[test]
+fn a_cost_that_is_not_a_number_solves_nothing() {
+    for method in ["rti", "sqp"] {
+        let text = PROBLEM.replace("(x - 1)^2 + (y", "log(x - 5) + (y").replace("\"sqp\"", &format!("\"{method}\""));
+        let (report, _, _) = run(&text);
+        assert_eq!((report.status.solved, report.status.fallback), (0, 60), "{method}");
+        assert_eq!(report.status.reasons.total(), 60);
+        assert!(!report.succeeded);
+        let said = report.to_string();
+        assert!(said.contains("the stage cost is not finite at sample 0 (t = 0 s)"), "{said}");
+        assert!(said.contains("60 × fallback, first at sample 0"), "{said}");
+    }
+}
+
+#[test]
+fn the_report_says_why_samples_were_not_solved() {
+    let (report, _, _) = run(&format!("{PROBLEM}faults = [{{ at = 3, until = 5, lost = true }}]\n"));
+    let said = report.to_string();
+    assert!(said.contains("3 × fallback, first at sample 3 (t = 0.3 s): nothing was measured"), "{said}");
+    let (report, _, _) = run(&with("x = { max = -1, hard = true }", "[solve]"));
+    assert!(report.to_string().contains("infeasible: a hard bound cannot be kept"), "{report}");
+}
+
+#[test]
+fn figures_of_any_size_stay_short() {
+    let (mut report, _, _) = run(&PROBLEM.replace("steps = 60", "steps = 2"));
+    (report.period_ms, report.closed_loop_cost) = (1e-297, 1.234_567_89e12);
+    let said = report.to_string();
+    assert!(said.contains("sampling period 1.000000e-297 ms") && said.contains("1.234568e12 in closed loop"), "{said}");
+}

@@ -1,6 +1,5 @@
 //! References and costs of a problem file.
 
-use super::ProblemError;
 use super::reader::{Located, Parsed, Reader};
 use crate::constraint::TerminalSet;
 use crate::cost::{CostFunction, CostKind, CostNames};
@@ -69,7 +68,7 @@ impl Reader<'_> {
         Ok(names)
     }
 
-    pub(super) fn costs(&self, table: &Table<'_>, references: &[String], ocp: &mut Ocp) -> Result<(), ProblemError> {
+    pub(super) fn costs(&self, table: &Table<'_>, references: &[String], ocp: &mut Ocp) -> Parsed<()> {
         let Some(cost) = self.doc.sub_table(table, "cost")? else { return Ok(()) };
         self.doc.only_keys(cost, &["stage", "terminal", "terminal_set"], "[cost]")?;
         ocp.stage = self.cost(cost, "stage", CostKind::Stage, references)?;
@@ -133,10 +132,12 @@ impl Reader<'_> {
         key: &str,
         kind: CostKind,
         references: &[String],
-    ) -> Result<Option<CostFunction>, ProblemError> {
+    ) -> Parsed<Option<CostFunction>> {
         let Some(v) = table.get(key) else { return Ok(None) };
         let (mut names, mut pool) = CostNames::new(self.system, kind, references);
         let e = self.doc.expression(v, key, &mut pool, &mut names)?;
-        Ok(Some(CostFunction::of_system(self.system, kind, references, &mut pool, e)?))
+        let made = CostFunction::of_system(self.system, kind, references, &mut pool, e);
+        let remedy = "write states, inputs, parameters, references and t, without derivatives of inputs";
+        Ok(Some(made.map_err(|e| self.doc.error(v.span(), e.to_string(), remedy))?))
     }
 }

@@ -1,5 +1,6 @@
 //! The estimator of a problem file.
 
+use super::conditions::Start;
 use super::reader::{Key, Located, Parsed, Reader};
 use crate::constraint::VectorFunction;
 use crate::error::MpcError;
@@ -28,6 +29,9 @@ const KEYS: [&str; 11] = [
 /// Default process noise over one second, and default doubt about the initial state, in units of a state's scale.
 const DEFAULT_NOISE: f64 = 0.01;
 const DEFAULT_DOUBT: f64 = 0.1;
+
+/// Most intervals that an estimator looks back on: its programs grow with them, at every sample.
+const MOST_INTERVALS: usize = 5000;
 
 /// Which estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,8 +115,9 @@ impl Estimation {
 
 impl Reader<'_> {
     /// The table `[estimation]`.
-    pub(super) fn estimation(&self, table: &Table<'_>, x0: &[f64], ocp: &Ocp) -> Parsed<Option<Estimation>> {
+    pub(super) fn estimation(&self, table: &Table<'_>, start: &Start, ocp: &Ocp) -> Parsed<Option<Estimation>> {
         let Some(t) = self.doc.sub_table(table, "estimation")? else { return Ok(None) };
+        let place = table.get("estimation").map_or(0..0, toml::Spanned::span);
         self.doc.only_keys(t, &KEYS, "[estimation]")?;
         let kind = match (self.doc.string(t, "kind")?.as_deref(), t.get("kind")) {
             (None | Some("mhe"), _) | (_, None) => EstimatorKind::MovingHorizon,
@@ -122,19 +127,24 @@ impl Reader<'_> {
                 return Err(self.doc.error(v.span(), message, "write \"mhe\" or \"ekf\"").into());
             }
         };
-        let mut problem = EstimationProblem::new(self.system, ocp.dt, x0);
+        let mut problem = EstimationProblem::new(self.system, ocp.dt, &start.x0);
         problem.integrator = ocp.integrator;
         problem.substeps = ocp.substeps;
         problem.smoothing = self.positive(t, "smoothing", Some(problem.smoothing))?;
         problem.initial_std = ocp.state_scale.iter().map(|s| DEFAULT_DOUBT * s).collect();
         problem.process_noise = ocp.state_scale.iter().map(|s| DEFAULT_NOISE * s).collect();
-        for (key, list) in [
-            ("initial", &mut problem.initial),
-            ("initial_std", &mut problem.initial_std),
-            ("process_noise", &mut problem.process_noise),
+        for (key, list, least) in [
+            ("initial", &mut problem.initial, f64::NEG_INFINITY),
+            ("initial_std", &mut problem.initial_std, 0.0),
+            ("process_noise", &mut problem.process_noise, 0.0),
         ] {
             for (name, v) in self.doc.sub_table(t, key)?.into_iter().flatten() {
-                list[self.state(name.get_ref(), name.span())?] = self.constant(v, name.get_ref())?;
+                let value = self.constant(v, name.get_ref())?;
+                if value < least {
+                    let message = format!("`{key}` of `{}` must not be negative", name.get_ref());
+                    return Err(self.doc.error(v.span(), message, "give a standard deviation, 0 or more").into());
+                }
+                list[self.state(name.get_ref(), name.span())?] = value;
             }
         }
         if t.contains_key("outliers") {
@@ -178,12 +188,23 @@ impl Reader<'_> {
             let (std, walk, min, max) = self.walk(v, key.get_ref())?;
             problem.disturbances.push(Disturbance { channel, std, walk, min, max });
         }
+        // A run never looks back on more intervals than it has samples.
+        let horizon = self.count(t, "horizon", Some(MovingHorizonSettings::default().horizon))?.min(start.samples);
+        if let Some(v) = t.get("horizon").filter(|_| horizon > MOST_INTERVALS) {
+            let message = format!("the estimator looks back on more than {MOST_INTERVALS} intervals");
+            return Err(self.doc.error(v.span(), message, "take fewer: 10 to 50 are a good choice").into());
+        }
         let settings = MovingHorizonSettings {
-            horizon: self.count(t, "horizon", Some(MovingHorizonSettings::default().horizon))?,
+            horizon,
             iterations: self.count(t, "iterations", Some(1))?,
             ..MovingHorizonSettings::default()
         };
-        Ok(Some(Estimation { kind, problem, settings, names }))
+        let estimation = Estimation { kind, problem, settings, names };
+        if let Err(e) = estimation.estimator() {
+            let remedy = "change `outputs`, `parameters` or `disturbances`: they say what is measured and estimated";
+            return Err(self.doc.error(place, e.to_string(), remedy).into());
+        }
+        Ok(Some(estimation))
     }
 
     /// A measured output: the standard deviation of its noise, or a table with it.
@@ -221,6 +242,10 @@ impl Reader<'_> {
         self.doc.only_keys(t, &["std", "walk", "min", "max"], "what is estimated")?;
         let end = |key: &str, free: f64| self.number(t, key, Some(free)).map(|n| n.0);
         let (min, max) = (end("min", f64::NEG_INFINITY)?, end("max", f64::INFINITY)?);
+        if min > max {
+            let message = format!("the bounds of `{name}` contradict each other: min {min} > max {max}");
+            return Err(self.doc.error(v.span(), message, "exchange them").into());
+        }
         Ok((self.not_negative(t, "std", 0.0)?, self.not_negative(t, "walk", 0.0)?, min, max))
     }
 }

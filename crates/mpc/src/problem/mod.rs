@@ -6,13 +6,15 @@ mod cost;
 mod estimation;
 mod horizon;
 mod reader;
+mod report;
 mod run;
 mod scaling;
 mod solve;
 
 pub use conditions::RunConditions;
 pub use estimation::{Estimation, EstimatorKind};
-pub use run::{ControlReport, ControlRun, PlanReport};
+pub use report::{ControlReport, PlanReport};
+pub use run::ControlRun;
 
 use crate::error::MpcError;
 use crate::ocp::Ocp;
@@ -171,7 +173,8 @@ impl ControlProblem {
             }
             (problem.system, problem.live) = e.disturbed(&system);
         }
-        problem.ocp.check(problem.system.states.len(), problem.system.inputs.len())?;
+        let checked = problem.ocp.check(problem.system.states.len(), problem.system.inputs.len());
+        checked.map_err(|e| doc.missing(e.to_string(), "change the value that it names"))?;
         Ok(problem)
     }
 }

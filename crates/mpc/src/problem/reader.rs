@@ -28,6 +28,9 @@ pub(super) const KEYS: [&str; 16] = [
     "about",
 ];
 
+/// Most intervals of a horizon.
+const MOST_INTERVALS: usize = 20_000;
+
 pub(super) type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
 pub(super) type Key<'i> = toml::Spanned<std::borrow::Cow<'i, str>>;
 pub(super) type Parsed<T> = Result<T, Box<FileError>>;
@@ -73,6 +76,11 @@ impl Reader<'_> {
         let horizon = self.required(table, "horizon", "[horizon] with steps and dt")?;
         self.doc.only_keys(horizon, &super::horizon::KEYS, "[horizon]")?;
         let steps = self.count(horizon, "steps", None)?;
+        if let Some(v) = horizon.get("steps").filter(|_| steps > MOST_INTERVALS) {
+            let message = format!("a horizon of {steps} intervals makes programs too large to solve at every sample");
+            let remedy = format!("take at most {MOST_INTERVALS}, with a longer dt");
+            return Err(self.doc.error(v.span(), message, remedy).into());
+        }
         let dt = self.positive(horizon, "dt", None)?;
         let mut ocp = Ocp::new(n, m, steps, dt);
         self.discretisation(horizon, &mut ocp)?;
@@ -89,7 +97,7 @@ impl Reader<'_> {
         self.scales(table, &mut ocp)?;
         Self::default_penalties(level, &mut ocp);
         self.end_of_horizon(table, &live, level, &mut ocp)?;
-        let estimation = self.estimation(table, &start.x0, &ocp)?;
+        let estimation = self.estimation(table, &start, &ocp)?;
         let measured = estimation.as_ref().map_or_else(|| system.state_names(), |e| e.names.clone());
         let conditions = self.conditions(run, &measured)?;
         let (Substeps::Fixed(substeps) | Substeps::AtLeast(substeps)) = ocp.substeps;

@@ -1,9 +1,9 @@
 //! A control problem run from start to end, and what is to be said about it.
 
+use super::report::{ControlReport, PlanReport, notes};
 use super::{ControlProblem, Estimation, Method, RunConditions};
 use crate::closed_loop::{ClosedLoop, LoopSettings, MeasurementFunction, Plant, run_closed_loop};
 use crate::controller::{Controller, SqpController};
-use crate::counts::{Counts, SolveTimes};
 use crate::delay::DelayCompensated;
 use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
@@ -13,12 +13,10 @@ use crate::ocp::Ocp;
 use crate::qp::QpSettings;
 use crate::rti::{Horizon, Rti, RtiSettings};
 use crate::sqp::{Solution, SolveStatus, Sqp, SqpSettings};
+use crate::step::StepStatus;
 use crate::trajectory::Trajectory;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use serde::Serialize;
-use std::collections::BTreeMap;
-use std::fmt;
 
 /// Intervals left at which a shrinking horizon is played out instead of solved again.
 const MIN_STEPS: usize = 1;
@@ -26,83 +24,6 @@ const MIN_STEPS: usize = 1;
 const WHOLE_STEPS: usize = 50;
 /// Share of the plan's margin that the loop keeps too: bounds hold at the samples, and a state curves beyond them in between.
 const LOOP_SHARE: f64 = 0.2;
-
-/// The plan that was made before the run.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PlanReport {
-    /// How the solution process ended.
-    pub status: String,
-    /// Number of quadratic programs.
-    pub programs: usize,
-    /// Largest mismatch between intervals, in units of the state scales.
-    pub defect: f64,
-    /// Time taken, s.
-    pub seconds: f64,
-}
-
-/// Figures of a closed-loop run.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ControlReport {
-    /// Σ dt·stage cost at the sampled states with the applied inputs.
-    pub closed_loop_cost: f64,
-    /// Stage and terminal cost of the first trajectory, as predicted.
-    pub open_loop_cost: f64,
-    /// State at the end.
-    pub x_final: BTreeMap<String, f64>,
-    /// What is missing to every target at the end.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub miss: BTreeMap<String, f64>,
-    /// Number of samples.
-    pub steps: usize,
-    /// Outcomes of the samples.
-    pub status: Counts,
-    /// Times per sample.
-    pub solve_ms: SolveTimes,
-    /// Sampling period, ms.
-    pub period_ms: f64,
-    /// Largest violation of a bound.
-    pub constraint_violation_max: f64,
-    /// The plan, where one was made.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub plan: Option<PlanReport>,
-    /// Whether the run did what was asked: every target met within its tolerance (without targets: the plan, where there is
-    /// one, converged), no sample infeasible or fallen back on an old input, and every figure finite.
-    pub succeeded: bool,
-}
-
-impl fmt::Display for ControlReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(p) = &self.plan {
-            writeln!(f, "plan           {}, {} quadratic programs in {:.2} s", p.status, p.programs, p.seconds)?;
-        }
-        writeln!(
-            f,
-            "cost           {:.6} in closed loop, {:.6} predicted",
-            self.closed_loop_cost, self.open_loop_cost
-        )?;
-        let c = &self.status;
-        writeln!(
-            f,
-            "samples        {}: {} solved, {} inaccurate, {} infeasible, {} fallback, {} after the plan's end",
-            self.steps, c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
-        )?;
-        let s = &self.solve_ms;
-        writeln!(
-            f,
-            "step time      {:.2} ms median, {:.2} ms 99 %, {:.2} ms longest; sampling period {} ms",
-            s.median, s.p99, s.max, self.period_ms
-        )?;
-        writeln!(f, "bounds         violated by at most {:.3e}", self.constraint_violation_max)?;
-        for (name, v) in &self.x_final {
-            write!(f, "final {name:<8} {v:>13.6e}")?;
-            match self.miss.get(name) {
-                Some(e) => writeln!(f, "   misses its target by {e:.3e}")?,
-                None => writeln!(f)?,
-            }
-        }
-        Ok(())
-    }
-}
 
 /// A run with its figures.
 #[derive(Clone, Debug)]
@@ -197,6 +118,14 @@ impl ControlProblem {
         if self.rest_input.is_empty() { rest.collect() } else { self.rest_input.clone() }
     }
 
+    /// Cost of the plan after the first sample's programs along `trajectory`; NaN where they have no solution.
+    fn first_predicted_cost(&self, trajectory: &Trajectory) -> Result<f64, MpcError> {
+        let mut ocp = self.ocp.clone();
+        let mut rti = self.rti(self.ocp.clone(), trajectory.clone(), Horizon::Receding)?;
+        let planned = !matches!(rti.feedback(&self.x0)?.status, StepStatus::Fallback(_));
+        Ok(if planned { ocp.cost(0, rti.trajectory()) } else { f64::NAN })
+    }
+
     /// The controller at its start.
     fn controller(&self) -> Result<Prepared, MpcError> {
         let mut ocp = self.ocp.clone();
@@ -211,7 +140,7 @@ impl ControlProblem {
                 for _ in 1..self.initial_iterations {
                     rti.feedback(&self.x0)?;
                 }
-                let cost = ocp.cost(0, rti.trajectory());
+                let cost = self.first_predicted_cost(rti.trajectory())?;
                 (Box::new(rti), None, cost)
             }
             Method::Sqp => {
@@ -306,6 +235,7 @@ impl ControlProblem {
             && if self.ocp.targets.is_empty() { planned } else { met };
         let report = ControlReport {
             succeeded,
+            notes: notes(self, &run, open_loop_cost),
             closed_loop_cost: run.cost,
             open_loop_cost,
             x_final: names.iter().cloned().zip(end.iter().copied()).collect(),
@@ -342,22 +272,6 @@ impl Noise {
             // Box and Muller: two uniform numbers give a normal one.
             let (a, b): (f64, f64) = (self.random.random(), self.random.random());
             *y += deviation * (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos();
-        }
-    }
-}
-
-impl fmt::Display for SolveStatus {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Converged => write!(f, "converged"),
-            Self::Infeasible { violation } => {
-                write!(f, "infeasible: a hard bound is violated by {violation:.3e} scales")
-            }
-            Self::IterationLimit => write!(f, "stopped at the iteration limit"),
-            Self::Stalled => write!(f, "stalled: no step lowers the merit"),
-            Self::QpFailed(s) => write!(f, "stopped: a quadratic program ended as {s:?}"),
-            Self::NotANumber => write!(f, "stopped: a number is not finite"),
-            Self::IntegratorFailed => write!(f, "stopped: an implicit integration step could not be solved"),
         }
     }
 }

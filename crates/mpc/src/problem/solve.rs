@@ -186,6 +186,10 @@ impl Reader<'_> {
             let remedy = "give a positive width, or a list of them from wide to narrow";
             return Err(self.doc.error(v.span(), "`smoothing` must be positive", remedy).into());
         }
+        if widths.windows(2).any(|w| w[1] >= w[0]) {
+            let remedy = "order the widths from wide to narrow, each once: the loop uses the last";
+            return Err(self.doc.error(v.span(), "`smoothing` does not decrease", remedy).into());
+        }
         Ok(widths)
     }
 }

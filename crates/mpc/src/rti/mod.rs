@@ -288,7 +288,7 @@ impl Rti {
                 self.step.source = self.failures.decide(&self.trajectory, bounds, &mut self.step.u);
                 self.lost = match reason {
                     FallbackReason::LostSample | FallbackReason::Measurement => false,
-                    FallbackReason::Linearisation | FallbackReason::Qp(QpStatus::Failed) => true,
+                    FallbackReason::Linearisation | FallbackReason::Cost | FallbackReason::Qp(QpStatus::Failed) => true,
                     FallbackReason::TimeLimit | FallbackReason::Qp(_) => self.failures.in_a_row() >= PATIENCE,
                 };
             }
@@ -354,6 +354,7 @@ impl Rti {
         }
         let outcome = match outcome {
             Ok(_) if !self.work.is_finite() => Err(FallbackReason::Linearisation),
+            Ok(_) if !self.problem.ocp.cost(k0, &self.work).is_finite() => Err(FallbackReason::Cost),
             Ok(_) if self.problem.ocp.hard_violation(self.problem.k0, &self.work) > HARD_TOLERANCE => {
                 Ok(StepStatus::Infeasible)
             }

@@ -1,0 +1,209 @@
+//! What is to be said about a closed-loop run.
+
+use super::ControlProblem;
+use crate::closed_loop::ClosedLoop;
+use crate::counts::{Counts, SolveTimes};
+use crate::qp::QpStatus;
+use crate::sqp::SolveStatus;
+use crate::step::{FallbackReason, StepStatus};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// The plan that was made before the run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlanReport {
+    /// How the solution process ended.
+    pub status: String,
+    /// Number of quadratic programs.
+    pub programs: usize,
+    /// Largest mismatch between intervals, in units of the state scales.
+    pub defect: f64,
+    /// Time taken, s.
+    pub seconds: f64,
+}
+
+/// Figures of a closed-loop run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ControlReport {
+    /// Σ dt·stage cost at the sampled states with the applied inputs.
+    pub closed_loop_cost: f64,
+    /// Stage and terminal cost, as predicted from the initial state, of the first plan that an input is taken from: with
+    /// [`Method::Rti`](super::Method::Rti) after its initial programs, else the converged one. NaN where there is no such plan.
+    pub open_loop_cost: f64,
+    /// State at the end.
+    pub x_final: BTreeMap<String, f64>,
+    /// What is missing to every target at the end.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub miss: BTreeMap<String, f64>,
+    /// Number of samples.
+    pub steps: usize,
+    /// Outcomes of the samples.
+    pub status: Counts,
+    /// Times per sample.
+    pub solve_ms: SolveTimes,
+    /// Sampling period, ms.
+    pub period_ms: f64,
+    /// Largest violation of a bound.
+    pub constraint_violation_max: f64,
+    /// The plan, where one was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plan: Option<PlanReport>,
+    /// What went wrong: how often, where first, and what to do about it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+    /// Whether the run did what was asked: every target met within its tolerance (without targets: the plan, where there is
+    /// one, converged), no sample infeasible or fallen back on an old input, and every figure finite.
+    pub succeeded: bool,
+}
+
+impl fmt::Display for ControlReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(p) = &self.plan {
+            writeln!(f, "plan           {}, {} quadratic programs in {:.2} s", p.status, p.programs, p.seconds)?;
+        }
+        let (cost, predicted) = (readable(self.closed_loop_cost), readable(self.open_loop_cost));
+        writeln!(f, "cost           {cost} in closed loop, {predicted} predicted")?;
+        let c = &self.status;
+        writeln!(
+            f,
+            "samples        {}: {} solved, {} inaccurate, {} infeasible, {} fallback, {} after the plan's end",
+            self.steps, c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
+        )?;
+        let s = &self.solve_ms;
+        writeln!(
+            f,
+            "step time      {:.2} ms median, {:.2} ms 99 %, {:.2} ms longest; sampling period {} ms",
+            s.median,
+            s.p99,
+            s.max,
+            readable(self.period_ms)
+        )?;
+        writeln!(f, "bounds         violated by at most {:.3e}", self.constraint_violation_max)?;
+        for (name, v) in &self.x_final {
+            write!(f, "final {name:<8} {v:>13.6e}")?;
+            match self.miss.get(name) {
+                Some(e) => writeln!(f, "   misses its target by {e:.3e}")?,
+                None => writeln!(f)?,
+            }
+        }
+        for note in &self.notes {
+            writeln!(f, "note           {note}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Seven digits, with an exponent where a plain number would be long.
+fn readable(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && value.is_finite() && !(1e-4..1e7).contains(&size) {
+        return format!("{value:.6e}");
+    }
+    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+    rounded.to_string()
+}
+
+/// What went wrong in a run, each with its remedy: quantities that are not finite, then samples without a good solution.
+pub(super) fn notes(problem: &ControlProblem, run: &ClosedLoop, open_loop_cost: f64) -> Vec<String> {
+    let mut notes = Vec::new();
+    let place = |k: usize| format!("at sample {k} (t = {} s)", readable(run.t[k]));
+    let names = problem.system.state_names();
+    let mut states = run.x.iter().enumerate();
+    if let Some((k, i)) = states.find_map(|(k, x)| x.iter().position(|v| !v.is_finite()).map(|i| (k, i))) {
+        let name = &names[i];
+        notes.push(format!(
+            "the plant's state `{name}` is not finite {}: bound the inputs, or take a shorter dt or more plant_substeps",
+            place(k)
+        ));
+    }
+    let mut ocp = problem.ocp.clone();
+    let mut inputs = run.u.iter().enumerate();
+    if let Some((k, _)) = inputs.find(|&(k, u)| !ocp.stage_cost(k, run.t[k], &run.x[k], u).is_finite()) {
+        notes.push(format!(
+            "the stage cost is not finite {}: write one that is defined at every state that the loop passes",
+            place(k)
+        ));
+    }
+    if !open_loop_cost.is_finite() {
+        notes.push(
+            "the predicted cost is not finite: the first plan failed; give a [guess], or a cost defined at its states"
+                .to_owned(),
+        );
+    }
+    // (reason, number of samples, first of them), in the order of their appearance.
+    let mut fallbacks: Vec<(FallbackReason, usize, usize)> = Vec::new();
+    for (k, step) in run.steps.iter().enumerate() {
+        if let StepStatus::Fallback(reason) = step.status {
+            match fallbacks.iter_mut().find(|f| f.0 == reason) {
+                Some(f) => f.1 += 1,
+                None => fallbacks.push((reason, 1, k)),
+            }
+        }
+    }
+    for (reason, count, first) in fallbacks {
+        let (what, remedy) = explained(reason);
+        notes.push(format!("{count} × fallback, first {}: {what}; {remedy}", place(first)));
+    }
+    for (status, count, what) in [
+        (
+            StepStatus::Infeasible,
+            run.counts.infeasible,
+            "infeasible: a hard bound cannot be kept; make it soft, or give the inputs more room or the loop another start",
+        ),
+        (
+            StepStatus::Inaccurate,
+            run.counts.inaccurate,
+            "inaccurate: the tolerance is not reached; give [scale], a [guess] or more max_iterations",
+        ),
+    ] {
+        if let Some(first) = run.steps.iter().position(|s| s.status == status) {
+            notes.push(format!("{count} × {}, first {}", what, place(first)));
+        }
+    }
+    notes
+}
+
+/// What is behind a fallback, and what to do about it.
+fn explained(reason: FallbackReason) -> (&'static str, &'static str) {
+    match reason {
+        FallbackReason::LostSample => ("nothing was measured", "[solve] policy says what is applied then"),
+        FallbackReason::Measurement => {
+            ("a measured value is not finite", "[solve] policy says what is applied then; an estimator bridges it")
+        }
+        FallbackReason::Linearisation => (
+            "the model or one of its derivatives is not finite along the plan",
+            "bound the states to where the equations are defined, give a [guess], or take a shorter dt",
+        ),
+        FallbackReason::Cost => (
+            "the cost is not finite along the plan",
+            "write a cost that is defined at every state, or bound the states to where it is",
+        ),
+        FallbackReason::TimeLimit => {
+            ("the time of the sample was over", "raise the time limit, or take fewer steps in [horizon]")
+        }
+        FallbackReason::Qp(QpStatus::Limit) => {
+            ("a quadratic program reached its iteration limit", "raise qp_tolerance, or give [scale] and [trust]")
+        }
+        FallbackReason::Qp(_) => (
+            "a quadratic program failed numerically",
+            "give [scale] and [trust] near the real sizes, or make hard bounds soft",
+        ),
+    }
+}
+
+impl fmt::Display for SolveStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Converged => write!(f, "converged"),
+            Self::Infeasible { violation } => {
+                write!(f, "infeasible: a hard bound is violated by {violation:.3e} scales")
+            }
+            Self::IterationLimit => write!(f, "stopped at the iteration limit"),
+            Self::Stalled => write!(f, "stalled: no step lowers the merit"),
+            Self::QpFailed(s) => write!(f, "stopped: a quadratic program ended as {s:?}"),
+            Self::NotANumber => write!(f, "stopped: a number is not finite"),
+            Self::IntegratorFailed => write!(f, "stopped: an implicit integration step could not be solved"),
+        }
+    }
+}
