@@ -5,7 +5,7 @@ use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
 use crate::shooting::Shooter;
-use bracketry_symbolic::{Pool, Rational};
+use bracketry_symbolic::{Expr, Pool, Rational};
 use nalgebra::{DMatrix, DVector};
 
 /// Doublings after which the iteration has failed; each squares the closed loop.
@@ -97,12 +97,24 @@ fn symmetric(m: &DMatrix<f64>) -> DMatrix<f64> {
     (m + m.transpose()) * 0.5
 }
 
+/// What continues a problem beyond its horizon: feedback and cost-to-go about a steady state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InfiniteHorizon {
+    /// Cost-to-go and gain.
+    pub riccati: Riccati,
+    /// The steady state c that minimises the stage cost, for the first references.
+    pub state: Vec<f64>,
+    /// Its input.
+    pub input: Vec<f64>,
+}
+
 impl Ocp {
-    /// The problem with the infinite horizon as its terminal cost: (x − x_s)ᵀP(x − x_s), where P solves the Riccati equation of
-    /// dynamics and stage cost at the steady state (`state`, `input`), per interval.
+    /// The problem with the infinite horizon as its terminal cost: (x − c)ᵀP(x − c) + λᵀ(x − c), where P solves the Riccati
+    /// equation of dynamics and stage cost at the steady state (`state`, `input`), per interval, c is the steady state that
+    /// minimises the stage cost and λ the multiplier of being steady there, zero where the stage cost has its minimum.
     ///
-    /// Where the stage cost uses references, the centre follows them: x_s moves with the steady state that minimises the
-    /// stage cost (exactly, for a linear system with a quadratic cost).
+    /// c and λ are found by one Newton step from the given point, and follow the references of the stage cost: exactly, for a
+    /// linear system with a quadratic cost; for others, give the best steady state itself.
     ///
     /// # Errors
     /// If the point is no steady state ([`MpcError::NotSteady`]), there is no stage cost, or as [`dare`].
@@ -111,7 +123,7 @@ impl Ocp {
         dynamics: &mut dyn Dynamics,
         state: &[f64],
         input: &[f64],
-    ) -> Result<(Self, Riccati), MpcError> {
+    ) -> Result<(Self, InfiniteHorizon), MpcError> {
         let (n, m) = (self.states(), self.inputs());
         check_length("the steady state", state.len(), n)?;
         check_length("the steady input", input.len(), m)?;
@@ -157,41 +169,54 @@ impl Ocp {
         let block = |i, j, rows, columns| hessian.view((i, j), (rows, columns)) * 0.5;
         let riccati = dare(&a, &b, &block(0, 0, n, n), &block(n, n, m, m), &block(0, n, n, m))?;
 
-        // How the best steady state moves with the references: H dz + Gᵀ dλ = −∂g/∂r dr, G dz = 0, G = (A − I, B).
-        let mut slopes = Vec::new();
-        if !references.is_empty() {
-            let mut optimality = DMatrix::zeros(2 * n + m, 2 * n + m);
-            optimality.view_mut((0, 0), (n + m, n + m)).copy_from(&hessian);
-            let mut steady = flow;
-            for i in 0..n {
-                steady[(i, i)] -= 1.0;
-            }
-            optimality.view_mut((n + m, 0), (n, n + m)).copy_from(&steady);
-            optimality.view_mut((0, n + m), (n + m, n)).copy_from(&steady.transpose());
-            let factors = optimality.lu();
-            for k in 0..references.len() {
-                let shifted = |by: f64| {
-                    let mut r = references.clone();
-                    r[k] += by;
-                    r
-                };
-                let mut right = DVector::zeros(2 * n + m);
-                // Central differences are exact for quadratic costs.
-                let change = derivatives(&shifted(-0.5)).0 - derivatives(&shifted(0.5)).0;
-                right.rows_mut(0, n + m).copy_from(&change);
-                let solution = factors.solve(&right).filter(|s| s.iter().all(|v| v.is_finite()));
-                slopes.push(solution.ok_or(MpcError::SteadyStateNotUnique)?);
-            }
+        // The best steady state z_s + d and the multiplier λ of being steady, which is the slope of the cost-to-go there:
+        // H d + Gᵀλ = −g(r), G d = 0, G = (A − I, B); both are affine in the references of a quadratic cost.
+        let mut optimality = DMatrix::zeros(2 * n + m, 2 * n + m);
+        optimality.view_mut((0, 0), (n + m, n + m)).copy_from(&hessian);
+        let mut steady = flow;
+        for i in 0..n {
+            steady[(i, i)] -= 1.0;
         }
-        self.terminal = Some(quadratic_cost(&riccati.cost_to_go, state, &references, |i, k| slopes[k][i])?);
-        Ok((self, riccati))
+        optimality.view_mut((n + m, 0), (n, n + m)).copy_from(&steady);
+        optimality.view_mut((0, n + m), (n + m, n)).copy_from(&steady.transpose());
+        let factors = optimality.lu();
+        let respond = |gradient: &DVector<f64>| {
+            let mut right = DVector::zeros(2 * n + m);
+            right.rows_mut(0, n + m).copy_from(&(-gradient));
+            let solution = factors.solve(&right).filter(|s| s.iter().all(|v| v.is_finite()));
+            solution.ok_or(MpcError::SteadyStateNotUnique)
+        };
+        let here = derivatives(&references).0;
+        // Where the cost is least at the point itself, nothing needs to be unique.
+        let shift = if here.amax() == 0.0 { DVector::zeros(2 * n + m) } else { respond(&here)? };
+        let mut slopes = Vec::new();
+        for k in 0..references.len() {
+            let shifted = |by: f64| {
+                let mut r = references.clone();
+                r[k] += by;
+                r
+            };
+            // Central differences are exact for quadratic costs.
+            slopes.push(respond(&(derivatives(&shifted(0.5)).0 - derivatives(&shifted(-0.5)).0))?);
+        }
+        let mut best = state.iter().chain(input).zip(shift.iter()).map(|(z, d)| z + d);
+        let centre: Vec<f64> = best.by_ref().take(n).collect();
+        let rest: Vec<f64> = best.collect();
+        let tilt: Vec<f64> = shift.iter().skip(n + m).copied().collect();
+        let slope = |i: usize, k: usize| slopes[k][i];
+        let tilting = |i: usize, k: usize| slopes[k][n + m + i];
+        let at = Affine { at: &centre, slope: &slope };
+        let tilt = Affine { at: &tilt, slope: &tilting };
+        self.terminal = Some(cost_to_go(&riccati.cost_to_go, &at, &tilt, &references)?);
+        Ok((self, InfiniteHorizon { riccati, state: centre, input: rest }))
     }
 
-    /// Largest level α of the set (x − x_s)ᵀP(x − x_s) ≤ α in which the input u_s − K(x − x_s) keeps its bounds and the states
-    /// keep theirs, whatever the point: for [`TerminalSet`](crate::TerminalSet). Infinite without bounds; not positive when the
-    /// steady state breaks one.
-    pub fn largest_terminal_level(&self, riccati: &Riccati, state: &[f64], input: &[f64]) -> f64 {
+    /// Largest level α of the set (x − c)ᵀP(x − c) ≤ α in which the input u_c − K(x − c) keeps its bounds and the states
+    /// keep theirs, about the steady state (c, u_c): for [`TerminalSet`](crate::TerminalSet). Infinite without bounds; not
+    /// positive when the steady state breaks one.
+    pub fn largest_terminal_level(&self, beyond: &InfiniteHorizon) -> f64 {
         let n = self.states();
+        let InfiniteHorizon { riccati, state, input } = beyond;
         let Some(factor) = riccati.cost_to_go.clone().cholesky() else { return 0.0 };
         // The largest cᵀe over eᵀPe ≤ α is √(α cᵀP⁻¹c).
         let level = |row: DVector<f64>, room: f64| {
@@ -214,34 +239,43 @@ impl Ocp {
 /// Largest movement of a steady state over one interval, in units of its scale.
 const STEADY: f64 = 1e-6;
 
-/// (x − c)ᵀP(x − c) with the centre c = x_s + D (r − r_s).
-fn quadratic_cost(
+/// A vector that follows the references: a + D (r − r_s).
+struct Affine<'a> {
+    at: &'a [f64],
+    slope: &'a dyn Fn(usize, usize) -> f64,
+}
+
+/// (x − c)ᵀP(x − c) + λᵀ(x − c) with centre c and slope λ.
+fn cost_to_go(
     p: &DMatrix<f64>,
-    centre: &[f64],
+    centre: &Affine<'_>,
+    tilt: &Affine<'_>,
     references: &[f64],
-    slope: impl Fn(usize, usize) -> f64,
 ) -> Result<CostFunction, MpcError> {
     let mut pool = Pool::new();
-    let states: Vec<_> = (0..centre.len()).map(|i| pool.symbol(&format!("x{i}"))).collect();
+    let states: Vec<_> = (0..centre.at.len()).map(|i| pool.symbol(&format!("x{i}"))).collect();
     let names: Vec<_> = (0..references.len()).map(|k| pool.symbol(&format!("r{k}"))).collect();
     let time = pool.symbol("t");
     let number = |pool: &mut Pool, v: f64| match Rational::try_from(v) {
         Ok(q) => Ok(pool.rational(q)),
         Err(_) => Err(MpcError::Value { what: "the terminal cost".into(), value: v, remedy: "give finite numbers" }),
     };
-    let mut errors = Vec::new();
-    for (i, &x) in states.iter().enumerate() {
-        let c = number(&mut pool, centre[i])?;
-        let x = pool.sym(x);
-        let mut error = pool.sub(x, c);
+    let following = |pool: &mut Pool, vector: &Affine<'_>, i: usize| -> Result<Expr, MpcError> {
+        let mut sum = number(pool, vector.at[i])?;
         for (k, &r) in names.iter().enumerate() {
-            let (d, at) = (number(&mut pool, slope(i, k))?, number(&mut pool, references[k])?);
+            let (d, at) = (number(pool, (vector.slope)(i, k))?, number(pool, references[k])?);
             let r = pool.sym(r);
             let moved = pool.sub(r, at);
             let shift = pool.mul(d, moved);
-            error = pool.sub(error, shift);
+            sum = pool.add(sum, shift);
         }
-        errors.push(error);
+        Ok(sum)
+    };
+    let mut errors = Vec::new();
+    for (i, &x) in states.iter().enumerate() {
+        let c = following(&mut pool, centre, i)?;
+        let x = pool.sym(x);
+        errors.push(pool.sub(x, c));
     }
     let mut terms = Vec::new();
     for i in 0..errors.len() {
@@ -250,6 +284,8 @@ fn quadratic_cost(
             let product = pool.mul(errors[i], errors[j]);
             terms.push(pool.mul(w, product));
         }
+        let slope = following(&mut pool, tilt, i)?;
+        terms.push(pool.mul(slope, errors[i]));
     }
     let cost = pool.sum(terms);
     CostFunction::compile(&mut pool, time, &states, &[], &names, cost)

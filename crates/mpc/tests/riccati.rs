@@ -65,7 +65,8 @@ fn a_short_horizon_with_the_terminal_cost_is_the_infinite_one() {
     let x0 = [1.0, -0.5];
     let solve = |steps| {
         let (mut dynamics, ocp) = double_integrator("2*p^2 + p*v + v^2 + 0.3*u^2", &[], steps);
-        let (ocp, riccati) = ocp.with_terminal_cost_at(&mut dynamics, &[0.0; 2], &[0.0]).unwrap();
+        let (ocp, beyond) = ocp.with_terminal_cost_at(&mut dynamics, &[0.0; 2], &[0.0]).unwrap();
+        let riccati = beyond.riccati;
         let mut sqp = Sqp::new(Box::new(dynamics), ocp, SqpSettings::default()).unwrap();
         let s = sqp.solve(&x0, &Trajectory::constant(steps, &x0, &[0.0])).unwrap();
         assert_eq!(s.status, SolveStatus::Converged);
@@ -93,8 +94,9 @@ fn the_centre_follows_references() {
 fn the_terminal_set_touches_its_first_bound() {
     let (mut dynamics, mut ocp) = double_integrator("p^2 + v^2 + 0.3*u^2", &[], 5);
     ocp.input_bounds = vec![(-0.5, 2.0)];
-    let (ocp, riccati) = ocp.with_terminal_cost_at(&mut dynamics, &[0.0; 2], &[0.0]).unwrap();
-    let level = ocp.largest_terminal_level(&riccati, &[0.0; 2], &[0.0]);
+    let (ocp, beyond) = ocp.with_terminal_cost_at(&mut dynamics, &[0.0; 2], &[0.0]).unwrap();
+    let level = ocp.largest_terminal_level(&beyond);
+    let riccati = beyond.riccati;
     let largest = (0..3600)
         .map(|i| {
             let angle = f64::from(i) * std::f64::consts::TAU / 3600.0;
@@ -111,4 +113,27 @@ fn a_point_that_moves_is_no_steady_state() {
     let (mut dynamics, ocp) = double_integrator("p^2 + v^2 + u^2", &[], 5);
     let error = ocp.with_terminal_cost_at(&mut dynamics, &[0.0, 1.0], &[0.0]).err().unwrap();
     assert!(matches!(error, MpcError::NotSteady { index: 0, .. }), "{error}");
+}
+
+#[test]
+fn a_cost_that_is_least_elsewhere_moves_the_centre_and_tilts_the_cost_to_go() {
+    // x' = u − x; holding x = 2 takes an input that costs, so the best steady state is a compromise: x = u = 20/11.
+    let text = "states = [\"x\"]\ninputs = [\"u\"]\ndynamics = { x = \"u - x\" }";
+    let system = System::parse("lag.toml", text).unwrap();
+    let first_input = |steps: usize, point: f64| {
+        let mut ocp = Ocp::new(1, 1, steps, 0.1);
+        ocp.stage = Some(CostFunction::parse(&system, CostKind::Stage, &[], "(x - 2)^2 + 0.1*u^2").unwrap());
+        let mut dynamics = SymbolicDynamics::new(&system).unwrap();
+        let (ocp, beyond) = ocp.with_terminal_cost_at(&mut dynamics, &[point], &[point]).unwrap();
+        assert_relative_eq!(beyond.state[0], 20.0 / 11.0, epsilon = 1e-9);
+        assert_relative_eq!(beyond.input[0], 20.0 / 11.0, epsilon = 1e-9);
+        let mut sqp = Sqp::new(Box::new(dynamics), ocp, SqpSettings::default()).unwrap();
+        let solution = sqp.solve(&[0.5], &Trajectory::constant(steps, &[0.5], &[0.0])).unwrap();
+        solution.trajectory.u(0)[0]
+    };
+    // Bellman's principle: the length of the horizon makes no difference, nor does the point of linearisation.
+    let long = first_input(200, 0.0);
+    for (steps, point) in [(1, 0.0), (3, 0.0), (3, 1.5)] {
+        assert_relative_eq!(first_input(steps, point), long, epsilon = 1e-5);
+    }
 }

@@ -101,14 +101,14 @@ impl Reader<'_> {
         let live: Vec<&str> = live.iter().map(String::as_str).collect();
         let solved = SymbolicDynamics::with_live_parameters(self.system, &live)
             .and_then(|mut dynamics| ocp.clone().with_terminal_cost_at(&mut dynamics, &x, &u));
-        let (whole, riccati) = solved.map_err(|e| {
+        let (whole, beyond) = solved.map_err(|e| {
             let remedy =
                 "the model's [point] must be a steady state at which the cost holds everything, or write a cost";
             self.doc.error(v.span(), e.to_string(), remedy)
         })?;
         *ocp = whole;
         if self.boolean(cost, "terminal_set", false)? {
-            let alpha = ocp.largest_terminal_level(&riccati, &x, &u);
+            let alpha = ocp.largest_terminal_level(&beyond);
             if alpha <= 0.0 {
                 let remedy = "move the model's [point] inside of the bounds, or remove `terminal_set`";
                 return Err(self.doc.error(v.span(), "the steady state is not within the bounds", remedy).into());
@@ -116,8 +116,8 @@ impl Reader<'_> {
             if alpha.is_finite() {
                 let weight = ocp.dt * level / alpha.sqrt();
                 ocp.terminal_set = Some(TerminalSet {
-                    matrix: riccati.cost_to_go.row_iter().map(|r| r.iter().copied().collect()).collect(),
-                    centre: x,
+                    matrix: beyond.riccati.cost_to_go.row_iter().map(|r| r.iter().copied().collect()).collect(),
+                    centre: beyond.state,
                     level: alpha,
                     softness: Softness::Soft { linear: weight, quadratic: weight / alpha.sqrt() },
                 });
