@@ -67,6 +67,9 @@ impl Rti {
     ) -> Result<Self, MpcError> {
         let mut problem = Transcription::new(dynamics, ocp)?;
         problem.check_trajectory(&trajectory)?;
+        // A guarded step that finds nothing better keeps the trajectory as it is: its inputs must be ones that can be applied.
+        let mut trajectory = trajectory;
+        trajectory.clamp_inputs(&problem.ocp.input_bounds);
         settings.check(&problem.ocp)?;
         let rest = rest_input(&settings.rest_input, &problem.ocp.input_bounds)?;
         if let Some(w) = settings.smoothing {
@@ -174,6 +177,7 @@ impl Rti {
             ocp.state_bounds = states;
             ocp.input_bounds = inputs;
         })?;
+        self.trajectory.clamp_inputs(&self.problem.ocp.input_bounds);
         if self.settings.rest_input.is_empty() {
             self.failures.set_rest(rest_input(&[], &self.problem.ocp.input_bounds)?);
         }
