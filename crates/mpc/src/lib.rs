@@ -8,10 +8,12 @@
 //!      optionally x_N = target (soft, with an exact linear penalty)
 //! ```
 //!
-//! over a [`Dynamics`], whose flow F is a Runge–Kutta method of order 4 with exact sensitivities. [`Sqp`] solves it to
-//! convergence from any guess, with a proximal term for globalisation and, where the dynamics contain `sign` (dry
-//! friction), continuation in the smoothing width. [`Rti`] is the real-time iteration: one quadratic program per sample.
-//! [`run_closed_loop`] puts a [`Controller`] and a [`Plant`] together; [`ControlProblem`] reads all of it from a file.
+//! over a [`Dynamics`], whose flow F is that of an [`Integrator`] (Runge–Kutta or collocation) with exact sensitivities; path,
+//! norm and terminal constraints, move blocks and live parameters are fields of [`Ocp`] too. [`Sqp`] solves it to convergence
+//! from any guess, globalised by a filter, and where the dynamics contain `sign` (dry friction) by continuation in the smoothing
+//! width. [`Rti`] is the real-time iteration: one quadratic program per sample. [`StickSlipController`] solves on the exact
+//! stick–slip flow. [`run_closed_loop`] puts a [`Controller`] and a [`Plant`] together, with delay ([`DelayCompensated`]),
+//! noise, [`Fault`]s and a [`FailurePolicy`]; [`ControlProblem`] reads all of it from a file.
 //!
 //! Where not all states are measured, an [`Estimator`] ([`ExtendedKalman`] or [`MovingHorizon`]) finds states, parameters and
 //! disturbances from an [`EstimationProblem`]; [`OffsetFree`] makes a controller of them that leaves no offset.
@@ -96,7 +98,7 @@ pub use problem::{
     RunConditions,
 };
 pub use qp::{Backend, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
-pub use riccati::{Riccati, dare};
+pub use riccati::{InfiniteHorizon, Riccati, dare};
 pub use rti::{Horizon, Preparation, Rti, RtiSettings};
 pub use shooting::Linearisation;
 pub use sqp::{Hessian, Iteration, Solution, SolveStatus, Sqp, SqpSettings};

@@ -37,7 +37,7 @@ pub enum Preparation {
     },
 }
 
-/// Settings of [`Rti`].
+/// Settings of [`Rti`](crate::Rti).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RtiSettings {
     /// Receding or shrinking horizon.

@@ -24,7 +24,7 @@ impl Share {
     ///
     /// ```
     /// let share = bracketry_plate::Share::new(95, 100);
-    /// assert!((share.low - 0.888250).abs() < 1e-6 && (share.high - 0.978461).abs() < 1e-6);
+    /// assert!((share.low - 0.888249).abs() < 1e-6 && (share.high - 0.978456).abs() < 1e-6);
     /// ```
     pub fn new(count: usize, of: usize) -> Self {
         if of == 0 {
