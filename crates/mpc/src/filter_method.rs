@@ -37,7 +37,8 @@ const CONTRACTING: f64 = 0.1;
 const MAX_FAILURES: usize = 12;
 
 impl Sqp {
-    /// Whether the method converges; if not, the trajectory is as it was.
+    /// Whether the method converges; if not, the trajectory is the last one if its merit is less than at first, else as it
+    /// was.
     pub(crate) fn filter_method(&mut self, z: &mut Trajectory, log: &mut Vec<Iteration>) -> Result<bool, MpcError> {
         let s = self.settings.clone();
         let mut at = z.clone();
@@ -45,6 +46,7 @@ impl Sqp {
         self.problem.choose_substeps(&at);
         self.problem.linearise(&at, 0, steps, &mut self.lin);
         let mut now = self.problem.merit_with(&at, &self.lin.end, s.qp.hard_weight);
+        let first = now;
         let mut filter = Filter::new(&now);
         let mut restored = false;
         let mut failures = 0;
@@ -79,7 +81,7 @@ impl Sqp {
                     continue;
                 }
                 if qp == QpStatus::NotANumber || failures > MAX_FAILURES {
-                    return Ok(false);
+                    break;
                 }
                 failures += 1;
                 lambda = (lambda * GROWTH).max(FIRST_PROXIMAL * unit);
@@ -137,7 +139,7 @@ impl Sqp {
                     lambda = 0.0;
                 }
                 if failures > MAX_FAILURES {
-                    return Ok(false);
+                    break;
                 }
                 continue;
             }
@@ -169,6 +171,9 @@ impl Sqp {
             } else if fraction < 0.3 || ratio < 0.25 {
                 lambda = (lambda * DAMPING).max(FIRST_PROXIMAL * unit);
             }
+        }
+        if now.value(weight) < first.value(weight) {
+            *z = at;
         }
         Ok(false)
     }

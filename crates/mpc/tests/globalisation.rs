@@ -5,7 +5,7 @@ mod common;
 
 use bracketry_mpc::{
     Bounds, CostFunction, CostKind, Iteration, Ocp, PathConstraint, Softness, Solution, SolveStatus, Sqp, SqpSettings,
-    SymbolicDynamics, Trajectory, VectorFunction,
+    Substeps, SymbolicDynamics, Trajectory, VectorFunction,
 };
 use bracketry_system::System;
 use std::f64::consts::PI;
@@ -88,4 +88,25 @@ fn a_solution_close_by_takes_two_programs_and_keeps_the_tolerance() {
     let reference = solver(&system, ocp, exact).solve(&near, &s.trajectory).unwrap();
     assert!((s.cost / reference.cost - 1.0).abs() < 1e-8, "{} against {}", s.cost, reference.cost);
     assert!(s.defect < 1e-6, "{}", s.defect);
+}
+
+#[test]
+fn an_economic_cost_without_curvature_converges_from_a_reactor_that_nothing_flows_through() {
+    let text = r#"
+        states = ["x", "s"]
+        inputs = ["D"]
+        dynamics = { x = "0.5*s/(0.2 + s)*x - D*x", s = "-0.5*s/(0.2 + s)*x/0.6 + D*(5 - s)" }
+    "#;
+    let system = System::parse("bioreactor.toml", text).unwrap();
+    let mut ocp = Ocp::new(2, 1, 30, 0.5);
+    ocp.substeps = Substeps::Fixed(2);
+    ocp.stage = Some(CostFunction::parse(&system, CostKind::Stage, &[], "-D*x + 0.05*D^2").unwrap());
+    ocp.input_bounds = vec![(0.0, 1.0)];
+    let at_least = |min: f64| Bounds { min, max: f64::INFINITY, softness: Softness::Hard };
+    ocp.state_bounds = vec![at_least(0.5), at_least(0.0)];
+    let guess = Trajectory::constant(30, &[1.0, 1.0], &[0.0]);
+    let s = solver(&system, ocp, SqpSettings::default()).solve(&[1.0, 1.0], &guess).unwrap();
+    assert_eq!(s.status, SolveStatus::Converged);
+    // IPOPT stops at -13.319 from the same guess.
+    assert!(s.cost < -13.319, "{}", s.cost);
 }
