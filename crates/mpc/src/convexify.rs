@@ -47,7 +47,7 @@ pub(crate) fn clip_to_psd(h: &mut [f64], size: usize, scratch: &mut Vec<f64>) {
 }
 
 /// Whether a symmetric matrix has a Cholesky factor, which replaces its lower triangle.
-fn is_positive_definite(a: &mut [f64], n: usize) -> bool {
+pub(crate) fn is_positive_definite(a: &mut [f64], n: usize) -> bool {
     for j in 0..n {
         let pivot = a[j * n + j] - (0..j).map(|k| a[j * n + k].powi(2)).sum::<f64>();
         if pivot.is_nan() || pivot <= 0.0 {

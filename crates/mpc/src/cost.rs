@@ -231,20 +231,9 @@ impl CostFunction {
         }
     }
 
-    /// Adds `weight` times gradient and Hessian as they are, the Hessian in full by rows.
-    #[allow(clippy::too_many_arguments)]
-    pub(crate) fn add_exact_derivatives(
-        &mut self,
-        x: &[f64],
-        u: &[f64],
-        t: f64,
-        r: &[f64],
-        weight: f64,
-        gradient: &mut [f64],
-        hessian: &mut [f64],
-    ) {
-        self.differentiate(x, u, t, r, weight, gradient);
-        hessian.iter_mut().zip(&self.full).for_each(|(h, v)| *h += weight * v);
+    /// The exact Hessian, in full by rows, where derivatives were last asked for.
+    pub(crate) fn last_hessian(&self) -> &[f64] {
+        &self.full
     }
 
     /// Adds `weight` times gradient and convexified Hessian (in the order of [`CostFunction::hessian_pattern`]).

@@ -157,17 +157,6 @@ impl Shooter {
         }
     }
 
-    /// Places (i ≤ j) that ∇²_(x, u) λᵀF can occupy when those of the field are `field`.
-    pub(crate) fn curvature_places(&self, field: &[(usize, usize)]) -> Vec<(usize, usize)> {
-        let w = self.n + self.m;
-        let reaches = |i: usize, c: usize| if i < self.n { self.closure[i * w + c] } else { i == c };
-        let all = (0..w).flat_map(|a| (a..w).map(move |b| (a, b)));
-        all.filter(|&(a, b)| {
-            field.iter().any(|&(i, j)| reaches(i, a) && reaches(j, b) || reaches(i, b) && reaches(j, a))
-        })
-        .collect()
-    }
-
     /// ∇²_(x, u) λᵀF over one interval, n + m rows of n + m entries; `field` holds the places of the field's second
     /// derivatives. `lambda` is lost.
     #[allow(clippy::too_many_arguments)]

@@ -21,8 +21,9 @@ pub enum Hessian {
     /// Those of the cost, convexified: robust, converges linearly where multipliers and curvature of the dynamics are large.
     #[default]
     GaussNewton,
-    /// Those of the Lagrangian, curvature of the dynamics included, with the negative eigenvalues of every stage's block clipped:
-    /// converges quadratically where the blocks are positive semidefinite at the solution.
+    /// Those of the Lagrangian, curvature of the dynamics included: quadratic convergence. Curvature is moved between grid points
+    /// so that the program becomes convex with the same solution; where there is too little of it, as far from a solution, the
+    /// Hessian is blended with that of Gauss and Newton.
     Exact,
 }
 
@@ -181,9 +182,8 @@ impl Sqp {
             Hessian::GaussNewton => None,
             Hessian::Exact => Some(problem.dynamics.second_derivatives()?),
         };
-        let exact = field.as_ref().map(|f| problem.shooter.curvature_places(f));
         let (steps, closure) = (problem.ocp.steps, problem.shooter.closure());
-        let qp = Qp::with_hessian(&problem.ocp, steps, closure, exact.as_deref(), settings.qp);
+        let qp = Qp::with_hessian(&problem.ocp, steps, closure, field.is_some(), settings.qp);
         Ok(Self { problem, settings, qp, lin: Linearisation::default(), field })
     }
 

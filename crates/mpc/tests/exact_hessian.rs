@@ -56,3 +56,25 @@ fn dynamics_without_second_derivatives_are_refused() {
     let error = Sqp::new(Box::new(field), pendulum().1, settings(Hessian::Exact)).err().unwrap();
     assert!(matches!(error, MpcError::NoSecondDerivatives));
 }
+
+/// What the programs promise, one after another: it falls with the square of the distance from the solution.
+fn promises(hessian: Hessian) -> Vec<f64> {
+    let (system, ocp) = pendulum();
+    let solution = solve(&system, &ocp, settings(hessian), &[0.5, 0.0]);
+    solution.iterations.iter().map(|i| i.predicted.abs()).collect()
+}
+
+#[test]
+fn convergence_is_quadratic_where_that_of_gauss_newton_is_linear() {
+    let (linear, quadratic) = (promises(Hessian::GaussNewton), promises(Hessian::Exact));
+    assert!(quadratic.len() <= 9 && linear.len() >= 25, "{quadratic:?} {linear:?}");
+    // Promises are squares of distances e: e⁺ ≤ c e² makes them p⁺ ≤ c² p².
+    let last = &quadratic[quadratic.len() - 3..];
+    for pair in last.windows(2) {
+        assert!(pair[1] < pair[0].powf(1.8), "{quadratic:?}");
+    }
+    // A constant factor.
+    for pair in linear[15..25].windows(2) {
+        assert!((0.2..0.5).contains(&(pair[1] / pair[0])), "{linear:?}");
+    }
+}

@@ -1,6 +1,6 @@
 //! Layout of the stage program: which variables, rows and places there are.
 
-use super::curvature::StageBlocks;
+use super::curvature::{StageBlocks, block_places};
 use super::program::StageProgram;
 use crate::ocp::{Ocp, Softness};
 
@@ -80,8 +80,8 @@ impl Slacks {
 
 impl Assembly {
     /// Lays out the program for a horizon of `steps` intervals; `closure` marks the possible entries of ∂F/∂(x, u), `exact`
-    /// holds the places of ∇²λᵀF where the exact Hessian is wanted.
-    pub(super) fn new(ocp: &Ocp, steps: usize, closure: &[bool], exact: Option<&[(usize, usize)]>) -> Self {
+    /// makes room for the exact Hessian.
+    pub(super) fn new(ocp: &Ocp, steps: usize, closure: &[bool], exact: bool) -> Self {
         let (n, m) = (ocp.states(), ocp.inputs());
         // First pass: which slacks there are.
         let mut slacks = Slacks { counts: vec![0; steps + 1] };
@@ -129,7 +129,7 @@ impl Assembly {
         let mut assembled = Self {
             program: StageProgram::default(),
             stage_slots: Vec::new(),
-            blocks: exact.map(|places| StageBlocks::new(ocp, places)),
+            blocks: exact.then(StageBlocks::default),
             terminal_slots: Vec::new(),
             input_rows: Vec::new(),
             state_rows: Vec::new(),
@@ -234,10 +234,21 @@ impl Assembly {
         }
 
         // The places of the costs' second derivatives.
-        let convexified = || ocp.stage.as_ref().map_or(Vec::new(), |c| c.hessian_pattern().to_vec());
-        let stage_pattern = assembled.blocks.as_ref().map_or_else(convexified, StageBlocks::pattern);
+        let stage_pattern = ocp.stage.as_ref().map_or(&[][..], |c| c.hessian_pattern());
         for k in 0..steps {
-            assembled.stage_slots.push(places(&mut program, k, &stage_pattern));
+            let slots = match &mut assembled.blocks {
+                Some(blocks) => {
+                    let all: Vec<(usize, usize)> = block_places(n + m).collect();
+                    let slots = places(&mut program, k, &all);
+                    let of_cost =
+                        stage_pattern.iter().filter_map(|p| all.iter().position(|a| a == p)).map(|i| slots[i]);
+                    let of_cost = of_cost.collect();
+                    blocks.slots.push(slots);
+                    of_cost
+                }
+                None => places(&mut program, k, stage_pattern),
+            };
+            assembled.stage_slots.push(slots);
         }
         let terminal_pattern = ocp.terminal.as_ref().map_or(&[][..], |c| c.hessian_pattern());
         assembled.terminal_slots = places(&mut program, steps, terminal_pattern);

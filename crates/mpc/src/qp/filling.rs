@@ -55,11 +55,15 @@ impl Assembly {
             self.add_stage_cost(ocp, k0, k, trajectory, lin);
         }
         self.add_end_cost(ocp, k0, trajectory);
+        self.fill_flow(trajectory, lin, 0..steps);
+        if let Some(mut blocks) = self.blocks.take() {
+            self.use_exact_hessian(&mut blocks, ocp, lin);
+            self.blocks = Some(blocks);
+        }
         self.choose_objective_scale();
         for v in 0..self.program.variables() {
             self.regularise(v);
         }
-        self.fill_flow(trajectory, lin, 0..steps);
         self.fill_bounds(ocp, trajectory);
         self.fill_constraints(ocp, k0, trajectory, 0..self.path.len(), 0..self.norm.len());
         if let (Some(rows), Some(set)) = (&self.set, &ocp.terminal_set) {
@@ -158,12 +162,13 @@ impl Assembly {
     }
 
     fn add_stage_cost(&mut self, ocp: &mut Ocp, k0: usize, k: usize, trajectory: &Trajectory, lin: &Linearisation) {
-        if let Some(mut blocks) = self.blocks.take() {
-            self.add_exact_stage(&mut blocks, ocp, k0, k, trajectory, lin);
-            self.blocks = Some(blocks);
+        let w = self.program.states + self.program.inputs;
+        let Some(mut cost) = ocp.stage.take() else {
+            if let Some(blocks) = &mut self.blocks {
+                blocks.note(k, w, lin, None);
+            }
             return;
-        }
-        let Some(mut cost) = ocp.stage.take() else { return };
+        };
         self.gradient.fill(0.0);
         self.hessian.clear();
         self.hessian.resize(cost.hessian_pattern().len(), 0.0);
@@ -180,6 +185,9 @@ impl Assembly {
             if slot != NOWHERE {
                 self.program.hessian[slot] += h;
             }
+        }
+        if let Some(blocks) = &mut self.blocks {
+            blocks.note(k, w, lin, Some((&cost, ocp.dt, &self.hessian)));
         }
         ocp.stage = Some(cost);
     }

@@ -155,18 +155,12 @@ pub(crate) struct Qp {
 impl Qp {
     /// Lays out the program for a horizon of `steps` intervals; `closure` marks the possible entries of ∂F/∂(x, u).
     pub(crate) fn new(ocp: &Ocp, steps: usize, closure: &[bool], settings: QpSettings) -> Self {
-        Self::with_hessian(ocp, steps, closure, None, settings)
+        Self::with_hessian(ocp, steps, closure, false, settings)
     }
 
-    /// As [`Qp::new`], with the exact Hessian of the Lagrangian, clipped to a positive semidefinite one stage by stage; `exact`
-    /// holds the places of ∇²λᵀF.
-    pub(crate) fn with_hessian(
-        ocp: &Ocp,
-        steps: usize,
-        closure: &[bool],
-        exact: Option<&[(usize, usize)]>,
-        settings: QpSettings,
-    ) -> Self {
+    /// As [`Qp::new`], with the exact Hessian of the Lagrangian if `exact`, made convex; the linearisation then holds the
+    /// curvature of the flow.
+    pub(crate) fn with_hessian(ocp: &Ocp, steps: usize, closure: &[bool], exact: bool, settings: QpSettings) -> Self {
         let assembly = Assembly::new(ocp, steps, closure, exact);
         let program = &assembly.program;
         let backend: Box<dyn QpBackend> = match settings.backend {
@@ -258,6 +252,9 @@ impl Qp {
         }
         if status.is_usable() {
             s.multipliers.copy_from_slice(&self.stage.multipliers);
+            if let Some(blocks) = &self.assembly.blocks {
+                blocks.correct_multipliers(&s.dx, &mut s.multipliers, n);
+            }
         }
         let relaxed = status == QpStatus::Solved && self.assembly.relaxation(z) > RELAXED;
         Ok(if relaxed { QpStatus::Relaxed } else { status })
