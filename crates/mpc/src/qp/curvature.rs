@@ -44,8 +44,6 @@ pub(super) struct StageBlocks {
     stages: Vec<f64>,
     /// P_{k+1} of every interval, N blocks of n rows of n; empty where no curvature was moved.
     moved: Vec<f64>,
-    /// What moved curvature adds to the gradient, N rows of n + m.
-    slope: Vec<f64>,
     size: Vec<f64>,
     /// P_N, P_k.
     terminal: Vec<f64>,
@@ -148,20 +146,35 @@ impl Assembly {
             let v = p.state(steps, i);
             p.hessian[v] = left / (size[i] * size[i]);
         }
-        for (at, slope) in blocks.slope.iter().enumerate() {
-            if let Some(v) = p.variable(at / w, at % w) {
-                p.gradient[v] += slope;
-            }
-        }
+        let defect = std::mem::take(&mut p.defect);
+        blocks.add_slope(p, &lin.jacobian, &defect);
+        p.defect = defect;
     }
 }
 
 impl StageBlocks {
+    /// Adds what moved curvature adds to the gradient for these defects c_k: [A_k B_k]ᵀ P_{k+1} c_k.
+    pub(super) fn add_slope(&self, program: &mut StageProgram, flow: &[f64], defects: &[f64]) {
+        let n = program.states;
+        let w = n + program.inputs;
+        for (k, p) in self.moved.chunks_exact(n * n).enumerate() {
+            let c = &defects[k * n..(k + 1) * n];
+            for (i, row) in p.chunks_exact(n).enumerate() {
+                let force: f64 = row.iter().zip(c).map(|(p, c)| p * c).sum();
+                for j in 0..w {
+                    if let Some(v) = program.variable(k, j) {
+                        program.gradient[v] += flow[(k * n + i) * w + j] * force;
+                    }
+                }
+            }
+        }
+    }
+
     /// Whether the program with this share of the exact Hessian is convex, with curvature moved if need be.
     fn blend(&mut self, program: &StageProgram, lin: &Linearisation, share: f64) -> bool {
         let (n, m, steps) = (program.states, program.inputs, program.steps);
         let w = n + m;
-        let Self { extra, base, stages, moved, slope, size, terminal, p, product, factor, .. } = self;
+        let Self { extra, base, stages, moved, size, terminal, p, product, factor, .. } = self;
         stages.clear();
         stages.extend(base.iter().zip(&*extra).enumerate().map(|(e, (b, x))| {
             let (i, j) = (e % (w * w) / w, e % w);
@@ -179,8 +192,6 @@ impl StageBlocks {
         p.extend_from_slice(terminal);
         (0..n).for_each(|i| p[i * n + i] -= left);
         moved.resize(steps * n * n, 0.0);
-        slope.clear();
-        slope.resize(steps * w, 0.0);
         product.resize(n.max(m) * w, 0.0);
         for k in (0..steps).rev() {
             for (e, v) in moved[k * n * n..(k + 1) * n * n].iter_mut().enumerate() {
@@ -196,8 +207,6 @@ impl StageBlocks {
             }
             let block = &mut stages[k * w * w..(k + 1) * w * w];
             for j in 0..w {
-                let sum: f64 = (0..n).map(|i| product[i * w + j] * program.defect[k * n + i] / size[i]).sum();
-                slope[k * w + j] = sum / size[j];
                 for l in 0..w {
                     block[j * w + l] += (0..n).map(|i| entry(i, j) * product[i * w + l]).sum::<f64>();
                 }

@@ -113,10 +113,20 @@ impl Assembly {
 
     /// Moves the right-hand sides by the curvature of dynamics and constraints along the step `z`; see
     /// [`Qp::correct`](super::Qp::correct).
-    pub(super) fn correct(&mut self, ocp: &mut Ocp, k0: usize, trial: &Trajectory, ends: &[f64], z: &[f64]) {
+    pub(super) fn correct(
+        &mut self,
+        ocp: &mut Ocp,
+        k0: usize,
+        trial: &Trajectory,
+        ends: &[f64],
+        lin: &Linearisation,
+        z: &[f64],
+    ) {
         let n = self.program.states;
-        for (i, c) in self.program.defect.iter_mut().enumerate() {
-            *c += ends[i] - trial.x(i / n + 1)[i % n];
+        let change: Vec<f64> = ends.iter().enumerate().map(|(i, end)| end - trial.x(i / n + 1)[i % n]).collect();
+        self.program.defect.iter_mut().zip(&change).for_each(|(c, d)| *c += d);
+        if let Some(blocks) = &self.blocks {
+            blocks.add_slope(&mut self.program, &lin.jacobian, &change);
         }
         if self.path.is_empty() && self.norm.is_empty() {
             return;

@@ -234,7 +234,7 @@ impl Qp {
     /// values at the end of the step in place of those that their linearisations promised there. `trial` is that end, `ends`
     /// the ends of its intervals.
     pub(crate) fn correct(&mut self, ocp: &mut Ocp, k0: usize, trial: &Trajectory, ends: &[f64], lin: &Linearisation) {
-        self.assembly.correct(ocp, k0, trial, ends, &self.stage.z);
+        self.assembly.correct(ocp, k0, trial, ends, lin, &self.stage.z);
         self.backend.load(&self.assembly.program, &lin.jacobian);
     }
 
