@@ -50,6 +50,11 @@ pub(crate) fn run(path: &Path, seed: Option<u64>, output: &OutputArgs) -> anyhow
     Ok(if report.succeeded { Outcome::Done } else { Outcome::Negative })
 }
 
+/// A time without the rounding of k·dt in its last digits.
+fn rounded(t: f64) -> f64 {
+    format!("{t:.12e}").parse().unwrap_or(t)
+}
+
 fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) -> anyhow::Result<()> {
     let run = &controlled.run.closed_loop;
     let (states, inputs) = (problem.plant.state_names(), problem.plant.input_names());
@@ -65,7 +70,7 @@ fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) ->
         .map(|k| {
             let last = k.min(run.u.len() - 1);
             let estimate = run.estimates[last].iter().take(if estimated { states.len() } else { 0 });
-            std::iter::once(&run.t[k]).chain(&run.x[k]).chain(&run.u[last]).chain(estimate).copied().collect()
+            std::iter::once(&rounded(run.t[k])).chain(&run.x[k]).chain(&run.u[last]).chain(estimate).copied().collect()
         })
         .collect();
     csv(&dir.join("closed_loop.csv"), &header, rows.iter().map(Vec::as_slice))?;

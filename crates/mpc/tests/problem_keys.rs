@@ -323,3 +323,36 @@ fn figures_of_any_size_stay_short() {
     let said = report.to_string();
     assert!(said.contains("sampling period 1.000000e-297 ms") && said.contains("1.234568e12 in closed loop"), "{said}");
 }
+
+#[test]
+fn violations_of_named_constraints_count_too() {
+    // Two constraints that cannot both be kept: one of them is missed by at least 1.
+    let both = "over = { expression = \"vx\", min = 1 }\nunder = { expression = \"vx\", max = -1 }";
+    let (report, x, _) = run(&with(both, "[solve]"));
+    let worst = x[1..].iter().map(|x| (1.0 - x[2]).max(x[2] + 1.0)).fold(0.0, f64::max);
+    assert!(worst >= 1.0 && (report.constraint_violation_max - worst).abs() < 1e-12, "{report} {worst}");
+    let length = "speed = { norm = [\"vx\", \"vy\"], max = \"-1\" }";
+    let (report, x, _) = run(&with(length, "[solve]"));
+    let longest = x[1..].iter().map(|x| x[2].hypot(x[3])).fold(0.0, f64::max);
+    assert!((report.constraint_violation_max - longest - 1.0).abs() < 1e-12, "{report} {longest}");
+}
+
+#[test]
+fn keys_that_would_do_nothing_are_refused() {
+    let estimation =
+        format!("{PROBLEM}[estimation]\nkind = \"ekf\"\nhorizon = 5\noutputs = {{ x = 0.01, y = 0.01 }}\n");
+    assert!(refused(&estimation, "horizon = 5").contains("no `horizon`"));
+    assert!(refused(&with("time_limit = 1", "[run]"), "time_limit = 1").contains("one of the methods"));
+}
+
+#[test]
+fn what_an_estimator_cannot_tell_is_noted() {
+    let estimation = |disturbances: &str| {
+        let text =
+            format!("{PROBLEM}[estimation]\noutputs = {{ x = 0.01, y = 0.01 }}\ndisturbances = {disturbances}\n");
+        run(&text).0.notes.join("; ")
+    };
+    let both = estimation("{ ux = { std = 1 }, vx = { std = 1 } }");
+    assert!(both.contains("do not tell of the disturbance of ux, the disturbance of vx"), "{both}");
+    assert_eq!(estimation("{ ux = { std = 1 } }"), "");
+}

@@ -188,6 +188,12 @@ impl Reader<'_> {
             let (std, walk, min, max) = self.walk(v, key.get_ref())?;
             problem.disturbances.push(Disturbance { channel, std, walk, min, max });
         }
+        for key in ["horizon", "iterations"] {
+            if let Some(v) = t.get(key).filter(|_| kind == EstimatorKind::ExtendedKalman) {
+                let message = format!("an extended Kalman filter has no `{key}`");
+                return Err(self.doc.error(v.span(), message, "write kind = \"mhe\", or remove it").into());
+            }
+        }
         // A run never looks back on more intervals than it has samples.
         let horizon = self.count(t, "horizon", Some(MovingHorizonSettings::default().horizon))?.min(start.samples);
         if let Some(v) = t.get("horizon").filter(|_| horizon > MOST_INTERVALS) {

@@ -3,6 +3,7 @@
 use super::ControlProblem;
 use crate::closed_loop::ClosedLoop;
 use crate::counts::{Counts, SolveTimes};
+use crate::error::MpcError;
 use crate::qp::QpStatus;
 use crate::sqp::SolveStatus;
 use crate::step::{FallbackReason, StepStatus};
@@ -44,7 +45,7 @@ pub struct ControlReport {
     pub solve_ms: SolveTimes,
     /// Sampling period, ms.
     pub period_ms: f64,
-    /// Largest violation of a bound.
+    /// Largest violation of a bound or named constraint, each in its own unit.
     pub constraint_violation_max: f64,
     /// The plan, where one was made.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -124,6 +125,15 @@ pub(super) fn notes(problem: &ControlProblem, run: &ClosedLoop, open_loop_cost: 
             "the stage cost is not finite {}: write one that is defined at every state that the loop passes",
             place(k)
         ));
+    }
+    if let Some(estimation) = &problem.estimation {
+        // What moves nowhere on the way cannot be told; at some points alone anything may be hidden.
+        let samples = run.u.len();
+        let hidden = [0, samples / 3, 2 * samples / 3]
+            .map(|k| estimation.problem.check_observability(&run.x[k], &run.u[k]).err());
+        if let [Some(_), Some(_), Some(hidden @ MpcError::NotObservable { .. })] = hidden {
+            notes.push(hidden.to_string());
+        }
     }
     if !open_loop_cost.is_finite() {
         notes.push(

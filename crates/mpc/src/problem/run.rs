@@ -233,6 +233,10 @@ impl ControlProblem {
         let succeeded = finite
             && run.counts.infeasible + run.counts.fallback == 0
             && if self.ocp.targets.is_empty() { planned } else { met };
+        let constraints = self.ocp.clone().largest_constraint_violation(&run.x, &run.u);
+        let bounds = self.ocp.largest_violation(&run.x[1..], &run.u);
+        // `f64::max` would drop a NaN.
+        let violation = if constraints > bounds || constraints.is_nan() { constraints } else { bounds };
         let report = ControlReport {
             succeeded,
             notes: notes(self, &run, open_loop_cost),
@@ -244,7 +248,7 @@ impl ControlProblem {
             status: run.counts,
             solve_ms: run.times,
             period_ms: 1e3 * self.ocp.dt,
-            constraint_violation_max: self.ocp.largest_violation(&run.x[1..], &run.u),
+            constraint_violation_max: violation,
             plan: plan.as_ref().map(|p| PlanReport {
                 status: p.status.to_string(),
                 programs: p.iterations.len(),

@@ -47,6 +47,10 @@ impl Reader<'_> {
         problem.guarded = self.boolean(solve, "guarded", planned)?;
         problem.backend = self.backend(solve)?;
         problem.time_limit = self.positive(solve, "time_limit", Some(f64::INFINITY))?;
+        if let Some(v) = solve.get("time_limit").filter(|_| matches!(method, Method::Sqp | Method::StickSlip)) {
+            let message = "`time_limit` is one of the methods \"rti\" and \"plan\"";
+            return Err(self.doc.error(v.span(), message, "lower max_iterations instead, or change the method").into());
+        }
         if let Some(t) = self.doc.sub_table(solve, "rest")? {
             problem.rest_input = problem.ocp.input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
             for (key, v) in t {
