@@ -1,4 +1,4 @@
-//! Sequential quadratic programming globalised by a filter, for smooth dynamics.
+//! Sequential quadratic programming globalised by a filter.
 //!
 //! Steps are whole where the filter allows it, if need be after a second-order correction, and shortened otherwise. Where the
 //! linearisation was a poor guide, or no step is acceptable, a proximal term grows; its size follows the change that the
@@ -37,9 +37,14 @@ const CONTRACTING: f64 = 0.1;
 const MAX_FAILURES: usize = 12;
 
 impl Sqp {
-    /// Whether the method converges; if not, the trajectory is the last one if its merit is less than at first, else as it
+    /// Whether the method converges at the smoothing width that is set, for the log `width`; if not, the trajectory is the last one if its merit is less than at first, else as it
     /// was.
-    pub(crate) fn filter_method(&mut self, z: &mut Trajectory, log: &mut Vec<Iteration>) -> Result<bool, MpcError> {
+    pub(crate) fn filter_method(
+        &mut self,
+        z: &mut Trajectory,
+        width: f64,
+        log: &mut Vec<Iteration>,
+    ) -> Result<bool, MpcError> {
         let s = self.settings.clone();
         let mut at = z.clone();
         let steps = at.steps();
@@ -61,7 +66,7 @@ impl Sqp {
             self.assemble(&at, proximal);
             let qp = self.qp.solve()?;
             let mut line = Iteration {
-                smoothing: 0.0,
+                smoothing: width,
                 objective: now.objective,
                 defect: now.worst_defect,
                 predicted: 0.0,

@@ -1,9 +1,16 @@
 //! Sequential quadratic programming to convergence.
 //!
-//! Smooth dynamics are tried with the filter method first. Else, or where it does not converge, each iteration solves the Gauss–Newton program with a proximal term λ/2 ‖Δ/trust‖² and takes the whole step when the
-//! exact ℓ₁ merit function falls by enough of what the program predicted, else λ grows (Levenberg–Marquardt with slacks:
-//! the program is always feasible). Smoothed switching functions are sharpened along a schedule of widths; between two
-//! widths it is enough to be near the solution.
+//! There are two iterations, and each takes over where the other one does not converge:
+//!
+//! - Smooth dynamics start with the filter method, which may pass through large defects.
+//! - Smoothed switching functions start with the guarded iteration, sharpened along a schedule of widths; between two widths it
+//!   is enough to be near the solution. Each program has a proximal term λ/2 ‖Δ/trust‖², and the whole step is taken when the
+//!   exact ℓ₁ merit function falls by enough of what the program predicted, else λ grows (Levenberg–Marquardt with slacks: the
+//!   program is always feasible). On the plate the filter method alone takes more
+//!   programs, and feedback along its plans made up for less of a wrong friction coefficient.
+//!
+//! The example `random_starts` counts programs: the guarded iteration solves all of its moves of the plate, but a cart-pole
+//! with dry friction from 2 of 30 starts alone, and from 27 with the filter method after it.
 
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
@@ -42,8 +49,8 @@ pub struct SqpSettings {
     pub continuation_iterations: usize,
     /// Promised fraction of the merit below which the next width follows.
     pub continuation_tolerance: f64,
-    /// Largest number of programs of the filter method, which smooth dynamics are tried with first: it may pass through large
-    /// defects, which a merit function forbids. When it does not converge, the guarded iteration starts from the guess.
+    /// Largest number of programs of the filter method: smooth dynamics start with it, smoothed ones end with it where the
+    /// guarded iteration does not converge. 0 leaves it out.
     pub filter_iterations: usize,
     /// Whether the filter method solves a second program, with the curvature of dynamics and constraints on its right-hand
     /// side, where a whole step close to feasible points is not acceptable because of it (Maratos effect).
@@ -245,7 +252,7 @@ impl Sqp {
         let widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
         let mut lambda = self.settings.proximal;
         let mut status = SolveStatus::NotANumber;
-        let found = z.is_finite() && widths.is_empty() && self.filter_method(&mut z, &mut log)?;
+        let found = z.is_finite() && widths.is_empty() && self.filter_method(&mut z, 0.0, &mut log)?;
         if found {
             status = SolveStatus::Converged;
         } else if z.is_finite() {
@@ -273,6 +280,12 @@ impl Sqp {
                     break;
                 }
             }
+        }
+        let unsolved = matches!(status, SolveStatus::IterationLimit | SolveStatus::Stalled);
+        if let Some(&width) = widths.last().filter(|_| unsolved)
+            && self.filter_method(&mut z, width, &mut log)?
+        {
+            status = SolveStatus::Converged;
         }
         let violation = self.problem.ocp.hard_violation(self.problem.k0, &z);
         if status == SolveStatus::Converged && violation > 1e-5 {

@@ -134,6 +134,7 @@ impl Planner {
             tolerance: 1e-4,
             smoothing: vec![0.1, 0.03, 0.01, WIDTH],
             continuation_iterations: 20,
+            filter_iterations: 0,
             proximal: 0.5,
             qp: qp_settings(),
             ..SqpSettings::default()
@@ -189,6 +190,7 @@ impl Planner {
             max_iterations: programs,
             tolerance: 1e-4,
             smoothing: vec![WIDTH],
+            filter_iterations: 0,
             qp: qp_settings(),
             proximal: 0.05,
             ..SqpSettings::default()
