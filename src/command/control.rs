@@ -95,18 +95,22 @@ fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) ->
         chart = chart.panel(panel);
     }
     for (k, name) in inputs.iter().enumerate() {
-        let values: Vec<f64> = run.u.iter().map(|u| u[k]).collect();
-        let mut panel =
-            Panel::new(format!("input {name}")).series(Series::new("", run.t[..values.len()].to_vec(), values).step());
+        let mut panel = Panel::new(format!("input {name}")).series(held(&run.t, run.u.iter().map(|u| u[k])));
         let (min, max) = problem.ocp.input_bounds[k];
         for bound in [min, max].into_iter().filter(|b| b.is_finite()) {
             panel = panel.bound(bound);
         }
         chart = chart.panel(panel);
     }
-    let milliseconds: Vec<f64> = run.steps.iter().map(|s| 1e3 * s.timings.total()).collect();
-    let times = run.t[..milliseconds.len()].to_vec();
-    chart = chart.panel(Panel::new("solve time [ms]").series(Series::new("", times, milliseconds).step()));
+    let milliseconds = run.steps.iter().map(|s| 1e3 * s.timings.total());
+    chart = chart.panel(Panel::new("solve time [ms]").series(held(&run.t, milliseconds)));
     figure(chart.draw(), &dir.join("closed_loop"));
     Ok(())
+}
+
+/// Values that are held from each time to the next, the last one to the end.
+fn held(t: &[f64], values: impl Iterator<Item = f64>) -> Series {
+    let mut values: Vec<f64> = values.collect();
+    values.extend(values.last().copied());
+    Series::new("", t[..values.len().min(t.len())].to_vec(), values).step()
 }

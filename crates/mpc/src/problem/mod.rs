@@ -158,7 +158,11 @@ impl ControlProblem {
             None => system.clone(),
         };
         if plant.state_names() != system.state_names() || plant.input_names() != system.input_names() {
-            return Err(doc.missing("model and plant differ in their states or inputs", "give both the same").into());
+            let names =
+                |s: &System| format!("states {}, inputs {}", s.state_names().join(" "), s.input_names().join(" "));
+            let message =
+                format!("model and plant differ: {} in the model, {} in the plant", names(&system), names(&plant));
+            return Err(doc.missing(message, "give both the same states and inputs in the same order").into());
         }
         let reader = Reader { doc, system: &system };
         if let Some(run) = doc.sub_table(&table, "run")? {
