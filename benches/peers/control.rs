@@ -3,7 +3,6 @@
 use bracketry::mpc::{
     ClosedLoop, ControlProblem, Method, Plant, Rti, RtiSettings, RungeKuttaPlant, Step, SymbolicDynamics, Trajectory,
 };
-use bracketry::plate::{Object, Shape, Terms, reduced};
 use bracketry::system::System;
 use serde_json::{Value, json};
 
@@ -11,29 +10,8 @@ const PENDULUM: &str = include_str!("../../models/cart_pole_swing_up.toml");
 /// Samples whose programs are handed to the others.
 const EVERY: usize = 8;
 
-/// The plate on its reduced model: hold an object against errors of its pose from a running oscillation.
-const PLATE: &str = r#"
-model = "reduced"
-[horizon]
-steps = 40
-dt = 0.02
-substeps = 2
-[cost]
-stage    = "10*(x - 0.02)^2 + 10*(y - 0.01)^2 + (phi - 0.5)^2 + 0.1*vx^2 + 0.1*vy^2 + 0.01*w^2 + 10*X^2 + 0.1*Xd^2 + theta^2 + 0.01*thetad^2 + 5e-4*Xdd^2 + 5e-5*thetadd^2"
-terminal = "10*(x - 0.02)^2 + 10*(y - 0.01)^2 + (phi - 0.5)^2 + 0.1*vx^2 + 0.1*vy^2 + 0.01*w^2 + 10*X^2 + 0.1*Xd^2 + theta^2 + 0.01*thetad^2"
-[constraints]
-X       = { min = -0.1, max = 0.1, soft = [50, 1e3] }
-theta   = { min = -0.35, max = 0.35, soft = [50, 1e3] }
-Xdd     = { min = -15, max = 15 }
-thetadd = { min = -40, max = 40 }
-[guess]
-Xdd     = "-0.03*(6*pi)^2*sin(6*pi*t)"
-thetadd = "-0.1*(6*pi)^2*sin(6*pi*t)"
-[solve]
-smoothing = 0.02
-[run]
-steps = 60
-"#;
+/// The plate on its reduced model.
+const PLATE: &str = include_str!("../../models/plate_hold.toml");
 
 /// Median over the samples but the first, which may have to build what later ones only update.
 fn median(steps: &[Step], of: impl Fn(&Step) -> f64) -> f64 {
@@ -108,8 +86,7 @@ fn pendulum() -> Value {
 }
 
 fn plate() -> Value {
-    let model = reduced(&Object { shape: Shape::REFERENCE_ELLIPSE, ..Object::REFERENCE }, 0.3, Terms::default())
-        .expect("a model");
+    let model = System::parse("plate_reduced.toml", include_str!("../../models/plate_reduced.toml")).expect("a model");
     let problem = problem(PLATE, &model);
     // The oscillation, rolled out: a trajectory that obeys the dynamics.
     let mut at = dynamics(&problem);

@@ -10,28 +10,7 @@ use bracketry_mpc::{
 use bracketry_system::System;
 
 /// Hold an object on the plate against errors of its pose, from a running oscillation.
-const PLATE: &str = r#"
-model = "plate_reduced.toml"
-[horizon]
-steps = 40
-dt = 0.02
-substeps = 2
-[cost]
-stage    = "10*(x - 0.02)^2 + 10*(y - 0.01)^2 + (phi - 0.5)^2 + 0.1*vx^2 + 0.1*vy^2 + 0.01*w^2 + 10*X^2 + 0.1*Xd^2 + theta^2 + 0.01*thetad^2 + 5e-4*Xdd^2 + 5e-5*thetadd^2"
-terminal = "10*(x - 0.02)^2 + 10*(y - 0.01)^2 + (phi - 0.5)^2 + 0.1*vx^2 + 0.1*vy^2 + 0.01*w^2 + 10*X^2 + 0.1*Xd^2 + theta^2 + 0.01*thetad^2"
-[constraints]
-X       = { min = -0.1, max = 0.1, soft = [50, 1e3] }
-theta   = { min = -0.35, max = 0.35, soft = [50, 1e3] }
-Xdd     = { min = -15, max = 15 }
-thetadd = { min = -40, max = 40 }
-[guess]
-Xdd     = "-0.03*(6*pi)^2*sin(6*pi*t)"
-thetadd = "-0.1*(6*pi)^2*sin(6*pi*t)"
-[solve]
-smoothing = 0.02
-[run]
-steps = 60
-"#;
+const PLATE: &str = include_str!("../../../models/plate_hold.toml");
 
 /// Runs of every loop, of which the least disturbed counts.
 const RUNS: usize = 7;
