@@ -65,18 +65,7 @@ impl Sqp {
             let proximal = if lambda < s.min_proximal { 0.0 } else { lambda };
             self.assemble(&at, proximal);
             let qp = self.qp.solve()?;
-            let mut line = Iteration {
-                smoothing: width,
-                objective: now.objective,
-                defect: now.worst_defect,
-                predicted: 0.0,
-                ratio: 0.0,
-                proximal,
-                fraction: 0.0,
-                correction: false,
-                qp,
-                qp_iterations: self.qp.solution.iterations,
-            };
+            let mut line = self.line(width, &now, proximal, qp);
             if !qp.is_usable() {
                 log.push(line);
                 last_curvature = None;
@@ -225,7 +214,7 @@ impl Sqp {
     }
 
     /// The iterate after a fraction of the program's step, with its inputs within their bounds.
-    fn trial(&mut self, z: &Trajectory, fraction: f64) -> (Trajectory, Merit) {
+    pub(crate) fn trial(&mut self, z: &Trajectory, fraction: f64) -> (Trajectory, Merit) {
         let mut trial = z.moved(fraction, &self.qp.solution.dx, &self.qp.solution.du);
         trial.clamp_inputs(&self.problem.ocp.input_bounds);
         let merit = self.problem.merit(&trial, self.settings.qp.hard_weight);

@@ -19,7 +19,7 @@ use crate::ocp::Ocp;
 use crate::qp::{Qp, QpSettings, QpStatus};
 use crate::shooting::Linearisation;
 use crate::trajectory::Trajectory;
-use crate::transcription::Transcription;
+use crate::transcription::{Merit, Transcription};
 use std::time::Instant;
 
 /// Second derivatives of the quadratic programs.
@@ -322,6 +322,22 @@ impl Sqp {
         self.qp.assemble(&mut self.problem.ocp, self.problem.k0, z, &self.lin, proximal);
     }
 
+    /// The line of the log for a program that has just been solved, before anything is known of its step.
+    pub(crate) fn line(&self, width: f64, now: &Merit, proximal: f64, qp: QpStatus) -> Iteration {
+        Iteration {
+            smoothing: width,
+            objective: now.objective,
+            defect: now.worst_defect,
+            predicted: 0.0,
+            ratio: 0.0,
+            proximal,
+            fraction: 0.0,
+            correction: false,
+            qp,
+            qp_iterations: self.qp.solution.iterations,
+        }
+    }
+
     fn iterate(
         &mut self,
         z: &mut Trajectory,
@@ -346,18 +362,7 @@ impl Sqp {
             self.assemble(z, proximal);
             let now = self.problem.merit_with(z, &self.lin.end, s.qp.hard_weight);
             let qp = self.qp.solve()?;
-            let mut line = Iteration {
-                smoothing: width,
-                objective: now.objective,
-                defect: now.worst_defect,
-                predicted: 0.0,
-                ratio: 0.0,
-                proximal,
-                fraction: 0.0,
-                correction: false,
-                qp,
-                qp_iterations: self.qp.solution.iterations,
-            };
+            let mut line = self.line(width, &now, proximal, qp);
             if !qp.is_usable() {
                 log.push(line);
                 if qp == QpStatus::NotANumber || failures > 8 {
@@ -368,10 +373,8 @@ impl Sqp {
                 continue;
             }
             weight = self.problem.penalty_weight(&self.qp.solution.multipliers).max(0.8 * weight);
-            let mut trial = z.moved(1.0, &self.qp.solution.dx, &self.qp.solution.du);
-            trial.clamp_inputs(&self.problem.ocp.input_bounds);
             let before = now.value(weight);
-            let after = self.problem.merit(&trial, s.qp.hard_weight);
+            let (trial, after) = self.trial(z, 1.0);
             let predicted = before - after.objective;
             let fall = before - after.value(weight);
             line.predicted = predicted;
