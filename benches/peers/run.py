@@ -128,6 +128,19 @@ def cheapest(runs, reference, error):
     return min(good, key=lambda run: run["seconds"], default=None)
 
 
+def scipy_rows(what, ours, runs, reference, error):
+    """Our run against the quickest of each of SciPy's methods within the error."""
+    rows = []
+    for method in ("RK45", "DOP853", "LSODA"):
+        theirs = cheapest([r for r in runs if r["method"] == method], reference, error)
+        if theirs is None:
+            rows.append((f"| {what} | {ms(ours['seconds'])} | SciPy, {method} | not reached | | |", True))
+            continue
+        rows.append(row(what, ours["seconds"], f"SciPy, {method} ({theirs['error']:.1e} with rtol"
+                        f" {theirs['rtol']:.1e})", theirs["seconds"], 20))
+    return rows
+
+
 def simulation_table(us, them):
     rows = []
     reference = them["published"]["reference"]
@@ -136,25 +149,13 @@ def simulation_table(us, them):
         assert ours["events"] == them["published"]["events"], "the same number of events"
         what = (f"published model, experiment 1, 15 s, {ours['events']} events, error below {error:g}"
                 f" ({ours['error']:.1e} with rtol {ours['rtol']:.1e})")
-        for method in ("RK45", "DOP853", "LSODA"):
-            theirs = cheapest([r for r in them["published"]["runs"] if r["method"] == method], reference, error)
-            if theirs is None:
-                rows.append((f"| {what} | {ms(ours['seconds'])} | SciPy, {method} | not reached | | |", True))
-                continue
-            rows.append(row(what, ours["seconds"], f"SciPy, {method} ({theirs['error']:.1e} with rtol"
-                            f" {theirs['rtol']:.1e})", theirs["seconds"], 20))
+        rows += scipy_rows(what, ours, them["published"]["runs"], reference, error)
     reference = us["reduced"]["runs"][-1]["states"]
     for error in COUPLED_ERRORS:
         ours = cheapest(us["reduced"]["runs"], reference, error)
         what = (f"reduced model, coupled friction, disk, {ours['events']} events, error below {error:g}"
                 f" ({ours['error']:.1e} with rtol {ours['rtol']:.1e})")
-        for method in ("RK45", "DOP853", "LSODA"):
-            theirs = cheapest([r for r in them["reduced"]["runs"] if r["method"] == method], reference, error)
-            if theirs is None:
-                rows.append((f"| {what} | {ms(ours['seconds'])} | SciPy, {method} | not reached | | |", True))
-                continue
-            rows.append(row(what, ours["seconds"], f"SciPy, {method} ({theirs['error']:.1e} with rtol"
-                            f" {theirs['rtol']:.1e})", theirs["seconds"], 20))
+        rows += scipy_rows(what, ours, them["reduced"]["runs"], reference, error)
     soft = them["soft_contact"]
     assert abs(soft["yaw"] - 120.5) < 6, "the logged orientation"
     mujoco = f"MuJoCo, disk on 37 spheres, {soft['steps']} steps: {soft['yaw']:.1f}°"
