@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub use bracketry_diagnose as diagnose;
 pub use bracketry_lie as lie;
 pub use bracketry_mpc as mpc;
 pub use bracketry_native as native;

@@ -1,0 +1,118 @@
+//! Effects: changes of a model that may explain what it gets wrong.
+
+use serde::{Deserialize, Serialize};
+
+/// Names of causes, as reports print them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[allow(missing_docs)]
+pub enum Cause {
+    ViscousFriction,
+    CoulombFriction,
+    StribeckFriction,
+    QuadraticDrag,
+    FrictionAsymmetry,
+    AnisotropicFriction,
+    ConstantBias,
+    Tilt,
+    LinearStiffness,
+    CubicStiffness,
+    InputGain,
+    InputDelay,
+    ActuatorLag,
+    SensorDelay,
+    SensorBias,
+    PeriodicDisturbance,
+    InertialCoupling,
+    JointCoupling,
+    YawFriction,
+    FrictionCoupling,
+    ComOffset,
+    LiftOff,
+    Backlash,
+    ParameterError,
+    UnknownTerm,
+}
+
+/// What a coefficient of an effect does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The effect vanishes where all its amplitudes are at their nominal value.
+    Amplitude,
+    /// A shape, as a Stribeck velocity or a period: without meaning while the amplitudes are zero, tried at several values.
+    Shape,
+}
+
+/// A parameter that an effect adds to the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coefficient {
+    /// Its name in the extended model, one that the model does not have yet.
+    pub name: String,
+    /// What it does.
+    pub role: Role,
+    /// Amplitudes: where the effect vanishes. Shapes: a first value.
+    pub nominal: f64,
+    /// A typical size, for steps and scaling; positive.
+    pub scale: f64,
+    /// Smallest value that the mathematics allows.
+    pub min: f64,
+    /// Largest value that the mathematics allows.
+    pub max: f64,
+    /// Values to try first (shapes; delays and lags, whose response is not linear). Empty: only `nominal`.
+    pub trials: Vec<f64>,
+    /// +1 or −1 where physics wants (value − nominal) of that sign, 0 where both are possible.
+    pub physical_sign: i8,
+    /// Unit, as free text; may be empty.
+    pub unit: String,
+    /// What it is.
+    pub about: String,
+}
+
+/// Something on the way of a signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Path {
+    /// Pure delay of inputs, s.
+    InputDelay,
+    /// First-order lag of inputs, s.
+    ActuatorLag,
+    /// Pure delay of measured columns, s.
+    SensorDelay,
+    /// Offset of a measured column.
+    SensorBias,
+}
+
+/// How a model changes. Texts are expressions in the names of the model and of the effect's coefficients.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// Terms added to the time derivatives of states, by name of the state.
+    Terms(Vec<(String, String)>),
+    /// Every occurrence of an expression in the dynamics of the named states (none: of all) is replaced by another.
+    Substitution {
+        /// Names of states whose equations change; empty: all.
+        states: Vec<String>,
+        /// Pairs: what is replaced, by what.
+        pairs: Vec<(String, String)>,
+    },
+    /// Something on the way of inputs or measured columns, by name; the one coefficient is its time constant or its offset.
+    Path {
+        /// What.
+        path: Path,
+        /// Names of inputs or of measured columns.
+        signals: Vec<String>,
+    },
+}
+
+/// A change of the model that may explain what it gets wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effect {
+    /// Its name.
+    pub cause: Cause,
+    /// The state, input or measured column that it acts on.
+    pub equation: String,
+    /// The formula for the reader, as `-c*v`.
+    pub term: String,
+    /// Its parameters.
+    pub coefficients: Vec<Coefficient>,
+    /// What it does to the model.
+    pub change: Change,
+}

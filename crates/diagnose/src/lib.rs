@@ -1,0 +1,10 @@
+//! From measured data to what a model gets wrong: the cause by name, the extended model, the gain.
+//!
+//! A [`Record`] is one run of the real thing. The model's parameters are fitted to it anew, then what remains between
+//! measurement and simulation is put against a library of [`Effect`]s, each a change of the model with parameters of its own.
+
+mod effect;
+mod record;
+
+pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
+pub use record::{Measured, Quantity, Record, Signal};
