@@ -4,7 +4,9 @@
 //! measurement and simulation is put against a library of [`Effect`]s, each a change of the model with parameters of its own.
 
 mod effect;
+mod error;
 mod record;
 
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
+pub use error::DiagnoseError;
 pub use record::{Measured, Quantity, Record, Signal};

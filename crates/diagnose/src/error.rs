@@ -1,0 +1,96 @@
+//! What can be wrong with the data or the request.
+
+use bracketry_sim::{InputError, SimError};
+use std::path::PathBuf;
+
+/// Why a diagnosis cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnoseError {
+    /// A simulation cannot be set up.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A simulation cannot be started.
+    #[error(transparent)]
+    Simulation(#[from] SimError),
+    /// A file cannot be read.
+    #[error("cannot read `{}`: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// No record was given.
+    #[error("no data were given; pass at least one record")]
+    NoRecords,
+    /// A record does not belong to the model.
+    #[error("`{record}` has {found} {what}, the model {expected}; read it with this model")]
+    Mismatch {
+        /// The record.
+        record: String,
+        /// What is counted.
+        what: &'static str,
+        /// As many as the model has.
+        expected: usize,
+        /// As many as the record has.
+        found: usize,
+    },
+    /// A record holds no measured column.
+    #[error("`{record}` has no measured column; give a column for a state or an output of the model: {known}")]
+    NothingMeasured {
+        /// The record.
+        record: String,
+        /// States and outputs of the model.
+        known: String,
+    },
+    /// The records are too short.
+    #[error(
+        "the data give no window of at least {samples} samples without a gap; record longer or choose shorter windows"
+    )]
+    TooShort {
+        /// Fewest samples per window.
+        samples: usize,
+    },
+    /// A name that the model does not have.
+    #[error("the model has no {what} `{name}`; known are {known}")]
+    UnknownName {
+        /// What was looked for.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// Names that exist.
+        known: String,
+    },
+    /// An expression of an effect cannot be read.
+    #[error("cannot read the term `{text}`: {message}")]
+    Term {
+        /// The expression.
+        text: String,
+        /// What is wrong.
+        message: String,
+    },
+    /// A setting without meaning.
+    #[error("{name} is {value}, but must be {requirement}")]
+    Setting {
+        /// The setting.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        requirement: &'static str,
+    },
+    /// The model cannot be simulated over any of the windows.
+    #[error(
+        "the model cannot be simulated over any of the {windows} windows; the first, from t = {from} s of `{record}`: {reason}"
+    )]
+    NoWindow {
+        /// Windows tried.
+        windows: usize,
+        /// Record of the first.
+        record: String,
+        /// Its beginning, s.
+        from: f64,
+        /// Why the simulation ended.
+        reason: String,
+    },
+}
