@@ -69,6 +69,18 @@ pub enum DiagnoseError {
         /// What is wrong.
         message: String,
     },
+    /// A coefficient of an effect has a name that the model uses.
+    #[error("the model has a `{name}` already; give the coefficient another name")]
+    NameTaken {
+        /// The name.
+        name: String,
+    },
+    /// A substitution that finds nothing.
+    #[error("`{text}` does not occur in the equations that it should be replaced in")]
+    NothingReplaced {
+        /// What should be replaced.
+        text: String,
+    },
     /// A setting without meaning.
     #[error("{name} is {value}, but must be {requirement}")]
     Setting {

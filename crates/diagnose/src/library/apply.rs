@@ -1,0 +1,208 @@
+//! Changing a model by an effect.
+
+use bracketry_symbolic::{Expr, Names, Pool, Rational, Symbol};
+use bracketry_system::{InputDerivative, Parameter, System};
+use rustc_hash::FxHashMap;
+
+use crate::effect::{Change, Coefficient, Effect};
+use crate::error::DiagnoseError;
+
+/// What terms call the time since the beginning of a record, in seconds.
+///
+/// Equations of a model contain no time. An effect that needs it adds an input of this name, to be driven by the times
+/// of the record.
+pub const TIME_INPUT: &str = "time";
+
+/// The names of a model, for reading terms. Derivatives of inputs that the model does not use yet are made.
+pub(crate) struct ModelNames {
+    plain: FxHashMap<String, Expr>,
+    inputs: Vec<(String, Symbol)>,
+    /// Derivatives used so far; those of the model come first.
+    derivatives: Vec<InputDerivative>,
+    /// Whether [`TIME_INPUT`] stands for an input that the model does not have.
+    time_is_free: bool,
+    /// Set when a term uses the time.
+    uses_time: bool,
+}
+
+impl ModelNames {
+    pub(crate) fn new(system: &mut System) -> Self {
+        let mut plain: FxHashMap<String, Expr> = system.definitions.iter().cloned().collect();
+        let symbols: Vec<Symbol> = system
+            .states
+            .iter()
+            .chain(&system.inputs)
+            .copied()
+            .chain(system.parameters.iter().map(|p| p.symbol))
+            .collect();
+        for s in symbols {
+            let e = system.pool.sym(s);
+            plain.insert(system.pool.name(s).to_owned(), e);
+        }
+        let inputs = system.input_names().into_iter().zip(system.inputs.iter().copied()).collect();
+        ModelNames {
+            time_is_free: !plain.contains_key(TIME_INPUT),
+            plain,
+            inputs,
+            derivatives: system.input_derivatives.clone(),
+            uses_time: false,
+        }
+    }
+
+    /// Reads an expression.
+    pub(crate) fn read(&mut self, pool: &mut Pool, text: &str) -> Result<Expr, DiagnoseError> {
+        pool.parse_with(text, self).map_err(|e| DiagnoseError::Term { text: text.to_owned(), message: e.to_string() })
+    }
+
+    /// Registers in the system what terms have used beyond what it had.
+    fn register(self, system: &mut System) {
+        system.input_derivatives = self.derivatives;
+        if self.uses_time {
+            let symbol = system.pool.symbol(TIME_INPUT);
+            system.inputs.push(symbol);
+            if let Some(point) = &mut system.point {
+                point.inputs.push(system.pool.int(0));
+            }
+        }
+    }
+}
+
+impl Names for ModelNames {
+    fn lookup(&mut self, pool: &mut Pool, name: &str) -> Option<Expr> {
+        if self.time_is_free && name == TIME_INPUT {
+            self.uses_time = true;
+            return Some(pool.var(TIME_INPUT));
+        }
+        self.plain.get(name).copied()
+    }
+
+    fn derivative(&mut self, pool: &mut Pool, name: &str, order: u32) -> Option<Expr> {
+        let input = self.inputs.iter().position(|(n, _)| n == name)?;
+        let known = self.derivatives.iter().find(|d| d.input == input && d.order == order).map(|d| d.symbol);
+        let symbol = known.unwrap_or_else(|| {
+            let text = if order == 1 { format!("der({name})") } else { format!("der({name}, {order})") };
+            let symbol = pool.symbol(&text);
+            self.derivatives.push(InputDerivative { input, order, symbol });
+            symbol
+        });
+        Some(pool.sym(symbol))
+    }
+
+    fn known(&self) -> Vec<String> {
+        let mut known: Vec<String> = self.plain.keys().cloned().collect();
+        known.sort_unstable();
+        known
+    }
+}
+
+impl Effect {
+    /// Makes the change in a model: the coefficients become parameters at their nominal values, so that the equations
+    /// keep their values as long as the amplitudes are not given others.
+    ///
+    /// Terms and substitutions are read with the names of the model (states, inputs and their derivatives, parameters,
+    /// definitions) and those of the coefficients. Derivatives of inputs that the model did not use are appended to
+    /// [`System::input_derivatives`]; if [`TIME_INPUT`] is used, an input of that name is appended. A change of a signal
+    /// path is none of the equations and leaves the system as it is. Static levels of signs that are replaced are
+    /// dropped.
+    ///
+    /// # Errors
+    /// [`DiagnoseError::Term`] for an expression that cannot be read, [`DiagnoseError::UnknownName`] for an equation
+    /// that the model does not have, [`DiagnoseError::NameTaken`] for a coefficient that it has already,
+    /// [`DiagnoseError::NothingReplaced`] for a substitution that does not occur. The system is then unchanged.
+    pub fn apply(&self, system: &mut System) -> Result<(), DiagnoseError> {
+        if matches!(self.change, Change::Path { .. }) {
+            return Ok(());
+        }
+        let mut changed = system.clone();
+        self.add_coefficients(&mut changed)?;
+        let mut names = ModelNames::new(&mut changed);
+        match &self.change {
+            Change::Terms(terms) => {
+                for (state, text) in terms {
+                    let row = equation(&changed, state)?;
+                    let term = names.read(&mut changed.pool, text)?;
+                    changed.dynamics[row] = changed.pool.add(changed.dynamics[row], term);
+                }
+            }
+            Change::Substitution { states, pairs } => {
+                let mut map = FxHashMap::default();
+                for (from, to) in pairs {
+                    let from = names.read(&mut changed.pool, from)?;
+                    let to = names.read(&mut changed.pool, to)?;
+                    map.insert(from, to);
+                }
+                let rows: Vec<usize> = if states.is_empty() {
+                    (0..changed.states.len()).collect()
+                } else {
+                    states.iter().map(|s| equation(&changed, s)).collect::<Result<_, _>>()?
+                };
+                let old: Vec<Expr> = rows.iter().map(|&r| changed.dynamics[r]).collect();
+                let new = changed.pool.substitute_all(&old, &map);
+                if old == new {
+                    let text = pairs.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(", ");
+                    return Err(DiagnoseError::NothingReplaced { text });
+                }
+                for (row, e) in rows.into_iter().zip(new) {
+                    changed.dynamics[row] = e;
+                }
+                drop_lost_static_levels(&mut changed);
+            }
+            Change::Path { .. } => {}
+        }
+        names.register(&mut changed);
+        *system = changed;
+        Ok(())
+    }
+
+    fn add_coefficients(&self, system: &mut System) -> Result<(), DiagnoseError> {
+        for c in &self.coefficients {
+            let taken = |s: Symbol| system.pool.name(s) == c.name;
+            let symbols = system.states.iter().chain(&system.inputs).copied();
+            if symbols.chain(system.parameters.iter().map(|p| p.symbol)).any(taken)
+                || system.definitions.iter().any(|(n, _)| *n == c.name)
+            {
+                return Err(DiagnoseError::NameTaken { name: c.name.clone() });
+            }
+            let parameter = parameter(c, system.pool.symbol(&c.name))?;
+            system.parameters.push(parameter);
+        }
+        Ok(())
+    }
+}
+
+fn equation(system: &System, state: &str) -> Result<usize, DiagnoseError> {
+    system.state_index(state).ok_or_else(|| DiagnoseError::UnknownName {
+        what: "state",
+        name: state.to_owned(),
+        known: system.state_names().join(", "),
+    })
+}
+
+fn parameter(c: &Coefficient, symbol: Symbol) -> Result<Parameter, DiagnoseError> {
+    // The decimal that a model file would show, not the binary fraction behind it.
+    let exact = |x: f64| -> Option<Rational> {
+        let mut pool = Pool::new();
+        let e = pool.parse(&format!("{x:e}")).ok()?;
+        pool.number(e).cloned()
+    };
+    let Some(value) = exact(c.nominal) else {
+        return Err(DiagnoseError::Setting {
+            name: "the nominal value of a coefficient",
+            value: c.nominal,
+            requirement: "finite",
+        });
+    };
+    let bound = |x: f64| if x.is_finite() { exact(x) } else { None };
+    let text = |t: &str| if t.is_empty() { None } else { Some(t.to_owned()) };
+    Ok(Parameter { symbol, value, min: bound(c.min), max: bound(c.max), unit: text(&c.unit), about: text(&c.about) })
+}
+
+/// Drops static levels whose sign or unit vector does not occur any more.
+fn drop_lost_static_levels(system: &mut System) {
+    if system.static_levels.is_empty() {
+        return;
+    }
+    let form = system.set_valued_form();
+    let levels = std::mem::take(&mut system.static_levels);
+    system.static_levels = levels.into_iter().filter(|l| system.switch_of(&form, l).is_some()).collect();
+}
