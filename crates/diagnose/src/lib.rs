@@ -7,8 +7,10 @@ mod effect;
 mod error;
 mod library;
 mod record;
+mod study;
 
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
 pub use library::TIME_INPUT;
 pub use record::{Measured, Quantity, Record, Signal};
+pub use study::{Column, Linearization, Normal};
