@@ -1,5 +1,7 @@
 //! Effects: changes of a model that may explain what it gets wrong.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 /// Names of causes, as reports print them.
@@ -32,6 +34,13 @@ pub enum Cause {
     Backlash,
     ParameterError,
     UnknownTerm,
+}
+
+impl fmt::Display for Cause {
+    /// As in reports: `viscous_friction`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
 }
 
 /// What a coefficient of an effect does.

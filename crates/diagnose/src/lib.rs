@@ -7,10 +7,14 @@ mod effect;
 mod error;
 mod library;
 mod record;
+mod report;
 mod study;
 
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
 pub use library::TIME_INPUT;
 pub use record::{Measured, Quantity, Record, Signal};
+pub use report::{
+    Candidate, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, Rival, Value, Verdict,
+};
 pub use study::{Column, Linearization, Normal};

@@ -1,0 +1,224 @@
+//! The result of a diagnosis: what was found, how sure it is, and what it is worth.
+
+mod json;
+mod table;
+mod text;
+
+use std::path::PathBuf;
+
+use bracketry_system::System;
+use serde::Serialize;
+
+use crate::{Cause, Effect};
+
+/// What a diagnosis ended with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The model lacks something that has a name, or a parameter is wrong by more than its tolerance.
+    CauseFound,
+    /// What the refitted model leaves over is noise.
+    NothingFound,
+    /// The refitted model leaves over more than noise, and nothing that was tried explains it.
+    Unexplained,
+}
+
+/// A number with its uncertainty.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Value {
+    /// The estimate.
+    pub value: f64,
+    /// Its standard deviation.
+    pub std: f64,
+    /// The interval that holds the true value with 95 % probability, from resampling windows; absent where it was not made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<[f64; 2]>,
+    /// Unit; may be empty.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+}
+
+/// Something that the experiment cannot tell from a cause.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rival {
+    /// Its name.
+    pub name: Cause,
+    /// The state, input or measured column that it acts on.
+    pub equation: String,
+    /// The formula for the reader.
+    pub term: String,
+    /// Why it cannot be ruled out, as a clause.
+    pub why: String,
+}
+
+/// A cause of what the model gets wrong.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedCause {
+    /// Its name.
+    pub name: Cause,
+    /// The state, input or measured column that it acts on.
+    pub equation: String,
+    /// The formula for the reader, in the names of the model and of `parameters`.
+    pub term: String,
+    /// Its parameters by name; for [`Cause::ParameterError`] the parameter of the model.
+    #[serde(serialize_with = "json::by_name")]
+    pub parameters: Vec<(String, Value)>,
+    /// Probability of an improvement on held-out data at least this large without the cause, corrected for the number of
+    /// candidates.
+    pub p_value: f64,
+    /// Names that this experiment cannot tell from it, without repetition.
+    pub confusable_with: Vec<Cause>,
+    /// What to measure in order to tell them apart; empty if there is nothing to tell apart.
+    pub separating_experiment: String,
+    /// The same causes as in `confusable_with`, each with its place and the reason.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rivals: Vec<Rival>,
+    /// Share of the excess error on held-out data that this cause alone takes away from the model with the other causes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+    /// What is odd about the values, as a negative friction coefficient; empty if nothing is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub flags: Vec<String>,
+}
+
+/// Where the refitted model is wrong.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Place {
+    /// The state in whose time derivative the error acts, or the measured column.
+    pub equation: String,
+    /// When, as `sliding, v > 0`.
+    pub regime: String,
+    /// Share of the excess error.
+    pub share: f64,
+}
+
+/// How much better the extended model predicts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gain {
+    /// What `before` and `after` are.
+    pub metric: String,
+    /// Prediction horizons in seconds.
+    pub horizons_s: Vec<f64>,
+    /// Error of the given model with refitted parameters at each horizon.
+    pub before: Vec<f64>,
+    /// Error of the extended model.
+    pub after: Vec<f64>,
+    /// Error of the model as it was given, parameters unchanged.
+    pub as_given: Vec<f64>,
+    /// Whether the data played no part in any fit.
+    pub held_out: bool,
+    /// Predictions at each horizon.
+    pub predictions: Vec<usize>,
+    /// Force error of the given model with refitted parameters, relative to the applied force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub equation_error_before: Option<f64>,
+    /// Force error of the extended model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub equation_error_after: Option<f64>,
+    /// Force error of the model as it was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub equation_error_as_given: Option<f64>,
+    /// Bandwidth of the derivatives behind the force error, Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub equation_bandwidth_hz: Option<f64>,
+}
+
+/// A parameter of the given model, refitted.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RefittedParameter {
+    /// Its name.
+    #[serde(skip)]
+    pub name: String,
+    /// Value in the model file.
+    pub before: f64,
+    /// Value in the final fit.
+    pub after: f64,
+    /// Standard deviation of `after`.
+    pub std: f64,
+    /// The interval that holds the true value with 95 % probability, from resampling windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<[f64; 2]>,
+    /// Unit; may be empty.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+}
+
+/// One explanation that was tried, in the order of merit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Candidate {
+    /// Its name.
+    pub name: Cause,
+    /// The state, input or measured column that it acts on.
+    pub equation: String,
+    /// The formula for the reader.
+    pub term: String,
+    /// Share of the excess error that it takes away on held-out data; negative if it makes things worse.
+    pub share: f64,
+    /// The interval of 95 % for `share`, from resampling windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<[f64; 2]>,
+    /// Probability of such an improvement by chance, corrected for the number of candidates.
+    pub p_value: f64,
+    /// Whether it is among the causes.
+    pub chosen: bool,
+}
+
+/// Size of what a model leaves over, in units of the noise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Excess {
+    /// Root mean square of residual over noise, 1 for noise alone: the given model with its parameters refitted.
+    pub refitted: f64,
+    /// The same for the extended model; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extended: Option<f64>,
+    /// Probability of a residual like the refitted model's if there were only noise.
+    pub p_value: f64,
+}
+
+/// The result of a diagnosis.
+///
+/// `Serialize` gives the JSON object of `bracketry diagnose --json`, `Display` the text for a reader.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Name of the model.
+    pub model: String,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Why, in a sentence.
+    pub reason: String,
+    /// What the model lacks, the most important first.
+    pub causes: Vec<NamedCause>,
+    /// Where the refitted model is wrong, the largest share first.
+    #[serde(rename = "where")]
+    pub places: Vec<Place>,
+    /// What the extended model is worth; absent where there is none or the data were too short to tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gain: Option<Gain>,
+    /// The refitted parameters by name, in the order of the model.
+    #[serde(serialize_with = "json::parameters")]
+    pub parameters: Vec<RefittedParameter>,
+    /// The file of the extended model, once it is written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extended_model: Option<PathBuf>,
+    /// Residual against noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub excess: Option<Excess>,
+    /// What was tried, the best first.
+    pub candidates: Vec<Candidate>,
+    /// What else the reader should know.
+    pub notes: Vec<String>,
+    /// Time that it took.
+    pub seconds: f64,
+    /// The fits behind the report, for files and figures.
+    #[serde(skip)]
+    pub evidence: Evidence,
+}
+
+/// What files and figures are made from.
+#[derive(Clone, Debug, Default)]
+pub struct Evidence {
+    /// The effects in the extended model.
+    pub effects: Vec<Effect>,
+    /// The extended model.
+    pub model: Option<System>,
+}
