@@ -9,6 +9,7 @@ mod library;
 mod record;
 mod report;
 mod study;
+mod synthetic;
 
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
@@ -18,3 +19,6 @@ pub use report::{
     Candidate, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, Rival, Value, Verdict,
 };
 pub use study::{Column, Linearization, Normal};
+pub use synthetic::{
+    Excitation, Hidden, HiddenEffect, Named, Score, Slider, SliderLog, SliderSensors, SliderTruth, SyntheticError,
+};
