@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use bracketry_plate::{PlateKinematics, PlateMotion};
-use bracketry_system::{Document, FileError};
+use bracketry_system::{Columns, Document, Entries, FileError};
 
 use super::spline::Spline;
-use crate::input_table::{Table, read, read_table};
 
 /// Columns that every log has.
 const OBJECT: [&str; 4] = ["t", "x_plate", "y_plate", "phi_plate"];
@@ -42,12 +41,12 @@ impl PlateLog {
     /// # Errors
     /// [`FileError`] with place and remedy.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let doc = read(path, "name a CSV file: a table with the columns t, x_plate, y_plate, phi_plate")?;
+        let doc = Columns::document(path, "name a CSV file: a table with the columns t, x_plate, y_plate, phi_plate")?;
         Self::from_document(&doc)
     }
 
     fn from_document(doc: &Document) -> Result<Self, FileError> {
-        let Table { mut columns, lines } = read_table(doc)?;
+        let Columns { mut columns, lines, .. } = Columns::parse(doc, |_| Entries::Finite)?;
         let known = columns.keys().cloned().collect::<Vec<_>>().join(", ");
         let missing: Vec<&str> = OBJECT.into_iter().filter(|name| !columns.contains_key(*name)).collect();
         if !missing.is_empty() {

@@ -70,32 +70,28 @@ impl Document {
         Document { file: file.into(), text: text.into() }
     }
 
-    /// Reads a file.
+    /// Reads a TOML file.
     ///
     /// # Errors
     /// If it cannot be read, is too large or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let name = path.display().to_string();
-        let whole = |message: String, remedy: &str| FileError {
-            file: name.clone(),
-            line: 0,
-            column: 0,
-            found: String::new(),
-            message,
-            remedy: remedy.into(),
-            source_line: String::new(),
-        };
+        Self::read_up_to(path, MAX_BYTES, "name a TOML file", "is this really a TOML file?")
+    }
+
+    /// Reads a text of at most `max_bytes`; `no_file` and `too_large` say what to do about a path that is no such file.
+    pub(crate) fn read_up_to(path: &Path, max_bytes: u64, no_file: &str, too_large: &str) -> Result<Self, FileError> {
+        let whole = |message: String, remedy: &str| Self::new(path.display().to_string(), "").missing(message, remedy);
         let meta = std::fs::metadata(path).map_err(|e| whole(format!("cannot be read: {e}"), "check the path"))?;
         if !meta.is_file() {
-            return Err(whole("is not a file".into(), "name a TOML file"));
+            return Err(whole("is not a file".into(), no_file));
         }
-        if meta.len() > MAX_BYTES {
-            return Err(whole(format!("is larger than {} MiB", MAX_BYTES >> 20), "is this really a TOML file?"));
+        if meta.len() > max_bytes {
+            return Err(whole(format!("is larger than {} MiB", max_bytes >> 20), too_large));
         }
         let bytes = std::fs::read(path).map_err(|e| whole(format!("cannot be read: {e}"), "check the permissions"))?;
         let text =
             String::from_utf8(bytes).map_err(|_| whole("is not UTF-8 text".into(), "save it with UTF-8 encoding"))?;
-        Ok(Document { file: name, text })
+        Ok(Self::new(path.display().to_string(), text))
     }
 
     /// The name of the file.

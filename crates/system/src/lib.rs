@@ -3,6 +3,7 @@
 mod affine;
 mod augment;
 mod candidate;
+mod columns;
 mod document;
 mod feedback;
 mod hull;
@@ -27,6 +28,7 @@ mod unit_vector;
 pub use affine::{AffineError, AffineForm, Affinization};
 pub use bracketry_symbolic as symbolic;
 pub use candidate::{AtPoint, Candidate, Method, NewInput, NewState};
+pub use columns::{Columns, Entries};
 pub use document::{Document, FileError, Table, Value};
 pub use model_file::RESERVED;
 pub use model_text::WriteError;

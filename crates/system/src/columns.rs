@@ -1,0 +1,157 @@
+//! Tables of samples as text (CSV): a header, then rows of numbers.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::document::{Document, FileError};
+
+/// Tables larger than this are refused.
+const MAX_BYTES: u64 = 512 << 20;
+
+/// What stands for a lost value, in lower case.
+const LOST: [&str; 7] = ["", "nan", "na", "n/a", "null", "inf", "-inf"];
+
+/// What the entries of a column may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entries {
+    /// Every entry is a finite number.
+    Finite,
+    /// A finite number, or lost: empty, `nan`, `na`, `n/a`, `null` or infinite, which is read as NaN.
+    MayBeLost,
+    /// The column is not read.
+    Ignored,
+}
+
+/// The columns of a table by name, and the line of each row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Columns {
+    /// The columns that were read, all of the same length, at least 1.
+    pub columns: BTreeMap<String, Vec<f64>>,
+    /// Names of all columns, in the order of the file.
+    pub header: Vec<String>,
+    /// The line of each row, from 1.
+    pub lines: Vec<u64>,
+}
+
+impl Columns {
+    /// Reads the text of a table; `what` says what to name where the path is no file.
+    ///
+    /// # Errors
+    /// [`FileError`] if the file cannot be read, is larger than 512 MiB or is not UTF-8.
+    pub fn document(path: &Path, what: &str) -> Result<Document, FileError> {
+        Document::read_up_to(path, MAX_BYTES, what, "give fewer samples, or use the table in parts")
+    }
+
+    /// Reads a table with a header. Lines that begin with `#` are comments; a comma between parentheses, as in `der(X,2)`,
+    /// is part of the name. `entries` says of each column what may stand in it.
+    ///
+    /// # Errors
+    /// [`FileError`] with line and column for what is no table, for entries that `entries` does not admit, for two columns of
+    /// one name, and if there is no row.
+    pub fn parse(doc: &Document, entries: impl Fn(&str) -> Entries) -> Result<Self, FileError> {
+        let (before, header, after) = split_header(doc.text());
+        let header = quote_parentheses(header);
+        let text = [before, &header, after].concat();
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+        let header = reader
+            .headers()
+            .map_err(|e| doc.missing(format!("the header cannot be read: {e}"), "start the table with column names"))?;
+        let header: Vec<String> = header.iter().map(str::to_owned).collect();
+        for (k, name) in header.iter().enumerate() {
+            if header[..k].contains(name) {
+                return Err(doc.missing(format!("two columns are called `{name}`"), "rename one of them"));
+            }
+        }
+        let entries: Vec<Entries> = header.iter().map(|name| entries(name)).collect();
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); header.len()];
+        let mut lines = Vec::new();
+        for record in reader.records() {
+            let record =
+                record.map_err(|e| doc.missing(e.to_string(), "give every row as many entries as the header"))?;
+            let line = record.position().map_or(0, |p| p.line() + skipped_lines(&text, p.byte()));
+            lines.push(line);
+            for (k, field) in record.iter().enumerate() {
+                match (entries[k], field.parse::<f64>()) {
+                    (Entries::Ignored, _) => {}
+                    (_, Ok(v)) if v.is_finite() => columns[k].push(v),
+                    (Entries::MayBeLost, _) if LOST.contains(&field.to_ascii_lowercase().as_str()) => {
+                        columns[k].push(f64::NAN);
+                    }
+                    (kind, _) => {
+                        let message = format!("line {line}, column `{}`: `{field}` is not a finite number", header[k]);
+                        let remedy = match kind {
+                            Entries::MayBeLost => "correct the entry; one that was lost is left empty or called nan",
+                            _ => "correct or remove the row",
+                        };
+                        return Err(doc.missing(message, remedy));
+                    }
+                }
+            }
+        }
+        if lines.is_empty() {
+            return Err(doc.missing("the table has no rows", "give at least two samples"));
+        }
+        let read = header.iter().cloned().zip(columns).zip(&entries);
+        let columns = read.filter(|(_, kind)| **kind != Entries::Ignored).map(|(column, _)| column).collect();
+        Ok(Self { columns, header, lines })
+    }
+
+    /// `der(X,2)` → (`X`, 2), `der(X)` → (`X`, 1): the input and the order that a column is called after.
+    pub fn derivative_name(name: &str) -> Option<(&str, u32)> {
+        let inner = name.strip_prefix("der(")?.strip_suffix(')')?;
+        match inner.split_once(',') {
+            None => Some((inner.trim(), 1)),
+            Some((input, order)) => Some((input.trim(), order.trim().parse().ok()?)),
+        }
+    }
+}
+
+/// Number of empty lines and comments between the end of the row before, at a byte of the text, and the row that follows.
+fn skipped_lines(text: &str, byte: u64) -> u64 {
+    let rest = text.get(byte as usize..).unwrap_or("");
+    rest.split('\n').take_while(|line| line.starts_with('#') || line.trim_end_matches('\r').is_empty()).count() as u64
+}
+
+/// The text before the line of the header, that line, and the rest.
+fn split_header(text: &str) -> (&str, &str, &str) {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        let end = start + line.trim_end_matches(['\n', '\r']).len();
+        if end > start && !line.starts_with('#') {
+            return (&text[..start], &text[start..end], &text[end..]);
+        }
+        start += line.len();
+    }
+    (text, "", "")
+}
+
+/// The header with names trimmed, and quotes around those in which a comma stands between parentheses, as in `der(X,2)`.
+fn quote_parentheses(header: &str) -> String {
+    let mut fields = vec![String::new()];
+    let (mut quoted, mut depth) = (false, 0usize);
+    for c in header.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            '(' if !quoted => depth += 1,
+            ')' if !quoted => depth = depth.saturating_sub(1),
+            ',' if !quoted && depth == 0 => {
+                fields.push(String::new());
+                continue;
+            }
+            _ => {}
+        }
+        if let Some(field) = fields.last_mut() {
+            field.push(c);
+        }
+    }
+    if quoted || depth > 0 {
+        return header.to_owned();
+    }
+    let quote = |field: &String| {
+        let name = field.trim();
+        if name.contains(',') && !name.contains('"') { format!("\"{name}\"") } else { name.to_owned() }
+    };
+    fields.iter().map(quote).collect::<Vec<_>>().join(",")
+}
