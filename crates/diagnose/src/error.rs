@@ -1,11 +1,15 @@
 //! What can be wrong with the data or the request.
 
 use bracketry_sim::{InputError, SimError};
+use bracketry_system::FileError;
 use std::path::PathBuf;
 
 /// Why a diagnosis cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum DiagnoseError {
+    /// Data that cannot be used: file, line, column, remedy.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A simulation cannot be set up.
     #[error(transparent)]
     Input(#[from] InputError),

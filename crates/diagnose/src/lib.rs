@@ -6,6 +6,7 @@
 mod effect;
 mod error;
 mod library;
+mod read;
 mod record;
 mod report;
 mod study;
@@ -14,6 +15,7 @@ mod synthetic;
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
 pub use library::TIME_INPUT;
+pub use read::{Audit, ColumnAudit, Noise, RecordSettings, Warning, estimate_noise, read_record};
 pub use record::{Measured, Quantity, Record, Signal};
 pub use report::{
     Candidate, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, Rival, Value, Verdict,

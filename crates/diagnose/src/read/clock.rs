@@ -1,0 +1,50 @@
+//! The times of a run: order, gaps, jitter.
+
+use bracketry_system::FileError;
+
+use super::Origin;
+
+/// A step in time longer than this many usual ones is a gap.
+const GAP: f64 = 2.5;
+
+/// What the times of a run are like.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Clock {
+    /// Median step, s.
+    pub(super) step: f64,
+    /// Standard deviation of the steps that are no gaps over the median step.
+    pub(super) jitter: f64,
+    /// Index of the first sample after each gap.
+    pub(super) gaps: Vec<usize>,
+}
+
+impl Clock {
+    /// Looks at the times.
+    ///
+    /// # Errors
+    /// [`FileError`] for fewer than two, for one that is not finite, and for the first that does not increase.
+    pub(super) fn of(origin: &Origin<'_>, times: &[f64]) -> Result<Self, FileError> {
+        if times.len() < 2 {
+            return Err(origin.whole("the table has fewer than two rows", "give at least two samples"));
+        }
+        if let Some(row) = times.iter().position(|t| !t.is_finite()) {
+            return Err(origin.at(row, "t", "not a finite number", "correct or remove the row"));
+        }
+        if let Some(row) = (1..times.len()).find(|&row| times[row] <= times[row - 1]) {
+            let problem = format!("the time {} does not exceed {} before it", times[row], times[row - 1]);
+            return Err(origin.at(row, "t", &problem, "sort the rows by time and remove repeated ones"));
+        }
+        let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let mut sorted = steps.clone();
+        sorted.sort_by(f64::total_cmp);
+        let step = sorted[sorted.len() / 2];
+        // Of a clock that runs unevenly, the long steps are no gaps.
+        let usual = step.max(sorted[sorted.len() * 9 / 10]);
+        let gaps: Vec<usize> = (1..times.len()).filter(|&row| steps[row - 1] > GAP * usual).collect();
+        let regular = sorted.iter().filter(|dt| **dt <= GAP * usual);
+        let count = regular.clone().count() as f64;
+        let mean = regular.clone().sum::<f64>() / count;
+        let variance = regular.map(|dt| (dt - mean).powi(2)).sum::<f64>() / count;
+        Ok(Self { step, jitter: variance.sqrt() / step, gaps })
+    }
+}

@@ -1,0 +1,197 @@
+//! From a table of samples to a [`Record`]: which column is what, what is wrong with it, how noisy it is.
+
+mod audit;
+mod clock;
+mod noise;
+mod roles;
+
+pub use audit::{Audit, ColumnAudit, Warning};
+pub use noise::{Noise, estimate_noise};
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use bracketry_sim::Hold;
+use bracketry_system::{Columns, Entries, FileError, System};
+
+use crate::{DiagnoseError, Measured, Record, Signal};
+use clock::Clock;
+use roles::{Role, Roles};
+
+/// Largest share of lost entries of a measured column.
+const MOST_LOST: f64 = 0.5;
+
+/// How the columns of a table are meant.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RecordSettings {
+    /// How inputs go on between samples. `None`: each value is held until the next sample; a derivative of an input that
+    /// changes little from sample to sample follows straight lines, since it is a motion and not a command.
+    pub hold: Option<Hold>,
+    /// Pairs: the name of a column, the name in the model that it gets.
+    pub rename: Vec<(String, String)>,
+}
+
+impl RecordSettings {
+    /// The name in the model of a column.
+    fn renamed<'a>(&'a self, column: &'a str) -> &'a str {
+        self.rename.iter().find(|(from, _)| from == column).map_or(column, |(_, to)| to)
+    }
+
+    /// Gives columns their names in the model.
+    fn apply(
+        &self,
+        origin: &Origin<'_>,
+        columns: BTreeMap<String, Vec<f64>>,
+    ) -> Result<BTreeMap<String, Vec<f64>>, FileError> {
+        let mut out = BTreeMap::new();
+        let mut before = BTreeMap::new();
+        for (name, values) in columns {
+            let to = self.renamed(&name).to_owned();
+            if let Some(other) = before.insert(to.clone(), name.clone()) {
+                let message = format!("`{other}` and `{name}` are both called `{to}`: two columns of one name");
+                return Err(origin.whole(message, format!("give one of them another name: --rename {to}=other")));
+            }
+            out.insert(to, values);
+        }
+        Ok(out)
+    }
+}
+
+/// Where columns come from, for messages.
+struct Origin<'a> {
+    name: &'a str,
+    /// The line of each row, in a text file.
+    lines: Option<&'a [u64]>,
+}
+
+impl Origin<'_> {
+    fn row(&self, row: usize) -> String {
+        match self.lines.and_then(|lines| lines.get(row)) {
+            Some(line) => format!("line {line}"),
+            None => format!("sample {row}"),
+        }
+    }
+
+    fn whole(&self, message: impl Into<String>, remedy: impl Into<String>) -> FileError {
+        bracketry_system::Document::new(self.name, "").missing(message, remedy)
+    }
+
+    fn at(&self, row: usize, column: &str, problem: &str, remedy: &str) -> FileError {
+        self.whole(format!("{}, column `{column}`: {problem}", self.row(row)), remedy)
+    }
+}
+
+/// Reads a run from a table: a column `t` in seconds, one per measured state or output, one per input, `der(X,2)` for its
+/// derivatives; other columns are ignored, and the [`Audit`] says so.
+///
+/// # Errors
+/// [`DiagnoseError::File`] with file, line, column and remedy for what is no such table.
+pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> Result<(Record, Audit), DiagnoseError> {
+    let doc = Columns::document(path, "name a CSV file: a table with a column t, the inputs and what was measured")?;
+    let entries = |name: &str| match roles::role(settings.renamed(name), system) {
+        None => Entries::Ignored,
+        Some(Role::Measured(_)) => Entries::MayBeLost,
+        Some(_) => Entries::Finite,
+    };
+    let Columns { columns, header, lines } = Columns::parse(&doc, entries)?;
+    for (from, _) in &settings.rename {
+        if !header.contains(from) {
+            let message = format!("there is no column `{from}` to rename; the table has {}", header.join(", "));
+            return Err(doc.missing(message, "name a column of the table before the equals sign: --rename q=x").into());
+        }
+    }
+    let origin = Origin { name: doc.file(), lines: Some(&lines) };
+    let columns = settings.apply(&origin, columns)?;
+    let ignored = header.into_iter().filter(|name| !columns.contains_key(settings.renamed(name))).collect();
+    build(&origin, columns, ignored, system, settings)
+}
+
+impl Record {
+    /// A run from columns by name, `times` in seconds; otherwise as [`read_record`]. NaN in a measured column is a lost
+    /// value.
+    ///
+    /// # Errors
+    /// [`DiagnoseError::File`] as [`read_record`], with the index of the sample in place of the line.
+    pub fn from_columns(
+        name: &str,
+        times: Vec<f64>,
+        columns: BTreeMap<String, Vec<f64>>,
+        system: &System,
+        settings: &RecordSettings,
+    ) -> Result<(Record, Audit), DiagnoseError> {
+        let origin = Origin { name, lines: None };
+        for (column, values) in &columns {
+            if values.len() != times.len() {
+                let message = format!("column `{column}` has {} entries for {} times", values.len(), times.len());
+                return Err(origin.whole(message, "give one entry per time").into());
+            }
+        }
+        let mut columns = settings.apply(&origin, columns)?;
+        columns.insert("t".to_owned(), times);
+        let known = |column: &String| roles::role(column, system).is_some();
+        let ignored = columns.keys().filter(|column| !known(column)).cloned().collect();
+        columns.retain(|column, _| known(column));
+        build(&origin, columns, ignored, system, settings)
+    }
+}
+
+/// The record of columns that all mean something, `t` among them.
+fn build(
+    origin: &Origin<'_>,
+    columns: BTreeMap<String, Vec<f64>>,
+    ignored: Vec<String>,
+    system: &System,
+    settings: &RecordSettings,
+) -> Result<(Record, Audit), DiagnoseError> {
+    let mut roles = Roles::of(origin, columns, &ignored, system)?;
+    let clock = Clock::of(origin, &roles.times)?;
+    for (column, values) in roles.driving() {
+        if let Some(row) = values.iter().position(|v| !v.is_finite()) {
+            let remedy = "an input must be known at all times: correct or remove the row";
+            return Err(origin.at(row, &column, "not a finite number", remedy).into());
+        }
+    }
+    let mut measured = Vec::new();
+    let mut audits = Vec::new();
+    for (name, quantity, mut values) in std::mem::take(&mut roles.measured) {
+        for v in &mut values {
+            if !v.is_finite() {
+                *v = f64::NAN;
+            }
+        }
+        let lost = values.iter().filter(|v| v.is_nan()).count();
+        if lost as f64 > MOST_LOST * values.len() as f64 {
+            let message = format!("column `{name}`: {lost} of {} values were lost", values.len());
+            return Err(origin.whole(message, "remove the column, or the part of the run without it").into());
+        }
+        let noise = estimate_noise(&roles.times, &values);
+        audits.push(ColumnAudit::measured(&name, &values, noise));
+        measured.push(Measured { name, quantity, values, noise: noise.std });
+    }
+    let n = roles.times.len();
+    let hold = settings.hold.unwrap_or_default();
+    let mut inputs = Vec::new();
+    for (input, name) in system.input_names().into_iter().enumerate() {
+        let values = roles.inputs.remove(&input);
+        if let Some(values) = &values {
+            audits.push(ColumnAudit::input(&name, values));
+        }
+        inputs.push(Signal { values: values.unwrap_or_else(|| vec![0.0; n]), hold });
+    }
+    let mut input_derivatives = Vec::new();
+    for d in &system.input_derivatives {
+        let values = roles.derivatives.remove(&(d.input, d.order)).unwrap_or_else(|| vec![0.0; n]);
+        let lines = if values.windows(2).all(|pair| pair[0] == pair[1]) { Hold::Previous } else { Hold::Linear };
+        input_derivatives.push(Signal { values, hold: settings.hold.unwrap_or(lines) });
+    }
+    let audit = Audit::new(origin.name, &roles.times, &clock, audits, ignored);
+    let record = Record {
+        name: origin.name.to_owned(),
+        times: roles.times,
+        gaps: clock.gaps,
+        inputs,
+        input_derivatives,
+        measured,
+    };
+    Ok((record, audit))
+}

@@ -1,0 +1,151 @@
+//! Which column is what.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use bracketry_system::symbolic::{Node, Symbol};
+use bracketry_system::{Columns, FileError, System};
+
+use super::Origin;
+use crate::Quantity;
+
+/// What a column means to a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Time in seconds.
+    Time,
+    /// An input, by index.
+    Input(usize),
+    /// A derivative that the equations use: index of the input, order.
+    Derivative(usize, u32),
+    /// Something measured.
+    Measured(Quantity),
+}
+
+/// The role of a column of that name, if it has one. An output that is nothing but a state is that state.
+pub(super) fn role(name: &str, system: &System) -> Option<Role> {
+    if name == "t" {
+        return Some(Role::Time);
+    }
+    if let Some(input) = system.input_index(name) {
+        return Some(Role::Input(input));
+    }
+    if let Some(output) = system.outputs.iter().position(|(output, _)| output == name) {
+        let quantity = match system.pool.node(system.outputs[output].1) {
+            Node::Sym(s) => system.states.iter().position(|state| *state == s).map(Quantity::State),
+            _ => None,
+        };
+        return Some(Role::Measured(quantity.unwrap_or(Quantity::Output(output))));
+    }
+    if let Some(state) = system.state_index(name) {
+        return Some(Role::Measured(Quantity::State(state)));
+    }
+    let (input, order) = Columns::derivative_name(name)?;
+    let input = system.input_index(input)?;
+    let used = system.input_derivatives.iter().any(|d| d.input == input && d.order == order);
+    used.then_some(Role::Derivative(input, order))
+}
+
+/// The columns by what they mean.
+pub(super) struct Roles {
+    pub(super) times: Vec<f64>,
+    pub(super) inputs: BTreeMap<usize, Vec<f64>>,
+    pub(super) derivatives: BTreeMap<(usize, u32), Vec<f64>>,
+    pub(super) measured: Vec<(String, Quantity, Vec<f64>)>,
+    names: Vec<String>,
+}
+
+impl Roles {
+    /// Sorts the columns, all of which have a role.
+    ///
+    /// # Errors
+    /// [`FileError`] if time, something measured, or an input that the model needs is missing; it lists what there is and
+    /// what could be.
+    pub(super) fn of(
+        origin: &Origin<'_>,
+        columns: BTreeMap<String, Vec<f64>>,
+        ignored: &[String],
+        system: &System,
+    ) -> Result<Self, FileError> {
+        bracketry_system::Document::new(origin.name, "").time_is_free(system)?;
+        let found: Vec<&str> = columns.keys().chain(ignored).map(String::as_str).collect();
+        let found = found.join(", ");
+        let names = system.input_names();
+        let mut roles = Self {
+            times: Vec::new(),
+            inputs: BTreeMap::new(),
+            derivatives: BTreeMap::new(),
+            measured: Vec::new(),
+            names: names.clone(),
+        };
+        for (name, values) in columns {
+            match role(&name, system) {
+                Some(Role::Time) => roles.times = values,
+                Some(Role::Input(input)) => {
+                    roles.inputs.insert(input, values);
+                }
+                Some(Role::Derivative(input, order)) => {
+                    let before = roles.derivatives.insert((input, order), values);
+                    if before.is_some() {
+                        let message = format!("two columns give der({},{order})", names[input]);
+                        return Err(origin.whole(message, "remove one of them"));
+                    }
+                }
+                Some(Role::Measured(quantity)) => {
+                    if let Some((other, ..)) = roles.measured.iter().find(|(_, q, _)| *q == quantity) {
+                        let message = format!("the columns `{other}` and `{name}` both measure `{name}`");
+                        return Err(origin.whole(message, "remove one of them"));
+                    }
+                    roles.measured.push((name, quantity, values));
+                }
+                None => {}
+            }
+        }
+        if roles.times.is_empty() {
+            let message = format!("there is no column `t`; the columns are {found}");
+            return Err(origin.whole(message, "name the column of the time in seconds t: --rename time=t"));
+        }
+        if roles.measured.is_empty() {
+            let known = measurable(system).join(", ");
+            let message = format!("nothing measured: no column is called like a state or an output; there are {found}");
+            return Err(origin.whole(message, format!("name a column after one of {known}: --rename q=x")));
+        }
+        let missing: Vec<String> = roles.missing(system);
+        if !missing.is_empty() {
+            let message = format!("the model uses {}, which no column gives; there are {found}", missing.join(", "));
+            let remedy = format!("add a column, or say which one it is: --rename column={}", missing[0]);
+            return Err(origin.whole(message, remedy));
+        }
+        Ok(roles)
+    }
+
+    /// Inputs and derivatives that the equations use and nothing gives.
+    fn missing(&self, system: &System) -> Vec<String> {
+        let measured = self.measured.iter().filter_map(|(_, quantity, _)| match quantity {
+            Quantity::Output(output) => Some(system.outputs[*output].1),
+            Quantity::State(_) => None,
+        });
+        let used: Vec<_> = system.dynamics.iter().copied().chain(measured).collect();
+        let used: BTreeSet<Symbol> = system.pool.symbols_of(&used).into_iter().collect();
+        let inputs = (0..system.inputs.len()).filter(|input| used.contains(&system.inputs[*input]));
+        let inputs = inputs.filter(|input| !self.inputs.contains_key(input)).map(|input| self.names[input].clone());
+        let derivatives = system.input_derivatives.iter().filter(|d| used.contains(&d.symbol));
+        let derivatives = derivatives
+            .filter(|d| !self.derivatives.contains_key(&(d.input, d.order)))
+            .map(|d| format!("der({},{})", self.names[d.input], d.order));
+        inputs.chain(derivatives).collect()
+    }
+
+    /// Columns that drive the model, by name.
+    pub(super) fn driving(&self) -> impl Iterator<Item = (String, &Vec<f64>)> {
+        let inputs = self.inputs.iter().map(|(input, values)| (self.names[*input].clone(), values));
+        let derivatives = self.derivatives.iter();
+        inputs.chain(derivatives.map(|((input, order), v)| (format!("der({},{order})", self.names[*input]), v)))
+    }
+}
+
+/// Names of states and outputs, each once.
+fn measurable(system: &System) -> Vec<String> {
+    let states = system.state_names();
+    let outputs = system.outputs.iter().map(|(name, _)| name.clone()).filter(|name| !states.contains(name));
+    states.iter().cloned().chain(outputs).collect()
+}

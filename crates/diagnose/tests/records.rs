@@ -1,0 +1,128 @@
+//! Runs read from tables: which column is what, and what is refused.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use bracketry_diagnose::{Audit, DiagnoseError, Quantity, Record, RecordSettings, read_record};
+use bracketry_sim::Hold;
+use bracketry_system::System;
+
+const SLIDER: &str = r#"
+name = "slider"
+states = ["x", "v"]
+inputs = ["F"]
+parameters = { m = 1, mu = 0.1, g = 9.81 }
+dynamics = { x = "v", v = "F/m - mu*g*sign(v)" }
+outputs = { x = "x", power = "F*v" }
+"#;
+
+const CART: &str = r#"
+name = "cart"
+states = ["x", "v"]
+inputs = ["X", "w"]
+dynamics = { x = "v", v = "-v - der(X,2)" }
+"#;
+
+fn system(text: &str) -> System {
+    System::parse("model.toml", text).unwrap()
+}
+
+fn file(name: &str, text: impl AsRef<[u8]>) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("bracketry-records-{}-{name}", std::process::id()));
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn read(name: &str, text: &str, model: &str, settings: &RecordSettings) -> Result<(Record, Audit), DiagnoseError> {
+    read_record(&file(name, text), &system(model), settings)
+}
+
+fn renamed(pairs: &[(&str, &str)]) -> RecordSettings {
+    let rename = pairs.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+    RecordSettings { rename, ..RecordSettings::default() }
+}
+
+#[test]
+fn columns_are_taken_by_name() {
+    let text = "\u{feff}# made by hand\nt, v, F, x, power, note\n0,1,2,3,4,hello\n0.1,,5,nan,7,\n0.2,8,9,10,11,-\n";
+    let (record, audit) = read("by_name.csv", text, SLIDER, &RecordSettings::default()).unwrap();
+    assert_eq!(record.times, [0.0, 0.1, 0.2]);
+    assert_eq!(record.inputs[0].values, [2.0, 5.0, 9.0]);
+    assert_eq!(record.inputs[0].hold, Hold::Previous);
+    let quantity = |name: &str| record.measured.iter().find(|m| m.name == name).unwrap().quantity;
+    assert_eq!(quantity("x"), Quantity::State(0), "an output that is a state is that state");
+    assert_eq!(quantity("v"), Quantity::State(1));
+    assert_eq!(quantity("power"), Quantity::Output(1));
+    let v = record.measured.iter().find(|m| m.name == "v").unwrap();
+    assert!(v.values[0] == 1.0 && v.values[1].is_nan() && v.values[2] == 8.0 && v.noise > 0.0);
+    assert_eq!(audit.ignored, ["note"]);
+    assert!(audit.to_string().contains("note"), "{audit}");
+}
+
+#[test]
+fn columns_are_renamed() {
+    let text = "time,q,force,F\n0,1,2,0\n1,2,3,0\n2,3,4,0\n";
+    let settings = renamed(&[("time", "t"), ("q", "x"), ("force", "F"), ("F", "old")]);
+    let (record, audit) = read("renamed.csv", text, SLIDER, &settings).unwrap();
+    assert_eq!(record.measured[0].name, "x");
+    assert_eq!(record.inputs[0].values, [2.0, 3.0, 4.0]);
+    assert_eq!(audit.ignored, ["F"]);
+}
+
+#[test]
+fn columns_and_files_give_the_same_record() {
+    let text = "t,F,x\n0,1,2\n0.5,3,4\n1,5,7\n";
+    let (from_file, _) = read("same.csv", text, SLIDER, &RecordSettings::default()).unwrap();
+    let columns = BTreeMap::from([("F".into(), vec![1.0, 3.0, 5.0]), ("x".into(), vec![2.0, 4.0, 7.0])]);
+    let times = vec![0.0, 0.5, 1.0];
+    let (from_columns, _) =
+        Record::from_columns(&from_file.name, times, columns, &system(SLIDER), &RecordSettings::default()).unwrap();
+    assert_eq!(from_file, from_columns);
+}
+
+#[test]
+fn a_gap_in_time_splits_the_run() {
+    let times = (0..40).map(|k| f64::from(k) * 0.01 + if k < 25 { 0.0 } else { 1.0 });
+    let rows = times.map(|t| format!("{t},0.5,{t}")).collect::<Vec<_>>().join("\n");
+    let (record, audit) = read("gap.csv", &format!("t,F,x\n{rows}"), SLIDER, &RecordSettings::default()).unwrap();
+    assert_eq!(record.gaps, [25]);
+    assert_eq!(audit.gaps, 1);
+    assert!((audit.step - 0.01).abs() < 1e-9 && audit.jitter < 1e-9);
+}
+
+#[test]
+fn what_is_wrong_is_named_with_place_and_remedy() {
+    let refused = |name: &str, text: &str, model: &str, settings: &RecordSettings, parts: &[&str]| {
+        let message = read(name, text, model, settings).unwrap_err().to_string();
+        for part in parts.iter().chain(&[name]) {
+            assert!(message.contains(part), "no `{part}` in: {message}");
+        }
+    };
+    let plain = RecordSettings::default();
+    refused("no_t.csv", "time,F,x\n0,1,2\n", SLIDER, &plain, &["`t`", "time", "--rename time=t"]);
+    let measured = ["nothing measured", "q", "x, v, power", "--rename q=x"];
+    refused("unmeasured.csv", "t,F,q\n0,1,2\n1,1,2\n", SLIDER, &plain, &measured);
+    refused("no_input.csv", "t,x,u\n0,1,2\n1,1,2\n", SLIDER, &plain, &["uses F", "u", "--rename column=F"]);
+    refused("no_der.csv", "t,x\n0,1\n1,1\n", CART, &plain, &["der(X,2)"]);
+    refused("order.csv", "t,F,x\n0,1,2\n1,1,2\n\n1,3,4\n", SLIDER, &plain, &["line 5", "column `t`", "sort"]);
+    refused("text.csv", "t,F,x\n0,1,2\n1,1,two\n", SLIDER, &plain, &["line 3", "column `x`", "two", "nan"]);
+    refused("lost_input.csv", "t,F,x\n0,1,2\n1,,2\n", SLIDER, &plain, &["line 3", "column `F`", "correct"]);
+    refused("lost_time.csv", "t,F,x\n0,1,2\nnan,1,2\n", SLIDER, &plain, &["line 3", "column `t`"]);
+    refused("lost.csv", "t,F,x\n0,1,2\n1,1,\n2,1,\n", SLIDER, &plain, &["column `x`", "2 of 3", "remove"]);
+    refused("one.csv", "t,F,x\n0,1,2\n", SLIDER, &plain, &["two rows"]);
+    refused("ragged.csv", "t,F,x\n0,1,2\n1,1\n", SLIDER, &plain, &["line"]);
+    refused("twice.csv", "t,F,x,x\n0,1,2,3\n", SLIDER, &plain, &["`x`", "rename"]);
+    let q_as_x = renamed(&[("q", "x")]);
+    refused("both.csv", "t,F,x,q\n0,1,2,3\n1,1,2,3\n", SLIDER, &q_as_x, &["two columns", "`x`", "`q`"]);
+    refused("absent.csv", "t,F,x\n0,1,2\n1,1,2\n", SLIDER, &q_as_x, &["`q`", "t, F, x"]);
+    let message = read_record(&std::env::temp_dir(), &system(SLIDER), &plain).unwrap_err().to_string();
+    assert!(message.contains("is not a file"), "{message}");
+}
+
+#[test]
+fn an_input_that_no_equation_uses_needs_no_column() {
+    let (record, _) = read("unused.csv", "t,x,\"der(X,2)\"\n0,1,5\n1,1,6\n", CART, &RecordSettings::default()).unwrap();
+    assert_eq!(record.inputs.len(), 2);
+    assert_eq!(record.input_derivatives[0].values, [5.0, 6.0]);
+}
