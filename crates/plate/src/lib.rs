@@ -12,6 +12,7 @@ mod energy;
 mod experiment;
 mod first_principles;
 mod friction;
+mod logs;
 mod maps;
 mod monte_carlo;
 mod motion;
@@ -45,6 +46,7 @@ pub use energy::{Energy, energy};
 pub use experiment::{AmplitudeLaw, AmplitudeStep, Experiment, Run};
 pub use first_principles::{Terms, first_principles};
 pub use friction::Friction;
+pub use logs::{HiddenEffect, LogSettings, PlateLog, multisine, plate_log};
 pub use maps::{Limits, Map, Summary, linspace, summarise};
 pub use monte_carlo::{
     ControlSample, PoseRange, Push, PushRange, Quantiles, Scenario, Share, Tolerance, Trial, TrialFile, TrialOutcome,
@@ -185,6 +187,18 @@ pub enum PlateError {
     /// The shape is none.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+    /// A plate that would have to jump where the amplitude of an experiment changes.
+    #[error("the plate would jump at {t} s, where the amplitude changes; choose a motion that begins and ends at rest")]
+    Jump {
+        /// When, in s.
+        t: f64,
+    },
+    /// No multisine keeps the object where it should be.
+    #[error("none of {tries} multisines keeps the object near its start; give it less time or more friction")]
+    NoMultisine {
+        /// How many were tried.
+        tries: u64,
+    },
     /// A grid of places without places.
     #[error("the grid needs places y in increasing order and at least one yaw")]
     NoGrid,

@@ -9,6 +9,7 @@ mod trial;
 
 pub use batch::{TrialReport, TrialSummary, WallTimes, median_time_ratio, run_trials};
 pub use criterion::{Tolerance, TrialSample, at_rest, pose_error, time_to_target};
+pub(crate) use random::{Random, seed_of};
 pub use scenario::{PoseRange, Push, PushRange, Scenario, Trial, TrialFile};
 pub use statistics::{Quantiles, Share, quantile};
 pub use trial::{ControlSample, TrialOutcome, TrialRun, TrialSetup, Utilisation, run_trial};

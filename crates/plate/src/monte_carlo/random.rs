@@ -23,6 +23,11 @@ impl Random {
         (-2.0 * f64::ln(radius)).sqrt() * f64::cos(angle)
     }
 
+    /// One of the numbers below `count`.
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        self.0.random_range(0..count)
+    }
+
     /// True with a probability.
     pub(crate) fn happens(&mut self, probability: f64) -> bool {
         self.0.random_range(0.0..1.0) < probability
