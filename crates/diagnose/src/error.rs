@@ -95,6 +95,14 @@ pub enum DiagnoseError {
         /// What is allowed.
         requirement: &'static str,
     },
+    /// A window that a study does not have.
+    #[error("there is no window {index}; the study has {windows}")]
+    NoSuchWindow {
+        /// The index asked for.
+        index: usize,
+        /// Number of windows.
+        windows: usize,
+    },
     /// The model cannot be simulated over any of the windows.
     #[error(
         "the model cannot be simulated over any of the {windows} windows; the first, from t = {from} s of `{record}`: {reason}"

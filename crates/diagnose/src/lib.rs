@@ -20,7 +20,7 @@ pub use record::{Measured, Quantity, Record, Signal};
 pub use report::{
     Candidate, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, Rival, Value, Verdict,
 };
-pub use study::{Column, Linearization, Normal};
+pub use study::{Column, Estimate, Fit, FitStatus, Linearization, Normal, Study, StudySettings, Window, WindowFit};
 pub use synthetic::{
     Excitation, Hidden, HiddenEffect, Named, Score, Slider, SliderLog, SliderSensors, SliderTruth, SyntheticError,
 };

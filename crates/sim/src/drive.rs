@@ -33,6 +33,8 @@ pub(crate) struct Driven {
     pub(crate) slots: Vec<Symbol>,
     pub(crate) sources: Vec<Source>,
     pub(crate) tables: Vec<Samples>,
+    /// Input and order of derivative of each table.
+    pub(crate) tabulated: Vec<(String, u32)>,
     /// Time derivatives of slots that move.
     pub(crate) rates: Vec<(Symbol, Expr)>,
     /// The slot of each held input.
@@ -66,8 +68,9 @@ impl Driven {
     }
 
     /// A slot that follows samples; of a linear signal also the slope, as the slot's rate.
-    fn follow(&mut self, symbol: Symbol, samples: &Samples) {
+    fn follow(&mut self, symbol: Symbol, (input, order): (&str, u32), samples: &Samples) {
         self.tables.push(samples.clone());
+        self.tabulated.push((input.to_owned(), order));
         let table = self.tables.len() - 1;
         self.slot(symbol, Source::Value(table));
         if samples.hold == Hold::Linear {
@@ -125,6 +128,7 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
         slots: Vec::new(),
         sources: Vec::new(),
         tables: Vec::new(),
+        tabulated: Vec::new(),
         rates: Vec::new(),
         held: Vec::new(),
         live: Vec::new(),
@@ -148,7 +152,7 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
                 driven.slot(symbol, Source::Held(0.0));
                 for d in derivatives {
                     match inputs.derivatives.get(&(name.clone(), d.order)) {
-                        Some(samples) => driven.follow(d.symbol, samples),
+                        Some(samples) => driven.follow(d.symbol, (name, d.order), samples),
                         None => return Err(InputError::MissingDerivative { input: name.clone(), order: d.order }),
                     }
                 }
@@ -182,12 +186,12 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
                 }
             }
             Some(Drive::Samples(samples)) => {
-                driven.follow(symbol, samples);
+                driven.follow(symbol, (name, 0), samples);
                 let slope = driven.rates.last().filter(|(s, _)| *s == symbol).map(|(_, rate)| *rate);
                 for d in derivatives {
                     let e = driven.system.pool.sym(d.symbol);
                     match (inputs.derivatives.get(&(name.clone(), d.order)), slope) {
-                        (Some(samples), _) => driven.follow(d.symbol, samples),
+                        (Some(samples), _) => driven.follow(d.symbol, (name, d.order), samples),
                         (None, Some(slope)) if d.order == 1 => {
                             map.insert(e, slope);
                         }

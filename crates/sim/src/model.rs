@@ -34,6 +34,8 @@ pub struct Model {
     live: Vec<(String, usize)>,
     sources: Vec<Source>,
     tables: Vec<Samples>,
+    /// Input and order of derivative of each table.
+    tabulated: Vec<(String, u32)>,
     /// The current interval of each table.
     intervals: Vec<usize>,
     /// Whether a slot changes within a segment.
@@ -132,6 +134,7 @@ impl Model {
             impulses: driven.impulses,
             sources: driven.sources,
             tables: driven.tables,
+            tabulated: driven.tabulated,
             components: form.switches.len(),
             switches: model_switches,
             field,
@@ -193,6 +196,29 @@ impl Model {
     pub fn set_live(&mut self, name: &str, value: f64) -> bool {
         let slot = self.live.iter().find(|(n, _)| n == name).map(|(_, slot)| *slot);
         self.set_slot(slot, value)
+    }
+
+    /// Replaces the samples of an input (`order` 0) or of one of its derivatives, as for the next stretch of a measured run;
+    /// false if no samples with the same hold drive it.
+    ///
+    /// ```
+    /// use bracketry_sim::{Hold, Inputs, Model, Samples};
+    /// use bracketry_system::System;
+    /// let system = System::parse("mass.toml", "states = ['v']\ninputs = ['u']\n[dynamics]\nv = 'u'").unwrap();
+    /// let constant = |u| Samples::new(vec![0.0], vec![u], Hold::Previous).unwrap();
+    /// let mut model = Model::new(&system, &Inputs::new().samples("u", constant(1.0))).unwrap();
+    /// assert!(model.set_samples("u", 0, constant(2.0)));
+    /// assert_eq!(model.input_values(0.0), [2.0]);
+    /// ```
+    pub fn set_samples(&mut self, input: &str, order: u32, samples: Samples) -> bool {
+        let table = self.tabulated.iter().position(|(name, o)| name == input && *o == order);
+        match table.map(|i| &mut self.tables[i]) {
+            Some(table) if table.hold == samples.hold => {
+                *table = samples;
+                true
+            }
+            _ => false,
+        }
     }
 
     fn set_slot(&mut self, slot: Option<usize>, value: f64) -> bool {

@@ -1,37 +1,58 @@
-//! The least-squares problem around a fit, window by window.
+//! Normal equations of a fit with candidates, so that screening is linear algebra.
 
 use nalgebra::{DMatrix, DVector};
 
-/// What a column of a [`Linearization`] stands for.
+/// What a column of a linearization belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Column {
-    /// A refitted parameter of the model: its place in `Study::parameters`.
+    /// A refitted parameter: place in [`super::Study::parameters`].
     Parameter(usize),
-    /// A coefficient of an effect that is in the fit.
+    /// A coefficient of an effect in the fit.
     Coefficient {
         /// Place of the effect in the fit.
         effect: usize,
         /// Place of the coefficient in the effect.
         coefficient: usize,
     },
-    /// An amplitude of an effect that is not in the fit.
+    /// An amplitude of a candidate.
     Candidate {
-        /// Place of the effect among the candidates.
+        /// Place in the list of candidates.
         candidate: usize,
-        /// Place of the coefficient in the effect.
+        /// Place of the amplitude among the candidate's coefficients.
         coefficient: usize,
-        /// Which of the trial values of [`Linearization::trials`].
+        /// Place in [`Linearization::trials`] of the candidate.
         trial: usize,
     },
 }
 
-/// Normal equations of one window, its initial state eliminated.
+/// Normal equations of a fit with candidates, one set per window, with the initial state of the window eliminated.
 ///
-/// With `r` the residual (measured − simulated)/σ, `J` the derivative of simulated/σ by the columns and `P` the projection
-/// onto what the initial state cannot explain.
+/// With `J` the sensitivity of the simulated columns over their noise, in scaled units, `r` measured − simulated over noise and
+/// `P` the projection off the sensitivities by the initial state, the step of all columns that explains the residuals best is
+/// `(Σ gram + prior)⁻¹ (Σ gradient + prior·pull)`: a step `δ` changes the sum of squares by `−2 gᵀδ + δᵀGδ`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linearization {
+    /// What the columns belong to.
+    pub columns: Vec<Column>,
+    /// A step in the natural unit is its scale times the step in the unit of the normal equations.
+    pub scales: Vec<f64>,
+    /// Weight of the prior, in scaled units: `1/std²`; 0 for candidates.
+    pub prior: Vec<f64>,
+    /// Distance to the mean of the prior, in scaled units: the prior's part of the cost is `prior·(step − pull)²`.
+    pub pull: Vec<f64>,
+    /// For each candidate and each of its trials the values of all its coefficients between which and the nominal amplitudes the
+    /// column was taken.
+    pub trials: Vec<Vec<Vec<f64>>>,
+    /// The windows that could be simulated.
+    pub windows: Vec<Normal>,
+    /// Columns that could not be simulated in a window, with the reason; they are zero there.
+    pub failures: Vec<(Column, usize, String)>,
+}
+
+/// Normal equations of one window after elimination of its initial state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Normal {
-    /// The window.
+    /// Index of the window.
     pub window: usize,
     /// `JᵀPJ`.
     pub gram: DMatrix<f64>,
@@ -39,26 +60,6 @@ pub struct Normal {
     pub gradient: DVector<f64>,
     /// `rᵀPr`.
     pub square: f64,
-    /// Samples in `r`.
+    /// Number of residuals.
     pub count: usize,
-}
-
-/// The least-squares problem around a fit.
-///
-/// A step `δ` of the columns, in units of `scales`, changes the sum of squares by `−2 gᵀδ + δᵀGδ`, summed over windows, plus
-/// `Σ prior (δ − pull)²`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Linearization {
-    /// What the columns stand for: parameters, coefficients, candidates.
-    pub columns: Vec<Column>,
-    /// Size of a unit step of each column in its natural unit.
-    pub scales: Vec<f64>,
-    /// Weight of the prior of each column, 1/std² with std in units of `scales`; 0 without a prior.
-    pub prior: Vec<f64>,
-    /// Where the prior wants each column, (nominal − current)/scale.
-    pub pull: Vec<f64>,
-    /// By candidate and trial: values of all its coefficients at which the amplitudes' columns were taken.
-    pub trials: Vec<Vec<Vec<f64>>>,
-    /// One per window.
-    pub windows: Vec<Normal>,
 }

@@ -1,5 +1,284 @@
-//! Fits of a model and of effects to records, over windows with initial states of their own.
+//! Records cut into windows, and the model fitted to them by simulation.
+//!
+//! Every window has an initial state of its own, which is fitted with the unknowns that all windows share (multiple shooting
+//! without continuity: Bock, "Recent advances in parameter identification techniques for ODE", 1983, where the windows are
+//! joined). The equations are simulated with exact sticking and sliding, never differentiated data.
 
+mod compiled;
+mod fit;
+mod initial;
 mod linearization;
+mod linearize;
+mod normal;
+mod runner;
+mod signal_path;
+mod unknown;
+mod window;
 
+pub use fit::{Estimate, Fit, FitStatus, WindowFit};
 pub use linearization::{Column, Linearization, Normal};
+pub use window::Window;
+
+use crate::effect::Effect;
+use crate::error::DiagnoseError;
+use crate::record::Record;
+use bracketry_system::System;
+use compiled::Compiled;
+use fit::{Slot, solve};
+use initial::Guess;
+use rayon::prelude::*;
+use runner::Runner;
+use unknown::is_natural_constant;
+
+/// Fewest samples of a window.
+const FEWEST_SAMPLES: usize = 20;
+
+/// How a study cuts and fits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StudySettings {
+    /// Length of the windows, s; `None`: chosen from the data.
+    pub window: Option<f64>,
+    /// Names of parameters that keep their values.
+    pub fixed: Vec<String>,
+    /// Most iterations of a fit.
+    pub iterations: usize,
+}
+
+impl Default for StudySettings {
+    fn default() -> Self {
+        Self { window: None, fixed: Vec::new(), iterations: 30 }
+    }
+}
+
+/// Records cut into windows, with the model to be fitted to them.
+pub struct Study {
+    system: System,
+    records: Vec<Record>,
+    settings: StudySettings,
+    windows: Vec<Window>,
+    parameters: Vec<usize>,
+    /// Per record and measured column.
+    noise: Vec<Vec<f64>>,
+    /// Per record.
+    guesses: Vec<Guess>,
+}
+
+impl Study {
+    /// Cuts the records into windows and picks the parameters to refit: all that occur in the model but natural constants (the
+    /// acceleration of gravity) and those that the settings name.
+    ///
+    /// # Errors
+    /// [`DiagnoseError`] for no data, data of another model, or too few samples.
+    pub fn new(system: &System, records: &[Record], settings: &StudySettings) -> Result<Self, DiagnoseError> {
+        check(system, records, settings)?;
+        let guesses = records.iter().map(|r| Guess::new(system, r, FEWEST_SAMPLES)).collect();
+        let length = settings.window.unwrap_or(0.5);
+        let windows = window::cut(records, length, FEWEST_SAMPLES);
+        if windows.is_empty() {
+            return Err(DiagnoseError::TooShort { samples: FEWEST_SAMPLES });
+        }
+        let noise = records.iter().map(|r| r.measured.iter().map(|m| m.noise).collect()).collect();
+        Ok(Self {
+            parameters: refitted(system, &settings.fixed),
+            system: system.clone(),
+            records: records.to_vec(),
+            settings: settings.clone(),
+            windows,
+            noise,
+            guesses,
+        })
+    }
+
+    /// The windows.
+    pub fn windows(&self) -> &[Window] {
+        &self.windows
+    }
+
+    /// The parameters that are refitted, by their index in the system.
+    pub fn parameters(&self) -> &[usize] {
+        &self.parameters
+    }
+
+    /// The records.
+    pub fn records(&self) -> &[Record] {
+        &self.records
+    }
+
+    /// The model.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+
+    /// Standard deviation of the noise by which residuals are divided: per record and measured column, in the column's unit.
+    pub fn noise(&self) -> &[Vec<f64>] {
+        &self.noise
+    }
+
+    /// Fits the parameters, the coefficients of `effects` and the initial states of the given windows. Unknowns begin at the
+    /// values of `start` with their name, else at their nominal value.
+    ///
+    /// # Errors
+    /// [`DiagnoseError`] for an effect that does not fit the model, or if no window can be simulated.
+    pub fn fit(&self, effects: &[Effect], windows: &[usize], start: Option<&Fit>) -> Result<Fit, DiagnoseError> {
+        let compiled = Compiled::new(&self.system, &self.records, &self.parameters, effects)?;
+        let theta: Vec<f64> = compiled
+            .unknowns
+            .iter()
+            .map(|u| u.bounded(start.and_then(|s| value_of(s, &u.name)).unwrap_or(u.start)))
+            .collect();
+        let mut slots = self.slots(&compiled, windows, start)?;
+        settle_all(&mut slots, &compiled, &theta);
+        self.some_window(&slots)?;
+        let solution = solve(&mut slots, &compiled, theta, self.settings.iterations);
+        self.some_window(&slots)?;
+        let values = compiled
+            .unknowns
+            .iter()
+            .enumerate()
+            .map(|(j, u)| Estimate {
+                name: u.name.clone(),
+                nominal: u.nominal,
+                value: solution.theta[j],
+                std: solution.covariance[(j, j)].max(0.0).sqrt(),
+            })
+            .collect();
+        Ok(Fit {
+            effects: effects.to_vec(),
+            values,
+            covariance: solution.covariance,
+            windows: slots.iter().map(Slot::report).collect(),
+            unidentified: solution.unidentified,
+            status: solution.status,
+        })
+    }
+
+    /// Fits the initial states of the given windows and keeps everything else at its value in `fit`. Windows that cannot be
+    /// simulated say so.
+    ///
+    /// # Errors
+    /// [`DiagnoseError`] for effects that do not fit the model.
+    pub fn evaluate(&self, fit: &Fit, windows: &[usize]) -> Result<Vec<WindowFit>, DiagnoseError> {
+        let compiled = Compiled::new(&self.system, &self.records, &self.parameters, &fit.effects)?;
+        let mut slots = self.slots(&compiled, windows, Some(fit))?;
+        settle_all(&mut slots, &compiled, &theta_of(fit));
+        Ok(slots.iter().map(Slot::report).collect())
+    }
+
+    /// Windows ready to be simulated, with the initial states of `start` where it has them.
+    fn slots<'a>(
+        &'a self,
+        compiled: &'a Compiled,
+        windows: &[usize],
+        start: Option<&Fit>,
+    ) -> Result<Vec<Slot<'a>>, DiagnoseError> {
+        let n = self.system.states.len();
+        windows
+            .iter()
+            .map(|&index| {
+                let window = *self
+                    .windows
+                    .get(index)
+                    .ok_or(DiagnoseError::NoSuchWindow { index, windows: self.windows.len() })?;
+                let record = &self.records[window.record];
+                let guess = &self.guesses[window.record];
+                let runner = Runner::new(record, compiled, window, &self.noise[window.record], n)?;
+                let known = start
+                    .and_then(|s| s.windows.iter().find(|w| w.window == index && w.failure.is_none()))
+                    .map(|w| w.x0.clone());
+                let guessed = guess.at(record, window);
+                Ok(Slot {
+                    index,
+                    runner,
+                    start: known.unwrap_or_else(|| guessed.clone()),
+                    guess: guessed,
+                    scales: guess.scales.clone(),
+                    state: Err(runner::Failure::not_simulated()),
+                })
+            })
+            .collect()
+    }
+
+    fn some_window(&self, slots: &[Slot<'_>]) -> Result<(), DiagnoseError> {
+        if slots.iter().any(|s| s.state.is_ok()) {
+            return Ok(());
+        }
+        let first = slots.iter().find_map(|s| s.state.as_ref().err().map(|e| (s.index, e.reason.clone())));
+        let (record, from) = first.as_ref().map_or((String::new(), 0.0), |(index, _)| {
+            let window = self.windows[*index];
+            let record = &self.records[window.record];
+            (record.name.clone(), record.times[window.from])
+        });
+        let reason = first.map_or_else(|| "no window was given".to_owned(), |f| f.1);
+        Err(DiagnoseError::NoWindow { windows: slots.len(), record, from, reason })
+    }
+}
+
+/// Fits the initial states for the given values of the unknowns.
+fn settle_all(slots: &mut [Slot<'_>], compiled: &Compiled, theta: &[f64]) {
+    slots.par_iter_mut().for_each(|slot| slot.settle(compiled, theta));
+}
+
+fn value_of(fit: &Fit, name: &str) -> Option<f64> {
+    fit.values.iter().find(|e| e.name == name).map(|e| e.value)
+}
+
+fn theta_of(fit: &Fit) -> Vec<f64> {
+    fit.values.iter().map(|e| e.value).collect()
+}
+
+fn refitted(system: &System, fixed: &[String]) -> Vec<usize> {
+    let mut expressions = system.dynamics.clone();
+    expressions.extend(system.outputs.iter().map(|(_, e)| *e));
+    let used = system.pool.symbols_of(&expressions);
+    (0..system.parameters.len())
+        .filter(|&i| {
+            let parameter = &system.parameters[i];
+            used.contains(&parameter.symbol)
+                && !is_natural_constant(system, parameter)
+                && !fixed.iter().any(|name| name == system.symbol_name(parameter.symbol))
+        })
+        .collect()
+}
+
+fn check(system: &System, records: &[Record], settings: &StudySettings) -> Result<(), DiagnoseError> {
+    if records.is_empty() {
+        return Err(DiagnoseError::NoRecords);
+    }
+    if let Some(length) = settings.window
+        && !(length > 0.0 && length.is_finite())
+    {
+        return Err(DiagnoseError::Setting { name: "the length of a window", value: length, requirement: "positive" });
+    }
+    for name in &settings.fixed {
+        let known: Vec<&str> = system.parameters.iter().map(|p| system.symbol_name(p.symbol)).collect();
+        if !known.contains(&name.as_str()) {
+            return Err(DiagnoseError::UnknownName { what: "parameter", name: name.clone(), known: known.join(", ") });
+        }
+    }
+    for record in records {
+        let pairs = [
+            ("inputs", system.inputs.len(), record.inputs.len()),
+            ("input derivatives", system.input_derivatives.len(), record.input_derivatives.len()),
+        ];
+        for (what, expected, found) in pairs {
+            if expected != found {
+                return Err(DiagnoseError::Mismatch { record: record.name.clone(), what, expected, found });
+            }
+        }
+        if record.measured.is_empty() {
+            let mut known = system.state_names();
+            known.extend(system.outputs.iter().map(|(name, _)| name.clone()));
+            return Err(DiagnoseError::NothingMeasured { record: record.name.clone(), known: known.join(", ") });
+        }
+        for m in &record.measured {
+            if !(m.noise > 0.0 && m.noise.is_finite()) {
+                return Err(DiagnoseError::Setting {
+                    name: "the noise of a measured column",
+                    value: m.noise,
+                    requirement: "positive",
+                });
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,210 @@
+//! Sensitivities of a fitted model by candidates.
+
+use super::compiled::{Compiled, Target};
+use super::fit::{Fit, Slot};
+use super::linearization::{Column, Linearization, Normal};
+use super::normal::{Eliminated, Full, Point, States, difference, full, sensitivities, step_of};
+use super::runner::Runner;
+use super::{Study, settle_all, theta_of};
+use crate::effect::{Coefficient, Effect, Role};
+use crate::error::DiagnoseError;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// Trials of one candidate: the values of all its coefficients.
+fn trials(effect: &Effect) -> Vec<Vec<f64>> {
+    let mut all: Vec<Vec<f64>> = vec![Vec::new()];
+    for c in &effect.coefficients {
+        let values: &[f64] = if c.trials.is_empty() { std::slice::from_ref(&c.nominal) } else { &c.trials };
+        all = all
+            .iter()
+            .flat_map(|head| values.iter().map(move |&v| head.iter().copied().chain([v]).collect()))
+            .collect();
+    }
+    all
+}
+
+/// One column of a candidate: from where to where the unknowns of the candidate move.
+struct Secant {
+    column: Column,
+    from: Vec<f64>,
+    coefficient: usize,
+    to: f64,
+}
+
+/// The columns of a candidate: every amplitude moves from its nominal value, at every trial of the shapes.
+fn secants(
+    candidate: usize,
+    effect: &Effect,
+    trials: &[Vec<f64>],
+    step: impl Fn(usize, &Coefficient) -> f64,
+) -> Vec<Secant> {
+    let mut secants = Vec::new();
+    for (trial, values) in trials.iter().enumerate() {
+        for (coefficient, c) in effect.coefficients.iter().enumerate().filter(|(_, c)| c.role == Role::Amplitude) {
+            let from = effect
+                .coefficients
+                .iter()
+                .zip(values)
+                .map(|(c, v)| if c.role == Role::Shape { *v } else { c.nominal })
+                .collect();
+            let to = if c.trials.is_empty() { c.nominal + step(coefficient, c) } else { values[coefficient] };
+            if to != c.nominal {
+                secants.push(Secant {
+                    column: Column::Candidate { candidate, coefficient, trial },
+                    from,
+                    coefficient,
+                    to,
+                });
+            }
+        }
+    }
+    secants
+}
+
+/// Columns of a candidate in one window, each with why it could not be simulated.
+type Columns = Vec<Result<Vec<f64>, String>>;
+
+impl Study {
+    /// The normal equations of the fit's unknowns and of all amplitudes of the candidates, at the values of the fit, per window.
+    ///
+    /// A candidate's column is a secant: from the nominal amplitude to one a little beside it, or to each of the amplitude's trials
+    /// (delays); at each combination of trials of the shapes.
+    ///
+    /// # Errors
+    /// [`DiagnoseError`] for effects and candidates that do not fit the model, or if no window can be simulated.
+    pub fn linearize(
+        &self,
+        fit: &Fit,
+        candidates: &[Effect],
+        windows: &[usize],
+    ) -> Result<Linearization, DiagnoseError> {
+        let compiled = Compiled::new(&self.system, &self.records, &self.parameters, &fit.effects)?;
+        let theta = theta_of(fit);
+        let mut slots = self.slots(&compiled, windows, Some(fit))?;
+        settle_all(&mut slots, &compiled, &theta);
+        self.some_window(&slots)?;
+        let jacobians: Vec<Option<DMatrix<f64>>> = slots
+            .par_iter_mut()
+            .map(|slot| {
+                let point = slot.state.as_ref().ok()?;
+                sensitivities(&mut slot.runner, &compiled, &theta, point, &slot.scales, true).ok()
+            })
+            .collect();
+        let trials: Vec<Vec<Vec<f64>>> = candidates.iter().map(trials).collect();
+        let work: Vec<(Vec<Secant>, Vec<Columns>)> = candidates
+            .par_iter()
+            .enumerate()
+            .map(|(i, candidate)| self.candidate(fit, (i, candidate), &trials[i], &slots, &theta))
+            .collect::<Result<_, _>>()?;
+
+        let mut columns = Vec::new();
+        let mut scales: Vec<f64> = compiled.unknowns.iter().map(|u| u.scale).collect();
+        for i in 0..self.parameters.len() {
+            columns.push(Column::Parameter(i));
+        }
+        for (effect, e) in fit.effects.iter().enumerate() {
+            columns.extend((0..e.coefficients.len()).map(|coefficient| Column::Coefficient { effect, coefficient }));
+        }
+        let known = columns.len();
+        for secant in work.iter().flat_map(|(secants, _)| secants) {
+            columns.push(secant.column);
+            if let Column::Candidate { candidate, coefficient, .. } = secant.column {
+                scales.push(candidates[candidate].coefficients[coefficient].scale);
+            }
+        }
+        let mut prior = vec![0.0; columns.len()];
+        let mut pull = vec![0.0; columns.len()];
+        for (j, u) in compiled.unknowns.iter().enumerate() {
+            prior[j] = (u.scale / u.prior).powi(2);
+            pull[j] = (u.nominal - theta[j]) / u.scale;
+        }
+        let mut result =
+            Linearization { columns, scales, prior, pull, trials, windows: Vec::new(), failures: Vec::new() };
+        for (place, (slot, jacobian)) in slots.iter().zip(&jacobians).enumerate() {
+            let (Ok(point), Some(known_jacobian)) = (&slot.state, jacobian) else { continue };
+            let n = slot.scales.len();
+            let mut all = known_jacobian.clone().resize_horizontally(n + result.columns.len(), 0.0);
+            let candidate_columns = work.iter().flat_map(|(_, columns)| &columns[place]);
+            for (k, column) in candidate_columns.enumerate() {
+                match column {
+                    Ok(values) => {
+                        all.column_mut(n + known + k).copy_from_slice(values);
+                        let scale = result.scales[known + k];
+                        all.column_mut(n + known + k).scale_mut(scale);
+                    }
+                    Err(reason) => {
+                        result.failures.push((result.columns[known + k], slot.index, reason.clone()));
+                    }
+                }
+            }
+            if let Some(normal) = eliminated(slot, point, &full(&slot.runner, point, &all)) {
+                result.windows.push(normal);
+            }
+        }
+        Ok(result)
+    }
+
+    /// The columns of one candidate in all windows.
+    fn candidate(
+        &self,
+        fit: &Fit,
+        (index, candidate): (usize, &Effect),
+        trials: &[Vec<f64>],
+        slots: &[Slot<'_>],
+        theta: &[f64],
+    ) -> Result<(Vec<Secant>, Vec<Columns>), DiagnoseError> {
+        let effects: Vec<Effect> = fit.effects.iter().chain([candidate]).cloned().collect();
+        let compiled = Compiled::new(&self.system, &self.records, &self.parameters, &effects)?;
+        let sampling = slots.first().map_or(1e-3, |s| s.runner.sampling());
+        let first = theta.len();
+        let secants = secants(index, candidate, trials, |coefficient, c| {
+            step_of(&compiled.unknowns[first + coefficient], c.nominal, compiled.step(first + coefficient, sampling))
+        });
+        let columns: Vec<Result<Columns, DiagnoseError>> = slots
+            .par_iter()
+            .map(|slot| {
+                let Ok(point) = &slot.state else { return Ok(Vec::new()) };
+                let record = &self.records[slot.runner.window.record];
+                let noise = &self.noise[slot.runner.window.record];
+                let mut runner = Runner::new(record, &compiled, slot.runner.window, noise, slot.scales.len())?;
+                Ok(secants.iter().map(|s| column(&mut runner, &compiled, theta, point, s)).collect())
+            })
+            .collect();
+        Ok((secants, columns.into_iter().collect::<Result<_, _>>()?))
+    }
+}
+
+/// A secant in natural units.
+fn column(
+    runner: &mut Runner<'_>,
+    compiled: &Compiled,
+    theta: &[f64],
+    point: &Point,
+    secant: &Secant,
+) -> Result<Vec<f64>, String> {
+    let mut out = vec![0.0; runner.target.len()];
+    let unknown = theta.len() + secant.coefficient;
+    if matches!(compiled.targets[unknown], Target::Column(..)) && runner.offset_column(unknown, &mut out) {
+        return Ok(out);
+    }
+    let mut values: Vec<f64> = theta.iter().chain(&secant.from).copied().collect();
+    let nominal = values[unknown];
+    values[unknown] = secant.to;
+    let mut moved = vec![0.0; runner.target.len()];
+    runner.simulate(&values, &point.x0, &mut moved).map_err(|f| format!("at t = {} s: {}", f.t, f.reason))?;
+    difference(&moved, &point.simulated, secant.to - nominal, &mut out);
+    Ok(out)
+}
+
+fn eliminated(slot: &Slot<'_>, point: &Point, full: &Full) -> Option<Normal> {
+    let states = States { guess: &slot.guess, scales: &slot.scales };
+    let e = Eliminated::new(full, &point.x0, &states, 0.0)?;
+    Some(Normal {
+        window: slot.index,
+        gram: e.gram,
+        gradient: e.gradient,
+        square: (full.square - e.gain).max(0.0),
+        count: slot.runner.present.iter().filter(|p| **p).count(),
+    })
+}

@@ -1,0 +1,193 @@
+//! Sensitivities of one window by finite differences, and its normal equations.
+
+use super::compiled::Compiled;
+use super::runner::{Failure, Runner};
+use super::unknown::Unknown;
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// Standard deviation of the prior of an initial state over its scale: only states that the data do not show feel it.
+const STATE_PRIOR: f64 = 100.0;
+/// Step of finite differences over the scale.
+const STEP: f64 = 1e-4;
+
+/// A window with the values at which it was simulated last.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    pub(super) x0: Vec<f64>,
+    /// Simulated columns over their noise.
+    pub(super) simulated: Vec<f64>,
+    /// Sum of squared residuals over noise.
+    pub(super) square: f64,
+}
+
+/// `[J_x J_θ]ᵀ[J_x J_θ]` and `[J_x J_θ]ᵀ r` of one window in scaled units, initial state first.
+#[derive(Clone, Debug)]
+pub(super) struct Full {
+    pub(super) gram: DMatrix<f64>,
+    pub(super) gradient: DVector<f64>,
+    pub(super) square: f64,
+}
+
+/// Initial state, first guess of it and its scales.
+pub(super) struct States<'a> {
+    pub(super) guess: &'a [f64],
+    pub(super) scales: &'a [f64],
+}
+
+impl States<'_> {
+    /// Weight of the prior, in scaled units.
+    pub(super) const WEIGHT: f64 = 1.0 / (STATE_PRIOR * STATE_PRIOR);
+
+    pub(super) fn penalty(&self, x0: &[f64]) -> f64 {
+        let off = |i: usize| (x0[i] - self.guess[i]) / self.scales[i];
+        (0..x0.len()).map(|i| Self::WEIGHT * off(i) * off(i)).sum()
+    }
+}
+
+/// Simulates a window.
+pub(super) fn simulate(runner: &mut Runner<'_>, theta: &[f64], x0: &[f64]) -> Result<Point, Failure> {
+    let mut simulated = vec![0.0; runner.target.len()];
+    runner.simulate(theta, x0, &mut simulated)?;
+    let square = runner.target.iter().zip(&simulated).map(|(y, s)| (y - s) * (y - s)).sum();
+    Ok(Point { x0: x0.to_vec(), simulated, square })
+}
+
+/// A step for finite differences in an unknown, in the direction in which there is room.
+pub(super) fn step_of(unknown: &Unknown, value: f64, size: f64) -> f64 {
+    if value + size <= unknown.max { size } else { -size }
+}
+
+/// Sensitivities by the initial state in scaled units, then by the first `unknowns` unknowns (none or all).
+pub(super) fn sensitivities(
+    runner: &mut Runner<'_>,
+    compiled: &Compiled,
+    theta: &[f64],
+    point: &Point,
+    scales: &[f64],
+    with_unknowns: bool,
+) -> Result<DMatrix<f64>, Failure> {
+    let n = scales.len();
+    let unknowns = if with_unknowns { theta.len() } else { 0 };
+    let rows = runner.target.len();
+    let mut jacobian = DMatrix::zeros(rows, n + unknowns);
+    let mut moved = vec![0.0; rows];
+    for i in 0..n {
+        let mut x0 = point.x0.clone();
+        x0[i] += STEP * scales[i];
+        runner.simulate(theta, &x0, &mut moved)?;
+        difference(&moved, &point.simulated, STEP, jacobian.column_mut(i).as_mut_slice());
+    }
+    for j in 0..unknowns {
+        let unknown = &compiled.unknowns[j];
+        let mut column = jacobian.column_mut(n + j);
+        if runner.offset_column(j, column.as_mut_slice()) {
+            column *= unknown.scale;
+            continue;
+        }
+        let step = step_of(unknown, theta[j], compiled.step(j, runner.sampling()));
+        let mut values = theta.to_vec();
+        values[j] += step;
+        runner.simulate(&values, &point.x0, &mut moved)?;
+        difference(&moved, &point.simulated, step / unknown.scale, column.as_mut_slice());
+    }
+    Ok(jacobian)
+}
+
+/// `(a − b)/step`.
+pub(super) fn difference(a: &[f64], b: &[f64], step: f64, out: &mut [f64]) {
+    for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+        *out = (a - b) / step;
+    }
+}
+
+/// The normal equations of a window.
+pub(super) fn full(runner: &Runner<'_>, point: &Point, jacobian: &DMatrix<f64>) -> Full {
+    let residual = residual(runner, point);
+    Full { gram: jacobian.tr_mul(jacobian), gradient: jacobian.tr_mul(&residual), square: point.square }
+}
+
+/// Measured − simulated, over the noise.
+pub(super) fn residual(runner: &Runner<'_>, point: &Point) -> DVector<f64> {
+    DVector::from_iterator(runner.target.len(), runner.target.iter().zip(&point.simulated).map(|(y, s)| y - s))
+}
+
+/// The initial state eliminated: `S = G_θθ − G_θx G_xx⁻¹ G_xθ` and the same of the gradient, and what gives its step back.
+pub(super) struct Eliminated {
+    pub(super) gram: DMatrix<f64>,
+    pub(super) gradient: DVector<f64>,
+    /// `G_xx⁻¹ G_xθ`.
+    back: DMatrix<f64>,
+    /// `G_xx⁻¹ g_x`.
+    own: DVector<f64>,
+    /// By how much the square falls when the initial state makes its own step.
+    pub(super) gain: f64,
+}
+
+impl Eliminated {
+    /// With damping `λ` of the initial state and its prior; `None` if that is not positive definite (not finite).
+    pub(super) fn new(full: &Full, x0: &[f64], states: &States<'_>, lambda: f64) -> Option<Self> {
+        let n = x0.len();
+        let p = full.gradient.len() - n;
+        let mut gxx = full.gram.view((0, 0), (n, n)).into_owned();
+        let mut gx = full.gradient.rows(0, n).into_owned();
+        for i in 0..n {
+            gxx[(i, i)] += lambda * gxx[(i, i)] + States::WEIGHT;
+            gx[i] += States::WEIGHT * (states.guess[i] - x0[i]) / states.scales[i];
+        }
+        let cholesky = Cholesky::new(gxx)?;
+        let cross = full.gram.view((0, n), (n, p)).into_owned();
+        let back = cholesky.solve(&cross);
+        let own = cholesky.solve(&gx);
+        let gram = full.gram.view((n, n), (p, p)) - cross.tr_mul(&back);
+        let gradient = full.gradient.rows(n, p) - cross.tr_mul(&own);
+        Some(Self { gram, gradient, gain: gx.dot(&own), back, own })
+    }
+
+    /// The step of the initial state, in scaled units, that goes with a step of the unknowns.
+    pub(super) fn step(&self, unknowns: &DVector<f64>) -> DVector<f64> {
+        &self.own - &self.back * unknowns
+    }
+}
+
+/// Fits the initial state of a window with the unknowns kept: Levenberg–Marquardt.
+pub(super) fn settle(
+    runner: &mut Runner<'_>,
+    compiled: &Compiled,
+    theta: &[f64],
+    start: &[f64],
+    states: &States<'_>,
+) -> Result<Point, Failure> {
+    let mut point = simulate(runner, theta, start)?;
+    let mut cost = point.square + states.penalty(start);
+    let mut lambda = 1e-4;
+    for _ in 0..15 {
+        let jacobian = sensitivities(runner, compiled, theta, &point, states.scales, false)?;
+        let full = full(runner, &point, &jacobian);
+        let mut improved = None;
+        while lambda < 1e8 {
+            let Some(eliminated) = Eliminated::new(&full, &point.x0, states, lambda) else { break };
+            let step = eliminated.step(&DVector::zeros(0));
+            let x0: Vec<f64> = (0..start.len()).map(|i| point.x0[i] + step[i] * states.scales[i]).collect();
+            if let Ok(next) = simulate(runner, theta, &x0) {
+                let next_cost = next.square + states.penalty(&x0);
+                if next_cost < cost {
+                    improved = Some((next, next_cost));
+                    lambda = (0.1 * lambda).max(1e-9);
+                    break;
+                }
+            }
+            lambda *= 10.0;
+        }
+        let Some((next, next_cost)) = improved else { break };
+        let fall = cost - next_cost;
+        point = next;
+        cost = next_cost;
+        if fall < SETTLED + 1e-6 * cost {
+            break;
+        }
+    }
+    Ok(point)
+}
+
+/// A fall of the sum of squares (in noise units) that ends an iteration: a hundredth of what one standard deviation is worth.
+pub(super) const SETTLED: f64 = 1e-2;

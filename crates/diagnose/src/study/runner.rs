@@ -1,0 +1,241 @@
+//! The simulation of one window, for any values of the unknowns.
+
+use super::compiled::{Compiled, Target};
+use super::signal_path::through_path;
+use super::window::{Window, stretches};
+use crate::effect::Path;
+use crate::error::DiagnoseError;
+use crate::record::{Quantity, Record};
+use bracketry_sim::{Model, Outcome, Settings, Stepper};
+
+/// Why a window cannot be simulated.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Failure {
+    pub(super) t: f64,
+    pub(super) reason: String,
+}
+
+impl Failure {
+    /// Before the first simulation.
+    pub(super) fn not_simulated() -> Self {
+        Self { t: f64::NAN, reason: "it was not simulated".to_owned() }
+    }
+}
+
+/// When a measured column is to be read off the simulation.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    t: f64,
+    column: usize,
+    sample: usize,
+}
+
+/// What is on the way of the signals, for some values of the unknowns.
+#[derive(Clone, Debug, PartialEq)]
+struct Ways {
+    /// Delay and lag of each input.
+    inputs: Vec<(f64, f64)>,
+    /// Delay and offset of each column.
+    columns: Vec<(f64, f64)>,
+}
+
+/// Simulates one window.
+pub(super) struct Runner<'a> {
+    record: &'a Record,
+    compiled: &'a Compiled,
+    pub(super) window: Window,
+    /// First and last sample whose inputs may be used.
+    usable: (usize, usize),
+    stepper: Stepper<Model>,
+    ways: Option<Ways>,
+    schedule: Vec<Reading>,
+    start: f64,
+    /// Measured values over their noise, column by column; 0 where lost.
+    pub(super) target: Vec<f64>,
+    /// Whether a value was measured.
+    pub(super) present: Vec<bool>,
+    /// 1/σ of each column.
+    pub(super) weights: Vec<f64>,
+}
+
+impl<'a> Runner<'a> {
+    pub(super) fn new(
+        record: &'a Record,
+        compiled: &'a Compiled,
+        window: Window,
+        noise: &[f64],
+        n: usize,
+    ) -> Result<Self, DiagnoseError> {
+        let usable = stretches(record)
+            .into_iter()
+            .find(|&(from, to)| (from..to).contains(&window.from))
+            .map_or((window.from, window.to - 1), |(from, to)| (from, to - 1));
+        let weights: Vec<f64> = noise.iter().map(|s| 1.0 / s).collect();
+        let mut target = Vec::new();
+        let mut present = Vec::new();
+        for (m, w) in record.measured.iter().zip(&weights) {
+            for &y in &m.values[window.from..window.to] {
+                present.push(y.is_finite());
+                target.push(if y.is_finite() { y * w } else { 0.0 });
+            }
+        }
+        let model = compiled.models[window.record].clone();
+        let t0 = record.times[window.from];
+        // The tolerance is far below any noise; a window that takes this many steps per sample is not worth its time.
+        let mut settings = Settings::default().with_tolerance(1e-8, 1e-10);
+        settings.max_steps = 10_000;
+        let stepper = Stepper::new(model, t0, &vec![0.0; n], &settings)?;
+        let schedule = Vec::with_capacity(target.len());
+        Ok(Self {
+            record,
+            compiled,
+            window,
+            usable,
+            stepper,
+            ways: None,
+            schedule,
+            start: t0,
+            target,
+            present,
+            weights,
+        })
+    }
+
+    pub(super) fn samples(&self) -> usize {
+        self.window.to - self.window.from
+    }
+
+    /// Mean time between samples, s.
+    pub(super) fn sampling(&self) -> f64 {
+        let times = &self.record.times[self.window.from..self.window.to];
+        (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64
+    }
+
+    fn ways(&self, theta: &[f64]) -> Ways {
+        let mut ways = Ways {
+            inputs: vec![(0.0, 0.0); self.record.inputs.len()],
+            columns: vec![(0.0, 0.0); self.record.measured.len()],
+        };
+        for (value, target) in theta.iter().zip(&self.compiled.targets) {
+            match target {
+                Target::Equations => {}
+                Target::Input(path, inputs) => {
+                    for &i in inputs {
+                        match path {
+                            Path::ActuatorLag => ways.inputs[i].1 += value,
+                            _ => ways.inputs[i].0 += value,
+                        }
+                    }
+                }
+                Target::Column(path, names) => {
+                    for (way, m) in ways.columns.iter_mut().zip(&self.record.measured) {
+                        if names.contains(&m.name) {
+                            match path {
+                                Path::SensorBias => way.1 += value,
+                                _ => way.0 += value,
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        ways
+    }
+
+    /// Gives the unknowns their values; tables and schedule are made anew only where they change.
+    fn set(&mut self, theta: &[f64]) -> Result<(), Failure> {
+        let ways = self.ways(theta);
+        let model = self.stepper.system_mut();
+        for ((value, unknown), target) in theta.iter().zip(&self.compiled.unknowns).zip(&self.compiled.targets) {
+            if *target == Target::Equations {
+                model.set_live(&unknown.name, *value);
+            }
+        }
+        let old = self.ways.as_ref();
+        let delays = |w: &Ways| w.columns.iter().map(|c| c.0).collect::<Vec<_>>();
+        if old.is_none_or(|old| delays(old) != delays(&ways)) {
+            self.make_schedule(&ways);
+        }
+        let start = self.record.times[self.window.from] - ways.columns.iter().map(|c| c.0).fold(0.0, f64::max);
+        let moved = start != self.start;
+        self.start = start;
+        for d in &self.compiled.driven {
+            let (delay, lag) = ways.inputs[d.input];
+            if !moved && self.ways.as_ref().is_some_and(|old| old.inputs[d.input] == (delay, lag)) {
+                continue;
+            }
+            let signal =
+                if d.order == 0 { &self.record.inputs[d.place] } else { &self.record.input_derivatives[d.place] };
+            // Up to one sample past the window, for straight lines and the value held last.
+            let last = self.window.to.min(self.usable.1);
+            let samples = through_path(&self.record.times, signal, (self.usable.0, last), start, delay, lag)
+                .map_err(|e| Failure { t: start, reason: e.to_string() })?;
+            self.stepper.system_mut().set_samples(&d.name, d.order, samples);
+        }
+        self.ways = Some(ways);
+        Ok(())
+    }
+
+    fn make_schedule(&mut self, ways: &Ways) {
+        self.schedule.clear();
+        for sample in 0..self.samples() {
+            for (column, way) in ways.columns.iter().enumerate() {
+                self.schedule.push(Reading { t: self.record.times[self.window.from + sample] - way.0, column, sample });
+            }
+        }
+        // Stable, so that columns of one time stay together.
+        self.schedule.sort_by(|a, b| a.t.total_cmp(&b.t));
+    }
+
+    /// Simulates from `x0` at the window's beginning (earlier by the longest sensor delay) and writes what the columns would
+    /// show, over their noise, column by column; 0 where the measurement was lost.
+    pub(super) fn simulate(&mut self, theta: &[f64], x0: &[f64], out: &mut [f64]) -> Result<(), Failure> {
+        self.set(theta)?;
+        let m = self.samples();
+        let start = self.start;
+        self.stepper.set_state(start, x0).map_err(|e| Failure { t: start, reason: e.to_string() })?;
+        let offsets: Vec<f64> = self.ways.iter().flat_map(|w| w.columns.iter().map(|c| c.1)).collect();
+        let mut outputs: Option<(f64, Vec<f64>)> = None;
+        for reading in &self.schedule {
+            if reading.t > self.stepper.time()
+                && let Outcome::Stopped { reason, t, .. } = self.stepper.advance(reading.t)
+            {
+                return Err(Failure { t, reason: reason.to_string() });
+            }
+            let value = match self.record.measured[reading.column].quantity {
+                Quantity::State(i) => self.stepper.state()[i],
+                Quantity::Output(i) => {
+                    if outputs.as_ref().is_none_or(|(t, _)| *t != reading.t) {
+                        let x = self.stepper.state().to_vec();
+                        outputs = Some((reading.t, self.stepper.system_mut().output_values(reading.t, &x)));
+                    }
+                    outputs.as_ref().map_or(f64::NAN, |(_, y)| y[i])
+                }
+            };
+            if !value.is_finite() {
+                return Err(Failure { t: reading.t, reason: "the simulated measurement is not finite".into() });
+            }
+            let at = reading.column * m + reading.sample;
+            out[at] =
+                if self.present[at] { (value + offsets[reading.column]) * self.weights[reading.column] } else { 0.0 };
+        }
+        Ok(())
+    }
+
+    /// Adds to `out` what changes when an offset of columns changes by one, if the unknown is such an offset.
+    pub(super) fn offset_column(&self, unknown: usize, out: &mut [f64]) -> bool {
+        let Target::Column(Path::SensorBias, names) = &self.compiled.targets[unknown] else {
+            return false;
+        };
+        let m = self.samples();
+        out.fill(0.0);
+        for (column, measured) in self.record.measured.iter().enumerate() {
+            if names.contains(&measured.name) {
+                for at in column * m..(column + 1) * m {
+                    out[at] = if self.present[at] { self.weights[column] } else { 0.0 };
+                }
+            }
+        }
+        true
+    }
+}
