@@ -22,5 +22,5 @@ pub use report::{
 };
 pub use study::{Column, Estimate, Fit, FitStatus, Linearization, Normal, Study, StudySettings, Window, WindowFit};
 pub use synthetic::{
-    Excitation, Hidden, HiddenEffect, Named, Score, Slider, SliderLog, SliderSensors, SliderTruth, SyntheticError,
+    Excitation, Hidden, HiddenEffect, Score, Slider, SliderLog, SliderSensors, SliderTruth, SyntheticError,
 };

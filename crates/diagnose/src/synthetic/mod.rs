@@ -12,5 +12,5 @@ mod slider;
 pub use error::SyntheticError;
 pub use excitation::Excitation;
 pub use hidden::HiddenEffect;
-pub use score::{Named, Score};
+pub use score::Score;
 pub use slider::{Hidden, Slider, SliderLog, SliderSensors, SliderTruth};

@@ -1,0 +1,69 @@
+//! Hides effects in logs of a slider, diagnoses them and counts what was named:
+//! `cargo run --release -p bracketry-diagnose --example hidden_effects -- --runs 200 --seed 1 --measured xv --size 0.1 --effect any`
+//!
+//! `--help` lists the options; `--export DIR` writes the logs, models and truths for other programs instead.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod export;
+#[path = "../../tests/common/trial.rs"]
+mod trial;
+
+use bracketry_diagnose::{HiddenEffect, SliderSensors};
+use clap::Parser;
+use std::path::PathBuf;
+use trial::{Choice, Trial};
+
+/// Hides effects in logs of a slider, diagnoses them and counts what was named.
+#[derive(Parser)]
+struct Options {
+    /// Number of logs.
+    #[arg(long, default_value_t = 40)]
+    runs: u64,
+    /// Seed of the first log; the next ones count up.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// What is measured: xv or x.
+    #[arg(long, default_value = "xv", value_parser = sensors)]
+    measured: SliderSensors,
+    /// Root mean square of the effect's force relative to the drive's.
+    #[arg(long, default_value_t = 0.1)]
+    size: f64,
+    /// any, none, pair, further, outside, or the name of one effect.
+    #[arg(long, default_value = "any", value_parser = choice)]
+    effect: Choice,
+    /// Sampling, noise, excitation, masses and sizes at random as well.
+    #[arg(long)]
+    general: bool,
+    /// Write logs, models and truths into this directory and diagnose nothing.
+    #[arg(long)]
+    export: Option<PathBuf>,
+}
+
+fn sensors(text: &str) -> Result<SliderSensors, String> {
+    match text {
+        "xv" => Ok(SliderSensors::PositionAndVelocity),
+        "x" => Ok(SliderSensors::Position),
+        _ => Err("xv or x".to_owned()),
+    }
+}
+
+fn choice(text: &str) -> Result<Choice, String> {
+    Ok(match text {
+        "any" => Choice::Any,
+        "none" => Choice::Nothing,
+        "pair" => Choice::Pair,
+        "further" => Choice::Further,
+        "outside" => Choice::Outside,
+        name => Choice::Only(HiddenEffect::from_name(name).ok_or("any, none, pair, further, outside or an effect")?),
+    })
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let options = Options::parse();
+    let trials = (options.seed..options.seed + options.runs)
+        .map(|seed| Trial::draw(options.effect, options.measured, options.size, options.general, seed));
+    if let Some(directory) = &options.export {
+        return export::export(trials, directory);
+    }
+    Ok(())
+}
