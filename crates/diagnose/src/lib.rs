@@ -15,7 +15,9 @@ mod synthetic;
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
 pub use library::TIME_INPUT;
-pub use read::{Audit, ColumnAudit, Noise, RecordSettings, Warning, estimate_noise, read_record};
+pub use read::{
+    Audit, Bandwidth, ColumnAudit, Noise, RecordSettings, SmoothingSpline, Warning, estimate_noise, read_record, smooth,
+};
 pub use record::{Measured, Quantity, Record, Signal};
 pub use report::{
     Candidate, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, Rival, Value, Verdict,

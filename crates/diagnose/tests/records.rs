@@ -126,3 +126,33 @@ fn an_input_that_no_equation_uses_needs_no_column() {
     assert_eq!(record.inputs.len(), 2);
     assert_eq!(record.input_derivatives[0].values, [5.0, 6.0]);
 }
+
+#[test]
+fn a_derivative_without_a_column_comes_from_a_spline() {
+    let t: Vec<f64> = (0..1200).map(|k| f64::from(k) * 5e-3 + if k < 700 { 0.0 } else { 2.0 }).collect();
+    let column = |f: &dyn Fn(f64) -> f64| t.iter().map(|t| f(*t)).collect::<Vec<f64>>();
+    let given = |columns: Vec<(&str, Vec<f64>)>| {
+        let columns = columns.into_iter().map(|(name, values)| (name.to_owned(), values)).collect();
+        Record::from_columns("run", t.clone(), columns, &system(CART), &RecordSettings::default()).unwrap()
+    };
+    let x = column(&|t| 0.01 * (9.0 * t).sin());
+    let second = column(&|t| -0.81 * (9.0 * t).sin());
+    let (by_spline, audit) = given(vec![("X", x.clone()), ("x", x.clone())]);
+    let (by_column, _) = given(vec![("X", x.clone()), ("der(X,2)", second.clone()), ("x", x)]);
+    assert_eq!(by_column.input_derivatives[0].values, second);
+    // A motion, not a command.
+    assert!(
+        [&by_column.inputs[0], &by_column.input_derivatives[0], &by_spline.input_derivatives[0]]
+            .iter()
+            .all(|signal| signal.hold == Hold::Linear)
+    );
+    assert_eq!(by_column.inputs[1].hold, Hold::Previous);
+    // The third derivative vanishes at the ends of a spline: a few samples feel it.
+    for k in (5..695).chain(705..1195) {
+        let found = by_spline.input_derivatives[0].values[k];
+        assert!((found - second[k]).abs() < 1e-3, "{k}: {found} {}", second[k]);
+    }
+    let bandwidth = audit.columns.iter().find(|c| c.name == "der(X,2)").unwrap().bandwidth.unwrap();
+    assert!(bandwidth > 9.0 / std::f64::consts::TAU, "{bandwidth} Hz");
+    assert_eq!(by_spline.differentiated_input(0, 2).unwrap(), by_spline.input_derivatives[0]);
+}

@@ -2,10 +2,12 @@
 
 use std::fmt;
 
+use bracketry_sim::Hold;
 use serde::Serialize;
 
 use super::clock::Clock;
 use super::noise::Noise;
+use crate::Signal;
 
 /// Something about the data that may spoil a conclusion.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -28,6 +30,12 @@ pub struct ColumnAudit {
     /// Standard deviation of its noise, in its unit; measured columns only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<f64>,
+    /// Inputs: whether straight lines join the samples; otherwise each is held until the next.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lines: Option<bool>,
+    /// Derivatives by a smoothing spline of the input: the frequency in Hz at which half of the amplitude passes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bandwidth: Option<f64>,
     /// Smallest value.
     pub min: f64,
     /// Largest value.
@@ -35,19 +43,20 @@ pub struct ColumnAudit {
 }
 
 impl ColumnAudit {
-    fn new(name: &str, input: bool, values: &[f64], noise: Option<f64>) -> Self {
+    fn new(name: &str, input: bool, values: &[f64]) -> Self {
         let finite = values.iter().filter(|v| v.is_finite());
         let (min, max) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
         let lost = values.iter().filter(|v| v.is_nan()).count();
-        Self { name: name.to_owned(), input, lost, noise, min, max }
+        Self { name: name.to_owned(), input, lost, noise: None, lines: None, bandwidth: None, min, max }
     }
 
     pub(super) fn measured(name: &str, values: &[f64], noise: Noise) -> Self {
-        Self::new(name, false, values, Some(noise.std))
+        Self { noise: Some(noise.std), ..Self::new(name, false, values) }
     }
 
-    pub(super) fn input(name: &str, values: &[f64]) -> Self {
-        Self::new(name, true, values, None)
+    pub(super) fn input(name: &str, signal: &Signal, bandwidth: Option<f64>) -> Self {
+        let lines = Some(signal.hold == Hold::Linear);
+        Self { lines, bandwidth, ..Self::new(name, true, &signal.values) }
     }
 
     /// Whether the column never changes.

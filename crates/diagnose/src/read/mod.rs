@@ -2,11 +2,14 @@
 
 mod audit;
 mod clock;
+mod driving;
 mod noise;
 mod roles;
+mod spline;
 
 pub use audit::{Audit, ColumnAudit, Warning};
 pub use noise::{Noise, estimate_noise};
+pub use spline::{Bandwidth, SmoothingSpline, smooth};
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,8 +17,9 @@ use std::path::Path;
 use bracketry_sim::Hold;
 use bracketry_system::{Columns, Entries, FileError, System};
 
-use crate::{DiagnoseError, Measured, Record, Signal};
+use crate::{DiagnoseError, Measured, Record};
 use clock::Clock;
+use driving::Driving;
 use roles::{Role, Roles};
 
 /// Largest share of lost entries of a measured column.
@@ -24,8 +28,8 @@ const MOST_LOST: f64 = 0.5;
 /// How the columns of a table are meant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordSettings {
-    /// How inputs go on between samples. `None`: each value is held until the next sample; a derivative of an input that
-    /// changes little from sample to sample follows straight lines, since it is a motion and not a command.
+    /// How inputs go on between samples. `None`: each value is held until the next sample; an input whose derivatives the
+    /// model uses, and these, follow straight lines, since that is a motion and not a command.
     pub hold: Option<Hold>,
     /// Pairs: the name of a column, the name in the model that it gets.
     pub rename: Vec<(String, String)>,
@@ -168,29 +172,15 @@ fn build(
         audits.push(ColumnAudit::measured(&name, &values, noise));
         measured.push(Measured { name, quantity, values, noise: noise.std });
     }
-    let n = roles.times.len();
-    let hold = settings.hold.unwrap_or_default();
-    let mut inputs = Vec::new();
-    for (input, name) in system.input_names().into_iter().enumerate() {
-        let values = roles.inputs.remove(&input);
-        if let Some(values) = &values {
-            audits.push(ColumnAudit::input(&name, values));
-        }
-        inputs.push(Signal { values: values.unwrap_or_else(|| vec![0.0; n]), hold });
-    }
-    let mut input_derivatives = Vec::new();
-    for d in &system.input_derivatives {
-        let values = roles.derivatives.remove(&(d.input, d.order)).unwrap_or_else(|| vec![0.0; n]);
-        let lines = if values.windows(2).all(|pair| pair[0] == pair[1]) { Hold::Previous } else { Hold::Linear };
-        input_derivatives.push(Signal { values, hold: settings.hold.unwrap_or(lines) });
-    }
+    let driving = Driving::of(origin, roles.inputs, roles.derivatives, &roles.times, &clock.gaps, system, settings)?;
+    audits.extend(driving.audits);
     let audit = Audit::new(origin.name, &roles.times, &clock, audits, ignored);
     let record = Record {
         name: origin.name.to_owned(),
         times: roles.times,
         gaps: clock.gaps,
-        inputs,
-        input_derivatives,
+        inputs: driving.inputs,
+        input_derivatives: driving.derivatives,
         measured,
     };
     Ok((record, audit))

@@ -130,7 +130,7 @@ impl Roles {
         let inputs = inputs.filter(|input| !self.inputs.contains_key(input)).map(|input| self.names[input].clone());
         let derivatives = system.input_derivatives.iter().filter(|d| used.contains(&d.symbol));
         let derivatives = derivatives
-            .filter(|d| !self.derivatives.contains_key(&(d.input, d.order)))
+            .filter(|d| !self.inputs.contains_key(&d.input) && !self.derivatives.contains_key(&(d.input, d.order)))
             .map(|d| format!("der({},{})", self.names[d.input], d.order));
         inputs.chain(derivatives).collect()
     }
