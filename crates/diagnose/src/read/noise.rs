@@ -1,34 +1,187 @@
 //! The noise of a column, from the column itself.
 
-/// What a column's noise is like.
+/// What the noise of a column is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// Standard deviation in the column's unit; positive.
     pub std: f64,
+    /// Correlation of neighbouring samples of the noise; 0 where it was not told from white noise.
+    pub correlation: f64,
+    /// Distance of neighbouring values, where all values are multiples of one.
+    pub resolution: Option<f64>,
 }
 
 /// Smallest noise, as a share of the column's range: no instrument resolves more than 20 bits.
 const RESOLUTION: f64 = 1.0 / (1 << 20) as f64;
-/// Sixth differences of white noise have the variance (12 choose 6) σ².
-const BINOMIAL: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-/// Median of the absolute value of a standard normal variable.
-const MEDIAN_NORMAL: f64 = 0.674_489_750_196_081_7;
+/// Orders of differences, from the least spread to the least influenced by the motion.
+const ORDERS: [usize; 5] = [3, 4, 5, 6, 8];
+const HIGHEST: usize = 8;
+/// Fewest differences that give a scale.
+const FEWEST: usize = 12;
+/// An order that lowers the estimate by less than this share is no better than the one before.
+const SAME: f64 = 1.03;
+/// Growth from one distance of samples to twice that, beyond which it is motion and no noise: noise behind a filter of second
+/// order grows by less than 2^1.5, motion in differences of eighth order by up to 2^8.
+const MOTION: f64 = 1.7;
+/// Largest distance, in samples, at which correlated noise is followed.
+const FARTHEST: usize = 32;
 
-/// Standard deviation of the noise of a column in which NaN stands for lost values.
-pub fn estimate_noise(_times: &[f64], values: &[f64]) -> Noise {
+/// The noise of a column in which NaN stands for lost values: standard deviation, correlation, resolution.
+///
+/// Differences of order p vanish on motion that is smooth on the scale of p samples, and leave noise of known variance
+/// (Hall, Kay and Titterington, Biometrika 77, 1990; here with the weights of divided differences, for any times). The lowest order
+/// is taken from which higher ones no longer lower the estimate; reversals and outliers do not count, by cutting at three standard
+/// deviations. The same with every second, fourth, … sample tells correlated noise from white: of white noise the estimate stays,
+/// and where it does not it is followed until it does, or until motion sets in. Noise is at least q/√12 for a resolution q,
+/// and a millionth of the range.
+pub fn estimate_noise(times: &[f64], values: &[f64]) -> Noise {
     let finite = values.iter().filter(|v| v.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-    let size = (high - low).max(high.abs() * RESOLUTION).max(f64::MIN_POSITIVE);
-    let mut differences: Vec<f64> = values
-        .windows(BINOMIAL.len())
-        .map(|w| w.iter().zip(BINOMIAL).map(|(v, c)| v * c).sum::<f64>().abs())
-        .filter(|d| d.is_finite())
-        .collect();
-    let floor = size * RESOLUTION;
-    if differences.is_empty() {
-        return Noise { std: floor };
+    let size = (high - low).max(high.abs() * RESOLUTION);
+    let resolution = resolution(values);
+    let floor = (size * RESOLUTION).max(resolution.unwrap_or(0.0) / 12f64.sqrt()).max(f64::MIN_POSITIVE);
+    let floor = if floor.is_finite() { floor } else { 1.0 };
+    let column = Column::new(times, values);
+    let scales: Vec<f64> = ORDERS.iter().map_while(|order| column.scale(*order, 1)).collect();
+    let lowest = |k: usize| scales[k + 1..].iter().copied().fold(f64::INFINITY, f64::min);
+    let Some(white) = (0..scales.len()).find(|k| scales[*k] <= SAME * lowest(*k)).map(|k| scales[k]) else {
+        return Noise { std: floor, correlation: 0.0, resolution };
+    };
+    // Beyond the statistical error of the ratio of two scales.
+    let tolerance = 1.05 + 4.0 / (values.len() as f64).sqrt();
+    let (mut std, mut distance, mut correlation) = (white, 1, 0.0);
+    let nearest = column.scale(HIGHEST, 1).unwrap_or(white);
+    let mut here = nearest;
+    while let Some(next) = column.scale(HIGHEST, 2 * distance).filter(|_| 2 * distance <= FARTHEST) {
+        if !(next > here * tolerance || next < here / tolerance) || next > MOTION * here {
+            break;
+        }
+        (std, here, distance) = (next, next, 2 * distance);
+        correlation = correlation_of(nearest / std);
     }
-    let middle = differences.len() / 2;
-    let (_, median, _) = differences.select_nth_unstable_by(middle, f64::total_cmp);
-    Noise { std: (*median / MEDIAN_NORMAL / 924f64.sqrt()).max(floor) }
+    Noise { std: std.max(floor), correlation, resolution }
+}
+
+/// A column whose differences are taken.
+struct Column<'a> {
+    times: &'a [f64],
+    values: &'a [f64],
+    /// Median step in time.
+    step: f64,
+    /// Whether all steps are the same, to a thousandth.
+    even: bool,
+}
+
+impl<'a> Column<'a> {
+    fn new(times: &'a [f64], values: &'a [f64]) -> Self {
+        let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
+        // A few gaps do not make a clock uneven.
+        let quantile = |share: f64| steps.get((steps.len() as f64 * share) as usize).copied().unwrap_or(step);
+        let even = (quantile(0.95) - quantile(0.05)).abs() <= 1e-3 * step;
+        Self { times, values, step, even }
+    }
+
+    /// Robust standard deviation of the differences of an order, of samples so many apart, over that of white noise of
+    /// variance one. None for too few differences.
+    fn scale(&self, order: usize, distance: usize) -> Option<f64> {
+        let span = order * distance;
+        let windows = self.values.len().checked_sub(span)?;
+        let longest = 1.5 * span as f64 * self.step;
+        let binomial = weights(&(0..=order).map(|k| k as f64).collect::<Vec<_>>());
+        let mut points = vec![0.0; order + 1];
+        let mut sizes = Vec::with_capacity(windows);
+        for start in 0..windows {
+            if self.times[start + span] - self.times[start] > longest {
+                continue;
+            }
+            let difference = |weights: &[f64]| -> f64 {
+                weights.iter().enumerate().map(|(k, w)| w * self.values[start + k * distance]).sum()
+            };
+            let d = if self.even {
+                difference(&binomial)
+            } else {
+                for (k, point) in points.iter_mut().enumerate() {
+                    *point = (self.times[start + k * distance] - self.times[start]) / self.step;
+                }
+                difference(&weights(&points))
+            };
+            if d.is_finite() {
+                sizes.push(d.abs());
+            }
+        }
+        if sizes.len() < FEWEST { None } else { Some(robust_scale(&mut sizes)) }
+    }
+}
+
+/// Weights of the divided difference over some points, of length one.
+fn weights(points: &[f64]) -> Vec<f64> {
+    let others = |k: usize| points.iter().enumerate().filter(move |(j, _)| *j != k).map(move |(_, p)| points[k] - p);
+    let raw: Vec<f64> = (0..points.len()).map(|k| 1.0 / others(k).product::<f64>()).collect();
+    let length = raw.iter().map(|w| w * w).sum::<f64>().sqrt();
+    raw.into_iter().map(|w| w / length).collect()
+}
+
+/// Standard deviation of a normal variable from absolute values, those beyond three standard deviations left out.
+fn robust_scale(sizes: &mut [f64]) -> f64 {
+    /// Median of the absolute value of a standard normal variable.
+    const MEDIAN: f64 = 0.674_489_750_196_081_7;
+    /// Variance of a standard normal variable cut at three.
+    const CUT: f64 = 0.973_337_011_400_9;
+    let middle = sizes.len() / 2;
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    let mut scale = *median / MEDIAN;
+    for _ in 0..4 {
+        let kept = sizes.iter().filter(|d| **d <= 3.0 * scale);
+        let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), d| (sum + d * d, count + 1.0));
+        if sum == 0.0 {
+            return scale;
+        }
+        scale = f64::sqrt(sum / (count * CUT));
+    }
+    scale
+}
+
+/// Correlation φ of neighbours in noise whose correlation at k samples is φ^k, from its standard deviation as differences of
+/// the highest order see it, over the true one.
+fn correlation_of(ratio: f64) -> f64 {
+    let binomial = weights(&(0..=HIGHEST).map(|k| k as f64).collect::<Vec<_>>());
+    let seen = |correlation: f64| -> f64 {
+        let mut sum = 0.0;
+        for (i, a) in binomial.iter().enumerate() {
+            for (j, b) in binomial.iter().enumerate() {
+                sum += a * b * correlation.powi(i.abs_diff(j) as i32);
+            }
+        }
+        sum.max(0.0).sqrt()
+    };
+    let (mut low, mut high) = (-0.99, 0.9999);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if seen(middle) > ratio { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// The distance q of which all values are multiples, if there is one that is coarser than rounding.
+fn resolution(values: &[f64]) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    let size = sorted.last()?.abs().max(sorted.first()?.abs());
+    let rounding = 64.0 * f64::EPSILON * size;
+    let steps: Vec<f64> = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|d| *d > rounding).collect();
+    if steps.len() < FEWEST {
+        return None;
+    }
+    let step = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    // The smallest step is a multiple of q; better known from the widest of its multiples.
+    let (whole, lengths) = steps.iter().filter(|d| **d < 1e3 * step).fold((0.0, 0.0), |(whole, lengths), d| {
+        let multiple = (d / step).round();
+        (whole + multiple, lengths + d)
+    });
+    let step = lengths / whole;
+    let off = steps.iter().filter(|d| (*d / step - (*d / step).round()).abs() > 0.05 && **d < 1e3 * step).count();
+    (step > 2.0 * rounding && off == 0).then_some(step)
 }
