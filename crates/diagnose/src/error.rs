@@ -103,6 +103,18 @@ pub enum DiagnoseError {
         /// Number of windows.
         windows: usize,
     },
+    /// Samples that a record does not have, or too few to begin from.
+    #[error("record {record} has {samples} samples: there is no stretch from {from} to {to} of two or more")]
+    NoSuchStretch {
+        /// Index of the record.
+        record: usize,
+        /// First sample asked for.
+        from: usize,
+        /// One past the last sample asked for.
+        to: usize,
+        /// Samples of the record.
+        samples: usize,
+    },
     /// The model cannot be simulated over any of the windows.
     #[error(
         "the model cannot be simulated over any of the {windows} windows; the first, from t = {from} s of `{record}`: {reason}"

@@ -22,7 +22,9 @@ pub use record::{Measured, Quantity, Record, Signal};
 pub use report::{
     Candidate, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, Rival, Value, Verdict,
 };
-pub use study::{Column, Estimate, Fit, FitStatus, Linearization, Normal, Study, StudySettings, Window, WindowFit};
+pub use study::{
+    Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, StudySettings, Window, WindowFit,
+};
 pub use synthetic::{
     Excitation, Hidden, HiddenEffect, Score, Slider, SliderLog, SliderSensors, SliderTruth, SyntheticError,
 };

@@ -114,7 +114,7 @@ impl Slot<'_> {
                 square: 0.0,
                 count: 0,
                 residuals: Vec::new(),
-                failure: Some(format!("at t = {} s: {}", failure.t, failure.reason)),
+                failure: Some(failure.to_string()),
             },
         }
     }

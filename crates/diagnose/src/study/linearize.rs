@@ -192,7 +192,7 @@ fn column(
     let nominal = values[unknown];
     values[unknown] = secant.to;
     let mut moved = vec![0.0; runner.target.len()];
-    runner.simulate(&values, &point.x0, &mut moved).map_err(|f| format!("at t = {} s: {}", f.t, f.reason))?;
+    runner.simulate(&values, &point.x0, &mut moved).map_err(|f| f.to_string())?;
     difference(&moved, &point.simulated, secant.to - nominal, &mut out);
     Ok(out)
 }

@@ -10,6 +10,7 @@ mod initial;
 mod linearization;
 mod linearize;
 mod normal;
+mod predictor;
 mod runner;
 mod signal_path;
 mod unknown;
@@ -17,6 +18,7 @@ mod window;
 
 pub use fit::{Estimate, Fit, FitStatus, WindowFit};
 pub use linearization::{Column, Linearization, Normal};
+pub use predictor::Predictor;
 pub use window::Window;
 
 use crate::effect::Effect;

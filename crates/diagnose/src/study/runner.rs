@@ -22,6 +22,12 @@ impl Failure {
     }
 }
 
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "at t = {} s: {}", self.t, self.reason)
+    }
+}
+
 /// When a measured column is to be read off the simulation.
 #[derive(Clone, Copy, Debug)]
 struct Reading {

@@ -1,0 +1,99 @@
+//! Predictions of a fitted model over any stretch of a record.
+
+use super::compiled::Compiled;
+use super::fit::{Fit, Slot};
+use super::runner::{Failure, Runner};
+use super::unknown::Unknown;
+use super::{Estimate, FitStatus, Study, Window, theta_of};
+use crate::error::DiagnoseError;
+use nalgebra::{DMatrix, DVector};
+
+/// A fitted model, compiled, to predict with.
+pub struct Predictor<'a> {
+    study: &'a Study,
+    compiled: Compiled,
+    theta: Vec<f64>,
+}
+
+impl Study {
+    /// The model as it was given: parameters at their values, no effects, no windows. Standard deviations are those of the prior.
+    pub fn nominal(&self) -> Fit {
+        let unknowns: Vec<Unknown> =
+            self.parameters.iter().map(|&i| Unknown::parameter(&self.system, &self.system.parameters[i])).collect();
+        let variances = unknowns.iter().map(|u| u.prior * u.prior);
+        Fit {
+            effects: Vec::new(),
+            covariance: DMatrix::from_diagonal(&DVector::from_iterator(unknowns.len(), variances)),
+            values: unknowns
+                .into_iter()
+                .map(|u| Estimate { name: u.name, nominal: u.nominal, value: u.nominal, std: u.prior })
+                .collect(),
+            windows: Vec::new(),
+            unidentified: Vec::new(),
+            status: FitStatus::Converged,
+        }
+    }
+
+    /// Compiles a fit for predictions.
+    ///
+    /// # Errors
+    /// [`DiagnoseError`] for effects that do not fit the model.
+    pub fn predictor(&self, fit: &Fit) -> Result<Predictor<'_>, DiagnoseError> {
+        let compiled = Compiled::new(&self.system, &self.records, &self.parameters, &fit.effects)?;
+        Ok(Predictor { study: self, compiled, theta: theta_of(fit) })
+    }
+}
+
+impl Predictor<'_> {
+    /// The initial state at the first sample of a stretch (earlier by the longest sensor delay), fitted to the samples of the stretch
+    /// alone; why and when the simulation ended where that is not possible.
+    ///
+    /// # Errors
+    /// [`DiagnoseError::NoSuchStretch`] for a stretch of fewer than two samples or beyond its record.
+    pub fn fit_initial_state(&self, stretch: Window) -> Result<Result<Vec<f64>, String>, DiagnoseError> {
+        let runner = self.runner(stretch)?;
+        let record = &self.study.records[stretch.record];
+        let guess = &self.study.guesses[stretch.record];
+        let start = guess.at(record, stretch);
+        let mut slot = Slot {
+            index: 0,
+            runner,
+            start: start.clone(),
+            guess: start,
+            scales: guess.scales.clone(),
+            state: Err(Failure::not_simulated()),
+        };
+        slot.settle(&self.compiled, &self.theta);
+        Ok(slot.state.map(|point| point.x0).map_err(|failure| failure.to_string()))
+    }
+
+    /// What every measured column of the record would show at every sample of a stretch, from an initial state as
+    /// [`Predictor::fit_initial_state`] gives it; NaN after a simulation that stopped.
+    ///
+    /// # Errors
+    /// [`DiagnoseError::NoSuchStretch`] for a stretch of fewer than two samples or beyond its record.
+    pub fn predict(&self, stretch: Window, x0: &[f64]) -> Result<Vec<Vec<f64>>, DiagnoseError> {
+        let mut runner = self.runner(stretch)?;
+        runner.weights.fill(1.0);
+        runner.present.fill(true);
+        let mut out = vec![f64::NAN; runner.target.len()];
+        // Where it stops, the rest stays NaN.
+        let _stopped = runner.simulate(&self.theta, x0, &mut out);
+        Ok(out.chunks(runner.samples()).map(<[f64]>::to_vec).collect())
+    }
+
+    fn runner(&self, stretch: Window) -> Result<Runner<'_>, DiagnoseError> {
+        let record = self.study.records.get(stretch.record);
+        let samples = record.map_or(0, |r| r.times.len());
+        let Some(record) = record.filter(|_| stretch.from + 2 <= stretch.to && stretch.to <= samples) else {
+            return Err(DiagnoseError::NoSuchStretch {
+                record: stretch.record,
+                from: stretch.from,
+                to: stretch.to,
+                samples,
+            });
+        };
+        let noise = &self.study.noise[stretch.record];
+        Runner::new(record, &self.compiled, stretch, noise, self.study.system.states.len())
+    }
+}
