@@ -4,9 +4,11 @@ use super::unknown::Unknown;
 use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::library::TIME_INPUT;
-use crate::record::Record;
+use crate::record::{Record, Signal};
 use bracketry_sim::{Hold, Inputs, Model, Samples};
 use bracketry_system::System;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
 
 /// What an unknown acts on.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,17 +37,57 @@ pub(super) struct Driven {
     pub(super) order: u32,
     pub(super) input: usize,
     /// Place in [`Record::inputs`] (order 0) or in [`Record::input_derivatives`].
-    pub(super) place: usize,
+    place: usize,
+    /// Where the records lack it: one signal per record.
+    derived: Option<Signals>,
+}
+
+impl Driven {
+    /// Its samples in a record.
+    pub(super) fn signal<'a>(&'a self, record: usize, records: &'a [Record]) -> &'a Signal {
+        match &self.derived {
+            Some(signals) => &signals[record],
+            None if self.order == 0 => &records[record].inputs[self.place],
+            None => &records[record].input_derivatives[self.place],
+        }
+    }
+}
+
+/// One signal per record.
+type Signals = Arc<Vec<Signal>>;
+
+/// Records, with derivatives of inputs that an effect may ask for beyond those that the model uses: made once, when asked for.
+pub(super) struct Sources {
+    pub(super) records: Vec<Record>,
+    /// By input and order; none for an order that cannot be had.
+    derived: Mutex<BTreeMap<(usize, u32), Option<Signals>>>,
+}
+
+impl Sources {
+    pub(super) fn new(records: &[Record]) -> Self {
+        Self { records: records.to_vec(), derived: Mutex::default() }
+    }
+
+    /// A derivative of an input, for all records.
+    fn derivative(&self, input: usize, order: u32) -> Option<Signals> {
+        let mut derived = self.derived.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let entry = derived.entry((input, order)).or_insert_with(|| {
+            let all: Option<Vec<Signal>> = self.records.iter().map(|r| r.differentiated_input(input, order)).collect();
+            all.map(Arc::new)
+        });
+        entry.clone()
+    }
 }
 
 impl Compiled {
     /// Compiles `system` with `effects`; `parameters` (indices) become unknowns, then the coefficients of the effects.
     pub(super) fn new(
         system: &System,
-        records: &[Record],
+        sources: &Sources,
         parameters: &[usize],
         effects: &[Effect],
     ) -> Result<Self, DiagnoseError> {
+        let records = &sources.records;
         let mut changed = system.clone();
         let mut unknowns: Vec<Unknown> =
             parameters.iter().map(|&i| Unknown::parameter(system, &system.parameters[i])).collect();
@@ -57,23 +99,19 @@ impl Compiled {
                 targets.push(target(system, records, effect)?);
             }
         }
-        let driven = driven(system, &changed, records)?;
+        let driven = driven(system, &changed, sources)?;
         let mut models: Vec<Model> = Vec::with_capacity(records.len());
-        for (index, record) in records.iter().enumerate() {
-            let same = (0..index).find(|&i| same_holds(&records[i], record));
+        let holds = |index: usize| -> Vec<Hold> { driven.iter().map(|d| d.signal(index, records).hold).collect() };
+        for index in 0..records.len() {
+            let same = (0..index).find(|&i| holds(i) == holds(index));
             let model = match same {
                 Some(i) => models[i].clone(),
-                None => compile(&changed, record, &unknowns, &targets, &driven)?,
+                None => compile(&changed, &holds(index), &unknowns, &targets, &driven)?,
             };
             models.push(model);
         }
         Ok(Self { models, unknowns, targets, driven })
     }
-}
-
-fn same_holds(a: &Record, b: &Record) -> bool {
-    let holds = |r: &Record| -> Vec<Hold> { r.inputs.iter().chain(&r.input_derivatives).map(|s| s.hold).collect() };
-    holds(a) == holds(b)
 }
 
 fn target(system: &System, records: &[Record], effect: &Effect) -> Result<Target, DiagnoseError> {
@@ -105,38 +143,44 @@ fn target(system: &System, records: &[Record], effect: &Effect) -> Result<Target
     }
 }
 
-fn driven(system: &System, changed: &System, records: &[Record]) -> Result<Vec<Driven>, DiagnoseError> {
+fn driven(system: &System, changed: &System, sources: &Sources) -> Result<Vec<Driven>, DiagnoseError> {
     let names = system.input_names();
-    let mut driven: Vec<Driven> =
-        names.iter().enumerate().map(|(i, name)| Driven { name: name.clone(), order: 0, input: i, place: i }).collect();
+    let mut driven: Vec<Driven> = names
+        .iter()
+        .enumerate()
+        .map(|(i, name)| Driven { name: name.clone(), order: 0, input: i, place: i, derived: None })
+        .collect();
     for (place, d) in changed.input_derivatives.iter().enumerate() {
         let name = changed.pool.name(changed.inputs[d.input]).to_owned();
-        if records.iter().any(|r| place >= r.input_derivatives.len()) {
-            return Err(bracketry_sim::InputError::MissingDerivative { input: name, order: d.order }.into());
-        }
-        driven.push(Driven { name, order: d.order, input: d.input, place });
+        let derived = if place < system.input_derivatives.len() {
+            None
+        } else {
+            let missing = || bracketry_sim::InputError::MissingDerivative { input: name.clone(), order: d.order };
+            Some(sources.derivative(d.input, d.order).ok_or_else(missing)?)
+        };
+        driven.push(Driven { name, order: d.order, input: d.input, place, derived });
     }
     Ok(driven)
 }
 
 fn compile(
     changed: &System,
-    record: &Record,
+    holds: &[Hold],
     unknowns: &[Unknown],
     targets: &[Target],
     driven: &[Driven],
 ) -> Result<Model, DiagnoseError> {
     let mut inputs = Inputs::new();
-    for d in driven {
-        let signal = if d.order == 0 { &record.inputs[d.place] } else { &record.input_derivatives[d.place] };
-        let placeholder = Samples::new(vec![0.0], vec![0.0], signal.hold)?;
+    for (d, hold) in driven.iter().zip(holds) {
+        let placeholder = Samples::new(vec![0.0], vec![0.0], *hold)?;
         inputs = if d.order == 0 {
             inputs.samples(&d.name, placeholder)
         } else {
             inputs.derivative(&d.name, d.order, placeholder)
         };
     }
-    if changed.inputs.len() > record.inputs.len() {
+    let given = driven.iter().filter(|d| d.order == 0).count();
+    if changed.inputs.len() > given {
         inputs = inputs.expression(TIME_INPUT, "t");
     }
     for (unknown, target) in unknowns.iter().zip(targets) {

@@ -79,7 +79,7 @@ impl Study {
         candidates: &[Effect],
         windows: &[usize],
     ) -> Result<Linearization, DiagnoseError> {
-        let compiled = Compiled::new(&self.system, &self.records, &self.parameters, &fit.effects)?;
+        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &fit.effects)?;
         let theta = theta_of(fit);
         let mut slots = self.slots(&compiled, windows, Some(fit))?;
         settle_all(&mut slots, &compiled, &theta);
@@ -155,7 +155,7 @@ impl Study {
         theta: &[f64],
     ) -> Result<(Vec<Secant>, Vec<Columns>), DiagnoseError> {
         let effects: Vec<Effect> = fit.effects.iter().chain([candidate]).cloned().collect();
-        let compiled = Compiled::new(&self.system, &self.records, &self.parameters, &effects)?;
+        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &effects)?;
         let sampling = slots.first().map_or(1e-3, |s| s.runner.sampling());
         let first = theta.len();
         let secants = secants(index, candidate, trials, |coefficient, c| {
@@ -165,9 +165,9 @@ impl Study {
             .par_iter()
             .map(|slot| {
                 let Ok(point) = &slot.state else { return Ok(Vec::new()) };
-                let record = &self.records[slot.runner.window.record];
+                let records = &self.sources.records;
                 let noise = &self.noise[slot.runner.window.record];
-                let mut runner = Runner::new(record, &compiled, slot.runner.window, noise, slot.scales.len())?;
+                let mut runner = Runner::new(records, &compiled, slot.runner.window, noise, slot.scales.len())?;
                 Ok(secants.iter().map(|s| column(&mut runner, &compiled, theta, point, s)).collect())
             })
             .collect();

@@ -25,7 +25,7 @@ use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::record::Record;
 use bracketry_system::System;
-use compiled::Compiled;
+use compiled::{Compiled, Sources};
 use fit::{Slot, solve};
 use initial::Guess;
 use rayon::prelude::*;
@@ -55,7 +55,7 @@ impl Default for StudySettings {
 /// Records cut into windows, with the model to be fitted to them.
 pub struct Study {
     system: System,
-    records: Vec<Record>,
+    sources: Sources,
     settings: StudySettings,
     windows: Vec<Window>,
     parameters: Vec<usize>,
@@ -83,7 +83,7 @@ impl Study {
         Ok(Self {
             parameters: refitted(system, &settings.fixed),
             system: system.clone(),
-            records: records.to_vec(),
+            sources: Sources::new(records),
             settings: settings.clone(),
             windows,
             noise,
@@ -103,7 +103,7 @@ impl Study {
 
     /// The records.
     pub fn records(&self) -> &[Record] {
-        &self.records
+        &self.sources.records
     }
 
     /// The model.
@@ -122,7 +122,7 @@ impl Study {
     /// # Errors
     /// [`DiagnoseError`] for an effect that does not fit the model, or if no window can be simulated.
     pub fn fit(&self, effects: &[Effect], windows: &[usize], start: Option<&Fit>) -> Result<Fit, DiagnoseError> {
-        let compiled = Compiled::new(&self.system, &self.records, &self.parameters, effects)?;
+        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, effects)?;
         let theta: Vec<f64> = compiled
             .unknowns
             .iter()
@@ -160,7 +160,7 @@ impl Study {
     /// # Errors
     /// [`DiagnoseError`] for effects that do not fit the model.
     pub fn evaluate(&self, fit: &Fit, windows: &[usize]) -> Result<Vec<WindowFit>, DiagnoseError> {
-        let compiled = Compiled::new(&self.system, &self.records, &self.parameters, &fit.effects)?;
+        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &fit.effects)?;
         let mut slots = self.slots(&compiled, windows, Some(fit))?;
         settle_all(&mut slots, &compiled, &theta_of(fit));
         Ok(slots.iter().map(Slot::report).collect())
@@ -181,9 +181,9 @@ impl Study {
                     .windows
                     .get(index)
                     .ok_or(DiagnoseError::NoSuchWindow { index, windows: self.windows.len() })?;
-                let record = &self.records[window.record];
+                let record = &self.sources.records[window.record];
                 let guess = &self.guesses[window.record];
-                let runner = Runner::new(record, compiled, window, &self.noise[window.record], n)?;
+                let runner = Runner::new(&self.sources.records, compiled, window, &self.noise[window.record], n)?;
                 let known = start
                     .and_then(|s| s.windows.iter().find(|w| w.window == index && w.failure.is_none()))
                     .map(|w| w.x0.clone());
@@ -207,7 +207,7 @@ impl Study {
         let first = slots.iter().find_map(|s| s.state.as_ref().err().map(|e| (s.index, e.reason.clone())));
         let (record, from) = first.as_ref().map_or((String::new(), 0.0), |(index, _)| {
             let window = self.windows[*index];
-            let record = &self.records[window.record];
+            let record = &self.sources.records[window.record];
             (record.name.clone(), record.times[window.from])
         });
         let reason = first.map_or_else(|| "no window was given".to_owned(), |f| f.1);

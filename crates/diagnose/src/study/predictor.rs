@@ -39,7 +39,7 @@ impl Study {
     /// # Errors
     /// [`DiagnoseError`] for effects that do not fit the model.
     pub fn predictor(&self, fit: &Fit) -> Result<Predictor<'_>, DiagnoseError> {
-        let compiled = Compiled::new(&self.system, &self.records, &self.parameters, &fit.effects)?;
+        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &fit.effects)?;
         Ok(Predictor { study: self, compiled, theta: theta_of(fit) })
     }
 }
@@ -52,7 +52,7 @@ impl Predictor<'_> {
     /// [`DiagnoseError::NoSuchStretch`] for a stretch of fewer than two samples or beyond its record.
     pub fn fit_initial_state(&self, stretch: Window) -> Result<Result<Vec<f64>, String>, DiagnoseError> {
         let runner = self.runner(stretch)?;
-        let record = &self.study.records[stretch.record];
+        let record = &self.study.sources.records[stretch.record];
         let guess = &self.study.guesses[stretch.record];
         let start = guess.at(record, stretch);
         let mut slot = Slot {
@@ -83,17 +83,17 @@ impl Predictor<'_> {
     }
 
     fn runner(&self, stretch: Window) -> Result<Runner<'_>, DiagnoseError> {
-        let record = self.study.records.get(stretch.record);
+        let record = self.study.sources.records.get(stretch.record);
         let samples = record.map_or(0, |r| r.times.len());
-        let Some(record) = record.filter(|_| stretch.from + 2 <= stretch.to && stretch.to <= samples) else {
+        if stretch.from + 2 > stretch.to || stretch.to > samples {
             return Err(DiagnoseError::NoSuchStretch {
                 record: stretch.record,
                 from: stretch.from,
                 to: stretch.to,
                 samples,
             });
-        };
+        }
         let noise = &self.study.noise[stretch.record];
-        Runner::new(record, &self.compiled, stretch, noise, self.study.system.states.len())
+        Runner::new(&self.study.sources.records, &self.compiled, stretch, noise, self.study.system.states.len())
     }
 }

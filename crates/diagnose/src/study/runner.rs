@@ -47,6 +47,7 @@ struct Ways {
 
 /// Simulates one window.
 pub(super) struct Runner<'a> {
+    records: &'a [Record],
     record: &'a Record,
     compiled: &'a Compiled,
     pub(super) window: Window,
@@ -66,12 +67,13 @@ pub(super) struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     pub(super) fn new(
-        record: &'a Record,
+        records: &'a [Record],
         compiled: &'a Compiled,
         window: Window,
         noise: &[f64],
         n: usize,
     ) -> Result<Self, DiagnoseError> {
+        let record = &records[window.record];
         let usable = stretches(record)
             .into_iter()
             .find(|&(from, to)| (from..to).contains(&window.from))
@@ -93,6 +95,7 @@ impl<'a> Runner<'a> {
         let stepper = Stepper::new(model, t0, &vec![0.0; n], &settings)?;
         let schedule = Vec::with_capacity(target.len());
         Ok(Self {
+            records,
             record,
             compiled,
             window,
@@ -170,8 +173,7 @@ impl<'a> Runner<'a> {
             if !moved && self.ways.as_ref().is_some_and(|old| old.inputs[d.input] == (delay, lag)) {
                 continue;
             }
-            let signal =
-                if d.order == 0 { &self.record.inputs[d.place] } else { &self.record.input_derivatives[d.place] };
+            let signal = d.signal(self.window.record, self.records);
             // Up to one sample past the window, for straight lines and the value held last.
             let last = self.window.to.min(self.usable.1);
             let samples = through_path(&self.record.times, signal, (self.usable.0, last), start, delay, lag)
