@@ -4,6 +4,7 @@ mod audit;
 mod clock;
 mod driving;
 mod noise;
+mod npz;
 mod roles;
 mod spline;
 
@@ -39,6 +40,17 @@ impl RecordSettings {
     /// The name in the model of a column.
     fn renamed<'a>(&'a self, column: &'a str) -> &'a str {
         self.rename.iter().find(|(from, _)| from == column).map_or(column, |(_, to)| to)
+    }
+
+    /// Refuses to rename columns that are not there.
+    fn check(&self, origin: &Origin<'_>, header: &[String]) -> Result<(), FileError> {
+        match self.rename.iter().find(|(from, _)| !header.contains(from)) {
+            None => Ok(()),
+            Some((from, _)) => Err(origin.whole(
+                format!("there is no column `{from}` to rename; there are {}", header.join(", ")),
+                "name a column of the table before the equals sign: --rename q=x",
+            )),
+        }
     }
 
     /// Gives columns their names in the model.
@@ -86,11 +98,20 @@ impl Origin<'_> {
 }
 
 /// Reads a run from a table: a column `t` in seconds, one per measured state or output, one per input, `der(X,2)` for its
-/// derivatives; other columns are ignored, and the [`Audit`] says so.
+/// derivatives; other columns are ignored, and the [`Audit`] says so. A file `….npz` is a NumPy archive of one array per
+/// column, any other text (CSV).
 ///
 /// # Errors
 /// [`DiagnoseError::File`] with file, line, column and remedy for what is no such table.
 pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> Result<(Record, Audit), DiagnoseError> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) {
+        let (columns, ignored) = npz::read(path, |name| roles::role(settings.renamed(name), system).is_some())?;
+        let name = path.display().to_string();
+        let origin = Origin { name: &name, lines: None };
+        let header: Vec<String> = columns.keys().cloned().chain(ignored.iter().cloned()).collect();
+        settings.check(&origin, &header)?;
+        return build(&origin, settings.apply(&origin, columns)?, ignored, system, settings);
+    }
     let doc = Columns::document(path, "name a CSV file: a table with a column t, the inputs and what was measured")?;
     let entries = |name: &str| match roles::role(settings.renamed(name), system) {
         None => Entries::Ignored,
@@ -98,16 +119,10 @@ pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> R
         Some(_) => Entries::Finite,
     };
     let Columns { columns, header, lines } = Columns::parse(&doc, entries)?;
-    for (from, _) in &settings.rename {
-        if !header.contains(from) {
-            let message = format!("there is no column `{from}` to rename; the table has {}", header.join(", "));
-            return Err(doc.missing(message, "name a column of the table before the equals sign: --rename q=x").into());
-        }
-    }
     let origin = Origin { name: doc.file(), lines: Some(&lines) };
-    let columns = settings.apply(&origin, columns)?;
-    let ignored = header.into_iter().filter(|name| !columns.contains_key(settings.renamed(name))).collect();
-    build(&origin, columns, ignored, system, settings)
+    settings.check(&origin, &header)?;
+    let ignored = header.into_iter().filter(|name| !columns.contains_key(name)).collect();
+    build(&origin, settings.apply(&origin, columns)?, ignored, system, settings)
 }
 
 impl Record {
@@ -130,11 +145,14 @@ impl Record {
                 return Err(origin.whole(message, "give one entry per time").into());
             }
         }
+        let header: Vec<String> = columns.keys().cloned().collect();
+        settings.check(&origin, &header)?;
+        let known = |column: &String| roles::role(settings.renamed(column), system).is_some();
+        let (columns, others): (BTreeMap<_, _>, BTreeMap<_, _>) =
+            columns.into_iter().partition(|(column, _)| known(column));
+        let ignored = others.into_keys().collect();
         let mut columns = settings.apply(&origin, columns)?;
         columns.insert("t".to_owned(), times);
-        let known = |column: &String| roles::role(column, system).is_some();
-        let ignored = columns.keys().filter(|column| !known(column)).cloned().collect();
-        columns.retain(|column, _| known(column));
         build(&origin, columns, ignored, system, settings)
     }
 }
