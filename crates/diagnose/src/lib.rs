@@ -14,7 +14,7 @@ mod synthetic;
 
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
-pub use library::TIME_INPUT;
+pub use library::{TIME_INPUT, candidates};
 pub use read::{
     Audit, Bandwidth, ColumnAudit, Noise, RecordSettings, SmoothingSpline, Warning, estimate_noise, read_record, smooth,
 };

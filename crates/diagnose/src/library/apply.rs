@@ -49,6 +49,15 @@ impl ModelNames {
         }
     }
 
+    /// Lets expressions use the coefficients of an effect that is not applied yet.
+    pub(crate) fn with_coefficients(mut self, pool: &mut Pool, coefficients: &[Coefficient]) -> Self {
+        for c in coefficients {
+            let e = pool.var(&c.name);
+            self.plain.insert(c.name.clone(), e);
+        }
+        self
+    }
+
     /// Reads an expression.
     pub(crate) fn read(&mut self, pool: &mut Pool, text: &str) -> Result<Expr, DiagnoseError> {
         pool.parse_with(text, self).map_err(|e| DiagnoseError::Term { text: text.to_owned(), message: e.to_string() })

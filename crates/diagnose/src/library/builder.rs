@@ -1,0 +1,274 @@
+//! Putting effects together: names, texts, typical sizes, and what the model has already.
+
+use bracketry_symbolic::{Expr, Symbol};
+use bracketry_system::System;
+use rustc_hash::FxHashSet;
+
+use super::apply::ModelNames;
+use super::probe::{Probe, rms};
+use super::structure::Structure;
+use crate::effect::{Cause, Change, Coefficient, Effect, Path, Role};
+use crate::error::DiagnoseError;
+
+/// Part of the typical acceleration that an amplitude at its scale makes.
+const TYPICAL_SHARE: f64 = 0.1;
+
+/// Collects the effects for one model.
+pub(crate) struct Builder {
+    /// A working copy of the model.
+    pub(crate) system: System,
+    pub(crate) structure: Structure,
+    /// Points on the way of the data.
+    pub(crate) data: Probe,
+    /// Points in general position.
+    fixed: Probe,
+    taken: FxHashSet<String>,
+    pub(crate) effects: Vec<Effect>,
+}
+
+/// A parameter without a typical size yet: an amplitude that vanishes at 0.
+pub(crate) fn amplitude(name: String, unit: impl Into<String>, about: impl Into<String>) -> Coefficient {
+    Coefficient {
+        name,
+        role: Role::Amplitude,
+        nominal: 0.0,
+        scale: 1.0,
+        min: f64::NEG_INFINITY,
+        max: f64::INFINITY,
+        trials: Vec::new(),
+        physical_sign: 0,
+        unit: unit.into(),
+        about: about.into(),
+    }
+}
+
+/// An amplitude that physics wants to be positive.
+pub(crate) fn dissipation(name: String, unit: impl Into<String>, about: impl Into<String>) -> Coefficient {
+    Coefficient { physical_sign: 1, ..amplitude(name, unit, about) }
+}
+
+/// A positive shape, tried at several values.
+pub(crate) fn shape(name: String, trials: Vec<f64>, unit: impl Into<String>, about: impl Into<String>) -> Coefficient {
+    let nominal = trials.get(trials.len() / 2).copied().unwrap_or(1.0);
+    let smallest = trials.iter().copied().fold(nominal, f64::min);
+    Coefficient {
+        role: Role::Shape,
+        nominal,
+        scale: nominal.abs(),
+        min: 0.1 * smallest,
+        trials,
+        ..amplitude(name, unit, about)
+    }
+}
+
+/// `count` values from `from` to `to` in equal ratios.
+pub(crate) fn log_grid(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let steps = (count.max(2) - 1) as f64;
+    (0..count).map(|i| from * (to / from).powf(i as f64 / steps)).collect()
+}
+
+impl Builder {
+    pub(crate) fn new(system: System, structure: Structure, data: Probe) -> Self {
+        let symbols = system
+            .states
+            .iter()
+            .chain(&system.inputs)
+            .copied()
+            .chain(system.parameters.iter().map(|p| p.symbol))
+            .map(|s| system.symbol_name(s).to_owned());
+        let taken = symbols.chain(system.definitions.iter().map(|d| d.0.clone())).collect();
+        let fixed = Probe::fixed(&system);
+        Builder { system, structure, data, fixed, taken, effects: Vec::new() }
+    }
+
+    /// Name of a state.
+    pub(crate) fn state(&self, index: usize) -> String {
+        self.system.symbol_name(self.system.states[index]).to_owned()
+    }
+
+    /// Text of an expression.
+    pub(crate) fn text(&self, e: Expr) -> String {
+        self.system.pool.text(e)
+    }
+
+    /// A name that nothing has: `base` for what it acts on.
+    pub(crate) fn name(&mut self, base: &str, on: &str) -> String {
+        let wanted = if on.is_empty() { base.to_owned() } else { format!("{base}_{on}") };
+        let mut name = wanted.clone();
+        let mut number = 2;
+        while !self.taken.insert(name.clone()) {
+            name = format!("{wanted}_{number}");
+            number += 1;
+        }
+        name
+    }
+
+    /// Adds an effect whose law acts along a direction: `law` times an entry in each row.
+    pub(crate) fn along(
+        &mut self,
+        cause: Cause,
+        equation: usize,
+        direction: &[(usize, Expr)],
+        law: &str,
+        coefficients: Vec<Coefficient>,
+    ) -> Result<(), DiagnoseError> {
+        let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
+        let read = names.read(&mut self.system.pool, law)?;
+        let terms = direction.iter().map(|&(row, entry)| (row, self.system.pool.mul(read, entry))).collect::<Vec<_>>();
+        let terms = terms.into_iter().map(|(row, e)| (row, self.text(e))).collect();
+        let own = direction.iter().find(|d| d.0 == equation).or(direction.first());
+        let term = own.map_or_else(String::new, |d| product(law, &self.text(d.1)));
+        self.terms(cause, equation, term, terms, coefficients)
+    }
+
+    /// Adds an effect of one term per row; `term` is for the reader.
+    pub(crate) fn terms(
+        &mut self,
+        cause: Cause,
+        equation: usize,
+        term: String,
+        terms: Vec<(usize, String)>,
+        coefficients: Vec<Coefficient>,
+    ) -> Result<(), DiagnoseError> {
+        let terms = terms.into_iter().map(|(row, text)| (self.state(row), text)).collect();
+        let equation_name = self.state(equation);
+        self.finish(
+            Effect { cause, equation: equation_name, term, coefficients, change: Change::Terms(terms) },
+            equation,
+        )
+    }
+
+    /// Adds an effect that replaces expressions; `term` is for the reader.
+    pub(crate) fn substitution(
+        &mut self,
+        cause: Cause,
+        equation: usize,
+        on: String,
+        pairs: Vec<(String, String)>,
+        coefficients: Vec<Coefficient>,
+    ) -> Result<(), DiagnoseError> {
+        let term = pairs.first().map(|(a, b)| format!("{a} -> {}", bare(b))).unwrap_or_default();
+        let change = Change::Substitution { states: Vec::new(), pairs };
+        self.finish(Effect { cause, equation: on, term, coefficients, change }, equation)
+    }
+
+    /// Adds something on the way of signals.
+    pub(crate) fn path(&mut self, cause: Cause, path: Path, signals: Vec<String>, term: String, c: Coefficient) {
+        let equation = signals.join(", ");
+        self.effects.push(Effect {
+            cause,
+            equation,
+            term,
+            coefficients: vec![c],
+            change: Change::Path { path, signals },
+        });
+    }
+
+    /// Sets typical sizes and keeps the effect unless the model has it already.
+    fn finish(&mut self, mut effect: Effect, row: usize) -> Result<(), DiagnoseError> {
+        let mut extended = self.system.clone();
+        effect.apply(&mut extended)?;
+        let columns = columns(&mut extended, &effect);
+        if effect.coefficients.iter().filter(|c| c.role == Role::Amplitude).count() == 1
+            && let Some(column) = columns.iter().flatten().next()
+            && (self.is_parameter(&mut extended, column) || self.is_nothing(&mut extended, column))
+        {
+            return Ok(());
+        }
+        let own = self.system.dynamics[row];
+        let typical = self.data.rms(&mut self.system, &[own])[0];
+        for (c, column) in effect.coefficients.iter_mut().zip(columns) {
+            let Some(column) = column else { continue };
+            let sizes = self.data.rms(&mut extended, &column);
+            let own = if sizes[row] > 0.0 { sizes[row] } else { sizes.iter().copied().fold(0.0, f64::max) };
+            let size = TYPICAL_SHARE * typical / own;
+            let room = (c.max - c.nominal).max(c.nominal - c.min);
+            c.scale = if size.is_finite() && size > 0.0 { size.min(room) } else { room.min(1.0) };
+        }
+        self.effects.push(effect);
+        Ok(())
+    }
+
+    /// Whether a column is that of a parameter that is not zero, up to a constant factor: to refit the parameter is the
+    /// same.
+    fn is_parameter(&self, extended: &mut System, column: &[Expr]) -> bool {
+        let candidate = self.fixed.values(extended, column);
+        let parameters: Vec<Symbol> = self
+            .system
+            .parameters
+            .iter()
+            .filter(|p| Some(p.symbol) != self.structure.gravity && p.value.to_f64().value() != 0.0)
+            .map(|p| p.symbol)
+            .collect();
+        parameters.into_iter().any(|p| {
+            let rows = extended.dynamics.clone();
+            let by: Vec<Expr> = rows.into_iter().map(|f| extended.pool.diff(f, p)).collect();
+            parallel(&candidate, &self.fixed.values(extended, &by))
+        })
+    }
+
+    /// Whether a column vanishes.
+    fn is_nothing(&self, extended: &mut System, column: &[Expr]) -> bool {
+        self.fixed.values(extended, column).iter().flatten().all(|v| v.abs() < 1e-12)
+    }
+}
+
+/// The product of a law and an entry, for the reader: the law as it was written first.
+fn product(law: &str, entry: &str) -> String {
+    let depths = |text: &str| {
+        let mut depth = 0;
+        text.char_indices().skip(1).any(|(_, c)| {
+            depth += i32::from(c == '(') - i32::from(c == ')');
+            depth == 0 && (c == '+' || c == '-')
+        })
+    };
+    match entry {
+        "1" => bare(law).to_owned(),
+        "-1" => format!("-({})", bare(law)),
+        _ => match entry.strip_prefix("1/") {
+            Some(below) => format!("{law}/{below}"),
+            None if depths(entry) => format!("{law}*({entry})"),
+            None => format!("{law}*{entry}"),
+        },
+    }
+}
+
+/// A text without the parentheses around all of it.
+fn bare(text: &str) -> &str {
+    let Some(inner) = text.strip_prefix('(').and_then(|t| t.strip_suffix(')')) else { return text };
+    let mut depth = 0;
+    for c in inner.chars() {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        if depth < 0 {
+            return text;
+        }
+    }
+    inner
+}
+
+/// The derivatives of the equations by each amplitude, where the amplitudes vanish; none for shapes.
+fn columns(extended: &mut System, effect: &Effect) -> Vec<Option<Vec<Expr>>> {
+    let by = |c: &Coefficient, extended: &mut System| {
+        let symbol = extended.pool.symbol(&c.name);
+        let rows = extended.dynamics.clone();
+        rows.into_iter().map(|f| extended.pool.diff(f, symbol)).collect()
+    };
+    effect.coefficients.iter().map(|c| (c.role == Role::Amplitude).then(|| by(c, extended))).collect()
+}
+
+/// Whether two families of vectors agree up to one factor.
+fn parallel(a: &[Vec<f64>], b: &[Vec<f64>]) -> bool {
+    let pairs: Vec<(f64, f64)> = a
+        .iter()
+        .flatten()
+        .zip(b.iter().flatten())
+        .map(|(x, y)| (*x, *y))
+        .filter(|(x, y)| x.is_finite() && y.is_finite())
+        .collect();
+    let (size_a, size_b) = (rms(pairs.iter().map(|p| p.0)), rms(pairs.iter().map(|p| p.1)));
+    if size_a == 0.0 || size_b == 0.0 {
+        return false;
+    }
+    let cosine = pairs.iter().map(|(x, y)| x * y).sum::<f64>() / (pairs.len() as f64 * size_a * size_b);
+    1.0 - cosine.abs() < 1e-9
+}

@@ -1,0 +1,252 @@
+//! Friction and drag against the rates of coordinates.
+
+use bracketry_symbolic::Expr;
+
+use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
+use super::structure::{Coordinate, Kind};
+use crate::effect::{Cause, Coefficient};
+use crate::error::DiagnoseError;
+
+/// Stribeck velocities are tried between these parts of the velocities in the data.
+const STRIBECK_RANGE: (f64, f64) = (0.005, 0.5);
+const STRIBECK_TRIALS: usize = 7;
+
+impl Builder {
+    /// Effects of friction against each rate.
+    pub(crate) fn add_friction(&mut self) -> Result<(), DiagnoseError> {
+        let coordinates = self.structure.coordinates.clone();
+        for (i, c) in coordinates.iter().enumerate() {
+            if self.spins_freely(c) {
+                self.yaw_friction(c)?;
+                self.quadratic_drag(c)?;
+                continue;
+            }
+            self.viscous_and_coulomb(c)?;
+            // A unit vector has one law for all its components.
+            let square = c.friction.as_ref().and_then(|f| f.square);
+            let group: Vec<&Coordinate> = match square {
+                Some(_) => {
+                    coordinates.iter().filter(|o| o.friction.as_ref().is_some_and(|f| f.square == square)).collect()
+                }
+                None => vec![c],
+            };
+            if square.is_none() || coordinates[..i].iter().all(|o| group.iter().all(|g| g.rate != o.rate)) {
+                self.stribeck(&group)?;
+            }
+            self.quadratic_drag(c)?;
+            self.asymmetry(c)?;
+        }
+        self.coupling()?;
+        self.anisotropy()
+    }
+
+    fn viscous_and_coulomb(&mut self, c: &Coordinate) -> Result<(), DiagnoseError> {
+        let v = self.state(c.rate);
+        let k = self.name("viscous", &v);
+        let coefficient = dissipation(k.clone(), c.unit(0, 1), format!("viscous friction against {v}"));
+        self.along(Cause::ViscousFriction, c.rate, &c.force, &format!("-{k}*{v}"), vec![coefficient])?;
+        if c.has_dry_friction {
+            return Ok(());
+        }
+        let k = self.name("coulomb", &v);
+        let coefficient = Coefficient {
+            min: 0.0,
+            ..dissipation(k.clone(), c.force_unit.clone(), format!("Coulomb friction against {v}"))
+        };
+        self.along(Cause::CoulombFriction, c.rate, &c.force, &format!("-{k}*sign({v})"), vec![coefficient])
+    }
+
+    /// What a unit of the friction coefficient takes from each row, the unit and the value of the coefficient.
+    fn friction_unit(&mut self, c: &Coordinate) -> (Vec<(usize, Expr)>, String, f64) {
+        let Some(friction) = &c.friction else { return (c.force.clone(), c.force_unit.clone(), 0.0) };
+        let Some(p) = friction.coefficient else { return (friction.level.clone(), "1".to_owned(), 1.0) };
+        let level = friction
+            .level
+            .iter()
+            .map(|&(row, e)| {
+                let per_unit = self.system.pool.diff(e, p);
+                (row, self.system.pool.simplify(per_unit))
+            })
+            .collect();
+        let parameter = self.system.parameters.iter().find(|q| q.symbol == p);
+        let unit = parameter.and_then(|q| q.unit.clone()).unwrap_or_default();
+        (level, unit, parameter.map_or(1.0, |q| q.value.to_f64().value()))
+    }
+
+    /// Friction that changes at low speed, Gaussian and exponential: Stribeck friction, or a concave law where the
+    /// coefficient is negative.
+    fn stribeck(&mut self, group: &[&Coordinate]) -> Result<(), DiagnoseError> {
+        let Some(first) = group.first() else { return Ok(()) };
+        let v = self.state(first.rate);
+        let square = first.friction.as_ref().and_then(|f| f.square).map(|s| self.text(s));
+        let fastest = group.iter().filter_map(|c| self.data.extent(&self.state(c.rate))).fold(0.0, f64::max);
+        let fastest = if fastest > 0.0 { fastest } else { 1.0 };
+        let trials = log_grid(STRIBECK_RANGE.0 * fastest, STRIBECK_RANGE.1 * fastest, STRIBECK_TRIALS);
+        for (form, exponent) in [("gauss", 2), ("exp", 1)] {
+            let k = self.name(if exponent == 2 { "stribeck" } else { "stribeck_exp" }, &v);
+            let s = self.name(&format!("{k}_velocity"), "");
+            let fade = match (&square, exponent) {
+                (Some(square), 2) => format!("exp(-({square})/{s}^2)"),
+                (Some(square), _) => format!("exp(-sqrt({square})/{s})"),
+                (None, 2) => format!("exp(-({v}/{s})^2)"),
+                (None, _) => format!("exp(-abs({v})/{s})"),
+            };
+            let mut terms: Vec<(usize, Expr)> = Vec::new();
+            let (mut unit, mut at_rest) = (String::new(), 0.0);
+            for c in group {
+                let (level, u, value) = self.friction_unit(c);
+                (unit, at_rest) = (u, value);
+                let direction = match &c.friction {
+                    Some(f) => f.direction,
+                    None => {
+                        let rate = self.system.pool.sym(self.system.states[c.rate]);
+                        self.system.pool.call(bracketry_symbolic::Func::Sign, rate)
+                    }
+                };
+                for (row, e) in level {
+                    let e = self.system.pool.mul(e, direction);
+                    match terms.iter_mut().find(|t| t.0 == row) {
+                        Some(t) => t.1 = self.system.pool.add(t.1, e),
+                        None => terms.push((row, e)),
+                    }
+                }
+            }
+            let about = format!(
+                "friction at rest beyond that of sliding ({form}: fades with speed); negative: a concave law, friction that grows from rest"
+            );
+            let c = Coefficient { min: -at_rest, ..amplitude(k.clone(), unit, about) };
+            let unit = format!("{}/s", first.kind.unit());
+            let speed = shape(s, trials.clone(), unit, "speed at which the change of friction fades");
+            self.along(Cause::StribeckFriction, first.rate, &terms, &format!("-{k}*{fade}"), vec![c, speed])?;
+        }
+        Ok(())
+    }
+
+    fn quadratic_drag(&mut self, c: &Coordinate) -> Result<(), DiagnoseError> {
+        let v = self.state(c.rate);
+        let k = self.name("drag", &v);
+        let coefficient = dissipation(k.clone(), c.unit(0, 2), format!("drag with the square of {v}"));
+        self.along(Cause::QuadraticDrag, c.rate, &c.force, &format!("-{k}*abs({v})*{v}"), vec![coefficient])
+    }
+
+    /// Friction that depends on the direction. Its Coulomb part is a constant while the body moves; where the friction of
+    /// the model holds the body, the constant shifts the forces that it withstands, as direction-dependent friction does.
+    fn asymmetry(&mut self, c: &Coordinate) -> Result<(), DiagnoseError> {
+        let v = self.state(c.rate);
+        let b = self.name("asymmetry_viscous", &v);
+        let about = format!("half the difference of viscous friction between {v} > 0 and {v} < 0");
+        let viscous = amplitude(b.clone(), c.unit(0, 1), about);
+        if c.friction.is_none() {
+            return self.along(Cause::FrictionAsymmetry, c.rate, &c.force, &format!("-{b}*abs({v})"), vec![viscous]);
+        }
+        let a = self.name("asymmetry_coulomb", &v);
+        let about = format!("half the difference of Coulomb friction between {v} > 0 and {v} < 0");
+        let coulomb = amplitude(a.clone(), c.force_unit.clone(), about);
+        let law = format!("-({a} + {b}*abs({v}))");
+        self.along(Cause::FrictionAsymmetry, c.rate, &c.force, &law, vec![coulomb, viscous])
+    }
+
+    /// A rotation without friction against its rate, of a body that also slides.
+    fn spins_freely(&mut self, c: &Coordinate) -> bool {
+        let slides = self.structure.translations().any(|t| t.has_dry_friction);
+        let rate = self.system.states[c.rate];
+        c.kind == Kind::Angle
+            && slides
+            && c.input.is_none()
+            && !c.has_dry_friction
+            && !self.system.pool.depends_on(self.system.dynamics[c.rate], rate)
+    }
+
+    fn yaw_friction(&mut self, c: &Coordinate) -> Result<(), DiagnoseError> {
+        let w = self.state(c.rate);
+        let slips: Vec<String> = self
+            .structure
+            .translations()
+            .filter(|t| t.has_dry_friction)
+            .map(|t| t.rate)
+            .collect::<Vec<_>>()
+            .into_iter()
+            .map(|r| self.state(r))
+            .collect();
+        let square = slips.iter().map(|v| format!("{v}^2")).collect::<Vec<_>>().join(" + ");
+
+        let k = self.name("spin", &w);
+        let l = self.name("spin_radius", &w);
+        let slip = slips.iter().filter_map(|v| self.data.extent(v)).fold(0.0, f64::max);
+        let spin = self.data.extent(&w).unwrap_or(1.0);
+        let radius = if slip > 0.0 { slip / spin } else { 0.1 };
+        let coefficient = Coefficient {
+            min: 0.0,
+            ..dissipation(
+                k.clone(),
+                c.unit(0, 0),
+                format!("dry friction of the contact against the spin {w}: its level where the body only spins"),
+            )
+        };
+        let about = "spin times this length is the slip speed at which spinning and sliding share the friction equally";
+        let length = shape(l.clone(), log_grid(0.1 * radius, 10.0 * radius, 5), "m", about);
+        let law = format!("-{k}*{l}*{w}/sqrt({square} + {l}^2*{w}^2)");
+        self.along(Cause::YawFriction, c.rate, &c.force, &law, vec![coefficient, length])?;
+
+        let k = self.name("spin_viscous", &w);
+        let coefficient = dissipation(k.clone(), c.unit(0, 1), format!("viscous friction against the spin {w}"));
+        self.along(Cause::YawFriction, c.rate, &c.force, &format!("-{k}*{w}"), vec![coefficient])?;
+
+        let k = self.name("spin_coulomb", &w);
+        let about = format!("Coulomb friction against the spin {w}");
+        let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), c.unit(0, 0), about) };
+        self.along(Cause::YawFriction, c.rate, &c.force, &format!("-{k}*sign({w})"), vec![coefficient])
+    }
+
+    /// Per-axis dry friction becomes friction against the direction of the slip.
+    fn coupling(&mut self) -> Result<(), DiagnoseError> {
+        let axes: Vec<(usize, Expr)> = self
+            .structure
+            .translations()
+            .filter_map(|c| c.friction.as_ref().filter(|f| f.square.is_none()).map(|f| (c.rate, f.direction)))
+            .collect();
+        if axes.len() < 2 {
+            return Ok(());
+        }
+        let names: Vec<String> = axes.iter().map(|a| self.state(a.0)).collect();
+        let square = names.iter().map(|v| format!("{v}^2")).collect::<Vec<_>>().join(" + ");
+        let k = self.name("coupling", &names.join("_"));
+        let pairs = axes
+            .iter()
+            .zip(&names)
+            .map(|(&(_, direction), v)| {
+                let old = self.text(direction);
+                let new = format!("(1 - {k})*{old} + {k}*{v}/sqrt({square})");
+                (old, new)
+            })
+            .collect();
+        let about = "1: dry friction acts against the direction of the slip; 0: on each axis by itself";
+        let c = Coefficient { min: 0.0, max: 1.0, ..dissipation(k, "1", about) };
+        self.substitution(Cause::FrictionCoupling, axes[0].0, names.join(", "), pairs, vec![c])
+    }
+
+    /// Dry friction that differs between axes.
+    fn anisotropy(&mut self) -> Result<(), DiagnoseError> {
+        let axes: Vec<Coordinate> = self.structure.translations().filter(|c| c.friction.is_some()).cloned().collect();
+        if axes.len() < 2 {
+            return Ok(());
+        }
+        // The others' friction is the reference.
+        for c in &axes[1..] {
+            let Some(friction) = &c.friction else { continue };
+            let v = self.state(c.rate);
+            let k = self.name("anisotropy", &v);
+            let about = format!("dry friction against {v} relative to that along the other axes, minus 1");
+            let coefficient = Coefficient { min: -1.0, ..amplitude(k.clone(), "1", about) };
+            let direction = self.text(friction.direction);
+            self.along(
+                Cause::AnisotropicFriction,
+                c.rate,
+                &friction.level,
+                &format!("-{k}*({direction})"),
+                vec![coefficient],
+            )?;
+        }
+        Ok(())
+    }
+}

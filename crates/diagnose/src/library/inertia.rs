@@ -1,0 +1,242 @@
+//! Inertial forces of moving frames, and a tracked point off the centre of mass.
+
+use bracketry_symbolic::Expr;
+
+use super::builder::{Builder, amplitude};
+use super::probe::derivative_name;
+use super::structure::{Coordinate, Kind, is_angle};
+use crate::effect::Cause;
+use crate::error::DiagnoseError;
+
+/// The rotation of a frame: its angle, rate and acceleration as texts.
+struct Rotation {
+    name: String,
+    rate: String,
+    acceleration: String,
+    /// The coordinate, if the angle is a state.
+    row: Option<usize>,
+}
+
+impl Builder {
+    /// Inertial couplings between coordinates and rotations, in the equations and in the load of dry friction.
+    pub(crate) fn add_inertia(&mut self) -> Result<(), DiagnoseError> {
+        let rotations = self.rotations();
+        for c in self.structure.coordinates.clone() {
+            for r in &rotations {
+                if r.row != Some(c.rate) && self.feels(&c, r) {
+                    self.moving_frame(&c, r)?;
+                }
+            }
+        }
+        self.load_of_other_axes()?;
+        self.com_offset()
+    }
+
+    /// Inputs and coordinates that are angles.
+    fn rotations(&mut self) -> Vec<Rotation> {
+        let mut rotations = Vec::new();
+        for u in self.system.inputs.clone() {
+            if is_angle(&mut self.system, u) {
+                let name = self.system.symbol_name(u).to_owned();
+                let (rate, acceleration) = (derivative_name(&name, 1), derivative_name(&name, 2));
+                rotations.push(Rotation { name, rate, acceleration, row: None });
+            }
+        }
+        for c in &self.structure.coordinates {
+            if c.kind == Kind::Angle
+                && let Some(q) = c.position
+            {
+                let acceleration = format!("({})", self.text(self.system.dynamics[c.rate]));
+                let (name, rate) = (self.state(q), self.state(c.rate));
+                rotations.push(Rotation { name, rate, acceleration, row: Some(c.rate) });
+            }
+        }
+        rotations
+    }
+
+    /// Whether a translation takes place in a frame that turns: its equation contains the angle or a derivative of it.
+    fn feels(&self, c: &Coordinate, r: &Rotation) -> bool {
+        let used = self.system.pool.symbols_of(&[self.system.dynamics[c.rate]]);
+        let names = [r.name.clone(), derivative_name(&r.name, 1), derivative_name(&r.name, 2)];
+        let rate = r.row.map(|row| self.state(row));
+        c.kind == Kind::Angle
+            || used.iter().any(|&s| {
+                let name = self.system.symbol_name(s);
+                names.iter().any(|n| n == name) || rate.as_deref() == Some(name)
+            })
+    }
+
+    /// A body has one load. Where dry friction of one axis follows a load that changes and that of another axis does not,
+    /// it may have to.
+    fn load_of_other_axes(&mut self) -> Result<(), DiagnoseError> {
+        let mut loads = Vec::new();
+        for c in self.structure.translations().cloned().collect::<Vec<_>>() {
+            let Some((friction, p)) = c.friction.clone().and_then(|f| f.coefficient.map(|p| (f, p))) else { continue };
+            let Some(level) = friction.level.iter().find(|l| l.0 == c.rate).map(|l| l.1) else { continue };
+            let load = self.system.pool.diff(level, p);
+            let load = self.system.pool.simplify(load);
+            let constant = super::structure::is_constant(&self.system, load);
+            loads.push((c, friction, p, load, constant));
+        }
+        let Some(changing) = loads.iter().find(|l| !l.4).map(|l| (l.2, l.3, self.state(l.0.rate))) else {
+            return Ok(());
+        };
+        for (c, friction, p, load, constant) in loads {
+            if !constant || p != changing.0 {
+                continue;
+            }
+            let v = self.state(c.rate);
+            let k = self.name("load", &v);
+            let missing = self.system.pool.sub(load, changing.1);
+            let p = self.system.pool.sym(p);
+            let entry = self.system.pool.mul(p, missing);
+            let entry = self.system.pool.mul(entry, friction.direction);
+            let about =
+                format!("1: friction against {v} follows the load that acts against {}; 0: it does not", changing.2);
+            let coefficient = amplitude(k.clone(), "1", about);
+            self.along(Cause::InertialCoupling, c.rate, &[(c.rate, entry)], &k, vec![coefficient])?;
+        }
+        Ok(())
+    }
+
+    fn inertial(
+        &mut self,
+        c: &Coordinate,
+        on: &str,
+        direction: &[(usize, Expr)],
+        law: &str,
+    ) -> Result<(), DiagnoseError> {
+        let v = self.state(c.rate);
+        let k = self.name(&format!("inertia_{on}"), &v);
+        let about = format!("inertial coupling into {v}");
+        self.along(
+            Cause::InertialCoupling,
+            c.rate,
+            direction,
+            &format!("{k}*{law}"),
+            vec![amplitude(k.clone(), "", about)],
+        )
+    }
+
+    /// Centrifugal, Euler and Coriolis terms of one rotation in one equation.
+    fn moving_frame(&mut self, c: &Coordinate, r: &Rotation) -> Result<(), DiagnoseError> {
+        let own = vec![(c.rate, self.system.pool.int(1))];
+        let (rate, acceleration) = (&r.rate, &r.acceleration);
+        match c.kind {
+            Kind::Translation => {
+                let others: Vec<(String, String)> = self
+                    .structure
+                    .translations()
+                    .filter_map(|t| t.position.map(|q| (q, t.rate)))
+                    .collect::<Vec<_>>()
+                    .into_iter()
+                    .map(|(q, v)| (self.state(q), self.state(v)))
+                    .collect();
+                for (q, v) in others {
+                    self.inertial(c, &format!("{q}_{}_squared", r.name), &own, &format!("{q}*{rate}^2"))?;
+                    self.inertial(c, &format!("{q}_{}_acceleration", r.name), &own, &format!("{q}*{acceleration}"))?;
+                    self.inertial(c, &format!("{v}_{}_rate", r.name), &own, &format!("{v}*{rate}"))?;
+                }
+                self.inertial(c, &format!("{}_acceleration", r.name), &own, acceleration)?;
+                self.inertial(c, &format!("{}_squared", r.name), &own, &format!("{rate}^2"))?;
+                self.load(c, r)
+            }
+            Kind::Angle => {
+                let Some(q) = c.position.map(|q| self.state(q)) else { return Ok(()) };
+                self.inertial(c, &format!("sin2_{}_squared", r.name), &own, &format!("sin(2*{q})*{rate}^2"))?;
+                self.inertial(c, &format!("cos2_{}_squared", r.name), &own, &format!("cos(2*{q})*{rate}^2"))?;
+                if r.row.is_none() {
+                    return self.inertial(c, &format!("{}_acceleration", r.name), &own, acceleration);
+                }
+                let (a, w) = (format!("({} - {q})", r.name), self.state(c.rate));
+                self.inertial(c, &format!("sin_{}_squared", r.name), &own, &format!("sin{a}*{rate}^2"))?;
+                self.inertial(c, &format!("cos_{}_acceleration", r.name), &own, &format!("cos{a}*{acceleration}"))?;
+                self.inertial(c, &format!("sin_{}_rates", r.name), &own, &format!("sin({})*{rate}*{w}", r.name))?;
+                self.inertial(c, &format!("sin_{}_alone", r.name), &own, &format!("sin({})*{rate}^2", r.name))
+            }
+        }
+    }
+
+    /// The load of dry friction on a body that moves in a turning frame.
+    fn load(&mut self, c: &Coordinate, r: &Rotation) -> Result<(), DiagnoseError> {
+        let Some(friction) = c.friction.clone() else { return Ok(()) };
+        // Only where the model says that the load changes with this rotation.
+        let Some(input) = self.system.pool.find_symbol(&r.name) else { return Ok(()) };
+        let level = friction.level.iter().find(|l| l.0 == c.rate).map(|l| l.1);
+        let turning = level.is_some_and(|l| self.system.pool.depends_on(l, input));
+        if !turning || r.row.is_some() {
+            return Ok(());
+        }
+        let (Some(q), v) = (c.position.map(|q| self.state(q)), self.state(c.rate)) else { return Ok(()) };
+        let minus = self.system.pool.neg(friction.direction);
+        let per_load = match friction.coefficient {
+            Some(p) => {
+                let p = self.system.pool.sym(p);
+                self.system.pool.mul(minus, p)
+            }
+            None => minus,
+        };
+        let direction = [(c.rate, per_load)];
+        let (rate, acceleration) = (&r.rate, &r.acceleration);
+        self.inertial(c, &format!("load_{v}_{}_rate", r.name), &direction, &format!("{v}*{rate}"))?;
+        self.inertial(c, &format!("load_{q}_{}_acceleration", r.name), &direction, &format!("{q}*{acceleration}"))?;
+        self.inertial(c, &format!("load_{}_squared", r.name), &direction, &format!("{rate}^2"))
+    }
+
+    /// A body in the plane whose tracked point p lies off its centre of mass: p = c + R(φ) d. With f the equations of the
+    /// centre of mass, those of p are, to first order in d,
+    /// p'' = f − Df·(R d, (R d)') + w' ẑ × R d − w² R d.
+    fn com_offset(&mut self) -> Result<(), DiagnoseError> {
+        let translations: Vec<(usize, usize)> =
+            self.structure.translations().filter_map(|c| c.position.map(|q| (q, c.rate))).collect();
+        let turns: Vec<(usize, usize)> = self
+            .structure
+            .coordinates
+            .iter()
+            .filter(|c| c.kind == Kind::Angle)
+            .filter_map(|c| c.position.map(|q| (q, c.rate)))
+            .collect();
+        let ([(x, vx), (y, vy)], [(phi, w)]) = (&translations[..], &turns[..]) else { return Ok(()) };
+        let (x, vx, y, vy, phi, w) = (*x, *vx, *y, *vy, *phi, *w);
+        let (phi_name, w_name) = (self.state(phi), self.state(w));
+        let spin = format!("({})", self.text(self.system.dynamics[w]));
+        let k = [self.name("com", "along"), self.name("com", "across")];
+        // R d and its rate for d along and across the body.
+        let (cos, sin) = (format!("cos({phi_name})"), format!("sin({phi_name})"));
+        let offset = [format!("({}*{cos} - {}*{sin})", k[0], k[1]), format!("({}*{sin} + {}*{cos})", k[0], k[1])];
+        let shift = [
+            (x, format!("-{}", offset[0])),
+            (y, format!("-{}", offset[1])),
+            (vx, format!("{w_name}*{}", offset[1])),
+            (vy, format!("-{w_name}*{}", offset[0])),
+        ];
+        let mut terms = Vec::new();
+        for row in [vx, vy, w] {
+            let mut parts = Vec::new();
+            for (state, by) in &shift {
+                let d = self.system.pool.diff(self.system.dynamics[row], self.system.states[*state]);
+                let d = self.system.pool.simplify(d);
+                if !self.system.pool.is_zero(d) {
+                    parts.push(format!("({})*({by})", self.text(d)));
+                }
+            }
+            if row == vx {
+                parts.push(format!("(-{spin}*{} - {w_name}^2*{})", offset[1], offset[0]));
+            } else if row == vy {
+                parts.push(format!("({spin}*{} - {w_name}^2*{})", offset[0], offset[1]));
+            }
+            if !parts.is_empty() {
+                terms.push((row, parts.join(" + ")));
+            }
+        }
+        let coefficient = |name: &String, axis: &str| {
+            let about = format!("position of the tracked point off the centre of mass, {axis} of the body");
+            amplitude(name.clone(), "m", about)
+        };
+        let coefficients =
+            vec![coefficient(&k[0], "along the first axis"), coefficient(&k[1], "along the second axis")];
+        let term =
+            format!("({}, {}) = centre of mass + R({phi_name})*({}, {})", self.state(x), self.state(y), k[0], k[1]);
+        self.terms(Cause::ComOffset, vx, term, terms, coefficients)
+    }
+}

@@ -1,0 +1,152 @@
+//! Effects on the way of signals: gains, delays, lags, offsets.
+
+use super::builder::{Builder, amplitude, dissipation, log_grid};
+use crate::effect::{Cause, Coefficient, Path};
+use crate::error::DiagnoseError;
+use crate::record::{Quantity, Record};
+
+/// Delays and lags are tried from half a sampling interval up to this, s.
+const LONGEST: f64 = 0.1;
+const TIME_TRIALS: usize = 6;
+
+/// A measured column and the states that it shows.
+struct Sensor {
+    name: String,
+    states: Vec<usize>,
+    noise: f64,
+    size: f64,
+}
+
+impl Builder {
+    /// Effects on inputs and measured columns.
+    pub(crate) fn add_paths(&mut self, records: &[Record]) -> Result<(), DiagnoseError> {
+        let interval = interval(records);
+        let inputs = self.system.input_names();
+        for (i, u) in inputs.iter().enumerate() {
+            self.gain(i, u)?;
+        }
+        let groups: Vec<Vec<String>> = match inputs.len() {
+            0 => Vec::new(),
+            1 => vec![inputs.clone()],
+            _ => std::iter::once(inputs.clone()).chain(inputs.iter().map(|u| vec![u.clone()])).collect(),
+        };
+        for group in groups {
+            let on = if group.len() == 1 { group[0].clone() } else { "inputs".to_owned() };
+            self.time(Cause::InputDelay, Path::InputDelay, "delay", &on, group.clone(), interval);
+            self.time(Cause::ActuatorLag, Path::ActuatorLag, "lag", &on, group, interval);
+        }
+        let sensors = self.sensors(records);
+        let all: Vec<String> = sensors.iter().map(|s| s.name.clone()).collect();
+        if sensors.len() > 1 {
+            self.time(Cause::SensorDelay, Path::SensorDelay, "sensor_delay", "all", all.clone(), interval);
+        }
+        for name in all {
+            self.time(Cause::SensorDelay, Path::SensorDelay, "sensor_delay", &name.clone(), vec![name], interval);
+        }
+        for i in 0..sensors.len() {
+            if self.absorbed(&sensors, i) {
+                continue;
+            }
+            let s = &sensors[i];
+            let (name, scale) = (s.name.clone(), (0.1 * s.size).max(s.noise));
+            let k = self.name("offset", &identifier(&name));
+            let about = format!("{name} shows this much more than there is");
+            let scale = if scale > 0.0 { scale } else { 1.0 };
+            let c = Coefficient { scale, ..amplitude(k.clone(), "", about) };
+            self.path(Cause::SensorBias, Path::SensorBias, vec![name.clone()], format!("{name} + {k}"), c);
+        }
+        Ok(())
+    }
+
+    /// The input and its derivatives act scaled.
+    fn gain(&mut self, index: usize, name: &str) -> Result<(), DiagnoseError> {
+        let u = self.system.inputs[index];
+        let derivatives = self.system.input_derivatives.clone();
+        let symbols: Vec<_> = std::iter::once(u)
+            .chain(derivatives.iter().filter(|d| d.input == index).map(|d| d.symbol))
+            .filter(|&s| self.system.pool.symbols_of(&self.system.dynamics).contains(&s))
+            .collect();
+        let coordinates = &self.structure.coordinates;
+        let rows = coordinates.iter().map(|c| c.rate).chain(self.structure.others.iter().copied());
+        let Some(row) = rows
+            .into_iter()
+            .find(|&r| symbols.iter().any(|&s| self.system.pool.depends_on(self.system.dynamics[r], s)))
+        else {
+            return Ok(());
+        };
+        let k = self.name("gain", name);
+        let about = format!("relative change of {name}: 0 as commanded");
+        let c = Coefficient { min: -1.0, ..amplitude(k.clone(), "1", about) };
+        let pairs = symbols
+            .iter()
+            .map(|&s| {
+                let text = self.system.symbol_name(s).to_owned();
+                (text.clone(), format!("((1 + {k})*{text})"))
+            })
+            .collect();
+        self.substitution(Cause::InputGain, row, name.to_owned(), pairs, vec![c])
+    }
+
+    fn time(&mut self, cause: Cause, path: Path, base: &str, on: &str, signals: Vec<String>, interval: f64) {
+        let k = self.name(base, &identifier(on));
+        let what = match path {
+            Path::ActuatorLag => "follows its command with this time constant",
+            Path::InputDelay => "acts this much later than logged",
+            _ => "is logged this much later than it happens",
+        };
+        let shown = signals.join(", ");
+        let term = match path {
+            Path::ActuatorLag => format!("{shown}: {k}*der(y) = u - y"),
+            _ => format!("{shown}(t - {k})"),
+        };
+        let c = Coefficient {
+            min: 0.0,
+            max: 10.0 * LONGEST.max(interval),
+            scale: interval,
+            trials: log_grid(0.5 * interval, LONGEST.max(20.0 * interval), TIME_TRIALS),
+            ..dissipation(k, "s", format!("{shown} {what}"))
+        };
+        self.path(cause, path, signals, term, c);
+    }
+
+    /// Measured columns, each name once.
+    fn sensors(&self, records: &[Record]) -> Vec<Sensor> {
+        let mut sensors: Vec<Sensor> = Vec::new();
+        for m in records.iter().flat_map(|r| &r.measured) {
+            if sensors.iter().any(|s| s.name == m.name) {
+                continue;
+            }
+            let states = match m.quantity {
+                Quantity::State(i) => vec![i],
+                Quantity::Output(o) => {
+                    let used = self.system.outputs.get(o).map(|o| self.system.pool.symbols_of(&[o.1]));
+                    let used = used.unwrap_or_default();
+                    (0..self.system.states.len()).filter(|&i| used.contains(&self.system.states[i])).collect()
+                }
+            };
+            let size = super::probe::rms(m.values.iter().copied());
+            sensors.push(Sensor { name: m.name.clone(), states, noise: m.noise, size });
+        }
+        sensors
+    }
+
+    /// Whether an offset of a column is the same as another initial state: it shows one state only, which no equation and
+    /// no other column contains.
+    fn absorbed(&self, sensors: &[Sensor], i: usize) -> bool {
+        let [state] = sensors[i].states[..] else { return false };
+        let elsewhere = sensors.iter().enumerate().any(|(j, s)| j != i && s.states.contains(&state));
+        !elsewhere && !self.system.pool.symbols_of(&self.system.dynamics).contains(&self.system.states[state])
+    }
+}
+
+/// The median sampling interval, s.
+fn interval(records: &[Record]) -> f64 {
+    let mut steps: Vec<f64> = records.iter().flat_map(|r| r.times.windows(2).map(|w| w[1] - w[0])).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().filter(|s| *s > 0.0).unwrap_or(1e-3)
+}
+
+/// A name made of the characters that names may have.
+fn identifier(text: &str) -> String {
+    text.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
+}

@@ -1,0 +1,99 @@
+//! The library finds places for its causes in the structure of models.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::HashSet;
+
+use bracketry_diagnose::{Cause, Effect, candidates};
+use bracketry_system::System;
+
+fn model(name: &str) -> System {
+    System::read(format!("{}/../../models/{name}.toml", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn of(effects: &[Effect], cause: Cause) -> Vec<&Effect> {
+    effects.iter().filter(|e| e.cause == cause).collect()
+}
+
+fn has(effects: &[Effect], cause: Cause) -> bool {
+    effects.iter().any(|e| e.cause == cause)
+}
+
+const PENDULUM: &str = r#"
+states = ["th", "w"]
+parameters = { g = 9.81, l = 0.5 }
+dynamics = { th = "w", w = "-g/l*sin(th)" }
+"#;
+
+const WRIST: &str = r#"
+states = ["q1", "q2", "v1", "v2"]
+inputs = ["tau1", "tau2"]
+[parameters]
+J1 = { value = 0.02, unit = "kg m^2" }
+J2 = { value = 0.03, unit = "kg m^2" }
+F1 = { value = 0.1, unit = "N m" }
+[dynamics]
+q1 = "v1"
+q2 = "v2"
+v1 = "(tau1 - F1*sign(v1))/J1"
+v2 = "tau2/J2"
+"#;
+
+#[test]
+fn the_published_plate_lacks_friction_of_the_spin_coupling_and_inertial_forces() {
+    let effects = candidates(&model("plate_published"), &[]).unwrap();
+    assert_eq!(of(&effects, Cause::YawFriction).len(), 3);
+    assert_eq!(of(&effects, Cause::FrictionCoupling).len(), 1);
+    let centrifugal = of(&effects, Cause::InertialCoupling).into_iter().find(|e| e.term.ends_with("*y*der(theta)^2"));
+    assert_eq!(centrifugal.unwrap().equation, "vy");
+    let tilts: Vec<&str> = of(&effects, Cause::Tilt).iter().map(|e| e.equation.as_str()).collect();
+    assert_eq!(tilts, ["vy", "vx"]);
+    // The model has dry friction along both axes, and a rotation that slides has friction of the spin instead.
+    assert!(!has(&effects, Cause::CoulombFriction));
+    assert!(of(&effects, Cause::ViscousFriction).iter().all(|e| e.equation != "w"));
+}
+
+#[test]
+fn a_pendulum_gets_friction_and_a_torque_but_no_tilt() {
+    let effects = candidates(&System::parse("pendulum", PENDULUM).unwrap(), &[]).unwrap();
+    for cause in [Cause::ViscousFriction, Cause::CoulombFriction, Cause::ConstantBias, Cause::QuadraticDrag] {
+        assert_eq!(of(&effects, cause).len(), 1, "{cause:?}");
+    }
+    assert!(!has(&effects, Cause::Tilt));
+    assert!(!has(&effects, Cause::JointCoupling));
+}
+
+#[test]
+fn joints_of_a_wrist_are_coupled_in_both_directions() {
+    let effects = candidates(&System::parse("wrist", WRIST).unwrap(), &[]).unwrap();
+    let couplings = of(&effects, Cause::JointCoupling);
+    for on in ["v1", "v2"] {
+        assert!(couplings.iter().any(|e| e.equation == on && e.term.contains("sign(")));
+    }
+    assert!(couplings.iter().any(|e| e.term.contains("sign(v1 + joint_coulomb_ratio_v1_v2*v2)")));
+    let coulomb: Vec<&str> = of(&effects, Cause::CoulombFriction).iter().map(|e| e.equation.as_str()).collect();
+    assert_eq!(coulomb, ["v2"]);
+    assert!(!has(&effects, Cause::Tilt));
+}
+
+#[test]
+fn what_the_model_has_is_not_proposed() {
+    let effects = candidates(&model("spring_mass_friction"), &[]).unwrap();
+    for cause in [Cause::ViscousFriction, Cause::CoulombFriction, Cause::LinearStiffness] {
+        assert!(!has(&effects, cause), "{cause:?}");
+    }
+    let drag = of(&effects, Cause::QuadraticDrag)[0];
+    assert_eq!((drag.term.as_str(), drag.coefficients[0].unit.as_str()), ("-drag_v*abs(v)*v/m", "N s^2/m^2"));
+}
+
+#[test]
+fn coefficients_have_names_of_their_own() {
+    for name in ["plate_published", "cart_pole_friction", "spring_mass_friction", "quadrotor", "cstr"] {
+        let system = model(name);
+        let mut names: HashSet<String> = system.state_names().into_iter().chain(system.input_names()).collect();
+        names.extend(system.parameters.iter().map(|p| system.symbol_name(p.symbol).to_owned()));
+        for c in candidates(&system, &[]).unwrap().iter().flat_map(|e| &e.coefficients) {
+            assert!(names.insert(c.name.clone()), "{} twice in {name}", c.name);
+            assert!(c.scale > 0.0 && c.scale.is_finite() && c.min <= c.nominal && c.nominal <= c.max, "{c:?}");
+        }
+    }
+}
