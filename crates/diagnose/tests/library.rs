@@ -69,7 +69,9 @@ fn joints_of_a_wrist_are_coupled_in_both_directions() {
     for on in ["v1", "v2"] {
         assert!(couplings.iter().any(|e| e.equation == on && e.term.contains("sign(")));
     }
-    assert!(couplings.iter().any(|e| e.term.contains("sign(v1 + joint_coulomb_ratio_v1_v2*v2)")));
+    let shared = couplings[0];
+    assert!(shared.term.ends_with("s = v1 + joint_ratio_v1_v2*v2"));
+    assert_eq!(shared.coefficients[2].unit, "kg m^2");
     let coulomb: Vec<&str> = of(&effects, Cause::CoulombFriction).iter().map(|e| e.equation.as_str()).collect();
     assert_eq!(coulomb, ["v2"]);
     assert!(!has(&effects, Cause::Tilt));

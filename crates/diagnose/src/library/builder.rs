@@ -112,12 +112,25 @@ impl Builder {
         law: &str,
         coefficients: Vec<Coefficient>,
     ) -> Result<(), DiagnoseError> {
+        let own = direction.iter().find(|d| d.0 == equation).or(direction.first());
+        let term = own.map_or_else(String::new, |d| product(law, &self.text(d.1)));
+        self.described(cause, equation, term, direction, law, coefficients)
+    }
+
+    /// As [`Builder::along`], with another text for the reader.
+    pub(crate) fn described(
+        &mut self,
+        cause: Cause,
+        equation: usize,
+        term: String,
+        direction: &[(usize, Expr)],
+        law: &str,
+        coefficients: Vec<Coefficient>,
+    ) -> Result<(), DiagnoseError> {
         let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
         let read = names.read(&mut self.system.pool, law)?;
         let terms = direction.iter().map(|&(row, entry)| (row, self.system.pool.mul(read, entry))).collect::<Vec<_>>();
         let terms = terms.into_iter().map(|(row, e)| (row, self.text(e))).collect();
-        let own = direction.iter().find(|d| d.0 == equation).or(direction.first());
-        let term = own.map_or_else(String::new, |d| product(law, &self.text(d.1)));
         self.terms(cause, equation, term, terms, coefficients)
     }
 

@@ -94,19 +94,15 @@ impl Builder {
     fn tilt(&mut self, c: &Coordinate) -> Result<(), DiagnoseError> {
         let v = self.state(c.rate);
         let k = self.name("tilt", &v);
-        match (self.structure.gravity, c.input) {
-            (Some(g), None) => {
-                let g = self.system.symbol_name(g).to_owned();
-                let about = format!("slope along {v}");
-                let coefficient = Coefficient { min: -1.0, max: 1.0, ..amplitude(k.clone(), "rad", about) };
-                self.along(Cause::Tilt, c.rate, &c.force, &format!("-{g}*{k}"), vec![coefficient])
-            }
-            _ => {
-                let about = format!("weight that a slope along {v} makes act against it");
-                let coefficient = amplitude(k.clone(), c.force_unit.clone(), about);
-                self.along(Cause::Tilt, c.rate, &c.force, &format!("-{k}"), vec![coefficient])
-            }
+        if let (Some(g), None) = (self.structure.gravity, c.input) {
+            let g = self.system.symbol_name(g).to_owned();
+            let about = format!("slope along {v}");
+            let coefficient = Coefficient { min: -1.0, max: 1.0, ..amplitude(k.clone(), "rad", about) };
+            return self.along(Cause::Tilt, c.rate, &c.force, &format!("-{g}*{k}"), vec![coefficient]);
         }
+        let about = format!("weight that a slope along {v} makes act against it");
+        let coefficient = amplitude(k.clone(), c.force_unit.clone(), about);
+        self.along(Cause::Tilt, c.rate, &c.force, &format!("-{k}"), vec![coefficient])
     }
 
     fn stiffness(&mut self, c: &Coordinate) -> Result<(), DiagnoseError> {

@@ -1,6 +1,6 @@
 //! Friction and drag against the rates of coordinates.
 
-use bracketry_symbolic::Expr;
+use bracketry_symbolic::{Expr, Func};
 
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
 use super::structure::{Coordinate, Kind};
@@ -96,13 +96,9 @@ impl Builder {
             for c in group {
                 let (level, u, value) = self.friction_unit(c);
                 (unit, at_rest) = (u, value);
-                let direction = match &c.friction {
-                    Some(f) => f.direction,
-                    None => {
-                        let rate = self.system.pool.sym(self.system.states[c.rate]);
-                        self.system.pool.call(bracketry_symbolic::Func::Sign, rate)
-                    }
-                };
+                let rate = self.system.pool.sym(self.system.states[c.rate]);
+                let sign = self.system.pool.call(Func::Sign, rate);
+                let direction = c.friction.as_ref().map_or(sign, |f| f.direction);
                 for (row, e) in level {
                     let e = self.system.pool.mul(e, direction);
                     match terms.iter_mut().find(|t| t.0 == row) {

@@ -7,7 +7,7 @@ use super::structure::{Coordinate, Kind};
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
 
-/// Ratios tried for friction between two joints.
+/// Ratios tried for what turns with two joints; the first is that of a differential.
 const RATIOS: [f64; 4] = [-1.0, -0.5, 0.5, 1.0];
 
 impl Builder {
@@ -20,84 +20,96 @@ impl Builder {
             .filter(|c| c.position.is_some() && (c.kind == Kind::Angle || c.input.is_some()))
             .cloned()
             .collect();
-        for a in &joints {
-            for b in &joints {
-                if a.kind != b.kind {
-                    continue;
-                }
-                if a.rate != b.rate {
-                    self.one_way(a, b)?;
-                }
-                if a.rate < b.rate {
-                    self.friction_between(a, b)?;
-                }
+        for (i, a) in joints.iter().enumerate() {
+            for b in joints[i + 1..].iter().filter(|b| b.kind == a.kind) {
+                self.turns_with_both(a, b)?;
+                self.one_way(a, b)?;
+                self.one_way(b, a)?;
             }
         }
         Ok(())
     }
 
+    /// A part that turns with both joints, as a motor that drives through a differential: its inertia, its viscous and its
+    /// dry friction.
+    ///
+    /// With the slip s = v_a + r v_b = nᵀv and M v' = Q the model, the part adds the forces −n T, T = f s + c sgn(s) + I s'.
+    /// Since s' = nᵀM⁻¹(Q − n T), this is T = (f s + c sgn(s) + I α)/(1 + I μ) with α = nᵀv' of the model and
+    /// μ = nᵀM⁻¹n (Sherman and Morrison), and v' changes by −M⁻¹n T.
+    fn turns_with_both(&mut self, a: &Coordinate, b: &Coordinate) -> Result<(), DiagnoseError> {
+        let (v, w) = (self.state(a.rate), self.state(b.rate));
+        let on = format!("{v}_{w}");
+        let viscous = self.name("joint_viscous", &on);
+        let dry = self.name("joint_coulomb", &on);
+        let inertia = self.name("joint_inertia", &on);
+        let r = self.name("joint_ratio", &on);
+        let ratio = self.system.pool.var(&r);
+        let mut direction = a.force.clone();
+        for &(row, e) in &b.force {
+            let e = self.system.pool.mul(e, ratio);
+            match direction.iter_mut().find(|d| d.0 == row) {
+                Some(d) => d.1 = self.system.pool.add(d.1, e),
+                None => direction.push((row, e)),
+            }
+        }
+        let entry = |row: usize| direction.iter().find(|d| d.0 == row).map_or("0".to_owned(), |d| self.text(d.1));
+        let mobility = format!("({} + {r}*({}))", entry(a.rate), entry(b.rate));
+        let rhs = |row: usize| self.text(self.system.dynamics[row]);
+        let acceleration = format!("({} + {r}*({}))", rhs(a.rate), rhs(b.rate));
+        let slip = format!("({v} + {r}*{w})");
+        let law =
+            format!("-({viscous}*{slip} + {dry}*sign{slip} + {inertia}*{acceleration})/(1 + {inertia}*{mobility})");
+        let term = format!("-({viscous}*s + {dry}*sign(s) + {inertia}*der(s)), s = {v} + {r}*{w}");
+        let part = |name: String, unit: String, what: &str| Coefficient {
+            min: 0.0,
+            ..dissipation(name, unit, format!("{what} that {v} and {w} share"))
+        };
+        let coefficients = vec![
+            part(viscous, a.unit(0, 1), "viscous friction"),
+            part(dry, a.unit(0, 0), "dry friction"),
+            part(inertia, a.inertia_unit(), "inertia"),
+            Coefficient {
+                nominal: 1.0,
+                min: f64::NEG_INFINITY,
+                ..shape(r, RATIOS.to_vec(), "1", format!("turns of what they share per turn of {w}"))
+            },
+        ];
+        self.described(Cause::JointCoupling, a.rate, term, &direction, &law, coefficients)
+    }
+
     /// What joint b does to joint a through gears, bearings and cables.
     fn one_way(&mut self, a: &Coordinate, b: &Coordinate) -> Result<(), DiagnoseError> {
-        let (v, other) = (self.state(a.rate), self.state(b.rate));
+        let other = self.state(b.rate);
         let own = vec![(a.rate, self.system.pool.int(1))];
         let acceleration = self.text(self.system.dynamics[b.rate]);
-        let parts: [(&str, &[(usize, Expr)], String, &str); 4] = [
-            ("acceleration", &own, format!("({acceleration})"), "acceleration"),
-            ("rate", &a.force, format!("(-{other})"), "velocity"),
-            ("sign", &a.force, format!("(-sign({other}))"), "dry friction"),
-            ("position", &a.force, b.position.map_or(String::new(), |q| format!("(-{})", self.state(q))), "position"),
-        ];
-        for (base, direction, law, what) in parts {
-            self.coupled(a.rate, &v, &other, base, direction, &law, what)?;
+        self.coupled(a, b, ("acceleration", "1"), &own, &format!("({acceleration})"))?;
+        self.coupled(a, b, ("velocity", &a.unit(0, 1)), &a.force, &format!("(-{other})"))?;
+        self.coupled(a, b, ("friction", &a.unit(0, 0)), &a.force, &format!("(-sign({other}))"))?;
+        if let Some(q) = b.position {
+            let q = self.state(q);
+            self.coupled(a, b, ("position", &a.unit(1, 0)), &a.force, &format!("(-{q})"))?;
         }
         if let Some(u) = b.input
             && !self.system.pool.depends_on(self.system.dynamics[a.rate], self.system.inputs[u])
         {
             let name = self.system.symbol_name(self.system.inputs[u]).to_owned();
-            self.coupled(a.rate, &v, &other, "drive", &a.force, &name, "drive")?;
+            self.coupled(a, b, ("drive", "1"), &a.force, &name)?;
         }
         Ok(())
     }
 
     fn coupled(
         &mut self,
-        row: usize,
-        v: &str,
-        other: &str,
-        base: &str,
+        a: &Coordinate,
+        b: &Coordinate,
+        (what, unit): (&str, &str),
         direction: &[(usize, Expr)],
         law: &str,
-        what: &str,
     ) -> Result<(), DiagnoseError> {
-        let k = self.name(&format!("joint_{base}_{other}"), v);
+        let (v, other) = (self.state(a.rate), self.state(b.rate));
+        let k = self.name(&format!("joint_{what}_{other}"), &v);
         let about = format!("what the {what} of {other} does to {v}");
-        self.along(Cause::JointCoupling, row, direction, &format!("{k}*{law}"), vec![amplitude(k.clone(), "", about)])
-    }
-
-    /// Friction against v_a + r v_b: a dissipative force on both.
-    fn friction_between(&mut self, a: &Coordinate, b: &Coordinate) -> Result<(), DiagnoseError> {
-        let (v, w) = (self.state(a.rate), self.state(b.rate));
-        for (base, unit, dry) in [("joint_viscous", a.unit(0, 1), false), ("joint_coulomb", a.unit(0, 0), true)] {
-            let on = format!("{v}_{w}");
-            let k = self.name(base, &on);
-            let r = self.name(&format!("{base}_ratio"), &on);
-            let slip = format!("({v} + {r}*{w})");
-            let law = if dry { format!("-{k}*sign{slip}") } else { format!("-{k}*{slip}") };
-            let ratio = self.system.pool.var(&r);
-            let mut direction = a.force.clone();
-            for &(row, e) in &b.force {
-                let e = self.system.pool.mul(e, ratio);
-                match direction.iter_mut().find(|d| d.0 == row) {
-                    Some(d) => d.1 = self.system.pool.add(d.1, e),
-                    None => direction.push((row, e)),
-                }
-            }
-            let c = dissipation(k.clone(), unit, format!("friction between {v} and {w}"));
-            let c = if dry { Coefficient { min: 0.0, ..c } } else { c };
-            let about = format!("part of {w} in the slip velocity");
-            let ratio = Coefficient { min: f64::NEG_INFINITY, ..shape(r, RATIOS.to_vec(), "1", about) };
-            self.along(Cause::JointCoupling, a.rate, &direction, &law, vec![c, ratio])?;
-        }
-        Ok(())
+        let c = amplitude(k.clone(), unit, about);
+        self.along(Cause::JointCoupling, a.rate, direction, &format!("{k}*{law}"), vec![c])
     }
 }

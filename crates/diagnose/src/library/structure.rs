@@ -90,6 +90,18 @@ impl Coordinate {
     }
 }
 
+impl Coordinate {
+    /// Unit of an inertia against this coordinate; empty if that of the force is not known.
+    pub(crate) fn inertia_unit(&self) -> String {
+        match (self.input, self.force_unit.as_str()) {
+            (None, _) => "1".to_owned(),
+            (_, "N") => "kg".to_owned(),
+            (_, "N m") => "kg m^2".to_owned(),
+            _ => String::new(),
+        }
+    }
+}
+
 /// The structure of a model.
 #[derive(Clone, Debug)]
 pub(crate) struct Structure {
