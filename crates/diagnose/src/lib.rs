@@ -11,6 +11,7 @@ mod record;
 mod report;
 mod study;
 mod synthetic;
+mod verdict;
 
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
@@ -28,3 +29,4 @@ pub use study::{
 pub use synthetic::{
     Excitation, Hidden, HiddenEffect, Score, Slider, SliderLog, SliderSensors, SliderTruth, SyntheticError,
 };
+pub use verdict::{Settings, Stage, diagnose};

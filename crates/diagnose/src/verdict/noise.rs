@@ -1,0 +1,39 @@
+//! How sure a difference of sums of squares is.
+
+use super::alarm::upper_tail;
+
+/// The scatter by which differences of sums of squares are judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scatter {
+    /// Variance of the residual, in units of the estimated noise's variance.
+    pub(crate) variance: f64,
+    /// Factor by which correlation within windows widens what the residual can feign: 1 for white residuals.
+    pub(crate) inflation: f64,
+    /// Degrees of freedom of `variance × inflation`.
+    pub(crate) freedom: f64,
+    /// Samples.
+    pub(crate) samples: f64,
+}
+
+impl Scatter {
+    /// Decrease of the sum of squares that a useless coefficient brings on average.
+    pub(crate) fn unit(&self) -> f64 {
+        self.variance * self.inflation
+    }
+
+    /// Probability that `coefficients` useless coefficients gain at least `square` (Fisher's F).
+    pub(crate) fn p_value(&self, square: f64, coefficients: usize) -> f64 {
+        let k = coefficients.max(1) as f64;
+        upper_tail(square / (k * self.unit()), k, self.freedom)
+    }
+
+    /// Price of a coefficient: the logarithm of the number of independent samples (Schwarz's criterion).
+    pub(crate) fn price(&self) -> f64 {
+        (self.samples / self.inflation).max(std::f64::consts::E).ln()
+    }
+
+    /// Schwarz's criterion, up to a constant: smaller is better.
+    pub(crate) fn criterion(&self, square: f64, coefficients: usize) -> f64 {
+        square / self.unit() + self.price() * coefficients as f64
+    }
+}

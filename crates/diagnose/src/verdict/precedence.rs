@@ -1,0 +1,35 @@
+//! What names are worth before any data: the order in which causes are preferred where the data leave it open.
+
+use crate::{Cause, Change, Effect};
+
+/// Twice the logarithm of the odds against a cause, compared with the most common ones.
+///
+/// Far below what data can say: it decides between explanations that fit equally well. Friction and constant forces come
+/// first, then what is on the way of signals (one signal before several, inputs before measured columns), then forces that
+/// need a special cause; terms from the dictionary, of which there are many and which have no name, come last.
+pub(crate) fn surprise(effect: &Effect) -> f64 {
+    let name = match effect.cause {
+        Cause::ViscousFriction | Cause::CoulombFriction | Cause::Tilt | Cause::ParameterError => 0.0,
+        Cause::StribeckFriction
+        | Cause::QuadraticDrag
+        | Cause::FrictionAsymmetry
+        | Cause::InputGain
+        | Cause::ConstantBias
+        | Cause::LinearStiffness
+        | Cause::YawFriction
+        | Cause::InputDelay
+        | Cause::FrictionCoupling
+        | Cause::InertialCoupling
+        | Cause::JointCoupling
+        | Cause::ComOffset => 0.5,
+        Cause::ActuatorLag | Cause::AnisotropicFriction => 0.75,
+        Cause::SensorDelay | Cause::CubicStiffness | Cause::SensorBias => 1.0,
+        Cause::PeriodicDisturbance | Cause::Backlash | Cause::LiftOff => 1.5,
+        Cause::UnknownTerm => 8.0,
+    };
+    let signals = match &effect.change {
+        Change::Path { signals, .. } => signals.len().saturating_sub(1) as f64,
+        _ => 0.0,
+    };
+    name + 0.5 * signals
+}

@@ -1,0 +1,75 @@
+//! What else could explain the data as well as a named cause.
+
+use super::noise::Scatter;
+use super::search::{Explanation, Search};
+use super::select::{add, merit, without};
+use crate::DiagnoseError;
+
+/// A rival stays if its sum of squares exceeds the chosen one's by less than this many units of scatter.
+///
+/// If the rival is the truth, at distance d (in standard deviations) from the chosen explanation, the difference is
+/// normal with mean −d² and standard deviation 2d. It exceeds 9 with probability Φ(−(d² + 9)/(2d)), at most Φ(−3) = 0.13 %
+/// whatever d is: so seldom is the truth left out.
+pub(crate) const MARGIN: f64 = 9.0;
+/// The linearised problem may underrate what an exact fit gains by this factor.
+const UNDERRATED: f64 = 0.6;
+/// Most exact fits per cause.
+const MOST_FITS: usize = 6;
+
+/// A cause's rivals: candidate and explanation with it in the cause's place, the best first.
+pub(crate) type Rivals = Vec<(usize, Explanation)>;
+
+/// Puts each other candidate in the place of each cause; where one turns out better, the explanation changes.
+pub(crate) fn rivals(
+    search: &mut Search<'_>,
+    chosen: &mut Explanation,
+    scatter: &Scatter,
+    among: &[usize],
+) -> Result<Vec<Rivals>, DiagnoseError> {
+    let mut swaps = 0;
+    'again: loop {
+        let mut all = Vec::new();
+        for member in chosen.members.clone() {
+            let found = of_one(search, chosen, member, scatter, among)?;
+            let better = found
+                .iter()
+                .map(|(_, e)| e)
+                .filter(|e| merit(search, e, scatter) < merit(search, chosen, scatter))
+                .min_by(|a, b| merit(search, a, scatter).total_cmp(&merit(search, b, scatter)));
+            if let Some(better) = better
+                && swaps < 4
+            {
+                *chosen = better.clone();
+                swaps += 1;
+                continue 'again;
+            }
+            let limit = chosen.square() + MARGIN * scatter.unit();
+            all.push(found.into_iter().filter(|(_, e)| e.square() <= limit).collect());
+        }
+        return Ok(all);
+    }
+}
+
+fn of_one(
+    search: &mut Search<'_>,
+    chosen: &Explanation,
+    member: usize,
+    scatter: &Scatter,
+    among: &[usize],
+) -> Result<Rivals, DiagnoseError> {
+    let Some(rest) = without(search, chosen, member) else { return Ok(Vec::new()) };
+    let around = search.around(&rest, among)?;
+    let promises = search.singles(&around);
+    let own = promises.iter().find(|p| p.candidates == [member]).map_or(f64::INFINITY, |p| p.square);
+    let exact = rest.square() - chosen.square();
+    let needed = UNDERRATED * own.min(exact) - MARGIN * scatter.unit();
+    let mut found = Vec::new();
+    let near = promises.iter().filter(|p| p.candidates != [member] && p.square >= needed);
+    for promise in near.take(MOST_FITS) {
+        if let Some(explanation) = add(search, &rest, promise) {
+            found.push((promise.candidates[0], explanation));
+        }
+    }
+    found.sort_by(|a, b| a.1.square().total_cmp(&b.1.square()));
+    Ok(found)
+}

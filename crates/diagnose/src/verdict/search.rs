@@ -1,0 +1,275 @@
+//! Exact fits of sets of candidates, and which to make.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use nalgebra::DVector;
+
+use super::alarm::Alarm;
+use super::noise::Scatter;
+use super::score::{Group, Scores};
+use crate::{Cause, DiagnoseError, Effect, Estimate, Fit, Linearization, Role, Study};
+
+/// An amplitude that begins from a secant may leave it by this factor at most: farther out the secant says nothing.
+const FARTHEST: f64 = 2.0;
+
+/// A set of candidates, fitted together.
+#[derive(Clone, Debug)]
+pub(crate) struct Explanation {
+    /// Places among the candidates, in the order in which they came.
+    pub(crate) members: Vec<usize>,
+    /// The fit.
+    pub(crate) fit: Fit,
+    /// What it leaves over.
+    pub(crate) alarm: Alarm,
+    /// Number of the effects' coefficients.
+    pub(crate) coefficients: usize,
+    /// Whether every amplitude has the sign that physics wants.
+    pub(crate) physical: bool,
+}
+
+impl Explanation {
+    pub(crate) fn square(&self) -> f64 {
+        self.alarm.square
+    }
+}
+
+/// A set of candidates with what the linearised problem promises.
+#[derive(Clone, Debug)]
+pub(crate) struct Promise {
+    /// Candidates to add.
+    pub(crate) candidates: Vec<usize>,
+    /// Decrease of the sum of squares.
+    pub(crate) square: f64,
+    /// Coefficients that it takes, shapes included.
+    pub(crate) coefficients: usize,
+    /// Where an exact fit should begin: names and values.
+    pub(crate) start: Vec<(String, f64)>,
+}
+
+/// What a pair of groups gains, the groups' places, and the step.
+type PairGain = (f64, usize, usize, DVector<f64>);
+
+/// Fits sets of candidates and keeps what was fitted.
+pub(crate) struct Search<'a> {
+    pub(crate) study: &'a Study,
+    pub(crate) candidates: Vec<Effect>,
+    pub(crate) windows: Vec<usize>,
+    /// Initial values per window.
+    initial: usize,
+    known: HashMap<Vec<usize>, Option<Explanation>>,
+    around: HashMap<Vec<usize>, Rc<Around>>,
+}
+
+/// The linearised problem around an explanation.
+pub(crate) struct Around {
+    /// The problem.
+    linearization: Linearization,
+    /// Its candidates' share.
+    pub(crate) scores: Scores,
+    /// Candidates in it, by place in the list of all.
+    others: Vec<usize>,
+}
+
+impl<'a> Search<'a> {
+    pub(crate) fn new(study: &'a Study, candidates: Vec<Effect>, initial: usize) -> Self {
+        let windows = (0..study.windows().len()).collect();
+        Self { study, candidates, windows, initial, known: HashMap::new(), around: HashMap::new() }
+    }
+
+    /// The model with nothing added, from its fit.
+    pub(crate) fn nothing(&mut self, fit: Fit) -> Explanation {
+        let explanation = self.judge(Vec::new(), fit);
+        self.known.insert(Vec::new(), Some(explanation.clone()));
+        explanation
+    }
+
+    /// All sets fitted so far.
+    pub(crate) fn fitted(&self) -> impl Iterator<Item = &Explanation> {
+        self.known.values().flatten()
+    }
+
+    /// The exact fit of `members`, begun from `near` and the given values; `None` where it cannot be made.
+    pub(crate) fn explain(&mut self, members: &[usize], near: &Fit, start: &[(String, f64)]) -> Option<Explanation> {
+        let mut key = members.to_vec();
+        key.sort_unstable();
+        if let Some(known) = self.known.get(&key) {
+            return known.clone();
+        }
+        let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
+        let mut begin = near.clone();
+        for (name, value) in start {
+            match begin.values.iter_mut().find(|e| e.name == *name) {
+                Some(estimate) => estimate.value = *value,
+                None => begin.values.push(Estimate { name: name.clone(), nominal: *value, value: *value, std: 0.0 }),
+            }
+        }
+        let found = self
+            .study
+            .fit(&effects, &self.windows, Some(&begin))
+            .ok()
+            .map(|fit| self.judge(members.to_vec(), fit))
+            .filter(|e| self.comparable(e));
+        self.known.insert(key, found.clone());
+        found
+    }
+
+    /// Whether the fit covers the windows that the model without effects covers.
+    fn comparable(&self, explanation: &Explanation) -> bool {
+        let Some(Some(base)) = self.known.get(&Vec::new()) else { return true };
+        explanation.square().is_finite()
+            && base.fit.windows.iter().zip(&explanation.fit.windows).all(|(b, e)| b.count == 0 || e.count == b.count)
+    }
+
+    fn judge(&self, members: Vec<usize>, fit: Fit) -> Explanation {
+        let alarm = Alarm::of(&fit.windows, self.initial, fit.values.len());
+        let coefficients = members.iter().map(|&m| self.candidates[m].coefficients.len()).sum();
+        let physical = members.iter().all(|&m| {
+            self.candidates[m].coefficients.iter().all(|c| {
+                let value = fit.values.iter().find(|e| e.name == c.name).map_or(c.nominal, |e| e.value);
+                f64::from(c.physical_sign) * (value - c.nominal) >= 0.0
+            })
+        });
+        Explanation { members, fit, alarm, coefficients, physical }
+    }
+
+    /// The linearised problem around an explanation with those `among` the candidates that are not in it.
+    pub(crate) fn around(&mut self, explanation: &Explanation, among: &[usize]) -> Result<Rc<Around>, DiagnoseError> {
+        let others: Vec<usize> = among.iter().copied().filter(|c| !explanation.members.contains(c)).collect();
+        let mut key = explanation.members.clone();
+        key.sort_unstable();
+        if let Some(around) = self.around.get(&key).filter(|a| a.others == others) {
+            return Ok(Rc::clone(around));
+        }
+        let effects: Vec<Effect> = others.iter().map(|&c| self.candidates[c].clone()).collect();
+        let linearization = self.study.linearize(&explanation.fit, &effects, &self.windows)?;
+        let scores = Scores::new(&linearization);
+        let around = Rc::new(Around { linearization, scores, others });
+        self.around.insert(key, Rc::clone(&around));
+        Ok(around)
+    }
+
+    /// What each candidate alone promises at its best trial, the best first.
+    pub(crate) fn singles(&self, around: &Around) -> Vec<Promise> {
+        let Around { linearization, scores, others } = around;
+        let mut best: Vec<Option<(f64, &Group, DVector<f64>)>> = vec![None; others.len()];
+        for group in &scores.groups {
+            let effect = &self.candidates[others[group.candidate]];
+            let gained = scores.gain_with_signs(&group.columns, &signs(effect, group));
+            let slot = &mut best[group.candidate];
+            if slot.as_ref().is_none_or(|s| gained.square > s.0) {
+                *slot = Some((gained.square, group, gained.step));
+            }
+        }
+        let mut promises: Vec<Promise> = best
+            .into_iter()
+            .flatten()
+            .map(|(square, group, step)| {
+                let effect = &self.candidates[others[group.candidate]];
+                Promise {
+                    candidates: vec![others[group.candidate]],
+                    square,
+                    coefficients: effect.coefficients.len(),
+                    start: start(effect, linearization, scores, group, step.as_slice()),
+                }
+            })
+            .collect();
+        promises.sort_by(|a, b| b.square.total_cmp(&a.square));
+        promises
+    }
+
+    /// What pairs of candidates promise at their best trials, the best first; `most` of them.
+    pub(crate) fn pairs(&self, around: &Around, most: usize) -> Vec<Promise> {
+        let Around { linearization, scores, others } = around;
+        let n = others.len();
+        let mut best: Vec<Option<PairGain>> = vec![None; n * n];
+        for (i, a) in scores.groups.iter().enumerate() {
+            for (j, b) in scores.groups.iter().enumerate() {
+                if a.candidate >= b.candidate {
+                    continue;
+                }
+                let columns: Vec<usize> = a.columns.iter().chain(&b.columns).copied().collect();
+                if columns.iter().any(|&c| !scores.identifiable(c)) {
+                    continue;
+                }
+                let mut wanted = signs(&self.candidates[others[a.candidate]], a);
+                wanted.extend(signs(&self.candidates[others[b.candidate]], b));
+                let gained = scores.gain_with_signs(&columns, &wanted);
+                let slot = &mut best[a.candidate * n + b.candidate];
+                if slot.as_ref().is_none_or(|s| gained.square > s.0) {
+                    *slot = Some((gained.square, i, j, gained.step));
+                }
+            }
+        }
+        let mut found: Vec<_> = best.into_iter().flatten().collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        found.truncate(most);
+        found
+            .into_iter()
+            .map(|(square, i, j, step)| {
+                let (a, b) = (&scores.groups[i], &scores.groups[j]);
+                let (first, second) = (&self.candidates[others[a.candidate]], &self.candidates[others[b.candidate]]);
+                let (for_a, for_b) = step.as_slice().split_at(a.columns.len());
+                let mut begin = start(first, linearization, scores, a, for_a);
+                begin.extend(start(second, linearization, scores, b, for_b));
+                Promise {
+                    candidates: vec![others[a.candidate], others[b.candidate]],
+                    square,
+                    coefficients: first.coefficients.len() + second.coefficients.len(),
+                    start: begin,
+                }
+            })
+            .collect()
+    }
+}
+
+/// Signs that amplitudes must have. Friction that rises from rest is found in real machines, so that the sign of Stribeck's
+/// effect is flagged rather than enforced.
+fn signs(effect: &Effect, group: &Group) -> Vec<i8> {
+    if effect.cause == Cause::StribeckFriction {
+        return vec![0; group.columns.len()];
+    }
+    group.coefficients.iter().map(|&c| effect.coefficients[c].physical_sign).collect()
+}
+
+/// Values of an effect's coefficients after a step from the linearised problem.
+fn start(
+    effect: &Effect,
+    linearization: &Linearization,
+    scores: &Scores,
+    group: &Group,
+    step: &[f64],
+) -> Vec<(String, f64)> {
+    let at = linearization.trials.get(group.candidate).and_then(|t| t.get(group.trial));
+    effect
+        .coefficients
+        .iter()
+        .enumerate()
+        .map(|(i, c)| {
+            let tried = at.and_then(|values| values.get(i)).copied().unwrap_or(c.nominal);
+            let value = match (c.role, group.coefficients.iter().position(|&k| k == i)) {
+                (Role::Amplitude, Some(place)) => {
+                    let moved = step[place] * linearization.scales[scores.columns[group.columns[place]]];
+                    let reach = FARTHEST * (tried - c.nominal).abs();
+                    c.nominal + if c.trials.is_empty() || reach == 0.0 { moved } else { moved.clamp(-reach, reach) }
+                }
+                _ => tried,
+            };
+            (c.name.clone(), value.clamp(c.min, c.max))
+        })
+        .collect()
+}
+
+/// The scatter by which gains are judged, from the best explanation so far and the linearised problem around it.
+pub(crate) fn scatter(best: &Explanation, scores: &Scores) -> Scatter {
+    let alarm = &best.alarm;
+    let variance = alarm.square / alarm.freedom;
+    let (inflation, independent) = scores.inflation(variance);
+    let windows = scores.window_count() as f64;
+    Scatter {
+        variance,
+        inflation: inflation.max(1.0),
+        freedom: ((windows - 1.0) * independent).clamp(1.0, alarm.freedom),
+        samples: alarm.freedom,
+    }
+}

@@ -1,0 +1,272 @@
+//! The findings as a report.
+
+use std::time::Instant;
+
+use bracketry_system::System;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::diagnose::{Ending, Findings};
+use super::search::{Explanation, Search};
+use super::select::without;
+use super::{Settings, rivals::Rivals};
+use crate::report::{Candidate, Evidence, Excess, NamedCause, RefittedParameter, Report, Rival, Value, Verdict};
+use crate::{Cause, Effect, Estimate};
+
+/// Candidates that the report lists.
+const LISTED: usize = 15;
+/// One-sided level at which a parameter must have left its tolerance.
+const OUTSIDE: f64 = 0.05;
+
+pub(super) fn report(
+    system: &System,
+    search: &mut Search<'_>,
+    findings: &Findings,
+    settings: &Settings,
+    begin: Instant,
+) -> Report {
+    let parameters = refitted(system, findings);
+    let mut causes = Vec::new();
+    let named = !matches!(findings.ending, Ending::Unexplained(_));
+    if named {
+        for (&member, rivals) in findings.chosen.members.iter().zip(&findings.rivals) {
+            causes.push(cause(search, findings, member, rivals));
+        }
+        causes.extend(parameter_errors(system, findings, &parameters, settings));
+    }
+    let verdict = match findings.ending {
+        Ending::Unexplained(_) => Verdict::Unexplained,
+        _ if causes.is_empty() => Verdict::NothingFound,
+        _ => Verdict::CauseFound,
+    };
+    let extended = (verdict == Verdict::CauseFound).then_some(&findings.chosen);
+    Report {
+        model: system.name.clone(),
+        verdict,
+        reason: reason(findings, &causes),
+        places: Vec::new(),
+        gain: None,
+        parameters,
+        extended_model: None,
+        excess: Some(Excess {
+            refitted: findings.base.alarm.size,
+            extended: extended.filter(|e| !e.members.is_empty()).map(|e| e.alarm.size),
+            p_value: findings.alarm,
+        }),
+        candidates: ranking(search, findings),
+        notes: Vec::new(),
+        seconds: begin.elapsed().as_secs_f64(),
+        evidence: Evidence {
+            effects: extended.map(|e| e.fit.effects.clone()).unwrap_or_default(),
+            ..Evidence::default()
+        },
+        causes,
+    }
+}
+
+fn reason(findings: &Findings, causes: &[NamedCause]) -> String {
+    let size = findings.base.alarm.size;
+    match findings.ending {
+        Ending::Quiet if causes.is_empty() => {
+            "with its parameters refitted, the model leaves over no more than noise".to_owned()
+        }
+        Ending::Quiet => {
+            "a parameter is off by more than its tolerance; with it refitted, noise is left over".to_owned()
+        }
+        Ending::Coloured => format!(
+            "the residual is correlated ({size:.2} times the noise), but no effect explains it in all parts of the data"
+        ),
+        Ending::Explained => "with the named causes the model leaves over no more than noise".to_owned(),
+        Ending::Partly(share) => format!(
+            "the named causes explain {:.0} % of what the refitted model leaves over beyond noise; the rest is structured",
+            100.0 * share
+        ),
+        Ending::Unexplained(share) => format!(
+            "the refitted model leaves over {size:.2} times the noise; the best effects tried explain {:.0} % of the excess",
+            100.0 * share
+        ),
+    }
+}
+
+/// Estimate with the width that correlation within windows gives it.
+fn value(estimate: &Estimate, unit: &str, inflation: f64) -> Value {
+    Value { value: estimate.value, std: estimate.std * inflation.sqrt(), interval: None, unit: unit.to_owned() }
+}
+
+fn refitted(system: &System, findings: &Findings) -> Vec<RefittedParameter> {
+    let fit = &findings.chosen.fit;
+    let count = fit.values.len() - findings.chosen.coefficients;
+    fit.values[..count]
+        .iter()
+        .map(|e| {
+            let unit = system.parameters.iter().find(|p| system.symbol_name(p.symbol) == e.name);
+            let unit = unit.and_then(|p| p.unit.clone()).unwrap_or_default();
+            let v = value(e, &unit, findings.scatter.inflation);
+            RefittedParameter {
+                name: e.name.clone(),
+                before: e.nominal,
+                after: e.value,
+                std: v.std,
+                interval: None,
+                unit: v.unit,
+            }
+        })
+        .collect()
+}
+
+/// Parameters that have left their tolerance: by more than it, as a one-sided test of 5 % says, or out of their range.
+fn parameter_errors(
+    system: &System,
+    findings: &Findings,
+    parameters: &[RefittedParameter],
+    settings: &Settings,
+) -> Vec<NamedCause> {
+    let unidentified = &findings.chosen.fit.unidentified;
+    let student = StudentsT::new(0.0, 1.0, findings.scatter.freedom.max(1.0));
+    let tail = |z: f64| student.as_ref().map_or(1.0, |d| d.sf(z));
+    parameters
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| !unidentified.contains(i))
+        .filter_map(|(_, p)| {
+            let moved = (p.after - p.before).abs();
+            let known = system.parameters.iter().find(|q| system.symbol_name(q.symbol) == p.name)?;
+            let bound = |r: &bracketry_symbolic::Rational| r.to_f64().value();
+            let beyond_range = known
+                .min
+                .as_ref()
+                .map_or(0.0, |m| bound(m) - p.after)
+                .max(known.max.as_ref().map_or(0.0, |m| p.after - bound(m)));
+            let beyond = (moved - settings.tolerance * p.before.abs()).max(beyond_range);
+            let std = p.std.max(f64::MIN_POSITIVE);
+            if beyond <= 0.0 || tail(beyond / std) > OUTSIDE {
+                return None;
+            }
+            let p_value = (2.0 * tail(moved / std) * parameters.len() as f64).min(1.0);
+            if p_value > settings.significance {
+                return None;
+            }
+            let shown = Value { value: p.after, std: p.std, interval: None, unit: p.unit.clone() };
+            Some(NamedCause {
+                name: Cause::ParameterError,
+                equation: acts_on(system, known.symbol),
+                term: format!("{} = {} instead of {}", p.name, short(p.after), short(p.before)),
+                parameters: vec![(p.name.clone(), shown)],
+                p_value,
+                confusable_with: Vec::new(),
+                separating_experiment: String::new(),
+                rivals: Vec::new(),
+                share: None,
+                flags: Vec::new(),
+            })
+        })
+        .collect()
+}
+
+/// The first state whose equation a parameter stands in.
+fn acts_on(system: &System, symbol: bracketry_symbolic::Symbol) -> String {
+    let place = system.dynamics.iter().position(|e| system.pool.depends_on(*e, symbol));
+    place.map(|i| system.symbol_name(system.states[i]).to_owned()).unwrap_or_default()
+}
+
+fn short(value: f64) -> String {
+    format!("{value:.4e}").parse::<f64>().map_or_else(|_| value.to_string(), |v| v.to_string())
+}
+
+fn cause(search: &mut Search<'_>, findings: &Findings, member: usize, rivals: &Rivals) -> NamedCause {
+    let effect = search.candidates[member].clone();
+    let chosen = &findings.chosen;
+    let rest = without(search, chosen, member);
+    let (share, p_value) = rest.map_or((None, 1.0), |rest| {
+        let gained = rest.square() - chosen.square();
+        let p = findings.scatter.p_value(gained, effect.coefficients.len()) * findings.tests;
+        (Some(gained / rest.alarm.excess().max(f64::MIN_POSITIVE)), p.min(1.0))
+    });
+    let estimates: Vec<&Estimate> =
+        effect.coefficients.iter().filter_map(|c| chosen.fit.values.iter().find(|e| e.name == c.name)).collect();
+    let parameters = effect
+        .coefficients
+        .iter()
+        .zip(&estimates)
+        .map(|(c, e)| (c.name.clone(), value(e, &c.unit, findings.scatter.inflation)))
+        .collect();
+    let (name, flags) = physical_name(&effect, &estimates);
+    let others: Vec<Rival> = rivals
+        .iter()
+        .map(|(candidate, explanation)| {
+            let rival = &search.candidates[*candidate];
+            let more = (explanation.square() - chosen.square()) / findings.scatter.unit();
+            let why = if more.abs() < 0.5 {
+                "explains these data equally well".to_owned()
+            } else if more < 0.0 {
+                format!("explains these data better by {:.1} units, but less simply", -more)
+            } else {
+                format!("explains these data worse by {more:.1} units only, where 9 would rule it out")
+            };
+            Rival { name: rival.cause, equation: rival.equation.clone(), term: rival.term.clone(), why }
+        })
+        .collect();
+    let mut confusable_with: Vec<Cause> = Vec::new();
+    for rival in &others {
+        if rival.name != name && !confusable_with.contains(&rival.name) {
+            confusable_with.push(rival.name);
+        }
+    }
+    NamedCause {
+        name,
+        equation: effect.equation.clone(),
+        term: effect.term.clone(),
+        parameters,
+        p_value,
+        confusable_with,
+        separating_experiment: String::new(),
+        rivals: others,
+        share,
+        flags,
+    }
+}
+
+/// A cause whose coefficient has the wrong sign loses its name, for a friction that drives is none; only Stribeck's effect
+/// keeps it, for friction that rises from rest is found in real machines.
+fn physical_name(effect: &Effect, estimates: &[&Estimate]) -> (Cause, Vec<String>) {
+    let mut name = effect.cause;
+    let mut flags = Vec::new();
+    for (c, e) in effect.coefficients.iter().zip(estimates) {
+        if f64::from(c.physical_sign) * (e.value - c.nominal) >= 0.0 {
+            continue;
+        }
+        let sign = if c.physical_sign > 0 { "above" } else { "below" };
+        if effect.cause == Cause::StribeckFriction {
+            flags.push(format!("{} is not {sign} {}: friction rises from rest instead of falling", c.name, c.nominal));
+        } else {
+            flags.push(format!("{} is not {sign} {}, as physics wants it", c.name, c.nominal));
+            name = Cause::UnknownTerm;
+        }
+    }
+    (name, flags)
+}
+
+/// Candidates by what their exact fit alone explains.
+fn ranking(search: &Search<'_>, findings: &Findings) -> Vec<Candidate> {
+    let base = &findings.base;
+    let excess = base.alarm.excess().max(f64::MIN_POSITIVE);
+    let mut singles: Vec<&Explanation> = search.fitted().filter(|e| e.members.len() == 1).collect();
+    singles.sort_by(|a, b| a.square().total_cmp(&b.square()));
+    singles
+        .iter()
+        .take(LISTED)
+        .map(|e| {
+            let member = e.members[0];
+            let effect = &search.candidates[member];
+            let gained = base.square() - e.square();
+            Candidate {
+                name: effect.cause,
+                equation: effect.equation.clone(),
+                term: effect.term.clone(),
+                share: gained / excess,
+                interval: None,
+                p_value: (findings.scatter.p_value(gained, e.coefficients) * findings.tests).min(1.0),
+                chosen: findings.chosen.members.contains(&member),
+            }
+        })
+        .collect()
+}
