@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use bracketry_diagnose::{Cause, Effect, candidates};
+use bracketry_diagnose::{Cause, Effect, candidates, dictionary};
 use bracketry_system::System;
 
 fn model(name: &str) -> System {
@@ -93,9 +93,21 @@ fn coefficients_have_names_of_their_own() {
         let system = model(name);
         let mut names: HashSet<String> = system.state_names().into_iter().chain(system.input_names()).collect();
         names.extend(system.parameters.iter().map(|p| system.symbol_name(p.symbol).to_owned()));
-        for c in candidates(&system, &[]).unwrap().iter().flat_map(|e| &e.coefficients) {
+        let mut all = candidates(&system, &[]).unwrap();
+        all.extend(dictionary(&system, &[]).unwrap());
+        for c in all.iter().flat_map(|e| &e.coefficients) {
             assert!(names.insert(c.name.clone()), "{} twice in {name}", c.name);
             assert!(c.scale > 0.0 && c.scale.is_finite() && c.min <= c.nominal && c.nominal <= c.max, "{c:?}");
         }
     }
+}
+
+#[test]
+fn the_dictionary_has_terms_for_each_equation() {
+    let system = System::parse("wrist", WRIST).unwrap();
+    let terms = dictionary(&system, &[]).unwrap();
+    for wanted in ["q1*v1/J1", "v2^2/J1", "tau1*q1/J1", "sin(", "tanh("] {
+        assert!(terms.iter().any(|e| e.equation == "v1" && e.term.contains(wanted)), "{wanted}");
+    }
+    assert!(terms.iter().all(|e| e.cause == Cause::UnknownTerm));
 }

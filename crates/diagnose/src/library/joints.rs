@@ -3,7 +3,7 @@
 use bracketry_symbolic::Expr;
 
 use super::builder::{Builder, amplitude, dissipation, shape};
-use super::structure::{Coordinate, Kind};
+use super::structure::Coordinate;
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
 
@@ -11,15 +11,9 @@ use crate::error::DiagnoseError;
 const RATIOS: [f64; 4] = [-1.0, -0.5, 0.5, 1.0];
 
 impl Builder {
-    /// Couplings between joints: rotations, or translations with drives of their own.
+    /// Couplings between joints.
     pub(crate) fn add_joints(&mut self) -> Result<(), DiagnoseError> {
-        let joints: Vec<Coordinate> = self
-            .structure
-            .coordinates
-            .iter()
-            .filter(|c| c.position.is_some() && (c.kind == Kind::Angle || c.input.is_some()))
-            .cloned()
-            .collect();
+        let joints: Vec<Coordinate> = self.structure.coordinates.iter().filter(|c| c.is_joint()).cloned().collect();
         for (i, a) in joints.iter().enumerate() {
             for b in joints[i + 1..].iter().filter(|b| b.kind == a.kind) {
                 self.turns_with_both(a, b)?;

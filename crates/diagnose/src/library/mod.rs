@@ -2,6 +2,7 @@
 
 mod apply;
 mod builder;
+mod dictionary;
 mod forces;
 mod friction;
 mod inertia;
@@ -11,6 +12,7 @@ mod probe;
 mod structure;
 
 pub use apply::TIME_INPUT;
+pub use dictionary::dictionary;
 
 use bracketry_system::System;
 
@@ -34,11 +36,7 @@ use structure::Structure;
 /// # Errors
 /// [`DiagnoseError`] if an effect cannot be written in the names of the model, which the names of a valid model exclude.
 pub fn candidates(system: &System, records: &[Record]) -> Result<Vec<Effect>, DiagnoseError> {
-    let mut system = system.clone();
-    let pairs = structure::pairs(&mut system);
-    let data = Probe::of_records(&system, records, &pairs);
-    let structure = Structure::of(&mut system, &pairs);
-    let mut builder = Builder::new(system, structure, data);
+    let mut builder = builder_for(system, records);
     builder.add_friction()?;
     builder.add_forces()?;
     builder.add_first_order()?;
@@ -46,4 +44,12 @@ pub fn candidates(system: &System, records: &[Record]) -> Result<Vec<Effect>, Di
     builder.add_inertia()?;
     builder.add_joints()?;
     Ok(builder.effects)
+}
+
+fn builder_for(system: &System, records: &[Record]) -> Builder {
+    let mut system = system.clone();
+    let pairs = structure::pairs(&mut system);
+    let data = Probe::of_records(&system, records, &pairs);
+    let structure = Structure::of(&mut system, &pairs);
+    Builder::new(system, structure, data)
 }

@@ -91,6 +91,11 @@ impl Coordinate {
 }
 
 impl Coordinate {
+    /// A joint: a rotation, or a translation with a drive of its own.
+    pub(crate) fn is_joint(&self) -> bool {
+        self.position.is_some() && (self.kind == Kind::Angle || self.input.is_some())
+    }
+
     /// Unit of an inertia against this coordinate; empty if that of the force is not known.
     pub(crate) fn inertia_unit(&self) -> String {
         match (self.input, self.force_unit.as_str()) {
