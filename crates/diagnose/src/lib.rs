@@ -15,7 +15,7 @@ mod verdict;
 
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
-pub use library::{TIME_INPUT, candidates, dictionary};
+pub use library::{TIME_INPUT, candidates, dictionary, separating_experiment};
 pub use read::{
     Audit, Bandwidth, ColumnAudit, Noise, RecordSettings, SmoothingSpline, Warning, estimate_noise, read_record, smooth,
 };

@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use bracketry_diagnose::{Cause, Effect, candidates, dictionary};
+use bracketry_diagnose::{Cause, Effect, candidates, dictionary, separating_experiment};
 use bracketry_system::System;
 
 fn model(name: &str) -> System {
@@ -110,4 +110,33 @@ fn the_dictionary_has_terms_for_each_equation() {
         assert!(terms.iter().any(|e| e.equation == "v1" && e.term.contains(wanted)), "{wanted}");
     }
     assert!(terms.iter().all(|e| e.cause == Cause::UnknownTerm));
+}
+
+#[test]
+fn each_pair_of_causes_has_an_experiment_that_separates_it() {
+    for name in ["plate_published", "cart_pole_friction"] {
+        let system = model(name);
+        let effects = candidates(&system, &[]).unwrap();
+        for a in &effects {
+            for b in &effects {
+                let sentence = separating_experiment(a, b, &system);
+                assert!(sentence.len() > 40, "{:?} {:?}: {sentence}", a.cause, b.cause);
+                assert_eq!(sentence.contains("180 degrees about the vertical"), {
+                    let pair = [a.cause, b.cause];
+                    pair.contains(&Cause::Tilt) && pair.contains(&Cause::ConstantBias)
+                });
+            }
+        }
+    }
+}
+
+#[test]
+fn the_experiment_for_delays_and_lags_names_the_frequency() {
+    let system = model("spring_mass_friction");
+    let effects = candidates(&system, &[]).unwrap();
+    let mut delay = of(&effects, Cause::InputDelay)[0].clone();
+    delay.coefficients[0].nominal = 0.008;
+    let sentence = separating_experiment(of(&effects, Cause::ActuatorLag)[0], &delay, &system);
+    // 1/(2π · 8 ms) = 19.9 Hz
+    assert!(sentence.contains("= 19.9 Hz"), "{sentence}");
 }

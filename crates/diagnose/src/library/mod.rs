@@ -9,10 +9,12 @@ mod inertia;
 mod joints;
 mod paths;
 mod probe;
+mod separate;
 mod structure;
 
 pub use apply::TIME_INPUT;
 pub use dictionary::dictionary;
+pub use separate::separating_experiment;
 
 use bracketry_system::System;
 
