@@ -25,33 +25,60 @@ pub struct ColumnAudit {
     pub name: String,
     /// Whether it drives the model; otherwise it was measured.
     pub input: bool,
+    /// Smallest value.
+    pub min: f64,
+    /// Largest value.
+    pub max: f64,
     /// Number of lost values.
     pub lost: usize,
-    /// Standard deviation of its noise, in its unit; measured columns only.
+    /// Measured columns: standard deviation of the noise, in the column's unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<f64>,
+    /// Measured columns: correlation of the noise of neighbouring samples, 0 where it was not told from white noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_correlation: Option<f64>,
+    /// Measured columns: distance of neighbouring values, where all are multiples of one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resolution: Option<f64>,
+    /// Measured columns: number of samples at the smallest or largest value, where they lie in rows as elsewhere they do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub saturated: Option<usize>,
     /// Inputs: whether straight lines join the samples; otherwise each is held until the next.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lines: Option<bool>,
     /// Derivatives by a smoothing spline of the input: the frequency in Hz at which half of the amplitude passes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bandwidth: Option<f64>,
-    /// Smallest value.
-    pub min: f64,
-    /// Largest value.
-    pub max: f64,
 }
 
 impl ColumnAudit {
     fn new(name: &str, input: bool, values: &[f64]) -> Self {
         let finite = values.iter().filter(|v| v.is_finite());
         let (min, max) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-        let lost = values.iter().filter(|v| v.is_nan()).count();
-        Self { name: name.to_owned(), input, lost, noise: None, lines: None, bandwidth: None, min, max }
+        Self {
+            name: name.to_owned(),
+            input,
+            min,
+            max,
+            lost: values.iter().filter(|v| v.is_nan()).count(),
+            noise: None,
+            noise_correlation: None,
+            resolution: None,
+            saturated: None,
+            lines: None,
+            bandwidth: None,
+        }
     }
 
     pub(super) fn measured(name: &str, values: &[f64], noise: Noise) -> Self {
-        Self { noise: Some(noise.std), ..Self::new(name, false, values) }
+        let column = Self::new(name, false, values);
+        Self {
+            noise: Some(noise.std),
+            noise_correlation: Some(noise.correlation),
+            resolution: noise.resolution,
+            saturated: saturated(values, column.min, column.max),
+            ..column
+        }
     }
 
     pub(super) fn input(name: &str, signal: &Signal, bandwidth: Option<f64>) -> Self {
@@ -63,6 +90,70 @@ impl ColumnAudit {
     pub fn constant(&self) -> bool {
         self.min == self.max
     }
+
+    /// What is to be said of the column.
+    fn warnings(&self, samples: usize, step: f64) -> Vec<Warning> {
+        let name = &self.name;
+        let mut out = Vec::new();
+        let mut warn = |message: String, remedy: &str| out.push(Warning { message, remedy: remedy.into() });
+        if self.constant() {
+            let message = format!("`{name}` is {} throughout", self.min);
+            let remedy = if self.input {
+                "what acts through it cannot be told from an offset; move it to find out"
+            } else {
+                "it says nothing about the motion; check the sensor"
+            };
+            warn(message, remedy);
+            return out;
+        }
+        if self.lost > 0 {
+            let message = format!("`{name}`: {} of {samples} values were lost", self.lost);
+            warn(message, "they are left out; check the sensor if they are many");
+        }
+        if let Some(count) = self.saturated {
+            let message = format!("`{name}` stays at its smallest or largest value for {count} samples in rows");
+            warn(message, "if the sensor saturates there, leave these entries empty");
+        }
+        let noise = self.noise.unwrap_or(0.0);
+        if let Some(q) = self.resolution.filter(|q| q / 12f64.sqrt() > 0.5 * noise) {
+            let message = format!("`{name}` is rounded to multiples of {q:.3e}, as coarse as its noise");
+            warn(message, "record it with more digits if there are more");
+        }
+        if noise > MOSTLY_NOISE * (self.max - self.min) {
+            warn(format!("`{name}` is mostly noise"), "move more, or measure better");
+        }
+        let correlation = self.noise_correlation.unwrap_or(0.0);
+        if correlation > CORRELATED {
+            let time = -step / correlation.ln();
+            let message = format!("the noise of `{name}` is correlated over about {time:.2e} s");
+            warn(message, "it comes through a filter: a delay of the sensor may be that of the filter");
+        }
+        out
+    }
+}
+
+/// Noise above this share of the range.
+const MOSTLY_NOISE: f64 = 0.25;
+/// Correlation of neighbours that is worth a word.
+const CORRELATED: f64 = 0.3;
+/// Standard deviation of the steps in time over the step that is worth a word.
+const UNEVEN: f64 = 0.02;
+/// Shortest row of equal values that counts as flat.
+const FLAT: usize = 5;
+
+/// Number of samples in rows of at least five at the smallest or the largest value, if at least half of all such rows are
+/// there: a column that rests or is coarse has them everywhere.
+fn saturated(values: &[f64], min: f64, max: f64) -> Option<usize> {
+    let (mut rows_there, mut rows_elsewhere, mut there) = (0, 0, 0);
+    for row in values.chunk_by(|a, b| a == b).filter(|row| row.len() >= FLAT) {
+        if row[0] == min || row[0] == max {
+            rows_there += 1;
+            there += row.len();
+        } else {
+            rows_elsewhere += 1;
+        }
+    }
+    (min < max && rows_there > 0 && rows_there >= rows_elsewhere).then_some(there)
 }
 
 /// What was found in the data of one run.
@@ -96,18 +187,36 @@ impl Audit {
         columns: Vec<ColumnAudit>,
         ignored: Vec<String>,
     ) -> Self {
-        let warnings = columns.iter().filter(|c| c.input && c.constant()).map(|c| Warning {
-            message: format!("the input `{}` is {} throughout", c.name, c.min),
-            remedy: "what acts through it cannot be told from an offset: move it".into(),
-        });
+        let samples = times.len();
+        let mut warnings: Vec<Warning> = columns.iter().flat_map(|c| c.warnings(samples, clock.step)).collect();
+        let mut warn = |message: String, remedy: &str| warnings.push(Warning { message, remedy: remedy.into() });
+        if clock.jitter > UNEVEN {
+            let message = format!("the steps in time vary by {:.0} %", 100.0 * clock.jitter);
+            warn(
+                message,
+                "the times are taken as exact; check that they are those of the measurement, not of the logging",
+            );
+        }
+        if !clock.gaps.is_empty() {
+            let at: Vec<String> = clock.gaps.iter().take(5).map(|k| format!("{}", times[*k])).collect();
+            let message = format!("{} gaps in time, the run goes on at t = {} s", clock.gaps.len(), at.join(", "));
+            warn(message, "the parts are used, each with its own initial state");
+        }
+        if clock.step >= 1.0 {
+            let message = format!("the samples are {} s apart", clock.step);
+            warn(
+                message,
+                "t is in seconds: divide it by 1000 if it counts milliseconds, by the rate if it counts samples",
+            );
+        }
         Self {
             name: name.to_owned(),
-            samples: times.len(),
-            duration: times[times.len() - 1] - times[0],
+            samples,
+            duration: times[samples - 1] - times[0],
             step: clock.step,
             jitter: clock.jitter,
             gaps: clock.gaps.len(),
-            warnings: warnings.collect(),
+            warnings,
             columns,
             ignored,
         }
@@ -116,18 +225,27 @@ impl Audit {
 
 impl fmt::Display for Audit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {} samples over {} s", self.name, self.samples, self.duration)?;
+        let rate = 1.0 / self.step;
+        writeln!(f, "{}: {} samples over {:.4} s, {rate:.4} per second", self.name, self.samples, self.duration)?;
+        let width = self.columns.iter().map(|c| c.name.chars().count()).max().unwrap_or(0);
         for c in &self.columns {
-            match c.noise {
-                Some(noise) => writeln!(f, "  {}: measured, noise {noise:.3e}", c.name)?,
-                None => writeln!(f, "  {}: input", c.name)?,
+            write!(f, "  {:width$}  from {:.4e} to {:.4e}, ", c.name, c.min, c.max)?;
+            match (c.noise, c.lines, c.bandwidth) {
+                (Some(noise), ..) => write!(f, "measured, noise {noise:.3e}")?,
+                (_, _, Some(bandwidth)) => write!(f, "by a smoothing spline of bandwidth {bandwidth:.3} Hz")?,
+                (_, Some(true), _) => write!(f, "input, straight lines between samples")?,
+                _ => write!(f, "input, held between samples")?,
             }
+            if let Some(q) = c.resolution {
+                write!(f, ", in steps of {q:.3e}")?;
+            }
+            writeln!(f)?;
         }
         if !self.ignored.is_empty() {
             writeln!(f, "  ignored: {}", self.ignored.join(", "))?;
         }
         for w in &self.warnings {
-            writeln!(f, "  warning: {} ({})", w.message, w.remedy)?;
+            writeln!(f, "  warning: {}\n    {}", w.message, w.remedy)?;
         }
         Ok(())
     }

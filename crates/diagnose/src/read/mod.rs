@@ -2,6 +2,7 @@
 
 mod audit;
 mod clock;
+mod consistency;
 mod driving;
 mod noise;
 mod npz;
@@ -192,7 +193,7 @@ fn build(
     }
     let driving = Driving::of(origin, roles.inputs, roles.derivatives, &roles.times, &clock.gaps, system, settings)?;
     audits.extend(driving.audits);
-    let audit = Audit::new(origin.name, &roles.times, &clock, audits, ignored);
+    let mut audit = Audit::new(origin.name, &roles.times, &clock, audits, ignored);
     let record = Record {
         name: origin.name.to_owned(),
         times: roles.times,
@@ -201,5 +202,7 @@ fn build(
         input_derivatives: driving.derivatives,
         measured,
     };
+    audit.warnings.extend(consistency::check_rates(origin, &record, system)?);
+    audit.warnings.extend(consistency::check_angles(&record, system));
     Ok((record, audit))
 }

@@ -1,0 +1,131 @@
+//! Whether columns fit each other: a position and its velocity, angles in radians.
+
+use bracketry_symbolic::{Func, Node};
+use bracketry_system::{FileError, System};
+
+use super::{Origin, Warning};
+use crate::{Quantity, Record};
+
+/// Number of parts of the run over which displacements are compared.
+const PARTS: usize = 100;
+/// A displacement counts where it stands out of the noise by this factor.
+const STANDS_OUT: f64 = 5.0;
+/// Smallest correlation of what one column says and what the others say.
+const ALIKE: f64 = 0.7;
+/// Largest deviation of the slope from one, or from that of another unit, that passes as calibration.
+const CALIBRATION: f64 = 0.15;
+/// More than this many turns each way are not likely.
+const TURNS: f64 = 5.0;
+
+/// Slopes of other units, and what they mean.
+const UNITS: [(f64, &str); 6] = [
+    (1e3, "one of them is in thousandths: millimetres, or t in kiloseconds"),
+    (1e-3, "one of them is in thousandths: millimetres per second, or t in milliseconds"),
+    (57.295_779_513, "it is in degrees"),
+    (0.017_453_292_5, "its rate is in degrees per second"),
+    (0.104_719_755, "its rate is in turns per minute"),
+    (0.159_154_943, "it is in turns"),
+];
+
+/// Compares every measured state whose time derivative is another measured state with the integral of that one.
+///
+/// # Errors
+/// [`FileError`] where they differ by the factor of another unit.
+pub(super) fn check_rates(origin: &Origin<'_>, record: &Record, system: &System) -> Result<Vec<Warning>, FileError> {
+    let mut warnings = Vec::new();
+    for (state, rate) in system.dynamics.iter().enumerate() {
+        let Node::Sym(rate) = system.pool.node(*rate) else {
+            continue;
+        };
+        let Some(rate_state) = system.states.iter().position(|s| *s == rate) else {
+            continue;
+        };
+        let (Some((position, noise)), Some((rates, _))) = (measured(record, state), measured(record, rate_state))
+        else {
+            continue;
+        };
+        let Some((slope, correlation)) = compare(record, position, noise, rates) else {
+            continue;
+        };
+        let (name, says) = (system.symbol_name(system.states[state]), system.symbol_name(rate));
+        let near = |factor: f64| (slope / factor - 1.0).abs() < CALIBRATION;
+        if correlation.abs() < ALIKE {
+            warnings.push(Warning {
+                message: format!("`{name}` does not move as `{says}` says (correlation {correlation:.2})"),
+                remedy: "check that these columns belong together and to the same axis".into(),
+            });
+        } else if slope < 0.0 {
+            warnings.push(Warning {
+                message: format!("`{name}` moves against `{says}`"),
+                remedy: "one of them has the wrong sign".into(),
+            });
+        } else if let Some((_, meaning)) = UNITS.iter().find(|(factor, _)| near(*factor)) {
+            return Err(origin.whole(
+                format!("`{name}` moves {slope:.4} times as far as `{says}` says"),
+                format!("{meaning}: convert to SI units (m, rad, s)"),
+            ));
+        } else if !near(1.0) {
+            warnings.push(Warning {
+                message: format!("`{name}` moves {slope:.3} times as far as `{says}` says"),
+                remedy: "check the units and the calibration of these columns".into(),
+            });
+        }
+    }
+    Ok(warnings)
+}
+
+/// Angles (what stands under a sine, cosine or tangent) that turn very far.
+pub(super) fn check_angles(record: &Record, system: &System) -> Vec<Warning> {
+    let roots: Vec<_> = system.dynamics.iter().copied().chain(system.outputs.iter().map(|(_, e)| *e)).collect();
+    let mut warnings = Vec::new();
+    for e in system.pool.reachable(&roots) {
+        let Node::Call(Func::Sin | Func::Cos | Func::Tan, argument) = system.pool.node(e) else {
+            continue;
+        };
+        let Node::Sym(symbol) = system.pool.node(argument) else {
+            continue;
+        };
+        let state = system.states.iter().position(|s| *s == symbol);
+        let Some((values, _)) = state.and_then(|state| measured(record, state)) else {
+            continue;
+        };
+        let largest = values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).fold(0.0, f64::max);
+        let name = system.symbol_name(symbol);
+        let message = format!("the angle `{name}` reaches {largest:.4} rad");
+        if largest > TURNS * std::f64::consts::TAU && !warnings.iter().any(|w: &Warning| w.message == message) {
+            warnings.push(Warning { message, remedy: "multiply it by pi/180 if it is in degrees".into() });
+        }
+    }
+    warnings
+}
+
+/// Samples and noise of a measured state.
+fn measured(record: &Record, state: usize) -> Option<(&[f64], f64)> {
+    let column = record.measured.iter().find(|m| m.quantity == Quantity::State(state))?;
+    Some((&column.values, column.noise))
+}
+
+/// Regression of displacements on integrated rates over parts of the run: slope and correlation. None where neither stands
+/// out of the noise.
+fn compare(record: &Record, position: &[f64], noise: f64, rates: &[f64]) -> Option<(f64, f64)> {
+    let n = position.len();
+    let length = (n / PARTS).max(4);
+    let (mut dd, mut di, mut ii, mut count) = (0.0, 0.0, 0.0, 0.0);
+    for start in (0..n.saturating_sub(length)).step_by(length) {
+        let end = start + length;
+        if record.gaps.iter().any(|gap| (start + 1..=end).contains(gap)) {
+            continue;
+        }
+        let integral: f64 =
+            (start..end).map(|k| 0.5 * (rates[k] + rates[k + 1]) * (record.times[k + 1] - record.times[k])).sum();
+        let displacement = position[end] - position[start];
+        if integral.is_finite() && displacement.is_finite() {
+            dd += displacement * displacement;
+            di += displacement * integral;
+            ii += integral * integral;
+            count += 1.0;
+        }
+    }
+    let moves = dd > STANDS_OUT * STANDS_OUT * 2.0 * noise * noise * count;
+    (count >= 8.0 && moves && ii > 0.0).then(|| (di / ii, di / (dd * ii).sqrt()))
+}
