@@ -26,9 +26,14 @@ impl Score {
     /// Compares a report with the truth.
     pub fn of(truth: &SliderTruth, report: &Report) -> Self {
         let hidden: Vec<Option<Cause>> = truth.hidden.iter().map(|hidden| hidden.effect.cause()).collect();
+        Self::of_causes(&hidden, report)
+    }
+
+    /// Compares a report with the causes that are hidden in the data; an effect outside the library is `None`.
+    pub fn of_causes(hidden: &[Option<Cause>], report: &Report) -> Self {
         let named: Vec<Named<'_>> =
             report.causes.iter().map(|c| Named { cause: c.name, confusable: &c.confusable_with }).collect();
-        compare(&hidden, &named, report.verdict == Verdict::Unexplained)
+        compare(hidden, &named, report.verdict == Verdict::Unexplained)
     }
 
     /// As reports print it.

@@ -68,16 +68,18 @@ impl HiddenEffect {
         }
     }
 
-    /// The name under which a diagnosis should report it; absent for nothing.
-    pub fn cause(&self) -> Option<&'static str> {
-        match self {
-            Self::None => None,
-            Self::TiltAboutX(_) | Self::TiltAboutY(_) => Some("tilt"),
-            Self::Friction(_) => Some("parameter_error"),
-            Self::ActuatorLag(_) => Some("actuator_lag"),
-            Self::CentreOfMass(_) => Some("com_offset"),
-            Self::SensorDelay(_) => Some("sensor_delay"),
-            Self::AnisotropicFriction(_) => Some("anisotropic_friction"),
-        }
+    /// Its kind, one of [`HiddenEffect::KINDS`].
+    pub fn kind(&self) -> &'static str {
+        let place = match self {
+            Self::None => 0,
+            Self::TiltAboutX(_) => 1,
+            Self::TiltAboutY(_) => 2,
+            Self::Friction(_) => 3,
+            Self::ActuatorLag(_) => 4,
+            Self::CentreOfMass(_) => 5,
+            Self::SensorDelay(_) => 6,
+            Self::AnisotropicFriction(_) => 7,
+        };
+        Self::KINDS[place]
     }
 }

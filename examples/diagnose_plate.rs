@@ -1,0 +1,153 @@
+//! Effects hidden in logs of an object on the vibrating plate, and what a diagnosis makes of them.
+//!
+//! Every run draws an effect and its direction, records experiment 1, experiment 3 and a multisine on the area contact at
+//! 200 Hz with noise of 0.5 mm and 0.3°, and diagnoses the model of a disk with these three logs together; it sees nothing
+//! but them.
+//!
+//! ```text
+//! cargo run --release --example diagnose_plate                                   # 16 random effects
+//! cargo run --release --example diagnose_plate -- --runs 40 --seed 7
+//! cargo run --release --example diagnose_plate -- --effect actuator_lag --runs 5
+//! cargo run --release --example diagnose_plate -- --out logs                      # the logs alone, with their truth apart
+//! ```
+#![allow(clippy::print_stdout)]
+
+use anyhow::Context;
+use bracketry_diagnose::{Cause, Record, RecordSettings, Report, Score, Settings, diagnose};
+use bracketry_plate::{
+    Experiment, HiddenEffect, LogSettings, Object, PlateError, PlateLog, Shape, multisine, plate_log,
+};
+use bracketry_system::System;
+use clap::Parser;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+#[derive(Parser)]
+struct Options {
+    /// Runs.
+    #[arg(long, default_value_t = 16)]
+    runs: u64,
+    /// Seed of effects, multisines and noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// One kind of effect in all runs, such as actuator_lag, none; drawn if absent.
+    #[arg(long)]
+    effect: Option<String>,
+    /// The model to diagnose.
+    #[arg(long, default_value = "models/plate_disk.toml")]
+    model: PathBuf,
+    /// The object: disk or ellipse, of the reference sizes.
+    #[arg(long, default_value = "disk")]
+    shape: String,
+    /// Logs with columns of the plate's accelerations.
+    #[arg(long)]
+    derivatives: bool,
+    /// Most causes that are named.
+    #[arg(long)]
+    max_causes: Option<usize>,
+    /// Prints every report.
+    #[arg(long)]
+    full: bool,
+    /// Writes logs and truth into this folder and diagnoses nothing.
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+/// The three logs of one plant.
+fn logs(effect: &HiddenEffect, settings: &LogSettings, seed: u64) -> Result<Vec<PlateLog>, PlateError> {
+    let start = |y: f64| [0.3, y, 0.0, 0.0, 0.0, 0.0];
+    let shaken = multisine(start(0.0), 8.0, settings, seed)?;
+    [(Experiment::orientation(), 0.0, 8.0), (Experiment::translation_y(), -0.03, 5.0), (shaken, 0.0, 8.0)]
+        .into_iter()
+        .enumerate()
+        .map(|(i, (experiment, y, duration))| {
+            plate_log(&experiment, start(y), duration, effect, settings, 3 * seed + i as u64)
+        })
+        .collect()
+}
+
+fn cause(effect: &HiddenEffect) -> Option<Cause> {
+    match effect {
+        HiddenEffect::None => None,
+        HiddenEffect::TiltAboutX(_) | HiddenEffect::TiltAboutY(_) => Some(Cause::Tilt),
+        HiddenEffect::Friction(_) => Some(Cause::ParameterError),
+        HiddenEffect::ActuatorLag(_) => Some(Cause::ActuatorLag),
+        HiddenEffect::CentreOfMass(_) => Some(Cause::ComOffset),
+        HiddenEffect::SensorDelay(_) => Some(Cause::SensorDelay),
+        HiddenEffect::AnisotropicFriction(_) => Some(Cause::AnisotropicFriction),
+    }
+}
+
+/// The causes with their equations, values and what they may be confused with.
+fn named(report: &Report) -> String {
+    let each = report.causes.iter().map(|c| {
+        let values: Vec<String> =
+            c.parameters.iter().map(|(n, v)| format!("{n} = {:.3e} ± {:.0e}", v.value, v.std)).collect();
+        let rivals: Vec<String> = c.confusable_with.iter().map(ToString::to_string).collect();
+        let or = if rivals.is_empty() { String::new() } else { format!(" (or {})", rivals.join(", ")) };
+        format!("{} in {}: {}{or}", c.name, c.equation, values.join(", "))
+    });
+    let all: Vec<String> = each.collect();
+    if all.is_empty() { format!("{:?}", report.verdict) } else { all.join("; ") }
+}
+
+fn main() -> anyhow::Result<()> {
+    let options = Options::parse();
+    let text = std::fs::read_to_string(&options.model).with_context(|| options.model.display().to_string())?;
+    let system = System::parse(&options.model.display().to_string(), &text)?;
+    let object = match options.shape.as_str() {
+        "disk" => Object::REFERENCE,
+        "ellipse" => Object { shape: Shape::REFERENCE_ELLIPSE, ..Object::REFERENCE },
+        other => anyhow::bail!("--shape {other}: choose disk or ellipse"),
+    };
+    let log_settings = LogSettings { object, derivatives: options.derivatives, ..LogSettings::default() };
+    let mut settings = Settings::default();
+    if let Some(most) = options.max_causes {
+        settings.max_causes = most;
+    }
+    let mut scores: BTreeMap<&str, BTreeMap<&str, u32>> = BTreeMap::new();
+    if options.out.is_none() {
+        println!("| run | hidden | found | score | s |\n|---|---|---|---|---|");
+    }
+    for run in 0..options.runs {
+        let seed = options.seed.wrapping_mul(1_000_003).wrapping_add(run);
+        let effect = match &options.effect {
+            None => HiddenEffect::draw(seed),
+            Some(kind) => HiddenEffect::draw_kind(kind, seed)
+                .with_context(|| format!("--effect {kind}: choose one of {}", HiddenEffect::KINDS.join(", ")))?,
+        };
+        let logs = logs(&effect, &log_settings, seed)?;
+        if let Some(folder) = &options.out {
+            let folder = folder.join(format!("run_{run}"));
+            std::fs::create_dir_all(&folder)?;
+            for (log, name) in logs.iter().zip(["experiment_1.csv", "experiment_3.csv", "multisine.csv"]) {
+                std::fs::write(folder.join(name), log.csv())?;
+            }
+            std::fs::write(folder.join("truth.json"), serde_json::to_string_pretty(&effect)?)?;
+            continue;
+        }
+        let records = logs
+            .into_iter()
+            .map(|log| {
+                let columns = log.by_name();
+                Ok(Record::from_columns(&log.name, log.times, columns, &system, &RecordSettings::default())?.0)
+            })
+            .collect::<anyhow::Result<Vec<Record>>>()?;
+        let report = diagnose(&system, &records, &[], &settings, &mut |_| ())?;
+        let hidden: Vec<Option<Cause>> = cause(&effect).map(Some).into_iter().collect();
+        let score = Score::of_causes(&hidden, &report).name();
+        println!("| {run} | {effect:?} | {} | {score} | {:.1} |", named(&report), report.seconds);
+        if options.full {
+            println!("\n{report}\n");
+        }
+        *scores.entry(effect.kind()).or_default().entry(score).or_default() += 1;
+    }
+    if options.out.is_none() {
+        println!("\n| hidden | scores |\n|---|---|");
+        for (kind, counts) in scores {
+            let counts: Vec<String> = counts.iter().map(|(score, count)| format!("{count} {score}")).collect();
+            println!("| {kind} | {} |", counts.join(", "));
+        }
+    }
+    Ok(())
+}
