@@ -25,6 +25,7 @@ pub use report::{
 };
 pub use study::{
     Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, StudySettings, Window, WindowFit,
+    WindowLength,
 };
 pub use synthetic::{
     Excitation, Hidden, HiddenEffect, Score, Slider, SliderLog, SliderSensors, SliderTruth, SyntheticError,

@@ -1,7 +1,8 @@
 //! Fits by simulation error over windows: multiple shooting with the initial states eliminated.
 
 use super::compiled::Compiled;
-use super::normal::{Eliminated, Full, Point, SETTLED, States, full, residual, sensitivities, settle, simulate};
+use super::linearization::Normal;
+use super::normal::{Eliminated, Full, Point, SETTLED, SHARE, States, full, residual, sensitivities, settle, simulate};
 use super::runner::{Failure, Runner};
 use super::unknown::Unknown;
 use crate::effect::Effect;
@@ -43,6 +44,8 @@ pub struct WindowFit {
 pub enum FitStatus {
     /// The sum of squares does not fall any more.
     Converged,
+    /// No step lowers the sum of squares although its slope promises it: it has a kink there, as where sticking begins.
+    Stalled,
     /// The limit of iterations came first.
     IterationLimit,
 }
@@ -77,14 +80,31 @@ pub(super) struct Slot<'a> {
 }
 
 impl Slot<'_> {
-    fn cost(&self) -> f64 {
-        let states = States { guess: &self.guess, scales: &self.scales };
-        self.state.as_ref().map_or(0.0, |p| p.square + states.penalty(&p.x0))
+    pub(super) fn states(&self) -> States<'_> {
+        States { guess: &self.guess, scales: &self.scales }
     }
 
-    pub(super) fn settle(&mut self, compiled: &Compiled, theta: &[f64]) {
+    fn cost(&self) -> f64 {
+        self.state.as_ref().map_or(0.0, |p| p.square + self.states().penalty(&p.x0))
+    }
+
+    /// Fits the initial state until the sum of squares falls by less than `share` of it.
+    pub(super) fn settle(&mut self, compiled: &Compiled, theta: &[f64], share: f64) {
         let states = States { guess: &self.guess, scales: &self.scales };
-        self.state = settle(&mut self.runner, compiled, theta, &self.start, &states);
+        self.state = settle(&mut self.runner, compiled, theta, &self.start, &states, share);
+    }
+
+    /// The normal equations with the initial state eliminated.
+    pub(super) fn normal(&self, full: &Full) -> Option<Normal> {
+        let point = self.state.as_ref().ok()?;
+        let e = Eliminated::new(full, &point.x0, &self.states(), 0.0)?;
+        Some(Normal {
+            window: self.index,
+            gram: e.gram,
+            gradient: e.gradient,
+            square: (full.square - e.gain).max(0.0),
+            count: self.runner.present.iter().filter(|p| **p).count(),
+        })
     }
 
     pub(super) fn report(&self) -> WindowFit {
@@ -132,6 +152,8 @@ pub(super) struct Solution {
     /// Covariance in natural units.
     pub(super) covariance: DMatrix<f64>,
     pub(super) unidentified: Vec<usize>,
+    /// At the solution, in scaled units.
+    pub(super) normals: Vec<Normal>,
 }
 
 /// Levenberg–Marquardt over unknowns and initial states. Windows that cannot be simulated leave.
@@ -147,40 +169,58 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: Vec<f64>
             status: FitStatus::Converged,
             covariance: DMatrix::zeros(0, 0),
             unidentified: Vec::new(),
+            normals: Vec::new(),
         };
     }
+    let mut normals = linearise(slots, compiled, &theta);
     for _ in 0..iterations {
-        let normals = linearise(slots, compiled, &theta);
         let cost = slots.iter().map(Slot::cost).sum::<f64>() + penalty(unknowns, &theta);
-        let mut fall = None;
+        let settled = SETTLED + SHARE * cost;
+        let mut found = None;
+        let mut rejected = false;
         while lambda < 1e8 {
-            if let Some(next) = trial(slots, compiled, &theta, &normals, lambda) {
-                let next_cost = next.cost + penalty(unknowns, &next.theta);
-                if next_cost < cost {
-                    theta = next.theta;
-                    for (slot, point) in slots.iter_mut().zip(next.points) {
-                        if let Some(point) = point {
-                            slot.state = Ok(point);
-                        }
-                    }
-                    fall = Some((cost - next_cost, next_cost));
+            let Some(step) = Step::new(slots, unknowns, &theta, &normals, lambda) else { break };
+            if step.fall < settled {
+                if !rejected {
+                    status = FitStatus::Converged;
+                }
+                break;
+            }
+            if let Some((points, squares)) = step.simulate(slots) {
+                let next = squares + penalty(unknowns, &step.theta);
+                if next < cost {
+                    found = Some((step.theta, points, cost - next));
                     lambda = (0.1 * lambda).max(1e-9);
                     break;
                 }
             }
+            rejected = true;
             lambda *= 10.0;
         }
-        if fall.is_none_or(|(fall, cost)| fall < SETTLED + 1e-6 * cost) {
+        let Some((next, points, fall)) = found else {
+            if status != FitStatus::Converged {
+                status = FitStatus::Stalled;
+            }
+            break;
+        };
+        theta = next;
+        for (slot, point) in slots.iter_mut().zip(points) {
+            if let Some(point) = point {
+                slot.state = Ok(point);
+            }
+        }
+        normals = linearise(slots, compiled, &theta);
+        if fall < settled {
             status = FitStatus::Converged;
             break;
         }
     }
-    let normals = linearise(slots, compiled, &theta);
-    let (covariance, unidentified) = uncertainty(slots, unknowns, &normals);
-    Solution { theta, status, covariance, unidentified }
+    let normals = eliminate(slots, &normals);
+    let (covariance, unidentified) = uncertainty(&normals, unknowns, slots.first().map_or(0, |s| s.scales.len()));
+    Solution { theta, status, covariance, unidentified, normals }
 }
 
-/// The normal equations of every window that can be simulated; the others are marked.
+/// The Jacobian of every window that can be simulated, initial state first; the others are marked.
 fn linearise(slots: &mut [Slot<'_>], compiled: &Compiled, theta: &[f64]) -> Vec<Option<Full>> {
     slots
         .par_iter_mut()
@@ -197,66 +237,80 @@ fn linearise(slots: &mut [Slot<'_>], compiled: &Compiled, theta: &[f64]) -> Vec<
         .collect()
 }
 
-/// A step that has been tried.
-struct Trial {
-    theta: Vec<f64>,
-    points: Vec<Option<Point>>,
-    cost: f64,
+/// The normal equations of the windows with their initial states eliminated.
+fn eliminate(slots: &[Slot<'_>], normals: &[Option<Full>]) -> Vec<Normal> {
+    slots.iter().zip(normals).filter_map(|(slot, normal)| slot.normal(normal.as_ref()?)).collect()
 }
 
-fn trial(
-    slots: &mut [Slot<'_>],
-    compiled: &Compiled,
-    theta: &[f64],
-    normals: &[Option<Full>],
-    lambda: f64,
-) -> Option<Trial> {
-    let unknowns = &compiled.unknowns;
-    let p = unknowns.len();
-    let mut gram = DMatrix::zeros(p, p);
-    let mut gradient = DVector::zeros(p);
-    let mut eliminated = Vec::with_capacity(slots.len());
-    for (slot, normal) in slots.iter().zip(normals) {
-        let (Some(full), Ok(point)) = (normal, &slot.state) else {
-            eliminated.push(None);
-            continue;
-        };
-        let states = States { guess: &slot.guess, scales: &slot.scales };
-        let e = Eliminated::new(full, &point.x0, &states, lambda)?;
-        gram += &e.gram;
-        gradient += &e.gradient;
-        eliminated.push(Some(e));
-    }
-    for (j, u) in unknowns.iter().enumerate() {
-        let weight = (u.scale / u.prior).powi(2);
-        gram[(j, j)] += weight + lambda * (gram[(j, j)] + weight);
-        gradient[j] += weight * (u.nominal - theta[j]) / u.scale;
-    }
-    let next = bounded_step(&gram, &gradient, unknowns, theta)?;
-    let step = DVector::from_iterator(p, (0..p).map(|j| (next[j] - theta[j]) / unknowns[j].scale));
-    let points: Vec<Option<Result<Point, Failure>>> = slots
-        .par_iter_mut()
-        .zip(&eliminated)
-        .map(|(slot, eliminated)| {
-            let (Some(e), Ok(point)) = (eliminated, &slot.state) else { return None };
-            let own = e.step(&step);
-            let x0: Vec<f64> = (0..own.len()).map(|i| point.x0[i] + own[i] * slot.scales[i]).collect();
-            Some(simulate(&mut slot.runner, &next, &x0))
-        })
-        .collect();
-    let mut cost = 0.0;
-    let mut kept = Vec::with_capacity(points.len());
-    for (slot, point) in slots.iter().zip(points) {
-        match point.transpose().ok()? {
-            Some(point) => {
-                let states = States { guess: &slot.guess, scales: &slot.scales };
-                cost += point.square + states.penalty(&point.x0);
-                kept.push(Some(point));
-            }
-            None => kept.push(None),
+/// A step of the unknowns and of the initial states.
+struct Step {
+    theta: Vec<f64>,
+    x0: Vec<Option<Vec<f64>>>,
+    /// By how much the cost falls if it is quadratic.
+    fall: f64,
+}
+
+impl Step {
+    fn new(
+        slots: &[Slot<'_>],
+        unknowns: &[Unknown],
+        theta: &[f64],
+        normals: &[Option<Full>],
+        lambda: f64,
+    ) -> Option<Self> {
+        let p = unknowns.len();
+        let mut gram = DMatrix::zeros(p, p);
+        let mut gradient = DVector::zeros(p);
+        let mut eliminated = Vec::with_capacity(slots.len());
+        let mut fall = 0.0;
+        for (slot, normal) in slots.iter().zip(normals) {
+            let (Some(full), Ok(point)) = (normal, &slot.state) else {
+                eliminated.push(None);
+                continue;
+            };
+            let e = Eliminated::new(full, &point.x0, &slot.states(), lambda)?;
+            gram += &e.gram;
+            gradient += &e.gradient;
+            fall += e.gain;
+            eliminated.push(Some((e, point)));
         }
+        for (j, u) in unknowns.iter().enumerate() {
+            let weight = (u.scale / u.prior).powi(2);
+            gram[(j, j)] += weight + lambda * (gram[(j, j)] + weight);
+            gradient[j] += weight * (u.nominal - theta[j]) / u.scale;
+        }
+        let next = bounded_step(&gram, &gradient, unknowns, theta)?;
+        let step = DVector::from_iterator(p, (0..p).map(|j| (next[j] - theta[j]) / unknowns[j].scale));
+        fall += 2.0 * gradient.dot(&step) - step.dot(&(&gram * &step));
+        let x0 = slots
+            .iter()
+            .zip(&eliminated)
+            .map(|(slot, e)| {
+                e.as_ref().map(|(e, point)| {
+                    let own = e.step(&step);
+                    (0..own.len()).map(|i| point.x0[i] + own[i] * slot.scales[i]).collect()
+                })
+            })
+            .collect();
+        Some(Self { theta: next, x0, fall })
     }
-    Some(Trial { theta: next, points: kept, cost })
+
+    /// Where it leads and the cost of the windows; none if a window cannot be simulated there.
+    fn simulate(&self, slots: &mut [Slot<'_>]) -> Option<(Vec<Option<Point>>, f64)> {
+        let points: Vec<Option<Result<Point, Failure>>> = slots
+            .par_iter_mut()
+            .zip(&self.x0)
+            .map(|(slot, x0)| x0.as_ref().map(|x0| simulate(&mut slot.runner, &self.theta, x0)))
+            .collect();
+        let mut cost = 0.0;
+        let mut kept = Vec::with_capacity(points.len());
+        for (slot, point) in slots.iter().zip(points) {
+            let point = point.transpose().ok()?;
+            cost += point.as_ref().map_or(0.0, |p| p.square + slot.states().penalty(&p.x0));
+            kept.push(point);
+        }
+        Some((kept, cost))
+    }
 }
 
 /// The minimum of the quadratic model with what would leave its bounds kept on them.
@@ -290,18 +344,14 @@ fn bounded_step(gram: &DMatrix<f64>, gradient: &DVector<f64>, unknowns: &[Unknow
 }
 
 /// Covariance in natural units, and the unknowns of which the data tell less than the prior does.
-fn uncertainty(slots: &[Slot<'_>], unknowns: &[Unknown], normals: &[Option<Full>]) -> (DMatrix<f64>, Vec<usize>) {
+fn uncertainty(normals: &[Normal], unknowns: &[Unknown], states: usize) -> (DMatrix<f64>, Vec<usize>) {
     let p = unknowns.len();
     let mut gram = DMatrix::zeros(p, p);
     let (mut square, mut freedom) = (0.0, -(p as f64));
-    for (slot, normal) in slots.iter().zip(normals) {
-        let (Some(full), Ok(point)) = (normal, &slot.state) else { continue };
-        let states = States { guess: &slot.guess, scales: &slot.scales };
-        if let Some(e) = Eliminated::new(full, &point.x0, &states, 0.0) {
-            gram += &e.gram;
-            square += full.square;
-            freedom += slot.runner.present.iter().filter(|p| **p).count() as f64 - point.x0.len() as f64;
-        }
+    for normal in normals {
+        gram += &normal.gram;
+        square += normal.square;
+        freedom += normal.count as f64 - states as f64;
     }
     // Misfit beyond the noise makes the estimates less certain.
     let inflation = if freedom > 0.0 { (square / freedom).max(1.0) } else { 1.0 };

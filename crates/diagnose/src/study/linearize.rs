@@ -2,8 +2,8 @@
 
 use super::compiled::{Compiled, Target};
 use super::fit::{Fit, Slot};
-use super::linearization::{Column, Linearization, Normal};
-use super::normal::{Eliminated, Full, Point, States, difference, full, sensitivities, step_of};
+use super::linearization::{Column, Linearization};
+use super::normal::{Point, SHARE, difference, full, sensitivities, step_of};
 use super::runner::Runner;
 use super::{Study, settle_all, theta_of};
 use crate::effect::{Coefficient, Effect, Role};
@@ -82,7 +82,7 @@ impl Study {
         let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &fit.effects)?;
         let theta = theta_of(fit);
         let mut slots = self.slots(&compiled, windows, Some(fit))?;
-        settle_all(&mut slots, &compiled, &theta);
+        settle_all(&mut slots, &compiled, &theta, SHARE);
         self.some_window(&slots)?;
         let jacobians: Vec<Option<DMatrix<f64>>> = slots
             .par_iter_mut()
@@ -138,7 +138,7 @@ impl Study {
                     }
                 }
             }
-            if let Some(normal) = eliminated(slot, point, &full(&slot.runner, point, &all)) {
+            if let Some(normal) = slot.normal(&full(&slot.runner, point, &all)) {
                 result.windows.push(normal);
             }
         }
@@ -195,16 +195,4 @@ fn column(
     runner.simulate(&values, &point.x0, &mut moved).map_err(|f| f.to_string())?;
     difference(&moved, &point.simulated, secant.to - nominal, &mut out);
     Ok(out)
-}
-
-fn eliminated(slot: &Slot<'_>, point: &Point, full: &Full) -> Option<Normal> {
-    let states = States { guess: &slot.guess, scales: &slot.scales };
-    let e = Eliminated::new(full, &point.x0, &states, 0.0)?;
-    Some(Normal {
-        window: slot.index,
-        gram: e.gram,
-        gradient: e.gradient,
-        square: (full.square - e.gain).max(0.0),
-        count: slot.runner.present.iter().filter(|p| **p).count(),
-    })
 }

@@ -149,13 +149,15 @@ impl Eliminated {
     }
 }
 
-/// Fits the initial state of a window with the unknowns kept: Levenberg–Marquardt.
+/// Fits the initial state of a window with the unknowns kept: Levenberg–Marquardt, until the sum of squares falls by less than
+/// `share` of it.
 pub(super) fn settle(
     runner: &mut Runner<'_>,
     compiled: &Compiled,
     theta: &[f64],
     start: &[f64],
     states: &States<'_>,
+    share: f64,
 ) -> Result<Point, Failure> {
     let mut point = simulate(runner, theta, start)?;
     let mut cost = point.square + states.penalty(start);
@@ -163,6 +165,10 @@ pub(super) fn settle(
     for _ in 0..15 {
         let jacobian = sensitivities(runner, compiled, theta, &point, states.scales, false)?;
         let full = full(runner, &point, &jacobian);
+        let settled = SETTLED + share * cost;
+        if Eliminated::new(&full, &point.x0, states, 0.0).is_some_and(|e| e.gain < settled) {
+            break;
+        }
         let mut improved = None;
         while lambda < 1e8 {
             let Some(eliminated) = Eliminated::new(&full, &point.x0, states, lambda) else { break };
@@ -182,12 +188,15 @@ pub(super) fn settle(
         let fall = cost - next_cost;
         point = next;
         cost = next_cost;
-        if fall < SETTLED + 1e-6 * cost {
+        if fall < settled {
             break;
         }
     }
     Ok(point)
 }
+
+/// A fall of the sum of squares relative to it that ends an iteration.
+pub(super) const SHARE: f64 = 1e-6;
 
 /// A fall of the sum of squares (in noise units) that ends an iteration: a hundredth of what one standard deviation is worth.
 pub(super) const SETTLED: f64 = 1e-2;

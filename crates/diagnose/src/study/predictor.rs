@@ -2,6 +2,7 @@
 
 use super::compiled::Compiled;
 use super::fit::{Fit, Slot};
+use super::normal::SHARE;
 use super::runner::{Failure, Runner};
 use super::unknown::Unknown;
 use super::{Estimate, FitStatus, Study, Window, theta_of};
@@ -63,7 +64,7 @@ impl Predictor<'_> {
             scales: guess.scales.clone(),
             state: Err(Failure::not_simulated()),
         };
-        slot.settle(&self.compiled, &self.theta);
+        slot.settle(&self.compiled, &self.theta, SHARE);
         Ok(slot.state.map(|point| point.x0).map_err(|failure| failure.to_string()))
     }
 

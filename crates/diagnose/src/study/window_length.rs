@@ -1,0 +1,124 @@
+//! How long windows should be: as the data say.
+//!
+//! Long windows let noise average out, since fewer initial states are fitted. Short windows forget sooner what the model gets
+//! wrong slowly (drift, disturbances), which in long ones swamps everything else. So the length is chosen at which the shared unknowns
+//! come out most certain, by a covariance that is honest about both: the sandwich `H⁻¹ M H⁻¹` with windows as blocks
+//! (White, "Maximum likelihood estimation of misspecified models", Econometrica 50, 1982).
+
+use super::fit::Fit;
+use super::linearization::Normal;
+use super::window::stretches;
+use super::{FEWEST_SAMPLES, Study};
+use crate::effect::Effect;
+use crate::error::DiagnoseError;
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// Fewest windows: blocks from which scatter is estimated.
+const FEWEST_WINDOWS: f64 = 16.0;
+/// Fewest samples of a window that is tried.
+const SHORTEST: usize = 40;
+/// Differences of the mean log standard deviation below this do not count; the longer window is taken.
+const INDIFFERENT: f64 = 0.03;
+/// Estimates lead on to the next length if they are this much more certain than the prior.
+const CERTAIN: f64 = 0.2;
+
+/// A length that was tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowLength {
+    /// Length, s.
+    pub seconds: f64,
+    /// Mean over the unknowns of the logarithm of their standard deviation over their scale; the smaller, the better.
+    pub uncertainty: f64,
+}
+
+/// What the data can be cut into: the longest and the shortest window, s.
+fn limits(study: &Study) -> (f64, f64) {
+    let (mut total, mut intervals, mut stretch) = (0.0, 0, 0.0);
+    for record in study.records() {
+        for (from, to) in stretches(record) {
+            if to - from >= FEWEST_SAMPLES {
+                let duration = record.times[to - 1] - record.times[from];
+                total += duration;
+                stretch = f64::max(stretch, duration);
+                intervals += to - from - 1;
+            }
+        }
+    }
+    let fewest = SHORTEST.max(10 * study.system.states.len());
+    let shortest = fewest as f64 * total / f64::max(intervals as f64, 1.0);
+    ((total / FEWEST_WINDOWS).min(stretch).max(f64::MIN_POSITIVE), shortest)
+}
+
+/// The length that leaves the fewest windows.
+pub(super) fn longest(study: &Study) -> f64 {
+    limits(study).0
+}
+
+/// Tries all lengths, the shortest first: there a fit converges from afar, and its estimates start the next.
+pub(super) fn choose(study: &Study, effects: &[Effect], start: Option<&Fit>) -> Result<(Study, Fit), DiagnoseError> {
+    let (longest, shortest) = limits(study);
+    let mut lengths = vec![study.settings.window.unwrap_or(longest)];
+    while study.settings.window.is_none() && 0.5 * lengths[lengths.len() - 1] >= shortest {
+        lengths.push(0.5 * lengths[lengths.len() - 1]);
+    }
+    // Initial states belong to other windows.
+    let mut start = start.map(|s| Fit { windows: Vec::new(), ..s.clone() });
+    let mut tried: Vec<(WindowLength, Study, Fit)> = Vec::new();
+    let last = lengths.len() - 1;
+    for (i, &seconds) in lengths.iter().rev().enumerate() {
+        let trial = study.with_windows(seconds)?;
+        let all: Vec<usize> = (0..trial.windows.len()).collect();
+        let (fit, normals, prior) = match trial.fit_with_normals(effects, &all, start.as_ref()) {
+            Ok(all) => all,
+            // Another length may do.
+            Err(DiagnoseError::NoWindow { .. }) if i < last || !tried.is_empty() => continue,
+            Err(error) => return Err(error),
+        };
+        let uncertainty = uncertainty(&normals, &prior).unwrap_or(f64::INFINITY);
+        if certain(&normals, &prior) {
+            start = Some(Fit { windows: Vec::new(), ..fit.clone() });
+        }
+        tried.push((WindowLength { seconds, uncertainty }, trial, fit));
+    }
+    let lengths: Vec<WindowLength> = tried.iter().map(|t| t.0).collect();
+    let least = lengths.iter().map(|w| w.uncertainty).fold(f64::INFINITY, f64::min);
+    let good = tried.into_iter().rfind(|(w, ..)| w.uncertainty <= least + INDIFFERENT);
+    let (_, mut best, fit) = good.ok_or(DiagnoseError::TooShort { samples: FEWEST_SAMPLES })?;
+    best.lengths = lengths;
+    Ok((best, fit))
+}
+
+/// `½ log det(H⁻¹ (M + H) H⁻¹)/p`, with `M` the scatter of the windows' gradients. Where only noise is left, `M` is `H` on average, and
+/// the sum is twice that with less scatter of its own; where the model is wrong, `M` is what counts.
+fn uncertainty(normals: &[Normal], prior: &[f64]) -> Option<f64> {
+    let (p, k) = (prior.len(), normals.len());
+    if p == 0 || k <= p + 1 {
+        return None;
+    }
+    let information = information(normals, prior);
+    let mean = normals.iter().map(|w| &w.gradient / k as f64).sum::<DVector<f64>>();
+    let mut scatter = information.clone();
+    let few = k as f64 / (k - p) as f64;
+    for w in normals {
+        let off = &w.gradient - &mean;
+        scatter += few * &off * off.transpose();
+    }
+    let log_det = |m: DMatrix<f64>| -> Option<f64> {
+        Some(2.0 * Cholesky::new(m)?.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>())
+    };
+    Some((0.5 * log_det(scatter)? - log_det(information)?) / p as f64)
+}
+
+/// `H`: what the windows and the prior tell, in scaled units.
+fn information(normals: &[Normal], prior: &[f64]) -> DMatrix<f64> {
+    let prior = DMatrix::from_diagonal(&DVector::from_column_slice(prior));
+    normals.iter().fold(prior, |sum, w| sum + &w.gram)
+}
+
+/// Whether the data tell much more of every unknown than the prior does.
+fn certain(normals: &[Normal], prior: &[f64]) -> bool {
+    Cholesky::new(information(normals, prior)).is_some_and(|c| {
+        let covariance = c.inverse();
+        prior.iter().enumerate().all(|(j, weight)| covariance[(j, j)] * weight < CERTAIN * CERTAIN)
+    })
+}
