@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// Writes `SEED.csv`, `SEED.toml` and, apart from them, `truth/SEED.json` per trial.
-pub(crate) fn export(trials: impl Iterator<Item = Trial>, directory: &Path) -> Result<(), Box<dyn Error>> {
+pub(crate) fn export(trials: &[Trial], directory: &Path) -> Result<(), Box<dyn Error>> {
     let truths = directory.join("truth");
     fs::create_dir_all(&truths)?;
     for trial in trials {

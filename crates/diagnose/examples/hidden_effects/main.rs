@@ -5,12 +5,18 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod export;
+mod tally;
 #[path = "../../tests/common/trial.rs"]
 mod trial;
 
-use bracketry_diagnose::{HiddenEffect, SliderSensors};
+use bracketry_diagnose::{HiddenEffect, Settings, SliderSensors};
 use clap::Parser;
+use rayon::prelude::*;
+use std::fs;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+use tally::{Row, table};
 use trial::{Choice, Trial};
 
 /// Hides effects in logs of a slider, diagnoses them and counts what was named.
@@ -34,6 +40,12 @@ struct Options {
     /// Sampling, noise, excitation, masses and sizes at random as well.
     #[arg(long)]
     general: bool,
+    /// Diagnose several logs at the same time: quicker as a whole, slower by verdict.
+    #[arg(long)]
+    parallel: bool,
+    /// Write one JSON object per log into this file.
+    #[arg(long)]
+    json: Option<PathBuf>,
     /// Write logs, models and truths into this directory and diagnose nothing.
     #[arg(long)]
     export: Option<PathBuf>,
@@ -60,10 +72,26 @@ fn choice(text: &str) -> Result<Choice, String> {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = Options::parse();
-    let trials = (options.seed..options.seed + options.runs)
-        .map(|seed| Trial::draw(options.effect, options.measured, options.size, options.general, seed));
+    let trials: Vec<Trial> = (options.seed..options.seed + options.runs)
+        .map(|seed| Trial::draw(options.effect, options.measured, options.size, options.general, seed))
+        .collect();
     if let Some(directory) = &options.export {
-        return export::export(trials, directory);
+        return export::export(&trials, directory);
+    }
+    let (begin, done) = (Instant::now(), AtomicU64::new(0));
+    let run = |trial: &Trial| {
+        let start = Instant::now();
+        let outcome = trial.run(&Settings::default());
+        let row = Row::new(trial, outcome, start.elapsed().as_secs_f64());
+        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+        eprintln!("{count:4}/{} {:5.0} s  {row}", options.runs, begin.elapsed().as_secs_f64());
+        row
+    };
+    let rows: Vec<Row> =
+        if options.parallel { trials.par_iter().map(run).collect() } else { trials.iter().map(run).collect() };
+    print!("{}", table(&rows));
+    if let Some(path) = &options.json {
+        fs::write(path, rows.iter().map(|row| row.json.to_string() + "\n").collect::<String>())?;
     }
     Ok(())
 }

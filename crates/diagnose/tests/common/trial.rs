@@ -1,9 +1,16 @@
 //! Hides an effect that is chosen at random in a log of a slider and diagnoses it from its CSV and the model text alone.
 
-use bracketry_diagnose::{HiddenEffect, Slider, SliderLog, SliderSensors, SyntheticError};
+use bracketry_diagnose::{
+    HiddenEffect, RecordSettings, Report, Score, Settings, Slider, SliderLog, SliderSensors, SyntheticError, diagnose,
+    read_record,
+};
+use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
+use std::error::Error;
+use std::fs;
+use std::path::Path;
 
 /// What may be hidden.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +63,25 @@ impl Trial {
     pub(crate) fn log(&self) -> Result<SliderLog, SyntheticError> {
         self.slider.run(&self.hidden, self.seed)
     }
+
+    /// Diagnoses the log and compares with the truth.
+    pub(crate) fn run(&self, settings: &Settings) -> Result<(Report, Score), Box<dyn Error>> {
+        let log = self.log()?;
+        let path = std::env::temp_dir().join(format!("hidden_effect_{}_{}.csv", std::process::id(), self.seed));
+        fs::write(&path, log.csv())?;
+        let report = verdict(&path, &log.model, settings);
+        fs::remove_file(&path)?;
+        let report = report?;
+        let score = Score::of(&log.truth, &report);
+        Ok((report, score))
+    }
+}
+
+/// What a diagnosis says that is given a CSV and the text of a model.
+fn verdict(csv: &Path, model: &str, settings: &Settings) -> Result<Report, Box<dyn Error>> {
+    let system = System::parse("slider.toml", model)?;
+    let (record, _) = read_record(csv, &system, &RecordSettings::default())?;
+    Ok(diagnose(&system, &[record], &[], settings, &mut |_| {})?)
 }
 
 fn one(effects: &[HiddenEffect], random: &mut StdRng) -> Vec<HiddenEffect> {
