@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{
-    Cause, Change, Coefficient, Effect, Fit, FitStatus, Measured, Path, Quantity, Record, Role, Signal, Study,
-    StudySettings,
+    Cause, Change, Coefficient, DiagnoseError, Effect, Fit, FitStatus, Measured, Path, Quantity, Record, Role, Signal,
+    Study, StudySettings, Window,
 };
 use bracketry_sim::{Hold, Inputs, Model, Samples, Settings, Stepper};
 use bracketry_system::System;
@@ -134,4 +134,155 @@ fn a_delay_of_the_input_is_recovered() {
     assert_recovered(&fit, "tau", 0.0083, 1e-4);
     assert_recovered(&fit, "m", 1.0, 2e-3);
     assert_only_noise(&fit);
+}
+
+/// A record of a position that is measured exactly, under a given input.
+fn exact(times: Vec<f64>, u: Vec<f64>, hold: Hold, x: Vec<f64>, noise: f64) -> Record {
+    let measured = Measured { name: "x".into(), quantity: Quantity::State(0), values: x, noise };
+    Record {
+        name: "exact".into(),
+        times,
+        gaps: Vec::new(),
+        inputs: vec![Signal { values: u, hold }],
+        input_derivatives: Vec::new(),
+        measured: vec![measured],
+    }
+}
+
+/// `⟨a, b⟩` of what is left of both after the best straight line.
+fn without_line(t: &[f64], a: &[f64], b: &[f64]) -> f64 {
+    let n = t.len() as f64;
+    let mean = t.iter().sum::<f64>() / n;
+    let size = t.iter().map(|t| (t - mean).powi(2)).sum::<f64>();
+    let left = |y: &[f64]| -> Vec<f64> {
+        let offset = y.iter().sum::<f64>() / n;
+        let slope = y.iter().zip(t).map(|(y, t)| y * (t - mean)).sum::<f64>() / size;
+        y.iter().zip(t).map(|(y, t)| y - offset - slope * (t - mean)).collect()
+    };
+    left(a).iter().zip(left(b)).map(|(a, b)| a * b).sum()
+}
+
+/// A mass pushed from rest by `u = a t`: `x = a t³/(6 m)`, `∂x/∂m = −a t³/(6 m²)`, `∂x/∂τ = −a t²/(2 m)`, up to straight lines,
+/// which the initial state takes.
+#[test]
+fn sensitivities_are_those_of_the_closed_form() {
+    let mass = "states = ['x', 'v']\ninputs = ['u']\nparameters = { m = 2.0 }\n[dynamics]\nx = 'v'\nv = 'u/m'";
+    let (a, m, m_true, noise) = (3.0, 2.0, 2.2, 1e-3);
+    let times: Vec<f64> = (0..401).map(|k| k as f64 * 5e-3).collect();
+    let position = |t: f64, m: f64| a * t.powi(3) / (6.0 * m);
+    let x = times.iter().map(|&t| position(t, m_true)).collect();
+    let record = exact(times.clone(), times.iter().map(|t| a * t).collect(), Hold::Linear, x, noise);
+    let settings = StudySettings { window: Some(0.5), ..StudySettings::default() };
+    let study = Study::new(&system(mass), &[record], &settings).unwrap();
+    let windows = all(&study);
+    let linearization = study.linearize(&study.nominal(), &[delay_of_u()], &windows).unwrap();
+    assert_eq!(linearization.columns.len(), 2);
+    // The first window has no input before it to be delayed.
+    for normal in &linearization.windows[1..] {
+        let window = study.windows()[normal.window];
+        let t = &times[window.from..window.to];
+        let sampled = |f: &dyn Fn(f64) -> f64| -> Vec<f64> { t.iter().map(|&t| f(t) / noise).collect() };
+        let columns = [
+            sampled(&|t| -linearization.scales[0] * a * t.powi(3) / (6.0 * m * m)),
+            sampled(&|t| -linearization.scales[1] * a * t * t / (2.0 * m)),
+        ];
+        let residual = sampled(&|t| position(t, m_true) - position(t, m));
+        for i in 0..2 {
+            for j in 0..2 {
+                let expected = without_line(t, &columns[i], &columns[j]);
+                let found = normal.gram[(i, j)];
+                assert!((found - expected).abs() < 2e-3 * expected.abs(), "{i} {j}: {found}, not {expected}");
+            }
+            let expected = without_line(t, &columns[i], &residual);
+            let found = normal.gradient[i];
+            assert!((found - expected).abs() < 2e-3 * expected.abs(), "{i}: {found}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn estimates_scatter_as_their_standard_deviations_say() {
+    let truth = system(&SLIDER.replace("m = 1.0, c = 1.0", "m = 1.03, c = 0.95"));
+    let mut scores = Vec::new();
+    for seed in 0..20 {
+        let mut rng = StdRng::seed_from_u64(100 + seed);
+        let record = log(&truth, 2.0, 250.0, 0.0, 2, 0.02, &mut rng);
+        let study = Study::new(&system(SLIDER), &[record], &StudySettings::default()).unwrap();
+        let fit = study.fit(&[], &all(&study), None).unwrap();
+        scores.push((fit.values[0].value - 1.03) / fit.values[0].std);
+        scores.push((fit.values[1].value - 0.95) / fit.values[1].std);
+    }
+    let square: f64 = scores.iter().map(|z| z * z).sum();
+    // Chi-square with 40 degrees of freedom: 99.9 % lie between 16.9 and 76.
+    assert!((16.9..76.0).contains(&square), "{square}");
+    assert!(scores.iter().all(|z| z.abs() < 4.0), "{scores:?}");
+}
+
+const EXPLOSIVE: &str =
+    "states = ['x']\ninputs = ['u']\nparameters = { a = 1000.0, b = 1.0 }\n[dynamics]\nx = 'a*x^2 + b*u'";
+
+/// From `x = 1` on, `x' = 1000 x²` ends after 1 ms.
+#[test]
+fn a_window_that_cannot_be_simulated_is_left_out_and_says_why() {
+    let times: Vec<f64> = (0..200).map(|k| f64::from(k) * 0.01).collect();
+    let x = times.iter().map(|&t| if t < 1.0 { 0.0 } else { 1.0 }).collect();
+    let record = exact(times, vec![0.0; 200], Hold::Previous, x, 1e-3);
+    let settings = StudySettings { window: Some(0.25), fixed: vec!["a".into()], ..StudySettings::default() };
+    let study = Study::new(&system(EXPLOSIVE), &[record], &settings).unwrap();
+    let windows = all(&study);
+    let fit = study.fit(&[], &windows, None).unwrap();
+    for w in &fit.windows {
+        let explodes = study.windows()[w.window].from >= 100;
+        assert_eq!(w.failure.is_some(), explodes, "{w:?}");
+        assert_eq!(w.count > 0, !explodes);
+    }
+    let late: Vec<usize> = windows.into_iter().filter(|&w| study.windows()[w].from >= 100).collect();
+    assert!(matches!(study.fit(&[], &late, None), Err(DiagnoseError::NoWindow { windows: 4, .. })));
+}
+
+/// Of `a` and `b` the data tell the product alone; `g` is not fitted at all.
+#[test]
+fn parameters_that_the_data_cannot_tell_are_listed() {
+    let model = SLIDER.replace("m = 1.0, c = 1.0", "a = 1.0, b = 1.0, mu = 0.1, g = 9.81");
+    let model = model.replace("(u - c*sign(v))/m", "a*b*u - mu*g*sign(v)");
+    let mut rng = StdRng::seed_from_u64(3);
+    let record = log(&system(&model.replace("a = 1.0", "a = 1.2")), 2.0, 500.0, 0.0, 2, 0.01, &mut rng);
+    let study = Study::new(&system(&model), &[record], &StudySettings::default()).unwrap();
+    let fit = study.fit(&[], &all(&study), None).unwrap();
+    let names: Vec<&str> = fit.values.iter().map(|e| e.name.as_str()).collect();
+    assert_eq!(names, ["a", "b", "mu"]);
+    assert_eq!(fit.unidentified, [0, 1]);
+    assert!((fit.values[0].value * fit.values[1].value - 1.2).abs() < 5e-3);
+}
+
+#[test]
+fn a_prediction_from_the_fitted_initial_state_follows_the_data() {
+    let mut rng = StdRng::seed_from_u64(4);
+    let record = log(&system(SLIDER), 2.0, 500.0, 0.0, 2, 0.01, &mut rng);
+    let noise: Vec<f64> = record.measured.iter().map(|m| m.noise).collect();
+    let study = Study::new(&system(SLIDER), &[record.clone()], &StudySettings::default()).unwrap();
+    let predictor = study.predictor(&study.nominal()).unwrap();
+    let first = Window { record: 0, from: 200, to: 300 };
+    let x0 = predictor.fit_initial_state(first).unwrap().unwrap();
+    let predicted = predictor.predict(Window { to: 500, ..first }, &x0).unwrap();
+    for (column, (m, noise)) in predicted.iter().zip(record.measured.iter().zip(noise)) {
+        let square: f64 = column.iter().zip(&m.values[200..500]).map(|(p, y)| ((p - y) / noise).powi(2)).sum();
+        // Chi-square with 300 degrees of freedom has a standard deviation of 24.5; the initial state adds a little.
+        assert!((180.0..440.0).contains(&square), "{square}");
+    }
+    assert!(matches!(predictor.predict(Window { to: 5000, ..first }, &x0), Err(DiagnoseError::NoSuchStretch { .. })));
+}
+
+/// Where the model is right, only noise limits, and long windows need fewer initial states.
+#[test]
+fn with_the_right_model_long_windows_are_best() {
+    let mut rng = StdRng::seed_from_u64(5);
+    let record = log(&system(SLIDER), 4.0, 500.0, 0.0, 1, 0.01, &mut rng);
+    let study = Study::new(&system(SLIDER), &[record], &StudySettings::default()).unwrap();
+    let (study, fit) = study.with_best_windows(&[], None).unwrap();
+    let lengths = study.window_lengths();
+    assert_eq!(lengths.len(), 2);
+    assert!(lengths[0].uncertainty > lengths[1].uncertainty, "{lengths:?}");
+    assert_eq!(study.windows().len(), 16);
+    assert_eq!(fit.windows.len(), 16);
 }

@@ -61,7 +61,7 @@ pub struct Fit {
     pub covariance: DMatrix<f64>,
     /// The windows that were asked for.
     pub windows: Vec<WindowFit>,
-    /// Places in `values` that the data do not tell: what is known of them is the prior.
+    /// Places in `values` that the data hardly tell: their standard deviation is more than half of the prior's.
     pub unidentified: Vec<usize>,
     /// How the iteration ended.
     pub status: FitStatus,
@@ -343,7 +343,7 @@ fn bounded_step(gram: &DMatrix<f64>, gradient: &DVector<f64>, unknowns: &[Unknow
     }
 }
 
-/// Covariance in natural units, and the unknowns of which the data tell less than the prior does.
+/// Covariance in natural units, and the unknowns whose standard deviation is more than half of the prior's.
 fn uncertainty(normals: &[Normal], unknowns: &[Unknown], states: usize) -> (DMatrix<f64>, Vec<usize>) {
     let p = unknowns.len();
     let mut gram = DMatrix::zeros(p, p);
@@ -364,6 +364,6 @@ fn uncertainty(normals: &[Normal], unknowns: &[Unknown], states: usize) -> (DMat
         |c| c.inverse(),
     );
     let covariance = DMatrix::from_fn(p, p, |i, j| scaled[(i, j)] * unknowns[i].scale * unknowns[j].scale);
-    let unidentified = (0..p).filter(|&j| covariance[(j, j)] > 0.5 * unknowns[j].prior.powi(2)).collect();
+    let unidentified = (0..p).filter(|&j| covariance[(j, j)] > 0.25 * unknowns[j].prior.powi(2)).collect();
     (covariance, unidentified)
 }
