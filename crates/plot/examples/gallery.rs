@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
 use bracketry_plot::{
-    Animation, Arrow, BarChart, Color, ColorMap, Dash, HeatMap, Interval, Outline, Panel, PlanView, Pose, RegimeMap,
-    Scene, Series, Snapshot, TimeSeries, Trajectory, VectorField, XyChart,
+    Animation, Arrow, BarChart, Color, ColorMap, Dash, HeatMap, Interval, IntervalChart, Outline, Panel, PlanView,
+    Pose, RegimeMap, Scene, Series, Snapshot, TimeSeries, Trajectory, VectorField, XyChart,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -17,6 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     growth().draw()?.save(folder.join("growth"))?;
     convergence().draw()?.save(folder.join("convergence"))?;
     gain().draw()?.save(folder.join("gain"))?;
+    ranking().draw()?.save(folder.join("ranking"))?;
     time_to_target().draw()?.save(folder.join("time_to_target"))?;
     drift().draw()?.save(folder.join("drift"))?;
     regimes().draw()?.save(folder.join("regimes"))?;
@@ -134,6 +135,15 @@ fn gain() -> BarChart {
         .series("after", [0.008, 0.031, 0.062])
         .category_label("prediction horizon")
         .title("Prediction error on held-out data")
+}
+
+fn ranking() -> IntervalChart {
+    IntervalChart::new("share of the excess error that the candidate explains [%]")
+        .row("viscous_friction in v: −c·v", 93.1, Some((90.2, 95.4)), "named")
+        .row("quadratic_drag in v: −c·v·|v|", 88.0, Some((81.0, 94.9)), "cannot be told apart")
+        .row("tilt in v: g·sin(α)", 4.1, Some((-3.0, 9.5)), "tried")
+        .row("input_delay of u", -1.0, None, "tried")
+        .title("Candidates on held-out data")
 }
 
 /// `n` numbers from `low` to `high`.

@@ -10,6 +10,7 @@
 //! | [`PlanView`] | an object's path and [`Outline`] seen from above, pale to dark with time |
 //! | [`XyChart`] | one panel over any quantity, also of whole numbers |
 //! | [`BarChart`] | groups of bars |
+//! | [`IntervalChart`] | estimates with their intervals, one row for each |
 //! | [`HeatMap`], [`RegimeMap`] | a number or a category over two quantities, with contours and [`Mark`]s |
 //! | [`VectorField`] | [`Arrow`]s over two quantities, coloured by a third |
 //! | [`Animation`] | an object on a shaken and tilted plate, from above and from the side, as a GIF |
@@ -30,6 +31,7 @@ mod error;
 mod field;
 mod gif_images;
 mod heat_map;
+mod interval_chart;
 mod legend;
 mod panel;
 mod plan_view;
@@ -48,6 +50,7 @@ pub use drawing::{Drawing, Saved};
 pub use error::{PlotError, Result};
 pub use field::Mark;
 pub use heat_map::{HeatMap, RegimeMap};
+pub use interval_chart::{Estimated, IntervalChart};
 pub use panel::{Interval, Level, Panel, Series};
 pub use plan_view::{Outline, PlanView, Pose, Scene, Trajectory};
 pub use stack::{TimeSeries, XyChart};

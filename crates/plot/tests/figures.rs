@@ -4,8 +4,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use bracketry_plot::{
-    BarChart, Color, Dash, Drawing, Interval, Outline, Panel, PlanView, PlotError, Pose, Scene, Series, TileChart,
-    TileGrid, TimeSeries, Trajectory, XyChart,
+    BarChart, Color, Dash, Drawing, Interval, IntervalChart, Outline, Panel, PlanView, PlotError, Pose, Scene, Series,
+    TileChart, TileGrid, TimeSeries, Trajectory, XyChart,
 };
 use resvg::tiny_skia::Pixmap;
 
@@ -146,6 +146,8 @@ fn values_that_cannot_be_drawn_are_named() {
     assert!(matches!(PlanView::new().scene(shape).draw(), Err(PlotError::NotFinite { .. })));
     let bar = BarChart::new("", ["a"]).series("s", [f64::NAN]).draw();
     assert!(matches!(bar, Err(PlotError::NotFinite { index: 0, .. })));
+    let estimate = IntervalChart::new("").row("a", f64::INFINITY, None, "").draw();
+    assert!(matches!(estimate, Err(PlotError::NotFinite { .. })));
 }
 
 #[test]
@@ -159,7 +161,10 @@ fn mismatched_and_reversed_data_are_refused() {
     assert!(matches!(bars, Err(PlotError::LengthMismatch { expected: 2, found: 1, .. })));
     let reversed = TimeSeries::new().panel(Panel::new("x")).interval(Interval::new(1.0, 0.5, "sticks")).draw();
     assert!(matches!(reversed, Err(PlotError::ReversedInterval { name, .. }) if name == "sticks"));
+    let exchanged = IntervalChart::new("").row("c", 0.5, Some((0.6, 0.4)), "").draw();
+    assert!(matches!(exchanged, Err(PlotError::ReversedInterval { name, .. }) if name == "c"));
     assert!(matches!(TimeSeries::new().draw(), Err(PlotError::NoContent { missing: "panel" })));
+    assert!(matches!(IntervalChart::new("").draw(), Err(PlotError::NoContent { missing: "row" })));
     assert!(matches!(PlanView::new().draw(), Err(PlotError::NoContent { .. })));
     let none: [&str; 0] = [];
     assert!(matches!(BarChart::new("", none).draw(), Err(PlotError::NoContent { .. })));
