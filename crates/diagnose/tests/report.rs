@@ -62,6 +62,7 @@ fn report() -> Report {
             p_value: 1e-6,
             chosen: true,
         }],
+        data: Vec::new(),
         notes: vec!["one of the notes".into()],
         seconds: 3.1,
         evidence: Evidence::default(),

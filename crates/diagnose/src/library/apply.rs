@@ -187,21 +187,23 @@ fn equation(system: &System, state: &str) -> Result<usize, DiagnoseError> {
     })
 }
 
-fn parameter(c: &Coefficient, symbol: Symbol) -> Result<Parameter, DiagnoseError> {
-    // The decimal that a model file would show, not the binary fraction behind it.
-    let exact = |x: f64| -> Option<Rational> {
-        let mut pool = Pool::new();
-        let e = pool.parse(&format!("{x:e}")).ok()?;
-        pool.number(e).cloned()
-    };
-    let Some(value) = exact(c.nominal) else {
+/// The decimal that a model file would show, not the binary fraction behind it; `None` if `x` is not finite.
+pub(crate) fn decimal(x: f64) -> Option<Rational> {
+    let mut pool = Pool::new();
+    let e = pool.parse(&format!("{x:e}")).ok()?;
+    pool.number(e).cloned()
+}
+
+/// The parameter that a coefficient becomes, at its nominal value.
+pub(crate) fn parameter(c: &Coefficient, symbol: Symbol) -> Result<Parameter, DiagnoseError> {
+    let Some(value) = decimal(c.nominal) else {
         return Err(DiagnoseError::Setting {
             name: "the nominal value of a coefficient",
             value: c.nominal,
             requirement: "finite",
         });
     };
-    let bound = |x: f64| if x.is_finite() { exact(x) } else { None };
+    let bound = |x: f64| if x.is_finite() { decimal(x) } else { None };
     let text = |t: &str| if t.is_empty() { None } else { Some(t.to_owned()) };
     Ok(Parameter { symbol, value, min: bound(c.min), max: bound(c.max), unit: text(&c.unit), about: text(&c.about) })
 }

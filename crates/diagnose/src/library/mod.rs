@@ -13,6 +13,7 @@ mod separate;
 mod structure;
 
 pub use apply::TIME_INPUT;
+pub(crate) use apply::{decimal, parameter};
 pub use dictionary::dictionary;
 pub use separate::separating_experiment;
 

@@ -1,15 +1,15 @@
 //! The result of a diagnosis: what was found, how sure it is, and what it is worth.
 
+mod complete;
 mod json;
 mod table;
 mod text;
 
 use std::path::PathBuf;
 
-use bracketry_system::System;
 use serde::Serialize;
 
-use crate::{Cause, Effect};
+use crate::{Audit, Cause, ExtendedModel, Fit, HeldOut};
 
 /// What a diagnosis ended with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -205,6 +205,9 @@ pub struct Report {
     pub excess: Option<Excess>,
     /// What was tried, the best first.
     pub candidates: Vec<Candidate>,
+    /// What was noticed in the data, one per record; filled by whoever read them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub data: Vec<Audit>,
     /// What else the reader should know.
     pub notes: Vec<String>,
     /// Time that it took.
@@ -217,8 +220,12 @@ pub struct Report {
 /// What files and figures are made from.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
-    /// The effects in the extended model.
-    pub effects: Vec<Effect>,
+    /// The fit of the given model's parameters.
+    pub refitted: Option<Fit>,
+    /// The fit with the causes.
+    pub extended: Option<Fit>,
     /// The extended model.
-    pub model: Option<System>,
+    pub model: Option<ExtendedModel>,
+    /// What figures of the gain are made from.
+    pub held_out: Option<HeldOut>,
 }

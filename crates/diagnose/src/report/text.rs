@@ -58,6 +58,9 @@ impl Display for Report {
         }
         write_parameters(f, &self.parameters)?;
         write_candidates(f, &self.candidates)?;
+        for audit in &self.data {
+            write!(f, "\n{audit}")?;
+        }
         if !self.notes.is_empty() {
             writeln!(f, "\nNotes")?;
             for note in &self.notes {

@@ -23,6 +23,9 @@ pub use predictor::Predictor;
 pub use window::Window;
 pub use window_length::WindowLength;
 
+pub(crate) use signal_path::lagged;
+pub(crate) use window::stretches;
+
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::record::Record;

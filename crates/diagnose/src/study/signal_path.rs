@@ -35,7 +35,8 @@ pub(super) fn through_path(
     Samples::new(kept, values, signal.hold)
 }
 
-fn lagged(times: &[f64], u: &[f64], hold: Hold, lag: f64) -> Vec<f64> {
+/// The samples of a signal behind a first-order lag, see [`through_path`].
+pub(crate) fn lagged(times: &[f64], u: &[f64], hold: Hold, lag: f64) -> Vec<f64> {
     let n = u.len();
     let mut y = u[0];
     let mut out = Vec::with_capacity(n);

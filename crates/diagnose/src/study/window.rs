@@ -14,7 +14,7 @@ pub struct Window {
 }
 
 /// Stretches of a record without a gap in time: first sample and one past the last.
-pub(super) fn stretches(record: &Record) -> Vec<(usize, usize)> {
+pub(crate) fn stretches(record: &Record) -> Vec<(usize, usize)> {
     let mut starts = vec![0];
     starts.extend(record.gaps.iter().copied().filter(|&i| i > 0 && i < record.times.len()));
     let mut stretches = Vec::with_capacity(starts.len());

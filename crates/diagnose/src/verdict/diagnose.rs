@@ -77,7 +77,7 @@ pub fn diagnose(
     let alarm = base.alarm.p_value.min(screened);
     if alarm >= settings.significance {
         let findings = Findings { base, chosen, rivals: Vec::new(), scatter, tests, alarm, ending: Ending::Quiet };
-        return Ok(write::report(system, &mut search, &findings, settings, begin));
+        return written(system, &mut search, &findings, validate, settings, begin, progress);
     }
     let mut found = Vec::new();
     if !chosen.members.is_empty() {
@@ -85,9 +85,26 @@ pub fn diagnose(
         found = rivals(&mut search, &mut chosen, &scatter, &named)?;
     }
     let ending = ending(&base, &chosen, settings);
-    let _ = validate;
     let findings = Findings { base, chosen, rivals: found, scatter, tests, alarm, ending };
-    Ok(write::report(system, &mut search, &findings, settings, begin))
+    written(system, &mut search, &findings, validate, settings, begin, progress)
+}
+
+/// The report, with intervals, extended model and gain.
+fn written(
+    system: &System,
+    search: &mut Search<'_>,
+    findings: &Findings,
+    validate: &[Record],
+    settings: &Settings,
+    begin: Instant,
+    progress: &mut dyn FnMut(Stage),
+) -> Result<Report, DiagnoseError> {
+    let mut report = write::report(system, search, findings, settings, begin);
+    progress(Stage::Gain);
+    let (refitted, extended) = (&findings.base.fit, &findings.chosen.fit);
+    report.complete(search.study, refitted, extended, validate, &settings.study, settings.seed)?;
+    report.seconds = begin.elapsed().as_secs_f64();
+    Ok(report)
 }
 
 /// How well an explanation does after an alarm.

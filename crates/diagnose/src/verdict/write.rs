@@ -55,10 +55,8 @@ pub(super) fn report(
         candidates: ranking(search, findings),
         notes: Vec::new(),
         seconds: begin.elapsed().as_secs_f64(),
-        evidence: Evidence {
-            effects: extended.map(|e| e.fit.effects.clone()).unwrap_or_default(),
-            ..Evidence::default()
-        },
+        data: Vec::new(),
+        evidence: Evidence::default(),
         causes,
     }
 }

@@ -1,0 +1,238 @@
+//! The extended model: the given one with fitted parameters and the effects that were found.
+
+use bracketry_symbolic::{Expr, Symbol};
+use bracketry_system::{InputDerivative, System, WriteError};
+use rustc_hash::FxHashMap;
+
+use crate::effect::{Change, Effect, Path};
+use crate::error::DiagnoseError;
+use crate::library::{TIME_INPUT, decimal, parameter};
+use crate::study::{Estimate, Fit};
+
+/// Digits that a fitted value keeps below its standard deviation.
+const EXTRA_DIGITS: i32 = 3;
+
+/// A model with fitted values, and what its equations cannot say.
+#[derive(Clone, Debug)]
+pub struct ExtendedModel {
+    /// The equations.
+    pub system: System,
+    /// What was found on the way of signals and is no part of the equations: delays.
+    pub notes: Vec<String>,
+}
+
+impl ExtendedModel {
+    /// The given model with the values and effects of a fit. Fitted values are rounded to a thousandth of their standard
+    /// deviation, which stands in the parameter's description; limits that a fitted value breaks are dropped.
+    ///
+    /// A lag of an input `u` becomes a state `u_lagged` that the equations use in place of `u` (and its derivatives, by
+    /// `τ u_lagged' = u − u_lagged`), the time a state with derivative 1, an offset of a measured column an output.
+    ///
+    /// # Errors
+    /// [`DiagnoseError`] for an effect that does not fit the model.
+    pub fn new(system: &System, fit: &Fit) -> Result<Self, DiagnoseError> {
+        let mut extended = Self { system: equations(system, &fit.effects, &fit.values)?, notes: Vec::new() };
+        for effect in &fit.effects {
+            if let Change::Path { path, signals } = &effect.change {
+                extended.add_path(effect, *path, signals, &fit.values)?;
+            }
+        }
+        extended.time_as_state();
+        for estimate in &fit.values {
+            describe(&mut extended.system, estimate);
+        }
+        if !fit.effects.is_empty() {
+            extended.system.name = format!("{}_extended", system.name);
+        }
+        Ok(extended)
+    }
+
+    /// The text of a model file, with the notes as comments at its beginning.
+    ///
+    /// # Errors
+    /// [`WriteError`] for an equation that is too long to be written out.
+    pub fn to_toml(&self) -> Result<String, WriteError> {
+        let notes = self.notes.iter().map(|note| format!("# {note}\n"));
+        Ok(notes.chain([self.system.to_toml()?]).collect())
+    }
+
+    fn add_path(
+        &mut self,
+        effect: &Effect,
+        path: Path,
+        signals: &[String],
+        values: &[Estimate],
+    ) -> Result<(), DiagnoseError> {
+        let Some(coefficient) = effect.coefficients.first() else { return Ok(()) };
+        if matches!(path, Path::InputDelay | Path::SensorDelay) {
+            let value = values.iter().find(|e| e.name == coefficient.name).map_or(coefficient.nominal, |e| e.value);
+            let what = if path == Path::InputDelay { "input" } else { "measured column" };
+            let names = signals.join(", ");
+            self.notes.push(format!("a delay of {value:.3e} s of the {what} {names} is no part of these equations"));
+            return Ok(());
+        }
+        let symbol = self.system.pool.symbol(&coefficient.name);
+        let entry = parameter(coefficient, symbol)?;
+        self.system.parameters.push(entry);
+        if let Some(estimate) = values.iter().find(|e| e.name == coefficient.name) {
+            set_fitted(&mut self.system, estimate);
+        }
+        for name in signals {
+            if path == Path::ActuatorLag {
+                add_lag(&mut self.system, name, symbol)?;
+            } else {
+                add_offset(&mut self.system, name, symbol)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Where terms use the time, it becomes a state that begins at 0.
+    fn time_as_state(&mut self) {
+        let system = &mut self.system;
+        let Some(index) = system.input_index(TIME_INPUT) else { return };
+        let time = system.inputs.remove(index);
+        system.input_derivatives.retain(|d| d.input != index);
+        for d in &mut system.input_derivatives {
+            d.input -= usize::from(d.input > index);
+        }
+        system.states.push(time);
+        let one = system.pool.int(1);
+        system.dynamics.push(one);
+        if let Some(point) = &mut system.point {
+            let at = point.inputs.remove(index);
+            point.states.push(at);
+        }
+    }
+}
+
+/// A model with effects applied, parameters at their fitted values; what is on the way of signals is left out.
+pub(crate) fn equations(system: &System, effects: &[Effect], values: &[Estimate]) -> Result<System, DiagnoseError> {
+    let mut system = system.clone();
+    for effect in effects {
+        effect.apply(&mut system)?;
+    }
+    for estimate in values {
+        set_fitted(&mut system, estimate);
+    }
+    Ok(system)
+}
+
+/// Gives the parameter of an estimate its fitted value; one that belongs to the way of a signal has none here.
+fn set_fitted(system: &mut System, estimate: &Estimate) {
+    if let Some(value) = decimal(rounded(estimate.value, estimate.std)) {
+        system.set_parameter(&estimate.name, value);
+    }
+}
+
+/// Says in the description of a parameter that it was fitted; limits that it breaks are dropped.
+fn describe(system: &mut System, estimate: &Estimate) {
+    let pool = &system.pool;
+    let Some(p) = system.parameters.iter_mut().find(|p| pool.name(p.symbol) == estimate.name) else { return };
+    if p.min.as_ref().is_some_and(|min| p.value < *min) {
+        p.min = None;
+    }
+    if p.max.as_ref().is_some_and(|max| p.value > *max) {
+        p.max = None;
+    }
+    let fitted = format!("fitted, std {:.1e}, before {}", estimate.std, estimate.nominal);
+    p.about = Some(p.about.as_ref().map_or(fitted.clone(), |about| format!("{about} ({fitted})")));
+}
+
+/// `value` to [`EXTRA_DIGITS`] below `std`.
+fn rounded(value: f64, std: f64) -> f64 {
+    if !(std > 0.0 && std.is_finite()) || value == 0.0 {
+        return value;
+    }
+    let digits = (value.abs().log10().floor() - std.log10().floor()) as i32 + EXTRA_DIGITS;
+    let digits = digits.clamp(1, 16) as usize;
+    format!("{value:.digits$e}").parse().unwrap_or(value)
+}
+
+/// Replaces an input by a state that follows it with the time constant `tau`.
+fn add_lag(system: &mut System, input: &str, tau: Symbol) -> Result<(), DiagnoseError> {
+    let index = system.input_index(input).ok_or_else(|| DiagnoseError::UnknownName {
+        what: "input",
+        name: input.to_owned(),
+        known: system.input_names().join(", "),
+    })?;
+    let name = free_name(system, &format!("{input}_lagged"));
+    let pool = &mut system.pool;
+    let (input, lagged) = (system.inputs[index], pool.symbol(&name));
+    let (u, y, tau) = (pool.sym(input), pool.sym(lagged), pool.sym(tau));
+    let difference = pool.sub(u, y);
+    let rate = pool.div(difference, tau);
+
+    // y⁽ᵏ⁾ = (u⁽ᵏ⁻¹⁾ − y⁽ᵏ⁻¹⁾)/τ takes the place of u⁽ᵏ⁾.
+    let used: Vec<InputDerivative> = system.input_derivatives.iter().copied().filter(|d| d.input == index).collect();
+    let highest = used.iter().map(|d| d.order).max().unwrap_or(0);
+    let symbol_of = |pool: &mut bracketry_symbolic::Pool, order: u32| {
+        let known = used.iter().find(|d| d.order == order).map(|d| d.symbol);
+        let base = pool.name(input).to_owned();
+        let text = if order == 1 { format!("der({base})") } else { format!("der({base}, {order})") };
+        known.unwrap_or_else(|| pool.symbol(&text))
+    };
+    let mut map: FxHashMap<Expr, Expr> = FxHashMap::from_iter([(u, y)]);
+    let mut derivatives = Vec::new();
+    let (mut of_input, mut of_lagged) = (u, y);
+    for order in 1..=highest {
+        let difference = pool.sub(of_input, of_lagged);
+        of_lagged = pool.div(difference, tau);
+        let symbol = symbol_of(pool, order);
+        of_input = pool.sym(symbol);
+        map.insert(of_input, of_lagged);
+        if order < highest {
+            derivatives.push(InputDerivative { input: index, order, symbol });
+        }
+    }
+    system.input_derivatives.retain(|d| d.input != index);
+    system.input_derivatives.extend(derivatives);
+    system.input_derivatives.sort_by_key(|d| (d.input, d.order));
+    system.dynamics = pool.substitute_all(&system.dynamics, &map);
+    for (_, e) in system.outputs.iter_mut().chain(&mut system.definitions) {
+        *e = pool.substitute(*e, &map);
+    }
+    for level in &mut system.static_levels {
+        level.components = pool.substitute_all(&level.components, &map);
+    }
+    system.states.push(lagged);
+    system.dynamics.push(rate);
+    if let Some(point) = &mut system.point {
+        point.states.push(point.inputs[index]);
+    }
+    Ok(())
+}
+
+/// Adds an offset to an output; a measured state gets an output of its own.
+fn add_offset(system: &mut System, column: &str, offset: Symbol) -> Result<(), DiagnoseError> {
+    let offset = system.pool.sym(offset);
+    if let Some(k) = system.outputs.iter().position(|(name, _)| name == column) {
+        let exact = system.outputs[k].1;
+        system.outputs[k].1 = system.pool.add(exact, offset);
+        return Ok(());
+    }
+    let index = system.state_index(column).ok_or_else(|| DiagnoseError::UnknownName {
+        what: "measured column",
+        name: column.to_owned(),
+        known: system.state_names().join(", "),
+    })?;
+    let name = free_name(system, &format!("{column}_measured"));
+    let state = system.pool.sym(system.states[index]);
+    let measured = system.pool.add(state, offset);
+    system.outputs.push((name, measured));
+    Ok(())
+}
+
+/// `wanted`, with underscores after it while the model has such a name.
+fn free_name(system: &System, wanted: &str) -> String {
+    let taken = |name: &str| {
+        let symbols = system.states.iter().chain(&system.inputs).copied();
+        symbols.chain(system.parameters.iter().map(|p| p.symbol)).any(|s| system.symbol_name(s) == name)
+            || system.definitions.iter().chain(&system.outputs).any(|(n, _)| n == name)
+    };
+    let mut name = wanted.to_owned();
+    while taken(&name) {
+        name.push('_');
+    }
+    name
+}

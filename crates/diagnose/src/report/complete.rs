@@ -1,0 +1,57 @@
+//! What follows from the fits of a report: intervals, the extended model, the gain.
+
+use super::{Report, Verdict};
+use crate::error::DiagnoseError;
+use crate::extend::ExtendedModel;
+use crate::gain::{Fitted, bootstrap, measure_gain};
+use crate::record::Record;
+use crate::study::{Fit, Study, StudySettings};
+
+impl Report {
+    /// Adds to a report with causes the intervals of its numbers, the extended model, and the gain; `refitted` and `extended` are
+    /// fits to all windows of the study. Other reports get the fits only.
+    pub(crate) fn complete(
+        &mut self,
+        study: &Study,
+        refitted: &Fit,
+        extended: &Fit,
+        validate: &[Record],
+        settings: &StudySettings,
+        seed: u64,
+    ) -> Result<(), DiagnoseError> {
+        let all: Vec<usize> = (0..study.windows().len()).collect();
+        let at_extended = study.linearize(extended, &[], &all)?;
+        if let Some(steps) = bootstrap(&at_extended, seed) {
+            for (estimate, step) in extended.values.iter().zip(steps) {
+                self.set_interval(&estimate.name, step.map(|s| estimate.value + s));
+            }
+        }
+        self.evidence.refitted = Some(refitted.clone());
+        if self.verdict != Verdict::CauseFound {
+            return Ok(());
+        }
+        self.evidence.extended = Some(extended.clone());
+        let model = ExtendedModel::new(study.system(), extended)?;
+        self.notes.extend(model.notes.iter().map(|note| format!("extended model: {note}")));
+        self.evidence.model = Some(model);
+        let at_refitted = study.linearize(refitted, &[], &all)?;
+        let fitted = Fitted { refitted, at_refitted: &at_refitted, extended, at_extended: &at_extended };
+        match measure_gain(study, &fitted, validate, settings)? {
+            Some((gain, held_out)) => {
+                self.gain = Some(gain);
+                self.evidence.held_out = Some(held_out);
+            }
+            None => self.notes.push("the data are too short to measure the gain on a part of their own".to_owned()),
+        }
+        Ok(())
+    }
+
+    fn set_interval(&mut self, name: &str, interval: [f64; 2]) {
+        for p in self.parameters.iter_mut().filter(|p| p.name == name) {
+            p.interval = Some(interval);
+        }
+        for (_, value) in self.causes.iter_mut().flat_map(|c| &mut c.parameters).filter(|(n, _)| n == name) {
+            value.interval = Some(interval);
+        }
+    }
+}
