@@ -13,6 +13,7 @@ pub use bracketry_system as system;
 mod affinization;
 mod analysis;
 mod control;
+mod diagnosis;
 mod input_table;
 mod plate_move;
 mod plate_run;
@@ -24,6 +25,7 @@ mod scenario;
 pub use affinization::{AffinizationReport, InputChange};
 pub use analysis::{Analysis, AnalysisError, analyze};
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
+pub use diagnosis::{Diagnosis, RankChange, Ranks};
 pub use input_table::SampledScenario;
 pub use plate_move::{Arrival, MoveError, plate_move, target_of};
 pub use plate_run::{

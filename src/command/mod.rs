@@ -8,6 +8,7 @@ mod affinize;
 mod analyze;
 mod bands;
 mod control;
+mod diagnose;
 mod main_job;
 mod output;
 mod pictures;
@@ -66,6 +67,12 @@ enum Command {
         bracketry plate 2 --omega 4 --model published\n  \
         bracketry plate 1 --compare log.csv --motion log --mu 0.3 --out out")]
     Plate(Box<plate::PlateArgs>),
+    /// From measured data to what the model gets wrong: the cause, the extended model, the gain
+    #[command(
+        after_help = "Examples:\n  bracketry diagnose models/emps.toml run.csv --validate second.csv --out out\n  \
+        bracketry diagnose slider.toml log.csv --rename force=u --fix g --json"
+    )]
+    Diagnose(Box<diagnose::DiagnoseArgs>),
     /// Close the loop of a problem file
     #[command(after_help = "Example:\n  bracketry control models/cart_pole_swing_up.toml --out out")]
     Control {
@@ -89,6 +96,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Affinize(args)) => affinize::affinize(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
+        Some(Command::Diagnose(args)) => diagnose::run(&args, &output),
         Some(Command::Control { problem, seed }) => control::run(&problem, seed, &output),
     }
 }

@@ -1,0 +1,127 @@
+//! `bracketry diagnose`: what a model gets wrong, by name, from measured data.
+
+use std::path::{Path, PathBuf};
+
+use bracketry::Diagnosis;
+use bracketry::diagnose::{
+    Audit, Record, RecordSettings, Report, Settings, StudySettings, Verdict, diagnose, read_record,
+};
+use bracketry::sim::Hold;
+use bracketry::system::System;
+use clap::Args;
+
+use super::output::{folder, json, line, print, spinner, write};
+use super::simulate::HoldArg;
+use super::{Outcome, OutputArgs};
+
+/// Arguments of `diagnose`.
+#[derive(Args)]
+pub(crate) struct DiagnoseArgs {
+    /// Model file
+    model: PathBuf,
+    /// Measured runs (CSV or NPZ): a column t in seconds, one per measured state or output, one per input
+    #[arg(required = true, value_name = "DATA")]
+    data: Vec<PathBuf>,
+    /// Further runs that no fit sees, to measure the gain on
+    #[arg(long, value_name = "DATA", num_args = 1..)]
+    validate: Vec<PathBuf>,
+    /// How inputs go on between samples; without it they are held, and derivatives of inputs follow straight lines
+    #[arg(long, value_enum)]
+    hold: Option<HoldArg>,
+    /// Parameters that keep their values
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    fix: Vec<String>,
+    /// Names of columns in the model, as force=u
+    #[arg(long, value_name = "COLUMN=NAME,…", value_delimiter = ',', value_parser = renaming)]
+    rename: Vec<(String, String)>,
+    /// Most causes that are named together
+    #[arg(long, value_name = "N", default_value_t = Settings::default().max_causes)]
+    max_causes: usize,
+    /// Seed of what is resampled
+    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    seed: u64,
+    /// Length of the windows in seconds; chosen from the data without it
+    #[arg(long, value_name = "S")]
+    window: Option<f64>,
+}
+
+fn renaming(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((column, name)) if !column.trim().is_empty() && !name.trim().is_empty() => {
+            Ok((column.trim().to_owned(), name.trim().to_owned()))
+        }
+        _ => Err("write the column's name, =, and the name in the model: q=x".to_owned()),
+    }
+}
+
+/// Reads, diagnoses, and writes what was found.
+pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let system = System::read(&args.model)?;
+    let reading = RecordSettings {
+        hold: args.hold.map(|hold| match hold {
+            HoldArg::Previous => Hold::Previous,
+            HoldArg::Linear => Hold::Linear,
+        }),
+        rename: args.rename.clone(),
+    };
+    let progress = spinner("reading the data");
+    let (records, mut audits) = read(&args.data, &system, &reading)?;
+    let (validate, more) = read(&args.validate, &system, &reading)?;
+    audits.extend(more);
+    let settings = Settings {
+        study: StudySettings { window: args.window, fixed: args.fix.clone(), ..StudySettings::default() },
+        max_causes: args.max_causes,
+        seed: args.seed,
+        ..Settings::default()
+    };
+    let mut report =
+        diagnose(&system, &records, &validate, &settings, &mut |stage| progress.set_message(stage.to_string()))?;
+    report.data = audits;
+    if let (Some(dir), Some(model)) = (&output.out, &report.evidence.model) {
+        folder(dir)?;
+        let path = dir.join("extended.toml");
+        write(&path, &model.to_toml()?)?;
+        report.extended_model = Some(path);
+    }
+    progress.set_message("what the extended model changes");
+    let diagnosis = Diagnosis::new(&system, report);
+    if let Some(dir) = &output.out {
+        progress.set_message("drawing");
+        write_files(dir, &diagnosis)?;
+    }
+    progress.finish_and_clear();
+    if output.json {
+        print(&json(&diagnosis)?)?;
+    } else {
+        print(&diagnosis.to_string())?;
+        match &output.out {
+            Some(dir) => line(&format!("written to {}", dir.display()))?,
+            None => line("(--out DIR writes the extended model, figures and a page with everything)")?,
+        }
+    }
+    Ok(outcome(&diagnosis.report))
+}
+
+fn outcome(report: &Report) -> Outcome {
+    match report.verdict {
+        Verdict::CauseFound | Verdict::NothingFound => Outcome::Done,
+        Verdict::Unexplained => Outcome::Negative,
+    }
+}
+
+fn read(paths: &[PathBuf], system: &System, settings: &RecordSettings) -> anyhow::Result<(Vec<Record>, Vec<Audit>)> {
+    let mut runs = (Vec::new(), Vec::new());
+    for path in paths {
+        let (record, audit) = read_record(path, system, settings)?;
+        runs.0.push(record);
+        runs.1.push(audit);
+    }
+    Ok(runs)
+}
+
+/// Writes report and figures.
+fn write_files(dir: &Path, diagnosis: &Diagnosis) -> anyhow::Result<()> {
+    folder(dir)?;
+    write(&dir.join("diagnosis.json"), &json(diagnosis)?)?;
+    write(&dir.join("diagnosis.txt"), &diagnosis.to_string())
+}

@@ -1,0 +1,71 @@
+//! What the extended model changes in what the inputs reach.
+
+use std::fmt;
+
+use bracketry_lie::{Answer, Dimensions, Options};
+use bracketry_system::System;
+use serde::Serialize;
+
+use crate::analysis::analyze;
+
+/// Dimensions of what the inputs of a model reach.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Ranks {
+    /// Number of states of the affine model.
+    pub states: usize,
+    /// Generic dimension of the accessible set; of all modes together where the model switches.
+    pub accessible_dimension: Answer<usize>,
+    /// Generic dimension of the strongly accessible set; of all modes together where the model switches.
+    pub strongly_accessible_dimension: Answer<usize>,
+    /// The smallest strongly accessible dimension of a single mode.
+    pub least_in_a_mode: Answer<usize>,
+}
+
+/// Ranks of the given and of the extended model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RankChange {
+    /// The given model.
+    pub before: Ranks,
+    /// The extended one.
+    pub after: Ranks,
+}
+
+impl Ranks {
+    /// Analyses a model; `None` where it has no affine form or no brackets can be formed.
+    fn of(system: &System) -> Option<Self> {
+        let analysis = analyze(system, &Options::default()).ok()?;
+        let report = &analysis.report;
+        let all: &Dimensions =
+            report.switched.as_ref().map(|s| &s.dimensions).or_else(|| report.modes.first().map(|m| &m.dimensions))?;
+        let modes = report.modes.iter().map(|m| &m.dimensions.strongly_accessible_dimension);
+        // An undecided mode leaves the smallest undecided.
+        let least = modes.min_by_key(|d| d.known().copied().unwrap_or(0))?;
+        Some(Self {
+            states: analysis.states,
+            accessible_dimension: all.accessible_dimension.clone(),
+            strongly_accessible_dimension: all.strongly_accessible_dimension.clone(),
+            least_in_a_mode: least.clone(),
+        })
+    }
+}
+
+impl RankChange {
+    /// Analyses both models; `None` if one of them cannot be analysed.
+    pub(super) fn between(given: &System, extended: &System) -> Option<Self> {
+        Some(Self { before: Ranks::of(given)?, after: Ranks::of(extended)? })
+    }
+}
+
+impl fmt::Display for RankChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "What the inputs reach (bracketry analyze), given and extended model")?;
+        let mut row = |what: &str, before: &dyn fmt::Display, after: &dyn fmt::Display| {
+            writeln!(f, "  {what}: {before} → {after}")
+        };
+        let (b, a) = (&self.before, &self.after);
+        row("states", &b.states, &a.states)?;
+        row("accessible directions", &b.accessible_dimension, &a.accessible_dimension)?;
+        row("strongly accessible directions", &b.strongly_accessible_dimension, &a.strongly_accessible_dimension)?;
+        row("  in the poorest mode", &b.least_in_a_mode, &a.least_in_a_mode)
+    }
+}
