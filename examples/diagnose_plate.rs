@@ -39,6 +39,15 @@ struct Options {
     /// The object: disk or ellipse, of the reference sizes.
     #[arg(long, default_value = "disk")]
     shape: String,
+    /// Length of experiment 1 and the multisine in s; experiment 3 takes five at most.
+    #[arg(long, default_value_t = 8.0)]
+    seconds: f64,
+    /// The multisine alone, in place of the three logs.
+    #[arg(long)]
+    multisine: bool,
+    /// Length of the windows in s; chosen from the data if absent.
+    #[arg(long)]
+    window: Option<f64>,
     /// Logs with columns of the plate's accelerations.
     #[arg(long)]
     derivatives: bool,
@@ -53,11 +62,22 @@ struct Options {
     out: Option<PathBuf>,
 }
 
-/// The three logs of one plant.
-fn logs(effect: &HiddenEffect, settings: &LogSettings, seed: u64) -> Result<Vec<PlateLog>, PlateError> {
+/// The logs of one plant.
+fn logs(
+    effect: &HiddenEffect,
+    settings: &LogSettings,
+    seed: u64,
+    options: &Options,
+) -> Result<Vec<PlateLog>, PlateError> {
     let start = |y: f64| [0.3, y, 0.0, 0.0, 0.0, 0.0];
-    let shaken = multisine(start(0.0), 8.0, settings, seed)?;
-    [(Experiment::orientation(), 0.0, 8.0), (Experiment::translation_y(), -0.03, 5.0), (shaken, 0.0, 8.0)]
+    let seconds = options.seconds;
+    let shaken = multisine(start(0.0), seconds, settings, seed)?;
+    let mut experiments = vec![(shaken, 0.0, seconds)];
+    if !options.multisine {
+        experiments.push((Experiment::orientation(), 0.0, seconds));
+        experiments.push((Experiment::translation_y(), -0.03, seconds.min(5.0)));
+    }
+    experiments
         .into_iter()
         .enumerate()
         .map(|(i, (experiment, y, duration))| {
@@ -102,6 +122,7 @@ fn main() -> anyhow::Result<()> {
     };
     let log_settings = LogSettings { object, derivatives: options.derivatives, ..LogSettings::default() };
     let mut settings = Settings::default();
+    settings.study.window = options.window;
     if let Some(most) = options.max_causes {
         settings.max_causes = most;
     }
@@ -116,11 +137,11 @@ fn main() -> anyhow::Result<()> {
             Some(kind) => HiddenEffect::draw_kind(kind, seed)
                 .with_context(|| format!("--effect {kind}: choose one of {}", HiddenEffect::KINDS.join(", ")))?,
         };
-        let logs = logs(&effect, &log_settings, seed)?;
+        let logs = logs(&effect, &log_settings, seed, &options)?;
         if let Some(folder) = &options.out {
             let folder = folder.join(format!("run_{run}"));
             std::fs::create_dir_all(&folder)?;
-            for (log, name) in logs.iter().zip(["experiment_1.csv", "experiment_3.csv", "multisine.csv"]) {
+            for (log, name) in logs.iter().zip(["multisine.csv", "experiment_1.csv", "experiment_3.csv"]) {
                 std::fs::write(folder.join(name), log.csv())?;
             }
             std::fs::write(folder.join("truth.json"), serde_json::to_string_pretty(&effect)?)?;
