@@ -33,12 +33,16 @@ pub(crate) struct Driven {
     pub(crate) slots: Vec<Symbol>,
     pub(crate) sources: Vec<Source>,
     pub(crate) tables: Vec<Samples>,
+    /// By how much each is shifted, s.
+    pub(crate) delays: Vec<f64>,
     /// Input and order of derivative of each table.
     pub(crate) tabulated: Vec<(String, u32)>,
     /// Time derivatives of slots that move.
     pub(crate) rates: Vec<(Symbol, Expr)>,
     /// The slot of each held input.
     pub(crate) held: Vec<Option<usize>>,
+    /// Delayed held inputs: slot and table.
+    pub(crate) queues: Vec<(usize, usize)>,
     /// The slot of each live number.
     pub(crate) live: Vec<(String, usize)>,
     /// Parameters → their values, but for live ones.
@@ -68,8 +72,9 @@ impl Driven {
     }
 
     /// A slot that follows samples; of a linear signal also the slope, as the slot's rate.
-    fn follow(&mut self, symbol: Symbol, (input, order): (&str, u32), samples: &Samples) {
-        self.tables.push(samples.clone());
+    fn follow(&mut self, symbol: Symbol, (input, order): (&str, u32), samples: &Samples, delay: f64) {
+        self.tables.push(samples.clone().delayed(delay));
+        self.delays.push(delay);
         self.tabulated.push((input.to_owned(), order));
         let table = self.tables.len() - 1;
         self.slot(symbol, Source::Value(table));
@@ -80,6 +85,43 @@ impl Driven {
             let rate = self.system.pool.sym(slope);
             self.rates.push((symbol, rate));
         }
+    }
+
+    /// The delays of all inputs in seconds.
+    fn input_delays(&mut self, names: &[String]) -> Result<Vec<f64>, InputError> {
+        let delays = self.system.delay_values().into_iter().zip(names);
+        delays
+            .map(|(delay, name)| {
+                delay.filter(|d| *d >= 0.0 && d.is_finite()).ok_or_else(|| InputError::Delay { input: name.clone() })
+            })
+            .collect()
+    }
+
+    /// An expression of time, taken earlier by the delay of an input.
+    fn at_command(&mut self, e: Expr, input: usize) -> Expr {
+        let symbol = self.system.inputs[input];
+        let Some(delay) = self.system.input_delays.iter().find(|d| d.input == symbol).map(|d| d.delay) else {
+            return e;
+        };
+        let delay = self.system.with_values(&[delay])[0];
+        let pool = &mut self.system.pool;
+        let time = pool.sym(self.time);
+        let earlier = pool.sub(time, delay);
+        pool.substitute(e, &FxHashMap::from_iter([(time, earlier)]))
+    }
+
+    /// A slot of a held input; with a delay, a table of what was set.
+    fn hold(&mut self, symbol: Symbol, delay: f64) -> usize {
+        if delay == 0.0 {
+            return self.slot(symbol, Source::Held(0.0));
+        }
+        self.tables.push(Samples::silence());
+        self.delays.push(delay);
+        self.tabulated.push((String::new(), 0));
+        let table = self.tables.len() - 1;
+        let slot = self.slot(symbol, Source::Value(table));
+        self.queues.push((slot, table));
+        slot
     }
 
     /// Live numbers and parameters.
@@ -128,16 +170,20 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
         slots: Vec::new(),
         sources: Vec::new(),
         tables: Vec::new(),
+        delays: Vec::new(),
         tabulated: Vec::new(),
         rates: Vec::new(),
         held: Vec::new(),
+        queues: Vec::new(),
         live: Vec::new(),
         values: FxHashMap::default(),
         impulses: Vec::new(),
     };
     let mut scope = driven.numbers(inputs)?;
     let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
+    let delays = driven.input_delays(&known)?;
     for (input, name) in known.iter().enumerate() {
+        let delay = delays[input];
         let symbol = driven.system.inputs[input];
         let this = driven.system.pool.sym(symbol);
         let mut derivatives = driven.system.input_derivatives.clone();
@@ -152,13 +198,13 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
                 driven.slot(symbol, Source::Held(0.0));
                 for d in derivatives {
                     match inputs.derivatives.get(&(name.clone(), d.order)) {
-                        Some(samples) => driven.follow(d.symbol, (name, d.order), samples),
+                        Some(samples) => driven.follow(d.symbol, (name, d.order), samples, delay),
                         None => return Err(InputError::MissingDerivative { input: name.clone(), order: d.order }),
                     }
                 }
             }
             None => {
-                held = Some(driven.slot(symbol, Source::Held(0.0)));
+                held = Some(driven.hold(symbol, delay));
                 for d in derivatives {
                     let (e, zero) = (driven.system.pool.sym(d.symbol), driven.system.pool.int(0));
                     map.insert(e, zero);
@@ -170,6 +216,7 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
                     .pool
                     .parse_with(text, &mut scope)
                     .map_err(|source| InputError::Expression { input: name.clone(), source })?;
+                e = driven.at_command(e, input);
                 map.insert(this, e);
                 let highest = derivatives.iter().map(|d| d.order).max().unwrap_or(0);
                 let mut impulsive = false;
@@ -186,12 +233,12 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
                 }
             }
             Some(Drive::Samples(samples)) => {
-                driven.follow(symbol, (name, 0), samples);
+                driven.follow(symbol, (name, 0), samples, delay);
                 let slope = driven.rates.last().filter(|(s, _)| *s == symbol).map(|(_, rate)| *rate);
                 for d in derivatives {
                     let e = driven.system.pool.sym(d.symbol);
                     match (inputs.derivatives.get(&(name.clone(), d.order)), slope) {
-                        (Some(samples), _) => driven.follow(d.symbol, (name, d.order), samples),
+                        (Some(samples), _) => driven.follow(d.symbol, (name, d.order), samples, delay),
                         (None, Some(slope)) if d.order == 1 => {
                             map.insert(e, slope);
                         }

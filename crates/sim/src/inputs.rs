@@ -43,6 +43,33 @@ impl Samples {
         Ok(Self { times, values, hold })
     }
 
+    /// The same, later by a delay in seconds.
+    pub(crate) fn delayed(mut self, delay: f64) -> Self {
+        if delay != 0.0 {
+            for t in &mut self.times {
+                *t += delay;
+            }
+        }
+        self
+    }
+
+    /// A signal that has been zero for ever, to be continued.
+    pub(crate) fn silence() -> Self {
+        Self { times: vec![f64::NEG_INFINITY], values: vec![0.0], hold: Hold::Previous }
+    }
+
+    /// Goes on with another value from `t` on; what was to come after that is dropped, as is what has ended before `now`.
+    pub(crate) fn go_on(&mut self, now: f64, t: f64, value: f64) {
+        let kept = self.times.partition_point(|&at| at < t);
+        self.times.truncate(kept);
+        self.values.truncate(kept);
+        self.times.push(t);
+        self.values.push(value);
+        let ended = self.interval(now).saturating_sub(1);
+        self.times.drain(..ended);
+        self.values.drain(..ended);
+    }
+
     /// Index of the interval that begins at or before `t`, from 0 (before the first sample) to `len`.
     pub(crate) fn interval(&self, t: f64) -> usize {
         self.times.partition_point(|&at| at <= t)
@@ -83,6 +110,10 @@ pub(crate) enum Drive {
 /// What drives the inputs of a model, by name. An input that is not mentioned is *held*: it is zero until
 /// [`crate::Model::set_input`] gives it another value, and its derivatives are zero. Where only derivatives are given, the
 /// model must not use the input itself.
+///
+/// Where the model gives an input a delay, all of this is what is commanded, and acts later: expressions are taken at t − d, the
+/// breaks of samples are shifted, and a held value acts d after it was set. What was commanded before the beginning is what
+/// the expression gives there, the first sample, or zero. A delay has its value at the time the model is compiled.
 ///
 /// ```
 /// use bracketry_sim::{Hold, Inputs, Samples};
@@ -208,6 +239,12 @@ pub enum InputError {
         row: usize,
         /// What is wrong.
         problem: &'static str,
+    },
+    /// The delay of an input is no time.
+    #[error("the delay of the input `{input}` is no time: give seconds, at least 0")]
+    Delay {
+        /// The input.
+        input: String,
     },
     /// A static level of dry friction below the sliding level.
     #[error("the static level of `{switch}` is {ratio} times the sliding level: it must be at least 1")]

@@ -17,6 +17,16 @@ struct ModelSwitch {
     static_ratio: f64,
 }
 
+/// A held input that acts later than it is set.
+#[derive(Debug, Clone)]
+struct Queue {
+    slot: usize,
+    /// The values that act, from when on.
+    table: usize,
+    /// What was set last, until the simulation goes on.
+    set: Option<f64>,
+}
+
 /// A compiled [`System`] with its inputs: a [`Switched`] system.
 ///
 /// Expressions that drive inputs are substituted, with their symbolic derivatives; held values, samples and live numbers
@@ -34,6 +44,12 @@ pub struct Model {
     live: Vec<(String, usize)>,
     sources: Vec<Source>,
     tables: Vec<Samples>,
+    /// By how much each is shifted, s.
+    delays: Vec<f64>,
+    /// What was set of delayed held inputs and has not been given its time yet.
+    queues: Vec<Queue>,
+    /// Whether a time has been entered.
+    entered: bool,
     /// Input and order of derivative of each table.
     tabulated: Vec<(String, u32)>,
     /// The current interval of each table.
@@ -122,6 +138,9 @@ impl Model {
         let mut model = Self {
             n,
             input_names,
+            delays: driven.delays,
+            queues: driven.queues.iter().map(|&(slot, table)| Queue { slot, table, set: None }).collect(),
+            entered: false,
             held: driven.held,
             live: driven.live,
             intervals: vec![0; driven.tables.len()],
@@ -170,7 +189,9 @@ impl Model {
         &self.input_names
     }
 
-    /// Sets all held inputs: one value per input of the model; those of driven inputs are ignored.
+    /// Sets all held inputs: one value per input of the model; those of driven inputs are ignored. Where an input has a
+    /// delay, the value acts that much later than the time at which the simulation goes on; one that is set before it begins
+    /// has been there for ever.
     ///
     /// # Errors
     /// [`InputError::WrongLength`].
@@ -178,15 +199,13 @@ impl Model {
         if u.len() != self.held.len() {
             return Err(InputError::WrongLength { expected: self.held.len(), found: u.len() });
         }
-        for (slot, value) in self.held.iter().zip(u) {
-            if let Some(slot) = slot {
-                self.sources[*slot] = Source::Held(*value);
-            }
+        for (slot, value) in self.held.clone().iter().zip(u) {
+            self.set_slot(*slot, *value);
         }
         Ok(())
     }
 
-    /// Sets one held input; false if there is none of that name.
+    /// Sets one held input, as [`Model::set_inputs`]; false if there is none of that name.
     pub fn set_input(&mut self, name: &str, value: f64) -> bool {
         let slot = self.input_names.iter().position(|n| n == name).and_then(|i| self.held[i]);
         self.set_slot(slot, value)
@@ -212,24 +231,33 @@ impl Model {
     /// ```
     pub fn set_samples(&mut self, input: &str, order: u32, samples: Samples) -> bool {
         let table = self.tabulated.iter().position(|(name, o)| name == input && *o == order);
+        let delay = table.map_or(0.0, |i| self.delays[i]);
         match table.map(|i| &mut self.tables[i]) {
             Some(table) if table.hold == samples.hold => {
-                *table = samples;
+                *table = samples.delayed(delay);
                 true
             }
             _ => false,
         }
     }
 
+    /// By how much the samples of an input act later than they are given, s; 0 for an input that none drive.
+    pub fn samples_delay(&self, input: &str) -> f64 {
+        self.tabulated.iter().position(|(name, _)| name == input).map_or(0.0, |table| self.delays[table])
+    }
+
     fn set_slot(&mut self, slot: Option<usize>, value: f64) -> bool {
         let Some(slot) = slot else {
             return false;
         };
-        self.sources[slot] = Source::Held(value);
+        match self.queues.iter_mut().find(|q| q.slot == slot) {
+            Some(queue) => queue.set = Some(value),
+            None => self.sources[slot] = Source::Held(value),
+        }
         true
     }
 
-    /// The inputs at `t`, as they drive the model in the segment that begins at or before `t`.
+    /// The inputs at `t` after their delays, as they drive the model in the segment that begins at or before `t`.
     pub fn input_values(&mut self, t: f64) -> Vec<f64> {
         self.enter_segment(t);
         let mut values = vec![0.0; self.inputs.n_outputs()];
@@ -341,6 +369,13 @@ impl Switched for Model {
     }
 
     fn enter_segment(&mut self, t: f64) -> f64 {
+        for queue in &mut self.queues {
+            if let Some(value) = queue.set.take() {
+                let from = if self.entered { t + self.delays[queue.table] } else { f64::NEG_INFINITY };
+                self.tables[queue.table].go_on(t, from, value);
+            }
+        }
+        self.entered = true;
         let mut end = f64::INFINITY;
         for (interval, table) in self.intervals.iter_mut().zip(&self.tables) {
             *interval = table.interval(t);

@@ -163,6 +163,7 @@ impl System {
         let (mut chosen, mut others) = self.search()?;
         for candidate in std::iter::once(&mut chosen).chain(&mut others) {
             candidate.carry_ranges(self);
+            candidate.carry_delays(self);
         }
         let system = match chosen.system.clone() {
             Some(system) => system,

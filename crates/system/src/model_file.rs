@@ -7,6 +7,7 @@ use bracketry_symbolic::{Expr, Names, Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
 
 use crate::document::{Document, FileError, Table, Value};
+use crate::input_delay::read_input_delays;
 use crate::static_level::read_static_levels;
 use crate::system::{InputDerivative, InputRange, Parameter, Point, System};
 
@@ -16,8 +17,19 @@ pub const RESERVED: [&str; 20] = [
     "abs", "sign", "min", "max", "unit",
 ];
 
-const KEYS: [&str; 10] =
-    ["name", "states", "inputs", "ranges", "parameters", "definitions", "dynamics", "outputs", "static", "point"];
+const KEYS: [&str; 11] = [
+    "name",
+    "states",
+    "inputs",
+    "ranges",
+    "delays",
+    "parameters",
+    "definitions",
+    "dynamics",
+    "outputs",
+    "static",
+    "point",
+];
 const PARAMETER_KEYS: [&str; 5] = ["value", "unit", "min", "max", "about"];
 
 type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
@@ -146,6 +158,7 @@ impl<'d> Reader<'d> {
             states: self.states,
             inputs: self.inputs,
             input_ranges,
+            input_delays: Vec::new(),
             input_derivatives,
             parameters: self.parameters,
             definitions,
@@ -155,6 +168,7 @@ impl<'d> Reader<'d> {
             point,
         };
         read_static_levels(doc, &table, &plain, &mut system)?;
+        read_input_delays(doc, &table, &mut system)?;
         Ok(system)
     }
 

@@ -30,6 +30,8 @@ struct Plain {
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
     ranges: toml::Table,
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    delays: toml::Table,
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
     parameters: toml::Table,
     dynamics: toml::Table,
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
@@ -81,6 +83,10 @@ impl System {
             let ends = ends.into_iter().filter_map(|(k, v)| Some((k.to_owned(), number(v.as_ref()?)))).collect();
             ranges.insert(self.pool.name(r.input).to_owned(), toml::Value::Table(ends));
         }
+        let delays = self.input_delays.iter().map(|d| {
+            let value = self.pool.number(d.delay).map_or_else(|| text(d.delay), number);
+            (self.pool.name(d.input).to_owned(), value)
+        });
         let static_levels = self.static_levels.iter().map(|level| {
             let components: Vec<String> = level.components.iter().map(|&c| self.pool.text(c)).collect();
             (components.join(", "), text(level.ratio))
@@ -96,6 +102,7 @@ impl System {
             states: self.state_names(),
             inputs: self.input_names(),
             ranges,
+            delays: delays.collect(),
             parameters,
             dynamics: self.state_names().into_iter().zip(self.dynamics.iter().map(|&e| text(e))).collect(),
             outputs: self.outputs.iter().map(|(n, e)| (n.clone(), text(*e))).collect(),

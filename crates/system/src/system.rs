@@ -51,6 +51,15 @@ pub struct InputRange {
     pub max: Option<Rational>,
 }
 
+/// How much later than it is commanded an input acts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputDelay {
+    /// The input.
+    pub input: Symbol,
+    /// Seconds, not negative: an expression of parameters.
+    pub delay: Expr,
+}
+
 /// How far the argument of a sign or unit vector may go before what sticks breaks loose.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StaticLevel {
@@ -61,6 +70,8 @@ pub struct StaticLevel {
 }
 
 /// A control system x' = f(x, u, u', …; p), read from a model file or made by an analysis.
+///
+/// Where inputs have delays, u stands for the delayed input u(t − d), in the equations and in everything said about them.
 ///
 /// Definitions are expanded; parameters stay symbols with exact values.
 #[derive(Clone)]
@@ -76,6 +87,8 @@ pub struct System {
     /// Inputs that do not take all real values. Verdicts at the point respect them; ranks, which any open set of values has in
     /// common, need not.
     pub input_ranges: Vec<InputRange>,
+    /// Inputs that act later than they are commanded.
+    pub input_delays: Vec<InputDelay>,
     /// Input derivatives that occur in the equations, by input and order.
     pub input_derivatives: Vec<InputDerivative>,
     /// The parameters, in order.
@@ -169,6 +182,13 @@ impl System {
         let mut out = [f64::NAN];
         tape.eval(&[], &mut Vec::new(), &mut out);
         (!out[0].is_nan()).then_some(out[0])
+    }
+
+    /// The delay of every input in seconds, parameters at their values; 0 where there is none, `None` where it is no number.
+    pub fn delay_values(&mut self) -> Vec<Option<f64>> {
+        let delay = |s: &Symbol| self.input_delays.iter().find(|d| d.input == *s).map(|d| d.delay);
+        let delays: Vec<Option<Expr>> = self.inputs.iter().map(delay).collect();
+        delays.into_iter().map(|delay| delay.map_or(Some(0.0), |e| self.value(e))).collect()
     }
 
     /// The point as numbers, states and inputs; `None` if the model gives none.

@@ -44,6 +44,7 @@ pub(crate) fn system(
         states,
         inputs,
         input_ranges: Vec::new(),
+        input_delays: Vec::new(),
         static_levels: Vec::new(),
         input_derivatives: Vec::new(),
         parameters,
