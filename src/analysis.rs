@@ -1,5 +1,6 @@
 //! From a model to what its inputs reach: affine form and Lie-algebraic report in one result.
 
+use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 use std::time::Instant;
 
@@ -32,6 +33,9 @@ pub struct Analysis {
     pub inputs: usize,
     /// Whether the model was affine as it stood.
     pub affine: bool,
+    /// Delays of the model's inputs in seconds, where there are any; the rest is about the inputs as they arrive.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub input_delays: BTreeMap<String, f64>,
     /// How it became affine.
     pub affinization: AffinizationReport,
     /// Ranks, growth vectors and verdicts of the affine model.
@@ -82,6 +86,7 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
         states: affine.states.len(),
         inputs: affine.inputs.len(),
         affine: affinization.method == Method::None,
+        input_delays: delays(system),
         affinization: (&affinization).into(),
         summary: String::new(),
         original: system.clone(),
@@ -93,7 +98,17 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     }
     analysis.report.seconds = begin.elapsed().as_secs_f64();
     analysis.summary = analysis.plain_language();
+    if let Some(delays) = analysis.about_delays() {
+        let _ = write!(analysis.summary, " {delays}");
+    }
     Ok(analysis)
+}
+
+/// The inputs that act later than they are commanded, with their delays in seconds.
+fn delays(system: &System) -> BTreeMap<String, f64> {
+    let values = system.clone().delay_values();
+    let named = system.input_names().into_iter().zip(values);
+    named.filter_map(|(name, delay)| Some((name, delay.filter(|d| *d > 0.0)?))).collect()
 }
 
 /// New inputs that can move from their value at the point to one side only, as u² can at u = 0.
@@ -211,6 +226,20 @@ fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization, ori
 }
 
 impl Analysis {
+    /// What delays of inputs change of all this.
+    fn about_delays(&self) -> Option<String> {
+        if self.input_delays.is_empty() {
+            return None;
+        }
+        let list: Vec<String> = self.input_delays.iter().map(|(name, d)| format!("{name} by {d} s")).collect();
+        Some(format!(
+            "Inputs act later than they are commanded ({}). All this is about the inputs as they arrive: what they reach from the \
+             state at which the first command arrives is reached that much later, ranks and dimensions are the same. A \
+             feedback of the state, as for linearisation or stabilisation, would have to know the state that much ahead.",
+            list.join(", ")
+        ))
+    }
+
     /// What the ranks mean, in one paragraph.
     fn plain_language(&self) -> String {
         let n = self.states;

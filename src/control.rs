@@ -75,7 +75,9 @@ pub fn control(problem: &ControlProblem) -> Result<Controlled, ControlError> {
 /// As [`control`].
 pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)) -> Result<Controlled, ControlError> {
     let mut plant_system = problem.plant.clone();
-    let smooth = plant_system.set_valued_form().switches.is_empty();
+    // Delays act within a sample, which is for the simulator too.
+    let delayed = plant_system.delay_values().iter().any(|d| *d != Some(0.0));
+    let smooth = plant_system.set_valued_form().switches.is_empty() && !delayed;
     let mut plant: Box<dyn Plant> = if smooth {
         let dynamics = Box::new(SymbolicDynamics::new(&problem.plant)?);
         Box::new(RungeKuttaPlant::new(dynamics, problem.plant_substeps))
@@ -86,8 +88,13 @@ pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)
     let mut inputs = Inputs::new();
     let applied = &run.closed_loop.u;
     for (i, name) in problem.plant.input_names().iter().enumerate() {
-        let times = run.closed_loop.t[..applied.len()].to_vec();
-        let values = applied.iter().map(|u| u[i]).collect();
+        let mut times = run.closed_loop.t[..applied.len()].to_vec();
+        let mut values: Vec<f64> = applied.iter().map(|u| u[i]).collect();
+        if delayed {
+            // Nothing was commanded before the run.
+            times.insert(0, times.first().copied().unwrap_or(0.0) - problem.ocp.dt);
+            values.insert(0, 0.0);
+        }
         inputs = inputs.samples(name, Samples::new(times, values, Hold::Previous)?);
     }
     let model = Model::new(&problem.plant, &inputs)?;

@@ -7,6 +7,7 @@ use crate::error::MpcError;
 use crate::qp::QpStatus;
 use crate::sqp::SolveStatus;
 use crate::step::{FallbackReason, StepStatus};
+use bracketry_system::System;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -105,7 +106,27 @@ fn readable(value: f64) -> String {
     rounded.to_string()
 }
 
-/// What went wrong in a run, each with its remedy: quantities that are not finite, then samples without a good solution.
+/// What the controller is told of inputs that act later than they are commanded.
+fn note_on_delays(problem: &ControlProblem) -> Option<String> {
+    let longest = |system: &System| system.clone().delay_values().into_iter().flatten().fold(0.0, f64::max);
+    let (plant, model) = (longest(&problem.plant), longest(&problem.system));
+    if plant == 0.0 && model == 0.0 {
+        return None;
+    }
+    let told = match problem.delay_of_inputs() {
+        Ok(samples) if problem.conditions.compensate_delay => samples,
+        _ => 0,
+    };
+    let dt = problem.ocp.dt;
+    Some(format!(
+        "the plant's inputs act up to {} s ({:.2} samples) later than commanded; the controller predicts over {told} samples of it",
+        readable(plant),
+        plant / dt
+    ))
+}
+
+/// What went wrong in a run, each with its remedy: quantities that are not finite, then samples without a good solution; and
+/// what the controller is told of delays.
 pub(super) fn notes(problem: &ControlProblem, run: &ClosedLoop, open_loop_cost: f64) -> Vec<String> {
     let mut notes = Vec::new();
     let place = |k: usize| format!("at sample {k} (t = {} s)", readable(run.t[k]));
@@ -118,6 +139,7 @@ pub(super) fn notes(problem: &ControlProblem, run: &ClosedLoop, open_loop_cost: 
             place(k)
         ));
     }
+    notes.extend(note_on_delays(problem));
     let mut ocp = problem.ocp.clone();
     let mut inputs = run.u.iter().enumerate();
     if let Some((k, _)) = inputs.find(|&(k, u)| !ocp.stage_cost(k, run.t[k], &run.x[k], u).is_finite()) {

@@ -180,6 +180,25 @@ impl ControlProblem {
         })
     }
 
+    /// Samples, rounded, by which the inputs of the controller's model act later than they are commanded.
+    ///
+    /// # Errors
+    /// If they differ from input to input: the controller predicts over one delay.
+    pub(super) fn delay_of_inputs(&self) -> Result<usize, MpcError> {
+        let delays = self.system.clone().delay_values();
+        let mut samples = delays.iter().map(|d| (d.unwrap_or(0.0) / self.ocp.dt).round() as usize);
+        let first = samples.next().unwrap_or(0);
+        match samples.position(|other| other != first) {
+            None => Ok(first),
+            Some(other) => Err(MpcError::Value {
+                what: format!("the delay of the input `{}`", self.system.input_names()[other + 1]),
+                value: delays[other + 1].unwrap_or(0.0),
+                remedy: "the controller predicts over one delay of all inputs; give them the same in whole samples in the \
+                         model, and those of the plant in a model of its own: plant = \"other.toml\"",
+            }),
+        }
+    }
+
     /// Runs the closed loop on a plant.
     ///
     /// # Errors
@@ -200,8 +219,9 @@ impl ControlProblem {
         let (controller, plan, open_loop_cost) = self.controller()?;
         let first = self.first_input();
         let delay = self.conditions.delay;
-        let mut controller: Box<dyn Controller> = if delay > 0 && self.conditions.compensate_delay {
-            Box::new(DelayCompensated::new(controller, self.dynamics()?, delay, &first)?)
+        let known = delay + self.delay_of_inputs()?;
+        let mut controller: Box<dyn Controller> = if known > 0 && self.conditions.compensate_delay {
+            Box::new(DelayCompensated::new(controller, self.dynamics()?, known, &first)?)
         } else {
             controller
         };
