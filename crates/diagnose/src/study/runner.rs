@@ -176,7 +176,9 @@ impl<'a> Runner<'a> {
             let signal = d.signal(self.window.record, self.records);
             // Up to one sample past the window, for straight lines and the value held last.
             let last = self.window.to.min(self.usable.1);
-            let samples = through_path(&self.record.times, signal, (self.usable.0, last), start, delay, lag)
+            // The model's own delay comes on top.
+            let needed = start - self.stepper.system().samples_delay(&d.name);
+            let samples = through_path(&self.record.times, signal, (self.usable.0, last), needed, delay, lag)
                 .map_err(|e| Failure { t: start, reason: e.to_string() })?;
             self.stepper.system_mut().set_samples(&d.name, d.order, samples);
         }
