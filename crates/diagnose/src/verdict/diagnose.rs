@@ -4,13 +4,16 @@ use std::time::Instant;
 
 use bracketry_system::System;
 
+use super::held_out::HeldOut;
 use super::noise::Scatter;
+use super::places::places;
 use super::rivals::{Rivals, rivals};
 use super::search::{Explanation, Search};
-use super::select::{Selection, select};
-use super::{Settings, Stage, length, write};
-use crate::library::candidates;
-use crate::{DiagnoseError, Record, Report};
+use super::select::{Selection, backwards, select};
+use super::unnamed::unnamed;
+use super::{Settings, Stage, write};
+use crate::library::{candidates, dictionary};
+use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
 /// Share of the excess over noise that named causes must explain where structure remains; with less the verdict is that the
 /// data are unexplained.
@@ -18,6 +21,12 @@ const LEAST_EXPLAINED: f64 = 0.5;
 /// A residual without any reproducible cause counts as unexplained if its root mean square exceeds that of the noise by
 /// this factor; below it is coloured noise.
 const COLOURED: f64 = 1.5;
+
+/// Long windows are worth a search if some pair of candidates promises a residual of at most this many times the noise.
+const NEAR_NOISE: f64 = 3.0;
+
+/// Windows that a search uses at most.
+const MOST_WINDOWS: usize = 330;
 
 /// What was found, before it is written down.
 pub(crate) struct Findings {
@@ -52,7 +61,11 @@ pub(crate) enum Ending {
     Unexplained(f64),
 }
 
-/// Finds what `system` gets wrong about `records`.
+/// Finds what `system` gets wrong about `records`; `validate` are records that no fit sees, by which rivals are judged.
+///
+/// Long windows first: where the right causes are among the candidates, noise is all that is left over, and long windows
+/// average it best. Where structure remains, the windows that make the unknowns most certain take their place
+/// ([`Study::with_best_windows`]), and the search begins anew.
 ///
 /// # Errors
 /// Records that do not fit the model, a model that cannot be simulated: [`DiagnoseError`].
@@ -65,26 +78,47 @@ pub fn diagnose(
 ) -> Result<Report, DiagnoseError> {
     let begin = Instant::now();
     progress(Stage::Refit);
-    let (study, fit) = length::study(system, records, settings)?;
     let mut library = candidates(system, records)?;
     library.extend(settings.candidates.iter().cloned());
+    let study = Study::new(system, records, &settings.study)?;
+    let shorter;
+    let mut attempt = Attempt::new(&study, None, &library, settings, progress)?;
+    if attempt.selection.chosen.alarm.p_value < settings.significance && settings.study.window.is_none() {
+        progress(Stage::Refit);
+        let near = attempt.selection.chosen.fit.clone();
+        shorter = study.with_best_windows(&near.effects, Some(&near))?.0;
+        if shorter.windows().len() != study.windows().len() {
+            attempt = Attempt::new(&shorter, Some(&near), &library, settings, progress)?;
+        }
+    }
+    let Attempt { mut search, mut base, selection } = attempt;
     let named: Vec<usize> = (0..library.len()).collect();
-    let mut search = Search::new(&study, library, system.states.len());
-    let base = search.nothing(fit);
-    progress(Stage::Screen { candidates: named.len() });
-    let selection = select(&mut search, &base, &named, settings, progress)?;
-    let Selection { mut chosen, scatter, tests, screened, .. } = selection;
+    let Selection { mut chosen, mut scatter, mut tests, screened } = selection;
     let alarm = base.alarm.p_value.min(screened);
-    if alarm >= settings.significance {
-        let findings = Findings { base, chosen, rivals: Vec::new(), scatter, tests, alarm, ending: Ending::Quiet };
-        return written(system, &mut search, &findings, validate, settings, begin, progress);
-    }
     let mut found = Vec::new();
-    if !chosen.members.is_empty() {
-        progress(Stage::Rivals);
-        found = rivals(&mut search, &mut chosen, &scatter, &named)?;
+    if alarm < settings.significance {
+        let mut among = named;
+        if chosen.alarm.p_value < settings.significance {
+            let terms = search.extend(dictionary(system, records)?);
+            if let Some(better) = unnamed(&mut search, &base, &chosen, &among, &terms, progress)? {
+                (chosen, scatter) = better;
+                tests += terms.len() as f64;
+                among.extend(terms);
+                backwards(&mut search, &mut chosen, &scatter, tests, settings);
+            }
+        }
+        if !chosen.members.is_empty() {
+            progress(Stage::Rivals);
+            let held_out = HeldOut::new(system, validate, search.study, &search.windows, settings)?;
+            found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref())?;
+        }
     }
-    let ending = ending(&base, &chosen, settings);
+    if search.windows.len() < search.study.windows().len() {
+        let every: Vec<usize> = (0..search.study.windows().len()).collect();
+        base.fit = search.study.fit(&[], &every, Some(&base.fit))?;
+        chosen.fit = search.study.fit(&chosen.fit.effects, &every, Some(&chosen.fit))?;
+    }
+    let ending = if alarm < settings.significance { ending(&base, &chosen, settings) } else { Ending::Quiet };
     let findings = Findings { base, chosen, rivals: found, scatter, tests, alarm, ending };
     written(system, &mut search, &findings, validate, settings, begin, progress)
 }
@@ -100,11 +134,62 @@ fn written(
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
     let mut report = write::report(system, search, findings, settings, begin);
+    if report.verdict != Verdict::NothingFound {
+        report.places = places(system, search.study.records(), &findings.base.fit)?;
+    }
     progress(Stage::Gain);
     let (refitted, extended) = (&findings.base.fit, &findings.chosen.fit);
     report.complete(search.study, refitted, extended, validate, &settings.study, settings.seed)?;
     report.seconds = begin.elapsed().as_secs_f64();
     Ok(report)
+}
+
+/// One search, with windows of one length.
+struct Attempt<'a> {
+    search: Search<'a>,
+    base: Explanation,
+    selection: Selection,
+}
+
+impl<'a> Attempt<'a> {
+    fn new(
+        study: &'a Study,
+        near: Option<&Fit>,
+        library: &[Effect],
+        settings: &Settings,
+        progress: &mut dyn FnMut(Stage),
+    ) -> Result<Self, DiagnoseError> {
+        // Only the parameters carry over: windows of another length have other initial states.
+        let start = near.map(|fit| Fit { windows: Vec::new(), ..fit.clone() });
+        let windows = thinned(study.windows().len());
+        let fit = study.fit(&[], &windows, start.as_ref())?;
+        let mut search = Search::new(study, library.to_vec(), windows);
+        let base = search.nothing(fit);
+        progress(Stage::Screen { candidates: library.len() });
+        let named: Vec<usize> = (0..library.len()).collect();
+        let patient = near.is_some() || settings.study.window.is_some();
+        // Three causes at once are left to the windows that suit what remains.
+        let brief = Settings { max_causes: settings.max_causes.min(2), ..settings.clone() };
+        let settings = if patient { settings } else { &brief };
+        let selection = if patient || within_reach(&mut search, &base, &named)? {
+            select(&mut search, &base, &named, settings, progress)?
+        } else {
+            Selection::nothing(&base)
+        };
+        Ok(Self { search, base, selection })
+    }
+}
+
+/// Evenly spread windows out of `count`, for a search that need not see all; the rest serves as held-out data.
+fn thinned(count: usize) -> Vec<usize> {
+    (0..count).step_by(count.div_ceil(MOST_WINDOWS).max(1)).collect()
+}
+
+/// Whether some pair of candidates promises to bring the residual near the noise.
+fn within_reach(search: &mut Search<'_>, base: &Explanation, named: &[usize]) -> Result<bool, DiagnoseError> {
+    let around = search.around(base, named)?;
+    let promised = search.pairs(&around, 1).first().map_or(0.0, |p| p.square);
+    Ok(base.square() - promised < NEAR_NOISE * NEAR_NOISE * base.alarm.floor)
 }
 
 /// How well an explanation does after an alarm.

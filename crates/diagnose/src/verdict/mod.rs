@@ -2,13 +2,15 @@
 
 mod alarm;
 mod diagnose;
-mod length;
+mod held_out;
 mod noise;
+mod places;
 mod precedence;
 mod rivals;
 mod score;
 mod search;
 mod select;
+mod unnamed;
 mod write;
 
 #[cfg(test)]
@@ -68,6 +70,8 @@ pub enum Stage {
     },
     /// Looking for other explanations.
     Rivals,
+    /// Trying terms that have no name.
+    Dictionary,
     /// Measuring what the extended model is worth.
     Gain,
 }
@@ -80,6 +84,7 @@ impl fmt::Display for Stage {
             Stage::Fit { causes: 1 } => f.write_str("fitting one cause"),
             Stage::Fit { causes } => write!(f, "fitting {causes} causes"),
             Stage::Rivals => f.write_str("fitting rivals"),
+            Stage::Dictionary => f.write_str("trying terms without a name"),
             Stage::Gain => f.write_str("measuring the gain"),
         }
     }

@@ -1,6 +1,6 @@
 //! How sure a difference of sums of squares is.
 
-use super::alarm::upper_tail;
+use super::alarm::{Alarm, upper_tail};
 
 /// The scatter by which differences of sums of squares are judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +16,11 @@ pub(crate) struct Scatter {
 }
 
 impl Scatter {
+    /// Of a residual that is taken as white.
+    pub(crate) fn of(alarm: &Alarm) -> Self {
+        Self { variance: alarm.square / alarm.freedom, inflation: 1.0, freedom: alarm.freedom, samples: alarm.freedom }
+    }
+
     /// Decrease of the sum of squares that a useless coefficient brings on average.
     pub(crate) fn unit(&self) -> f64 {
         self.variance * self.inflation

@@ -1,5 +1,6 @@
 //! What else could explain the data as well as a named cause.
 
+use super::held_out::{DIFFERENT, HeldOut};
 use super::noise::Scatter;
 use super::search::{Explanation, Search};
 use super::select::{add, merit, without};
@@ -13,6 +14,8 @@ use crate::DiagnoseError;
 pub(crate) const MARGIN: f64 = 9.0;
 /// The linearised problem may underrate what an exact fit gains by this factor.
 const UNDERRATED: f64 = 0.6;
+/// Most times that a rival takes a cause's place.
+const MOST_SWAPS: usize = 4;
 /// Most exact fits per cause.
 const MOST_FITS: usize = 6;
 
@@ -25,26 +28,42 @@ pub(crate) fn rivals(
     chosen: &mut Explanation,
     scatter: &Scatter,
     among: &[usize],
+    held_out: Option<&HeldOut>,
 ) -> Result<Vec<Rivals>, DiagnoseError> {
     let mut swaps = 0;
     'again: loop {
         let mut all = Vec::new();
         for member in chosen.members.clone() {
             let found = of_one(search, chosen, member, scatter, among)?;
-            let better = found
-                .iter()
-                .map(|(_, e)| e)
-                .filter(|e| merit(search, e, scatter) < merit(search, chosen, scatter))
-                .min_by(|a, b| merit(search, a, scatter).total_cmp(&merit(search, b, scatter)));
+            let limit = chosen.square() + MARGIN * scatter.unit();
+            let mut near = Vec::new();
+            let mut better: Option<Explanation> = None;
+            for (candidate, rival) in found {
+                let mut wins = merit(search, &rival, scatter) < merit(search, chosen, scatter);
+                if let Some(held_out) = held_out
+                    && rival.square() <= limit
+                {
+                    let worse = held_out.worse(&rival, chosen)?;
+                    if worse > DIFFERENT {
+                        continue;
+                    }
+                    wins |= worse < -DIFFERENT;
+                }
+                if wins && better.as_ref().is_none_or(|b| merit(search, &rival, scatter) < merit(search, b, scatter)) {
+                    better = Some(rival.clone());
+                }
+                if rival.square() <= limit {
+                    near.push((candidate, rival));
+                }
+            }
             if let Some(better) = better
-                && swaps < 4
+                && swaps < MOST_SWAPS
             {
-                *chosen = better.clone();
+                *chosen = better;
                 swaps += 1;
                 continue 'again;
             }
-            let limit = chosen.square() + MARGIN * scatter.unit();
-            all.push(found.into_iter().filter(|(_, e)| e.square() <= limit).collect());
+            all.push(near);
         }
         return Ok(all);
     }

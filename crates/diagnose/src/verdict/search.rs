@@ -72,9 +72,17 @@ pub(crate) struct Around {
 }
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(study: &'a Study, candidates: Vec<Effect>, initial: usize) -> Self {
-        let windows = (0..study.windows().len()).collect();
+    /// Fits will be made over `windows` of the study.
+    pub(crate) fn new(study: &'a Study, candidates: Vec<Effect>, windows: Vec<usize>) -> Self {
+        let initial = study.system().states.len();
         Self { study, candidates, windows, initial, known: HashMap::new(), around: HashMap::new() }
+    }
+
+    /// Adds candidates; returns their places.
+    pub(crate) fn extend(&mut self, more: Vec<Effect>) -> Vec<usize> {
+        let from = self.candidates.len();
+        self.candidates.extend(more);
+        (from..self.candidates.len()).collect()
     }
 
     /// The model with nothing added, from its fit.

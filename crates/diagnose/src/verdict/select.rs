@@ -2,7 +2,7 @@
 
 use super::noise::Scatter;
 use super::search::{Explanation, Promise, Search, scatter};
-use super::{Settings, precedence::surprise};
+use super::{Settings, Stage, precedence::surprise};
 use crate::DiagnoseError;
 
 /// Exact fits are made of single candidates that promise at least this share of what the best one promises.
@@ -21,10 +21,15 @@ pub(crate) struct Selection {
     pub(crate) scatter: Scatter,
     /// Number of candidates at their trials that were put against the data.
     pub(crate) tests: f64,
-    /// What single candidates promise around the model without effects, the best first.
-    pub(crate) promises: Vec<Promise>,
     /// Smallest p-value of a single candidate around the model without effects, corrected.
     pub(crate) screened: f64,
+}
+
+impl Selection {
+    /// Nothing selected, nothing tried.
+    pub(crate) fn nothing(base: &Explanation) -> Self {
+        Self { chosen: base.clone(), scatter: Scatter::of(&base.alarm), tests: 1.0, screened: 1.0 }
+    }
 }
 
 /// Adds causes as long as they are significant and matter, one or two at a time.
@@ -33,15 +38,14 @@ pub(crate) fn select(
     base: &Explanation,
     among: &[usize],
     settings: &Settings,
-    progress: &mut dyn FnMut(super::Stage),
+    progress: &mut dyn FnMut(Stage),
 ) -> Result<Selection, DiagnoseError> {
     let around = search.around(base, among)?;
-    let promises = search.singles(&around);
+    let mut promises = search.singles(&around);
     let tests = around.scores.groups.len().max(1) as f64;
-    let mut selection =
-        Selection { chosen: base.clone(), scatter: scatter(base, &around.scores), tests, screened: 1.0, promises };
-    selection.screened = screened(&selection.promises, &selection.scatter, tests);
-    let mut promises = selection.promises.clone();
+    let scatter_at_base = scatter(base, &around.scores);
+    let screened_at_base = screened(&promises, &scatter_at_base, tests);
+    let mut selection = Selection { chosen: base.clone(), scatter: scatter_at_base, tests, screened: screened_at_base };
     while selection.chosen.members.len() < settings.max_causes {
         let room = settings.max_causes - selection.chosen.members.len();
         let still = selection.chosen.alarm.p_value < settings.significance
@@ -49,13 +53,12 @@ pub(crate) fn select(
         if !still || promises.is_empty() {
             break;
         }
-        progress(super::Stage::Fit { causes: selection.chosen.members.len() + 1 });
-        let tried = attempts(search, &selection.chosen, &promises, among, room)?;
-        let Some(next) = best(search, &tried, among)? else { break };
-        let (next, scatter) = next;
+        progress(Stage::Fit { causes: selection.chosen.members.len() + 1 });
+        let tried = attempts(search, &selection, &promises, among, room, settings)?;
+        let Some((next, scatter)) = best(search, &tried, among)? else { break };
         let gained = selection.chosen.square() - next.square();
-        let added = next.coefficients - selection.chosen.coefficients;
-        let size = next.members.len() - selection.chosen.members.len();
+        let added = next.coefficients.saturating_sub(selection.chosen.coefficients);
+        let size = next.members.len().saturating_sub(selection.chosen.members.len());
         let p_value = scatter.p_value(gained, added) * tests.powi(size as i32);
         if p_value > settings.significance || gained < LEAST_SHARE * selection.chosen.alarm.excess() {
             break;
@@ -65,7 +68,8 @@ pub(crate) fn select(
         let around = search.around(&selection.chosen, among)?;
         promises = search.singles(&around);
     }
-    backwards(search, &mut selection, settings);
+    let Selection { chosen, scatter, tests, .. } = &mut selection;
+    backwards(search, chosen, scatter, *tests, settings);
     Ok(selection)
 }
 
@@ -74,24 +78,31 @@ fn screened(promises: &[Promise], scatter: &Scatter, tests: f64) -> f64 {
     promises.iter().map(|p| scatter.p_value(p.square, p.coefficients) * tests).fold(1.0, f64::min)
 }
 
-/// Exact fits of the most promising extensions of `current`.
+/// Exact fits of the most promising extensions of what is chosen.
+///
+/// Pairs are fitted only if they promise significantly more than the best single candidate reaches.
 fn attempts(
     search: &mut Search<'_>,
-    current: &Explanation,
+    selection: &Selection,
     promises: &[Promise],
     among: &[usize],
     room: usize,
+    settings: &Settings,
 ) -> Result<Vec<Explanation>, DiagnoseError> {
+    let current = &selection.chosen;
     let mut tried = Vec::new();
     let top = promises.first().map_or(0.0, |p| p.square);
     for promise in promises.iter().take_while(|p| p.square >= NEAR * top).take(MOST_FITS) {
         tried.extend(add(search, current, promise));
     }
+    let reached = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())).unwrap_or(current).clone();
     if room >= 2 {
         let around = search.around(current, among)?;
-        let reached = tried.iter().map(|e| current.square() - e.square()).fold(top, f64::max);
+        let scatter = Scatter::of(&reached.alarm);
         for promise in search.pairs(&around, MOST_PAIRS) {
-            if promise.square > reached {
+            let more = promise.square - (current.square() - reached.square());
+            let added = (current.coefficients + promise.coefficients).saturating_sub(reached.coefficients);
+            if more > 0.0 && scatter.p_value(more, added) * selection.tests.powi(2) < settings.significance {
                 tried.extend(add(search, current, &promise));
             }
         }
@@ -113,10 +124,15 @@ fn best(
     among: &[usize],
 ) -> Result<Option<(Explanation, Scatter)>, DiagnoseError> {
     let Some(closest) = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())) else { return Ok(None) };
-    let around = search.around(closest, among)?;
-    let scatter = scatter(closest, &around.scores);
-    let chosen = tried.iter().min_by(|a, b| merit(search, a, &scatter).total_cmp(&merit(search, b, &scatter))).cloned();
-    Ok(chosen.map(|e| (e, scatter)))
+    // As if the closest left over white noise; then with the scatter that is there.
+    let first = leading(search, tried, &Scatter::of(&closest.alarm)).unwrap_or(closest);
+    let scatter = scatter(first, &search.around(first, among)?.scores);
+    Ok(leading(search, tried, &scatter).map(|e| (e.clone(), scatter)))
+}
+
+/// The best by its merit.
+pub(crate) fn leading<'e>(search: &Search<'_>, tried: &'e [Explanation], scatter: &Scatter) -> Option<&'e Explanation> {
+    tried.iter().min_by(|a, b| merit(search, a, scatter).total_cmp(&merit(search, b, scatter)))
 }
 
 /// Schwarz's criterion with what names are worth: smaller is better.
@@ -127,26 +143,26 @@ pub(crate) fn merit(search: &Search<'_>, explanation: &Explanation, scatter: &Sc
 }
 
 /// Takes causes out that are not needed once all are there.
-fn backwards(search: &mut Search<'_>, selection: &mut Selection, settings: &Settings) {
-    loop {
-        let chosen = selection.chosen.clone();
-        if chosen.members.len() < 2 {
-            return;
-        }
-        let mut smallest: Option<(f64, Explanation)> = None;
+pub(crate) fn backwards(
+    search: &mut Search<'_>,
+    chosen: &mut Explanation,
+    scatter: &Scatter,
+    tests: f64,
+    settings: &Settings,
+) {
+    while chosen.members.len() > 1 {
+        let mut worst: Option<(f64, Explanation)> = None;
         for &member in &chosen.members {
-            let Some(without) = without(search, &chosen, member) else { continue };
+            let Some(without) = without(search, chosen, member) else { continue };
             let gained = without.square() - chosen.square();
-            let p_value =
-                selection.scatter.p_value(gained, search.candidates[member].coefficients.len()) * selection.tests;
-            let matters = gained >= LEAST_SHARE * without.alarm.excess();
-            let badness = if matters { p_value } else { 1.0_f64.max(p_value) };
-            if badness > settings.significance && smallest.as_ref().is_none_or(|s| badness > s.0) {
-                smallest = Some((badness, without));
+            let p_value = scatter.p_value(gained, search.candidates[member].coefficients.len()) * tests;
+            let needed = p_value <= settings.significance && gained >= LEAST_SHARE * without.alarm.excess();
+            if !needed && worst.as_ref().is_none_or(|w| gained < w.0) {
+                worst = Some((gained, without));
             }
         }
-        let Some((_, without)) = smallest else { return };
-        selection.chosen = without;
+        let Some((_, without)) = worst else { return };
+        *chosen = without;
     }
 }
 

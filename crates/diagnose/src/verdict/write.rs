@@ -10,7 +10,7 @@ use super::search::{Explanation, Search};
 use super::select::without;
 use super::{Settings, rivals::Rivals};
 use crate::report::{Candidate, Evidence, Excess, NamedCause, RefittedParameter, Report, Rival, Value, Verdict};
-use crate::{Cause, Effect, Estimate};
+use crate::{Cause, Effect, Estimate, separating_experiment};
 
 /// Candidates that the report lists.
 const LISTED: usize = 15;
@@ -29,9 +29,13 @@ pub(super) fn report(
     let named = !matches!(findings.ending, Ending::Unexplained(_));
     if named {
         for (&member, rivals) in findings.chosen.members.iter().zip(&findings.rivals) {
-            causes.push(cause(search, findings, member, rivals));
+            causes.push(cause(system, search, findings, member, rivals));
         }
-        causes.extend(parameter_errors(system, findings, &parameters, settings));
+        let room = settings.max_causes.saturating_sub(causes.len());
+        // Beside structure that is not explained, a moved parameter says nothing: it takes what it can of that.
+        if matches!(findings.ending, Ending::Quiet | Ending::Explained) {
+            causes.extend(parameter_errors(system, findings, &parameters, settings).into_iter().take(room));
+        }
     }
     let verdict = match findings.ending {
         Ending::Unexplained(_) => Verdict::Unexplained,
@@ -170,7 +174,7 @@ fn short(value: f64) -> String {
     format!("{value:.4e}").parse::<f64>().map_or_else(|_| value.to_string(), |v| v.to_string())
 }
 
-fn cause(search: &mut Search<'_>, findings: &Findings, member: usize, rivals: &Rivals) -> NamedCause {
+fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: usize, rivals: &Rivals) -> NamedCause {
     let effect = search.candidates[member].clone();
     let chosen = &findings.chosen;
     let rest = without(search, chosen, member);
@@ -209,6 +213,11 @@ fn cause(search: &mut Search<'_>, findings: &Findings, member: usize, rivals: &R
             confusable_with.push(rival.name);
         }
     }
+    let separating = rivals
+        .iter()
+        .find(|(c, _)| search.candidates[*c].cause != name)
+        .map(|(c, _)| separating_experiment(&effect, &search.candidates[*c], system))
+        .unwrap_or_default();
     NamedCause {
         name,
         equation: effect.equation.clone(),
@@ -216,7 +225,7 @@ fn cause(search: &mut Search<'_>, findings: &Findings, member: usize, rivals: &R
         parameters,
         p_value,
         confusable_with,
-        separating_experiment: String::new(),
+        separating_experiment: separating,
         rivals: others,
         share,
         flags,

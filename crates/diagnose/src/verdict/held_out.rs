@@ -1,0 +1,61 @@
+//! Data that no fit has seen.
+
+use bracketry_system::System;
+
+use super::Settings;
+use super::search::Explanation;
+use crate::{DiagnoseError, Record, Study, StudySettings};
+
+/// Two explanations differ on data that no fit has seen if the mean difference over windows is this many standard errors:
+/// one-sided 1 %.
+pub(crate) const DIFFERENT: f64 = 2.33;
+
+/// Records kept apart: parameters and coefficients stay, only initial states are fitted.
+pub(crate) struct HeldOut {
+    study: Study,
+    windows: Vec<usize>,
+}
+
+impl HeldOut {
+    /// The records, cut into windows as long as those of `like`; without records the windows of `like` that are not among
+    /// `seen`; `None` if there are none.
+    pub(crate) fn new(
+        system: &System,
+        records: &[Record],
+        like: &Study,
+        seen: &[usize],
+        settings: &Settings,
+    ) -> Result<Option<Self>, DiagnoseError> {
+        if records.is_empty() {
+            let windows: Vec<usize> = (0..like.windows().len()).filter(|w| !seen.contains(w)).collect();
+            return Ok((!windows.is_empty()).then(|| Self { study: like.clone(), windows }));
+        }
+        let length = like.windows().first().and_then(|w| {
+            let times = &like.records()[w.record].times;
+            Some(times.get(w.to - 1)? - times.get(w.from)?)
+        });
+        let study = Study::new(system, records, &StudySettings { window: length, ..settings.study.clone() })?;
+        let windows = (0..study.windows().len()).collect();
+        Ok(Some(Self { study, windows }))
+    }
+
+    /// By how many standard errors `b` leaves more over than `a`, from the differences by window.
+    pub(crate) fn worse(&self, b: &Explanation, a: &Explanation) -> Result<f64, DiagnoseError> {
+        let of_b = self.study.evaluate(&b.fit, &self.windows)?;
+        let of_a = self.study.evaluate(&a.fit, &self.windows)?;
+        let differences: Vec<f64> = of_b
+            .iter()
+            .zip(&of_a)
+            .filter(|(b, a)| b.count > 0 && a.count == b.count)
+            .map(|(b, a)| b.square - a.square)
+            .collect();
+        let n = differences.len() as f64;
+        if n < 3.0 {
+            return Ok(0.0);
+        }
+        let mean = differences.iter().sum::<f64>() / n;
+        let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let error = (variance / n).sqrt();
+        Ok(if error > 0.0 { mean / error } else { 0.0 })
+    }
+}
