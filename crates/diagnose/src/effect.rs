@@ -95,13 +95,16 @@ pub enum Path {
 pub enum Change {
     /// Terms added to the time derivatives of states, by name of the state.
     Terms(Vec<(String, String)>),
-    /// Every occurrence of an expression in the dynamics of the named states (none: of all) is replaced by another.
+    /// Every occurrence of an expression in the dynamics of the named states (none: of all) is replaced by another; a
+    /// component of a unit vector, as `vx/sqrt(vx^2 + vy^2)`, also where its factors stand apart in a product.
     Substitution {
         /// Names of states whose equations change; empty: all.
         states: Vec<String>,
         /// Pairs: what is replaced, by what.
         pairs: Vec<(String, String)>,
     },
+    /// Several changes of the equations, made one after the other.
+    Several(Vec<Change>),
     /// Something on the way of inputs or measured columns, by name; the one coefficient is its time constant or its offset.
     Path {
         /// What.

@@ -4,6 +4,7 @@ use bracketry_symbolic::{Expr, Names, Pool, Rational, Symbol};
 use bracketry_system::{InputDerivative, Parameter, System};
 use rustc_hash::FxHashMap;
 
+use super::replace::replace_all;
 use crate::effect::{Change, Coefficient, Effect};
 use crate::error::DiagnoseError;
 
@@ -125,39 +126,7 @@ impl Effect {
         let mut changed = system.clone();
         self.add_coefficients(&mut changed)?;
         let mut names = ModelNames::new(&mut changed);
-        match &self.change {
-            Change::Terms(terms) => {
-                for (state, text) in terms {
-                    let row = equation(&changed, state)?;
-                    let term = names.read(&mut changed.pool, text)?;
-                    changed.dynamics[row] = changed.pool.add(changed.dynamics[row], term);
-                }
-            }
-            Change::Substitution { states, pairs } => {
-                let mut map = FxHashMap::default();
-                for (from, to) in pairs {
-                    let from = names.read(&mut changed.pool, from)?;
-                    let to = names.read(&mut changed.pool, to)?;
-                    map.insert(from, to);
-                }
-                let rows: Vec<usize> = if states.is_empty() {
-                    (0..changed.states.len()).collect()
-                } else {
-                    states.iter().map(|s| equation(&changed, s)).collect::<Result<_, _>>()?
-                };
-                let old: Vec<Expr> = rows.iter().map(|&r| changed.dynamics[r]).collect();
-                let new = changed.pool.substitute_all(&old, &map);
-                if old == new {
-                    let text = pairs.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(", ");
-                    return Err(DiagnoseError::NothingReplaced { text });
-                }
-                for (row, e) in rows.into_iter().zip(new) {
-                    changed.dynamics[row] = e;
-                }
-                drop_lost_static_levels(&mut changed);
-            }
-            Change::Path { .. } => {}
-        }
+        change_equations(&self.change, &mut changed, &mut names)?;
         names.register(&mut changed);
         *system = changed;
         Ok(())
@@ -177,6 +146,48 @@ impl Effect {
         }
         Ok(())
     }
+}
+
+fn change_equations(change: &Change, system: &mut System, names: &mut ModelNames) -> Result<(), DiagnoseError> {
+    match change {
+        Change::Terms(terms) => {
+            for (state, text) in terms {
+                let row = equation(system, state)?;
+                let term = names.read(&mut system.pool, text)?;
+                system.dynamics[row] = system.pool.add(system.dynamics[row], term);
+            }
+        }
+        Change::Substitution { states, pairs } => {
+            let mut map = FxHashMap::default();
+            for (from, to) in pairs {
+                let from = names.read(&mut system.pool, from)?;
+                let to = names.read(&mut system.pool, to)?;
+                map.insert(from, to);
+            }
+            let rows: Vec<usize> = if states.is_empty() {
+                (0..system.states.len()).collect()
+            } else {
+                states.iter().map(|s| equation(system, s)).collect::<Result<_, _>>()?
+            };
+            let old: Vec<Expr> = rows.iter().map(|&r| system.dynamics[r]).collect();
+            let new = replace_all(&mut system.pool, &old, &map);
+            if old == new {
+                let text = pairs.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(", ");
+                return Err(DiagnoseError::NothingReplaced { text });
+            }
+            for (row, e) in rows.into_iter().zip(new) {
+                system.dynamics[row] = e;
+            }
+            drop_lost_static_levels(system);
+        }
+        Change::Several(changes) => {
+            for change in changes {
+                change_equations(change, system, names)?;
+            }
+        }
+        Change::Path { .. } => {}
+    }
+    Ok(())
 }
 
 fn equation(system: &System, state: &str) -> Result<usize, DiagnoseError> {

@@ -24,6 +24,8 @@ pub(crate) struct Builder {
     fixed: Probe,
     taken: FxHashSet<String>,
     pub(crate) effects: Vec<Effect>,
+    /// Of each effect with one amplitude: its column at the points in general position.
+    known: Vec<(Cause, Vec<Vec<f64>>)>,
 }
 
 /// A parameter without a typical size yet: an amplitude that vanishes at 0.
@@ -78,7 +80,7 @@ impl Builder {
             .map(|s| system.symbol_name(s).to_owned());
         let taken = symbols.chain(system.definitions.iter().map(|d| d.0.clone())).collect();
         let fixed = Probe::fixed(&system);
-        Builder { system, structure, data, fixed, taken, effects: Vec::new() }
+        Builder { system, structure, data, fixed, taken, effects: Vec::new(), known: Vec::new() }
     }
 
     /// Name of a state.
@@ -165,6 +167,19 @@ impl Builder {
         self.finish(Effect { cause, equation: on, term, coefficients, change }, equation)
     }
 
+    /// Adds an effect that changes the equations in several ways; `term` is for the reader.
+    pub(crate) fn several(
+        &mut self,
+        cause: Cause,
+        equation: usize,
+        term: String,
+        changes: Vec<Change>,
+        coefficients: Vec<Coefficient>,
+    ) -> Result<(), DiagnoseError> {
+        let name = self.state(equation);
+        self.finish(Effect { cause, equation: name, term, coefficients, change: Change::Several(changes) }, equation)
+    }
+
     /// Adds something on the way of signals.
     pub(crate) fn path(&mut self, cause: Cause, path: Path, signals: Vec<String>, term: String, c: Coefficient) {
         let equation = signals.join(", ");
@@ -182,11 +197,15 @@ impl Builder {
         let mut extended = self.system.clone();
         effect.apply(&mut extended)?;
         let columns = columns(&mut extended, &effect);
-        if effect.coefficients.iter().filter(|c| c.role == Role::Amplitude).count() == 1
-            && let Some(column) = columns.iter().flatten().next()
-            && (self.is_parameter(&mut extended, column) || self.is_nothing(&mut extended, column))
-        {
-            return Ok(());
+        if let [column] = &columns.iter().flatten().collect::<Vec<_>>()[..] {
+            let values = self.fixed.values(&mut extended, column);
+            let nothing = values.iter().flatten().all(|v| v.abs() < 1e-12);
+            if nothing || self.is_parameter(&mut extended, &values) || self.is_known(effect.cause, &values) {
+                return Ok(());
+            }
+            if effect.coefficients.len() == 1 {
+                self.known.push((effect.cause, values));
+            }
         }
         let own = self.system.dynamics[row];
         let typical = self.data.rms(&mut self.system, &[own])[0];
@@ -204,8 +223,7 @@ impl Builder {
 
     /// Whether a column is that of a parameter that is not zero, up to a constant factor: to refit the parameter is the
     /// same.
-    fn is_parameter(&self, extended: &mut System, column: &[Expr]) -> bool {
-        let candidate = self.fixed.values(extended, column);
+    fn is_parameter(&self, extended: &mut System, column: &[Vec<f64>]) -> bool {
         let parameters: Vec<Symbol> = self
             .system
             .parameters
@@ -216,13 +234,14 @@ impl Builder {
         parameters.into_iter().any(|p| {
             let rows = extended.dynamics.clone();
             let by: Vec<Expr> = rows.into_iter().map(|f| extended.pool.diff(f, p)).collect();
-            parallel(&candidate, &self.fixed.values(extended, &by))
+            parallel(column, &self.fixed.values(extended, &by))
         })
     }
 
-    /// Whether a column vanishes.
-    fn is_nothing(&self, extended: &mut System, column: &[Expr]) -> bool {
-        self.fixed.values(extended, column).iter().flatten().all(|v| v.abs() < 1e-12)
+    /// Whether an effect of the same cause has this column; for inertial couplings, an effect of any cause.
+    fn is_known(&self, cause: Cause, column: &[Vec<f64>]) -> bool {
+        let rival = |other: Cause| other == cause || cause == Cause::InertialCoupling;
+        self.known.iter().any(|(other, values)| rival(*other) && parallel(column, values))
     }
 }
 

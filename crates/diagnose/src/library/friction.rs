@@ -2,6 +2,7 @@
 
 use bracketry_symbolic::{Expr, Func};
 
+use super::apply::ModelNames;
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
 use super::structure::{Coordinate, Kind};
 use crate::effect::{Cause, Coefficient};
@@ -235,6 +236,10 @@ impl Builder {
             let about = format!("dry friction against {v} relative to that along the other axes, minus 1");
             let coefficient = Coefficient { min: -1.0, ..amplitude(k.clone(), "1", about) };
             let direction = self.text(friction.direction);
+            if let Some(square) = friction.square {
+                self.elliptic(c, square, &k, coefficient)?;
+                continue;
+            }
             self.along(
                 Cause::AnisotropicFriction,
                 c.rate,
@@ -244,5 +249,38 @@ impl Builder {
             )?;
         }
         Ok(())
+    }
+
+    /// An elliptic limit surface: with D = diag(1, …, 1 + k, …) the friction acts along D² v/|D v|, so that dissipation is
+    /// greatest among all forces within the ellipse.
+    fn elliptic(
+        &mut self,
+        c: &Coordinate,
+        square: Expr,
+        k: &str,
+        coefficient: Coefficient,
+    ) -> Result<(), DiagnoseError> {
+        let group: Vec<(usize, Expr)> = self
+            .structure
+            .coordinates
+            .iter()
+            .filter_map(|o| o.friction.as_ref().filter(|f| f.square == Some(square)).map(|f| (o.rate, f.direction)))
+            .collect();
+        let v = self.state(c.rate);
+        let mut names = ModelNames::new(&mut self.system)
+            .with_coefficients(&mut self.system.pool, std::slice::from_ref(&coefficient));
+        let longer = names.read(&mut self.system.pool, &format!("(1 + {k})*{v}"))?;
+        let rate = self.system.pool.sym(self.system.states[c.rate]);
+        let map = std::iter::once((rate, longer)).collect();
+        let pairs = group
+            .into_iter()
+            .map(|(row, direction)| {
+                let new = self.system.pool.substitute(direction, &map);
+                let new = self.text(new);
+                let new = if row == c.rate { format!("(1 + {k})*({new})") } else { new };
+                (self.text(direction), new)
+            })
+            .collect();
+        self.substitution(Cause::AnisotropicFriction, c.rate, v, pairs, vec![coefficient])
     }
 }

@@ -1,11 +1,13 @@
 //! Inertial forces of moving frames, and a tracked point off the centre of mass.
 
-use bracketry_symbolic::Expr;
+use bracketry_symbolic::{Expr, Node, Pool};
+use rustc_hash::FxHashMap;
 
+use super::apply::ModelNames;
 use super::builder::{Builder, amplitude};
 use super::probe::derivative_name;
 use super::structure::{Coordinate, Kind, is_angle};
-use crate::effect::Cause;
+use crate::effect::{Cause, Change};
 use crate::error::DiagnoseError;
 
 /// The rotation of a frame: its angle, rate and acceleration as texts.
@@ -29,6 +31,7 @@ impl Builder {
             }
         }
         self.load_of_other_axes()?;
+        self.existing()?;
         self.com_offset()
     }
 
@@ -183,9 +186,31 @@ impl Builder {
         self.inertial(c, &format!("load_{}_squared", r.name), &direction, &format!("{rate}^2"))
     }
 
-    /// A body in the plane whose tracked point p lies off its centre of mass: p = c + R(φ) d. With f the equations of the
-    /// centre of mass, those of p are, to first order in d,
-    /// p'' = f − Df·(R d, (R d)') + w' ẑ × R d − w² R d.
+    /// Terms of the equations that come from the motion of a frame, in another size: all that a model says of them may be
+    /// a factor off, even of the wrong sign.
+    fn existing(&mut self) -> Result<(), DiagnoseError> {
+        let derivatives: Vec<_> = self.system.input_derivatives.iter().map(|d| d.symbol).collect();
+        for c in self.structure.coordinates.clone() {
+            let row = self.system.dynamics[c.rate];
+            let expanded = self.system.pool.expand(row);
+            for term in summands(&self.system.pool, expanded) {
+                let used = self.system.pool.symbols_of(&[term]);
+                if !used.iter().any(|s| derivatives.contains(s)) {
+                    continue;
+                }
+                let v = self.state(c.rate);
+                let k = self.name("scale", &v);
+                let about = format!("relative change of a term in the equation of {v}: 0 as it stands");
+                let coefficient = amplitude(k.clone(), "1", about);
+                self.along(Cause::InertialCoupling, c.rate, &[(c.rate, term)], &k, vec![coefficient])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A body in the plane whose tracked point p lies off its centre of mass c: p = c + R(phi) d. Where the states are those
+    /// of the tracked point, the equations of c hold at p - R d and v - w z × R d, and
+    /// p'' = c'' + w' z × R d - w² R d.
     fn com_offset(&mut self) -> Result<(), DiagnoseError> {
         let translations: Vec<(usize, usize)> =
             self.structure.translations().filter_map(|c| c.position.map(|q| (q, c.rate))).collect();
@@ -197,46 +222,58 @@ impl Builder {
             .filter_map(|c| c.position.map(|q| (q, c.rate)))
             .collect();
         let ([(x, vx), (y, vy)], [(phi, w)]) = (&translations[..], &turns[..]) else { return Ok(()) };
-        let (x, vx, y, vy, phi, w) = (*x, *vx, *y, *vy, *phi, *w);
-        let (phi_name, w_name) = (self.state(phi), self.state(w));
-        let spin = format!("({})", self.text(self.system.dynamics[w]));
+        let [x_name, y_name, phi_name] = [*x, *y, *phi].map(|i| self.state(i));
+        let [vx_name, vy_name, w_name] = [*vx, *vy, *w].map(|i| self.state(i));
         let k = [self.name("com", "along"), self.name("com", "across")];
-        // R d and its rate for d along and across the body.
         let (cos, sin) = (format!("cos({phi_name})"), format!("sin({phi_name})"));
         let offset = [format!("({}*{cos} - {}*{sin})", k[0], k[1]), format!("({}*{sin} + {}*{cos})", k[0], k[1])];
-        let shift = [
-            (x, format!("-{}", offset[0])),
-            (y, format!("-{}", offset[1])),
-            (vx, format!("{w_name}*{}", offset[1])),
-            (vy, format!("-{w_name}*{}", offset[0])),
-        ];
-        let mut terms = Vec::new();
-        for row in [vx, vy, w] {
-            let mut parts = Vec::new();
-            for (state, by) in &shift {
-                let d = self.system.pool.diff(self.system.dynamics[row], self.system.states[*state]);
-                let d = self.system.pool.simplify(d);
-                if !self.system.pool.is_zero(d) {
-                    parts.push(format!("({})*({by})", self.text(d)));
-                }
-            }
-            if row == vx {
-                parts.push(format!("(-{spin}*{} - {w_name}^2*{})", offset[1], offset[0]));
-            } else if row == vy {
-                parts.push(format!("({spin}*{} - {w_name}^2*{})", offset[0], offset[1]));
-            }
-            if !parts.is_empty() {
-                terms.push((row, parts.join(" + ")));
-            }
-        }
         let coefficient = |name: &String, axis: &str| {
-            let about = format!("position of the tracked point off the centre of mass, {axis} of the body");
+            let about =
+                format!("position of the tracked point off the centre of mass, along the {axis} axis of the body");
             amplitude(name.clone(), "m", about)
         };
-        let coefficients =
-            vec![coefficient(&k[0], "along the first axis"), coefficient(&k[1], "along the second axis")];
-        let term =
-            format!("({}, {}) = centre of mass + R({phi_name})*({}, {})", self.state(x), self.state(y), k[0], k[1]);
-        self.terms(Cause::ComOffset, vx, term, terms, coefficients)
+        let coefficients = vec![coefficient(&k[0], "first"), coefficient(&k[1], "second")];
+        let pairs = vec![
+            (x_name.clone(), format!("({x_name} - {})", offset[0])),
+            (y_name.clone(), format!("({y_name} - {})", offset[1])),
+            (vx_name.clone(), format!("({vx_name} + {w_name}*{})", offset[1])),
+            (vy_name.clone(), format!("({vy_name} - {w_name}*{})", offset[0])),
+        ];
+        let states: Vec<String> = vec![vx_name.clone(), vy_name.clone(), w_name.clone()];
+        // The spin's own equation, seen from the tracked point.
+        let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
+        let mut map = FxHashMap::default();
+        for (from, to) in &pairs {
+            let from = names.read(&mut self.system.pool, from)?;
+            let to = names.read(&mut self.system.pool, to)?;
+            map.insert(from, to);
+        }
+        let spin = self.system.pool.substitute(self.system.dynamics[*w], &map);
+        let spin = self.text(spin);
+        let terms = vec![
+            (vx_name, format!("-({spin})*{} - {w_name}^2*{}", offset[1], offset[0])),
+            (vy_name, format!("({spin})*{} - {w_name}^2*{}", offset[0], offset[1])),
+        ];
+        let rows: Vec<Expr> = [*vx, *vy, *w].iter().map(|&r| self.system.dynamics[r]).collect();
+        let used = self.system.pool.symbols_of(&rows);
+        let shifted = [*x, *y, *vx, *vy].iter().any(|&i| used.contains(&self.system.states[i]));
+        let mut changes = vec![Change::Terms(terms)];
+        if shifted {
+            changes.insert(0, Change::Substitution { states, pairs });
+        }
+        let term = format!("({x_name}, {y_name}) = centre of mass + R({phi_name})*({}, {})", k[0], k[1]);
+        self.several(Cause::ComOffset, *vx, term, changes, coefficients)
+    }
+}
+
+/// The summands of a sum.
+fn summands(pool: &Pool, e: Expr) -> Vec<Expr> {
+    match pool.node(e) {
+        Node::Add(a, b) => {
+            let mut all = summands(pool, a);
+            all.extend(summands(pool, b));
+            all
+        }
+        _ => vec![e],
     }
 }

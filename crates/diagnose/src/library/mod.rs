@@ -9,6 +9,7 @@ mod inertia;
 mod joints;
 mod paths;
 mod probe;
+mod replace;
 mod separate;
 mod structure;
 

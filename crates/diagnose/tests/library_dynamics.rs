@@ -1,0 +1,185 @@
+//! Effects of the library leave the dynamics as they are while their amplitudes vanish, and change them as they say.
+#![allow(clippy::unwrap_used)]
+
+use bracketry_diagnose::{Cause, Change, Effect, Role, candidates, dictionary};
+use bracketry_system::System;
+use bracketry_system::symbolic::{Bindings, Expr, Rational};
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+
+fn model(name: &str) -> System {
+    System::read(format!("{}/../../models/{name}.toml", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// A chain of masses or of rotors with springs, dampers and dry friction drawn at random.
+fn random_model(seed: u64) -> System {
+    let mut random = SmallRng::seed_from_u64(seed);
+    let n = random.random_range(1..=3);
+    let angles = random.random_bool(0.5);
+    let mut text = String::new();
+    let list = |name: &str| (0..n).map(|i| format!("\"{name}{i}\"")).collect::<Vec<_>>().join(", ");
+    let (q, v) = if angles { ("th", "w") } else { ("x", "v") };
+    text += &format!("states = [{}, {}]\ninputs = [{}]\n", list(q), list(v), list("u"));
+    text += "parameters = { m = 0.7, c = 0.2, k = 3, F = 0.4, g = 9.81 }\n[dynamics]\n";
+    for i in 0..n {
+        text += &format!("{q}{i} = \"{v}{i}\"\n");
+        let mut force = format!("u{i}");
+        for (part, often) in [
+            (format!(" - c*{v}{i}"), 0.5),
+            (format!(" - F*sign({v}{i})"), 0.5),
+            (format!(" - k*{q}{i}"), 0.5),
+            (format!(" - k*({q}{i} - {q}{})", (i + 1) % n), if n > 1 { 0.5 } else { 0.0 }),
+            (format!(" - m*g*sin({q}{i})"), if angles { 0.5 } else { 0.0 }),
+        ] {
+            if random.random_bool(often) {
+                force += &part;
+            }
+        }
+        text += &format!("{v}{i} = \"({force})/m\"\n");
+    }
+    System::parse("random", &text).unwrap()
+}
+
+fn models() -> Vec<System> {
+    let names =
+        ["plate_published", "plate_reduced", "plate_point_anisotropic", "cart_pole_friction", "spring_mass_friction"];
+    names.into_iter().map(model).chain((0..6).map(random_model)).collect()
+}
+
+fn library(system: &System) -> Vec<Effect> {
+    let mut effects = candidates(system, &[]).unwrap();
+    effects.extend(dictionary(system, &[]).unwrap());
+    effects
+}
+
+/// The dynamics with some coefficients at other values than the nominal ones, at a point drawn from a seed.
+fn values(system: &System, coefficients: &[(&str, f64)], seed: u64) -> Vec<f64> {
+    let mut system = system.clone();
+    for (name, value) in coefficients {
+        assert!(system.set_parameter(name, Rational::try_from(*value).unwrap()));
+    }
+    let (arguments, dynamics) = (system.arguments(), system.dynamics.clone());
+    let tape = system.compile(&arguments, &dynamics).unwrap();
+    // By name, so that an extended model is asked at the same point.
+    let x: Vec<f64> = arguments
+        .iter()
+        .map(|s| {
+            let bytes = system.symbol_name(*s).bytes().fold(seed, |h, b| h.wrapping_mul(31).wrapping_add(u64::from(b)));
+            SmallRng::seed_from_u64(bytes).random_range(-2.0..2.0)
+        })
+        .collect();
+    let mut out = vec![0.0; dynamics.len()];
+    tape.eval(&x, &mut Vec::new(), &mut out);
+    out
+}
+
+#[test]
+fn effects_vanish_with_their_amplitudes() {
+    for system in models() {
+        for effect in library(&system) {
+            let mut extended = system.clone();
+            effect.apply(&mut extended).unwrap();
+            let zero = extended.pool.int(0);
+            let map = effect
+                .coefficients
+                .iter()
+                .filter(|c| c.role == Role::Amplitude)
+                .map(|c| {
+                    assert_eq!(c.nominal, 0.0);
+                    (extended.pool.var(&c.name), zero)
+                })
+                .collect();
+            let rows = extended.dynamics.clone();
+            let at_zero = extended.pool.substitute_all(&rows, &map);
+            for (new, old) in at_zero.into_iter().zip(&system.dynamics) {
+                let difference = extended.pool.sub(new, *old);
+                let difference = extended.pool.simplify(difference);
+                let exactly = extended.pool.is_zero(difference)
+                    || extended.pool.zero_test(difference, &Bindings::new()).is_zero();
+                assert!(exactly, "{:?} {}: {}", effect.cause, effect.term, extended.pool.text(difference));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_term_is_what_the_equation_gains() {
+    for system in models() {
+        for effect in library(&system) {
+            let Change::Terms(terms) = &effect.change else { continue };
+            // The reader's term is that of the equation which the effect names, if it is written in full.
+            let mut extended = system.clone();
+            effect.apply(&mut extended).unwrap();
+            let Some(row) = extended.state_index(&effect.equation) else { continue };
+            assert!(terms.iter().any(|t| t.0 == effect.equation), "{}", effect.term);
+            let mut alone = extended.clone();
+            let zero = alone.pool.int(0);
+            for d in &mut alone.dynamics {
+                *d = zero;
+            }
+            let written = Effect {
+                coefficients: Vec::new(),
+                change: Change::Terms(vec![(effect.equation.clone(), effect.term.clone())]),
+                ..effect.clone()
+            };
+            if effect.cause == Cause::JointCoupling && effect.coefficients.len() > 1 {
+                continue;
+            }
+            written.apply(&mut alone).unwrap();
+            let at: Vec<(&str, f64)> =
+                effect.coefficients.iter().map(|c| (c.name.as_str(), c.nominal + 0.25 * c.scale.min(1.0))).collect();
+            for seed in 0..3 {
+                let gain = values(&extended, &at, seed)[row] - values(&system, &[], seed)[row];
+                let term = values(&alone, &at, seed)[row];
+                assert!((gain - term).abs() <= 1e-9 * (1.0 + term.abs()), "{}: {gain} {term}", effect.term);
+            }
+        }
+    }
+}
+
+#[test]
+fn replaced_friction_stays_set_valued() {
+    let unit_vectors = |system: &System, effect: &Effect, value: f64| {
+        let mut extended = system.clone();
+        effect.apply(&mut extended).unwrap();
+        let k = extended.pool.var(&effect.coefficients[0].name);
+        let value = extended.pool.rational(Rational::try_from(value).unwrap());
+        let rows: Vec<Expr> = extended.dynamics.clone();
+        extended.dynamics = extended.pool.substitute_all(&rows, &std::iter::once((k, value)).collect());
+        let form = extended.set_valued_form();
+        form.unit_vectors.iter().map(|u| u.switches.len()).collect::<Vec<_>>()
+    };
+    let published = model("plate_published");
+    let effects = candidates(&published, &[]).unwrap();
+    let coupling = effects.iter().find(|e| e.cause == Cause::FrictionCoupling).unwrap();
+    assert_eq!(unit_vectors(&published, coupling, 1.0), [2]);
+    for name in ["plate_reduced", "plate_point_stribeck"] {
+        let system = model(name);
+        let before: Vec<usize> =
+            system.clone().set_valued_form().unit_vectors.iter().map(|u| u.switches.len()).collect();
+        let effects = candidates(&system, &[]).unwrap();
+        let ellipse = effects.iter().find(|e| e.cause == Cause::AnisotropicFriction).unwrap();
+        assert_eq!(unit_vectors(&system, ellipse, 0.25), before, "{name}");
+    }
+}
+
+#[test]
+fn the_centre_of_mass_is_a_change_of_the_frame() {
+    // Of a body whose centre of mass moves freely, a point at (d, 0) on the body moves on a circle about it.
+    let text = r#"
+states = ["x", "y", "phi", "vx", "vy", "w"]
+dynamics = { x = "vx", y = "vy", phi = "w", vx = "0", vy = "0", w = "0" }
+"#;
+    let mut system = System::parse("free", text).unwrap();
+    let effects = candidates(&system, &[]).unwrap();
+    let com = effects.iter().find(|e| e.cause == Cause::ComOffset).unwrap();
+    com.apply(&mut system).unwrap();
+    system.set_parameter(&com.coefficients[0].name, Rational::try_from(0.5).unwrap());
+    let (arguments, dynamics) = (system.arguments(), system.dynamics.clone());
+    let tape = system.compile(&arguments, &dynamics).unwrap();
+    let mut out = vec![0.0; 6];
+    let (phi, w) = (0.3f64, 2.0);
+    tape.eval(&[1.0, 2.0, phi, 0.1, 0.2, w], &mut Vec::new(), &mut out);
+    assert!((out[3] + w * w * 0.5 * phi.cos()).abs() < 1e-12);
+    assert!((out[4] + w * w * 0.5 * phi.sin()).abs() < 1e-12);
+}
