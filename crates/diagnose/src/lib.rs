@@ -19,7 +19,7 @@ pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
 pub use extend::ExtendedModel;
 pub use gain::{Fitted, ForceResidual, HeldOut, Predicted, bootstrap, force_error, force_residuals, measure_gain};
-pub use library::{TIME_INPUT, candidates, dictionary, separating_experiment};
+pub use library::{TIME_INPUT, candidates, dictionary, reference_candidates, separating_experiment};
 pub use read::{
     Audit, Bandwidth, ColumnAudit, Noise, RecordSettings, SmoothingSpline, Warning, estimate_noise, read_record, smooth,
 };

@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use bracketry_diagnose::{Cause, Effect, candidates, dictionary, separating_experiment};
+use bracketry_diagnose::{Cause, Effect, candidates, dictionary, reference_candidates, separating_experiment};
 use bracketry_system::System;
 
 fn model(name: &str) -> System {
@@ -139,4 +139,39 @@ fn the_experiment_for_delays_and_lags_names_the_frequency() {
     let sentence = separating_experiment(of(&effects, Cause::ActuatorLag)[0], &delay, &system);
     // 1/(2π · 8 ms) = 19.9 Hz
     assert!(sentence.contains("= 19.9 Hz"), "{sentence}");
+}
+
+#[test]
+fn a_more_complete_model_names_what_the_published_one_lacks() {
+    let (published, reduced) = (model("plate_published"), model("plate_reduced"));
+    let effects = reference_candidates(&published, &reduced).unwrap();
+    assert_eq!(of(&effects, Cause::FrictionCoupling).len(), 1);
+    assert_eq!(of(&effects, Cause::YawFriction).len(), 1);
+    assert_eq!(of(&effects, Cause::YawFriction)[0].equation, "w");
+    let inertial = of(&effects, Cause::InertialCoupling);
+    let in_vy: Vec<&str> = inertial.iter().filter(|e| e.equation == "vy").map(|e| e.term.as_str()).collect();
+    let centrifugal = |t: &&str| t.contains("y*der(theta)^2") || t.contains("der(theta)^2*y");
+    assert_eq!(in_vy.iter().copied().filter(|t| centrifugal(t) && !t.contains("sqrt")).count(), 1, "{in_vy:?}");
+    assert!(!has(&effects, Cause::UnknownTerm));
+    assert!(reference_candidates(&published, &published).unwrap().is_empty());
+    assert!(reference_candidates(&published, &model("cstr")).is_err());
+}
+
+#[test]
+fn laws_of_a_reference_have_their_names() {
+    let text = |law: &str| format!("states = [\"x\", \"v\"]\ninputs = [\"u\"]\n[dynamics]\nx = \"v\"\nv = \"{law}\"\n");
+    let system = System::parse("simple", &text("u")).unwrap();
+    for (law, cause) in [
+        ("u - 0.3*v", Cause::ViscousFriction),
+        ("u - 0.3*sign(v)", Cause::CoulombFriction),
+        ("u - 0.3*exp(-(v/0.1)^2)*sign(v)", Cause::StribeckFriction),
+        ("u - 0.3*abs(v)*v", Cause::QuadraticDrag),
+        ("u - 0.3*x", Cause::LinearStiffness),
+        ("u + 0.3", Cause::ConstantBias),
+        ("u + 0.3*sin(x)*cosh(u)", Cause::UnknownTerm),
+    ] {
+        let reference = System::parse("reference", &text(law)).unwrap();
+        let causes: Vec<Cause> = reference_candidates(&system, &reference).unwrap().iter().map(|e| e.cause).collect();
+        assert_eq!(causes, [cause], "{law}");
+    }
 }

@@ -1,5 +1,5 @@
 //! Effects of the library leave the dynamics as they are while their amplitudes vanish, and change them as they say.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::format_push_string)]
 
 use bracketry_diagnose::{Cause, Change, Effect, Role, candidates, dictionary};
 use bracketry_system::System;
@@ -147,7 +147,9 @@ fn replaced_friction_stays_set_valued() {
         let rows: Vec<Expr> = extended.dynamics.clone();
         extended.dynamics = extended.pool.substitute_all(&rows, &std::iter::once((k, value)).collect());
         let form = extended.set_valued_form();
-        form.unit_vectors.iter().map(|u| u.switches.len()).collect::<Vec<_>>()
+        let mut sizes: Vec<usize> = form.unit_vectors.iter().map(|u| u.switches.len()).collect();
+        sizes.sort_unstable();
+        sizes
     };
     let published = model("plate_published");
     let effects = candidates(&published, &[]).unwrap();

@@ -196,7 +196,7 @@ impl Builder {
     }
 
     /// Per-axis dry friction becomes friction against the direction of the slip.
-    fn coupling(&mut self) -> Result<(), DiagnoseError> {
+    pub(crate) fn coupling(&mut self) -> Result<(), DiagnoseError> {
         let axes: Vec<(usize, Expr)> = self
             .structure
             .translations()

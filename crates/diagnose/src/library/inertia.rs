@@ -267,7 +267,7 @@ impl Builder {
 }
 
 /// The summands of a sum.
-fn summands(pool: &Pool, e: Expr) -> Vec<Expr> {
+pub(crate) fn summands(pool: &Pool, e: Expr) -> Vec<Expr> {
     match pool.node(e) {
         Node::Add(a, b) => {
             let mut all = summands(pool, a);

@@ -9,6 +9,7 @@ mod inertia;
 mod joints;
 mod paths;
 mod probe;
+mod reference;
 mod replace;
 mod separate;
 mod structure;
@@ -16,6 +17,7 @@ mod structure;
 pub use apply::TIME_INPUT;
 pub(crate) use apply::{decimal, parameter};
 pub use dictionary::dictionary;
+pub use reference::reference_candidates;
 pub use separate::separating_experiment;
 
 use bracketry_system::System;

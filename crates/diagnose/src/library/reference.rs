@@ -1,0 +1,201 @@
+//! What a more complete model has and this one lacks.
+
+use bracketry_symbolic::{Expr, Func, Node, Pool, Symbol};
+use bracketry_system::System;
+use rustc_hash::FxHashMap;
+
+use super::builder::{Builder, amplitude, dissipation};
+use super::inertia::summands;
+use super::structure::Kind;
+use super::{builder_for, structure};
+use crate::effect::{Cause, Effect, Role};
+use crate::error::DiagnoseError;
+
+/// The additive terms that the equations of a more complete model have and those of this one lack, each with an amplitude
+/// that is 0 in this model and 1 in the other.
+///
+/// Equations are compared state by state, by name, multiplied out; parameters of the same name and value stay symbols, all
+/// others are numbers. Where the reference has dry friction against the direction of the slip and the model has it on each
+/// axis, that difference is one effect of its own ([`Cause::FrictionCoupling`]), and the rest is compared with the coupled
+/// model. Terms are classified by what they contain: friction against the rate of a rotation that has none is
+/// [`Cause::YawFriction`] (all terms of an equation together), products with rates or with derivatives of inputs are
+/// [`Cause::InertialCoupling`], laws of the own rate or position have their names; the rest is [`Cause::UnknownTerm`].
+///
+/// # Errors
+/// [`DiagnoseError::UnknownName`] if the reference has none of the model's states; otherwise as [`super::candidates`].
+pub fn reference_candidates(system: &System, reference: &System) -> Result<Vec<Effect>, DiagnoseError> {
+    let shared: Vec<String> = system.state_names().into_iter().filter(|n| reference.state_index(n).is_some()).collect();
+    if shared.is_empty() {
+        return Err(DiagnoseError::UnknownName {
+            what: "state of the reference",
+            name: reference.state_names().join(", "),
+            known: system.state_names().join(", "),
+        });
+    }
+    let mut builder = builder_for(system, &[]);
+    let mut theirs = reference.clone();
+    let directed = !theirs.set_valued_form().unit_vectors.is_empty();
+    if directed {
+        couple(&mut builder)?;
+    }
+    let wanted = differences(&mut builder, theirs, &shared);
+    for (row, terms) in wanted {
+        let mut yaw = None;
+        for term in terms {
+            let cause = classify(&mut builder, row, term);
+            if cause == Cause::YawFriction {
+                yaw = Some(match yaw {
+                    Some(sum) => builder.system.pool.add(sum, term),
+                    None => term,
+                });
+                continue;
+            }
+            add(&mut builder, cause, row, term)?;
+        }
+        if let Some(term) = yaw {
+            add(&mut builder, Cause::YawFriction, row, term)?;
+        }
+    }
+    Ok(builder.effects)
+}
+
+fn add(builder: &mut Builder, cause: Cause, row: usize, term: Expr) -> Result<(), DiagnoseError> {
+    let v = builder.state(row);
+    let k = builder.name("missing", &v);
+    let about = format!("1: the equation of {v} has this term of the reference; 0: it has not");
+    let c = match cause {
+        Cause::YawFriction => dissipation(k.clone(), "1", about),
+        _ => amplitude(k.clone(), "1", about),
+    };
+    builder.along(cause, row, &[(row, term)], &k, vec![c])
+}
+
+/// Makes the effect that couples dry friction over its axes, and the change in the model that the rest is compared with.
+fn couple(builder: &mut Builder) -> Result<(), DiagnoseError> {
+    builder.coupling()?;
+    let Some(effect) = builder.effects.last().filter(|e| e.cause == Cause::FrictionCoupling) else { return Ok(()) };
+    let effect = effect.clone();
+    let mut coupled = builder.system.clone();
+    effect.apply(&mut coupled)?;
+    let mut map = FxHashMap::default();
+    for c in effect.coefficients.iter().filter(|c| c.role == Role::Amplitude) {
+        let (name, one) = (coupled.pool.var(&c.name), coupled.pool.int(1));
+        map.insert(name, one);
+    }
+    let rows = coupled.dynamics.clone();
+    coupled.dynamics = coupled.pool.substitute_all(&rows, &map);
+    coupled.parameters.truncate(builder.system.parameters.len());
+    builder.system = coupled;
+    Ok(())
+}
+
+/// The summands of reference minus model, by row of the model.
+fn differences(builder: &mut Builder, mut theirs: System, shared: &[String]) -> Vec<(usize, Vec<Expr>)> {
+    let ours = &mut builder.system;
+    // Parameters that both have at the same value stay symbols.
+    let same: Vec<String> = ours
+        .parameters
+        .iter()
+        .filter(|p| {
+            let name = ours.symbol_name(p.symbol);
+            theirs.parameters.iter().any(|q| theirs.symbol_name(q.symbol) == name && q.value == p.value)
+        })
+        .map(|p| ours.symbol_name(p.symbol).to_owned())
+        .collect();
+    let numbers = |system: &mut System| {
+        let others: Vec<_> = system
+            .parameters
+            .iter()
+            .filter(|p| !same.iter().any(|n| n == system.symbol_name(p.symbol)))
+            .map(|p| (p.symbol, p.value.clone()))
+            .collect();
+        let mut map = FxHashMap::default();
+        for (symbol, value) in others {
+            let (s, v) = (system.pool.sym(symbol), system.pool.rational(value));
+            map.insert(s, v);
+        }
+        let rows = system.dynamics.clone();
+        system.pool.substitute_all(&rows, &map)
+    };
+    let their_rows = numbers(&mut theirs);
+    let our_rows = numbers(ours);
+    let table = theirs.pool.export(&their_rows);
+    // What one pool exports, another can import.
+    let Ok(imported) = ours.pool.import(&table) else { return Vec::new() };
+    let mut all = Vec::new();
+    for name in shared {
+        let (Some(row), Some(other)) = (ours.state_index(name), theirs.state_index(name)) else { continue };
+        let difference = ours.pool.sub(imported[other], our_rows[row]);
+        let difference = ours.pool.expand(difference);
+        if ours.pool.is_zero(difference) {
+            continue;
+        }
+        let terms = summands(&ours.pool, difference);
+        all.push((row, terms));
+    }
+    all
+}
+
+/// The name of a term by what it contains.
+fn classify(builder: &mut Builder, row: usize, term: Expr) -> Cause {
+    let system = &mut builder.system;
+    let used = system.pool.symbols_of(&[term]);
+    let coordinate = builder.structure.coordinates.iter().find(|c| c.rate == row);
+    let rates: Vec<Symbol> = builder.structure.coordinates.iter().map(|c| system.states[c.rate]).collect();
+    let own = system.states[row];
+    let derivatives = used.iter().any(|&s| {
+        !system.states.contains(&s) && !system.inputs.contains(&s) && !system.parameters.iter().any(|p| p.symbol == s)
+    });
+    if let Some(c) = coordinate
+        && c.kind == Kind::Angle
+        && !c.has_dry_friction
+        && used.contains(&own)
+        && opposes(&mut system.pool, term, own)
+    {
+        return Cause::YawFriction;
+    }
+    let moving: Vec<Symbol> =
+        used.iter().copied().filter(|s| !system.parameters.iter().any(|p| p.symbol == *s)).collect();
+    if derivatives || moving.iter().filter(|s| rates.contains(s)).count() > 1 {
+        return Cause::InertialCoupling;
+    }
+    let position = coordinate.and_then(|c| c.position).map(|q| system.states[q]);
+    match moving[..] {
+        [] => Cause::ConstantBias,
+        [s] if s == own => own_rate(&mut system.pool, term, own),
+        [s] if Some(s) == position => {
+            let slope = system.pool.diff(term, s);
+            let slope = system.pool.simplify(slope);
+            if structure::is_constant(system, slope) { Cause::LinearStiffness } else { Cause::UnknownTerm }
+        }
+        [s] if rates.contains(&s) => Cause::InertialCoupling,
+        _ => Cause::UnknownTerm,
+    }
+}
+
+/// Whether a term changes its sign with a rate: friction against it.
+fn opposes(pool: &mut Pool, term: Expr, rate: Symbol) -> bool {
+    let v = pool.sym(rate);
+    let minus = pool.neg(v);
+    let mirrored = pool.substitute(term, &std::iter::once((v, minus)).collect());
+    let sum = pool.add(term, mirrored);
+    let sum = pool.simplify(sum);
+    pool.is_zero(sum)
+}
+
+/// The name of a term that depends on the own rate only.
+fn own_rate(pool: &mut Pool, term: Expr, rate: Symbol) -> Cause {
+    let nodes = pool.reachable(&[term]);
+    let has = |wanted: Func| nodes.iter().any(|&e| matches!(pool.node(e), Node::Call(f, _) if f == wanted));
+    match (has(Func::Exp), has(Func::Sign), has(Func::Abs)) {
+        (true, true, _) => Cause::StribeckFriction,
+        (false, true, false) => Cause::CoulombFriction,
+        (false, _, true) if opposes(pool, term, rate) => Cause::QuadraticDrag,
+        _ if opposes(pool, term, rate) => {
+            let slope = pool.diff(term, rate);
+            let slope = pool.simplify(slope);
+            if pool.depends_on(slope, rate) { Cause::UnknownTerm } else { Cause::ViscousFriction }
+        }
+        _ => Cause::UnknownTerm,
+    }
+}
