@@ -1,7 +1,7 @@
 //! The extended model: the given one with fitted parameters and the effects that were found.
 
 use bracketry_symbolic::{Expr, Symbol};
-use bracketry_system::{InputDerivative, System, WriteError};
+use bracketry_system::{InputDelay, InputDerivative, System, WriteError};
 use rustc_hash::FxHashMap;
 
 use crate::effect::{Change, Effect, Path};
@@ -17,7 +17,7 @@ const EXTRA_DIGITS: i32 = 3;
 pub struct ExtendedModel {
     /// The equations.
     pub system: System,
-    /// What was found on the way of signals and is no part of the equations: delays.
+    /// What was found on the way of signals and is no part of the model: delays of measured columns.
     pub notes: Vec<String>,
 }
 
@@ -26,7 +26,8 @@ impl ExtendedModel {
     /// deviation, which stands in the parameter's description; limits that a fitted value breaks are dropped.
     ///
     /// A lag of an input `u` becomes a state `u_lagged` that the equations use in place of `u` (and its derivatives, by
-    /// `τ u_lagged' = u − u_lagged`), the time a state with derivative 1, an offset of a measured column an output.
+    /// `τ u_lagged' = u − u_lagged`), the time a state with derivative 1, an offset of a measured column an output. A delay of
+    /// an input stands in the model's table of delays, on top of one that it had.
     ///
     /// # Errors
     /// [`DiagnoseError`] for an effect that does not fit the model.
@@ -64,8 +65,8 @@ impl ExtendedModel {
         values: &[Estimate],
     ) -> Result<(), DiagnoseError> {
         let Some(coefficient) = effect.coefficients.first() else { return Ok(()) };
-        if matches!(path, Path::InputDelay | Path::SensorDelay) {
-            let value = values.iter().find(|e| e.name == coefficient.name).map_or(coefficient.nominal, |e| e.value);
+        let value = values.iter().find(|e| e.name == coefficient.name).map_or(coefficient.nominal, |e| e.value);
+        if path == Path::SensorDelay || path == Path::InputDelay && value < 0.0 {
             let what = if path == Path::InputDelay { "input" } else { "measured column" };
             let names = signals.join(", ");
             self.notes.push(format!("a delay of {value:.3e} s of the {what} {names} is no part of these equations"));
@@ -78,10 +79,10 @@ impl ExtendedModel {
             set_fitted(&mut self.system, estimate);
         }
         for name in signals {
-            if path == Path::ActuatorLag {
-                add_lag(&mut self.system, name, symbol)?;
-            } else {
-                add_offset(&mut self.system, name, symbol)?;
+            match path {
+                Path::ActuatorLag => add_lag(&mut self.system, name, symbol)?,
+                Path::InputDelay => add_delay(&mut self.system, name, symbol)?,
+                Path::SensorDelay | Path::SensorBias => add_offset(&mut self.system, name, symbol)?,
             }
         }
         Ok(())
@@ -149,13 +150,28 @@ fn rounded(value: f64, std: f64) -> f64 {
     format!("{value:.digits$e}").parse().unwrap_or(value)
 }
 
-/// Replaces an input by a state that follows it with the time constant `tau`.
-fn add_lag(system: &mut System, input: &str, tau: Symbol) -> Result<(), DiagnoseError> {
-    let index = system.input_index(input).ok_or_else(|| DiagnoseError::UnknownName {
+/// Lets an input act later by the parameter `delay`.
+fn add_delay(system: &mut System, input: &str, delay: Symbol) -> Result<(), DiagnoseError> {
+    let index = input_index(system, input)?;
+    let (input, delay) = (system.inputs[index], system.pool.sym(delay));
+    match system.input_delays.iter_mut().find(|d| d.input == input) {
+        Some(known) => known.delay = system.pool.add(known.delay, delay),
+        None => system.input_delays.push(InputDelay { input, delay }),
+    }
+    Ok(())
+}
+
+fn input_index(system: &System, input: &str) -> Result<usize, DiagnoseError> {
+    system.input_index(input).ok_or_else(|| DiagnoseError::UnknownName {
         what: "input",
         name: input.to_owned(),
         known: system.input_names().join(", "),
-    })?;
+    })
+}
+
+/// Replaces an input by a state that follows it with the time constant `tau`.
+fn add_lag(system: &mut System, input: &str, tau: Symbol) -> Result<(), DiagnoseError> {
+    let index = input_index(system, input)?;
     let name = free_name(system, &format!("{input}_lagged"));
     let pool = &mut system.pool;
     let (input, lagged) = (system.inputs[index], pool.symbol(&name));
