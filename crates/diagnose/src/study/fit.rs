@@ -71,6 +71,8 @@ pub struct Fit {
 pub(super) struct Slot<'a> {
     pub(super) index: usize,
     pub(super) runner: Runner<'a>,
+    /// Whether `start` was fitted before.
+    pub(super) known: bool,
     /// Where the fit of the initial state begins.
     pub(super) start: Vec<f64>,
     /// Mean of the initial state's prior.
@@ -92,6 +94,15 @@ impl Slot<'_> {
     pub(super) fn settle(&mut self, compiled: &Compiled, theta: &[f64], share: f64) {
         let states = States { guess: &self.guess, scales: &self.scales };
         self.state = settle(&mut self.runner, compiled, theta, &self.start, &states, share);
+    }
+
+    /// Takes an initial state that was fitted with the same values of the unknowns, fits it otherwise.
+    pub(super) fn resume(&mut self, compiled: &Compiled, theta: &[f64]) {
+        if self.known {
+            self.state = simulate(&mut self.runner, theta, &self.start);
+        } else {
+            self.settle(compiled, theta, SHARE);
+        }
     }
 
     /// The normal equations with the initial state eliminated.

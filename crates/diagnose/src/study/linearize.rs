@@ -3,9 +3,9 @@
 use super::compiled::{Compiled, Target};
 use super::fit::{Fit, Slot};
 use super::linearization::{Column, Linearization};
-use super::normal::{Point, SHARE, difference, full, sensitivities, step_of};
+use super::normal::{Point, difference, full, sensitivities, step_of};
 use super::runner::Runner;
-use super::{Study, settle_all, theta_of};
+use super::{Study, theta_of};
 use crate::effect::{Coefficient, Effect, Role};
 use crate::error::DiagnoseError;
 use nalgebra::DMatrix;
@@ -82,7 +82,7 @@ impl Study {
         let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &fit.effects)?;
         let theta = theta_of(fit);
         let mut slots = self.slots(&compiled, windows, Some(fit))?;
-        settle_all(&mut slots, &compiled, &theta, SHARE);
+        slots.par_iter_mut().for_each(|slot| slot.resume(&compiled, &theta));
         self.some_window(&slots)?;
         let jacobians: Vec<Option<DMatrix<f64>>> = slots
             .par_iter_mut()

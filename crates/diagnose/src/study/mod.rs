@@ -58,7 +58,7 @@ pub struct StudySettings {
 
 impl Default for StudySettings {
     fn default() -> Self {
-        Self { window: None, fixed: Vec::new(), iterations: 30 }
+        Self { window: None, fixed: Vec::new(), iterations: 15 }
     }
 }
 
@@ -245,6 +245,7 @@ impl Study {
                 Ok(Slot {
                     index,
                     runner,
+                    known: known.is_some(),
                     start: known.unwrap_or_else(|| guessed.clone()),
                     guess: guessed,
                     scales: guess.scales.clone(),

@@ -59,6 +59,7 @@ impl Predictor<'_> {
         let mut slot = Slot {
             index: 0,
             runner,
+            known: false,
             start: start.clone(),
             guess: start,
             scales: guess.scales.clone(),

@@ -90,7 +90,7 @@ impl<'a> Runner<'a> {
         let model = compiled.models[window.record].clone();
         let t0 = record.times[window.from];
         // The tolerance is far below any noise; a window that takes this many steps per sample is not worth its time.
-        let mut settings = Settings::default().with_tolerance(1e-8, 1e-10);
+        let mut settings = Settings::default().with_tolerance(1e-6, 1e-8);
         settings.max_steps = 10_000;
         let stepper = Stepper::new(model, t0, &vec![0.0; n], &settings)?;
         let schedule = Vec::with_capacity(target.len());

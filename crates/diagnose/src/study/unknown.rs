@@ -5,6 +5,9 @@ use bracketry_system::{Parameter, System};
 
 /// Standard deviation of the prior of a parameter over its nominal value. Weak: it decides only where the data do not.
 const PARAMETER_PRIOR: f64 = 0.5;
+/// A parameter stays within this factor of its value: a refit is a calibration. Windows that are short against the time constants
+/// of a model that is wrong by far are explained best by their initial states alone, with masses beyond all bounds.
+const LARGEST_CHANGE: f64 = 3.0;
 /// Standard deviation of the prior of an effect's amplitude over its scale.
 const AMPLITUDE_PRIOR: f64 = 100.0;
 /// Standard deviation of the prior of an effect's shape over its scale.
@@ -40,10 +43,9 @@ impl Unknown {
         } else {
             (1.0, 1.0)
         };
-        // A parameter of one sign keeps it: masses, frictions, lengths.
         let (min, max) = match nominal.partial_cmp(&0.0) {
-            Some(std::cmp::Ordering::Greater) => (min.max(0.0), max),
-            Some(std::cmp::Ordering::Less) => (min, max.min(0.0)),
+            Some(std::cmp::Ordering::Greater) => (min.max(nominal / LARGEST_CHANGE), max.min(LARGEST_CHANGE * nominal)),
+            Some(std::cmp::Ordering::Less) => (min.max(LARGEST_CHANGE * nominal), max.min(nominal / LARGEST_CHANGE)),
             _ => (min, max),
         };
         Self { name: system.symbol_name(parameter.symbol).to_owned(), nominal, scale, min, max, prior, start: nominal }
