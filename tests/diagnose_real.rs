@@ -1,14 +1,18 @@
-//! Measured data: an electro-mechanical positioning system (EMPS), from parameters that are far off.
+//! Measured data, and logs that look like measured data.
 //!
-//! The data carry no licence and are not part of the repository: they are read from the folder that the environment
+//! EMPS, an electro-mechanical positioning system, is diagnosed from parameters that are far off. Its data carry no licence and are not part of the repository: they are read from the folder that the environment
 //! variable `BRACKETRY_SHARED` names (else `../shared`). Where they are absent the test passes and says so.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 mod common;
+#[path = "../examples/diagnose_lookalikes/plants/mod.rs"]
+#[allow(dead_code)]
+mod plants;
 
 use std::path::PathBuf;
 
-use common::{file, json, scratch};
+use common::{file, json, model, scratch};
+use plants::Plant;
 use serde_json::Value;
 
 /// The model of the publication, with parameters between 30 % and 50 % off.
@@ -37,10 +41,14 @@ fn emps(name: &str) -> Option<String> {
 
 fn cause<'a>(report: &'a Value, names: &[&str]) -> &'a Value {
     let causes = report["causes"].as_array().unwrap();
-    causes.iter().find(|c| names.contains(&c["name"].as_str().unwrap())).unwrap_or_else(|| panic!("{names:?}: {report:#}"))
+    causes
+        .iter()
+        .find(|c| names.contains(&c["name"].as_str().unwrap()))
+        .unwrap_or_else(|| panic!("{names:?}: {report:#}"))
 }
 
 #[test]
+#[ignore = "a minute in the dev profile: cargo test --release --test diagnose_real -- --ignored"]
 fn friction_by_direction_a_delay_and_a_concave_law_are_found_in_measured_data() {
     let (Some(data), Some(pulses)) = (emps("emps_estimation.csv"), emps("emps_validation_pulses.csv")) else { return };
     let dir = scratch("diagnose_emps");
@@ -76,4 +84,25 @@ fn friction_by_direction_a_delay_and_a_concave_law_are_found_in_measured_data() 
     // Mass, and friction at the mean of both ways, as published.
     let refitted = |name: &str| report["parameters"][name]["after"].as_f64().unwrap();
     assert!((refitted("M") / 95.1 - 1.0).abs() < 0.02, "{}", refitted("M"));
+}
+
+#[test]
+fn a_pendulum_needs_both_terms_of_its_friction() {
+    let drawn = Plant::FreePendulum.draw(1);
+    let dir = scratch("diagnose_pendulum");
+    let data = file(&dir, "pendulum.csv", &drawn.data);
+    let report = json(&["diagnose", &model(Plant::FreePendulum.model()), &data, "--json"]);
+    assert_eq!(report["verdict"], "cause_found");
+    let names = |value: &Value| serde_json::from_value::<Vec<String>>(value.clone()).unwrap_or_default();
+    let causes = report["causes"].as_array().unwrap();
+    assert_eq!(causes.len(), drawn.truth.len(), "{report:#}");
+    for hidden in &drawn.truth {
+        let hidden: Vec<String> =
+            hidden.iter().map(|c| serde_json::to_value(c).unwrap().as_str().unwrap().to_owned()).collect();
+        let found = causes.iter().any(|c| {
+            let candidates = names(&c["confusable_with"]);
+            hidden.iter().any(|h| c["name"] == h.as_str() || candidates.contains(h))
+        });
+        assert!(found, "{hidden:?}: {report:#}");
+    }
 }

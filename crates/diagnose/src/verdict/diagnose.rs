@@ -11,7 +11,7 @@ use super::rivals::{Rivals, rivals};
 use super::search::{Explanation, Search};
 use super::select::{Selection, backwards, select};
 use super::unnamed::unnamed;
-use super::{Settings, Stage, write};
+use super::{Settings, Stage, periods, write};
 use crate::library::{candidates, dictionary};
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
@@ -163,10 +163,12 @@ impl<'a> Attempt<'a> {
         let start = near.map(|fit| Fit { windows: Vec::new(), ..fit.clone() });
         let windows = thinned(study.windows().len());
         let fit = study.fit(&[], &windows, start.as_ref())?;
-        let mut search = Search::new(study, library.to_vec(), windows);
-        let base = search.nothing(fit);
-        progress(Stage::Screen { candidates: library.len() });
+        let mut library = library.to_vec();
+        periods::tune(study, &fit, &mut library);
         let named: Vec<usize> = (0..library.len()).collect();
+        progress(Stage::Screen { candidates: library.len() });
+        let mut search = Search::new(study, library, windows);
+        let base = search.nothing(fit);
         let patient = near.is_some() || settings.study.window.is_some();
         // Three causes at once are left to the windows that suit what remains.
         let brief = Settings { max_causes: settings.max_causes.min(2), ..settings.clone() };

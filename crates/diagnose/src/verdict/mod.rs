@@ -4,6 +4,7 @@ mod alarm;
 mod diagnose;
 mod held_out;
 mod noise;
+mod periods;
 mod places;
 mod precedence;
 mod rivals;
