@@ -15,8 +15,6 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// Fewest windows: blocks from which scatter is estimated.
 const FEWEST_WINDOWS: f64 = 16.0;
-/// Fewest samples of a window that is tried.
-const SHORTEST: usize = 40;
 /// Differences of the mean log standard deviation below this do not count; the longer window is taken.
 const INDIFFERENT: f64 = 0.03;
 /// Estimates lead on to the next length if they are this much more certain than the prior.
@@ -44,7 +42,7 @@ fn limits(study: &Study) -> (f64, f64) {
             }
         }
     }
-    let fewest = SHORTEST.max(10 * study.system.states.len());
+    let fewest = FEWEST_SAMPLES.max(10 * study.system.states.len());
     let shortest = fewest as f64 * total / f64::max(intervals as f64, 1.0);
     ((total / FEWEST_WINDOWS).min(stretch).max(f64::MIN_POSITIVE), shortest)
 }
