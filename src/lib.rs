@@ -25,7 +25,7 @@ mod scenario;
 pub use affinization::{AffinizationReport, InputChange};
 pub use analysis::{Analysis, AnalysisError, analyze};
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
-pub use diagnosis::{Diagnosis, RankChange, Ranks};
+pub use diagnosis::{Diagnosis, Figure, RankChange, Ranks};
 pub use input_table::SampledScenario;
 pub use plate_move::{Arrival, MoveError, plate_move, target_of};
 pub use plate_run::{
@@ -43,3 +43,7 @@ pub mod tutorial {}
 /// Model-predictive control of a model of one's own, from a problem file and from Rust.
 #[doc = include_str!("../docs/mpc.md")]
 pub mod control_guide {}
+
+/// From measured data to the named cause: a guide.
+#[doc = include_str!("../docs/diagnose.md")]
+pub mod diagnose_guide {}

@@ -2,15 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use bracketry::Diagnosis;
 use bracketry::diagnose::{
     Audit, Record, RecordSettings, Report, Settings, StudySettings, Verdict, diagnose, read_record,
+    reference_candidates,
 };
 use bracketry::sim::Hold;
 use bracketry::system::System;
 use clap::Args;
 
-use super::output::{folder, json, line, print, spinner, write};
+use super::output::{figure, folder, json, line, print, spinner, write};
 use super::simulate::HoldArg;
 use super::{Outcome, OutputArgs};
 
@@ -34,6 +36,9 @@ pub(crate) struct DiagnoseArgs {
     /// Names of columns in the model, as force=u
     #[arg(long, value_name = "COLUMN=NAME,…", value_delimiter = ',', value_parser = renaming)]
     rename: Vec<(String, String)>,
+    /// Another model of the same system: terms of its equations that MODEL lacks become candidates
+    #[arg(long, value_name = "MODEL2")]
+    reference: Option<PathBuf>,
     /// Most causes that are named together
     #[arg(long, value_name = "N", default_value_t = Settings::default().max_causes)]
     max_causes: usize,
@@ -72,6 +77,11 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Ou
         study: StudySettings { window: args.window, fixed: args.fix.clone(), ..StudySettings::default() },
         max_causes: args.max_causes,
         seed: args.seed,
+        candidates: match &args.reference {
+            Some(path) => reference_candidates(&system, &System::read(path)?)
+                .with_context(|| format!("--reference {}", path.display()))?,
+            None => Vec::new(),
+        },
         ..Settings::default()
     };
     let mut report =
@@ -123,5 +133,11 @@ fn read(paths: &[PathBuf], system: &System, settings: &RecordSettings) -> anyhow
 fn write_files(dir: &Path, diagnosis: &Diagnosis) -> anyhow::Result<()> {
     folder(dir)?;
     write(&dir.join("diagnosis.json"), &json(diagnosis)?)?;
-    write(&dir.join("diagnosis.txt"), &diagnosis.to_string())
+    write(&dir.join("diagnosis.txt"), &diagnosis.to_string())?;
+    let figures = diagnosis.figures();
+    write(&dir.join("diagnosis.html"), &diagnosis.page(&figures))?;
+    for f in figures {
+        figure(f.drawing, &dir.join(f.name));
+    }
+    Ok(())
 }

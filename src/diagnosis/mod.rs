@@ -1,6 +1,9 @@
 //! A diagnosis with what only the whole of the library can add: what the extended model changes in the analysis, figures,
 //! and the report as a page.
 
+mod figures;
+mod mathml;
+mod page;
 mod ranks;
 
 use std::fmt;
@@ -9,6 +12,7 @@ use bracketry_diagnose::Report;
 use bracketry_system::System;
 use serde::Serialize;
 
+pub use figures::Figure;
 pub use ranks::{RankChange, Ranks};
 
 /// A diagnosis and what follows from it.

@@ -1,0 +1,232 @@
+//! What was found, in pictures.
+
+use bracketry_diagnose::{ForceResidual, HeldOut, Predicted};
+use bracketry_plot::{BarChart, Color, Dash, Drawing, IntervalChart, Panel, PlotError, Series, TimeSeries, XyChart};
+
+use super::Diagnosis;
+
+/// Names of the models in legends.
+const MODELS: [&str; 3] = ["as given", "refitted", "extended"];
+/// Measured columns that a figure has room for.
+const MOST_COLUMNS: usize = 4;
+/// Candidates that the ranking has room for.
+const MOST_CANDIDATES: usize = 12;
+/// Points of a cloud, per model.
+const CLOUD: usize = 700;
+/// Share of the values at each end that may lie outside the frame.
+const OUTERMOST: f64 = 0.02;
+/// Bins of a mean over the cloud.
+const BINS: usize = 24;
+/// Fewest points of a bin.
+const FEWEST: usize = 5;
+
+/// A figure of a diagnosis.
+pub struct Figure {
+    /// Name of its files, without ending.
+    pub name: String,
+    /// What it shows.
+    pub caption: String,
+    /// The figure, or why it cannot be drawn.
+    pub drawing: Result<Drawing, PlotError>,
+}
+
+impl Diagnosis {
+    /// The figures that the findings allow.
+    pub fn figures(&self) -> Vec<Figure> {
+        let mut figures = Vec::new();
+        if let Some(held_out) = &self.report.evidence.held_out {
+            figures.extend(prediction(held_out));
+            figures.extend(forces(held_out));
+        }
+        figures.extend(self.places());
+        figures.extend(self.ranking());
+        figures.extend(self.gain());
+        figures
+    }
+
+    fn places(&self) -> Option<Figure> {
+        let places = &self.report.places;
+        if places.is_empty() {
+            return None;
+        }
+        let names = places.iter().map(|p| format!("{}: {}", p.equation, p.regime));
+        let shares: Vec<f64> = places.iter().map(|p| 100.0 * p.share).collect();
+        let chart = BarChart::new("share of the excess error [%]", names).series("refitted model", shares);
+        Some(Figure {
+            name: "where".to_owned(),
+            caption: "Where the model with refitted parameters is wrong.".to_owned(),
+            drawing: chart.title("Where the refitted model is wrong").draw(),
+        })
+    }
+
+    fn ranking(&self) -> Option<Figure> {
+        let candidates = &self.report.candidates;
+        if candidates.is_empty() {
+            return None;
+        }
+        let rivals: Vec<_> = self.report.causes.iter().flat_map(|c| &c.rivals).collect();
+        let mut chart = IntervalChart::new("share of the excess error that it takes away alone [%]");
+        for c in candidates.iter().take(MOST_CANDIDATES) {
+            let rival = rivals.iter().any(|r| r.name == c.name && r.equation == c.equation && r.term == c.term);
+            let category = if c.chosen {
+                "named"
+            } else if rival {
+                "cannot be told apart from a named one"
+            } else {
+                "tried"
+            };
+            let name = format!("{} in {}", c.name.to_string().replace('_', " "), c.equation);
+            chart = chart.row(name, 100.0 * c.share, c.interval.map(|[a, b]| (100.0 * a, 100.0 * b)), category);
+        }
+        Some(Figure {
+            name: "candidates".to_owned(),
+            caption: "What was tried, each effect alone with all parameters refitted.".to_owned(),
+            drawing: chart.title("Candidates").draw(),
+        })
+    }
+
+    fn gain(&self) -> Option<Figure> {
+        let gain = self.report.gain.as_ref().filter(|g| !g.horizons_s.is_empty())?;
+        let percent = |list: &[f64]| list.iter().map(|v| 100.0 * v).collect::<Vec<_>>();
+        let names = gain.horizons_s.iter().map(|h| format!("{h} s"));
+        let refitted = if gain.before == gain.as_given { None } else { Some(percent(&gain.before)) };
+        let mut chart = BarChart::new("NRMSE [% of the column's standard deviation]", names)
+            .series(MODELS[0], percent(&gain.as_given));
+        if let Some(refitted) = refitted {
+            chart = chart.series(MODELS[1], refitted);
+        }
+        let chart = chart.series(MODELS[2], percent(&gain.after)).category_label("prediction horizon");
+        Some(Figure {
+            name: "gain".to_owned(),
+            caption: "Error of predictions on held-out data: the state is estimated from the past, then the model runs alone."
+                .to_owned(),
+            drawing: chart.title("Prediction error on held-out data").draw(),
+        })
+    }
+}
+
+/// A typical prediction: the one whose error with the refitted model is the median.
+fn prediction(held_out: &HeldOut) -> Option<Figure> {
+    let error = |p: &Predicted| {
+        let record = &held_out.records[p.record];
+        let of = |(c, column): (usize, &Vec<f64>)| {
+            let measured = &record.measured[c].values[p.start..p.start + column.len()];
+            let pairs = column.iter().zip(measured).filter(|(_, y)| y.is_finite());
+            let squares: f64 = pairs.map(|(s, y)| (s - y).powi(2)).sum();
+            squares / record.measured[c].noise.powi(2)
+        };
+        p.columns[1].iter().enumerate().map(of).sum::<f64>()
+    };
+    let longest = held_out.predicted.iter().filter_map(|p| p.columns[0].first().map(Vec::len)).max()?;
+    let mut whole: Vec<(f64, &Predicted)> = held_out
+        .predicted
+        .iter()
+        .filter(|p| p.columns[0].first().is_some_and(|c| c.len() == longest))
+        .map(|p| (error(p), p))
+        .collect();
+    whole.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (_, p) = whole.get(whole.len() / 2)?;
+    let record = &held_out.records[p.record];
+    let times = &record.times[p.start..p.start + longest];
+    let mut chart = TimeSeries::new().title("A typical prediction on held-out data, and what it misses");
+    for (c, m) in record.measured.iter().take(MOST_COLUMNS).enumerate() {
+        let known: Vec<usize> = (0..longest).filter(|k| m.values[p.start + k].is_finite()).collect();
+        let at = |f: &dyn Fn(usize) -> f64| known.iter().map(|&k| f(k)).collect::<Vec<f64>>();
+        let t = at(&|k| times[k]);
+        let line = |model: usize, y: Vec<f64>| {
+            let series = Series::new(MODELS[model], t.clone(), y).color(Color::series(model));
+            if model == 1 { series.dash(Dash::Dashed) } else { series }
+        };
+        let measured = Series::new("measured", t.clone(), at(&|k| m.values[p.start + k])).color(Color::INK);
+        let mut above = Panel::new(m.name.clone()).series(measured);
+        let mut below = Panel::new(format!("{}: measured − predicted", m.name));
+        for model in [1, 2] {
+            let predicted = &p.columns[model][c];
+            above = above.series(line(model, at(&|k| predicted[k])));
+            below = below.series(line(model, at(&|k| m.values[p.start + k] - predicted[k])));
+        }
+        chart = chart.panel(above).panel(below);
+    }
+    let drawing = chart.draw();
+    let caption = format!(
+        "{}: predicted from t = {:.3} s on, the state there estimated from the samples before; of all predictions the one with \
+         the median error.",
+        record.name, times[0]
+    );
+    Some(Figure { name: "prediction".to_owned(), caption, drawing })
+}
+
+/// What the equations leave over, against the state, before and after.
+fn forces(held_out: &HeldOut) -> Vec<Figure> {
+    let mut names: Vec<&str> = held_out.after.iter().map(|r| r.equation.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+        .into_iter()
+        .filter_map(|equation| {
+            let of = |list: &'_ [ForceResidual]| -> Vec<(f64, f64)> {
+                let mine = list.iter().filter(|r| r.equation == equation);
+                mine.flat_map(|r| r.state.iter().copied().zip(r.values.iter().copied())).collect()
+            };
+            let (before, after) = (of(&held_out.before), of(&held_out.after));
+            let first = held_out.after.iter().find(|r| r.equation == equation)?;
+            let what = match &first.input {
+                Some(input) => format!("missing force, in the unit of {input}"),
+                None => format!("missing rate of {equation}"),
+            };
+            let mut panel = Panel::new(what);
+            for (model, points) in [(1, &before), (2, &after)] {
+                let pale = Color::series(model).mix(Color(255, 255, 255), 0.65);
+                let (x, y) = thinned(points);
+                panel = panel.series(Series::new("", x, y).points().color(pale));
+            }
+            for (model, points) in [(1, &before), (2, &after)] {
+                let (x, y) = means(points);
+                panel = panel.series(Series::new(format!("{}, mean", MODELS[model]), x, y).color(Color::series(model)));
+            }
+            if let Some((low, high)) = bulk(&before, &after) {
+                panel = panel.limits(low, high);
+            }
+            let title = format!("What the equation of {equation} leaves over on held-out data");
+            Some(Figure {
+                name: format!("force_{equation}"),
+                caption: format!(
+                    "Measured minus modelled in the equation of {equation}, smoothed to {:.3} Hz: points of the held-out data and \
+                     their mean over {equation}; the outermost 2 % may lie outside the frame.",
+                    first.bandwidth
+                ),
+                drawing: XyChart::new(equation, panel).title(title).draw(),
+            })
+        })
+        .collect()
+}
+
+/// The range that holds all but the outermost values: at rest, what dry friction holds back cannot be told from the data, and
+/// single points lie far off.
+fn bulk(before: &[(f64, f64)], after: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let mut values: Vec<f64> = before.iter().chain(after).map(|p| p.1).collect();
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values.get(((values.len().saturating_sub(1)) as f64 * share) as usize).copied();
+    let (low, high) = (at(OUTERMOST)?, at(1.0 - OUTERMOST)?);
+    let room = 0.3 * (high - low);
+    (room > 0.0).then_some((low - room, high + room))
+}
+
+/// Every n-th point, [`CLOUD`] at most.
+fn thinned(points: &[(f64, f64)]) -> (Vec<f64>, Vec<f64>) {
+    points.iter().step_by(points.len().div_ceil(CLOUD).max(1)).copied().unzip()
+}
+
+/// Means over bins of equal width.
+fn means(points: &[(f64, f64)]) -> (Vec<f64>, Vec<f64>) {
+    let low = points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
+    let high = points.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max);
+    let mut bins = vec![(0.0, 0.0, 0_usize); BINS];
+    for (x, y) in points {
+        let at = ((x - low) / (high - low).max(f64::MIN_POSITIVE) * BINS as f64) as usize;
+        let bin = &mut bins[at.min(BINS - 1)];
+        *bin = (bin.0 + x, bin.1 + y, bin.2 + 1);
+    }
+    let full = bins.into_iter().filter(|b| b.2 >= FEWEST);
+    full.map(|(x, y, n)| (x / n as f64, y / n as f64)).unzip()
+}
