@@ -40,6 +40,9 @@ struct Options {
     /// Sampling, noise, excitation, masses and sizes at random as well.
     #[arg(long)]
     general: bool,
+    /// Length of the windows, s; by default chosen from the data.
+    #[arg(long)]
+    window: Option<f64>,
     /// Diagnose several logs at the same time: quicker as a whole, slower by verdict.
     #[arg(long)]
     parallel: bool,
@@ -79,9 +82,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return export::export(&trials, directory);
     }
     let (begin, done) = (Instant::now(), AtomicU64::new(0));
+    let mut settings = Settings::default();
+    settings.study.window = options.window;
     let run = |trial: &Trial| {
         let start = Instant::now();
-        let outcome = trial.run(&Settings::default());
+        let outcome = trial.run(&settings);
         let row = Row::new(trial, outcome, start.elapsed().as_secs_f64());
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
         eprintln!("{count:4}/{} {:5.0} s  {row}", options.runs, begin.elapsed().as_secs_f64());
