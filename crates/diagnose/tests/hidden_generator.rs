@@ -6,10 +6,6 @@ use bracketry_system::System;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 
-fn every_effect() -> impl Iterator<Item = HiddenEffect> {
-    [HiddenEffect::BASIC, HiddenEffect::FURTHER, HiddenEffect::OUTSIDE].into_iter().flatten()
-}
-
 fn basic(seed: u64) -> Slider {
     Slider::basic(SliderSensors::PositionAndVelocity, &mut StdRng::seed_from_u64(seed))
 }
@@ -55,7 +51,7 @@ fn without_memory(effect: HiddenEffect) -> bool {
 #[test]
 fn momentum_is_what_the_forces_leave() {
     // Between samples at which the slider moves in one direction, m Δv = ∫ (u − F sign v + effect) dt (Simpson's rule for the effect).
-    for (seed, effect) in every_effect().filter(|&e| without_memory(e)).enumerate() {
+    for (seed, effect) in HiddenEffect::all().filter(|&e| without_memory(e)).enumerate() {
         let slider = noiseless(seed as u64);
         let log = slider.run(&[effect], seed as u64).unwrap();
         let (t, u, x, v) = (column(&log, "t"), column(&log, "u"), column(&log, "x"), column(&log, "v"));
@@ -96,7 +92,7 @@ fn it_sticks_exactly_while_friction_holds_the_drive() {
 
 #[test]
 fn effects_have_the_size_that_was_asked_for() {
-    for (seed, effect) in every_effect().enumerate() {
+    for (seed, effect) in HiddenEffect::all().enumerate() {
         for size in [0.1, 0.03] {
             let slider = Slider { size, duration: 4.0, ..noiseless(seed as u64) };
             let log = slider.run(&[effect], seed as u64).unwrap();

@@ -12,9 +12,11 @@ mod trial;
 use bracketry_diagnose::{HiddenEffect, Settings, SliderSensors};
 use clap::Parser;
 use rayon::prelude::*;
-use std::fs;
+use std::fs::File;
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use tally::{Row, table};
 use trial::{Choice, Trial};
@@ -84,19 +86,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (begin, done) = (Instant::now(), AtomicU64::new(0));
     let mut settings = Settings::default();
     settings.study.window = options.window;
+    let file = options.json.as_ref().map(File::create).transpose()?.map(Mutex::new);
     let run = |trial: &Trial| {
         let start = Instant::now();
         let outcome = trial.run(&settings);
         let row = Row::new(trial, outcome, start.elapsed().as_secs_f64());
+        if let Some(file) = &file {
+            writeln!(file.lock().unwrap_or_else(PoisonError::into_inner), "{}", row.json)?;
+        }
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
         eprintln!("{count:4}/{} {:5.0} s  {row}", options.runs, begin.elapsed().as_secs_f64());
-        row
+        Ok(row)
     };
-    let rows: Vec<Row> =
+    let rows: Result<Vec<Row>, std::io::Error> =
         if options.parallel { trials.par_iter().map(run).collect() } else { trials.iter().map(run).collect() };
-    print!("{}", table(&rows));
-    if let Some(path) = &options.json {
-        fs::write(path, rows.iter().map(|row| row.json.to_string() + "\n").collect::<String>())?;
-    }
+    print!("{}", table(&rows?));
     Ok(())
 }

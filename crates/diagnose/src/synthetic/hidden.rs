@@ -60,16 +60,22 @@ impl HiddenEffect {
     /// The effects of the basic trial.
     pub const BASIC: [Self; 5] = [Self::Viscous, Self::Stribeck, Self::Tilt, Self::InputDelay, Self::QuadraticDrag];
     /// Further effects with a name in the library.
-    pub const FURTHER: [Self; 5] = [
+    pub const FURTHER: [Self; 6] = [
         Self::FrictionAsymmetry,
         Self::LinearStiffness,
         Self::CubicStiffness,
         Self::ActuatorLag,
         Self::PeriodicDisturbance,
+        Self::Cogging,
     ];
     /// Effects that have no name in the library.
-    pub const OUTSIDE: [Self; 5] =
-        [Self::PositionDependentFriction, Self::Cogging, Self::CubicDrag, Self::ElasticMass, Self::BristleFriction];
+    pub const OUTSIDE: [Self; 4] =
+        [Self::PositionDependentFriction, Self::CubicDrag, Self::ElasticMass, Self::BristleFriction];
+
+    /// Every effect.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Self::BASIC.into_iter().chain(Self::FURTHER).chain(Self::OUTSIDE)
+    }
 
     /// Its name, as on the command line of the example.
     pub fn name(self) -> &'static str {
@@ -94,7 +100,7 @@ impl HiddenEffect {
 
     /// The effect of that name.
     pub fn from_name(name: &str) -> Option<Self> {
-        [Self::BASIC, Self::FURTHER, Self::OUTSIDE].into_iter().flatten().find(|effect| effect.name() == name)
+        Self::all().find(|effect| effect.name() == name)
     }
 
     /// The cause that a diagnosis should name; none for an effect outside the library.
@@ -109,12 +115,8 @@ impl HiddenEffect {
             Self::LinearStiffness => Some(Cause::LinearStiffness),
             Self::CubicStiffness => Some(Cause::CubicStiffness),
             Self::ActuatorLag => Some(Cause::ActuatorLag),
-            Self::PeriodicDisturbance => Some(Cause::PeriodicDisturbance),
-            Self::PositionDependentFriction
-            | Self::Cogging
-            | Self::CubicDrag
-            | Self::ElasticMass
-            | Self::BristleFriction => None,
+            Self::PeriodicDisturbance | Self::Cogging => Some(Cause::PeriodicDisturbance),
+            Self::PositionDependentFriction | Self::CubicDrag | Self::ElasticMass | Self::BristleFriction => None,
         }
     }
 

@@ -12,7 +12,8 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-/// What may be hidden.
+/// What may be hidden. Tests and examples use some each.
+#[allow(dead_code)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
     /// Nothing.
