@@ -155,7 +155,7 @@ fn replaced_friction_stays_set_valued() {
     let effects = candidates(&published, &[]).unwrap();
     let coupling = effects.iter().find(|e| e.cause == Cause::FrictionCoupling).unwrap();
     assert_eq!(unit_vectors(&published, coupling, 1.0), [2]);
-    for name in ["plate_reduced", "plate_point_stribeck"] {
+    for name in ["plate_reduced", "plate_point_stribeck", "plate_disk"] {
         let system = model(name);
         let before: Vec<usize> =
             system.clone().set_valued_form().unit_vectors.iter().map(|u| u.switches.len()).collect();

@@ -252,7 +252,7 @@ impl Builder {
     }
 
     /// An elliptic limit surface: with D = diag(1, …, 1 + k, …) the friction acts along D² v/|D v|, so that dissipation is
-    /// greatest among all forces within the ellipse.
+    /// greatest among all forces within the ellipse. All components of the unit vector get the new root.
     fn elliptic(
         &mut self,
         c: &Coordinate,
@@ -260,27 +260,17 @@ impl Builder {
         k: &str,
         coefficient: Coefficient,
     ) -> Result<(), DiagnoseError> {
-        let group: Vec<(usize, Expr)> = self
-            .structure
-            .coordinates
-            .iter()
-            .filter_map(|o| o.friction.as_ref().filter(|f| f.square == Some(square)).map(|f| (o.rate, f.direction)))
-            .collect();
         let v = self.state(c.rate);
         let mut names = ModelNames::new(&mut self.system)
             .with_coefficients(&mut self.system.pool, std::slice::from_ref(&coefficient));
         let longer = names.read(&mut self.system.pool, &format!("(1 + {k})*{v}"))?;
         let rate = self.system.pool.sym(self.system.states[c.rate]);
-        let map = std::iter::once((rate, longer)).collect();
-        let pairs = group
-            .into_iter()
-            .map(|(row, direction)| {
-                let new = self.system.pool.substitute(direction, &map);
-                let new = self.text(new);
-                let new = if row == c.rate { format!("(1 + {k})*({new})") } else { new };
-                (self.text(direction), new)
-            })
-            .collect();
+        let stretched = self.system.pool.substitute(square, &std::iter::once((rate, longer)).collect());
+        let (old, new) = (self.text(square), self.text(stretched));
+        let pairs = vec![
+            (format!("{v}/sqrt({old})"), format!("(1 + {k})^2*{v}/sqrt({new})")),
+            (format!("1/sqrt({old})"), format!("1/sqrt({new})")),
+        ];
         self.substitution(Cause::AnisotropicFriction, c.rate, v, pairs, vec![coefficient])
     }
 }
