@@ -4,12 +4,12 @@ use std::time::Instant;
 
 use bracketry_system::System;
 
-use super::held_out::HeldOut;
+use super::held_out::{HeldOut, thinned};
 use super::noise::Scatter;
 use super::places::places;
 use super::rivals::{Rivals, rivals};
 use super::search::{Explanation, Search};
-use super::select::{Selection, backwards, select};
+use super::select::{Selection, backwards, select, without};
 use super::unnamed::unnamed;
 use super::{Settings, Stage, periods, write};
 use crate::library::{candidates, dictionary};
@@ -24,9 +24,6 @@ const COLOURED: f64 = 1.5;
 
 /// Long windows are worth a search if some pair of candidates promises a residual of at most this many times the noise.
 const NEAR_NOISE: f64 = 3.0;
-
-/// Windows that a search uses at most.
-const MOST_WINDOWS: usize = 330;
 
 /// What was found, before it is written down.
 pub(crate) struct Findings {
@@ -111,6 +108,9 @@ pub fn diagnose(
             progress(Stage::Rivals);
             let held_out = HeldOut::new(system, validate, search.study, &search.windows, settings)?;
             found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref())?;
+            if drop_idle(&mut search, &mut chosen, held_out.as_ref())? {
+                found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref())?;
+            }
         }
     }
     if search.windows.len() < search.study.windows().len() {
@@ -121,6 +121,24 @@ pub fn diagnose(
     let ending = if alarm < settings.significance { ending(&base, &chosen, settings) } else { Ending::Quiet };
     let findings = Findings { base, chosen, rivals: found, scatter, tests, alarm, ending };
     written(system, &mut search, &findings, validate, settings, begin, progress)
+}
+
+/// Takes out causes without which held-out data are predicted no worse; says whether there were any.
+fn drop_idle(
+    search: &mut Search<'_>,
+    chosen: &mut Explanation,
+    held_out: Option<&HeldOut>,
+) -> Result<bool, DiagnoseError> {
+    let Some(held_out) = held_out else { return Ok(false) };
+    let mut dropped = false;
+    for member in chosen.members.clone() {
+        let Some(without) = without(search, chosen, member) else { continue };
+        if held_out.worse(&without, chosen)? <= 0.0 {
+            *chosen = without;
+            dropped = true;
+        }
+    }
+    Ok(dropped)
 }
 
 /// The report, with intervals, extended model and gain.
@@ -180,11 +198,6 @@ impl<'a> Attempt<'a> {
         };
         Ok(Self { search, base, selection })
     }
-}
-
-/// Evenly spread windows out of `count`, for a search that need not see all; the rest serves as held-out data.
-fn thinned(count: usize) -> Vec<usize> {
-    (0..count).step_by(count.div_ceil(MOST_WINDOWS).max(1)).collect()
 }
 
 /// Whether some pair of candidates promises to bring the residual near the noise.

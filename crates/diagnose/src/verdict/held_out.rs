@@ -6,6 +6,14 @@ use super::Settings;
 use super::search::Explanation;
 use crate::{DiagnoseError, Record, Study, StudySettings};
 
+/// Windows that a search or a comparison uses at most.
+const MOST_WINDOWS: usize = 330;
+
+/// Evenly spread windows out of `count`, where not all are needed.
+pub(crate) fn thinned(count: usize) -> Vec<usize> {
+    (0..count).step_by(count.div_ceil(MOST_WINDOWS).max(1)).collect()
+}
+
 /// Two explanations differ on data that no fit has seen if the mean difference over windows is this many standard errors:
 /// one-sided 1 %.
 pub(crate) const DIFFERENT: f64 = 2.33;
@@ -27,7 +35,8 @@ impl HeldOut {
         settings: &Settings,
     ) -> Result<Option<Self>, DiagnoseError> {
         if records.is_empty() {
-            let windows: Vec<usize> = (0..like.windows().len()).filter(|w| !seen.contains(w)).collect();
+            let unseen: Vec<usize> = (0..like.windows().len()).filter(|w| !seen.contains(w)).collect();
+            let windows: Vec<usize> = thinned(unseen.len()).into_iter().map(|i| unseen[i]).collect();
             return Ok((!windows.is_empty()).then(|| Self { study: like.clone(), windows }));
         }
         let length = like.windows().first().and_then(|w| {
@@ -35,7 +44,7 @@ impl HeldOut {
             Some(times.get(w.to - 1)? - times.get(w.from)?)
         });
         let study = Study::new(system, records, &StudySettings { window: length, ..settings.study.clone() })?;
-        let windows = (0..study.windows().len()).collect();
+        let windows = thinned(study.windows().len());
         Ok(Some(Self { study, windows }))
     }
 

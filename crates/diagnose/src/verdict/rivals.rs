@@ -17,7 +17,7 @@ const UNDERRATED: f64 = 0.6;
 /// Most times that a rival takes a cause's place.
 const MOST_SWAPS: usize = 4;
 /// Most exact fits per cause.
-const MOST_FITS: usize = 6;
+const MOST_FITS: usize = 8;
 
 /// A cause's rivals: candidate and explanation with it in the cause's place, the best first.
 pub(crate) type Rivals = Vec<(usize, Explanation)>;
@@ -40,9 +40,7 @@ pub(crate) fn rivals(
             let mut better: Option<Explanation> = None;
             for (candidate, rival) in found {
                 let mut wins = merit(search, &rival, scatter) < merit(search, chosen, scatter);
-                if let Some(held_out) = held_out
-                    && rival.square() <= limit
-                {
+                if let Some(held_out) = held_out {
                     let worse = held_out.worse(&rival, chosen)?;
                     if worse > DIFFERENT {
                         continue;

@@ -137,7 +137,8 @@ pub(crate) fn leading<'e>(search: &Search<'_>, tried: &'e [Explanation], scatter
 
 /// Schwarz's criterion with what names are worth: smaller is better.
 pub(crate) fn merit(search: &Search<'_>, explanation: &Explanation, scatter: &Scatter) -> f64 {
-    let names: f64 = explanation.members.iter().map(|&m| surprise(&search.candidates[m])).sum();
+    let measured = search.study.records().first().map_or(0, |r| r.measured.len());
+    let names: f64 = explanation.members.iter().map(|&m| surprise(&search.candidates[m], measured)).sum();
     let unphysical = if explanation.physical { 0.0 } else { scatter.price() };
     scatter.criterion(explanation.square(), explanation.coefficients) + names + unphysical
 }

@@ -10,7 +10,7 @@ use super::search::{Explanation, Search};
 use super::select::without;
 use super::{Settings, rivals::Rivals};
 use crate::report::{Candidate, Evidence, Excess, NamedCause, RefittedParameter, Report, Rival, Value, Verdict};
-use crate::{Cause, Effect, Estimate, separating_experiment};
+use crate::{Cause, Effect, Estimate, Role, separating_experiment};
 
 /// Candidates that the report lists.
 const LISTED: usize = 15;
@@ -238,13 +238,11 @@ fn physical_name(effect: &Effect, estimates: &[&Estimate]) -> (Cause, Vec<String
     let mut name = effect.cause;
     let mut flags = Vec::new();
     for (c, e) in effect.coefficients.iter().zip(estimates) {
-        if f64::from(c.physical_sign) * (e.value - c.nominal) >= 0.0 {
-            continue;
-        }
-        let sign = if c.physical_sign > 0 { "above" } else { "below" };
-        if effect.cause == Cause::StribeckFriction {
-            flags.push(format!("{} is not {sign} {}: friction rises from rest instead of falling", c.name, c.nominal));
-        } else {
+        let moved = e.value - c.nominal;
+        if effect.cause == Cause::StribeckFriction && c.role == Role::Amplitude && moved < 0.0 {
+            flags.push(format!("{} is negative: friction rises from rest instead of falling", c.name));
+        } else if f64::from(c.physical_sign) * moved < 0.0 {
+            let sign = if c.physical_sign > 0 { "above" } else { "below" };
             flags.push(format!("{} is not {sign} {}, as physics wants it", c.name, c.nominal));
             name = Cause::UnknownTerm;
         }
