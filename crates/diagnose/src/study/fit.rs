@@ -186,7 +186,7 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: Vec<f64>
     let mut normals = linearise(slots, compiled, &theta);
     for _ in 0..iterations {
         let cost = slots.iter().map(Slot::cost).sum::<f64>() + penalty(unknowns, &theta);
-        let settled = SETTLED + SHARE * cost;
+        let settled = settled(slots, cost);
         let mut found = None;
         let mut rejected = false;
         while lambda < 1e8 {
@@ -229,6 +229,16 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: Vec<f64>
     let normals = eliminate(slots, &normals);
     let (covariance, unidentified) = uncertainty(&normals, unknowns, slots.first().map_or(0, |s| s.scales.len()));
     Solution { theta, status, covariance, unidentified, normals }
+}
+
+/// A fall of the cost that ends the iteration. What exceeds the noise is the model's error, which stays alike throughout a window: it
+/// says as much as one number per window and column, and a hundredth of such a number does not matter.
+fn settled(slots: &[Slot<'_>], cost: f64) -> f64 {
+    let running = slots.iter().filter(|s| s.state.is_ok());
+    let (count, numbers) = running.fold((0, 0), |(count, numbers), slot| {
+        (count + slot.runner.present.iter().filter(|p| **p).count(), numbers + slot.runner.weights.len())
+    });
+    SETTLED + SHARE * cost + SETTLED * (cost - count as f64).max(0.0) / numbers.max(1) as f64
 }
 
 /// The Jacobian of every window that can be simulated, initial state first; the others are marked.

@@ -7,6 +7,12 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// Standard deviation of the prior of an initial state over its scale: only states that the data do not show feel it.
 const STATE_PRIOR: f64 = 100.0;
+/// Most iterations for an initial state alone.
+const ITERATIONS: usize = 15;
+/// Most of them where the unknowns will move it again.
+const ROUGH_ITERATIONS: usize = 3;
+/// Damping at which steps are too short to be worth another simulation.
+const HOPELESS: f64 = 1e4;
 /// Step of finite differences over the scale.
 const STEP: f64 = 1e-4;
 
@@ -162,7 +168,8 @@ pub(super) fn settle(
     let mut point = simulate(runner, theta, start)?;
     let mut cost = point.square + states.penalty(start);
     let mut lambda = 1e-4;
-    for _ in 0..15 {
+    let iterations = if share > SHARE { ROUGH_ITERATIONS } else { ITERATIONS };
+    for _ in 0..iterations {
         let jacobian = sensitivities(runner, compiled, theta, &point, states.scales, false)?;
         let full = full(runner, &point, &jacobian);
         let settled = SETTLED + share * cost;
@@ -170,7 +177,7 @@ pub(super) fn settle(
             break;
         }
         let mut improved = None;
-        while lambda < 1e8 {
+        while lambda < HOPELESS {
             let Some(eliminated) = Eliminated::new(&full, &point.x0, states, lambda) else { break };
             let step = eliminated.step(&DVector::zeros(0));
             let x0: Vec<f64> = (0..start.len()).map(|i| point.x0[i] + step[i] * states.scales[i]).collect();
