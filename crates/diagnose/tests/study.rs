@@ -240,11 +240,12 @@ fn a_window_that_cannot_be_simulated_is_left_out_and_says_why() {
     assert!(matches!(study.fit(&[], &late, None), Err(DiagnoseError::NoWindow { windows: 4, .. })));
 }
 
-/// Of `a` and `b` the data tell the product alone; `g` is not fitted at all.
+/// Of `a` and `b` the data tell the product alone; gravity is not fitted at all.
 #[test]
 fn parameters_that_the_data_cannot_tell_are_listed() {
-    let model = SLIDER.replace("m = 1.0, c = 1.0", "a = 1.0, b = 1.0, mu = 0.1, g = 9.81");
-    let model = model.replace("(u - c*sign(v))/m", "a*b*u - mu*g*sign(v)");
+    let gravity = "{ value = 9.80665, unit = 'm/s²' }";
+    let model = SLIDER.replace("m = 1.0, c = 1.0", &format!("a = 1.0, b = 1.0, mu = 0.1, fall = {gravity}"));
+    let model = model.replace("(u - c*sign(v))/m", "a*b*u - mu*fall*sign(v)");
     let mut rng = StdRng::seed_from_u64(3);
     let record = log(&system(&model.replace("a = 1.0", "a = 1.2")), 2.0, 500.0, 0.0, 2, 0.01, &mut rng);
     let study = Study::new(&system(&model), &[record], &StudySettings::default()).unwrap();
@@ -260,7 +261,7 @@ fn a_prediction_from_the_fitted_initial_state_follows_the_data() {
     let mut rng = StdRng::seed_from_u64(4);
     let record = log(&system(SLIDER), 2.0, 500.0, 0.0, 2, 0.01, &mut rng);
     let noise: Vec<f64> = record.measured.iter().map(|m| m.noise).collect();
-    let study = Study::new(&system(SLIDER), &[record.clone()], &StudySettings::default()).unwrap();
+    let study = Study::new(&system(SLIDER), std::slice::from_ref(&record), &StudySettings::default()).unwrap();
     let predictor = study.predictor(&study.nominal()).unwrap();
     let first = Window { record: 0, from: 200, to: 300 };
     let x0 = predictor.fit_initial_state(first).unwrap().unwrap();
@@ -281,8 +282,8 @@ fn with_the_right_model_long_windows_are_best() {
     let study = Study::new(&system(SLIDER), &[record], &StudySettings::default()).unwrap();
     let (study, fit) = study.with_best_windows(&[], None).unwrap();
     let lengths = study.window_lengths();
-    assert_eq!(lengths.len(), 2);
-    assert!(lengths[0].uncertainty > lengths[1].uncertainty, "{lengths:?}");
+    assert!(lengths.len() > 1);
+    assert!(lengths.windows(2).all(|w| w[0].uncertainty > w[1].uncertainty), "{lengths:?}");
     assert_eq!(study.windows().len(), 16);
     assert_eq!(fit.windows.len(), 16);
 }

@@ -78,8 +78,7 @@ impl Unknown {
 pub(super) fn is_natural_constant(system: &System, parameter: &Parameter) -> bool {
     let value = parameter.value.to_f64().value();
     let name = system.symbol_name(parameter.symbol);
-    let unit = parameter.unit.as_deref().unwrap_or("").replace([' ', '²'], "");
-    let acceleration =
-        matches!(unit.as_str(), "m/s^2" | "m/s**2" | "m/s2" | "m/s" | "ms^-2" | "m*s^-2") && unit != "m/s";
+    let unit = parameter.unit.as_deref().unwrap_or("").replace(' ', "");
+    let acceleration = matches!(unit.as_str(), "m/s^2" | "m/s**2" | "m/s2" | "m/s²" | "ms^-2" | "m*s^-2");
     (9.7..=9.9).contains(&value) && (name == "g" || acceleration)
 }
