@@ -11,6 +11,10 @@ use rand::{RngExt, SeedableRng};
 use std::error::Error;
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Files written so far: tests run side by side, each log has a file of its own.
+static FILES: AtomicUsize = AtomicUsize::new(0);
 
 /// What may be hidden. Tests and examples use some each.
 #[allow(dead_code)]
@@ -68,7 +72,8 @@ impl Trial {
     /// Diagnoses the log and compares with the truth.
     pub(crate) fn run(&self, settings: &Settings) -> Result<(Report, Score), Box<dyn Error>> {
         let log = self.log()?;
-        let path = std::env::temp_dir().join(format!("hidden_effect_{}_{}.csv", std::process::id(), self.seed));
+        let (process, number) = (std::process::id(), FILES.fetch_add(1, Ordering::Relaxed));
+        let path = std::env::temp_dir().join(format!("hidden_effect_{process}_{number}.csv"));
         fs::write(&path, log.csv())?;
         let report = verdict(&path, &log.model, settings);
         fs::remove_file(&path)?;
