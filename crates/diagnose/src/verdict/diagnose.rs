@@ -95,9 +95,13 @@ pub fn diagnose(
     let mut found = Vec::new();
     if alarm < settings.significance {
         let mut among = named;
-        if chosen.alarm.p_value < settings.significance {
+        let suspicious = chosen.alarm.p_value < settings.significance
+            || chosen.members.len() > 1
+            || chosen.strayed(settings.tolerance) > 0;
+        if suspicious {
             let terms = search.extend(dictionary(system, records)?);
-            if let Some(better) = unnamed(&mut search, &base, &chosen, &among, &terms, progress)? {
+            let lists = (among.as_slice(), terms.as_slice());
+            if let Some(better) = unnamed(&mut search, &base, &chosen, lists, settings, progress)? {
                 (chosen, scatter) = better;
                 tests += terms.len() as f64;
                 among.extend(terms);

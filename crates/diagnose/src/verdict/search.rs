@@ -32,6 +32,16 @@ impl Explanation {
     pub(crate) fn square(&self) -> f64 {
         self.alarm.square
     }
+
+    /// Parameters of the model that had to change by more than `tolerance`, relative to their value.
+    pub(crate) fn strayed(&self, tolerance: f64) -> usize {
+        let parameters = self.fit.values.len() - self.coefficients;
+        (0..parameters)
+            .filter(|i| !self.fit.unidentified.contains(i))
+            .map(|i| &self.fit.values[i])
+            .filter(|e| (e.value - e.nominal).abs() > tolerance * e.nominal.abs())
+            .count()
+    }
 }
 
 /// A set of candidates with what the linearised problem promises.

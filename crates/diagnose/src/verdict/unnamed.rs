@@ -1,9 +1,9 @@
 //! Terms without a name, for what no named cause explains.
 
-use super::Stage;
 use super::noise::Scatter;
 use super::search::{Explanation, Search, scatter};
 use super::select::{add, leading, merit};
+use super::{Settings, Stage};
 use crate::DiagnoseError;
 
 /// What terms without a name must take away: this share of the excess that the named causes leave over.
@@ -14,29 +14,34 @@ const MOST_PAIRS: usize = 2;
 
 /// An explanation with terms among `terms` that is better than the one of named causes, if there is one.
 ///
-/// Tried are up to two terms alone, and one term beside the named causes. Better
-/// means by Schwarz's criterion with the price of terms without a name, and by a substantial share of the excess.
+/// Where named causes leave structure over, up to two terms alone are tried, and one term beside the named causes; better
+/// means by Schwarz's criterion with the price of terms without a name, and by a substantial share of the excess. Where they
+/// leave none, a single term alone may still say the same more simply: several causes that imitate it, or parameters that
+/// had to leave their tolerance for it, are more coefficients than one.
 pub(crate) fn unnamed(
     search: &mut Search<'_>,
     base: &Explanation,
     chosen: &Explanation,
-    named: &[usize],
-    terms: &[usize],
+    (named, terms): (&[usize], &[usize]),
+    settings: &Settings,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Option<(Explanation, Scatter)>, DiagnoseError> {
     progress(Stage::Dictionary);
+    let structured = chosen.alarm.p_value < settings.significance;
     let around = search.around(base, terms)?;
     let mut tried = Vec::new();
     for promise in search.singles(&around).iter().take(MOST_FITS) {
         tried.extend(add(search, base, promise));
     }
-    for promise in search.pairs(&around, MOST_PAIRS) {
-        tried.extend(add(search, base, &promise));
-    }
-    if !chosen.members.is_empty() {
-        let around = search.around(chosen, terms)?;
-        for promise in search.singles(&around).iter().take(MOST_FITS) {
-            tried.extend(add(search, chosen, promise));
+    if structured {
+        for promise in search.pairs(&around, MOST_PAIRS) {
+            tried.extend(add(search, base, &promise));
+        }
+        if !chosen.members.is_empty() {
+            let around = search.around(chosen, terms)?;
+            for promise in search.singles(&around).iter().take(MOST_FITS) {
+                tried.extend(add(search, chosen, promise));
+            }
         }
     }
     let Some(closest) = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())) else { return Ok(None) };
@@ -44,6 +49,7 @@ pub(crate) fn unnamed(
     let scatter = scatter(closest, &around.scores);
     let Some(best) = leading(search, &tried, &scatter).cloned() else { return Ok(None) };
     let substantial = chosen.square() - best.square() >= SUBSTANTIAL * chosen.alarm.excess();
-    let better = merit(search, &best, &scatter) < merit(search, chosen, &scatter);
-    Ok((substantial && better).then_some((best, scatter)))
+    let price = |e: &Explanation| merit(search, e, &scatter) + scatter.price() * e.strayed(settings.tolerance) as f64;
+    let better = price(&best) < price(chosen);
+    Ok(((substantial || !structured) && better).then_some((best, scatter)))
 }
