@@ -1,9 +1,11 @@
 //! What else could explain the data as well as a named cause.
 
+use std::cmp::Ordering;
+
 use super::held_out::{DIFFERENT, HeldOut};
 use super::noise::Scatter;
 use super::search::{Explanation, Search};
-use super::select::{add, merit, without};
+use super::select::{LEAST_SHARE, add, merit, without};
 use crate::DiagnoseError;
 
 /// A rival stays if its sum of squares exceeds the chosen one's by less than this many units of scatter.
@@ -23,6 +25,10 @@ const MOST_FITS: usize = 8;
 pub(crate) type Rivals = Vec<(usize, Explanation)>;
 
 /// Puts each other candidate in the place of each cause; where one turns out better, the explanation changes.
+///
+/// Better is what has the better merit, or predicts held-out data better. Of two with as many causes the one with fewer
+/// coefficients is preferred unless the other takes away a substantial share of what it leaves over beyond noise: where
+/// structure remains that no cause explains, a further coefficient always finds something in it.
 pub(crate) fn rivals(
     search: &mut Search<'_>,
     chosen: &mut Explanation,
@@ -47,10 +53,17 @@ pub(crate) fn rivals(
                     }
                     wins |= worse < -DIFFERENT;
                 }
+                // More coefficients must be worth it; what is not is told by the simpler one as well.
+                let told = told_as_well(&rival, chosen);
+                match rival.coefficients.cmp(&chosen.coefficients) {
+                    Ordering::Less => wins |= rival.physical && told,
+                    Ordering::Equal => {}
+                    Ordering::Greater => wins &= !told_as_well(chosen, &rival),
+                }
                 if wins && better.as_ref().is_none_or(|b| merit(search, &rival, scatter) < merit(search, b, scatter)) {
                     better = Some(rival.clone());
                 }
-                if rival.square() <= limit {
+                if rival.square() <= limit || told {
                     near.push((candidate, rival));
                 }
             }
@@ -65,6 +78,11 @@ pub(crate) fn rivals(
         }
         return Ok(all);
     }
+}
+
+/// Whether `full` takes away no substantial share of the excess that `plain` leaves.
+fn told_as_well(plain: &Explanation, full: &Explanation) -> bool {
+    plain.square() - full.square() < LEAST_SHARE * plain.alarm.excess()
 }
 
 fn of_one(

@@ -167,6 +167,24 @@ impl<'a> Search<'a> {
         Ok(around)
     }
 
+    /// Those of `among` that promise most on a quarter of the windows, at most `count`.
+    pub(crate) fn shortlist(
+        &self,
+        explanation: &Explanation,
+        among: &[usize],
+        count: usize,
+    ) -> Result<Vec<usize>, DiagnoseError> {
+        if among.len() <= count {
+            return Ok(among.to_vec());
+        }
+        let windows: Vec<usize> = self.windows.iter().copied().step_by(4).collect();
+        let effects: Vec<Effect> = among.iter().map(|&c| self.candidates[c].clone()).collect();
+        let linearization = self.study.linearize(&explanation.fit, &effects, &windows)?;
+        let scores = Scores::new(&linearization);
+        let around = Around { linearization, scores, others: among.to_vec() };
+        Ok(self.singles(&around).iter().take(count).map(|p| p.candidates[0]).collect())
+    }
+
     /// What each candidate alone promises at its best trial, the best first.
     pub(crate) fn singles(&self, around: &Around) -> Vec<Promise> {
         let Around { linearization, scores, others } = around;

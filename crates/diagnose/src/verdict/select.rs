@@ -11,7 +11,7 @@ const NEAR: f64 = 0.5;
 const MOST_FITS: usize = 5;
 const MOST_PAIRS: usize = 3;
 /// A cause must take away this share of the excess that is there without it.
-const LEAST_SHARE: f64 = 0.1;
+pub(crate) const LEAST_SHARE: f64 = 0.1;
 
 /// What a selection ends with.
 pub(crate) struct Selection {

@@ -6,6 +6,8 @@ use super::select::{add, leading, merit};
 use super::{Settings, Stage};
 use crate::DiagnoseError;
 
+/// Terms that are put against all windows, after a look at a part of them.
+const SHORTLIST: usize = 25;
 /// What terms without a name must take away: this share of the excess that the named causes leave over.
 const SUBSTANTIAL: f64 = 0.2;
 /// Exact fits of single terms, alone and beside named causes, and of pairs.
@@ -28,6 +30,7 @@ pub(crate) fn unnamed(
 ) -> Result<Option<(Explanation, Scatter)>, DiagnoseError> {
     progress(Stage::Dictionary);
     let structured = chosen.alarm.p_value < settings.significance;
+    let terms = &search.shortlist(base, terms, SHORTLIST)?;
     let around = search.around(base, terms)?;
     let mut tried = Vec::new();
     for promise in search.singles(&around).iter().take(MOST_FITS) {

@@ -5,10 +5,11 @@ use std::time::Instant;
 use bracketry_system::System;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::Settings;
 use super::diagnose::{Ending, Findings};
+use super::rivals::{MARGIN, Rivals};
 use super::search::{Explanation, Search};
 use super::select::without;
-use super::{Settings, rivals::Rivals};
 use crate::report::{Candidate, Evidence, Excess, NamedCause, RefittedParameter, Report, Rival, Value, Verdict};
 use crate::{Cause, Effect, Estimate, Role, separating_experiment};
 
@@ -32,9 +33,13 @@ pub(super) fn report(
             causes.push(cause(system, search, findings, member, rivals));
         }
         let room = settings.max_causes.saturating_sub(causes.len());
-        // Beside structure that is not explained, a moved parameter says nothing: it takes what it can of that.
-        if matches!(findings.ending, Ending::Quiet | Ending::Explained) {
-            causes.extend(parameter_errors(system, findings, &parameters, settings).into_iter().take(room));
+        // Beside structure that is not explained or has no name, a moved parameter says nothing: it takes what it can of
+        // that. Beside named causes, several that moved together did so for the same reason.
+        let clear = matches!(findings.ending, Ending::Quiet | Ending::Explained)
+            && causes.iter().all(|c: &NamedCause| c.name != Cause::UnknownTerm);
+        let errors = if clear { parameter_errors(system, findings, &parameters, settings) } else { Vec::new() };
+        if causes.is_empty() || (errors.len() == 1 && room > 0) {
+            causes.extend(errors.into_iter().take(room));
         }
     }
     let verdict = match findings.ending {
@@ -201,8 +206,10 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
                 "explains these data equally well".to_owned()
             } else if more < 0.0 {
                 format!("explains these data better by {:.1} units, but less simply", -more)
+            } else if more <= MARGIN {
+                format!("explains these data worse by {more:.1} units only, where {MARGIN} would rule it out")
             } else {
-                format!("explains these data worse by {more:.1} units only, where 9 would rule it out")
+                "leaves little more over, compared with what no cause explains".to_owned()
             };
             Rival { name: rival.cause, equation: rival.equation.clone(), term: rival.term.clone(), why }
         })
