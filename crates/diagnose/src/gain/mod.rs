@@ -9,6 +9,8 @@ pub use bootstrap::bootstrap;
 pub use equation::{ForceResidual, force_error, force_residuals};
 pub use horizon::Predicted;
 
+use rayon::prelude::*;
+
 use crate::error::DiagnoseError;
 use crate::record::Record;
 use crate::report::Gain;
@@ -173,11 +175,25 @@ fn folds(study: &Study, fitted: &Fitted<'_>) -> Vec<Trial> {
 }
 
 /// What the equations leave over in the held-out stretches.
-fn force(study: &Study, trials: &[Trial], of: impl Fn(&Trial) -> &Fit) -> Result<Vec<ForceResidual>, DiagnoseError> {
-    let mut out = Vec::new();
-    for trial in trials {
+fn force(
+    study: &Study,
+    trials: &[Trial],
+    of: impl Fn(&Trial) -> &Fit + Sync,
+) -> Result<Vec<ForceResidual>, DiagnoseError> {
+    let residuals = |trial: &Trial| {
         let fit = of(trial);
-        let residuals = force_residuals(study.system(), &fit.effects, &fit.values, study.records())?;
+        force_residuals(study.system(), &fit.effects, &fit.values, study.records())
+    };
+    // The model as given is the same in all trials.
+    let same = trials.iter().all(|t| of(t).values == of(&trials[0]).values);
+    let each: Vec<Vec<ForceResidual>> = if same {
+        let first = trials.first().map_or_else(|| Ok(Vec::new()), residuals)?;
+        vec![first; trials.len()]
+    } else {
+        trials.par_iter().map(residuals).collect::<Result<_, _>>()?
+    };
+    let mut out = Vec::new();
+    for (trial, residuals) in trials.iter().zip(each) {
         out.extend(residuals.into_iter().map(|r| {
             let record = r.record;
             r.only(|k| trial.held_out.iter().any(|w| w.record == record && (w.from..w.to).contains(&k)))
