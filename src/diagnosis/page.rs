@@ -57,18 +57,21 @@ impl Diagnosis {
             let _ = write!(out, "<p>{}.</p>", escaped(note));
         }
         if let Ok(text) = model.to_toml() {
-            let _ = write!(out, "<p>As a model file:</p><pre>{}</pre>\n", escaped(&text));
+            let _ = writeln!(out, "<p>As a model file:</p><pre>{}</pre>", escaped(&text));
         }
         if let Some(ranks) = &self.ranks {
-            let _ = write!(out, "<pre>{}</pre>\n", escaped(&ranks.to_string()));
+            let _ = writeln!(out, "<pre>{}</pre>", escaped(&ranks.to_string()));
         }
         out
     }
 }
 
 fn row<S: AsRef<str>>(tag: &str, cells: impl IntoIterator<Item = S>) -> String {
-    let cells: String = cells.into_iter().map(|c| format!("<{tag}>{}</{tag}>", c.as_ref())).collect();
-    format!("<tr>{cells}</tr>")
+    let mut out = "<tr>".to_owned();
+    for cell in cells {
+        let _ = write!(out, "<{tag}>{}</{tag}>", cell.as_ref());
+    }
+    out + "</tr>"
 }
 
 fn percent(share: f64) -> String {
@@ -131,9 +134,9 @@ fn of_gain(gain: &Gain) -> String {
     }
     out += "</table>\n";
     if let (Some(before), Some(after)) = (gain.equation_error_before, gain.equation_error_after) {
-        let _ = write!(
+        let _ = writeln!(
             out,
-            "<p>Force error relative to the applied force: {} before, {} after.</p>\n",
+            "<p>Force error relative to the applied force: {} before, {} after.</p>",
             percent(before),
             percent(after)
         );
@@ -151,7 +154,7 @@ fn pictures(figures: &[Figure]) -> String {
         // Inside a page the image needs no declaration of its own.
         let svg = drawing.svg();
         let svg = svg.find("<svg").map_or(svg, |at| &svg[at..]);
-        let _ = write!(out, "<figure>{svg}<figcaption>{}</figcaption></figure>\n", escaped(&figure.caption));
+        let _ = writeln!(out, "<figure>{svg}<figcaption>{}</figcaption></figure>", escaped(&figure.caption));
     }
     out
 }
@@ -209,12 +212,15 @@ fn data(report: &Report) -> String {
     if !report.data.is_empty() {
         out += "<h2>Data</h2>\n";
         for audit in &report.data {
-            let _ = write!(out, "<pre>{}</pre>\n", escaped(&audit.to_string()));
+            let _ = writeln!(out, "<pre>{}</pre>", escaped(&audit.to_string()));
         }
     }
     if !report.notes.is_empty() {
-        let notes: String = report.notes.iter().map(|n| format!("<li>{}</li>", escaped(n))).collect();
-        let _ = write!(out, "<h2>Notes</h2>\n<ul>{notes}</ul>\n");
+        out += "<h2>Notes</h2>\n<ul>";
+        for note in &report.notes {
+            let _ = write!(out, "<li>{}</li>", escaped(note));
+        }
+        out += "</ul>\n";
     }
     out
 }
