@@ -15,6 +15,12 @@ use crate::{Cause, Effect, Fit, Quantity, Record, Role, Study, Window};
 const STEPS_PER_CYCLE: usize = 2;
 /// Most cycles over the range of the data.
 const MOST_CYCLES: usize = 200;
+/// Steps between two neighbouring frequencies around a peak. Where a motion turns, a wave pushes longest in one direction, so
+/// that the turnings dominate: frequencies a whole cycle apart fit them nearly as well as the true one, and half a cycle
+/// is too coarse to tell which crest of the comb is the highest.
+const FINER: usize = 16;
+/// Most peaks that are looked at closely.
+const MOST_REFINED: usize = 24;
 /// Most periods that are tried.
 const MOST_PEAKS: usize = 6;
 
@@ -105,14 +111,37 @@ fn peaks(lanes: &[Lane]) -> Vec<f64> {
     if range.is_nan() || range <= 0.0 {
         return Vec::new();
     }
-    let periods: Vec<f64> =
-        (STEPS_PER_CYCLE..=MOST_CYCLES * STEPS_PER_CYCLE).map(|k| range * STEPS_PER_CYCLE as f64 / k as f64).collect();
-    let power: Vec<f64> = periods.par_iter().map(|period| power(lanes, *period)).collect();
-    let at = |i: isize| usize::try_from(i).ok().and_then(|i| power.get(i)).copied().unwrap_or(f64::NEG_INFINITY);
-    let mut peaks: Vec<usize> =
-        (0..power.len()).filter(|&i| power[i] > at(i as isize - 1) && power[i] >= at(i as isize + 1)).collect();
-    peaks.sort_by(|&a, &b| power[b].total_cmp(&power[a]));
-    peaks.into_iter().take(MOST_PEAKS).map(|i| periods[i]).collect()
+    let at = |cycles: f64| power(lanes, range / cycles);
+    let step = 1.0 / STEPS_PER_CYCLE as f64;
+    let coarse: Vec<f64> =
+        (STEPS_PER_CYCLE..=MOST_CYCLES * STEPS_PER_CYCLE).into_par_iter().map(|k| at(step * k as f64)).collect();
+    let beside = |i: Option<usize>| i.and_then(|i| coarse.get(i)).copied().unwrap_or(f64::NEG_INFINITY);
+    let mut highest: Vec<usize> = (0..coarse.len())
+        .filter(|&i| coarse[i] > beside(i.checked_sub(1)) && coarse[i] >= beside(i.checked_add(1)))
+        .collect();
+    highest.sort_by(|&a, &b| coarse[b].total_cmp(&coarse[a]));
+    highest.truncate(MOST_REFINED);
+    let mut crests: Vec<(f64, f64)> = highest
+        .into_par_iter()
+        .map(|i| {
+            let middle = step * (i + STEPS_PER_CYCLE) as f64;
+            (0..2 * FINER)
+                .map(|j| middle + step * (j as f64 / FINER as f64 - 1.0))
+                .map(|cycles| (cycles, if cycles == middle { coarse[i] } else { at(cycles) }))
+                .max_by(|a, b| a.1.total_cmp(&b.1))
+                .unwrap_or((middle, coarse[i]))
+        })
+        .collect();
+    crests.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // Two neighbours may have climbed the same crest from both sides.
+    let mut periods: Vec<f64> = Vec::new();
+    for (cycles, _) in crests {
+        if periods.iter().all(|p| (range / p - cycles).abs() > 0.5 * step) {
+            periods.push(range / cycles);
+        }
+    }
+    periods.truncate(MOST_PEAKS);
+    periods
 }
 
 /// The decrease of the sum of squares by a wave of a period.
