@@ -116,8 +116,19 @@ fn what_is_wrong_is_named_with_place_and_remedy() {
     let q_as_x = renamed(&[("q", "x")]);
     refused("both.csv", "t,F,x,q\n0,1,2,3\n1,1,2,3\n", SLIDER, &q_as_x, &["two columns", "`x`", "`q`"]);
     refused("absent.csv", "t,F,x\n0,1,2\n1,1,2\n", SLIDER, &q_as_x, &["`q`", "t, F, x"]);
+    let unknown = ["--rename x=bar", "no `bar`", "t, F, x, v, power"];
+    refused("unknown.csv", "t,F,x\n0,1,2\n1,1,2\n", SLIDER, &renamed(&[("x", "bar")]), &unknown);
+    refused("semicolons.csv", "t;F;x\n0;1,5;2\n", SLIDER, &plain, &["semicolons", "commas"]);
+    refused("array.npy", "", SLIDER, &plain, &["numpy.savez", ".npz"]);
     let message = read_record(&std::env::temp_dir(), &system(SLIDER), &plain).unwrap_err().to_string();
     assert!(message.contains("is not a file"), "{message}");
+}
+
+#[test]
+fn a_column_whose_name_another_gets_may_be_called_anything() {
+    let swapped = renamed(&[("q", "x"), ("x", "bar")]);
+    let (record, _) = read("other.csv", "t,F,x,q\n0,1,2,3\n1,1,2,3\n", SLIDER, &swapped).unwrap();
+    assert_eq!(record.measured[0].values, [3.0, 3.0]);
 }
 
 #[test]

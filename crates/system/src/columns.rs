@@ -58,6 +58,13 @@ impl Columns {
             .headers()
             .map_err(|e| doc.missing(format!("the header cannot be read: {e}"), "start the table with column names"))?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
+        if let [only] = header.as_slice() {
+            let separators = [(';', "semicolons"), ('\t', "tabs")];
+            if let Some((_, what)) = separators.iter().find(|(separator, _)| only.contains(*separator)) {
+                let message = format!("the columns are separated by {what}");
+                return Err(doc.missing(message, "separate them by commas, and write decimal points: 0.5, not 0,5"));
+            }
+        }
         for (k, name) in header.iter().enumerate() {
             if header[..k].contains(name) {
                 return Err(doc.missing(format!("two columns are called `{name}`"), "rename one of them"));

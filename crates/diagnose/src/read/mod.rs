@@ -43,13 +43,23 @@ impl RecordSettings {
         self.rename.iter().find(|(from, _)| from == column).map_or(column, |(_, to)| to)
     }
 
-    /// Refuses to rename columns that are not there.
-    fn check(&self, origin: &Origin<'_>, header: &[String]) -> Result<(), FileError> {
-        match self.rename.iter().find(|(from, _)| !header.contains(from)) {
-            None => Ok(()),
-            Some((from, _)) => Err(origin.whole(
+    /// Refuses to rename columns that are not there, and to give names that mean nothing to the model; only a column whose own
+    /// name another one gets may be called anything.
+    fn check(&self, origin: &Origin<'_>, header: &[String], system: &System) -> Result<(), FileError> {
+        if let Some((from, _)) = self.rename.iter().find(|(from, _)| !header.contains(from)) {
+            return Err(origin.whole(
                 format!("there is no column `{from}` to rename; there are {}", header.join(", ")),
                 "name a column of the table before the equals sign: --rename q=x",
+            ));
+        }
+        let meaningless = |(from, to): &&(String, String)| {
+            roles::role(to, system).is_none() && !self.rename.iter().any(|(_, other)| other == from)
+        };
+        match self.rename.iter().find(meaningless) {
+            None => Ok(()),
+            Some((from, to)) => Err(origin.whole(
+                format!("--rename {from}={to}: the model has no `{to}`"),
+                format!("give a name of the model after the equals sign: {}", roles::known(system).join(", ")),
             )),
         }
     }
@@ -105,12 +115,21 @@ impl Origin<'_> {
 /// # Errors
 /// [`DiagnoseError::File`] with file, line, column and remedy for what is no such table.
 pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> Result<(Record, Audit), DiagnoseError> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy")) {
+        let name = path.display().to_string();
+        return Err(Origin { name: &name, lines: None }
+            .whole(
+                "is a single NumPy array, whose columns have no names",
+                "write an archive of one array per column: numpy.savez('run.npz', t=…, x=…)",
+            )
+            .into());
+    }
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) {
         let (columns, ignored) = npz::read(path, |name| roles::role(settings.renamed(name), system).is_some())?;
         let name = path.display().to_string();
         let origin = Origin { name: &name, lines: None };
         let header: Vec<String> = columns.keys().cloned().chain(ignored.iter().cloned()).collect();
-        settings.check(&origin, &header)?;
+        settings.check(&origin, &header, system)?;
         return build(&origin, settings.apply(&origin, columns)?, ignored, system, settings);
     }
     let doc = Columns::document(path, "name a CSV file: a table with a column t, the inputs and what was measured")?;
@@ -121,7 +140,7 @@ pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> R
     };
     let Columns { columns, header, lines } = Columns::parse(&doc, entries)?;
     let origin = Origin { name: doc.file(), lines: Some(&lines) };
-    settings.check(&origin, &header)?;
+    settings.check(&origin, &header, system)?;
     let ignored = header.into_iter().filter(|name| !columns.contains_key(name)).collect();
     build(&origin, settings.apply(&origin, columns)?, ignored, system, settings)
 }
@@ -147,7 +166,7 @@ impl Record {
             }
         }
         let header: Vec<String> = columns.keys().cloned().collect();
-        settings.check(&origin, &header)?;
+        settings.check(&origin, &header, system)?;
         let known = |column: &String| roles::role(settings.renamed(column), system).is_some();
         let (columns, others): (BTreeMap<_, _>, BTreeMap<_, _>) =
             columns.into_iter().partition(|(column, _)| known(column));

@@ -143,6 +143,13 @@ impl Roles {
     }
 }
 
+/// Names that a column may have: the time, inputs, their derivatives in use, states and outputs.
+pub(super) fn known(system: &System) -> Vec<String> {
+    let inputs = system.input_names();
+    let derivatives = system.input_derivatives.iter().map(|d| format!("der({},{})", inputs[d.input], d.order));
+    ["t".to_owned()].into_iter().chain(inputs.iter().cloned()).chain(derivatives).chain(measurable(system)).collect()
+}
+
 /// Names of states and outputs, each once.
 fn measurable(system: &System) -> Vec<String> {
     let states = system.state_names();
