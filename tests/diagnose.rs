@@ -78,3 +78,26 @@ fn what_cannot_be_used_is_refused_with_place_and_remedy() {
         assert!(!o.stderr.is_empty() && o.stdout.is_empty());
     }
 }
+
+#[test]
+fn settings_that_the_data_cannot_follow_are_refused_by_their_option() {
+    let dir = scratch("diagnose_settings");
+    let model = file(&dir, "m.toml", "states = ['v']\ninputs = ['u']\n[dynamics]\nv = 'u'\n");
+    let rows =
+        |n: usize| (0..n).fold("t,u,v\n".to_owned(), |text, k| format!("{text}{},1,{}\n", 0.01 * k as f64, k % 3));
+    let data = file(&dir, "run.csv", &rows(200));
+    let short = file(&dir, "short.csv", &rows(10));
+    for (arguments, part) in [
+        (vec!["diagnose", &model, &data, "--window=1000"], "--window"),
+        (vec!["diagnose", &model, &data, "--window=1e-9"], "--window"),
+        (vec!["diagnose", &model, &data, "--window=0"], "--window"),
+        (vec!["diagnose", &model, &data, "--window=-1"], "--window"),
+        (vec!["diagnose", &model, &data, "--max-causes=0"], "--max-causes"),
+        (vec!["diagnose", &model, &data, "--rename", "v=bar"], "bar"),
+        (vec!["diagnose", &model, &short], "short.csv"),
+    ] {
+        let o = bracketry(&arguments);
+        let said = String::from_utf8(o.stderr.clone()).unwrap();
+        assert!(code(&o) == 2 && said.contains(part), "{arguments:?}: {said}");
+    }
+}

@@ -48,12 +48,22 @@ pub enum DiagnoseError {
         known: String,
     },
     /// The records are too short.
-    #[error(
-        "the data give no window of at least {samples} samples without a gap; record longer or choose shorter windows"
-    )]
+    #[error("{records} has no stretch of at least {samples} samples without a gap; record longer")]
     TooShort {
+        /// Names of the records.
+        records: String,
         /// Fewest samples per window.
         samples: usize,
+    },
+    /// Windows of a length that the data do not have.
+    #[error("the data cannot be cut into windows of {length} s (--window); choose {shortest:.3e} to {longest:.3e} s")]
+    WindowLength {
+        /// The length asked for, s.
+        length: f64,
+        /// Duration of the fewest samples that a window may have, s.
+        shortest: f64,
+        /// The longest stretch without a gap, s.
+        longest: f64,
     },
     /// A name that the model does not have.
     #[error("the model has no {what} `{name}`; known are {known}")]

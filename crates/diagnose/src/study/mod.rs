@@ -107,7 +107,7 @@ impl Study {
     pub fn with_windows(&self, seconds: f64) -> Result<Self, DiagnoseError> {
         let windows = window::cut(&self.sources.records, seconds, FEWEST_SAMPLES);
         if windows.is_empty() {
-            return Err(DiagnoseError::TooShort { samples: FEWEST_SAMPLES });
+            return Err(self.too_short());
         }
         Ok(Self { windows, ..self.clone() })
     }
@@ -255,6 +255,31 @@ impl Study {
             .collect()
     }
 
+    fn too_short(&self) -> DiagnoseError {
+        let records: Vec<&str> = self.sources.records.iter().map(|r| r.name.as_str()).collect();
+        DiagnoseError::TooShort { records: records.join(", "), samples: FEWEST_SAMPLES }
+    }
+
+    /// Refuses a length of windows in the settings that is longer than every stretch of the data, or shorter than the fewest
+    /// samples of a window; [`Study::with_windows`] takes the nearest that there is.
+    pub(crate) fn check_window(&self) -> Result<(), DiagnoseError> {
+        let Some(length) = self.settings.window else { return Ok(()) };
+        let mut longest = 0.0;
+        let mut shortest = f64::INFINITY;
+        for record in &self.sources.records {
+            for (from, to) in stretches(record).into_iter().filter(|(from, to)| to - from >= FEWEST_SAMPLES) {
+                let duration = record.times[to - 1] - record.times[from];
+                let step = duration / (to - from - 1) as f64;
+                longest = f64::max(longest, duration + step);
+                shortest = f64::min(shortest, step * (FEWEST_SAMPLES - 1) as f64);
+            }
+        }
+        if length < shortest || length > longest {
+            return Err(DiagnoseError::WindowLength { length, shortest, longest });
+        }
+        Ok(())
+    }
+
     fn some_window(&self, slots: &[Slot<'_>]) -> Result<(), DiagnoseError> {
         if slots.iter().any(|s| s.state.is_ok()) {
             return Ok(());
@@ -304,7 +329,11 @@ fn check(system: &System, records: &[Record], settings: &StudySettings) -> Resul
     if let Some(length) = settings.window
         && !(length > 0.0 && length.is_finite())
     {
-        return Err(DiagnoseError::Setting { name: "the length of a window", value: length, requirement: "positive" });
+        return Err(DiagnoseError::Setting {
+            name: "the length of the windows (--window)",
+            value: length,
+            requirement: "positive",
+        });
     }
     for name in &settings.fixed {
         let known: Vec<&str> = system.parameters.iter().map(|p| system.symbol_name(p.symbol)).collect();

@@ -81,7 +81,7 @@ pub(super) fn choose(study: &Study, effects: &[Effect], start: Option<&Fit>) -> 
     let lengths: Vec<WindowLength> = tried.iter().map(|t| t.0).collect();
     let least = lengths.iter().map(|w| w.uncertainty).fold(f64::INFINITY, f64::min);
     let good = tried.into_iter().rfind(|(w, ..)| w.uncertainty <= least + INDIFFERENT);
-    let (_, mut best, fit) = good.ok_or(DiagnoseError::TooShort { samples: FEWEST_SAMPLES })?;
+    let (_, mut best, fit) = good.ok_or_else(|| study.too_short())?;
     best.lengths = lengths;
     Ok((best, fit))
 }

@@ -74,10 +74,15 @@ pub fn diagnose(
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
     let begin = Instant::now();
+    if settings.max_causes == 0 {
+        let name = "the number of causes that are named together (--max-causes)";
+        return Err(DiagnoseError::Setting { name, value: 0.0, requirement: "at least 1" });
+    }
     progress(Stage::Refit);
     let mut library = candidates(system, records)?;
     library.extend(settings.candidates.iter().cloned());
     let study = Study::new(system, records, &settings.study)?;
+    study.check_window()?;
     let shorter;
     let mut attempt = Attempt::new(&study, None, &library, settings, progress)?;
     if attempt.selection.chosen.alarm.p_value < settings.significance && settings.study.window.is_none() {
