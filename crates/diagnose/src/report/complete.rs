@@ -39,6 +39,10 @@ impl Report {
         match measure_gain(study, &fitted, validate, settings)? {
             Some((gain, held_out)) => {
                 self.gain = Some(gain);
+                if extended.effects.is_empty() {
+                    let note = "gain: only parameters are wrong, so that `before` is the model as given";
+                    self.notes.push(note.to_owned());
+                }
                 self.evidence.held_out = Some(held_out);
             }
             None => self.notes.push("the data are too short to measure the gain on a part of their own".to_owned()),
