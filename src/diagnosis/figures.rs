@@ -11,6 +11,8 @@ const MODELS: [&str; 3] = ["as given", "refitted", "extended"];
 const MOST_COLUMNS: usize = 4;
 /// Candidates that the ranking has room for.
 const MOST_CANDIDATES: usize = 12;
+/// Characters of a term that a row has room for.
+const LONGEST_TERM: usize = 28;
 /// Points of a cloud, per model.
 const CLOUD: usize = 700;
 /// Share of the values at each end that may lie outside the frame.
@@ -75,7 +77,9 @@ impl Diagnosis {
             } else {
                 "tried"
             };
-            let name = format!("{} in {}", c.name.to_string().replace('_', " "), c.equation);
+            let alike = candidates.iter().filter(|o| o.name == c.name && o.equation == c.equation).count() > 1;
+            let term = if alike { format!(": {}", brief(&c.term)) } else { String::new() };
+            let name = format!("{} in {}{term}", c.name.to_string().replace('_', " "), c.equation);
             chart = chart.row(name, 100.0 * c.share, c.interval.map(|[a, b]| (100.0 * a, 100.0 * b)), category);
         }
         Some(Figure {
@@ -103,6 +107,15 @@ impl Diagnosis {
             drawing: chart.title("Prediction error on held-out data").draw(),
         })
     }
+}
+
+/// A term as short as a row of a chart has room for.
+fn brief(term: &str) -> String {
+    if term.chars().count() <= LONGEST_TERM {
+        return term.to_owned();
+    }
+    let beginning: String = term.chars().take(LONGEST_TERM - 1).collect();
+    format!("{beginning}…")
 }
 
 /// A typical prediction: the one whose error with the refitted model is the median.
