@@ -8,7 +8,7 @@ use nalgebra::DVector;
 use super::alarm::Alarm;
 use super::noise::Scatter;
 use super::score::{Group, Scores};
-use crate::{Cause, DiagnoseError, Effect, Estimate, Fit, Linearization, Role, Study};
+use crate::{Cause, Change, DiagnoseError, Effect, Estimate, Fit, Linearization, Path, Role, Study};
 
 /// An amplitude that begins from a secant may leave it by this factor at most: farther out the secant says nothing.
 const FARTHEST: f64 = 2.0;
@@ -127,7 +127,7 @@ impl<'a> Search<'a> {
             .fit(&effects, &self.windows, Some(&begin))
             .ok()
             .map(|fit| self.judge(members.to_vec(), fit))
-            .filter(|e| self.comparable(e));
+            .filter(|e| self.comparable(e) && self.biases_within_range(e));
         self.known.insert(key, found.clone());
         found
     }
@@ -137,6 +137,25 @@ impl<'a> Search<'a> {
         let Some(Some(base)) = self.known.get(&Vec::new()) else { return true };
         explanation.square().is_finite()
             && base.fit.windows.iter().zip(&explanation.fit.windows).all(|(b, e)| b.count == 0 || e.count == b.count)
+    }
+
+    /// Whether no sensor is said to be off by more than the range of what it shows.
+    fn biases_within_range(&self, explanation: &Explanation) -> bool {
+        explanation.members.iter().map(|&m| &self.candidates[m]).all(|effect| {
+            let Change::Path { path: Path::SensorBias, signals } = &effect.change else { return true };
+            let range = signals.iter().map(|s| self.range(s)).fold(0.0, f64::max);
+            effect.coefficients.iter().all(|c| {
+                explanation.fit.values.iter().find(|e| e.name == c.name).is_none_or(|e| e.value.abs() <= range)
+            })
+        })
+    }
+
+    /// Largest minus smallest value of a measured column over all records.
+    fn range(&self, column: &str) -> f64 {
+        let columns = self.study.records().iter().flat_map(|r| &r.measured).filter(|m| m.name == column);
+        let values = columns.flat_map(|m| &m.values).copied().filter(|v| v.is_finite());
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (v.min(l), v.max(h)));
+        high - low
     }
 
     fn judge(&self, members: Vec<usize>, fit: Fit) -> Explanation {
