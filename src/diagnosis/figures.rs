@@ -63,12 +63,13 @@ impl Diagnosis {
 
     fn ranking(&self) -> Option<Figure> {
         let candidates = &self.report.candidates;
-        if candidates.is_empty() {
+        if candidates.iter().all(|c| c.share.is_none()) {
             return None;
         }
         let rivals: Vec<_> = self.report.causes.iter().flat_map(|c| &c.rivals).collect();
         let mut chart = IntervalChart::new("share of the excess error that it takes away alone [%]");
         for c in candidates.iter().take(MOST_CANDIDATES) {
+            let Some(share) = c.share else { continue };
             let rival = rivals.iter().any(|r| r.name == c.name && r.equation == c.equation && r.term == c.term);
             let category = if c.chosen {
                 "named"
@@ -80,7 +81,7 @@ impl Diagnosis {
             let alike = candidates.iter().filter(|o| o.name == c.name && o.equation == c.equation).count() > 1;
             let term = if alike { format!(": {}", brief(&c.term)) } else { String::new() };
             let name = format!("{} in {}{term}", c.name.to_string().replace('_', " "), c.equation);
-            chart = chart.row(name, 100.0 * c.share, c.interval.map(|[a, b]| (100.0 * a, 100.0 * b)), category);
+            chart = chart.row(name, 100.0 * share, c.interval.map(|[a, b]| (100.0 * a, 100.0 * b)), category);
         }
         Some(Figure {
             name: "candidates".to_owned(),

@@ -197,7 +197,7 @@ fn tables(report: &Report) -> String {
                 name,
                 formula(&c.equation),
                 formula(&c.term),
-                percent(c.share),
+                c.share.map_or_else(String::new, percent),
                 format!("{:.1e}", c.p_value),
             ];
             out += &row("td", cells);

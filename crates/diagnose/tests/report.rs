@@ -57,7 +57,7 @@ fn report() -> Report {
             name: Cause::ViscousFriction,
             equation: "v".into(),
             term: "-c*v".into(),
-            share: 0.93,
+            share: Some(0.93),
             interval: Some([0.9, 0.95]),
             p_value: 1e-6,
             chosen: true,

@@ -152,8 +152,10 @@ pub struct Candidate {
     pub equation: String,
     /// The formula for the reader.
     pub term: String,
-    /// Share of the excess error that it takes away on held-out data; negative if it makes things worse.
-    pub share: f64,
+    /// Share of the excess error that it takes away; negative if it makes things worse, absent where the refitted model leaves
+    /// over no more than noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
     /// The interval of 95 % for `share`, from resampling windows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval: Option<[f64; 2]>,

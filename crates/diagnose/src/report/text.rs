@@ -163,7 +163,7 @@ fn write_candidates(f: &mut Formatter<'_>, candidates: &[Candidate]) -> fmt::Res
             &name,
             &c.equation,
             &c.term,
-            &percent(c.share),
+            &c.share.map_or_else(String::new, percent),
             &interval,
             probability(c.p_value).trim_start_matches("= "),
         ]);

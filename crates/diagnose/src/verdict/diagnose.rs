@@ -7,6 +7,7 @@ use bracketry_system::System;
 use super::held_out::{HeldOut, thinned};
 use super::noise::Scatter;
 use super::places::places;
+use super::proven::drop_unproven;
 use super::rivals::{Rivals, rivals};
 use super::search::{Explanation, Search};
 use super::select::{Selection, backwards, select, without};
@@ -56,6 +57,8 @@ pub(crate) enum Ending {
     Partly(f64),
     /// They explain too little; the share of the best attempt.
     Unexplained(f64),
+    /// What was tried explains the given share of the excess in the data of the fit, but predicts held-out data no better.
+    Refuted(f64),
 }
 
 /// Finds what `system` gets wrong about `records`; `validate` are records that no fit sees, by which rivals are judged.
@@ -98,6 +101,7 @@ pub fn diagnose(
     let Selection { mut chosen, mut scatter, mut tests, screened } = selection;
     let alarm = base.alarm.p_value.min(screened);
     let mut found = Vec::new();
+    let mut refuted = None;
     if alarm < settings.significance {
         let mut among = named;
         let suspicious = chosen.alarm.p_value < settings.significance
@@ -117,7 +121,13 @@ pub fn diagnose(
             progress(Stage::Rivals);
             let held_out = HeldOut::new(system, validate, search.study, &search.windows, settings)?;
             found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref())?;
+            let best = chosen.clone();
             if drop_idle(&mut search, &mut chosen, held_out.as_ref())? {
+                found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref())?;
+            }
+            refuted = chosen.members.is_empty().then(|| share(&base, &best));
+            // Each round leaves fewer causes.
+            while drop_unproven(&mut search, &mut chosen, &scatter, tests, settings) {
                 found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref())?;
             }
         }
@@ -127,7 +137,7 @@ pub fn diagnose(
         base.fit = search.study.fit(&[], &every, Some(&base.fit))?;
         chosen.fit = search.study.fit(&chosen.fit.effects, &every, Some(&chosen.fit))?;
     }
-    let ending = if alarm < settings.significance { ending(&base, &chosen, settings) } else { Ending::Quiet };
+    let ending = if alarm < settings.significance { ending(&base, &chosen, refuted, settings) } else { Ending::Quiet };
     let findings = Findings { base, chosen, rivals: found, scatter, tests, alarm, ending };
     written(system, &mut search, &findings, validate, settings, begin, progress)
 }
@@ -167,6 +177,7 @@ fn written(
     progress(Stage::Gain);
     let (refitted, extended) = (&findings.base.fit, &findings.chosen.fit);
     report.complete(search.study, refitted, extended, validate, &settings.study, settings.seed)?;
+    report.withdraw_if_refuted();
     report.seconds = begin.elapsed().as_secs_f64();
     Ok(report)
 }
@@ -216,11 +227,20 @@ fn within_reach(search: &mut Search<'_>, base: &Explanation, named: &[usize]) ->
     Ok(base.square() - promised < NEAR_NOISE * NEAR_NOISE * base.alarm.floor)
 }
 
-/// How well an explanation does after an alarm.
-fn ending(base: &Explanation, chosen: &Explanation, settings: &Settings) -> Ending {
-    let share = 1.0 - chosen.alarm.excess() / base.alarm.excess().max(f64::MIN_POSITIVE);
+/// Share of the excess that an explanation takes away.
+fn share(base: &Explanation, chosen: &Explanation) -> f64 {
+    1.0 - chosen.alarm.excess() / base.alarm.excess().max(f64::MIN_POSITIVE)
+}
+
+/// How well an explanation does after an alarm; `refuted` is the share of one that held-out data did not bear out.
+fn ending(base: &Explanation, chosen: &Explanation, refuted: Option<f64>, settings: &Settings) -> Ending {
+    let share = share(base, chosen);
     if chosen.members.is_empty() {
-        if base.alarm.size < COLOURED { Ending::Coloured } else { Ending::Unexplained(0.0) }
+        if base.alarm.size < COLOURED {
+            Ending::Coloured
+        } else {
+            refuted.map_or(Ending::Unexplained(0.0), Ending::Refuted)
+        }
     } else if chosen.alarm.p_value >= settings.significance {
         Ending::Explained
     } else if share >= LEAST_EXPLAINED {

@@ -7,6 +7,7 @@ mod noise;
 mod periods;
 mod places;
 mod precedence;
+mod proven;
 mod rivals;
 mod score;
 mod search;

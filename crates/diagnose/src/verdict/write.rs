@@ -7,9 +7,9 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::Settings;
 use super::diagnose::{Ending, Findings};
+use super::proven::worth;
 use super::rivals::{MARGIN, Rivals};
 use super::search::{Explanation, Search};
-use super::select::without;
 use crate::report::{Candidate, Evidence, Excess, NamedCause, RefittedParameter, Report, Rival, Value, Verdict};
 use crate::{Cause, Effect, Estimate, Role, separating_experiment};
 
@@ -27,7 +27,7 @@ pub(super) fn report(
 ) -> Report {
     let parameters = refitted(system, findings);
     let mut causes = Vec::new();
-    let named = !matches!(findings.ending, Ending::Unexplained(_));
+    let named = !matches!(findings.ending, Ending::Unexplained(_) | Ending::Refuted(_));
     if named {
         for (&member, rivals) in findings.chosen.members.iter().zip(&findings.rivals) {
             causes.push(cause(system, search, findings, member, rivals));
@@ -43,7 +43,7 @@ pub(super) fn report(
         }
     }
     let verdict = match findings.ending {
-        Ending::Unexplained(_) => Verdict::Unexplained,
+        Ending::Unexplained(_) | Ending::Refuted(_) => Verdict::Unexplained,
         _ if causes.is_empty() => Verdict::NothingFound,
         _ => Verdict::CauseFound,
     };
@@ -86,6 +86,14 @@ fn reason(findings: &Findings, causes: &[NamedCause]) -> String {
         Ending::Partly(share) => format!(
             "the named causes explain {:.0} % of what the refitted model leaves over beyond noise; the rest is structured",
             100.0 * share
+        ),
+        Ending::Refuted(share) => format!(
+            "the refitted model leaves over {size:.2} times the noise; effects that explain {:.0} % of the excess in the data \
+             of the fit predict the held-out data no better",
+            100.0 * share
+        ),
+        Ending::Unexplained(0.0) => format!(
+            "the refitted model leaves over {size:.2} times the noise, and no effect tried explains it significantly"
         ),
         Ending::Unexplained(share) => format!(
             "the refitted model leaves over {size:.2} times the noise; the best effects tried explain {:.0} % of the excess",
@@ -182,11 +190,10 @@ fn short(value: f64) -> String {
 fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: usize, rivals: &Rivals) -> NamedCause {
     let effect = search.candidates[member].clone();
     let chosen = &findings.chosen;
-    let rest = without(search, chosen, member);
-    let (share, p_value) = rest.map_or((None, 1.0), |rest| {
-        let gained = rest.square() - chosen.square();
-        let p = findings.scatter.p_value(gained, effect.coefficients.len()) * findings.tests;
-        (Some(gained / rest.alarm.excess().max(f64::MIN_POSITIVE)), p.min(1.0))
+    let worth = worth(search, chosen, member, &findings.scatter, findings.tests);
+    let (share, p_value) = worth.map_or((None, 1.0), |(gained, p_value, rest)| {
+        let excess = rest.alarm.excess();
+        ((excess > 0.0).then(|| gained / excess), p_value)
     });
     let estimates: Vec<&Estimate> =
         effect.coefficients.iter().filter_map(|c| chosen.fit.values.iter().find(|e| e.name == c.name)).collect();
@@ -260,7 +267,7 @@ fn physical_name(effect: &Effect, estimates: &[&Estimate]) -> (Cause, Vec<String
 /// Candidates by what their exact fit alone explains.
 fn ranking(search: &Search<'_>, findings: &Findings) -> Vec<Candidate> {
     let base = &findings.base;
-    let excess = base.alarm.excess().max(f64::MIN_POSITIVE);
+    let excess = base.alarm.excess();
     let mut singles: Vec<&Explanation> = search.fitted().filter(|e| e.members.len() == 1).collect();
     singles.sort_by(|a, b| a.square().total_cmp(&b.square()));
     singles
@@ -274,7 +281,7 @@ fn ranking(search: &Search<'_>, findings: &Findings) -> Vec<Candidate> {
                 name: effect.cause,
                 equation: effect.equation.clone(),
                 term: effect.term.clone(),
-                share: gained / excess,
+                share: (excess > 0.0).then(|| gained / excess),
                 interval: None,
                 p_value: (findings.scatter.p_value(gained, e.coefficients) * findings.tests).min(1.0),
                 chosen: findings.chosen.members.contains(&member),

@@ -1,0 +1,87 @@
+//! What a cause must be worth to be named.
+
+use super::Settings;
+use super::noise::Scatter;
+use super::search::{Explanation, Search};
+use super::select::without;
+use crate::report::{Gain, Report, Verdict};
+use crate::{Effect, Role};
+
+/// Improvement by a member of an explanation: decrease of the sum of squares and its p-value, corrected for the number of
+/// `tests`; `None` where the explanation without it cannot be fitted.
+pub(super) fn worth(
+    search: &mut Search<'_>,
+    chosen: &Explanation,
+    member: usize,
+    scatter: &Scatter,
+    tests: f64,
+) -> Option<(f64, f64, Explanation)> {
+    let rest = without(search, chosen, member)?;
+    let gained = rest.square() - chosen.square();
+    let p_value = scatter.p_value(gained, search.candidates[member].coefficients.len()) * tests;
+    Some((gained, p_value.min(1.0), rest))
+}
+
+/// Takes out, one after the other, causes that are not significant or none of whose amplitudes exceeds its standard
+/// deviation, first the one that gains least; says whether there were any.
+pub(super) fn drop_unproven(
+    search: &mut Search<'_>,
+    chosen: &mut Explanation,
+    scatter: &Scatter,
+    tests: f64,
+    settings: &Settings,
+) -> bool {
+    let mut dropped = false;
+    loop {
+        let mut least: Option<(f64, Explanation)> = None;
+        for member in chosen.members.clone() {
+            let Some((gained, p_value, rest)) = worth(search, chosen, member, scatter, tests) else { continue };
+            let proven = p_value < settings.significance && sizeable(&search.candidates[member], chosen, scatter);
+            if !proven && least.as_ref().is_none_or(|l| gained < l.0) {
+                least = Some((gained, rest));
+            }
+        }
+        let Some((_, rest)) = least else { return dropped };
+        *chosen = rest;
+        dropped = true;
+    }
+}
+
+/// Whether some amplitude of an effect exceeds its standard deviation.
+fn sizeable(effect: &Effect, explanation: &Explanation, scatter: &Scatter) -> bool {
+    let width = scatter.inflation.sqrt();
+    effect.coefficients.iter().filter(|c| c.role == Role::Amplitude).any(|c| {
+        let estimate = explanation.fit.values.iter().find(|e| e.name == c.name);
+        estimate.is_some_and(|e| (e.value - c.nominal).abs() > width * e.std)
+    })
+}
+
+impl Report {
+    /// Takes the causes back if with them data that played no part in the fit are predicted worse at every horizon.
+    pub(super) fn withdraw_if_refuted(&mut self) {
+        let refuted = self.verdict == Verdict::CauseFound && self.gain.as_ref().is_some_and(worse_at_all);
+        if !refuted {
+            return;
+        }
+        let names: Vec<String> = self.causes.drain(..).map(|c| c.name.to_string()).collect();
+        self.reason = format!(
+            "{} explains the data of the fit, but data held out are predicted worse with it at every horizon",
+            names.join(" and ")
+        );
+        self.verdict = Verdict::Unexplained;
+        self.gain = None;
+        self.candidates.iter_mut().for_each(|c| c.chosen = false);
+        if let Some(excess) = &mut self.excess {
+            excess.extended = None;
+        }
+        self.notes.retain(|note| !note.starts_with("extended model: "));
+        self.evidence.extended = None;
+        self.evidence.model = None;
+        self.evidence.held_out = None;
+    }
+}
+
+/// Whether the error is larger after than before at every horizon.
+fn worse_at_all(gain: &Gain) -> bool {
+    gain.held_out && !gain.after.is_empty() && gain.before.iter().zip(&gain.after).all(|(before, after)| after > before)
+}
