@@ -8,6 +8,7 @@ use super::held_out::{HeldOut, thinned};
 use super::noise::Scatter;
 use super::places::places;
 use super::proven::drop_unproven;
+use super::repeats::{Distinct, distinct};
 use super::rivals::{Rivals, rivals};
 use super::search::{Explanation, Search};
 use super::select::{Selection, backwards, select, without};
@@ -82,6 +83,8 @@ pub fn diagnose(
         return Err(DiagnoseError::Setting { name, value: 0.0, requirement: "at least 1" });
     }
     progress(Stage::Refit);
+    let Distinct { records, validate, notes } = distinct(records, validate);
+    let (records, validate) = (records.as_slice(), validate.as_slice());
     let mut library = candidates(system, records)?;
     library.extend(settings.candidates.iter().cloned());
     let study = Study::new(system, records, &settings.study)?;
@@ -139,7 +142,9 @@ pub fn diagnose(
     }
     let ending = if alarm < settings.significance { ending(&base, &chosen, refuted, settings) } else { Ending::Quiet };
     let findings = Findings { base, chosen, rivals: found, scatter, tests, alarm, ending };
-    written(system, &mut search, &findings, validate, settings, begin, progress)
+    let mut report = written(system, &mut search, &findings, validate, settings, begin, progress)?;
+    report.notes.extend(notes);
+    Ok(report)
 }
 
 /// Takes out causes without which held-out data are predicted no worse; says whether there were any.

@@ -8,6 +8,7 @@ mod periods;
 mod places;
 mod precedence;
 mod proven;
+mod repeats;
 mod rivals;
 mod score;
 mod search;
