@@ -105,6 +105,27 @@ fn it_is_in_the_unit_of_the_input_whatever_the_mass() {
 }
 
 #[test]
+fn where_the_input_does_not_act_no_force_is_missing() {
+    // q' = v, v' = q u has the solution q = sin ωt for u = −ω²; at q = 0 the input does not act.
+    let (times, mut columns) = sinusoid(1.5, 0.0);
+    let w = 2.0 * PI * 1.5;
+    let surplus = |k: usize| 4.0 * w * (w * k as f64 * 1e-3).cos();
+    columns.insert("u".to_owned(), (0..times.len()).map(|k| surplus(k) - w * w).collect());
+    let q = columns["q"].clone();
+    let text = "states = ['q', 'v']\ninputs = ['u']\n[dynamics]\nq = 'v'\nv = 'q*u'";
+    let system = System::parse("arm", text).unwrap();
+    let record = read(&system, times, columns);
+    let residuals = force_residuals(&system, &[], &[], &[record]).unwrap();
+    let [only] = residuals.as_slice() else { panic!("{} equations", residuals.len()) };
+    assert!(only.samples.len() > 2000);
+    for (&k, value) in only.samples.iter().zip(&only.values) {
+        // A tenth of the root mean square 1/√2, but for what smoothing makes of q.
+        assert!(q[k].abs() > 0.07, "{k}");
+        assert!((value - surplus(k)).abs() < 2e-3 * w * w, "{value} {}", surplus(k));
+    }
+}
+
+#[test]
 fn an_equation_whose_states_nothing_measures_is_left_out() {
     let (times, columns) = sinusoid(1.5, 4.0);
     let text = "states = ['q', 'v', 'w']\ninputs = ['u']\n[dynamics]\nq = 'v'\nv = 'u - w'\nw = 'v - w'";

@@ -26,8 +26,14 @@ const WIDER: f64 = 2.5;
 const NARROWER: f64 = 0.84;
 /// Periods of the bandwidth that are left out at each end, where splines are less exact.
 const LOST_PERIODS: f64 = 3.0;
+/// Share of the root mean square of ∂f/∂u below which the input hardly acts.
+const WEAK: f64 = 0.1;
 /// Fewest periods of the bandwidth in a stretch.
 const FEWEST_PERIODS: f64 = 12.0;
+
+/// Why there may be no force residual, for notes.
+pub(crate) const NO_FORCE: &str =
+    "no equation has all its states measured, in an even stretch long enough for derivatives above their noise";
 
 /// What one equation leaves over in one stretch of a record, over time.
 #[derive(Clone, Debug)]
@@ -68,7 +74,7 @@ impl ForceResidual {
 /// them it is taken as it stands.
 ///
 /// Equations that need states which no measured column gives, directly or as a derivative, and stretches that are too short
-/// or too noisy, are left out.
+/// or too noisy, are left out; so are samples at which the input hardly acts, `|∂f/∂u|` below a tenth of its root mean square.
 ///
 /// # Errors
 /// [`DiagnoseError`] for effects that do not fit the model.
@@ -233,31 +239,37 @@ impl Equations {
         let mut arguments = vec![0.0; origins.len() + signals.len()];
         let mut work = Vec::new();
         let mut results = vec![0.0; self.tape.n_outputs()];
-        let mut left = vec![[Vec::with_capacity(times.len()), Vec::with_capacity(times.len())]; rows.len()];
+        // What is missing, its reference, and ∂f/∂u.
+        let mut left = vec![[const { Vec::new() }; 3]; rows.len()];
         for k in 0..times.len() {
             let states = origins.iter().map(|o| o.map_or(0.0, |o| columns[o.column][k][o.order]));
             arguments.iter_mut().zip(states.chain(signals.iter().map(|u| u[k]))).for_each(|(slot, v)| *slot = v);
             self.tape.eval(&arguments, &mut work, &mut results);
             for (lists, (row, origin)) in left.iter_mut().zip(rows) {
                 let rate = columns[origin.column][k][origin.order + 1];
-                let missing = results[row.state] - rate;
-                let (value, reference) = match row.gain {
-                    Some((input, place)) => (missing / results[place], signals[input][k]),
-                    None => (missing, rate),
-                };
-                lists[0].push(value);
-                lists[1].push(reference);
+                let (gain, reference) = row.gain.map_or((1.0, rate), |(i, place)| (results[place], signals[i][k]));
+                for (list, value) in lists.iter_mut().zip([results[row.state] - rate, reference, gain]) {
+                    list.push(value);
+                }
             }
         }
-        let made = rows.iter().zip(left).filter_map(|((row, origin), [values, reference])| {
+        let weak: Vec<Vec<bool>> = left.iter().map(|lists| weak(&lists[2])).collect();
+        for ([values, _, gains], weak) in left.iter_mut().zip(&weak) {
+            for ((value, gain), weak) in values.iter_mut().zip(gains.iter()).zip(weak) {
+                *value = if *weak { f64::NAN } else { *value / gain };
+            }
+        }
+        let made = rows.iter().zip(left).zip(weak).filter_map(|(((row, origin), [values, reference, _]), weak)| {
+            let kept: Vec<usize> = kept.clone().filter(|&k| !weak[k]).collect();
+            let at = |list: &[f64]| kept.iter().map(|&k| list[k]).collect::<Vec<f64>>();
             Some(ForceResidual {
                 record: index,
                 equation: self.system.symbol_name(self.system.states[row.state]).to_owned(),
                 input: row.gain.map(|(i, _)| self.system.symbol_name(self.system.inputs[i]).to_owned()),
-                samples: kept.clone().map(|k| stretch.from + k).collect(),
-                values: smooth(&values, bandwidth)?.values[kept.clone()].to_vec(),
-                reference: smooth(&reference, bandwidth)?.values[kept.clone()].to_vec(),
-                state: kept.clone().map(|k| columns[origin.column][k][origin.order]).collect(),
+                samples: kept.iter().map(|k| stretch.from + k).collect(),
+                values: at(&smooth(&values, bandwidth)?.values),
+                reference: at(&smooth(&reference, bandwidth)?.values),
+                state: kept.iter().map(|&k| columns[origin.column][k][origin.order]).collect(),
                 bandwidth,
             })
         });
@@ -287,6 +299,12 @@ impl Equations {
         let half = if signal.hold == Hold::Previous { 0.5 } else { 0.0 };
         shifted(&values, delay / stretch.dt + half)
     }
+}
+
+/// Where an input hardly acts: there the force that is missing cannot be told.
+fn weak(gains: &[f64]) -> Vec<bool> {
+    let rms = (gains.iter().map(|g| g * g).sum::<f64>() / gains.len() as f64).sqrt();
+    gains.iter().map(|g| g.abs() < WEAK * rms).collect()
 }
 
 /// Samples without a gap, and their mean distance in seconds.

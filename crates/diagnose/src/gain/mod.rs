@@ -6,6 +6,7 @@ mod horizon;
 mod motion;
 
 pub use bootstrap::bootstrap;
+pub(crate) use equation::NO_FORCE;
 pub use equation::{ForceResidual, force_error, force_residuals};
 pub use horizon::Predicted;
 

@@ -3,7 +3,7 @@
 use super::{Report, Verdict};
 use crate::error::DiagnoseError;
 use crate::extend::ExtendedModel;
-use crate::gain::{Fitted, bootstrap, measure_gain};
+use crate::gain::{Fitted, NO_FORCE, bootstrap, measure_gain};
 use crate::record::Record;
 use crate::study::{Fit, Study, StudySettings};
 
@@ -38,6 +38,9 @@ impl Report {
         let fitted = Fitted { refitted, at_refitted: &at_refitted, extended, at_extended: &at_extended };
         match measure_gain(study, &fitted, validate, settings)? {
             Some((gain, held_out)) => {
+                if gain.equation_error_after.is_none() {
+                    self.notes.push(format!("no force error: {NO_FORCE}"));
+                }
                 self.gain = Some(gain);
                 if extended.effects.is_empty() {
                     let note = "gain: only parameters are wrong, so that `before` is the model as given";

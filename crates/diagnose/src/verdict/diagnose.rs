@@ -14,6 +14,7 @@ use super::search::{Explanation, Search};
 use super::select::{Selection, backwards, select, without};
 use super::unnamed::unnamed;
 use super::{Settings, Stage, periods, write};
+use crate::gain::NO_FORCE;
 use crate::library::{candidates, dictionary};
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
@@ -178,6 +179,9 @@ fn written(
     let mut report = write::report(system, search, findings, settings, begin);
     if report.verdict != Verdict::NothingFound {
         report.places = places(system, search.study.records(), &findings.base.fit)?;
+        if report.places.is_empty() {
+            report.notes.push(format!("where the model is wrong is not shown: {NO_FORCE}"));
+        }
     }
     progress(Stage::Gain);
     let (refitted, extended) = (&findings.base.fit, &findings.chosen.fit);
