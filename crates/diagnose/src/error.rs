@@ -127,7 +127,7 @@ pub enum DiagnoseError {
     },
     /// The model cannot be simulated over any of the windows.
     #[error(
-        "the model cannot be simulated over any of the {windows} windows; the first, from t = {from} s of `{record}`: {reason}"
+        "the model cannot be simulated over any of the {windows} windows; the first, from t = {from} s of `{record}`: {reason}; {remedy}"
     )]
     NoWindow {
         /// Windows tried.
@@ -138,5 +138,7 @@ pub enum DiagnoseError {
         from: f64,
         /// Why the simulation ended.
         reason: String,
+        /// What to change.
+        remedy: String,
     },
 }

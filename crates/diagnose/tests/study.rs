@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{
-    Cause, Change, Coefficient, DiagnoseError, Effect, Fit, FitStatus, Measured, Path, Quantity, Record, Role, Signal,
-    Study, StudySettings, Window,
+    Cause, Change, Coefficient, DiagnoseError, Effect, Fit, FitStatus, Measured, Path, Quantity, Record, Role,
+    Settings as Diagnosing, Signal, Study, StudySettings, Window, diagnose,
 };
 use bracketry_sim::{Hold, Inputs, Model, Samples, Settings, Stepper};
 use bracketry_system::System;
@@ -286,4 +286,71 @@ fn with_the_right_model_long_windows_are_best() {
     assert!(lengths.windows(2).all(|w| w[0].uncertainty > w[1].uncertainty), "{lengths:?}");
     assert_eq!(study.windows().len(), 16);
     assert_eq!(fit.windows.len(), 16);
+}
+
+const SPRING: &str = r#"
+    states = ["x", "v"]
+    inputs = ["u"]
+    parameters = { m = 1.0, k = 20.0, d = 0.5 }
+    [dynamics]
+    x = "v"
+    v = "(u - k*x - d*v)/m"
+"#;
+
+/// A spring of 20 N/m.
+fn spring_log(seed: u64) -> Record {
+    log(&system(SPRING), 6.0, 100.0, 0.0, 2, 0.01, &mut StdRng::seed_from_u64(seed))
+}
+
+fn with_stiffness(k: &str) -> System {
+    system(&SPRING.replace("k = 20.0", &format!("k = {k}")))
+}
+
+/// Three and a half times the truth, and a quarter of it: the range moves with the fit. From ten times the truth no way leads back,
+/// and the fit says that it stopped.
+#[test]
+fn a_parameter_that_is_wrong_by_far_is_found() {
+    for (seed, k) in [(10, "70.0"), (12, "5.0")] {
+        let study = Study::new(&with_stiffness(k), &[spring_log(seed)], &StudySettings::default()).unwrap();
+        let fit = study.fit(&[], &all(&study), None).unwrap();
+        assert_eq!(fit.limited, [0; 0], "{k}: {:?}", fit.values);
+        assert_recovered(&fit, "k", 20.0, 0.2);
+    }
+    let study = Study::new(&with_stiffness("200.0"), &[spring_log(11)], &StudySettings::default()).unwrap();
+    assert!(study.fit(&[], &all(&study), None).unwrap().limited.contains(&1));
+}
+
+/// Limits of the model file hold, narrower or wider than what a refit may do without them.
+#[test]
+fn limits_of_the_model_file_win() {
+    let fit = |k: &str| {
+        let study = Study::new(&with_stiffness(k), &[spring_log(14)], &StudySettings::default()).unwrap();
+        study.fit(&[], &all(&study), None).unwrap()
+    };
+    let narrow = fit("{ value = 12.0, max = 15.0 }");
+    assert_eq!((narrow.values[1].value, narrow.limited.as_slice()), (15.0, [1].as_slice()));
+    let wide = fit("{ value = 1.0, min = 0.1, max = 1000.0 }");
+    assert_recovered(&wide, "k", 20.0, 0.2);
+    assert_eq!(wide.limited, [0; 0]);
+}
+
+#[test]
+fn a_value_at_its_limit_has_a_note_and_no_interval() {
+    let model = with_stiffness("{ value = 19.0, max = 19.9 }");
+    let report = diagnose(&model, &[spring_log(15)], &[], &Diagnosing::default(), &mut |_| {}).unwrap();
+    let k = report.parameters.iter().find(|p| p.name == "k").unwrap();
+    assert_eq!((k.after, k.interval), (19.9, None));
+    assert!(report.notes.iter().any(|n| n.starts_with("k stopped at its limit, 19.90")), "{:?}", report.notes);
+    for p in report.parameters.iter().filter(|p| p.name != "k") {
+        let [low, high] = p.interval.unwrap();
+        assert!(low <= p.after && p.after <= high, "{p:?}");
+    }
+}
+
+#[test]
+fn a_model_that_cannot_be_simulated_names_the_parameter_that_is_zero() {
+    let model = system(&SPRING.replace("m = 1.0", "m = 0.0"));
+    let study = Study::new(&model, &[spring_log(16)], &StudySettings::default()).unwrap();
+    let error = study.fit(&[], &all(&study), None).unwrap_err().to_string();
+    assert!(error.ends_with("if the equations divide by `m` = 0, give another value"), "{error}");
 }

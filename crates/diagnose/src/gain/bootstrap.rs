@@ -12,8 +12,12 @@ const RESAMPLES: usize = 1000;
 const ENDS: [f64; 2] = [0.025, 0.975];
 
 /// How far each column of a linearization goes, in its natural unit, when some windows count more than once and others not
-/// at all: `(Σ wG + P)⁻¹(Σ wg + P pull)`. `None` if the weighted windows do not determine a step.
-pub(super) fn weighted_step(linearization: &Linearization, weight: impl Fn(usize) -> f64) -> Option<DVector<f64>> {
+/// at all: `(Σ wG + P)⁻¹(Σ wg + P pull)`; those that are `held` stay. `None` if the weighted windows do not determine a step.
+pub(super) fn weighted_step(
+    linearization: &Linearization,
+    held: &[usize],
+    weight: impl Fn(usize) -> f64,
+) -> Option<DVector<f64>> {
     let n = linearization.columns.len();
     let mut gram = DMatrix::from_diagonal(&DVector::from_column_slice(&linearization.prior));
     let mut gradient = DVector::from_fn(n, |j, _| linearization.prior[j] * linearization.pull[j]);
@@ -24,6 +28,12 @@ pub(super) fn weighted_step(linearization: &Linearization, weight: impl Fn(usize
             gradient += w * &normal.gradient;
         }
     }
+    for &j in held {
+        gram.row_mut(j).fill(0.0);
+        gram.column_mut(j).fill(0.0);
+        gram[(j, j)] = 1.0;
+        gradient[j] = 0.0;
+    }
     let step = Cholesky::new(gram)?.solve(&gradient);
     let natural = DVector::from_fn(n, |j, _| step[j] * linearization.scales[j]);
     natural.iter().all(|v| v.is_finite()).then_some(natural)
@@ -31,12 +41,14 @@ pub(super) fn weighted_step(linearization: &Linearization, weight: impl Fn(usize
 
 /// Intervals of 95 % for the columns of a linearization, relative to the values at which it was made: percentiles over
 /// resamples of whole windows (block bootstrap: Künsch, Annals of Statistics 17, 1989), each solved in linear approximation.
-/// `None` with fewer than five windows.
-pub fn bootstrap(linearization: &Linearization, seed: u64) -> Option<Vec<[f64; 2]>> {
+/// The step that all windows ask for, each once, is subtracted: it is what the iteration left undone, or what a kink in the sum
+/// of squares hides, no scatter. Columns that are `held` do not move, and have no interval. `None` with fewer than five windows.
+pub fn bootstrap(linearization: &Linearization, held: &[usize], seed: u64) -> Option<Vec<Option<[f64; 2]>>> {
     let windows = linearization.windows.len();
     if windows < 5 {
         return None;
     }
+    let rest = weighted_step(linearization, held, |_| 1.0)?;
     let mut random = StdRng::seed_from_u64(seed);
     let mut steps: Vec<Vec<f64>> = vec![Vec::with_capacity(RESAMPLES); linearization.columns.len()];
     for _ in 0..RESAMPLES {
@@ -44,18 +56,17 @@ pub fn bootstrap(linearization: &Linearization, seed: u64) -> Option<Vec<[f64; 2
         for _ in 0..windows {
             times[random.random_range(0..windows)] += 1.0;
         }
-        if let Some(step) = weighted_step(linearization, |k| times[k]) {
-            steps.iter_mut().zip(step.iter()).for_each(|(list, v)| list.push(*v));
+        if let Some(step) = weighted_step(linearization, held, |k| times[k]) {
+            steps.iter_mut().zip((step - &rest).iter()).for_each(|(list, v)| list.push(*v));
         }
     }
     let percentile = |sorted: &[f64], p: f64| sorted[((sorted.len() - 1) as f64 * p).round() as usize];
-    steps
-        .into_iter()
-        .map(|mut list| {
-            list.sort_by(f64::total_cmp);
-            (2 * list.len() > RESAMPLES).then(|| ENDS.map(|p| percentile(&list, p)))
-        })
-        .collect()
+    let intervals = steps.into_iter().enumerate().map(|(j, mut list)| {
+        list.sort_by(f64::total_cmp);
+        let made = !held.contains(&j) && 2 * list.len() > RESAMPLES;
+        made.then(|| ENDS.map(|p| percentile(&list, p))).filter(|[low, high]| *low <= 0.0 && 0.0 <= *high)
+    });
+    Some(intervals.collect())
 }
 
 #[cfg(test)]
@@ -91,23 +102,39 @@ mod tests {
     #[test]
     fn the_interval_has_the_width_of_least_squares() {
         let linearization = windows(0.3, 0.1, 60);
-        let interval = bootstrap(&linearization, 1).map(|b| b[0]);
+        let interval = bootstrap(&linearization, &[], 1).and_then(|b| b[0]);
         let [low, high] = interval.unwrap_or([f64::NAN; 2]);
         // Var x = 1/3: std = 2 · 0.1/√(3000/3), twice 1.96 of it.
         let expected = 2.0 * 1.96 * 2.0 * 0.1 / 1000_f64.sqrt();
         assert!(((high - low) / expected - 1.0).abs() < 0.25, "{low} {high} {expected}");
-        assert!(low < 0.6 && 0.6 < high);
+        assert!(low < 0.0 && 0.0 < high, "around the estimate, whatever the step to it: {low} {high}");
     }
 
     #[test]
     fn the_same_seed_gives_the_same_interval() {
         let linearization = windows(0.3, 0.1, 20);
-        assert_eq!(bootstrap(&linearization, 5), bootstrap(&linearization, 5));
-        assert_ne!(bootstrap(&linearization, 5), bootstrap(&linearization, 6));
+        assert_eq!(bootstrap(&linearization, &[], 5), bootstrap(&linearization, &[], 5));
+        assert_ne!(bootstrap(&linearization, &[], 5), bootstrap(&linearization, &[], 6));
+    }
+
+    #[test]
+    fn what_is_held_has_no_interval_and_does_not_move_the_others() {
+        let mut linearization = windows(0.3, 0.1, 20);
+        for normal in &mut linearization.windows {
+            // A second column that is the first: if it were free, nothing would be known of either.
+            normal.gram = DMatrix::from_element(2, 2, normal.gram[(0, 0)]);
+            normal.gradient = DVector::from_element(2, normal.gradient[0]);
+        }
+        linearization.columns.push(Column::Parameter(1));
+        for list in [&mut linearization.scales, &mut linearization.prior, &mut linearization.pull] {
+            list.push(list[0]);
+        }
+        let alone = bootstrap(&windows(0.3, 0.1, 20), &[], 1).and_then(|b| b[0]);
+        assert_eq!(bootstrap(&linearization, &[1], 1), Some(vec![alone, None]));
     }
 
     #[test]
     fn few_windows_give_no_interval() {
-        assert_eq!(bootstrap(&windows(0.3, 0.1, 4), 1), None);
+        assert_eq!(bootstrap(&windows(0.3, 0.1, 4), &[], 1), None);
     }
 }

@@ -152,7 +152,7 @@ fn folds(study: &Study, fitted: &Fitted<'_>) -> Vec<Trial> {
             let held_out = k * windows.len() / parts..(k + 1) * windows.len() / parts;
             let without = |fit: &Fit, linearization: &Linearization| {
                 let counts = |i: usize| if held_out.contains(&linearization.windows[i].window) { 0.0 } else { 1.0 };
-                let step = weighted_step(linearization, counts)?;
+                let step = weighted_step(linearization, &fit.limited, counts)?;
                 let mut fit = fit.clone();
                 for (estimate, step) in fit.values.iter_mut().zip(step.iter()) {
                     estimate.value += step;

@@ -1,5 +1,6 @@
 //! What follows from the fits of a report: intervals, the extended model, the gain.
 
+use super::table::significant;
 use super::{Report, Verdict};
 use crate::error::DiagnoseError;
 use crate::extend::ExtendedModel;
@@ -21,11 +22,15 @@ impl Report {
     ) -> Result<(), DiagnoseError> {
         let all: Vec<usize> = (0..study.windows().len()).collect();
         let at_extended = study.linearize(extended, &[], &all)?;
-        if let Some(steps) = bootstrap(&at_extended, seed) {
-            for (estimate, step) in extended.values.iter().zip(steps) {
-                self.set_interval(&estimate.name, step.map(|s| estimate.value + s));
+        if let Some(steps) = bootstrap(&at_extended, &extended.limited, seed) {
+            for (j, (estimate, step)) in extended.values.iter().zip(steps).enumerate() {
+                // What the data do not tell keeps near the prior in every resample.
+                if let Some(step) = step.filter(|_| !extended.unidentified.contains(&j)) {
+                    self.set_interval(&estimate.name, step.map(|s| estimate.value + s));
+                }
             }
         }
+        self.note_limits(refitted, extended);
         self.evidence.refitted = Some(refitted.clone());
         if self.verdict != Verdict::CauseFound {
             return Ok(());
@@ -51,6 +56,28 @@ impl Report {
             None => self.notes.push("the data are too short to measure the gain on a part of their own".to_owned()),
         }
         Ok(())
+    }
+
+    /// Says which numbers stopped at a limit and which the data do not tell: neither has an interval.
+    fn note_limits(&mut self, refitted: &Fit, extended: &Fit) {
+        for (fit, which) in [(extended, ""), (refitted, " of the model without causes")] {
+            if !which.is_empty() && extended.effects.is_empty() {
+                continue;
+            }
+            for estimate in fit.limited.iter().filter_map(|&j| fit.values.get(j)) {
+                self.notes.push(format!(
+                    "{}{which} stopped at its limit, {}: the best value lies there or beyond; a wider min or max in the model \
+                     file, or a value nearer to the truth, lets it move on",
+                    estimate.name,
+                    significant(estimate.value, 4)
+                ));
+            }
+        }
+        let hardly: Vec<&str> =
+            extended.unidentified.iter().filter_map(|&j| extended.values.get(j)).map(|e| e.name.as_str()).collect();
+        if !hardly.is_empty() {
+            self.notes.push(format!("the data hardly tell {}: no interval", hardly.join(", ")));
+        }
     }
 
     fn set_interval(&mut self, name: &str, interval: [f64; 2]) {

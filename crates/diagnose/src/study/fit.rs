@@ -4,7 +4,7 @@ use super::compiled::Compiled;
 use super::linearization::Normal;
 use super::normal::{Eliminated, Full, Point, SETTLED, SHARE, States, full, residual, sensitivities, settle, simulate};
 use super::runner::{Failure, Runner};
-use super::unknown::Unknown;
+use super::unknown::{MOVES, Range, Unknown};
 use crate::effect::Effect;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
@@ -63,6 +63,9 @@ pub struct Fit {
     pub windows: Vec<WindowFit>,
     /// Places in `values` that the data hardly tell: their standard deviation is more than half of the prior's.
     pub unidentified: Vec<usize>,
+    /// Places in `values` that stopped at the end of their range: a limit of the model file or of the effect, or as far as a
+    /// refit goes. Their standard deviations are those of values that are free to move.
+    pub limited: Vec<usize>,
     /// How the iteration ended.
     pub status: FitStatus,
 }
@@ -163,12 +166,58 @@ pub(super) struct Solution {
     /// Covariance in natural units.
     pub(super) covariance: DMatrix<f64>,
     pub(super) unidentified: Vec<usize>,
+    pub(super) limited: Vec<usize>,
     /// At the solution, in scaled units.
     pub(super) normals: Vec<Normal>,
 }
 
-/// Levenberg–Marquardt over unknowns and initial states. Windows that cannot be simulated leave.
-pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: Vec<f64>, iterations: usize) -> Solution {
+/// Levenberg–Marquardt over unknowns and initial states, once more from where it has come if parameters without a limit in the
+/// model file stop at the end of their range. That is kept where it leads inside the moved range and the data tell the value;
+/// else the parameters have no bounds to find, and stay at the end of the first range.
+pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], iterations: usize) -> Solution {
+    let unknowns = &compiled.unknowns;
+    let mut ranges: Vec<Range> = unknowns.iter().zip(start).map(|(u, v)| u.first_range(*v)).collect();
+    let begin = start.iter().zip(&ranges).map(|(v, r)| r.bounded(*v)).collect();
+    let first = minimise(slots, compiled, begin, &ranges, iterations);
+    let stopped = |s: &Solution, ranges: &[Range]| -> Vec<usize> {
+        (0..unknowns.len()).filter(|&j| unknowns[j].ends_on(ranges[j], s.theta[j])).collect()
+    };
+    let mut ends = stopped(&first, &ranges);
+    if ends.is_empty() {
+        return first;
+    }
+    let states: Vec<_> = slots.iter().map(|s| s.state.clone()).collect();
+    let mut theta = first.theta.clone();
+    let mut moved = ends.clone();
+    for _ in 0..MOVES {
+        for &j in &ends {
+            ranges[j] = unknowns[j].range(theta[j]);
+        }
+        let next = minimise(slots, compiled, theta, &ranges, iterations);
+        ends = stopped(&next, &ranges);
+        if ends.is_empty() {
+            if moved.iter().any(|j| next.unidentified.contains(j)) {
+                break;
+            }
+            return next;
+        }
+        moved.extend(&ends);
+        theta = next.theta;
+    }
+    for (slot, state) in slots.iter_mut().zip(states) {
+        slot.state = state;
+    }
+    first
+}
+
+/// Levenberg–Marquardt over unknowns in their ranges and initial states. Windows that cannot be simulated leave.
+fn minimise(
+    slots: &mut [Slot<'_>],
+    compiled: &Compiled,
+    start: Vec<f64>,
+    ranges: &[Range],
+    iterations: usize,
+) -> Solution {
     let unknowns = &compiled.unknowns;
     let p = unknowns.len();
     let mut theta = start;
@@ -180,6 +229,7 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: Vec<f64>
             status: FitStatus::Converged,
             covariance: DMatrix::zeros(0, 0),
             unidentified: Vec::new(),
+            limited: Vec::new(),
             normals: Vec::new(),
         };
     }
@@ -190,7 +240,7 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: Vec<f64>
         let mut found = None;
         let mut rejected = false;
         while lambda < 1e8 {
-            let Some(step) = Step::new(slots, unknowns, &theta, &normals, lambda) else { break };
+            let Some(step) = Step::new(slots, unknowns, &theta, ranges, &normals, lambda) else { break };
             if step.fall < settled {
                 if !rejected {
                     status = FitStatus::Converged;
@@ -228,7 +278,8 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: Vec<f64>
     }
     let normals = eliminate(slots, &normals);
     let (covariance, unidentified) = uncertainty(&normals, unknowns, slots.first().map_or(0, |s| s.scales.len()));
-    Solution { theta, status, covariance, unidentified, normals }
+    let limited = (0..p).filter(|&j| ranges[j].ends_at(theta[j])).collect();
+    Solution { theta, status, covariance, unidentified, limited, normals }
 }
 
 /// A fall of the cost that ends the iteration. What exceeds the noise is the model's error, which stays alike throughout a window: it
@@ -276,6 +327,7 @@ impl Step {
         slots: &[Slot<'_>],
         unknowns: &[Unknown],
         theta: &[f64],
+        ranges: &[Range],
         normals: &[Option<Full>],
         lambda: f64,
     ) -> Option<Self> {
@@ -300,7 +352,7 @@ impl Step {
             gram[(j, j)] += weight + lambda * (gram[(j, j)] + weight);
             gradient[j] += weight * (u.nominal - theta[j]) / u.scale;
         }
-        let next = bounded_step(&gram, &gradient, unknowns, theta)?;
+        let next = bounded_step(&gram, &gradient, unknowns, theta, ranges)?;
         let step = DVector::from_iterator(p, (0..p).map(|j| (next[j] - theta[j]) / unknowns[j].scale));
         fall += 2.0 * gradient.dot(&step) - step.dot(&(&gram * &step));
         let x0 = slots
@@ -335,7 +387,13 @@ impl Step {
 }
 
 /// The minimum of the quadratic model with what would leave its bounds kept on them.
-fn bounded_step(gram: &DMatrix<f64>, gradient: &DVector<f64>, unknowns: &[Unknown], theta: &[f64]) -> Option<Vec<f64>> {
+fn bounded_step(
+    gram: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    unknowns: &[Unknown],
+    theta: &[f64],
+    ranges: &[Range],
+) -> Option<Vec<f64>> {
     let p = unknowns.len();
     let mut fixed: Vec<Option<f64>> = vec![None; p];
     loop {
@@ -351,7 +409,7 @@ fn bounded_step(gram: &DMatrix<f64>, gradient: &DVector<f64>, unknowns: &[Unknow
         let mut hit = false;
         for (k, &j) in free.iter().enumerate() {
             let value = theta[j] + step[k] * unknowns[j].scale;
-            let bounded = unknowns[j].bounded(value);
+            let bounded = ranges[j].bounded(value);
             if bounded != value {
                 fixed[j] = Some(bounded);
                 hit = true;

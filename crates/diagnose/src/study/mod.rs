@@ -177,13 +177,13 @@ impl Study {
         let theta: Vec<f64> = compiled
             .unknowns
             .iter()
-            .map(|u| u.bounded(start.and_then(|s| value_of(s, &u.name)).unwrap_or(u.start)))
+            .map(|u| start.and_then(|s| value_of(s, &u.name)).unwrap_or(u.start).max(u.min).min(u.max))
             .collect();
         let mut slots = self.slots(&compiled, windows, start)?;
         let share = if compiled.unknowns.is_empty() { SHARE } else { ROUGH };
         settle_all(&mut slots, &compiled, &theta, share);
         self.some_window(&slots)?;
-        let solution = solve(&mut slots, &compiled, theta, self.settings.iterations);
+        let solution = solve(&mut slots, &compiled, &theta, self.settings.iterations);
         self.some_window(&slots)?;
         let values = compiled
             .unknowns
@@ -202,6 +202,7 @@ impl Study {
             covariance: solution.covariance,
             windows: slots.iter().map(Slot::report).collect(),
             unidentified: solution.unidentified,
+            limited: solution.limited,
             status: solution.status,
         };
         let weights = compiled.unknowns.iter().map(|u| (u.scale / u.prior).powi(2)).collect();
@@ -291,7 +292,24 @@ impl Study {
             (record.name.clone(), record.times[window.from])
         });
         let reason = first.map_or_else(|| "no window was given".to_owned(), |f| f.1);
-        Err(DiagnoseError::NoWindow { windows: slots.len(), record, from, reason })
+        Err(DiagnoseError::NoWindow { windows: slots.len(), record, from, reason, remedy: self.remedy() })
+    }
+
+    /// What to change in a model that cannot be simulated anywhere.
+    fn remedy(&self) -> String {
+        let used = self.system.pool.symbols_of(&self.system.dynamics);
+        let zero: Vec<String> = self
+            .system
+            .parameters
+            .iter()
+            .filter(|p| used.contains(&p.symbol) && p.value.to_f64().value() == 0.0)
+            .map(|p| format!("`{}` = 0", self.system.symbol_name(p.symbol)))
+            .collect();
+        if zero.is_empty() {
+            "check the values of the parameters and the units of the columns, or choose shorter windows".to_owned()
+        } else {
+            format!("if the equations divide by {}, give another value", zero.join(" or "))
+        }
     }
 }
 

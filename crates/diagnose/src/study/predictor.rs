@@ -31,6 +31,7 @@ impl Study {
                 .collect(),
             windows: Vec::new(),
             unidentified: Vec::new(),
+            limited: Vec::new(),
             status: FitStatus::Converged,
         }
     }

@@ -5,9 +5,12 @@ use bracketry_system::{Parameter, System};
 
 /// Standard deviation of the prior of a parameter over its nominal value. Weak: it decides only where the data do not.
 const PARAMETER_PRIOR: f64 = 0.5;
-/// A parameter stays within this factor of its value: a refit is a calibration. Windows that are short against the time constants
-/// of a model that is wrong by far are explained best by their initial states alone, with masses beyond all bounds.
+/// A parameter stays within this factor of the value it comes from, on the sides where the model file has no limit: a refit is a
+/// calibration. Windows that are short against the time constants of a model that is wrong by far are explained best by their
+/// initial states alone, with masses beyond all bounds.
 const LARGEST_CHANGE: f64 = 3.0;
+/// How often the range of a parameter may move on to where the fit has come.
+pub(super) const MOVES: i32 = 3;
 /// Standard deviation of the prior of an effect's amplitude over its scale.
 const AMPLITUDE_PRIOR: f64 = 100.0;
 /// Standard deviation of the prior of an effect's shape over its scale.
@@ -21,8 +24,11 @@ pub(super) struct Unknown {
     pub(super) nominal: f64,
     /// Typical size.
     pub(super) scale: f64,
+    /// Limits that the model file or the effect gives; infinite where there is none.
     pub(super) min: f64,
     pub(super) max: f64,
+    /// Whether it keeps near the value it comes from where there is no limit.
+    calibrated: bool,
     /// Standard deviation of the prior.
     pub(super) prior: f64,
     /// Where the fit begins.
@@ -43,12 +49,8 @@ impl Unknown {
         } else {
             (1.0, 1.0)
         };
-        let (min, max) = match nominal.partial_cmp(&0.0) {
-            Some(std::cmp::Ordering::Greater) => (min.max(nominal / LARGEST_CHANGE), max.min(LARGEST_CHANGE * nominal)),
-            Some(std::cmp::Ordering::Less) => (min.max(LARGEST_CHANGE * nominal), max.min(nominal / LARGEST_CHANGE)),
-            _ => (min, max),
-        };
-        Self { name: system.symbol_name(parameter.symbol).to_owned(), nominal, scale, min, max, prior, start: nominal }
+        let name = system.symbol_name(parameter.symbol).to_owned();
+        Self { name, nominal, scale, min, max, calibrated: nominal != 0.0, prior, start: nominal }
     }
 
     pub(super) fn coefficient(c: &Coefficient) -> Self {
@@ -62,14 +64,56 @@ impl Unknown {
             scale: c.scale,
             min: c.min,
             max: c.max,
+            calibrated: false,
             prior,
             start: c.nominal,
         }
     }
 
-    /// A value within the bounds.
-    pub(super) fn bounded(&self, value: f64) -> f64 {
+    /// The range of a fit that comes from `value`: the limits, and where there is none a factor of [`LARGEST_CHANGE`], but no
+    /// further from the nominal value than [`MOVES`] moves lead.
+    pub(super) fn range(&self, value: f64) -> Range {
+        if !self.calibrated {
+            return Range { min: self.min, max: self.max };
+        }
+        let farthest = LARGEST_CHANGE.powi(MOVES + 1);
+        let factor = (value / self.nominal).clamp(1.0 / farthest, farthest);
+        let near = self.nominal * (factor / LARGEST_CHANGE).max(1.0 / farthest);
+        let far = self.nominal * (factor * LARGEST_CHANGE).min(farthest);
+        let (low, high) = if near < far { (near, far) } else { (far, near) };
+        Range {
+            min: if self.min.is_finite() { self.min } else { low.min(self.max) },
+            max: if self.max.is_finite() { self.max } else { high.max(self.min) },
+        }
+    }
+
+    /// The range in which a fit begins that starts from `value`: that of the nominal value, moved if it has moved before.
+    pub(super) fn first_range(&self, value: f64) -> Range {
+        let range = self.range(self.nominal);
+        if range.bounded(value) == value { range } else { self.range(value) }
+    }
+
+    /// Whether a value has come to the end of a range where the model file or the effect sets none.
+    pub(super) fn ends_on(&self, range: Range, value: f64) -> bool {
+        range.ends_at(value) && value != self.min && value != self.max
+    }
+}
+
+/// Where an unknown may lie in a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Range {
+    pub(super) min: f64,
+    pub(super) max: f64,
+}
+
+impl Range {
+    /// The value of the range that is nearest.
+    pub(super) fn bounded(self, value: f64) -> f64 {
         value.max(self.min).min(self.max)
+    }
+
+    pub(super) fn ends_at(self, value: f64) -> bool {
+        value <= self.min || value >= self.max
     }
 }
 
