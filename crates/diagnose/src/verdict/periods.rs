@@ -242,7 +242,9 @@ mod tests {
     #[test]
     fn a_state_that_does_not_move_tells_no_period() {
         let mut still = pushed(0.06, 1.0);
-        still.iter_mut().for_each(|lane| lane.phase.fill(0.1));
+        for lane in &mut still {
+            lane.phase.fill(0.1);
+        }
         assert!(peaks(&still).is_empty());
     }
 }
