@@ -1,6 +1,8 @@
 //! Effects that a log may hide.
 
+use super::LogSettings;
 use crate::monte_carlo::{Random, seed_of};
+use crate::{AreaContact, Friction, PlateError, PlateKinematics};
 use serde::{Deserialize, Serialize};
 
 /// What is otherwise in the real plant than its user believes.
@@ -66,6 +68,38 @@ impl HiddenEffect {
             6 => Self::SensorDelay(0.015),
             _ => Self::AnisotropicFriction(1.2f64.powf(sign)),
         }
+    }
+
+    /// The object as it truly is, with contact over its footprint.
+    ///
+    /// # Errors
+    /// [`PlateError`] for settings without meaning.
+    pub fn contact(&self, settings: &LogSettings) -> Result<AreaContact, PlateError> {
+        let mu = settings.mu;
+        let friction = match *self {
+            Self::Friction(factor) => Friction::Coulomb { mu: factor * mu },
+            Self::AnisotropicFriction(ratio) => {
+                Friction::Anisotropic { mu_along: mu / ratio.sqrt(), mu_across: mu * ratio.sqrt() }
+            }
+            _ => Friction::Coulomb { mu },
+        };
+        let mut area = settings.area.clone();
+        if let Self::TiltAboutY(angle) = *self {
+            area.gravity *= angle.cos();
+        }
+        AreaContact::new(&settings.object, &friction, &area)
+    }
+
+    /// How a plate that moves like this appears to [`HiddenEffect::contact`]: its tilt with what is added to it; what an
+    /// inclined axis lets gravity (m/s²) do along x, as an acceleration of the plate the other way.
+    #[must_use]
+    pub fn inclined(&self, mut plate: PlateKinematics, gravity: f64) -> PlateKinematics {
+        match *self {
+            Self::TiltAboutX(angle) => plate.tilt += angle,
+            Self::TiltAboutY(angle) => plate.acceleration -= gravity * angle.sin(),
+            _ => {}
+        }
+        plate
     }
 
     /// Its kind, one of [`HiddenEffect::KINDS`].

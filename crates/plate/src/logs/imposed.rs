@@ -12,10 +12,9 @@ pub(super) struct Imposed {
     command: ExpressionMotion,
     /// Time constant in s and displacement and tilt at nodes `NODE` apart.
     lag: Option<(f64, f64, Vec<[f64; 2]>)>,
-    /// Added to the tilt, in rad.
-    tilt: f64,
-    /// Gravity along x, in m/s².
-    pull: f64,
+    /// What else is otherwise than believed, and gravity in m/s².
+    effect: HiddenEffect,
+    gravity: f64,
 }
 
 impl Imposed {
@@ -26,9 +25,7 @@ impl Imposed {
             HiddenEffect::ActuatorLag(time) => Some((time, 0.0, vec![[begin.displacement, begin.tilt]])),
             _ => None,
         };
-        let tilt = if let HiddenEffect::TiltAboutX(angle) = *effect { angle } else { 0.0 };
-        let pull = if let HiddenEffect::TiltAboutY(angle) = *effect { gravity * angle.sin() } else { 0.0 };
-        Self { command, lag, tilt, pull }
+        Self { command, lag, effect: *effect, gravity }
     }
 
     /// What the plate is told to do.
@@ -91,10 +88,8 @@ fn respond(u: &PlateKinematics, from: &[f64; 2], time: f64, s: f64) -> [f64; 2] 
 
 impl PlateMotion for Imposed {
     fn at(&mut self, t: f64) -> PlateKinematics {
-        let mut plate = self.lagging(t);
-        plate.tilt += self.tilt;
-        plate.acceleration -= self.pull;
-        plate
+        let plate = self.lagging(t);
+        self.effect.inclined(plate, self.gravity)
     }
 }
 

@@ -8,7 +8,7 @@ pub use hidden::HiddenEffect;
 pub use multisine::multisine;
 
 use crate::monte_carlo::Random;
-use crate::{AreaContact, AreaOutcome, AreaSettings, Course, Experiment, Friction, Object, PlateError, STATES};
+use crate::{AreaContact, AreaOutcome, AreaSettings, Course, Experiment, Object, PlateError, STATES};
 use imposed::Imposed;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -127,7 +127,7 @@ pub fn plate_log(
             return Err(PlateError::NegativeNumber { name, value });
         }
     }
-    let mut contact = plant(effect, settings)?;
+    let mut contact = effect.contact(settings)?;
     contact.set_state(start)?;
     let mut plate = Imposed::new(experiment.motion(0.0)?, effect, settings.area.gravity);
     let (mut course, mut outcome) = contact.record(&mut plate, 0.0)?;
@@ -176,23 +176,6 @@ pub fn plate_log(
         columns.push(("der(theta,2)".into(), commands.iter().map(|k| k.tilt_acceleration).collect()));
     }
     Ok(PlateLog { name: experiment.name.clone(), times, columns, outcome })
-}
-
-/// The object as it truly is.
-fn plant(effect: &HiddenEffect, settings: &LogSettings) -> Result<AreaContact, PlateError> {
-    let mu = settings.mu;
-    let friction = match *effect {
-        HiddenEffect::Friction(factor) => Friction::Coulomb { mu: factor * mu },
-        HiddenEffect::AnisotropicFriction(ratio) => {
-            Friction::Anisotropic { mu_along: mu / ratio.sqrt(), mu_across: mu * ratio.sqrt() }
-        }
-        _ => Friction::Coulomb { mu },
-    };
-    let mut area = settings.area.clone();
-    if let HiddenEffect::TiltAboutY(angle) = *effect {
-        area.gravity *= angle.cos();
-    }
-    AreaContact::new(&settings.object, &friction, &area)
 }
 
 /// Sets the amplitude of the period that begins now.
