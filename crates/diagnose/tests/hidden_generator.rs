@@ -38,20 +38,21 @@ fn force(hidden: &Hidden, x: f64, v: f64, t: f64) -> f64 {
         HiddenEffect::PositionDependentFriction => -a * (b * x).sin() * v.signum(),
         HiddenEffect::Cogging => a * (b * x).sin(),
         HiddenEffect::CubicDrag => -a * v.powi(3),
-        other => panic!("{other:?} has a memory"),
+        HiddenEffect::WarmingFriction => -a * (1.0 - (-t / b).exp()) * v.signum(),
+        other => panic!("{other:?} needs more than position, speed and time"),
     }
 }
 
 /// Whether the effect's force follows from position, speed and time alone.
-fn without_memory(effect: HiddenEffect) -> bool {
-    use HiddenEffect::{ActuatorLag, BristleFriction, ElasticMass, InputDelay};
-    !matches!(effect, InputDelay | ActuatorLag | ElasticMass | BristleFriction)
+fn of_motion(effect: HiddenEffect) -> bool {
+    use HiddenEffect::{ActuatorLag, BristleFriction, ElasticMass, ForceLimit, InputDelay};
+    !matches!(effect, InputDelay | ActuatorLag | ElasticMass | BristleFriction | ForceLimit)
 }
 
 #[test]
 fn momentum_is_what_the_forces_leave() {
     // Between samples at which the slider moves in one direction, m Δv = ∫ (u − F sign v + effect) dt (Simpson's rule for the effect).
-    for (seed, effect) in HiddenEffect::all().filter(|&e| without_memory(e)).enumerate() {
+    for (seed, effect) in HiddenEffect::all().filter(|&e| of_motion(e)).enumerate() {
         let slider = noiseless(seed as u64);
         let log = slider.run(&[effect], seed as u64).unwrap();
         let (t, u, x, v) = (column(&log, "t"), column(&log, "u"), column(&log, "x"), column(&log, "v"));
@@ -106,7 +107,7 @@ fn effects_have_the_size_that_was_asked_for() {
                 continue;
             }
             assert!((hidden.size / size - 1.0).abs() <= 0.2, "{hidden:?}");
-            if without_memory(effect) && !matches!(effect, HiddenEffect::FrictionAsymmetry) {
+            if of_motion(effect) && !matches!(effect, HiddenEffect::FrictionAsymmetry) {
                 let at = |k: usize| {
                     if v[k] == 0.0 && force(hidden, x[k], 1.0, t[k]) != force(hidden, x[k], -1.0, t[k]) {
                         0.0
@@ -130,6 +131,23 @@ fn a_late_force_is_the_force_at_an_earlier_time() {
     let (a, b) = (column(&late, "v"), column(&punctual, "v"));
     let difference = (5..a.len()).map(|k| (a[k] - b[k - 5]).abs()).fold(0.0, f64::max);
     assert!(difference < 1e-6, "{difference}");
+}
+
+#[test]
+fn a_limited_force_is_the_force_up_to_its_limit() {
+    let slider = noiseless(4);
+    let log = slider.run(&[HiddenEffect::ForceLimit], 4).unwrap();
+    let (u, v) = (column(&log, "u"), column(&log, "v"));
+    let limit = log.truth.hidden[0].strength.powf(-0.125);
+    let (mut limited, h) = (0, 1.0 / slider.rate);
+    for k in 1..v.len() {
+        if v[k - 1] * v[k] > 0.0 {
+            let impulse = h * (u[k - 1].clamp(-limit, limit) - v[k].signum());
+            assert!((v[k] - v[k - 1] - impulse).abs() < 1e-6, "{k}");
+            limited += i32::from(u[k - 1].abs() > limit);
+        }
+    }
+    assert!(limited > 50, "{limited}");
 }
 
 #[test]

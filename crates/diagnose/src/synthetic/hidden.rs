@@ -37,6 +37,10 @@ pub enum HiddenEffect {
     ElasticMass,
     /// Friction of bristles that bend before they slip, in place of Coulomb's (Dahl 1968; Canudas de Wit et al. 1995, with constant g).
     BristleFriction,
+    /// Coulomb friction that grows towards a higher level while the slider warms up.
+    WarmingFriction,
+    /// The drive's force is limited, which the log does not show.
+    ForceLimit,
 }
 
 /// What an effect does to the plant's equations. `{a}` stands for its strength, `{b}` for its shape; x and v are the slider's states,
@@ -69,8 +73,14 @@ impl HiddenEffect {
         Self::Cogging,
     ];
     /// Effects that have no name in the library.
-    pub const OUTSIDE: [Self; 4] =
-        [Self::PositionDependentFriction, Self::CubicDrag, Self::ElasticMass, Self::BristleFriction];
+    pub const OUTSIDE: [Self; 6] = [
+        Self::PositionDependentFriction,
+        Self::CubicDrag,
+        Self::ElasticMass,
+        Self::BristleFriction,
+        Self::WarmingFriction,
+        Self::ForceLimit,
+    ];
 
     /// Every effect.
     pub fn all() -> impl Iterator<Item = Self> {
@@ -95,6 +105,8 @@ impl HiddenEffect {
             Self::CubicDrag => "cubic_drag",
             Self::ElasticMass => "elastic_mass",
             Self::BristleFriction => "bristles",
+            Self::WarmingFriction => "warming",
+            Self::ForceLimit => "limit",
         }
     }
 
@@ -116,17 +128,24 @@ impl HiddenEffect {
             Self::CubicStiffness => Some(Cause::CubicStiffness),
             Self::ActuatorLag => Some(Cause::ActuatorLag),
             Self::PeriodicDisturbance | Self::Cogging => Some(Cause::PeriodicDisturbance),
-            Self::PositionDependentFriction | Self::CubicDrag | Self::ElasticMass | Self::BristleFriction => None,
+            Self::PositionDependentFriction
+            | Self::CubicDrag
+            | Self::ElasticMass
+            | Self::BristleFriction
+            | Self::WarmingFriction
+            | Self::ForceLimit => None,
         }
     }
 
-    /// A shape drawn at random: Stribeck velocity (m/s), frequency (Hz), wave number (1/m), hanging mass (share of the whole).
+    /// A shape drawn at random: Stribeck velocity (m/s), frequency (Hz), wave number (1/m), hanging mass (share of the whole), time to
+    /// warm up (s).
     pub(super) fn random_shape(self, random: &mut StdRng) -> f64 {
         match self {
             Self::Stribeck => 0.05 * 4f64.powf(random.random_range(0.0..1.0)),
             Self::PeriodicDisturbance => random.random_range(1.0..8.0),
             Self::PositionDependentFriction | Self::Cogging => std::f64::consts::TAU / random.random_range(0.05..0.3),
             Self::ElasticMass => random.random_range(0.2..0.4),
+            Self::WarmingFriction => random.random_range(2.0..8.0),
             _ => 0.0,
         }
     }
@@ -186,6 +205,16 @@ impl HiddenEffect {
                 states: &[("stretch", "hanging - v", 0.0), ("hanging", "-spring/({b}*M)", 0.0)],
                 strength: 1e-3,
                 ..plain("inertia")
+            },
+            Self::WarmingFriction => {
+                Physics { states: &[("warmth", "(1 - warmth)/{b}", 0.0)], ..plain("-{a}*warmth*sign(v)") }
+            }
+            // The smaller the limit the larger the effect, and steeply so where only peaks are cut: the eighth power
+            // lets the search for its strength converge.
+            Self::ForceLimit => Physics {
+                definitions: &[("limit", "{a}^(-1/8)")],
+                strength: 1e-6,
+                ..plain("(abs(u + limit) - abs(u - limit))/2 - u")
             },
             Self::BristleFriction => Physics {
                 replaces_friction: true,

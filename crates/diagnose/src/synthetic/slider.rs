@@ -59,9 +59,10 @@ pub struct Slider {
 pub struct Hidden {
     /// The effect.
     pub effect: HiddenEffect,
-    /// Its coefficient in SI units: factor of its force, delay, lag, compliance of a spring or of bristles.
+    /// Its coefficient in SI units: factor of its force, delay, lag, compliance of a spring or of bristles, limit
+    /// to the power −8.
     pub strength: f64,
-    /// Its shape: Stribeck velocity, frequency, wave number, share of the hanging mass; 0 if it has none.
+    /// Its shape: Stribeck velocity, frequency, wave number, share of the hanging mass, time to warm up; 0 if it has none.
     pub shape: f64,
     /// Root mean square of its force relative to the drive's.
     pub size: f64,
