@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Names hidden effects by sparse regression (PySINDy) in the logs of the example `hidden_effects`.
 
-    cargo run --release -p bracketry-diagnose --example hidden_effects -- --runs 200 --measured xv --export logs/xv
-    python3 benches/peers/identification.py logs/xv ...
+    python3 benches/peers/identification.py logs/xv -- --runs 200 --seed 1 --measured xv --effect any --size 0.1 --parallel
 
-needs numpy, scipy and pysindy. Each directory gives one row per method. What helps the regression is granted: the library has exactly
+needs numpy, scipy and pysindy. What follows -- goes to the example, which writes its logs into the directory and diagnoses them (into
+`diagnose.json` there, its table into `diagnose.md`; not again if they are there already); then regression sees the same logs. Without -- any
+number of directories with such logs can be given. Each gives one row per method. What helps the regression is granted: the library has exactly
 the terms of the effects in question (three Stribeck velocities), derivatives are smoothed over the window that served it best of several
 on other seeds (`--window`), the force and its derivative are smoothed alike, and the neighbourhood of reversals is left out. The threshold of STLSQ and the number of terms of FROLS have the smallest Bayesian
 information criterion on the last 30 % of the log, which the fit does not see. What survives beside force and Coulomb friction is
@@ -12,6 +13,7 @@ named; scores as in crates/diagnose/src/synthetic/score.rs.
 """
 import argparse
 import json
+import subprocess
 import sys
 import time
 import warnings
@@ -22,12 +24,9 @@ import numpy as np
 import pysindy
 from scipy.signal import savgol_filter
 
-NAMES = {
-    "viscous": "viscous_friction", "stribeck": "stribeck_friction", "tilt": "tilt", "delay": "input_delay",
-    "quadratic": "quadratic_drag", "stiffness": "linear_stiffness",
-}
 STRIBECK_VELOCITIES = [0.05, 0.1, 0.2]
 HELD_OUT = 0.3
+ROOT = Path(__file__).resolve().parents[2]
 # Share of a term's rms in the target's that STLSQ keeps.
 THRESHOLDS = np.geomspace(0.003, 0.3, 15)
 
@@ -111,20 +110,51 @@ def score(hidden, named):
     return "exact" if set(named) == set(hidden) else "partly"
 
 
+def make(directory, options):
+    """Logs into the directory, then their diagnosis."""
+    example = ["cargo", "run", "--release", "-p", "bracketry-diagnose", "--example", "hidden_effects", "--", *options]
+    subprocess.run([*example, "--export", str(directory)], check=True, cwd=ROOT)
+    if not (directory / "diagnose.md").exists():
+        run = subprocess.run([*example, "--json", str(directory / "diagnose.json")], check=True, cwd=ROOT, stdout=subprocess.PIPE)
+        (directory / "diagnose.md").write_bytes(run.stdout)
+
+
+def diagnosed(directory):
+    """Scores of `diagnose`, the number of logs whose truth is in the set, and its mean time."""
+    rows = [json.loads(line) for line in (directory / "diagnose.json").read_text().splitlines()]
+    among = sum(row["hidden"] != "nothing" and row["score"] in ("exact", "in set") for row in rows)
+    return Counter(row["score"] or "error" for row in rows), among, sum(row["seconds"] for row in rows) / len(rows)
+
+
+def line(directory, method, runs, counts, among, seconds):
+    """One row of the table."""
+    share = lambda n: f"{100.0 * n / runs:.0f} %"
+    cells = [directory.name, method, str(runs), share(counts["exact"]), share(among), share(counts["wrong name"])]
+    cells += [share(counts["missed"] + counts["unexplained"]), share(counts["false alarm"]), f"{seconds:.2g}"]
+    print("| " + " | ".join(cells) + " |", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("directories", nargs="+", type=Path)
     parser.add_argument("--window", type=float, help="seconds of smoothing; by default 0.03 with v measured, 0.2 without")
     parser.add_argument("--json", type=Path, help="write one line per log and method")
-    options = parser.parse_args()
+    end = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    options, of_example = parser.parse_args(sys.argv[1:end]), sys.argv[end + 1 :]
+    if of_example:
+        if len(options.directories) > 1:
+            parser.error("one directory only can be filled")
+        make(options.directories[0].resolve(), of_example)
     warnings.filterwarnings("ignore")
     rows = []
-    print("| logs | method | runs | exact | truth among the names | wrong name | missed | false alarm | s per log |")
+    print("| logs | method | runs | exactly named | truth among the names | wrong name | missed or unexplained | false alarm | s per log |")
     print("|---|---|---|---|---|---|---|---|---|")
     for directory in options.directories:
         logs = sorted(directory.glob("*.csv"), key=lambda p: int(p.stem))
         measured = logs[0].open().readline()
         window = options.window or (0.03 if ",v" in measured else 0.2)
+        if (directory / "diagnose.json").exists():
+            line(directory, "diagnose", len(logs), *diagnosed(directory))
         for method in ("STLSQ", "FROLS"):
             all_names, first_names, among, start = Counter(), Counter(), 0, time.time()
             for path in logs:
@@ -137,11 +167,8 @@ def main():
                 among += bool(hidden) and set(hidden) <= set(named)
                 rows.append({"log": str(path), "method": method, "hidden": hidden, "named": named})
             seconds = (time.time() - start) / len(logs)
-            for label, counts in ((method, all_names), (f"{method}, largest terms only", first_names)):
-                share = lambda n: f"{100.0 * n / len(logs):.0f} %"
-                cells = [directory.name, label, str(len(logs)), share(counts["exact"])]
-                cells += [share(among), share(counts["wrong name"]), share(counts["missed"]), share(counts["false alarm"])]
-                print("| " + " | ".join(cells) + f" | {seconds:.2g} |", flush=True)
+            line(directory, method, len(logs), all_names, among, seconds)
+            line(directory, f"{method}, largest terms only", len(logs), first_names, among, seconds)
     if options.json:
         options.json.write_text("".join(json.dumps(row) + "\n" for row in rows))
 
