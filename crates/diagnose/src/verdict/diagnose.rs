@@ -20,7 +20,7 @@ use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
 /// Share of the excess over noise that named causes must explain where structure remains; with less the verdict is that the
 /// data are unexplained.
-const LEAST_EXPLAINED: f64 = 0.5;
+pub(crate) const LEAST_EXPLAINED: f64 = 0.5;
 /// A residual without any reproducible cause counts as unexplained if its root mean square exceeds that of the noise by
 /// this factor; below it is coloured noise.
 const COLOURED: f64 = 1.5;

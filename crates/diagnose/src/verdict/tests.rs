@@ -9,7 +9,9 @@ use rand_distr::{Distribution, StandardNormal};
 use super::alarm::Alarm;
 use super::noise::Scatter;
 use super::score::Scores;
-use crate::{Column, Linearization, Normal, WindowFit};
+use super::write::{physical_name, withhold_doubtful};
+use crate::report::NamedCause;
+use crate::{Cause, Change, Coefficient, Column, Effect, Estimate, Linearization, Normal, Role, WindowFit};
 
 fn normal(rng: &mut StdRng) -> f64 {
     StandardNormal.sample(rng)
@@ -138,4 +140,65 @@ fn what_stays_the_same_within_windows_is_seen_as_inflation() {
     }
     let (inflation, _) = Scores::new(&linearization).inflation(1.0);
     assert!((2.5..6.5).contains(&inflation), "{inflation}");
+}
+
+#[test]
+fn friction_that_may_vanish_at_rest_loses_its_name() {
+    let coefficient = Coefficient {
+        name: "k".to_owned(),
+        role: Role::Amplitude,
+        nominal: 0.0,
+        scale: 0.1,
+        min: -1.0,
+        max: f64::INFINITY,
+        trials: Vec::new(),
+        physical_sign: 1,
+        unit: "N".to_owned(),
+        about: String::new(),
+    };
+    let effect = Effect {
+        cause: Cause::StribeckFriction,
+        equation: "v".to_owned(),
+        term: "-k*exp(-abs(v))*sign(v)".to_owned(),
+        coefficients: vec![coefficient],
+        change: Change::Terms(Vec::new()),
+    };
+    let name = |value, width| {
+        let estimate = Estimate { name: "k".to_owned(), nominal: 0.0, value, std: 0.1 };
+        physical_name(&effect, &[&estimate], width)
+    };
+    // Falling friction, and friction that rises but is there at rest.
+    assert_eq!(name(0.9, 1.0), (Cause::StribeckFriction, Vec::new()));
+    assert_eq!(name(-0.7, 1.0).0, Cause::StribeckFriction);
+    // Two standard deviations from none.
+    assert_eq!(name(-0.8, 1.0).0, Cause::UnknownTerm);
+    assert_eq!(name(-0.7, 1.5).0, Cause::UnknownTerm);
+}
+
+#[test]
+fn small_names_beside_large_unknowns_are_withheld() {
+    let cause = |name, share| NamedCause {
+        name,
+        equation: String::new(),
+        term: String::new(),
+        parameters: Vec::new(),
+        p_value: 0.0,
+        confusable_with: Vec::new(),
+        separating_experiment: String::new(),
+        rivals: Vec::new(),
+        share: Some(share),
+        flags: Vec::new(),
+    };
+    let names = |mut causes: Vec<NamedCause>| {
+        withhold_doubtful(&mut causes);
+        causes.into_iter().map(|c| (c.name, c.confusable_with)).collect::<Vec<_>>()
+    };
+    let (tilt, drag) = (Cause::Tilt, Cause::QuadraticDrag);
+    // Without a term that has no name, small causes keep theirs.
+    assert_eq!(names(vec![cause(tilt, 0.9), cause(drag, 0.3)]), [(tilt, vec![]), (drag, vec![])]);
+    let unknown = || cause(Cause::UnknownTerm, 0.2);
+    assert_eq!(
+        names(vec![cause(tilt, 0.9), cause(drag, 0.3), unknown()]),
+        [(tilt, vec![]), (Cause::UnknownTerm, vec![drag]), (Cause::UnknownTerm, vec![])]
+    );
 }

@@ -6,7 +6,8 @@ use bracketry_system::System;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::Settings;
-use super::diagnose::{Ending, Findings};
+use super::diagnose::{Ending, Findings, LEAST_EXPLAINED};
+use super::held_out::DIFFERENT;
 use super::proven::worth;
 use super::rivals::{MARGIN, Rivals};
 use super::search::{Explanation, Search};
@@ -31,6 +32,9 @@ pub(super) fn report(
     if named {
         for (&member, rivals) in findings.chosen.members.iter().zip(&findings.rivals) {
             causes.push(cause(system, search, findings, member, rivals));
+        }
+        if matches!(findings.ending, Ending::Partly(_)) {
+            withhold_doubtful(&mut causes);
         }
         let room = settings.max_causes.saturating_sub(causes.len());
         // Beside structure that is not explained or has no name, a moved parameter says nothing: it takes what it can of
@@ -203,7 +207,7 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
         .zip(&estimates)
         .map(|(c, e)| (c.name.clone(), value(e, &c.unit, findings.scatter.inflation)))
         .collect();
-    let (name, flags) = physical_name(&effect, &estimates);
+    let (name, flags) = physical_name(&effect, &estimates, findings.scatter.inflation.sqrt());
     let others: Vec<Rival> = rivals
         .iter()
         .map(|(candidate, explanation)| {
@@ -246,15 +250,39 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
     }
 }
 
+/// Takes their names from causes that stand beside terms without a name, with structure left over, and explain less than
+/// half of what is there without them: what the library lacks is then larger than they are, and they may be its image.
+pub(super) fn withhold_doubtful(causes: &mut [NamedCause]) {
+    if causes.iter().all(|c| c.name != Cause::UnknownTerm) {
+        return;
+    }
+    for cause in causes.iter_mut().filter(|c| c.name != Cause::UnknownTerm) {
+        if cause.share.is_some_and(|share| share < LEAST_EXPLAINED) {
+            cause
+                .flags
+                .push(format!("smaller than what remains without a name, of which {} may be the image", cause.name));
+            cause.confusable_with.insert(0, cause.name);
+            cause.name = Cause::UnknownTerm;
+        }
+    }
+}
+
 /// A cause whose coefficient has the wrong sign loses its name, for a friction that drives is none; only Stribeck's effect
-/// keeps it, for friction that rises from rest is found in real machines.
-fn physical_name(effect: &Effect, estimates: &[&Estimate]) -> (Cause, Vec<String>) {
+/// keeps it, for friction that rises from rest is found in real machines. Friction that may as well be none at rest is no dry
+/// friction: something yields before it slips, or flows, which Stribeck's law does not describe. `width` is the factor by
+/// which correlation widens standard deviations.
+pub(super) fn physical_name(effect: &Effect, estimates: &[&Estimate], width: f64) -> (Cause, Vec<String>) {
     let mut name = effect.cause;
     let mut flags = Vec::new();
     for (c, e) in effect.coefficients.iter().zip(estimates) {
         let moved = e.value - c.nominal;
         if effect.cause == Cause::StribeckFriction && c.role == Role::Amplitude && moved < 0.0 {
-            flags.push(format!("{} is negative: friction rises from rest instead of falling", c.name));
+            if e.value - c.min < DIFFERENT * width * e.std {
+                flags.push(format!("{} may take away all friction at rest: what is there is no dry friction", c.name));
+                name = Cause::UnknownTerm;
+            } else {
+                flags.push(format!("{} is negative: friction rises from rest instead of falling", c.name));
+            }
         } else if f64::from(c.physical_sign) * moved < 0.0 {
             let sign = if c.physical_sign > 0 { "above" } else { "below" };
             flags.push(format!("{} is not {sign} {}, as physics wants it", c.name, c.nominal));
