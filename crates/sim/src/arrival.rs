@@ -109,6 +109,9 @@ impl<S: Switched> Stepper<S> {
         self.gather(switch, false);
         self.count_event()?;
         let before = self.modes.clone();
-        self.settle(&before, trajectory)
+        let jump = self.before_jump(switch);
+        self.settle(&before, trajectory)?;
+        self.record_jump(jump);
+        Ok(())
     }
 }

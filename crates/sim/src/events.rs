@@ -349,7 +349,11 @@ impl<S: Switched> Stepper<S> {
         self.gather(switch, breaks);
         self.count_event()?;
         let before = self.modes.clone();
-        self.settle(&before, trajectory)
+        // What breaks loose does so without a jump of the field.
+        let jump = if breaks { None } else { self.before_jump(switch) };
+        self.settle(&before, trajectory)?;
+        self.record_jump(jump);
+        Ok(())
     }
 
     /// The gap at the end of the attempted step, and its slope there: of a sliding gap by the gradient, of a sticking one

@@ -17,6 +17,26 @@ struct ModelSwitch {
     static_ratio: f64,
 }
 
+/// Derivatives of the field, compiled.
+#[derive(Debug, Clone)]
+struct Derivatives {
+    /// By states, where asked for, by signs, by live numbers: `n` each. Then those of the switching functions by live numbers.
+    tape: Tape,
+    /// How many live numbers.
+    numbers: usize,
+    /// Whether those by states are there.
+    by_state: bool,
+    /// Whether some of those of the switching functions are not zero.
+    surfaces_move: bool,
+}
+
+/// Which derivatives of the field to compile.
+#[derive(Clone, Copy)]
+struct Differentiate<'a> {
+    by_state: bool,
+    by: &'a [String],
+}
+
 /// A held input that acts later than it is set.
 #[derive(Debug, Clone)]
 struct Queue {
@@ -69,6 +89,8 @@ pub struct Model {
     inputs: Tape,
     outputs: Tape,
     measures: Tape,
+    /// The field's derivatives.
+    derivatives: Option<Derivatives>,
     work: Vec<f64>,
     results: Vec<f64>,
     impulses: Vec<(String, u32)>,
@@ -96,12 +118,38 @@ impl Model {
     /// assert!((first.t - (0.3f64 * 9.81 / 6.0).asin() / 10.0).abs() < 1e-10);
     /// ```
     pub fn new(system: &System, inputs: &Inputs) -> Result<Self, InputError> {
-        Self::with_measures(system, inputs, 0)
+        Self::compile(system, inputs, 0, None)
+    }
+
+    /// As [`Model::new`], with derivatives of the field by the states, the signs and some of the live numbers, for
+    /// [`Model::tangent`].
+    ///
+    /// # Errors
+    /// As [`Model::new`], and [`InputError::UnknownLive`].
+    pub fn differentiable(system: &System, inputs: &Inputs, by: &[String]) -> Result<Self, InputError> {
+        Self::compile(system, inputs, 0, Some(Differentiate { by_state: true, by }))
+    }
+
+    /// As [`Model::new`], with derivatives of the field by some of the live numbers alone, for [`Model::along`].
+    ///
+    /// # Errors
+    /// As [`Model::differentiable`].
+    pub fn with_influences(system: &System, inputs: &Inputs, by: &[String]) -> Result<Self, InputError> {
+        Self::compile(system, inputs, 0, Some(Differentiate { by_state: false, by }))
     }
 
     /// As [`Model::new`]; the last `measures` outputs of the system become measures instead, which see the set-valued parts
     /// of the equations at their actual values.
     pub(crate) fn with_measures(system: &System, inputs: &Inputs, measures: usize) -> Result<Self, InputError> {
+        Self::compile(system, inputs, measures, None)
+    }
+
+    fn compile(
+        system: &System,
+        inputs: &Inputs,
+        measures: usize,
+        differentiate: Option<Differentiate<'_>>,
+    ) -> Result<Self, InputError> {
         let input_names = system.input_names();
         let mut driven = drive(system, inputs)?;
         let form = driven.system.set_valued_form();
@@ -114,6 +162,10 @@ impl Model {
         let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
         let gradients = surface_gradients(&mut driven, &form.switches)?;
         let affine = with_derivatives_by_signs(&mut driven.system, &form.switches, &form.dynamics);
+        let derivatives = match differentiate {
+            Some(wanted) => derivatives(&mut driven, &form, wanted)?,
+            None => None,
+        };
 
         let mut smooth_arguments = vec![driven.time];
         smooth_arguments.extend(&driven.system.states);
@@ -123,6 +175,7 @@ impl Model {
 
         let model_switches = model_switches(&mut driven, &form)?;
         let Driven { mut system, values, outputs, .. } = driven;
+        let zero = system.pool.int(0);
         let mut compile = |arguments: &[Symbol], expressions: &[Expr]| {
             let expressions = system.pool.substitute_all(expressions, &values);
             Tape::compile(&system.pool, arguments, &expressions)
@@ -135,6 +188,13 @@ impl Model {
         let inputs_tape = compile(&smooth_arguments, driving)?;
         let outputs_tape = compile(&smooth_arguments, measured)?;
         let measures = compile(&arguments, &measures)?;
+        let derivatives = match (derivatives, differentiate) {
+            (Some(all), Some(Differentiate { by_state, by })) => {
+                let surfaces_move = all[all.len() - form.switches.len() * by.len()..].iter().any(|e| *e != zero);
+                Some(Derivatives { tape: compile(&arguments, &all)?, numbers: by.len(), by_state, surfaces_move })
+            }
+            _ => None,
+        };
         let mut model = Self {
             n,
             input_names,
@@ -163,6 +223,7 @@ impl Model {
             inputs: inputs_tape,
             outputs: outputs_tape,
             measures,
+            derivatives,
             work: Vec::new(),
         };
         model.load(0.0);
@@ -283,6 +344,26 @@ impl Model {
         let first = self.arguments.len() - self.components;
         self.arguments[first..].copy_from_slice(s);
         self.measures.eval(&self.arguments, &mut self.work, values);
+    }
+
+    /// By how many live numbers the field is differentiated, and whether by states before.
+    pub(crate) fn differentiated(&self) -> Option<(usize, bool)> {
+        self.derivatives.as_ref().map(|d| (d.numbers, d.by_state))
+    }
+
+    /// Whether live numbers by which the field is differentiated move switching functions.
+    pub(crate) fn surfaces_move(&self) -> bool {
+        self.derivatives.as_ref().is_some_and(|d| d.surfaces_move)
+    }
+
+    /// Writes `∂f/∂x` where asked for, `∂f/∂s`, the field's derivatives by live numbers, and those of σ, each by columns.
+    pub(crate) fn derivatives(&mut self, t: f64, x: &[f64], s: &[f64], values: &mut [f64]) {
+        self.point(t, Some(x));
+        let first = self.arguments.len() - self.components;
+        self.arguments[first..].copy_from_slice(s);
+        if let Some(Derivatives { tape, .. }) = &self.derivatives {
+            tape.eval(&self.arguments, &mut self.work, values);
+        }
     }
 
     /// Writes time and state into the arguments, and slots that move with time.
@@ -472,6 +553,41 @@ fn plain_surfaces(system: &mut System, switches: &[Switch]) -> Result<Vec<Expr>,
         surfaces.push(surface);
     }
     Ok(surfaces)
+}
+
+/// The derivatives of the dynamics by states, signs and live numbers, one after the other, then those of the switching functions by
+/// live numbers; none if a live number moves the surface of a sign on which the dynamics jump. Unit vectors turn with their σ.
+fn derivatives(
+    driven: &mut Driven,
+    form: &SwitchedForm,
+    wanted: Differentiate<'_>,
+) -> Result<Option<Vec<Expr>>, InputError> {
+    let mut numbers = Vec::with_capacity(wanted.by.len());
+    for name in wanted.by {
+        let slot = driven.live.iter().find(|(live, _)| live == name).map(|(_, slot)| *slot);
+        numbers.push(driven.slots[slot.ok_or_else(|| InputError::UnknownLive { name: name.clone() })?]);
+    }
+    let pool = &mut driven.system.pool;
+    let jumps: Vec<Expr> = form.signs().iter().filter(|s| s.kind == SwitchKind::Jump).map(|s| s.surface).collect();
+    if pool.symbols_of(&jumps).iter().any(|s| numbers.contains(s)) {
+        return Ok(None);
+    }
+    let mut symbols = Vec::new();
+    if wanted.by_state {
+        symbols.extend(&driven.system.states);
+    }
+    symbols.extend(form.switches.iter().map(|s| s.sign));
+    symbols.extend(&numbers);
+    let mut all = Vec::with_capacity(symbols.len() * form.dynamics.len());
+    for symbol in symbols {
+        all.extend(form.dynamics.iter().map(|&f| pool.diff(f, symbol)));
+    }
+    let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
+    let pool = &mut driven.system.pool;
+    for number in numbers {
+        all.extend(surfaces.iter().map(|&surface| pool.diff(surface, number)));
+    }
+    Ok(Some(all))
 }
 
 /// The dynamics and `∂f_j/∂s_i` by columns, if these do not depend on the signs.

@@ -102,6 +102,7 @@ impl<S: Switched> Stepper<S> {
                 trajectory.keep_directions(SLOTS.iter().map(|&slot| &self.signs[slot]));
             }
         }
+        self.record_step(h);
         std::mem::swap(&mut self.x, &mut self.end);
         self.t += h;
         self.multipliers.project(&mut self.system, self.t, &mut self.x, &mut self.sigma);

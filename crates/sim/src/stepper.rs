@@ -2,6 +2,7 @@
 
 use crate::arrival::Approach;
 use crate::multipliers::{Multipliers, norm};
+use crate::path::Path;
 use crate::resolve::{ZeroSet, resolve};
 use crate::stages::{Attempt, SIGN_RESOLUTION};
 use crate::trajectory::{Trajectory, Transition};
@@ -62,6 +63,7 @@ pub struct Stepper<S> {
     pub(crate) recent: VecDeque<f64>,
     pub(crate) stalled: usize,
     pub(crate) statistics: Statistics,
+    pub(crate) path: Option<Path>,
 }
 
 impl<S: Switched> Stepper<S> {
@@ -111,6 +113,7 @@ impl<S: Switched> Stepper<S> {
             recent: VecDeque::new(),
             stalled: 0,
             statistics: Statistics::default(),
+            path: None,
         };
         stepper.guess_modes();
         Ok(stepper)

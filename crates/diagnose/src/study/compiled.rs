@@ -29,6 +29,8 @@ pub(super) struct Compiled {
     pub(super) targets: Vec<Target>,
     /// Inputs and derivatives of inputs that samples drive: name, order, index of the input, place in the record.
     pub(super) driven: Vec<Driven>,
+    /// Whether the models have derivatives by states and by the unknowns of the equations.
+    pub(super) differentiable: bool,
 }
 
 /// An input, or a derivative of one, that a record's samples drive.
@@ -87,6 +89,17 @@ impl Compiled {
         parameters: &[usize],
         effects: &[Effect],
     ) -> Result<Self, DiagnoseError> {
+        Self::with_derivatives(system, sources, parameters, effects, None)
+    }
+
+    /// As [`Compiled::new`], with derivatives by the named unknowns alone.
+    pub(super) fn with_derivatives(
+        system: &System,
+        sources: &Sources,
+        parameters: &[usize],
+        effects: &[Effect],
+        by: Option<&[String]>,
+    ) -> Result<Self, DiagnoseError> {
         let records = &sources.records;
         let mut changed = system.clone();
         let mut unknowns: Vec<Unknown> =
@@ -106,11 +119,11 @@ impl Compiled {
             let same = (0..index).find(|&i| holds(i) == holds(index));
             let model = match same {
                 Some(i) => models[i].clone(),
-                None => compile(&changed, &holds(index), &unknowns, &targets, &driven)?,
+                None => compile(&changed, &holds(index), (&unknowns, &targets), &driven, by)?,
             };
             models.push(model);
         }
-        Ok(Self { models, unknowns, targets, driven })
+        Ok(Self { models, unknowns, targets, driven, differentiable: by.is_none() })
     }
 }
 
@@ -166,9 +179,9 @@ fn driven(system: &System, changed: &System, sources: &Sources) -> Result<Vec<Dr
 fn compile(
     changed: &System,
     holds: &[Hold],
-    unknowns: &[Unknown],
-    targets: &[Target],
+    (unknowns, targets): (&[Unknown], &[Target]),
     driven: &[Driven],
+    by: Option<&[String]>,
 ) -> Result<Model, DiagnoseError> {
     let mut inputs = Inputs::new();
     for (d, hold) in driven.iter().zip(holds) {
@@ -183,12 +196,17 @@ fn compile(
     if changed.inputs.len() > given {
         inputs = inputs.expression(TIME_INPUT, "t");
     }
+    let mut live = Vec::new();
     for (unknown, target) in unknowns.iter().zip(targets) {
         if *target == Target::Equations {
             inputs = inputs.live(&unknown.name, unknown.start);
+            live.push(unknown.name.clone());
         }
     }
-    Ok(Model::new(changed, &inputs)?)
+    Ok(match by {
+        Some(names) => Model::with_influences(changed, &inputs, names)?,
+        None => Model::differentiable(changed, &inputs, &live)?,
+    })
 }
 
 impl Compiled {

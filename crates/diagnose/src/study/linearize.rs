@@ -6,7 +6,7 @@ use super::linearization::{Column, Linearization};
 use super::normal::{Point, difference, full, sensitivities, step_of};
 use super::runner::Runner;
 use super::{Study, theta_of};
-use crate::effect::{Coefficient, Effect, Role};
+use crate::effect::{Change, Coefficient, Effect, Role};
 use crate::error::DiagnoseError;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -88,7 +88,10 @@ impl Study {
             .par_iter_mut()
             .map(|slot| {
                 let point = slot.state.as_ref().ok()?;
-                sensitivities(&mut slot.runner, &compiled, &theta, point, &slot.scales, true).ok()
+                let jacobian = sensitivities(&mut slot.runner, &compiled, &theta, point, &slot.scales, true).ok()?;
+                // For the candidates; finite differences may have left another way behind.
+                slot.runner.map(&theta, &point.x0).ok()?;
+                Some(jacobian)
             })
             .collect();
         let trials: Vec<Vec<Vec<f64>>> = candidates.iter().map(trials).collect();
@@ -155,7 +158,13 @@ impl Study {
         theta: &[f64],
     ) -> Result<(Vec<Secant>, Vec<Columns>), DiagnoseError> {
         let effects: Vec<Effect> = fit.effects.iter().chain([candidate]).cloned().collect();
-        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &effects)?;
+        let amplitudes: Vec<&Coefficient> =
+            candidate.coefficients.iter().filter(|c| c.role == Role::Amplitude).collect();
+        let names: Vec<String> = amplitudes.iter().map(|c| c.name.clone()).collect();
+        let smooth = amplitudes.iter().all(|c| c.trials.is_empty());
+        let carried = smooth && !matches!(candidate.change, Change::Path { .. });
+        let by = if carried { names.as_slice() } else { &[] };
+        let compiled = Compiled::with_derivatives(&self.system, &self.sources, &self.parameters, &effects, Some(by))?;
         let sampling = slots.first().map_or(1e-3, |s| s.runner.sampling());
         let first = theta.len();
         let secants = secants(index, candidate, trials, |coefficient, c| {
@@ -168,7 +177,22 @@ impl Study {
                 let records = &self.sources.records;
                 let noise = &self.noise[slot.runner.window.record];
                 let mut runner = Runner::new(records, &compiled, slot.runner.window, noise, slot.scales.len())?;
-                Ok(secants.iter().map(|s| column(&mut runner, &compiled, theta, point, s)).collect())
+                let mut columns = Columns::with_capacity(secants.len());
+                for of_trial in secants.chunk_by(|a, b| a.from == b.from) {
+                    let by_amplitudes = if carried && of_trial.len() == names.len() && slot.runner.way.is_mapped() {
+                        let values: Vec<f64> = theta.iter().chain(&of_trial[0].from).copied().collect();
+                        slot.runner.by_amplitudes(&mut runner, &values, names.len()).unwrap_or(None)
+                    } else {
+                        None
+                    };
+                    match by_amplitudes {
+                        Some(all) => columns.extend(all.into_iter().map(Ok)),
+                        None => {
+                            columns.extend(of_trial.iter().map(|s| column(&mut runner, &compiled, theta, point, s)))
+                        }
+                    }
+                }
+                Ok(columns)
             })
             .collect();
         Ok((secants, columns.into_iter().collect::<Result<_, _>>()?))

@@ -1,6 +1,6 @@
-//! Sensitivities of one window by finite differences, and its normal equations.
+//! Sensitivities of one window, and its normal equations.
 
-use super::compiled::Compiled;
+use super::compiled::{Compiled, Target};
 use super::runner::{Failure, Runner};
 use super::unknown::Unknown;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -63,7 +63,8 @@ pub(super) fn step_of(unknown: &Unknown, value: f64, size: f64) -> f64 {
     if value + size <= unknown.max { size } else { -size }
 }
 
-/// Sensitivities by the initial state in scaled units, then by the first `unknowns` unknowns (none or all).
+/// Sensitivities by the initial state in scaled units, then by the unknowns if wanted: carried along the way where the model has
+/// derivatives, by finite differences otherwise.
 pub(super) fn sensitivities(
     runner: &mut Runner<'_>,
     compiled: &Compiled,
@@ -77,7 +78,18 @@ pub(super) fn sensitivities(
     let rows = runner.target.len();
     let mut jacobian = DMatrix::zeros(rows, n + unknowns);
     let mut moved = vec![0.0; rows];
+    let mut carried = if runner.map(theta, &point.x0)? {
+        runner.by_state_and_equations(with_unknowns).into_iter()
+    } else {
+        Vec::new().into_iter()
+    };
     for i in 0..n {
+        if let Some(by_state) = carried.next() {
+            let mut column = jacobian.column_mut(i);
+            column.copy_from_slice(&by_state);
+            column *= scales[i];
+            continue;
+        }
         let mut x0 = point.x0.clone();
         x0[i] += STEP * scales[i];
         runner.simulate(theta, &x0, &mut moved)?;
@@ -86,6 +98,13 @@ pub(super) fn sensitivities(
     for j in 0..unknowns {
         let unknown = &compiled.unknowns[j];
         let mut column = jacobian.column_mut(n + j);
+        if compiled.targets[j] == Target::Equations
+            && let Some(by_number) = carried.next()
+        {
+            column.copy_from_slice(&by_number);
+            column *= unknown.scale;
+            continue;
+        }
         if runner.offset_column(j, column.as_mut_slice()) {
             column *= unknown.scale;
             continue;

@@ -1,5 +1,6 @@
 //! The simulation of one window, for any values of the unknowns.
 
+use super::carried::Way;
 use super::compiled::{Compiled, Target};
 use super::signal_path::through_path;
 use super::window::{Window, stretches};
@@ -30,10 +31,10 @@ impl std::fmt::Display for Failure {
 
 /// When a measured column is to be read off the simulation.
 #[derive(Clone, Copy, Debug)]
-struct Reading {
+pub(super) struct Reading {
     t: f64,
-    column: usize,
-    sample: usize,
+    pub(super) column: usize,
+    pub(super) sample: usize,
 }
 
 /// What is on the way of the signals, for some values of the unknowns.
@@ -48,14 +49,16 @@ struct Ways {
 /// Simulates one window.
 pub(super) struct Runner<'a> {
     records: &'a [Record],
-    record: &'a Record,
-    compiled: &'a Compiled,
+    pub(super) record: &'a Record,
+    pub(super) compiled: &'a Compiled,
     pub(super) window: Window,
     /// First and last sample whose inputs may be used.
     usable: (usize, usize),
-    stepper: Stepper<Model>,
+    pub(super) stepper: Stepper<Model>,
+    /// What was simulated last.
+    pub(super) way: Way,
     ways: Option<Ways>,
-    schedule: Vec<Reading>,
+    pub(super) schedule: Vec<Reading>,
     start: f64,
     /// Measured values over their noise, column by column; 0 where lost.
     pub(super) target: Vec<f64>,
@@ -101,6 +104,7 @@ impl<'a> Runner<'a> {
             window,
             usable,
             stepper,
+            way: Way::default(),
             ways: None,
             schedule,
             start: t0,
@@ -152,7 +156,7 @@ impl<'a> Runner<'a> {
     }
 
     /// Gives the unknowns their values; tables and schedule are made anew only where they change.
-    fn set(&mut self, theta: &[f64]) -> Result<(), Failure> {
+    pub(super) fn set(&mut self, theta: &[f64]) -> Result<(), Failure> {
         let ways = self.ways(theta);
         let model = self.stepper.system_mut();
         for ((value, unknown), target) in theta.iter().zip(&self.compiled.unknowns).zip(&self.compiled.targets) {
@@ -200,6 +204,19 @@ impl<'a> Runner<'a> {
     /// Simulates from `x0` at the window's beginning (earlier by the longest sensor delay) and writes what the columns would
     /// show, over their noise, column by column; 0 where the measurement was lost.
     pub(super) fn simulate(&mut self, theta: &[f64], x0: &[f64], out: &mut [f64]) -> Result<(), Failure> {
+        self.way.forget();
+        if self.compiled.differentiable {
+            self.stepper.follow(std::mem::take(&mut self.way.path));
+        }
+        let simulated = self.run(theta, x0, out);
+        if self.compiled.differentiable {
+            self.way.path = self.stepper.take_path();
+            self.way.of = simulated.is_ok().then(|| (theta.to_vec(), x0.to_vec()));
+        }
+        simulated
+    }
+
+    fn run(&mut self, theta: &[f64], x0: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.set(theta)?;
         let m = self.samples();
         let start = self.start;
@@ -212,6 +229,7 @@ impl<'a> Runner<'a> {
             {
                 return Err(Failure { t, reason: reason.to_string() });
             }
+            self.way.marks.push(self.stepper.followed());
             let value = match self.record.measured[reading.column].quantity {
                 Quantity::State(i) => self.stepper.state()[i],
                 Quantity::Output(i) => {
