@@ -175,3 +175,27 @@ fn laws_of_a_reference_have_their_names() {
         assert_eq!(causes, [cause], "{law}");
     }
 }
+
+#[test]
+fn a_term_of_the_reference_in_place_of_one_with_its_parameter_comes_as_one_effect_too() {
+    let tank = |outflow: &str| {
+        let text = format!(
+            "states = ['h']\ninputs = ['q']\nparameters = {{ A = 0.5, k = 0.4 }}\ndynamics = {{ h = '(q - {outflow})/A' }}\n"
+        );
+        System::parse("tank", &text).unwrap()
+    };
+    let effects = reference_candidates(&tank("k*h"), &tank("k*sqrt(h)")).unwrap();
+    let whole = effects.iter().filter(|e| e.term.contains("sqrt") && e.term.contains("h*k"));
+    assert_eq!((whole.count(), effects.len()), (1, 2), "{effects:?}");
+    // What comes on top of a term takes the place of none.
+    assert_eq!(reference_candidates(&tank("k*h"), &tank("(k*h + k*sqrt(h))")).unwrap().len(), 1);
+}
+
+#[test]
+fn friction_that_fades_with_speed_brings_that_of_sliding_where_the_model_has_none() {
+    for (system, coefficients) in [(System::parse("pendulum", PENDULUM).unwrap(), 3), (model("emps"), 2)] {
+        let effects = candidates(&system, &[]).unwrap();
+        let laws = of(&effects, Cause::StribeckFriction);
+        assert!(!laws.is_empty() && laws.iter().all(|e| e.coefficients.len() == coefficients), "{laws:?}");
+    }
+}

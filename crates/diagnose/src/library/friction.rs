@@ -75,7 +75,8 @@ impl Builder {
     }
 
     /// Friction that changes at low speed, Gaussian and exponential: Stribeck friction, or a concave law where the
-    /// coefficient is negative.
+    /// coefficient is negative. It is a change of Coulomb friction: where the model has none, that comes with it, for friction
+    /// that is there at low speeds only is no friction of sliding bodies.
     fn stribeck(&mut self, group: &[&Coordinate]) -> Result<(), DiagnoseError> {
         let Some(first) = group.first() else { return Ok(()) };
         let v = self.state(first.rate);
@@ -108,13 +109,23 @@ impl Builder {
                     }
                 }
             }
+            let sliding = (!first.has_dry_friction).then(|| {
+                let name = self.name(&format!("{k}_sliding"), "");
+                let about = format!("dry friction at speeds {v} at which the change has faded");
+                Coefficient { min: 0.0, ..dissipation(name, unit.clone(), about) }
+            });
             let about = format!(
                 "friction at rest beyond that of sliding ({form}: fades with speed); negative: a concave law, friction that grows from rest"
             );
             let c = Coefficient { min: -at_rest, ..amplitude(k.clone(), unit, about) };
             let unit = format!("{}/s", first.kind.unit());
             let speed = shape(s, trials.clone(), unit, "speed at which the change of friction fades");
-            self.along(Cause::StribeckFriction, first.rate, &terms, &format!("-{k}*{fade}"), vec![c, speed])?;
+            let law = match &sliding {
+                Some(level) => format!("-({} + {k}*{fade})", level.name),
+                None => format!("-{k}*{fade}"),
+            };
+            let coefficients = sliding.into_iter().chain([c, speed]).collect();
+            self.along(Cause::StribeckFriction, first.rate, &terms, &law, coefficients)?;
         }
         Ok(())
     }

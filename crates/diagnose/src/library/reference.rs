@@ -17,7 +17,8 @@ use crate::error::DiagnoseError;
 /// Equations are compared state by state, by name, multiplied out; parameters of the same name and value stay symbols, all
 /// others are numbers. Where the reference has dry friction against the direction of the slip and the model has it on each
 /// axis, that difference is one effect of its own ([`Cause::FrictionCoupling`]), and the rest is compared with the coupled
-/// model. Terms are classified by what they contain: friction against the rate of a rotation that has none is
+/// model. Where terms share a parameter with the model, as `k sqrt(h)` in place of `k h`, all differences of the equation
+/// together are one effect more. Terms are classified by what they contain: friction against the rate of a rotation that has none is
 /// [`Cause::YawFriction`] (all terms of an equation together), products with rates or with derivatives of inputs are
 /// [`Cause::InertialCoupling`], laws of the own rate or position have their names; the rest is [`Cause::UnknownTerm`].
 ///
@@ -41,6 +42,12 @@ pub fn reference_candidates(system: &System, reference: &System) -> Result<Vec<E
     let wanted = differences(&mut builder, theirs, &shared);
     for (row, terms) in wanted {
         let mut yaw = None;
+        // Alone, a term with a parameter of the model cannot take the place of another one with it, as `k sqrt(h)` of `k h`.
+        if terms.len() > 1 && share_parameters(&mut builder, row, &terms) {
+            let zero = builder.system.pool.int(0);
+            let whole = terms.iter().fold(zero, |sum, &t| builder.system.pool.add(sum, t));
+            add(&mut builder, Cause::UnknownTerm, row, whole)?;
+        }
         for term in terms {
             let cause = classify(&mut builder, row, term);
             if cause == Cause::YawFriction {
@@ -57,6 +64,23 @@ pub fn reference_candidates(system: &System, reference: &System) -> Result<Vec<E
         }
     }
     Ok(builder.effects)
+}
+
+/// Whether the reference has a term in place of one of the model, with a parameter of that.
+fn share_parameters(builder: &mut Builder, row: usize, terms: &[Expr]) -> bool {
+    let system = &mut builder.system;
+    let own = system.pool.expand(system.dynamics[row]);
+    let own = summands(&system.pool, own);
+    let (replaced, new): (Vec<Expr>, Vec<Expr>) = terms.iter().partition(|&&t| {
+        own.iter().any(|&o| {
+            let sum = system.pool.add(o, t);
+            let sum = system.pool.simplify(sum);
+            system.pool.is_zero(sum)
+        })
+    });
+    let with = |all: &[Expr], p: Symbol| all.iter().any(|&t| system.pool.depends_on(t, p));
+    let shared = |p: Symbol| with(&replaced, p) && with(&new, p) && !own.iter().all(|&t| system.pool.depends_on(t, p));
+    system.parameters.iter().any(|p| shared(p.symbol))
 }
 
 fn add(builder: &mut Builder, cause: Cause, row: usize, term: Expr) -> Result<(), DiagnoseError> {

@@ -172,8 +172,9 @@ pub(super) struct Solution {
 }
 
 /// Levenberg–Marquardt over unknowns and initial states, once more from where it has come if parameters without a limit in the
-/// model file stop at the end of their range. That is kept where it leads inside the moved range and the data tell the value;
-/// else the parameters have no bounds to find, and stay at the end of the first range.
+/// model file stop at the end of their range. That is kept where the data tell the value and it lies inside the moved range, or
+/// where it has gone all the way towards zero (a term that is not there: `k` in `k h` where the law is another); else the
+/// parameters have no bounds to find, and stay at the end of the first range.
 pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], iterations: usize) -> Solution {
     let unknowns = &compiled.unknowns;
     let mut ranges: Vec<Range> = unknowns.iter().zip(start).map(|(u, v)| u.first_range(*v)).collect();
@@ -189,19 +190,20 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], 
     let states: Vec<_> = slots.iter().map(|s| s.state.clone()).collect();
     let mut theta = first.theta.clone();
     let mut moved = ends.clone();
-    for _ in 0..MOVES {
+    for round in 1..=MOVES {
         for &j in &ends {
             ranges[j] = unknowns[j].range(theta[j]);
         }
         let next = minimise(slots, compiled, theta, &ranges, iterations);
         ends = stopped(&next, &ranges);
-        if ends.is_empty() {
+        moved.extend(&ends);
+        let vanished = round == MOVES && ends.iter().all(|&j| next.theta[j].abs() < unknowns[j].nominal.abs());
+        if ends.is_empty() || vanished {
             if moved.iter().any(|j| next.unidentified.contains(j)) {
                 break;
             }
             return next;
         }
-        moved.extend(&ends);
         theta = next.theta;
     }
     for (slot, state) in slots.iter_mut().zip(states) {

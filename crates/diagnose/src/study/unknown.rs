@@ -71,14 +71,15 @@ impl Unknown {
     }
 
     /// The range of a fit that comes from `value`: the limits, and where there is none a factor of [`LARGEST_CHANGE`], but no
-    /// further from the nominal value than [`MOVES`] moves lead.
+    /// further from the nominal value than [`MOVES`] moves lead; the last of them towards zero reaches it, for a term may not be
+    /// there at all.
     pub(super) fn range(&self, value: f64) -> Range {
         if !self.calibrated {
             return Range { min: self.min, max: self.max };
         }
         let farthest = LARGEST_CHANGE.powi(MOVES + 1);
         let factor = (value / self.nominal).clamp(1.0 / farthest, farthest);
-        let near = self.nominal * (factor / LARGEST_CHANGE).max(1.0 / farthest);
+        let near = if factor <= LARGEST_CHANGE / farthest { 0.0 } else { self.nominal * factor / LARGEST_CHANGE };
         let far = self.nominal * (factor * LARGEST_CHANGE).min(farthest);
         let (low, high) = if near < far { (near, far) } else { (far, near) };
         Range {

@@ -10,8 +10,8 @@ use super::places::places;
 use super::proven::drop_unproven;
 use super::repeats::{Distinct, distinct};
 use super::rivals::{Rivals, rivals};
-use super::search::{Explanation, Search};
-use super::select::{Selection, backwards, select, without};
+use super::search::{Explanation, NEAR_NOISE, Search};
+use super::select::{Selection, backwards, select};
 use super::unnamed::unnamed;
 use super::{Settings, Stage, periods, write};
 use crate::gain::NO_FORCE;
@@ -21,12 +21,11 @@ use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 /// Share of the excess over noise that named causes must explain where structure remains; with less the verdict is that the
 /// data are unexplained.
 pub(crate) const LEAST_EXPLAINED: f64 = 0.5;
-/// A residual without any reproducible cause counts as unexplained if its root mean square exceeds that of the noise by
-/// this factor; below it is coloured noise.
-const COLOURED: f64 = 1.5;
 
+/// Lengths of windows, as parts of the longest, with which parameters that are far off begin.
+const SHORTER: [f64; 2] = [0.25, 0.0625];
 /// Long windows are worth a search if some pair of candidates promises a residual of at most this many times the noise.
-const NEAR_NOISE: f64 = 3.0;
+const WITHIN_REACH: f64 = 3.0;
 
 /// What was found, before it is written down.
 pub(crate) struct Findings {
@@ -63,7 +62,8 @@ pub(crate) enum Ending {
     Refuted(f64),
 }
 
-/// Finds what `system` gets wrong about `records`; `validate` are records that no fit sees, by which rivals are judged.
+/// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
+/// measured.
 ///
 /// Long windows first: where the right causes are among the candidates, noise is all that is left over, and long windows
 /// average it best. Where structure remains, the windows that make the unknowns most certain take their place
@@ -92,7 +92,9 @@ pub fn diagnose(
     study.check_window()?;
     let shorter;
     let mut attempt = Attempt::new(&study, None, &library, settings, progress)?;
-    if attempt.selection.chosen.alarm.p_value < settings.significance && settings.study.window.is_none() {
+    let structured = attempt.selection.chosen.alarm.p_value < settings.significance
+        && !attempt.selection.chosen.exhausts(&attempt.base);
+    if structured && settings.study.window.is_none() {
         progress(Stage::Refit);
         let near = attempt.selection.chosen.fit.clone();
         shorter = study.with_best_windows(&near.effects, Some(&near))?.0;
@@ -103,7 +105,7 @@ pub fn diagnose(
     let Attempt { mut search, mut base, selection } = attempt;
     let named: Vec<usize> = (0..library.len()).collect();
     let Selection { mut chosen, mut scatter, mut tests, screened } = selection;
-    let alarm = base.alarm.p_value.min(screened);
+    let mut alarm = base.alarm.p_value.min(screened);
     let mut found = Vec::new();
     let mut refuted = None;
     if alarm < settings.significance {
@@ -111,7 +113,7 @@ pub fn diagnose(
         let suspicious = chosen.alarm.p_value < settings.significance
             || chosen.members.len() > 1
             || chosen.strayed(settings.tolerance) > 0;
-        if suspicious {
+        if suspicious && !chosen.exhausts(&base) {
             let terms = search.extend(dictionary(system, records)?);
             let lists = (among.as_slice(), terms.as_slice());
             if let Some(better) = unnamed(&mut search, &base, &chosen, lists, settings, progress)? {
@@ -123,18 +125,22 @@ pub fn diagnose(
         }
         if !chosen.members.is_empty() {
             progress(Stage::Rivals);
-            let held_out = HeldOut::new(system, validate, search.study, &search.windows, settings)?;
-            found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref())?;
+            let held_out = HeldOut::new(search.study, &search.windows);
+            found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref(), settings.significance)?;
             let best = chosen.clone();
             if drop_idle(&mut search, &mut chosen, held_out.as_ref())? {
-                found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref())?;
+                found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref(), settings.significance)?;
             }
             refuted = chosen.members.is_empty().then(|| share(&base, &best));
             // Each round leaves fewer causes.
             while drop_unproven(&mut search, &mut chosen, &scatter, tests, settings) {
-                found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref())?;
+                found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref(), settings.significance)?;
             }
         }
+    }
+    if let Some(better) = search.base().filter(|b| b.square() < base.square()) {
+        base = better.clone();
+        alarm = base.alarm.p_value;
     }
     if search.windows.len() < search.study.windows().len() {
         let every: Vec<usize> = (0..search.study.windows().len()).collect();
@@ -157,7 +163,7 @@ fn drop_idle(
     let Some(held_out) = held_out else { return Ok(false) };
     let mut dropped = false;
     for member in chosen.members.clone() {
-        let Some(without) = without(search, chosen, member) else { continue };
+        let Some(without) = search.without(chosen, member) else { continue };
         if held_out.worse(&without, chosen)? <= 0.0 {
             *chosen = without;
             dropped = true;
@@ -209,7 +215,10 @@ impl<'a> Attempt<'a> {
         // Only the parameters carry over: windows of another length have other initial states.
         let start = near.map(|fit| Fit { windows: Vec::new(), ..fit.clone() });
         let windows = thinned(study.windows().len());
-        let fit = study.fit(&[], &windows, start.as_ref())?;
+        let mut fit = study.fit(&[], &windows, start.as_ref())?;
+        if near.is_none() && !fit.limited.is_empty() {
+            fit = from_short_windows(study, fit, &windows)?;
+        }
         let mut library = library.to_vec();
         periods::tune(study, &fit, &mut library);
         let named: Vec<usize> = (0..library.len()).collect();
@@ -229,11 +238,30 @@ impl<'a> Attempt<'a> {
     }
 }
 
+/// The fit, or a better one that begins with the parameters that short windows give: over long ones, parameters that are far
+/// off leave local minima, in which motions fall out of step.
+fn from_short_windows(study: &Study, mut fit: Fit, windows: &[usize]) -> Result<Fit, DiagnoseError> {
+    let square = |fit: &Fit| fit.windows.iter().map(|w| w.square).sum::<f64>();
+    let failures = |fit: &Fit| fit.windows.iter().filter(|w| w.count == 0).count();
+    let Some(first) = study.windows().first() else { return Ok(fit) };
+    let times = &study.records()[first.record].times;
+    let length = times[first.to - 1] - times[first.from];
+    for part in SHORTER {
+        let short = study.with_windows(part * length)?;
+        let begin = short.fit(&[], &thinned(short.windows().len()), None)?;
+        let again = study.fit(&[], windows, Some(&Fit { windows: Vec::new(), ..begin }))?;
+        if failures(&again) <= failures(&fit) && square(&again) < square(&fit) {
+            fit = again;
+        }
+    }
+    Ok(fit)
+}
+
 /// Whether some pair of candidates promises to bring the residual near the noise.
 fn within_reach(search: &mut Search<'_>, base: &Explanation, named: &[usize]) -> Result<bool, DiagnoseError> {
     let around = search.around(base, named)?;
     let promised = search.pairs(&around, 1).first().map_or(0.0, |p| p.square);
-    Ok(base.square() - promised < NEAR_NOISE * NEAR_NOISE * base.alarm.floor)
+    Ok(base.square() - promised < WITHIN_REACH * WITHIN_REACH * base.alarm.floor)
 }
 
 /// Share of the excess that an explanation takes away.
@@ -245,7 +273,7 @@ fn share(base: &Explanation, chosen: &Explanation) -> f64 {
 fn ending(base: &Explanation, chosen: &Explanation, refuted: Option<f64>, settings: &Settings) -> Ending {
     let share = share(base, chosen);
     if chosen.members.is_empty() {
-        if base.alarm.size < COLOURED {
+        if base.alarm.size < NEAR_NOISE {
             Ending::Coloured
         } else {
             refuted.map_or(Ending::Unexplained(0.0), Ending::Refuted)

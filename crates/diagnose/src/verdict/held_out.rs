@@ -1,10 +1,7 @@
-//! Data that no fit has seen.
+//! Windows that no fit has seen.
 
-use bracketry_system::System;
-
-use super::Settings;
 use super::search::Explanation;
-use crate::{DiagnoseError, Record, Study, StudySettings};
+use crate::{DiagnoseError, Study};
 
 /// Windows that a search or a comparison uses at most.
 const MOST_WINDOWS: usize = 330;
@@ -18,34 +15,19 @@ pub(crate) fn thinned(count: usize) -> Vec<usize> {
 /// one-sided 1 %.
 pub(crate) const DIFFERENT: f64 = 2.33;
 
-/// Records kept apart: parameters and coefficients stay, only initial states are fitted.
+/// Windows kept apart: parameters and coefficients stay, only initial states are fitted. Records for validation play no part, so
+/// that the gain which they show is independent of what was chosen.
 pub(crate) struct HeldOut {
     study: Study,
     windows: Vec<usize>,
 }
 
 impl HeldOut {
-    /// The records, cut into windows as long as those of `like`; without records the windows of `like` that are not among
-    /// `seen`; `None` if there are none.
-    pub(crate) fn new(
-        system: &System,
-        records: &[Record],
-        like: &Study,
-        seen: &[usize],
-        settings: &Settings,
-    ) -> Result<Option<Self>, DiagnoseError> {
-        if records.is_empty() {
-            let unseen: Vec<usize> = (0..like.windows().len()).filter(|w| !seen.contains(w)).collect();
-            let windows: Vec<usize> = thinned(unseen.len()).into_iter().map(|i| unseen[i]).collect();
-            return Ok((!windows.is_empty()).then(|| Self { study: like.clone(), windows }));
-        }
-        let length = like.windows().first().and_then(|w| {
-            let times = &like.records()[w.record].times;
-            Some(times.get(w.to - 1)? - times.get(w.from)?)
-        });
-        let study = Study::new(system, records, &StudySettings { window: length, ..settings.study.clone() })?;
-        let windows = thinned(study.windows().len());
-        Ok(Some(Self { study, windows }))
+    /// The windows of a study that are not among `seen`; `None` if there are none.
+    pub(crate) fn new(study: &Study, seen: &[usize]) -> Option<Self> {
+        let unseen: Vec<usize> = (0..study.windows().len()).filter(|w| !seen.contains(w)).collect();
+        let windows: Vec<usize> = thinned(unseen.len()).into_iter().map(|i| unseen[i]).collect();
+        (!windows.is_empty()).then(|| Self { study: study.clone(), windows })
     }
 
     /// By how many standard errors `b` leaves more over than `a`, from the differences by window.

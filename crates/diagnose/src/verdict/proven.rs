@@ -3,7 +3,6 @@
 use super::Settings;
 use super::noise::Scatter;
 use super::search::{Explanation, Search};
-use super::select::without;
 use crate::report::{Gain, Report, Verdict};
 use crate::{Effect, Role};
 
@@ -16,14 +15,18 @@ pub(super) fn worth(
     scatter: &Scatter,
     tests: f64,
 ) -> Option<(f64, f64, Explanation)> {
-    let rest = without(search, chosen, member)?;
+    let rest = search.without(chosen, member)?;
     let gained = rest.square() - chosen.square();
     let p_value = scatter.p_value(gained, search.candidates[member].coefficients.len()) * tests;
     Some((gained, p_value.min(1.0), rest))
 }
 
+/// Standard deviations that some amplitude of a cause must exceed where structure is left over, which takes what the cause's
+/// shape is not certain of; where only noise is, one will do.
+const SURE: f64 = 2.0;
+
 /// Takes out, one after the other, causes that are not significant or none of whose amplitudes exceeds its standard
-/// deviation, first the one that gains least; says whether there were any.
+/// deviation, twice that where structure is left over, first the one that gains least; says whether there were any.
 pub(super) fn drop_unproven(
     search: &mut Search<'_>,
     chosen: &mut Explanation,
@@ -36,7 +39,9 @@ pub(super) fn drop_unproven(
         let mut least: Option<(f64, Explanation)> = None;
         for member in chosen.members.clone() {
             let Some((gained, p_value, rest)) = worth(search, chosen, member, scatter, tests) else { continue };
-            let proven = p_value < settings.significance && sizeable(&search.candidates[member], chosen, scatter);
+            let times = if chosen.alarm.p_value < settings.significance { SURE } else { 1.0 };
+            let sizeable = sizeable(&search.candidates[member], chosen, times, scatter);
+            let proven = p_value < settings.significance && sizeable;
             if !proven && least.as_ref().is_none_or(|l| gained < l.0) {
                 least = Some((gained, rest));
             }
@@ -47,9 +52,9 @@ pub(super) fn drop_unproven(
     }
 }
 
-/// Whether some amplitude of an effect exceeds its standard deviation.
-fn sizeable(effect: &Effect, explanation: &Explanation, scatter: &Scatter) -> bool {
-    let width = scatter.inflation.sqrt();
+/// Whether some amplitude of an effect exceeds its standard deviation so many `times`.
+fn sizeable(effect: &Effect, explanation: &Explanation, times: f64, scatter: &Scatter) -> bool {
+    let width = times * scatter.inflation.sqrt();
     effect.coefficients.iter().filter(|c| c.role == Role::Amplitude).any(|c| {
         let estimate = explanation.fit.values.iter().find(|e| e.name == c.name);
         estimate.is_some_and(|e| (e.value - c.nominal).abs() > width * e.std)

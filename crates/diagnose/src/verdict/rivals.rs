@@ -1,11 +1,12 @@
 //! What else could explain the data as well as a named cause.
 
 use std::cmp::Ordering;
+use std::collections::HashMap;
 
 use super::held_out::{DIFFERENT, HeldOut};
 use super::noise::Scatter;
-use super::search::{Explanation, Search};
-use super::select::{LEAST_SHARE, add, merit, without};
+use super::search::{Explanation, INEXACT, NEAR_NOISE, Search};
+use super::select::{LEAST_SHARE, add, merit};
 use crate::DiagnoseError;
 
 /// A rival stays if its sum of squares exceeds the chosen one's by less than this many units of scatter.
@@ -16,6 +17,8 @@ use crate::DiagnoseError;
 pub(crate) const MARGIN: f64 = 9.0;
 /// The linearised problem may underrate what an exact fit gains by this factor.
 const UNDERRATED: f64 = 0.6;
+/// What gains beside a cause at least this share of what it gains in its place explains something else.
+const OWN: f64 = 0.5;
 /// Most times that a rival takes a cause's place.
 const MOST_SWAPS: usize = 4;
 /// Most exact fits per cause.
@@ -28,19 +31,35 @@ pub(crate) type Rivals = Vec<(usize, Explanation)>;
 ///
 /// Better is what has the better merit, or predicts held-out data better. Of two with as many causes the one with fewer
 /// coefficients is preferred unless the other takes away a substantial share of what it leaves over beyond noise: where
-/// structure remains that no cause explains, a further coefficient always finds something in it.
+/// structure remains that no cause explains, a further coefficient always finds something in it. For the same reason a rival
+/// stays, whatever the scatter says, if next to that structure it does nearly all that the cause does; next to it alone, any
+/// candidate would stay in place of a small cause. It also stays, and wins with fewer coefficients, if structure near the
+/// noise remains and it leaves over no more of it than the inexactness of any law does.
+///
+/// What gains nearly as much beside the cause as in its place is no rival either: were it the truth and the cause its image,
+/// nothing would be left for it beside the cause.
 pub(crate) fn rivals(
     search: &mut Search<'_>,
     chosen: &mut Explanation,
     scatter: &Scatter,
     among: &[usize],
     held_out: Option<&HeldOut>,
+    significance: f64,
 ) -> Result<Vec<Rivals>, DiagnoseError> {
     let mut swaps = 0;
     'again: loop {
+        let around = search.around(chosen, among)?;
+        let beside: HashMap<usize, f64> = search.singles(&around).iter().map(|p| (p.candidates[0], p.square)).collect();
+        let structured = chosen.alarm.p_value < significance && chosen.alarm.size < NEAR_NOISE;
+        let inexact = search.base().map_or(0.0, |b| INEXACT * b.alarm.excess());
         let mut all = Vec::new();
         for member in chosen.members.clone() {
-            let found = of_one(search, chosen, member, scatter, among)?;
+            let Some(rest) = search.without(chosen, member) else {
+                all.push(Vec::new());
+                continue;
+            };
+            let found = of_one(search, chosen, &rest, member, scatter, among)?;
+            let little = LEAST_SHARE * (rest.square() - chosen.square());
             let limit = chosen.square() + MARGIN * scatter.unit();
             let mut near = Vec::new();
             let mut better: Option<Explanation> = None;
@@ -54,7 +73,8 @@ pub(crate) fn rivals(
                     wins |= worse < -DIFFERENT;
                 }
                 // More coefficients must be worth it; what is not is told by the simpler one as well.
-                let told = told_as_well(&rival, chosen);
+                let told = told_as_well(&rival, chosen) && rival.square() - chosen.square() < little
+                    || structured && rival.square() - chosen.square() < inexact;
                 match rival.coefficients.cmp(&chosen.coefficients) {
                     Ordering::Less => wins |= rival.physical && told,
                     Ordering::Equal => {}
@@ -63,7 +83,9 @@ pub(crate) fn rivals(
                 if wins && better.as_ref().is_none_or(|b| merit(search, &rival, scatter) < merit(search, b, scatter)) {
                     better = Some(rival.clone());
                 }
-                if rival.square() <= limit || told {
+                let own = rest.square() - rival.square();
+                let other = beside.get(&candidate).is_some_and(|&b| b > MARGIN * scatter.unit() && b > OWN * own);
+                if (rival.square() <= limit || told) && !other {
                     near.push((candidate, rival));
                 }
             }
@@ -88,12 +110,12 @@ fn told_as_well(plain: &Explanation, full: &Explanation) -> bool {
 fn of_one(
     search: &mut Search<'_>,
     chosen: &Explanation,
+    rest: &Explanation,
     member: usize,
     scatter: &Scatter,
     among: &[usize],
 ) -> Result<Rivals, DiagnoseError> {
-    let Some(rest) = without(search, chosen, member) else { return Ok(Vec::new()) };
-    let around = search.around(&rest, among)?;
+    let around = search.around(rest, among)?;
     let promises = search.singles(&around);
     let own = promises.iter().find(|p| p.candidates == [member]).map_or(f64::INFINITY, |p| p.square);
     let exact = rest.square() - chosen.square();
@@ -101,7 +123,7 @@ fn of_one(
     let mut found = Vec::new();
     let near = promises.iter().filter(|p| p.candidates != [member] && p.square >= needed);
     for promise in near.take(MOST_FITS) {
-        if let Some(explanation) = add(search, &rest, promise) {
+        if let Some(explanation) = add(search, rest, promise) {
             found.push((promise.candidates[0], explanation));
         }
     }

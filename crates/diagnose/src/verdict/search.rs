@@ -7,11 +7,24 @@ use nalgebra::DVector;
 
 use super::alarm::Alarm;
 use super::noise::Scatter;
+use super::rivals::MARGIN;
 use super::score::{Group, Scores};
 use crate::{Cause, Change, DiagnoseError, Effect, Estimate, Fit, Linearization, Path, Role, Study};
 
 /// An amplitude that begins from a secant may leave it by this factor at most: farther out the secant says nothing.
 const FARTHEST: f64 = 2.0;
+
+/// Share of the model's excess below which, near the noise, what an explanation leaves over is its own inexactness: three per
+/// cent in amplitude, as no real part follows its law more exactly.
+pub(crate) const INEXACT: f64 = 1e-3;
+/// Residuals with a root mean square below this many times the noise are near it.
+pub(crate) const NEAR_NOISE: f64 = 1.5;
+/// A parameter below this share of its value in the model has taken its term out.
+const VANISHED: f64 = 0.05;
+/// An effect whose amplitudes are below five standard deviations is doubtful; where leaving it out nevertheless costs ten times
+/// what these say, the fit without it has stopped elsewhere.
+const DOUBTFUL: f64 = 25.0;
+const STRAYED: f64 = 10.0;
 
 /// A set of candidates, fitted together.
 #[derive(Clone, Debug)]
@@ -31,6 +44,32 @@ pub(crate) struct Explanation {
 impl Explanation {
     pub(crate) fn square(&self) -> f64 {
         self.alarm.square
+    }
+
+    /// Whether causes take away all of what `base` leaves over but for what the inexactness of any law does, and that is near
+    /// the noise: a further name would be given to it.
+    pub(crate) fn exhausts(&self, base: &Explanation) -> bool {
+        !self.members.is_empty() && self.alarm.size < NEAR_NOISE && self.alarm.excess() < INEXACT * base.alarm.excess()
+    }
+
+    /// Names of the model's parameters that stopped at a limit, but for those that nearly vanished there with their term.
+    pub(crate) fn stopped(&self) -> impl Iterator<Item = &str> {
+        let parameters = self.fit.values.len() - self.coefficients;
+        let limited = self.fit.limited.iter().filter(move |&&i| i < parameters);
+        limited
+            .map(|&i| &self.fit.values[i])
+            .filter(|e| e.value.abs() > VANISHED * e.nominal.abs())
+            .map(|e| e.name.as_str())
+    }
+
+    /// Sum of squares of an effect's amplitudes over their standard deviations: about what it costs to leave it out, in units
+    /// of the residual's variance.
+    fn expected_cost(&self, effect: &Effect) -> f64 {
+        let amplitudes = effect.coefficients.iter().filter(|c| c.role == Role::Amplitude);
+        amplitudes
+            .filter_map(|c| Some((c, self.fit.values.iter().find(|e| e.name == c.name)?)))
+            .map(|(c, e)| ((e.value - c.nominal) / e.std.max(f64::MIN_POSITIVE)).powi(2))
+            .sum()
     }
 
     /// Parameters of the model that had to change by more than `tolerance`, relative to their value.
@@ -130,6 +169,35 @@ impl<'a> Search<'a> {
             .filter(|e| self.comparable(e) && self.biases_within_range(e));
         self.known.insert(key, found.clone());
         found
+    }
+
+    /// The explanation without one of its members. Where that costs far more than the member's amplitude can, the fit without it
+    /// came from elsewhere and has stopped short: it is made again from here.
+    pub(crate) fn without(&mut self, explanation: &Explanation, member: usize) -> Option<Explanation> {
+        let mut rest: Vec<usize> = explanation.members.iter().copied().filter(|&m| m != member).collect();
+        let found = self.explain(&rest, &explanation.fit, &[])?;
+        let gained = found.square() - explanation.square();
+        let unit = explanation.alarm.square / explanation.alarm.freedom;
+        let expected = explanation.expected_cost(&self.candidates[member]);
+        let gained = gained / unit.max(1.0);
+        if gained < MARGIN || expected > DOUBTFUL || gained < STRAYED * expected {
+            return Some(found);
+        }
+        let effects: Vec<Effect> = rest.iter().map(|&m| self.candidates[m].clone()).collect();
+        let fit = self.study.fit(&effects, &self.windows, Some(&explanation.fit)).ok()?;
+        let again = self.judge(rest.clone(), fit);
+        if !self.comparable(&again) || again.square() >= found.square() {
+            return Some(found);
+        }
+        rest.sort_unstable();
+        self.around.remove(&rest);
+        self.known.insert(rest, Some(again.clone()));
+        Some(again)
+    }
+
+    /// The model with nothing added, from the best fit of it so far.
+    pub(crate) fn base(&self) -> Option<&Explanation> {
+        self.known.get(&Vec::new())?.as_ref()
     }
 
     /// Whether the fit covers the windows that the model without effects covers.

@@ -50,7 +50,7 @@ pub(crate) fn select(
         let room = settings.max_causes - selection.chosen.members.len();
         let still = selection.chosen.alarm.p_value < settings.significance
             || screened(&promises, &selection.scatter, tests) < settings.significance;
-        if !still || promises.is_empty() {
+        if !still || promises.is_empty() || selection.chosen.exhausts(base) {
             break;
         }
         progress(Stage::Fit { causes: selection.chosen.members.len() + 1 });
@@ -154,7 +154,7 @@ pub(crate) fn backwards(
     while chosen.members.len() > 1 {
         let mut worst: Option<(f64, Explanation)> = None;
         for &member in &chosen.members {
-            let Some(without) = without(search, chosen, member) else { continue };
+            let Some(without) = search.without(chosen, member) else { continue };
             let gained = without.square() - chosen.square();
             let p_value = scatter.p_value(gained, search.candidates[member].coefficients.len()) * tests;
             let needed = p_value <= settings.significance && gained >= LEAST_SHARE * without.alarm.excess();
@@ -165,10 +165,4 @@ pub(crate) fn backwards(
         let Some((_, without)) = worst else { return };
         *chosen = without;
     }
-}
-
-/// The explanation without one of its members.
-pub(crate) fn without(search: &mut Search<'_>, explanation: &Explanation, member: usize) -> Option<Explanation> {
-    let rest: Vec<usize> = explanation.members.iter().copied().filter(|&m| m != member).collect();
-    search.explain(&rest, &explanation.fit, &[])
 }

@@ -2,7 +2,7 @@
 
 use super::noise::Scatter;
 use super::search::{Explanation, Search, scatter};
-use super::select::{add, leading, merit};
+use super::select::{LEAST_SHARE, add, leading, merit};
 use super::{Settings, Stage};
 use crate::DiagnoseError;
 
@@ -10,7 +10,10 @@ use crate::DiagnoseError;
 const SHORTLIST: usize = 25;
 /// What terms without a name must take away: this share of the excess that the named causes leave over.
 const SUBSTANTIAL: f64 = 0.2;
-/// Exact fits of single terms, alone and beside named causes, and of pairs.
+/// Beyond the first few, terms alone are fitted exactly if they promise at least this share of what the best one does.
+const NEAR: f64 = 0.8;
+/// Most exact fits of terms alone, of terms beside named causes, and of pairs.
+const MOST_ALONE: usize = 8;
 const MOST_FITS: usize = 3;
 const MOST_PAIRS: usize = 2;
 
@@ -20,6 +23,11 @@ const MOST_PAIRS: usize = 2;
 /// means by Schwarz's criterion with the price of terms without a name, and by a substantial share of the excess. Where they
 /// leave none, a single term alone may still say the same more simply: several causes that imitate it, or parameters that
 /// had to leave their tolerance for it, are more coefficients than one.
+///
+/// A term of the dictionary stands for a law that is not in it exactly; a second member that takes away only what the first
+/// leaves over of the law is no cause of its own. Beside another member, term or named, it must therefore take away a tenth of
+/// what the *model* leaves over, unless nothing but noise is left then. Where a parameter stops at a limit, a term
+/// takes what the parameter may not: such explanations are none.
 pub(crate) fn unnamed(
     search: &mut Search<'_>,
     base: &Explanation,
@@ -33,20 +41,27 @@ pub(crate) fn unnamed(
     let terms = &search.shortlist(base, terms, SHORTLIST)?;
     let around = search.around(base, terms)?;
     let mut tried = Vec::new();
-    for promise in search.singles(&around).iter().take(MOST_FITS) {
+    let promises = search.singles(&around);
+    let top = promises.first().map_or(0.0, |p| p.square);
+    let near = promises.iter().enumerate().take_while(|(i, p)| *i < MOST_FITS || p.square >= NEAR * top);
+    for (_, promise) in near.take(MOST_ALONE) {
         tried.extend(add(search, base, promise));
     }
+    let alone = tried.iter().map(Explanation::square).fold(base.square(), f64::min);
     if structured {
+        let own = LEAST_SHARE * base.alarm.excess();
+        let worth = |e: &Explanation, less: f64| e.alarm.p_value >= settings.significance || e.square() < less - own;
         for promise in search.pairs(&around, MOST_PAIRS) {
-            tried.extend(add(search, base, &promise));
+            tried.extend(add(search, base, &promise).filter(|e| worth(e, alone)));
         }
         if !chosen.members.is_empty() {
             let around = search.around(chosen, terms)?;
             for promise in search.singles(&around).iter().take(MOST_FITS) {
-                tried.extend(add(search, chosen, promise));
+                tried.extend(add(search, chosen, promise).filter(|e| worth(e, alone.min(chosen.square()))));
             }
         }
     }
+    tried.retain(|e| e.stopped().next().is_none());
     let Some(closest) = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())) else { return Ok(None) };
     let around = search.around(closest, named)?;
     let scatter = scatter(closest, &around.scores);

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use bracketry_sim::Hold;
 use bracketry_system::System;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -12,7 +13,7 @@ use super::proven::worth;
 use super::rivals::{MARGIN, Rivals};
 use super::search::{Explanation, Search};
 use crate::report::{Candidate, Evidence, Excess, NamedCause, RefittedParameter, Report, Rival, Value, Verdict};
-use crate::{Cause, Effect, Estimate, Role, separating_experiment};
+use crate::{Cause, Change, Effect, Estimate, Path, Role, separating_experiment};
 
 /// Candidates that the report lists.
 const LISTED: usize = 15;
@@ -39,7 +40,7 @@ pub(super) fn report(
         let room = settings.max_causes.saturating_sub(causes.len());
         // Beside structure that is not explained or has no name, a moved parameter says nothing: it takes what it can of
         // that. Beside named causes, several that moved together did so for the same reason.
-        let clear = matches!(findings.ending, Ending::Quiet | Ending::Explained)
+        let clear = matches!(findings.ending, Ending::Quiet | Ending::Explained | Ending::Coloured)
             && causes.iter().all(|c: &NamedCause| c.name != Cause::UnknownTerm);
         let errors = if clear { parameter_errors(system, findings, &parameters, settings) } else { Vec::new() };
         if causes.is_empty() || (errors.len() == 1 && room > 0) {
@@ -83,6 +84,10 @@ fn reason(findings: &Findings, causes: &[NamedCause]) -> String {
         Ending::Quiet => {
             "a parameter is off by more than its tolerance; with it refitted, noise is left over".to_owned()
         }
+        Ending::Coloured if !causes.is_empty() => format!(
+            "a parameter is off by more than its tolerance; with it refitted, a correlated residual of {size:.2} times the noise \
+             is left over"
+        ),
         Ending::Coloured => format!(
             "the residual is correlated ({size:.2} times the noise), but no effect explains it in all parts of the data"
         ),
@@ -207,7 +212,9 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
         .zip(&estimates)
         .map(|(c, e)| (c.name.clone(), value(e, &c.unit, findings.scatter.inflation)))
         .collect();
-    let (name, flags) = physical_name(&effect, &estimates, findings.scatter.inflation.sqrt());
+    let (name, mut flags) = physical_name(&effect, &estimates, findings.scatter.inflation.sqrt());
+    flags.extend(hold_delays(search, &effect, &estimates));
+    flags.extend(chosen.stopped().map(|p| format!("{p} stopped at a limit: beyond it, this cause may not be needed")));
     let others: Vec<Rival> = rivals
         .iter()
         .map(|(candidate, explanation)| {
@@ -290,6 +297,22 @@ pub(super) fn physical_name(effect: &Effect, estimates: &[&Estimate], width: f64
         }
     }
     (name, flags)
+}
+
+/// What is to be added to a delay of held inputs for one who takes the logged value for the force at its instant.
+fn hold_delays(search: &Search<'_>, effect: &Effect, estimates: &[&Estimate]) -> Option<String> {
+    let Change::Path { path, .. } = &effect.change else { return None };
+    let record = search.study.records().first()?;
+    let delayed = matches!(path, Path::InputDelay | Path::ActuatorLag | Path::SensorDelay);
+    if !delayed || !record.inputs.iter().any(|i| i.hold == Hold::Previous) {
+        return None;
+    }
+    let half = 0.5 * (record.times.last()? - record.times.first()?) / (record.times.len() - 1) as f64;
+    let all = estimates.first()?.value + half;
+    Some(format!(
+        "counted beyond the hold of inputs from sample to sample, which is half a sample, {half:.2e} s, on average: {all:.2e} s \
+         in all where logged values are taken for those at their instants"
+    ))
 }
 
 /// Candidates by what their exact fit alone explains.
