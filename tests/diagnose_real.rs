@@ -67,6 +67,10 @@ fn friction_by_direction_a_delay_and_a_concave_law_are_found_in_measured_data() 
     let delay = cause(&report, &["input_delay", "actuator_lag"]);
     let seconds = delay["parameters"].as_object().unwrap().values().next().unwrap()["value"].as_f64().unwrap();
     assert!((0.15e-3..0.75e-3).contains(&seconds), "{delay}");
+    // Other delays explain the same; forces by position or time, which the data also have a little of, do not.
+    for other in delay["confusable_with"].as_array().unwrap() {
+        assert!(["input_delay", "actuator_lag", "sensor_delay"].contains(&other.as_str().unwrap()), "{delay}");
+    }
 
     // Friction grows from rest: against the sign that the law of Stribeck has.
     let law = cause(&report, &["stribeck_friction"]);
