@@ -88,6 +88,20 @@ impl Samples {
         }
     }
 
+    /// Mean of the value and of the slope from one time to a later one.
+    pub(crate) fn means(&self, from: f64, to: f64) -> (f64, f64) {
+        let (mut value, mut slope, mut t) = (0.0, 0.0, from);
+        let mut interval = self.interval(from);
+        while t < to {
+            let end = self.times.get(interval).map_or(to, |next| next.min(to));
+            value += (end - t) * self.value(interval, 0.5 * (t + end));
+            slope += (end - t) * self.slope(interval);
+            t = end;
+            interval += 1;
+        }
+        (value / (to - from), slope / (to - from))
+    }
+
     /// Slope in the given interval.
     pub(crate) fn slope(&self, interval: usize) -> f64 {
         if self.hold == Hold::Previous || interval == 0 || interval >= self.values.len() {

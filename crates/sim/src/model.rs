@@ -74,8 +74,8 @@ pub struct Model {
     tabulated: Vec<(String, u32)>,
     /// The current interval of each table.
     intervals: Vec<usize>,
-    /// Whether a slot changes within a segment.
-    moving: bool,
+    /// Slots that change within a segment, and their tables.
+    moving: Vec<(usize, usize)>,
     /// `t`, states, slots, signs.
     arguments: Vec<f64>,
     field: Tape,
@@ -204,7 +204,7 @@ impl Model {
             held: driven.held,
             live: driven.live,
             intervals: vec![0; driven.tables.len()],
-            moving: driven.tables.iter().any(|table| table.hold == crate::Hold::Linear),
+            moving: moving(&driven.sources, &driven.tables),
             arguments: vec![0.0; arguments.len()],
             results: vec![0.0; gradients.n_outputs()],
             constant_gradients: gradients.code().is_empty()
@@ -366,14 +366,44 @@ impl Model {
         }
     }
 
+    /// Writes the field with samples at their means over a span of time: the model's own, or those of another that is driven alike.
+    pub(crate) fn mean_field(
+        &mut self,
+        (from, to): (f64, f64),
+        (x, s): (&[f64], &[f64]),
+        samples_of: Option<&Model>,
+        dx: &mut [f64],
+    ) {
+        let t = 0.5 * (from + to);
+        self.enter_segment(t);
+        self.point(t, Some(x));
+        let tables = samples_of.map_or(&self.tables, |other| &other.tables);
+        for (slot, source) in self.sources.iter().enumerate() {
+            let value = match source {
+                Source::Held(_) => continue,
+                Source::Value(table) => tables[*table].means(from, to).0,
+                Source::Slope(table) => tables[*table].means(from, to).1,
+            };
+            self.arguments[1 + self.n + slot] = value;
+        }
+        let first = self.arguments.len() - self.components;
+        self.arguments[first..].copy_from_slice(s);
+        self.field.eval(&self.arguments, &mut self.work, dx);
+    }
+
+    /// Whether samples drive another model alike.
+    pub(crate) fn driven_like(&self, other: &Model) -> bool {
+        self.n == other.n && self.tabulated == other.tabulated && self.components == other.components
+    }
+
     /// Writes time and state into the arguments, and slots that move with time.
     fn point(&mut self, t: f64, x: Option<&[f64]>) {
         self.arguments[0] = t;
         if let Some(x) = x {
             self.arguments[1..=self.n].copy_from_slice(x);
         }
-        if self.moving {
-            self.load(t);
+        for &(slot, table) in &self.moving {
+            self.arguments[1 + self.n + slot] = self.tables[table].value(self.intervals[table], t);
         }
     }
 
@@ -467,6 +497,15 @@ impl Switched for Model {
         self.load(t);
         end
     }
+}
+
+/// Slots whose value follows straight lines, and their tables.
+fn moving(sources: &[Source], tables: &[Samples]) -> Vec<(usize, usize)> {
+    let of = |(slot, source): (usize, &Source)| match source {
+        Source::Value(table) if tables[*table].hold == crate::Hold::Linear => Some((slot, *table)),
+        _ => None,
+    };
+    sources.iter().enumerate().filter_map(of).collect()
 }
 
 /// Expressions without set-valued parts, but for the symbols `kept`: signs as functions, and components of unit vectors

@@ -268,6 +268,30 @@ impl Model {
     }
 }
 
+impl Model {
+    /// By how much this model's field differs, along a path of another one with the same equations, because of its own samples: by piece
+    /// `n` numbers. Samples count with their means over each step, so that delays far below a step keep their impulse. False
+    /// where the models differ otherwise, or the field is not finite.
+    pub fn by_samples(&mut self, other: &Model, path: &Path, changes: &mut Vec<f64>) -> bool {
+        let (n, k) = (self.dim(), self.arguments());
+        if n == 0 || !self.driven_like(other) {
+            return false;
+        }
+        changes.clear();
+        changes.resize(path.len() * n, 0.0);
+        let mut without = vec![0.0; n];
+        for (piece, out) in path.pieces.iter().zip(changes.chunks_exact_mut(n)) {
+            let Piece::Step { t, h, first, .. } = *piece else { continue };
+            let (x, s) = path.numbers[first..first + n + k].split_at(n);
+            let span = (t - 0.5 * h, t + 0.5 * h);
+            self.mean_field(span, (x, s), None, out);
+            self.mean_field(span, (x, s), Some(other), &mut without);
+            out.iter_mut().zip(&without).for_each(|(out, without)| *out -= without);
+        }
+        changes.iter().all(|v| v.is_finite())
+    }
+}
+
 /// Adds to the field's derivatives what comes from unit vectors whose σ a number moves: `∂f/∂s (I − s sᵀ)/|σ| ∂σ/∂p`.
 fn turn_with(
     part: &std::ops::Range<usize>,

@@ -105,6 +105,22 @@ impl Runner<'_> {
     }
 }
 
+impl Runner<'_> {
+    /// Change of the simulated columns when a candidate, whose model another runner has, changes the samples of inputs, to first order
+    /// in their change. None where the models differ otherwise.
+    pub(super) fn by_samples(&self, candidate: &mut Runner<'_>, values: &[f64]) -> Result<Option<Vec<f64>>, Failure> {
+        candidate.set(values)?;
+        let mut changes = Vec::new();
+        if !candidate.stepper.system_mut().by_samples(self.stepper.system(), &self.way.path, &mut changes) {
+            return Ok(None);
+        }
+        let n = self.stepper.state().len();
+        let mut out = vec![vec![0.0; self.target.len()]];
+        self.carry(false, 1, |piece| &changes[piece * n..(piece + 1) * n], &mut out);
+        Ok(out.pop())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]

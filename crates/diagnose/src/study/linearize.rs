@@ -187,9 +187,10 @@ impl Study {
                     };
                     match by_amplitudes {
                         Some(all) => columns.extend(all.into_iter().map(Ok)),
-                        None => {
-                            columns.extend(of_trial.iter().map(|s| column(&mut runner, &compiled, theta, point, s)))
-                        }
+                        None => columns.extend(of_trial.iter().map(|s| {
+                            by_samples(&slot.runner, &mut runner, &compiled, theta, s)
+                                .map_or_else(|| column(&mut runner, &compiled, theta, point, s), Ok)
+                        })),
                     }
                 }
                 Ok(columns)
@@ -197,6 +198,27 @@ impl Study {
             .collect();
         Ok((secants, columns.into_iter().collect::<Result<_, _>>()?))
     }
+}
+
+/// A secant of a delay or a lag of inputs in natural units, to first order in the change of the inputs; none of anything else, or
+/// where the linear maps along the window are missing.
+fn by_samples(
+    base: &Runner<'_>,
+    candidate: &mut Runner<'_>,
+    compiled: &Compiled,
+    theta: &[f64],
+    secant: &Secant,
+) -> Option<Vec<f64>> {
+    let unknown = theta.len() + secant.coefficient;
+    if !matches!(compiled.targets[unknown], Target::Input(..)) || !base.way.is_mapped() {
+        return None;
+    }
+    let mut values: Vec<f64> = theta.iter().chain(&secant.from).copied().collect();
+    let step = secant.to - values[unknown];
+    values[unknown] = secant.to;
+    let mut column = base.by_samples(candidate, &values).ok()??;
+    column.iter_mut().for_each(|v| *v /= step);
+    Some(column)
 }
 
 /// A secant in natural units.
