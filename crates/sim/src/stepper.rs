@@ -399,9 +399,12 @@ impl<S: Switched> Stepper<S> {
             if at_limit {
                 self.t = limit;
             }
-            let growth = (0.9 * error.max(1e-10).powf(self.exponent())).clamp(0.2, if rejected { 1.0 } else { 8.0 });
+            let most = if rejected { 1.0 } else { 8.0 };
             // A step cut short by its limit says nothing against the length before.
-            self.h = if at_limit { self.h.max(h * growth) } else { h * growth };
+            if !(at_limit && self.h >= most * h) {
+                let growth = (0.9 * error.max(1e-10).powf(self.exponent())).clamp(0.2, most);
+                self.h = if at_limit { self.h.max(h * growth) } else { h * growth };
+            }
             return Ok(());
         }
     }
