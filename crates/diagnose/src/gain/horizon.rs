@@ -11,8 +11,8 @@ use crate::study::{Fit, Predictor, Study, Window};
 const HORIZONS: [f64; 3] = [0.1, 0.5, 1.0];
 /// Shares of the longest stretch that stand in where it is too short for all of [`HORIZONS`] but the first.
 const SHARES: [f64; 2] = [0.25, 0.5];
-/// Most predictions per horizon: more would tell the same.
-const MOST: usize = 400;
+/// Most predictions per horizon: with more, neighbours overlap and tell the same.
+const MOST: usize = 150;
 /// Fewest predictions for a horizon to be reported.
 const FEWEST: usize = 5;
 
