@@ -49,18 +49,28 @@ pub struct IntervalChart {
     pub value_label: String,
     /// The rows.
     pub rows: Vec<Estimated>,
+    /// Categories that have a colour and marker of their own whether or not a row has them, so that these mean the same in all
+    /// figures. Others follow, in the order of their first rows.
+    pub known: Vec<String>,
 }
 
 impl IntervalChart {
     /// A chart without rows.
     pub fn new(value_label: impl Into<String>) -> Self {
-        Self { title: String::new(), value_label: value_label.into(), rows: Vec::new() }
+        Self { title: String::new(), value_label: value_label.into(), rows: Vec::new(), known: Vec::new() }
     }
 
     /// Sets the title.
     #[must_use]
     pub fn title(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
+        self
+    }
+
+    /// Sets the categories that keep their colour and marker whatever the rows are.
+    #[must_use]
+    pub fn categories<S: Into<String>>(mut self, known: impl IntoIterator<Item = S>) -> Self {
+        self.known = known.into_iter().map(Into::into).collect();
         self
     }
 
@@ -77,9 +87,9 @@ impl IntervalChart {
         self
     }
 
-    /// The categories in the order of their first rows.
-    fn categories(&self) -> Vec<&str> {
-        let mut names: Vec<&str> = Vec::new();
+    /// The known categories, then the others in the order of their first rows.
+    fn all_categories(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.known.iter().map(String::as_str).collect();
         for row in &self.rows {
             if !names.contains(&row.category.as_str()) {
                 names.push(&row.category);
@@ -113,9 +123,10 @@ impl IntervalChart {
         });
         let x = horizontal_scale(padded_range(values.chain([0.0]), 0.04), right - left, 90.0, false);
 
-        let categories = self.categories();
+        let categories = self.all_categories();
         let sample = |k: usize| Sample::Point(Marker::series(k), Color::series(k));
-        let entries = categories.iter().enumerate().map(|(k, name)| (sample(k), (*name).to_owned())).collect();
+        let used = categories.iter().enumerate().filter(|(_, name)| self.rows.iter().any(|r| r.category == **name));
+        let entries = used.map(|(k, name)| (sample(k), (*name).to_owned())).collect();
         let legend = Legend::new(entries, right - BORDER);
         let title = Title::figure(&self.title, right - BORDER);
         let label = text::wrap(&self.value_label, right - left, SIZE, false, 3);

@@ -325,3 +325,17 @@ fn a_cloud_of_points_has_all_its_markers_in_any_order_and_no_line() {
     let (disks, blue) = count(Series::new("x", x, y).markers());
     assert!(blue > disks, "a line is blue as well");
 }
+
+#[test]
+fn known_categories_keep_their_colour_whatever_the_rows_are() {
+    let colours = |known: &[&str]| {
+        let chart = IntervalChart::new("").categories(known.iter().copied()).row("x", 0.5, Some((0.4, 0.6)), "b");
+        let drawing = chart.draw().unwrap();
+        let says = |text: &str| drawing.svg().lines().any(|l| l.trim() == text);
+        assert!(says("b") && !says("a"), "the legend shows what is there");
+        attributes(&drawing, "polyline", "stroke").into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(colours(&["b"]), colours(&[]));
+    assert_eq!(colours(&["a", "b"]), colours(&["a", "b", "c"]));
+    assert_ne!(colours(&["a", "b"]), colours(&[]));
+}
