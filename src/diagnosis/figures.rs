@@ -1,6 +1,6 @@
 //! What was found, in pictures.
 
-use bracketry_diagnose::{ForceResidual, HeldOut, Predicted};
+use bracketry_diagnose::{Cause, ForceResidual, HeldOut, Place, Predicted, Report, ResidualAcceleration};
 use bracketry_plot::{BarChart, Color, Dash, Drawing, IntervalChart, Panel, PlotError, Series, TimeSeries, XyChart};
 
 use super::Diagnosis;
@@ -22,6 +22,13 @@ const BINS: usize = 24;
 /// Fewest points of a bin.
 const FEWEST: usize = 5;
 
+/// What candidates are in the ranking.
+const NAMED: &str = "named";
+const RIVAL: &str = "cannot be told apart from a named one";
+const TRIED: &str = "tried";
+/// Places that a figure has room for.
+const MOST_PLACES: usize = 12;
+
 /// A figure of a diagnosis.
 pub struct Figure {
     /// Name of its files, without ending.
@@ -41,24 +48,46 @@ impl Diagnosis {
             figures.extend(forces(held_out));
         }
         figures.extend(self.places());
+        figures.extend(self.over_time());
         figures.extend(self.ranking());
         figures.extend(self.gain());
         figures
     }
 
-    fn places(&self) -> Option<Figure> {
-        let places = &self.report.places;
-        if places.is_empty() {
-            return None;
+    fn places(&self) -> Vec<Figure> {
+        let Report { places, regimes, .. } = &self.report;
+        let motion = of_places(places, "where", "Where the refitted model is wrong, by motion");
+        let others = of_places(regimes, "regimes", "The same by acceleration, position and tilt");
+        motion.into_iter().chain(others).collect()
+    }
+
+    /// What the equations miss over time, in the first stretch of each.
+    fn over_time(&self) -> Option<Figure> {
+        let mut shown: Vec<&ResidualAcceleration> = Vec::new();
+        for r in &self.report.residual_acceleration {
+            if shown.iter().all(|s| s.equation != r.equation) && shown.first().is_none_or(|s| s.record == r.record) {
+                shown.push(r);
+            }
         }
-        let names = places.iter().map(|p| format!("{}: {}", p.equation, p.regime));
-        let shares: Vec<f64> = places.iter().map(|p| 100.0 * p.share).collect();
-        let chart = BarChart::new("share of the excess error [%]", names).series("refitted model", shares);
-        Some(Figure {
-            name: "where".to_owned(),
-            caption: "Where the model with refitted parameters is wrong.".to_owned(),
-            drawing: chart.title("Where the refitted model is wrong").draw(),
-        })
+        let first = *shown.first()?;
+        let title = "What the equations of the refitted model miss over time";
+        let mut chart = TimeSeries::new().title(title);
+        for r in shown.iter().take(MOST_COLUMNS) {
+            let missing = Series::new("measured − modelled", r.times.clone(), r.values.clone()).color(Color::series(1));
+            let panel = Panel::new(format!("missing in {0}′ [unit of {0}/s]", r.equation));
+            chart = chart.panel(
+                panel
+                    .series(missing)
+                    .named_bound("± 2 std of noise", 2.0 * r.std)
+                    .named_bound("± 2 std of noise", -2.0 * r.std),
+            );
+        }
+        let caption = format!(
+            "{}: measured minus modelled rate, by smoothing splines of {:.3} Hz; for a velocity the force per mass that is missing. \
+             Within the bounds it may be noise of the sensors.",
+            first.record, first.bandwidth_hz
+        );
+        Some(Figure { name: "missing".to_owned(), caption, drawing: chart.draw() })
     }
 
     fn ranking(&self) -> Option<Figure> {
@@ -67,18 +96,20 @@ impl Diagnosis {
             return None;
         }
         let rivals: Vec<_> = self.report.causes.iter().flat_map(|c| &c.rivals).collect();
-        let mut chart = IntervalChart::new("share of the excess error that it takes away alone [%]");
+        let mut chart = IntervalChart::new("share of the excess error that it takes away alone [%]")
+            .categories([NAMED, RIVAL, TRIED]);
         for c in candidates.iter().take(MOST_CANDIDATES) {
             let Some(share) = c.share else { continue };
             let rival = rivals.iter().any(|r| r.name == c.name && r.equation == c.equation && r.term == c.term);
             let category = if c.chosen {
-                "named"
+                NAMED
             } else if rival {
-                "cannot be told apart from a named one"
+                RIVAL
             } else {
-                "tried"
+                TRIED
             };
-            let alike = candidates.iter().filter(|o| o.name == c.name && o.equation == c.equation).count() > 1;
+            let alike = c.name == Cause::UnknownTerm
+                || candidates.iter().filter(|o| o.name == c.name && o.equation == c.equation).count() > 1;
             let term = if alike { format!(": {}", brief(&c.term)) } else { String::new() };
             let name = format!("{} in {}{term}", c.name.to_string().replace('_', " "), c.equation);
             chart = chart.row(name, 100.0 * share, c.interval.map(|[a, b]| (100.0 * a, 100.0 * b)), category);
@@ -108,6 +139,30 @@ impl Diagnosis {
             drawing: chart.title("Prediction error on held-out data").draw(),
         })
     }
+}
+
+/// Shares of the error beside shares of the time.
+fn of_places(places: &[Place], name: &str, title: &str) -> Option<Figure> {
+    if places.is_empty() {
+        return None;
+    }
+    let several = places.iter().any(|p| p.equation != places[0].equation);
+    let places = &places[..places.len().min(MOST_PLACES)];
+    let label = |p: &Place| if several { format!("{}: {}", p.equation, p.regime) } else { p.regime.clone() };
+    let shares: Vec<f64> = places.iter().map(|p| 100.0 * p.share).collect();
+    let mut chart = BarChart::new("share [%]", places.iter().map(label)).series("of the excess error", shares);
+    if let Some(times) = places.iter().map(|p| p.time.map(|t| 100.0 * t)).collect::<Option<Vec<f64>>>() {
+        chart = chart.series("of the time", times);
+    }
+    let equations = if several { ", each with its equation" } else { "" };
+    Some(Figure {
+        name: name.to_owned(),
+        caption: format!(
+            "Where the model with refitted parameters is wrong{equations}: an error that is alike everywhere has the same share of \
+             error and time."
+        ),
+        drawing: chart.title(title).draw(),
+    })
 }
 
 /// A term as short as a row of a chart has room for.
@@ -185,8 +240,8 @@ fn forces(held_out: &HeldOut) -> Vec<Figure> {
             let (before, after) = (of(&held_out.before), of(&held_out.after));
             let first = held_out.after.iter().find(|r| r.equation == equation)?;
             let what = match &first.input {
-                Some(input) => format!("missing force, in the unit of {input}"),
-                None => format!("missing rate of {equation}"),
+                Some(input) => format!("applied − needed [unit of {input}]"),
+                None => format!("modelled − measured rate of {equation}"),
             };
             let mut panel = Panel::new(what);
             for (model, points) in [(1, &before), (2, &after)] {
@@ -194,18 +249,20 @@ fn forces(held_out: &HeldOut) -> Vec<Figure> {
                 let (x, y) = thinned(points);
                 panel = panel.series(Series::new("", x, y).points().color(pale));
             }
+            let mut frame = bulk(&before, &after);
             for (model, points) in [(1, &before), (2, &after)] {
                 let (x, y) = means(points);
+                frame = frame.map(|range| y.iter().fold(range, |(low, high), v| (v.min(low), v.max(high))));
                 panel = panel.series(Series::new(format!("{}, mean", MODELS[model]), x, y).color(Color::series(model)));
             }
-            if let Some((low, high)) = bulk(&before, &after) {
+            if let Some((low, high)) = frame {
                 panel = panel.limits(low, high);
             }
             let title = format!("What the equation of {equation} leaves over on held-out data");
             Some(Figure {
                 name: format!("force_{equation}"),
                 caption: format!(
-                    "Measured minus modelled in the equation of {equation}, smoothed to {:.3} Hz: points of the held-out data and \
+                    "Modelled minus measured in the equation of {equation}, smoothed to {:.3} Hz: points of the held-out data and \
                      their mean over {equation}; the outermost 2 % may lie outside the frame.",
                     first.bandwidth
                 ),

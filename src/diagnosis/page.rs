@@ -163,9 +163,10 @@ fn tables(report: &Report) -> String {
     let mut out = String::new();
     if !report.places.is_empty() {
         out += "<h2>Where the refitted model is wrong</h2>\n<table>";
-        out += &row("th", ["equation", "when", "share of the excess error"]);
-        for p in &report.places {
-            out += &row("td", [formula(&p.equation), escaped(&p.regime), percent(p.share)]);
+        out += &row("th", ["equation", "when", "share of the excess error", "share of the time"]);
+        for p in report.places.iter().chain(&report.regimes) {
+            let time = p.time.map_or_else(String::new, percent);
+            out += &row("td", [formula(&p.equation), escaped(&p.regime), percent(p.share), time]);
         }
         out += "</table>\n";
     }
@@ -188,7 +189,7 @@ fn tables(report: &Report) -> String {
     }
     if !report.candidates.is_empty() {
         out += "<h2>What was tried, each alone</h2>\n<table>";
-        out += &row("th", ["", "candidate", "in", "term", "explains", "p"]);
+        out += &row("th", ["", "candidate", "in", "term", "explains", "95 %", "p"]);
         for c in &report.candidates {
             let mark = if c.chosen { "named" } else { "" };
             let name = escaped(&c.name.to_string().replace('_', " "));
@@ -198,6 +199,7 @@ fn tables(report: &Report) -> String {
                 formula(&c.equation),
                 formula(&c.term),
                 c.share.map_or_else(String::new, percent),
+                c.interval.map_or_else(String::new, |[low, high]| format!("{} … {}", percent(low), percent(high))),
                 format!("{:.1e}", c.p_value),
             ];
             out += &row("td", cells);

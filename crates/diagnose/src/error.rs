@@ -125,6 +125,32 @@ pub enum DiagnoseError {
         /// Samples of the record.
         samples: usize,
     },
+    /// All that the model does is over between two samples.
+    #[error(
+        "`{record}`: the samples are {step} s apart, in which even the slowest motion of the model makes {turns:.1} turns: its time is \
+         not that of the data; t is in seconds: divide it by 1000 if it counts milliseconds, by the rate if it counts samples"
+    )]
+    TimeScale {
+        /// The record.
+        record: String,
+        /// Time between samples, s.
+        step: f64,
+        /// Turns of the slowest motion between two samples.
+        turns: f64,
+    },
+    /// A simulation over the data takes too long.
+    #[error(
+        "`{record}`: a simulation takes {per_sample} steps from one sample to the next ({step} s): the model is far faster than the \
+         data; check that t is in seconds and the values of the parameters, or put what is fast in its steady state"
+    )]
+    Effort {
+        /// The record.
+        record: String,
+        /// Steps between two samples.
+        per_sample: usize,
+        /// Time between samples, s.
+        step: f64,
+    },
     /// The model cannot be simulated over any of the windows.
     #[error(
         "the model cannot be simulated over any of the {windows} windows; the first, from t = {from} s of `{record}`: {reason}; {remedy}"

@@ -25,7 +25,8 @@ pub use read::{
 };
 pub use record::{Measured, Quantity, Record, Signal};
 pub use report::{
-    Candidate, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, Rival, Value, Verdict,
+    Candidate, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration, Rival,
+    Value, Verdict,
 };
 pub use study::{
     Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, StudySettings, Window, WindowFit,

@@ -135,3 +135,51 @@ fn an_equation_whose_states_nothing_measures_is_left_out() {
     assert!(residuals.is_empty());
     assert_eq!(force_error(&residuals), None);
 }
+
+#[test]
+fn at_rest_dry_friction_misses_no_force() {
+    // A block moves half a second there and back, and rests in between under a force that is too small to move it.
+    let system =
+        System::parse("block", "states = ['q', 'v']\ninputs = ['u']\n[dynamics]\nq = 'v'\nv = 'u - sign(v)'").unwrap();
+    let (times, resting): (Vec<f64>, Vec<bool>) = (0..4000).map(|k| (f64::from(k) * 1e-3, k / 500 % 2 == 1)).unzip();
+    // q = (1 ∓ cos 2πt)/2 with a rest at either end.
+    let (mut q, mut u) = (Vec::new(), Vec::new());
+    for (k, (t, rests)) in times.iter().zip(&resting).enumerate() {
+        let (phase, there) = (2.0 * PI * t, k / 500 % 4 == 0);
+        let sign = if there { 1.0 } else { -1.0 };
+        let c = (2.0 * PI * (t - (k / 500) as f64 * 0.5)).cos();
+        q.push(if *rests { f64::from(k / 500 % 4 == 1) } else { 0.5 * (1.0 - sign * c) });
+        u.push(if *rests { 0.8 * (7.0 * phase).sin() } else { sign * (2.0 * PI * PI * c + 1.0) });
+        let wobble = 1e-6 * (12.9898 * k as f64).sin();
+        *q.last_mut().unwrap() += wobble;
+    }
+    let record = read(&system, times, BTreeMap::from([("q".to_owned(), q), ("u".to_owned(), u)]));
+    let residuals = force_residuals(&system, &[], &[], &[record]).unwrap();
+    let [only] = residuals.as_slice() else { panic!("{} equations", residuals.len()) };
+    // A tenth of a second away from the jumps of the force: what smoothing spreads is left out.
+    let calm: Vec<f64> = (only.samples.iter().zip(&only.values))
+        .filter(|(k, _)| resting[**k] && resting[k.saturating_sub(150)] && resting.get(**k + 150) == Some(&true))
+        .map(|(_, value)| value.abs())
+        .collect();
+    assert!(calm.len() > 500);
+    let largest = calm.into_iter().fold(0.0, f64::max);
+    assert!(largest < 0.1, "{largest}");
+}
+
+#[test]
+fn a_delay_of_the_model_is_honoured() {
+    let text = |delay: &str| {
+        format!("states = ['q', 'v']\ninputs = ['u']\n[dynamics]\nq = 'v'\nv = 'u'\n[delays]\nu = {delay}")
+    };
+    let (times, mut columns) = sinusoid(1.5, 0.0);
+    // The force 40 ms before it acts.
+    let w = 2.0 * PI * 1.5;
+    columns.insert("u".into(), times.iter().map(|t| -w * w * (w * (t + 0.04)).sin()).collect());
+    let error = |delay: &str| {
+        let system = System::parse("late", &text(delay)).unwrap();
+        let record = read(&system, times.clone(), columns.clone());
+        force_error(&force_residuals(&system, &[], &[], &[record]).unwrap()).unwrap()
+    };
+    assert!(error("0.04") < 1e-3, "{}", error("0.04"));
+    assert!((error("0.0") - 2.0 * (0.5 * w * 0.04).sin()).abs() < 0.01, "{}", error("0.0"));
+}

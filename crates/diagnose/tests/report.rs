@@ -29,7 +29,9 @@ fn report() -> Report {
             share: Some(0.93),
             flags: Vec::new(),
         }],
-        places: vec![Place { equation: "v".into(), regime: "sliding, v > 0".into(), share: 0.8 }],
+        places: vec![Place { equation: "v".into(), regime: "sliding, v > 0".into(), share: 0.8, time: Some(0.4) }],
+        regimes: Vec::new(),
+        residual_acceleration: Vec::new(),
         gain: Some(Gain {
             metric: "multi-step NRMSE".into(),
             horizons_s: vec![0.1, 0.5, 1.0],

@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use crate::study::Linearization;
 
 /// Resamples.
-const RESAMPLES: usize = 1000;
+pub(crate) const RESAMPLES: usize = 1000;
 /// Ends of the interval of 95 %.
 const ENDS: [f64; 2] = [0.025, 0.975];
 
@@ -60,13 +60,18 @@ pub fn bootstrap(linearization: &Linearization, held: &[usize], seed: u64) -> Op
             steps.iter_mut().zip((step - &rest).iter()).for_each(|(list, v)| list.push(*v));
         }
     }
-    let percentile = |sorted: &[f64], p: f64| sorted[((sorted.len() - 1) as f64 * p).round() as usize];
-    let intervals = steps.into_iter().enumerate().map(|(j, mut list)| {
-        list.sort_by(f64::total_cmp);
+    let intervals = steps.into_iter().enumerate().map(|(j, list)| {
         let made = !held.contains(&j) && 2 * list.len() > RESAMPLES;
-        made.then(|| ENDS.map(|p| percentile(&list, p))).filter(|[low, high]| *low <= 0.0 && 0.0 <= *high)
+        made.then(|| middle(list)).flatten().filter(|[low, high]| *low <= 0.0 && 0.0 <= *high)
     });
     Some(intervals.collect())
+}
+
+/// The 2.5th and the 97.5th percentile of a list; `None` of an empty one.
+pub(crate) fn middle(mut list: Vec<f64>) -> Option<[f64; 2]> {
+    list.sort_by(f64::total_cmp);
+    let last = list.len().checked_sub(1)?;
+    Some(ENDS.map(|p| list[(last as f64 * p).round() as usize]))
 }
 
 #[cfg(test)]

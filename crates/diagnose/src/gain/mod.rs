@@ -2,13 +2,18 @@
 
 mod bootstrap;
 mod equation;
+mod evaluation;
 mod horizon;
+mod missing;
 mod motion;
+mod rest;
 
 pub use bootstrap::bootstrap;
+pub(crate) use bootstrap::{RESAMPLES, middle};
 pub(crate) use equation::NO_FORCE;
 pub use equation::{ForceResidual, force_error, force_residuals};
 pub use horizon::Predicted;
+pub(crate) use missing::{Missing, MissingIn, missing};
 
 use rayon::prelude::*;
 

@@ -19,6 +19,7 @@ pub(crate) use apply::{decimal, parameter};
 pub use dictionary::dictionary;
 pub use reference::reference_candidates;
 pub use separate::separating_experiment;
+pub(crate) use structure::{Kind, Structure, is_angle};
 
 use bracketry_system::System;
 
@@ -27,7 +28,6 @@ use crate::error::DiagnoseError;
 use crate::record::Record;
 use builder::Builder;
 use probe::Probe;
-use structure::Structure;
 
 /// The effects that may be missing in a model: the causes of the library, each instantiated where the structure of the
 /// equations has a place for it.
@@ -58,4 +58,10 @@ fn builder_for(system: &System, records: &[Record]) -> Builder {
     let data = Probe::of_records(&system, records, &pairs);
     let structure = Structure::of(&mut system, &pairs);
     Builder::new(system, structure, data)
+}
+
+/// What the coordinates of a model are like.
+pub(crate) fn mechanics(system: &mut System) -> Structure {
+    let pairs = structure::pairs(system);
+    Structure::of(system, &pairs)
 }

@@ -101,7 +101,7 @@ impl ColumnAudit {
             let remedy = if self.input {
                 "what acts through it cannot be told from an offset; move it to find out"
             } else {
-                "it says nothing about the motion; check the sensor"
+                "it says nothing about the motion; if it should move, its sensor is dead: remove the column"
             };
             warn(message, remedy);
             return out;

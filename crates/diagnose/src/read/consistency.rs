@@ -40,10 +40,18 @@ pub(super) fn check_rates(origin: &Origin<'_>, record: &Record, system: &System)
         let Some(rate_state) = system.states.iter().position(|s| *s == rate) else {
             continue;
         };
-        let (Some((position, noise)), Some((rates, _))) = (measured(record, state), measured(record, rate_state))
+        let (Some((position, noise)), Some((rates, rate_noise))) =
+            (measured(record, state), measured(record, rate_state))
         else {
             continue;
         };
+        let names = (system.symbol_name(system.states[state]), system.symbol_name(rate));
+        if let Some((stuck, other)) = stuck(record, (position, noise), (rates, rate_noise), names) {
+            return Err(origin.whole(
+                format!("`{stuck}` never changes although `{other}` says that it does"),
+                format!("its sensor is dead, or the column means something else: remove the column `{stuck}`"),
+            ));
+        }
         let Some((slope, correlation)) = compare(record, position, noise, rates) else {
             continue;
         };
@@ -103,6 +111,48 @@ pub(super) fn check_angles(record: &Record, system: &System) -> Vec<Warning> {
 fn measured(record: &Record, state: usize) -> Option<(&[f64], f64)> {
     let column = record.measured.iter().find(|m| m.quantity == Quantity::State(state))?;
     Some((&column.values, column.noise))
+}
+
+/// Which of a position and its rate never changes although the other one says that it does, and the name of that one: what
+/// moves stands out of the noise as displacement over parts of the run.
+fn stuck<'a>(
+    record: &Record,
+    (position, noise): (&[f64], f64),
+    (rates, rate_noise): (&[f64], f64),
+    (name, rate): (&'a str, &'a str),
+) -> Option<(&'a str, &'a str)> {
+    let constant = |values: &[f64]| values.windows(2).all(|pair| pair[0] == pair[1]);
+    let (still, resting) = (constant(position), constant(rates));
+    if still == resting {
+        return None;
+    }
+    let mean =
+        rates.iter().filter(|v| v.is_finite()).sum::<f64>() / rates.iter().filter(|v| v.is_finite()).count() as f64;
+    let length = (position.len() / PARTS).max(4);
+    let (mut moved, mut of_noise, mut count) = (0.0, 0.0, 0);
+    for start in (0..position.len().saturating_sub(length)).step_by(length) {
+        let end = start + length;
+        if record.gaps.iter().any(|gap| (start + 1..=end).contains(gap)) {
+            continue;
+        }
+        let duration = record.times[end] - record.times[start];
+        let (displacement, variance) = if still {
+            // An offset of the rate's sensor is no motion.
+            let integral: f64 = (start..end)
+                .map(|k| (0.5 * (rates[k] + rates[k + 1]) - mean) * (record.times[k + 1] - record.times[k]))
+                .sum();
+            (integral, rate_noise * rate_noise * duration * duration / length as f64)
+        } else {
+            (position[end] - position[start] - mean * duration, 2.0 * noise * noise)
+        };
+        if displacement.is_finite() {
+            moved += displacement * displacement;
+            of_noise += variance;
+            count += 1;
+        }
+    }
+    let moves = count >= 8 && moved > STANDS_OUT * STANDS_OUT * of_noise;
+    moves.then_some(if still { (name, rate) } else { (rate, name) })
 }
 
 /// Regression of displacements on integrated rates over parts of the run: slope and correlation. None where neither stands

@@ -11,6 +11,8 @@ use serde::Serialize;
 
 use crate::{Audit, Cause, ExtendedModel, Fit, HeldOut};
 
+pub(crate) use table::significant;
+
 /// What a diagnosis ended with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -90,6 +92,28 @@ pub struct Place {
     pub regime: String,
     /// Share of the excess error.
     pub share: f64,
+    /// Share of the samples of the equation: an error that is alike everywhere has the same share of both.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+}
+
+/// What the equation of a state misses over time, measured minus modelled rate: of a velocity, the force per mass that is missing.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ResidualAcceleration {
+    /// Name of the record.
+    pub record: String,
+    /// The state.
+    pub equation: String,
+    /// Bandwidth of the derivatives, Hz.
+    pub bandwidth_hz: f64,
+    /// Standard deviation of the values by noise of the sensor, in their unit.
+    pub std: f64,
+    /// Times in seconds.
+    #[serde(rename = "t")]
+    pub times: Vec<f64>,
+    /// What is missing, in the unit of the state over seconds.
+    #[serde(rename = "value")]
+    pub values: Vec<f64>,
 }
 
 /// How much better the extended model predicts.
@@ -193,6 +217,12 @@ pub struct Report {
     /// Where the refitted model is wrong, the largest share first.
     #[serde(rename = "where")]
     pub places: Vec<Place>,
+    /// The same by acceleration, position and tilt: regimes of one kind add up to the share of their equation.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub regimes: Vec<Place>,
+    /// What the equations of the refitted model miss over time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub residual_acceleration: Vec<ResidualAcceleration>,
     /// What the extended model is worth; absent where there is none or the data were too short to tell.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain: Option<Gain>,

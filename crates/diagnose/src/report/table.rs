@@ -38,7 +38,7 @@ pub(super) fn short(value: f64) -> String {
 }
 
 /// `value` with so many significant digits.
-pub(super) fn significant(value: f64, digits: i32) -> String {
+pub(crate) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }

@@ -40,11 +40,14 @@ impl Display for Report {
             write!(f, "\n{cause}")?;
         }
         if !self.places.is_empty() {
-            let mut table = Table::new(["equation", "when", "share of the excess error"]);
-            for p in &self.places {
-                table.row([&p.equation, &p.regime, &percent(p.share)]);
+            let mut table = Table::new(["equation", "when", "share of the excess error", "share of the time"]);
+            for p in self.places.iter().chain(&self.regimes) {
+                table.row([&p.equation, &p.regime, &percent(p.share), &p.time.map_or_else(String::new, percent)]);
             }
-            write!(f, "\nWhere the refitted model is wrong\n{table}")?;
+            write!(
+                f,
+                "\nWhere the refitted model is wrong: by motion, then by acceleration, position and tilt\n{table}"
+            )?;
         }
         if let Some(excess) = &self.excess {
             write!(f, "\nResidual over noise (1 = noise only): {} refitted", short(excess.refitted))?;
@@ -168,7 +171,7 @@ fn write_candidates(f: &mut Formatter<'_>, candidates: &[Candidate]) -> fmt::Res
             probability(c.p_value).trim_start_matches("= "),
         ]);
     }
-    write!(f, "\nWhat was tried, each alone (share of the excess error on held-out data)\n{table}")?;
+    write!(f, "\nWhat was tried, each alone with all parameters refitted (share of the excess error)\n{table}")?;
     if candidates.len() > LISTED {
         writeln!(f, "  and {} more", candidates.len() - LISTED)?;
     }

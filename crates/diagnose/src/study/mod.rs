@@ -14,6 +14,7 @@ mod normal;
 mod predictor;
 mod runner;
 mod signal_path;
+mod time_scale;
 mod unknown;
 mod window;
 mod window_length;

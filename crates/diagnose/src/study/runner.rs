@@ -250,6 +250,14 @@ impl<'a> Runner<'a> {
         Ok(())
     }
 
+    /// As [`Self::simulate`], and the number of steps that it took; `None` where it ended early.
+    pub(super) fn steps(&mut self, theta: &[f64], x0: &[f64], out: &mut [f64]) -> Option<usize> {
+        let before = self.stepper.statistics();
+        self.simulate(theta, x0, out).ok()?;
+        let after = self.stepper.statistics();
+        Some(after.steps + after.rejected - before.steps - before.rejected)
+    }
+
     /// Adds to `out` what changes when an offset of columns changes by one, if the unknown is such an offset.
     pub(super) fn offset_column(&self, unknown: usize, out: &mut [f64]) -> bool {
         let Target::Column(Path::SensorBias, names) = &self.compiled.targets[unknown] else {

@@ -16,6 +16,8 @@ const FEWEST: usize = 12;
 /// of the spectrum, and the smallest p-value multiplied by the number of tests (an adaptive Neyman smooth test; Fan 1996).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Alarm {
+    /// Variance of the noise by measured column, in units of the estimate from the column itself.
+    pub(crate) noise: Vec<f64>,
     /// Probability of such a residual if there were only white noise.
     pub(crate) p_value: f64,
     /// Root mean square of the residual over its noise, 1 for noise alone.
@@ -75,7 +77,7 @@ impl Alarm {
             spectra.iter().fold((0.0, 0.0), |(a, b), (c, s)| (a + noise[*c] * s.count as f64, b + s.count as f64));
         let level = if counted > 0.0 { weighted / counted } else { 1.0 };
         let floor = level * freedom;
-        Self { p_value: (p_value * tests).min(1.0), size: (square / floor).sqrt(), floor, square, freedom }
+        Self { noise, p_value: (p_value * tests).min(1.0), size: (square / floor).sqrt(), floor, square, freedom }
     }
 
     /// Sum of squares beyond that of noise.

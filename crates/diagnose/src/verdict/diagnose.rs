@@ -5,15 +5,20 @@ use std::time::Instant;
 use bracketry_system::System;
 
 use super::held_out::{HeldOut, thinned};
+use super::hold::{half_a_sample, other_hold};
+use super::motion::still;
 use super::noise::Scatter;
-use super::places::places;
+use super::places::{Places, places};
 use super::proven::drop_unproven;
 use super::repeats::{Distinct, distinct};
 use super::rivals::{Rivals, rivals};
+use super::scale::{factors, rescaled};
 use super::search::{Explanation, NEAR_NOISE, Search};
 use super::select::{Selection, backwards, select};
+use super::units::other_units;
 use super::unnamed::unnamed;
-use super::{Settings, Stage, periods, write};
+use super::validation::mispredicted;
+use super::{Settings, Stage, periods, scale, write};
 use crate::gain::NO_FORCE;
 use crate::library::{candidates, dictionary};
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
@@ -84,14 +89,26 @@ pub fn diagnose(
         return Err(DiagnoseError::Setting { name, value: 0.0, requirement: "at least 1" });
     }
     progress(Stage::Refit);
-    let Distinct { records, validate, notes } = distinct(records, validate);
-    let (records, validate) = (records.as_slice(), validate.as_slice());
-    let mut library = candidates(system, records)?;
+    let Distinct { mut records, mut validate, mut notes } = distinct(records, validate);
+    let mut library = candidates(system, &records)?;
     library.extend(settings.candidates.iter().cloned());
-    let study = Study::new(system, records, &settings.study)?;
-    study.check_window()?;
-    let shorter;
-    let mut attempt = Attempt::new(&study, None, &library, settings, progress)?;
+    let first = Study::new(system, &records, &settings.study)?;
+    first.check_window()?;
+    first.check_time_scale()?;
+    let (shorter, weighed);
+    let mut study = &first;
+    let mut attempt = Attempt::new(study, None, &library, settings, progress)?;
+    if let Some(factors) =
+        factors(&attempt.selection.chosen.alarm, records.iter().chain(&validate), settings.significance)
+    {
+        progress(Stage::Refit);
+        notes.extend(scale::notes(&records, &factors));
+        (records, validate) = (rescaled(&records, &factors), rescaled(&validate, &factors));
+        weighed = Study::new(system, &records, &settings.study)?;
+        study = &weighed;
+        attempt = Attempt::new(study, None, &library, settings, progress)?;
+    }
+    let (records, validate) = (records.as_slice(), validate.as_slice());
     let structured = attempt.selection.chosen.alarm.p_value < settings.significance
         && !attempt.selection.chosen.exhausts(&attempt.base);
     if structured && settings.study.window.is_none() {
@@ -184,7 +201,8 @@ fn written(
 ) -> Result<Report, DiagnoseError> {
     let mut report = write::report(system, search, findings, settings, begin);
     if report.verdict != Verdict::NothingFound {
-        report.places = places(system, search.study.records(), &findings.base.fit)?;
+        let Places { motion, regimes, over_time } = places(system, search.study.records(), &findings.base.fit)?;
+        (report.places, report.regimes, report.residual_acceleration) = (motion, regimes, over_time);
         if report.places.is_empty() {
             report.notes.push(format!("where the model is wrong is not shown: {NO_FORCE}"));
         }
@@ -193,8 +211,62 @@ fn written(
     let (refitted, extended) = (&findings.base.fit, &findings.chosen.fit);
     report.complete(search.study, refitted, extended, validate, &settings.study, settings.seed)?;
     report.withdraw_if_refuted();
+    doubt(&mut report, system, search, findings, validate, settings)?;
     report.seconds = begin.elapsed().as_secs_f64();
     Ok(report)
+}
+
+/// Adds what speaks against the verdict: data without motion, inputs that go on otherwise between samples, other units, runs for
+/// validation that are not predicted.
+fn doubt(
+    report: &mut Report,
+    system: &System,
+    search: &Search<'_>,
+    findings: &Findings,
+    validate: &[Record],
+    settings: &Settings,
+) -> Result<(), DiagnoseError> {
+    let records = search.study.records();
+    let (still, all) = still(records);
+    if all {
+        if report.verdict == Verdict::NothingFound {
+            report.reason = "the data hold no motion above the noise, which says nothing about the model".to_owned();
+        }
+        report
+            .notes
+            .push("no measured column stands out of its noise: record a run in which the device moves".to_owned());
+        return Ok(());
+    }
+    if !still.is_empty() {
+        report.notes.push(format!(
+            "{} does not stand out of its noise and tells nothing: leave outliers empty, or remove the column",
+            still.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+        ));
+    }
+    if findings.ending != Ending::Quiet {
+        if let Some(other) = other_hold(system, search, findings, settings)? {
+            report.reason = format!("{}; but {}", report.reason, other.clause());
+            report.notes.push(format!("{}: find out how the inputs go on before believing a cause", other.clause()));
+        }
+        if let Some(sentence) = other_units(system, search, findings, settings)? {
+            report.notes.push(sentence);
+        }
+    }
+    for cause in &mut report.causes {
+        cause.flags.extend(half_a_sample(cause, records));
+    }
+    if report.verdict != Verdict::Unexplained {
+        for (name, size) in mispredicted(system, search.study, &findings.chosen, validate, settings)? {
+            let sentence = format!(
+                "{name}, which no fit has seen, is mispredicted: the residual there is {size:.3} times the noise"
+            );
+            report.reason = format!("{}; but {sentence}", report.reason);
+            report.notes.push(format!(
+                "{sentence}: something is there that the data of the fit do not show; diagnose it as data of the fit"
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// One search, with windows of one length.

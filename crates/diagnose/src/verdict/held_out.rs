@@ -11,6 +11,14 @@ pub(crate) fn thinned(count: usize) -> Vec<usize> {
     (0..count).step_by(count.div_ceil(MOST_WINDOWS).max(1)).collect()
 }
 
+/// Length of the windows of a study, s.
+pub(crate) fn window_length(study: &Study) -> Option<f64> {
+    study.windows().first().and_then(|w| {
+        let times = &study.records()[w.record].times;
+        Some(times.get(w.to - 1)? - times.get(w.from)?)
+    })
+}
+
 /// Two explanations differ on data that no fit has seen if the mean difference over windows is this many standard errors:
 /// one-sided 1 %.
 pub(crate) const DIFFERENT: f64 = 2.33;

@@ -3,17 +3,23 @@
 mod alarm;
 mod diagnose;
 mod held_out;
+mod hold;
+mod motion;
 mod noise;
 mod periods;
 mod places;
 mod precedence;
 mod proven;
+mod ranking;
 mod repeats;
 mod rivals;
+mod scale;
 mod score;
 mod search;
 mod select;
+mod units;
 mod unnamed;
+mod validation;
 mod write;
 
 #[cfg(test)]

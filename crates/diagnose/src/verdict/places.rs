@@ -1,58 +1,263 @@
-//! Where the refitted model is wrong.
+//! Where the refitted model is wrong: in which equation, and when.
 
-use std::collections::BTreeMap;
-
+use bracketry_symbolic::Symbol;
 use bracketry_system::System;
 
-use crate::gain::force_residuals;
-use crate::report::Place;
+use crate::gain::{Missing, MissingIn, missing};
+use crate::library::{Kind, Structure, is_angle};
+use crate::report::{Place, ResidualAcceleration, significant};
 use crate::{DiagnoseError, Fit, Record};
 
-/// A rate below this share of its root mean square counts as near rest.
+/// A velocity below this share of its root mean square counts as near rest.
 const NEAR_REST: f64 = 0.1;
-/// Places that are listed at most.
-const MOST: usize = 6;
+/// Near rest for this many times as long as a reversal at typical acceleration takes is rest.
+const LINGERING: f64 = 4.0;
+/// Equations with a smaller share of the error are not looked at by acceleration, position and tilt.
+const LEAST_SHARE: f64 = 0.01;
+/// Angles by whose sign the error is told apart, per equation.
+const MOST_ANGLES: usize = 3;
+/// Most values over time that the report keeps per equation and stretch.
+const MOST_VALUES: usize = 500;
 
-/// Shares of the squared residual force by equation and by what its state does: near rest (sticking and reversals) or moving
-/// either way. Equations count by their residual relative to the force applied in them, so that units do not matter.
+/// Where the refitted model is wrong.
+#[derive(Default)]
+pub(super) struct Places {
+    /// By equation and motion; the shares add up to one.
+    pub(super) motion: Vec<Place>,
+    /// By equation and acceleration, position, tilt.
+    pub(super) regimes: Vec<Place>,
+    /// What the equations miss over time.
+    pub(super) over_time: Vec<ResidualAcceleration>,
+}
+
+/// Shares of the squared missing force, beyond noise, by equation and regime.
+///
+/// Equations count by the force that is missing on their coordinate relative to the one that its measured acceleration needs, both root
+/// mean square, so that units do not matter and a force that accelerates several coordinates counts where it acts.
 ///
 /// # Errors
 /// [`DiagnoseError`] if the model cannot be evaluated.
-pub(super) fn places(system: &System, records: &[Record], fit: &Fit) -> Result<Vec<Place>, DiagnoseError> {
-    let residuals = force_residuals(system, &fit.effects, &fit.values, records)?;
-    let mean_square = |values: &mut dyn Iterator<Item = f64>| {
-        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
-        if count > 0.0 { sum / count } else { 0.0 }
-    };
-    let mut squares: BTreeMap<(String, String), f64> = BTreeMap::new();
-    let mut names: Vec<&str> = residuals.iter().map(|r| r.equation.as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
-    for name in names {
-        let of = || residuals.iter().filter(|r| r.equation == name);
-        let rest = NEAR_REST * mean_square(&mut of().flat_map(|r| r.state.iter().copied())).sqrt();
-        let applied = mean_square(&mut of().flat_map(|r| r.reference.iter().copied()));
-        if applied <= 0.0 {
-            continue;
-        }
-        for (value, state) in of().flat_map(|r| r.values.iter().zip(&r.state)) {
-            let regime = if state.abs() <= rest {
-                format!("near rest, |{name}| < {rest:.2e}")
-            } else if *state > 0.0 {
-                format!("moving, {name} > 0")
-            } else {
-                format!("moving, {name} < 0")
-            };
-            *squares.entry((name.to_owned(), regime)).or_insert(0.0) += value * value / applied;
+pub(super) fn places(system: &System, records: &[Record], fit: &Fit) -> Result<Places, DiagnoseError> {
+    let (stretches, mechanics) = missing(system, fit, records)?;
+    let mut names: Vec<&str> = Vec::new();
+    for m in stretches.iter().flat_map(|s| &s.equations) {
+        if !names.contains(&m.name.as_str()) {
+            names.push(&m.name);
         }
     }
-    let total: f64 = squares.values().sum();
-    let mut places: Vec<Place> = squares
-        .into_iter()
-        .map(|((equation, regime), square)| Place { equation, regime, share: square / total })
-        .filter(|p| p.share.is_finite())
-        .collect();
-    places.sort_by(|a, b| b.share.total_cmp(&a.share));
-    places.truncate(MOST);
-    Ok(places)
+    let mut tally = Tally::default();
+    let mut system = system.clone();
+    for name in names {
+        let parts: Vec<(&Missing, &MissingIn)> =
+            stretches.iter().filter_map(|s| Some((s, s.equations.iter().find(|m| m.name == name)?))).collect();
+        let needed = rms(parts.iter().flat_map(|(_, m)| &m.inertia));
+        if needed > 0.0 {
+            let view = View::new(&mut system, mechanics.as_ref(), &parts);
+            for (stretch, m) in &parts {
+                tally.add(name, &view.motion(stretch, m), m, needed, true);
+                for labels in view.others(stretch, m) {
+                    tally.add(name, &labels, m, needed, false);
+                }
+            }
+        }
+    }
+    let over_time = stretches.iter().flat_map(|s| s.equations.iter().map(|m| over_time(records, s, m))).collect();
+    let (motion, mut regimes) = tally.places();
+    let share = |equation: &str| motion.iter().filter(|p| p.equation == equation).map(|p| p.share).sum::<f64>();
+    regimes.retain(|p| share(&p.equation) >= LEAST_SHARE);
+    Ok(Places { motion, regimes, over_time })
+}
+
+fn rms<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
+    if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
+}
+
+fn over_time(records: &[Record], stretch: &Missing, m: &MissingIn) -> ResidualAcceleration {
+    let every = stretch.times.len().div_ceil(MOST_VALUES).max(1);
+    ResidualAcceleration {
+        record: records[stretch.record].name.clone(),
+        equation: m.name.clone(),
+        bandwidth_hz: stretch.bandwidth,
+        std: m.std,
+        times: stretch.times.iter().copied().step_by(every).collect(),
+        values: m.rate.iter().copied().step_by(every).collect(),
+    }
+}
+
+/// Error beyond noise and samples by equation and regime, in order of appearance.
+#[derive(Default)]
+struct Tally {
+    rows: Vec<Row>,
+}
+
+struct Row {
+    equation: String,
+    regime: String,
+    is_motion: bool,
+    excess: f64,
+    samples: usize,
+}
+
+impl Tally {
+    fn add(&mut self, equation: &str, labels: &[String], m: &MissingIn, needed: f64, is_motion: bool) {
+        for (k, label) in labels.iter().enumerate() {
+            let excess = (m.force[k] * m.force[k] - m.noise[k]) / (needed * needed);
+            let at = self.rows.iter().position(|r| r.equation == equation && r.regime == *label);
+            let at = at.unwrap_or_else(|| {
+                let (equation, regime) = (equation.to_owned(), label.clone());
+                self.rows.push(Row { equation, regime, is_motion, excess: 0.0, samples: 0 });
+                self.rows.len() - 1
+            });
+            self.rows[at].excess += excess;
+            self.rows[at].samples += 1;
+        }
+    }
+
+    /// Shares by motion, and by everything else, the largest first.
+    fn places(self) -> (Vec<Place>, Vec<Place>) {
+        let beyond = |r: &Row| r.excess.max(0.0);
+        let total: f64 = self.rows.iter().filter(|r| r.is_motion).map(beyond).sum();
+        if !(total > 0.0 && total.is_finite()) {
+            return (Vec::new(), Vec::new());
+        }
+        let samples = |of: &Row| -> usize {
+            self.rows.iter().filter(|r| r.is_motion && r.equation == of.equation).map(|r| r.samples).sum()
+        };
+        let of = |is_motion: bool| {
+            let rows = self.rows.iter().filter(|r| r.is_motion == is_motion);
+            let mut places: Vec<Place> = rows
+                .map(|r| Place {
+                    equation: r.equation.clone(),
+                    regime: r.regime.clone(),
+                    share: beyond(r) / total,
+                    time: Some(r.samples as f64 / samples(r) as f64),
+                })
+                .collect();
+            if is_motion {
+                places.sort_by(|a, b| b.share.total_cmp(&a.share));
+            }
+            places
+        };
+        (of(true), of(false))
+    }
+}
+
+/// How the samples of one equation are told apart.
+struct View {
+    name: String,
+    /// Whether the state is the rate of a coordinate.
+    is_rate: bool,
+    /// `sliding` with dry friction, else `moving`.
+    verb: &'static str,
+    near_rest: f64,
+    typical_rate: f64,
+    /// The quantity whose thirds are told apart, and where they end.
+    thirds: Option<(usize, String, [f64; 2])>,
+    /// Angles in the equation, as states or inputs, by name.
+    angles: Vec<(Angle, String)>,
+}
+
+enum Angle {
+    State(usize),
+    Input(usize),
+}
+
+impl View {
+    fn new(system: &mut System, mechanics: Option<&Structure>, parts: &[(&Missing, &MissingIn)]) -> Self {
+        let state = parts[0].1.state;
+        let coordinate = mechanics.and_then(|m| m.coordinates.iter().find(|c| c.rate == state));
+        let values = |i: usize| parts.iter().filter_map(move |(s, _)| s.states[i].as_ref()).flatten();
+        let position = coordinate.map_or(Some(state), |c| c.position);
+        let thirds = position.and_then(|i| {
+            let (low, high) = values(i).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (v.min(a), v.max(b)));
+            let third = (high - low) / 3.0;
+            let name = system.symbol_name(system.states[i]).to_owned();
+            (third > 0.0 && third.is_finite()).then(|| (i, name, [low + third, high - third]))
+        });
+        let used = system.pool.symbols_of(&[system.dynamics[state]]);
+        let mut angles = Vec::new();
+        let states = system.states.clone();
+        for (i, &s) in states.iter().enumerate() {
+            let own = position == Some(i) && coordinate.is_some_and(|c| c.kind == Kind::Angle);
+            if !own && parts[0].0.states[i].is_some() && angle(system, s, &used) {
+                angles.push((Angle::State(i), system.symbol_name(s).to_owned()));
+            }
+        }
+        for (i, s) in system.inputs.clone().into_iter().enumerate() {
+            if angle(system, s, &used) {
+                angles.push((Angle::Input(i), system.symbol_name(s).to_owned()));
+            }
+        }
+        angles.truncate(MOST_ANGLES);
+        Self {
+            name: parts[0].1.name.clone(),
+            is_rate: coordinate.is_some(),
+            verb: if coordinate.is_some_and(|c| c.has_dry_friction) { "sliding" } else { "moving" },
+            near_rest: NEAR_REST * rms(values(state)),
+            typical_rate: rms(parts.iter().flat_map(|(_, m)| &m.rate_of_state)),
+            thirds,
+            angles,
+        }
+    }
+
+    /// Rest, reversal, or motion either way; for a state that is no velocity, its thirds.
+    fn motion(&self, stretch: &Missing, m: &MissingIn) -> Vec<String> {
+        let Some(v) = stretch.states[m.state].as_ref() else { return Vec::new() };
+        if !self.is_rate {
+            return self.by_thirds(stretch).unwrap_or_default();
+        }
+        let name = &self.name;
+        let limit = self.near_rest;
+        let mut labels: Vec<String> =
+            v.iter().map(|v| format!("{}, {name} {} 0", self.verb, if *v > 0.0 { '>' } else { '<' })).collect();
+        let longest = LINGERING * 2.0 * limit / self.typical_rate.max(f64::MIN_POSITIVE);
+        let mut from = 0;
+        for run in v.chunk_by(|a, b| (a.abs() <= limit) == (b.abs() <= limit)) {
+            let to = from + run.len();
+            if run[0].abs() <= limit {
+                let rests = stretch.times[to - 1] - stretch.times[from] > longest;
+                let what = if rests { "at rest" } else { "reversal" };
+                labels[from..to].fill(format!("{what}, |{name}| < {}", significant(limit, 2)));
+            }
+            from = to;
+        }
+        labels
+    }
+
+    /// By acceleration, position and tilt.
+    fn others(&self, stretch: &Missing, m: &MissingIn) -> Vec<Vec<String>> {
+        let typical = self.typical_rate;
+        let limit = significant(typical, 2);
+        let label = |a: &f64| format!("|{}'| {} {limit}", self.name, if a.abs() > typical { '>' } else { '<' });
+        let mut all = vec![m.rate_of_state.iter().map(label).collect()];
+        if self.is_rate {
+            all.extend(self.by_thirds(stretch));
+        }
+        for (angle, name) in &self.angles {
+            let values = match angle {
+                Angle::State(i) => stretch.states[*i].as_ref(),
+                Angle::Input(i) => stretch.inputs.get(*i),
+            };
+            let sign = |v: &f64| format!("{name} {} 0", if *v > 0.0 { '>' } else { '<' });
+            all.extend(values.map(|values| values.iter().map(sign).collect()));
+        }
+        all
+    }
+
+    fn by_thirds(&self, stretch: &Missing) -> Option<Vec<String>> {
+        let (state, name, [low, high]) = self.thirds.as_ref()?;
+        let (from, to) = (significant(*low, 2), significant(*high, 2));
+        let label = |v: &f64| match *v {
+            v if v < *low => format!("{name} < {from}"),
+            v if v > *high => format!("{name} > {to}"),
+            _ => format!("{name} {from} … {to}"),
+        };
+        Some(stretch.states[*state].as_ref()?.iter().map(label).collect())
+    }
+}
+
+/// Whether a symbol that an equation uses is an angle.
+fn angle(system: &mut System, symbol: Symbol, used: &[Symbol]) -> bool {
+    used.contains(&symbol) && is_angle(system, symbol)
 }

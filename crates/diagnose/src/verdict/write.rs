@@ -10,13 +10,12 @@ use super::Settings;
 use super::diagnose::{Ending, Findings, LEAST_EXPLAINED};
 use super::held_out::DIFFERENT;
 use super::proven::worth;
+use super::ranking::ranking;
 use super::rivals::{MARGIN, Rivals};
-use super::search::{Explanation, Search};
-use crate::report::{Candidate, Evidence, Excess, NamedCause, RefittedParameter, Report, Rival, Value, Verdict};
+use super::search::Search;
+use crate::report::{Evidence, Excess, NamedCause, RefittedParameter, Report, Rival, Value, Verdict};
 use crate::{Cause, Change, Effect, Estimate, Path, Role, separating_experiment};
 
-/// Candidates that the report lists.
-const LISTED: usize = 15;
 /// One-sided level at which a parameter must have left its tolerance.
 const OUTSIDE: f64 = 0.05;
 
@@ -58,6 +57,8 @@ pub(super) fn report(
         verdict,
         reason: reason(findings, &causes),
         places: Vec::new(),
+        regimes: Vec::new(),
+        residual_acceleration: Vec::new(),
         gain: None,
         parameters,
         extended_model: None,
@@ -66,7 +67,7 @@ pub(super) fn report(
             extended: extended.filter(|e| !e.members.is_empty()).map(|e| e.alarm.size),
             p_value: findings.alarm,
         }),
-        candidates: ranking(search, findings),
+        candidates: ranking(search, findings, settings),
         notes: Vec::new(),
         seconds: begin.elapsed().as_secs_f64(),
         data: Vec::new(),
@@ -93,22 +94,29 @@ fn reason(findings: &Findings, causes: &[NamedCause]) -> String {
         ),
         Ending::Explained => "with the named causes the model leaves over no more than noise".to_owned(),
         Ending::Partly(share) => format!(
-            "the named causes explain {:.0} % of what the refitted model leaves over beyond noise; the rest is structured",
-            100.0 * share
+            "the named causes explain {} of what the refitted model leaves over beyond noise; what they leave, {:.2} times the \
+             noise, is structured still",
+            most(share),
+            findings.chosen.alarm.size
         ),
         Ending::Refuted(share) => format!(
-            "the refitted model leaves over {size:.2} times the noise; effects that explain {:.0} % of the excess in the data \
-             of the fit predict the held-out data no better",
-            100.0 * share
+            "the refitted model leaves over {size:.2} times the noise; effects that explain {} of the excess in the data of \
+             the fit predict the held-out data no better",
+            most(share)
         ),
         Ending::Unexplained(0.0) => format!(
             "the refitted model leaves over {size:.2} times the noise, and no effect tried explains it significantly"
         ),
         Ending::Unexplained(share) => format!(
-            "the refitted model leaves over {size:.2} times the noise; the best effects tried explain {:.0} % of the excess",
-            100.0 * share
+            "the refitted model leaves over {size:.2} times the noise; the best effects tried explain {} of the excess",
+            most(share)
         ),
     }
+}
+
+/// A share as per cent, which is all only if it is.
+fn most(share: f64) -> String {
+    if (0.995..1.0).contains(&share) { "more than 99.5 %".to_owned() } else { format!("{:.0} %", 100.0 * share) }
 }
 
 /// Estimate with the width that correlation within windows gives it.
@@ -173,7 +181,7 @@ fn parameter_errors(
             Some(NamedCause {
                 name: Cause::ParameterError,
                 equation: acts_on(system, known.symbol),
-                term: format!("{} = {} instead of {}", p.name, short(p.after), short(p.before)),
+                term: format!("{} -> {}", p.name, short(p.after)),
                 parameters: vec![(p.name.clone(), shown)],
                 p_value,
                 confusable_with: Vec::new(),
@@ -238,11 +246,7 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
             confusable_with.push(rival.name);
         }
     }
-    let separating = rivals
-        .iter()
-        .find(|(c, _)| search.candidates[*c].cause != name)
-        .map(|(c, _)| separating_experiment(&effect, &search.candidates[*c], system))
-        .unwrap_or_default();
+    let separating = separating(system, search, &effect, name, rivals);
     NamedCause {
         name,
         equation: effect.equation.clone(),
@@ -271,6 +275,29 @@ pub(super) fn withhold_doubtful(causes: &mut [NamedCause]) {
             cause.confusable_with.insert(0, cause.name);
             cause.name = Cause::UnknownTerm;
         }
+    }
+}
+
+/// What to measure in order to tell a cause from each of its rivals of another name: one sentence for all of them, or one for each
+/// group of rivals that the same experiment tells from it, with their names.
+fn separating(system: &System, search: &Search<'_>, effect: &Effect, name: Cause, rivals: &Rivals) -> String {
+    let mut experiments: Vec<(String, Vec<String>)> = Vec::new();
+    for (c, _) in rivals {
+        let rival = &search.candidates[*c];
+        if rival.cause == name {
+            continue;
+        }
+        let experiment = separating_experiment(effect, rival, system);
+        let rival = rival.cause.to_string();
+        match experiments.iter_mut().find(|(known, _)| *known == experiment) {
+            Some((_, names)) if names.contains(&rival) => {}
+            Some((_, names)) => names.push(rival),
+            None => experiments.push((experiment, vec![rival])),
+        }
+    }
+    match experiments.as_slice() {
+        [(only, _)] => only.clone(),
+        several => several.iter().map(|(e, names)| format!("{}: {e}", names.join(", "))).collect::<Vec<_>>().join("; "),
     }
 }
 
@@ -313,30 +340,4 @@ fn hold_delays(search: &Search<'_>, effect: &Effect, estimates: &[&Estimate]) ->
         "counted beyond the hold of inputs from sample to sample, which is half a sample, {half:.2e} s, on average: {all:.2e} s \
          in all where logged values are taken for those at their instants"
     ))
-}
-
-/// Candidates by what their exact fit alone explains.
-fn ranking(search: &Search<'_>, findings: &Findings) -> Vec<Candidate> {
-    let base = &findings.base;
-    let excess = base.alarm.excess();
-    let mut singles: Vec<&Explanation> = search.fitted().filter(|e| e.members.len() == 1).collect();
-    singles.sort_by(|a, b| a.square().total_cmp(&b.square()));
-    singles
-        .iter()
-        .take(LISTED)
-        .map(|e| {
-            let member = e.members[0];
-            let effect = &search.candidates[member];
-            let gained = base.square() - e.square();
-            Candidate {
-                name: effect.cause,
-                equation: effect.equation.clone(),
-                term: effect.term.clone(),
-                share: (excess > 0.0).then(|| gained / excess),
-                interval: None,
-                p_value: (findings.scatter.p_value(gained, e.coefficients) * findings.tests).min(1.0),
-                chosen: findings.chosen.members.contains(&member),
-            }
-        })
-        .collect()
 }

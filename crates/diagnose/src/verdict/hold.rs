@@ -1,0 +1,113 @@
+//! Whether the inputs go on between samples as they were read.
+
+use bracketry_sim::Hold;
+use bracketry_system::System;
+
+use super::Settings;
+use super::alarm::Alarm;
+use super::diagnose::Findings;
+use super::held_out::{thinned, window_length};
+use super::search::Search;
+use crate::report::NamedCause;
+use crate::{Cause, DiagnoseError, Record, Study, StudySettings};
+
+/// The other way is worth a word if without any cause it leaves over at most this share of the excess.
+const WORTH_A_WORD: f64 = 0.5;
+/// A delay is half a sampling time if it differs by at most this share of one, or by two standard deviations.
+const NEAR_HALF: f64 = 0.05;
+
+/// What the refitted model leaves over when inputs go on between samples the other way.
+pub(super) struct OtherHold {
+    /// The other way.
+    hold: Hold,
+    /// Share of the excess that stays.
+    stays: f64,
+    /// Whether no more than noise is left over.
+    noise: bool,
+}
+
+/// Refits the model once with inputs that go on between samples the other way. `None` without such an input, or where it
+/// leaves over most of the excess.
+///
+/// The difference between both ways is nearly a delay of half a sampling time, which smooth inputs of analog origin make
+/// where they are read as held, and held ones where they are read as straight lines.
+pub(super) fn other_hold(
+    system: &System,
+    search: &Search<'_>,
+    findings: &Findings,
+    settings: &Settings,
+) -> Result<Option<OtherHold>, DiagnoseError> {
+    let beyond = |size: f64| (size * size - 1.0).max(0.0);
+    let excess = beyond(findings.base.alarm.size);
+    if excess == 0.0 {
+        return Ok(None);
+    }
+    let Some((records, hold)) = turned(system, search.study.records()) else { return Ok(None) };
+    let length = window_length(search.study);
+    let study = Study::new(system, &records, &StudySettings { window: length, ..settings.study.clone() })?;
+    let start = crate::Fit { windows: Vec::new(), ..findings.base.fit.clone() };
+    let fit = study.fit(&[], &thinned(study.windows().len()), Some(&start))?;
+    let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
+    let stays = beyond(alarm.size) / excess;
+    let noise = alarm.p_value >= settings.significance;
+    Ok((noise || stays <= WORTH_A_WORD).then_some(OtherHold { hold, stays, noise }))
+}
+
+/// The records with the other hold of all inputs but those whose derivatives the model uses, which are motions; `None` if
+/// there are none.
+fn turned(system: &System, records: &[Record]) -> Option<(Vec<Record>, Hold)> {
+    let free: Vec<usize> =
+        (0..system.inputs.len()).filter(|&i| system.input_derivatives.iter().all(|d| d.input != i)).collect();
+    let hold = match records.first()?.inputs.get(*free.first()?)?.hold {
+        Hold::Previous => Hold::Linear,
+        Hold::Linear => Hold::Previous,
+    };
+    let mut records = records.to_vec();
+    for signal in records.iter_mut().flat_map(|r| r.inputs.iter_mut().enumerate()) {
+        if free.contains(&signal.0) {
+            signal.1.hold = hold;
+        }
+    }
+    Some((records, hold))
+}
+
+fn name(hold: Hold) -> &'static str {
+    match hold {
+        Hold::Linear => "straight lines between the samples of the inputs (--hold linear)",
+        Hold::Previous => "inputs held from each sample to the next (--hold previous)",
+    }
+}
+
+impl OtherHold {
+    /// The same as a clause.
+    pub(super) fn clause(&self) -> String {
+        let left = if self.noise {
+            "leaves over no more than noise".to_owned()
+        } else {
+            format!("leaves over {:.0} % of the excess", 100.0 * self.stays)
+        };
+        format!("with {} the model without any cause {left}", name(self.hold))
+    }
+}
+
+/// What is odd about a cause that says inputs are late: whether it is half a sampling time.
+pub(super) fn half_a_sample(cause: &NamedCause, records: &[Record]) -> Option<String> {
+    if cause.name != Cause::InputDelay {
+        return None;
+    }
+    let (_, delay) = cause.parameters.first()?;
+    let record = records.first()?;
+    let mut steps: Vec<f64> = record.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let step = *steps.get(steps.len() / 2)?;
+    if (delay.value - 0.5 * step).abs() > (NEAR_HALF * step).max(2.0 * delay.std) || delay.std > 0.25 * step {
+        return None;
+    }
+    let linear = record.inputs.first().is_some_and(|signal| signal.hold == Hold::Linear);
+    let remedy = if linear {
+        "inputs that are held between samples look like this when they are read as straight lines; try --hold previous"
+    } else {
+        "check at which moment of the sampling time the inputs were written down"
+    };
+    Some(format!("the delay is half the sampling time: {remedy}"))
+}

@@ -1,0 +1,76 @@
+//! What each candidate explains alone.
+
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+
+use super::Settings;
+use super::diagnose::Findings;
+use super::search::{Explanation, Search};
+use crate::gain::{RESAMPLES, middle};
+use crate::report::Candidate;
+
+/// Candidates that the report lists.
+const LISTED: usize = 15;
+/// Fewest windows that are resampled.
+const FEWEST: usize = 5;
+
+/// Candidates by what their exact fit alone explains, with intervals from resampling windows.
+pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Settings) -> Vec<Candidate> {
+    let base = &findings.base;
+    let excess = base.alarm.excess();
+    let mut singles: Vec<&Explanation> = search.fitted().filter(|e| e.members.len() == 1).collect();
+    singles.sort_by(|a, b| a.square().total_cmp(&b.square()).then_with(|| a.members.cmp(&b.members)));
+    singles
+        .iter()
+        .take(LISTED)
+        .map(|e| {
+            let member = e.members[0];
+            let effect = &search.candidates[member];
+            let gained = base.square() - e.square();
+            let share = (excess > 0.0).then(|| gained / excess);
+            Candidate {
+                name: effect.cause,
+                equation: effect.equation.clone(),
+                term: effect.term.clone(),
+                share,
+                interval: share.and_then(|share| interval(base, e, share, settings.seed)),
+                p_value: (findings.scatter.p_value(gained, e.coefficients) * findings.tests).min(1.0),
+                chosen: findings.chosen.members.contains(&member),
+            }
+        })
+        .collect()
+}
+
+/// The interval of 95 % for the share of the excess that an explanation takes away: percentiles of the ratio of both over resamples of
+/// whole windows (Künsch, Annals of Statistics 17, 1989), parameters at the values that all windows give.
+fn interval(base: &Explanation, explanation: &Explanation, share: f64, seed: u64) -> Option<[f64; 2]> {
+    let noise = base.alarm.floor / base.alarm.freedom;
+    let pairs: Vec<[f64; 2]> = explanation
+        .fit
+        .windows
+        .iter()
+        .filter_map(|e| {
+            let b = base.fit.windows.iter().find(|b| b.window == e.window && b.count == e.count && b.count > 0)?;
+            Some([b.square - e.square, b.square - noise * b.count as f64])
+        })
+        .collect();
+    if pairs.len() < FEWEST {
+        return None;
+    }
+    let mut random = StdRng::seed_from_u64(seed);
+    let mut shares = Vec::with_capacity(RESAMPLES);
+    for _ in 0..RESAMPLES {
+        let drawn = (0..pairs.len()).map(|_| pairs[random.random_range(0..pairs.len())]);
+        let [gained, excess] = drawn.fold([0.0, 0.0], |sum, pair| [sum[0] + pair[0], sum[1] + pair[1]]);
+        if excess > 0.0 {
+            shares.push(gained / excess);
+        }
+    }
+    // Where hardly any excess is left in some resamples, the ratio says nothing.
+    if 10 * shares.len() < 9 * RESAMPLES {
+        return None;
+    }
+    let [low, high] = middle(shares)?;
+    // The share counts fitted numbers as well, which single windows do not have.
+    Some([low.min(share), high.max(share)])
+}

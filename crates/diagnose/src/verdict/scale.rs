@@ -1,0 +1,51 @@
+//! The noise of the columns, once more from what a fit leaves over.
+
+use super::alarm::Alarm;
+use crate::Record;
+
+/// Standard deviations of the noise of two columns that differ by more than this factor more than their estimates do weigh the columns
+/// wrongly; one that differs from its estimate by this factor is told of.
+const OFF: f64 = 1.5;
+
+/// By what the estimates of noise of the columns are to be multiplied, if what a fit leaves over is noise and says that the columns weigh
+/// wrongly against each other. Where it is not noise, high frequencies may be the model's. `None` for records with other columns.
+pub(super) fn factors<'a>(
+    alarm: &Alarm,
+    mut records: impl Iterator<Item = &'a Record>,
+    significance: f64,
+) -> Option<Vec<f64>> {
+    let names = |r: &'a Record| r.measured.iter().map(|m| m.name.as_str());
+    let first = records.next()?;
+    if !records.all(|r| names(r).eq(names(first))) {
+        return None;
+    }
+    let factors: Vec<f64> = alarm.noise.iter().map(|variance| variance.sqrt()).collect();
+    let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = factors.iter().copied().fold(0.0, f64::max);
+    (alarm.p_value >= significance && least > 0.0 && most.is_finite() && most > OFF * least).then_some(factors)
+}
+
+/// The records with the noise of their columns times the factors.
+pub(super) fn rescaled(records: &[Record], factors: &[f64]) -> Vec<Record> {
+    let mut records = records.to_vec();
+    for record in &mut records {
+        for (m, factor) in record.measured.iter_mut().zip(factors) {
+            m.noise *= factor;
+        }
+    }
+    records
+}
+
+/// What is to be said of columns whose noise is another than they show by themselves.
+pub(super) fn notes(records: &[Record], factors: &[f64]) -> Vec<String> {
+    let Some(record) = records.first() else { return Vec::new() };
+    let off = record.measured.iter().zip(factors).filter(|(_, f)| !(1.0 / OFF..=OFF).contains(*f));
+    off.map(|(m, factor)| {
+        format!(
+            "the noise of `{}` is {:.2e}, as the residual says, {factor:.2} times what the column alone shows: fitted again with it",
+            m.name,
+            m.noise * factor
+        )
+    })
+    .collect()
+}

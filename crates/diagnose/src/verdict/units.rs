@@ -1,0 +1,146 @@
+//! Whether a column has another unit or sign.
+
+use std::f64::consts::PI;
+
+use bracketry_system::System;
+
+use super::Settings;
+use super::alarm::Alarm;
+use super::diagnose::{Ending, Findings};
+use super::held_out::window_length;
+use super::search::Search;
+use crate::{Cause, DiagnoseError, Fit, Record, Study, StudySettings};
+
+/// By what columns are multiplied if they have another unit or sign, and what that would mean.
+const FACTORS: [(f64, &str); 5] = [
+    (-1.0, "the other sign"),
+    (1e-3, "thousandths, as mm or mN"),
+    (1e3, "thousands, as km or kN"),
+    (PI / 180.0, "degrees"),
+    (180.0 / PI, "radians where the model wants degrees"),
+];
+/// Windows that are looked at.
+const LOOKED_AT: usize = 8;
+/// Another unit must leave over at most this share of the excess, without any cause.
+const EXPLAINED: f64 = 0.1;
+/// Columns that explain the data within this factor of the best one are named with it.
+const ALIKE: f64 = 1.05;
+/// A parameter that changes by more than this factor is a sign of a wrong unit.
+const FAR: f64 = 2.0;
+
+/// What columns are scaled together.
+#[derive(Clone, Debug, PartialEq)]
+enum Scaled {
+    Measured(usize),
+    AllMeasured,
+    Input(usize),
+}
+
+/// Puts every measured column, all of them together and every input times the factors of other units and signs before the model
+/// as it stands, and refits it with the best. A sentence if that explains the data without a cause, where the causes found do
+/// not, or look like a wrong unit.
+///
+/// # Errors
+/// [`DiagnoseError`] as [`Study::new`].
+pub(super) fn other_units(
+    system: &System,
+    search: &Search<'_>,
+    findings: &Findings,
+    settings: &Settings,
+) -> Result<Option<String>, DiagnoseError> {
+    let base = &findings.base;
+    if !suspicious(search, findings) {
+        return Ok(None);
+    }
+    let of = StudySettings { window: window_length(search.study), ..settings.study.clone() };
+    let records = search.study.records();
+    let plain = Study::new(system, records, &of)?;
+    let count = plain.windows().len();
+    let windows: Vec<usize> = (0..count).step_by(count.div_ceil(LOOKED_AT).max(1)).collect();
+    let refitted = Alarm::of(&plain.evaluate(&base.fit, &windows)?, system.states.len(), 0);
+    let mut tried: Vec<(f64, Scaled, usize)> = Vec::new();
+    for scaled in ways(&records[0]) {
+        for (k, (factor, _)) in FACTORS.iter().enumerate() {
+            let study = Study::new(system, &scale(system, records, &scaled, *factor), &of)?;
+            let fits = study.evaluate(&study.nominal(), &windows)?;
+            if fits.iter().all(|w| w.count > 0) {
+                tried.push((fits.iter().map(|w| w.square).sum(), scaled.clone(), k));
+            }
+        }
+    }
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((square, scaled, k)) = tried.first().filter(|best| best.0 < refitted.square) else { return Ok(None) };
+    let study = Study::new(system, &scale(system, records, scaled, FACTORS[*k].0), &of)?;
+    let alarm = match study.fit(&[], &windows, None) {
+        Ok(Fit { windows, values, .. }) => Alarm::of(&windows, system.states.len(), values.len()),
+        Err(_) => return Ok(None),
+    };
+    let excess = |alarm: &Alarm| (alarm.square - alarm.floor).max(0.0);
+    if alarm.square > *square || excess(&alarm) > EXPLAINED * excess(&refitted) {
+        return Ok(None);
+    }
+    // In a linear model it is the same which column it is.
+    let alike = tried.iter().filter(|t| t.0 <= ALIKE * square).map(|(_, scaled, k)| {
+        let (factor, meaning) = FACTORS[*k];
+        let name = match scaled {
+            Scaled::Measured(c) => format!("`{}`", records[0].measured[*c].name),
+            Scaled::AllMeasured => "everything measured".to_owned(),
+            Scaled::Input(i) => format!("`{}`", system.symbol_name(system.inputs[*i])),
+        };
+        format!("{name} times {} ({meaning})", format!("{factor:.4}").trim_end_matches('0').trim_end_matches('.'))
+    });
+    Ok(Some(format!(
+        "units or sign? With {} the model without any cause leaves over {:.1} times the noise: check this column",
+        alike.collect::<Vec<_>>().join(", or "),
+        alarm.size
+    )))
+}
+
+/// Whether what was found looks as if columns had another unit: structure remains, parameters have moved far or stopped at a
+/// limit, or the cause is a gain or has no name.
+fn suspicious(search: &Search<'_>, findings: &Findings) -> bool {
+    let fit = &findings.base.fit;
+    let far = fit.values.iter().any(|e| {
+        let ratio = e.value / e.nominal;
+        e.nominal != 0.0 && !(1.0 / FAR..=FAR).contains(&ratio)
+    });
+    let gain = findings
+        .chosen
+        .members
+        .iter()
+        .any(|&m| matches!(search.candidates[m].cause, Cause::InputGain | Cause::UnknownTerm));
+    match findings.ending {
+        Ending::Quiet | Ending::Coloured => false,
+        Ending::Explained => far || gain,
+        Ending::Partly(_) | Ending::Unexplained(_) | Ending::Refuted(_) => true,
+    }
+}
+
+fn ways(record: &Record) -> Vec<Scaled> {
+    let measured = record.measured.len();
+    let mut ways: Vec<Scaled> = (0..measured).map(Scaled::Measured).collect();
+    if measured > 1 {
+        ways.push(Scaled::AllMeasured);
+    }
+    ways.extend((0..record.inputs.len()).map(Scaled::Input));
+    ways
+}
+
+fn scale(system: &System, records: &[Record], scaled: &Scaled, factor: f64) -> Vec<Record> {
+    let mut records = records.to_vec();
+    for record in &mut records {
+        for (c, m) in record.measured.iter_mut().enumerate() {
+            if *scaled == Scaled::Measured(c) || *scaled == Scaled::AllMeasured {
+                m.values.iter_mut().for_each(|v| *v *= factor);
+                m.noise *= factor.abs();
+            }
+        }
+        let Scaled::Input(i) = scaled else { continue };
+        let derivatives = system.input_derivatives.iter().zip(&mut record.input_derivatives);
+        let derivatives = derivatives.filter(|(d, _)| d.input == *i).map(|(_, signal)| signal);
+        for signal in record.inputs.get_mut(*i).into_iter().chain(derivatives) {
+            signal.values.iter_mut().for_each(|v| *v *= factor);
+        }
+    }
+    records
+}

@@ -1,0 +1,192 @@
+//! What speaks against a verdict is said: inputs that go on otherwise between samples, other units and signs, runs for validation that
+//! are not predicted, data without motion, dead sensors, another time.
+#![allow(clippy::unwrap_used)]
+
+#[path = "common/integrate.rs"]
+mod integrate;
+
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+
+use bracketry_diagnose::{DiagnoseError, Record, RecordSettings, Report, Settings, Verdict, diagnose};
+use bracketry_sim::Hold;
+use bracketry_system::System;
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, Normal};
+
+/// The spring as the model has it.
+const SPRING: &str = r#"
+    states = ["x", "v"]
+    inputs = ["F"]
+    parameters = { m = 1.0, k = 20.0, c = 0.5 }
+    dynamics = { x = "v", v = "(F - k*x - c*v)/m" }
+"#;
+/// Time between samples, s.
+const STEP: f64 = 0.01;
+/// Steps of the integration between samples.
+const SUB: usize = 20;
+
+fn spring() -> System {
+    System::parse("spring.toml", SPRING).unwrap()
+}
+
+/// How a run of a spring was made.
+#[derive(Clone, Copy)]
+struct Run {
+    seed: u64,
+    /// Mass, kg.
+    mass: f64,
+    /// Whether the force was held from one sample to the next; else it is smooth.
+    held: bool,
+    /// Whether the velocity was measured.
+    velocity: bool,
+}
+
+const RUN: Run = Run { seed: 1, mass: 1.03, held: true, velocity: true };
+
+impl Run {
+    /// Eight seconds of `m x'' = F − 20 x − 0.5 x'` by Runge–Kutta steps of fourth order; 1 % noise.
+    fn columns(self) -> BTreeMap<String, Vec<f64>> {
+        let mut random = StdRng::seed_from_u64(self.seed);
+        let lines: Vec<(f64, f64)> =
+            (0..12).map(|_| (random.random_range(0.2..2.5), random.random_range(0.0..TAU))).collect();
+        let force = |t: f64| lines.iter().map(|(f, p)| (TAU * f * t + p).sin()).sum::<f64>() * 1.6;
+        let samples = 800;
+        let (mut x, mut v) = (0.1, 0.0);
+        let mut columns = BTreeMap::from(["t", "F", "x", "v"].map(|name| (name.to_owned(), Vec::new())));
+        for k in 0..samples {
+            let t = k as f64 * STEP;
+            for (name, value) in [("t", t), ("F", force(t)), ("x", x), ("v", v)] {
+                columns.get_mut(name).unwrap().push(value);
+            }
+            let h = STEP / SUB as f64;
+            for i in 0..SUB {
+                let at = |share: f64| if self.held { force(t) } else { force(t + (i as f64 + share) * h) };
+                let rate = |x: &[f64; 2], share: f64| [x[1], (at(share) - 20.0 * x[0] - 0.5 * x[1]) / self.mass];
+                [x, v] = integrate::step(rate, &[x, v], h);
+            }
+        }
+        if !self.velocity {
+            columns.remove("v");
+        }
+        for name in ["x", "v"] {
+            let Some(values) = columns.get_mut(name) else { continue };
+            let size = (values.iter().map(|v| v * v).sum::<f64>() / samples as f64).sqrt();
+            let noise = Normal::new(0.0, 0.01 * size).unwrap();
+            values.iter_mut().for_each(|v| *v += noise.sample(&mut random));
+        }
+        columns
+    }
+
+    fn record(self) -> Record {
+        read(self.columns(), None).unwrap()
+    }
+}
+
+fn read(mut columns: BTreeMap<String, Vec<f64>>, hold: Option<Hold>) -> Result<Record, DiagnoseError> {
+    let times = columns.remove("t").unwrap();
+    let settings = RecordSettings { hold, ..RecordSettings::default() };
+    Ok(Record::from_columns("run.csv", times, columns, &spring(), &settings)?.0)
+}
+
+/// A run with one column times a factor.
+fn scaled(run: Run, column: &str, factor: f64) -> Record {
+    let mut columns = run.columns();
+    columns.get_mut(column).unwrap().iter_mut().for_each(|v| *v *= factor);
+    read(columns, None).unwrap()
+}
+
+fn verdict(record: Record, validate: &[Record]) -> Report {
+    diagnose(&spring(), &[record], validate, &Settings::default(), &mut |_| {}).unwrap()
+}
+
+fn notes(report: &Report) -> String {
+    report.notes.join("\n")
+}
+
+#[test]
+fn a_smooth_input_that_is_read_as_held_is_told_from_a_cause() {
+    let report = verdict(Run { held: false, ..RUN }.record(), &[]);
+    assert!(report.reason.contains("--hold linear"), "{report}");
+    let held = verdict(RUN.record(), &[]);
+    assert_eq!(held.verdict, Verdict::NothingFound, "{held}");
+    assert!(!format!("{held}").contains("--hold"), "{held}");
+}
+
+#[test]
+fn a_held_input_that_is_read_as_straight_lines_is_told_from_a_delay() {
+    let report = verdict(read(RUN.columns(), Some(Hold::Linear)).unwrap(), &[]);
+    assert!(report.reason.contains("--hold previous"), "{report}");
+    for cause in &report.causes {
+        assert!(cause.flags.iter().any(|f| f.contains("half the sampling time")), "{report}");
+    }
+}
+
+#[test]
+fn a_column_in_another_unit_or_of_another_sign_is_named() {
+    let unseen = Run { velocity: false, ..RUN };
+    for (column, factor, meaning) in
+        [("F", -1.0, "the other sign"), ("x", 1e3, "thousandths"), ("x", 180.0 / PI, "degrees")]
+    {
+        let report = verdict(scaled(unseen, column, factor), &[]);
+        let said = notes(&report);
+        assert!(said.contains("units or sign?") && said.contains(&format!("`{column}`")), "{factor}: {report}");
+        assert!(said.contains(meaning), "{factor}: {said}");
+    }
+    assert!(!notes(&verdict(unseen.record(), &[])).contains("units"));
+}
+
+#[test]
+fn a_run_for_validation_that_is_not_predicted_is_told() {
+    let another = |mass: f64| Run { seed: 2, mass, ..RUN }.record();
+    let report = verdict(RUN.record(), &[another(1.5)]);
+    assert_eq!(report.verdict, Verdict::NothingFound, "{report}");
+    assert!(report.reason.contains("mispredicted") && notes(&report).contains("mispredicted"), "{report}");
+    assert!(!verdict(RUN.record(), &[another(1.03)]).reason.contains("mispredicted"));
+}
+
+#[test]
+fn data_without_motion_say_nothing() {
+    let mut random = StdRng::seed_from_u64(3);
+    let noise = Normal::new(0.0, 1.0).unwrap();
+    let noisy: Vec<f64> = (0..800).map(|_| noise.sample(&mut random)).collect();
+    let mut spike = vec![0.0; 800];
+    spike[300] = 1e6;
+    for values in [vec![0.0; 800], noisy, spike] {
+        let mut columns = Run { velocity: false, ..RUN }.columns();
+        columns.insert("F".into(), vec![0.0; 800]);
+        columns.insert("x".into(), values);
+        let report = verdict(read(columns, None).unwrap(), &[]);
+        assert_eq!(report.verdict, Verdict::NothingFound, "{report}");
+        assert!(report.reason.contains("no motion"), "{report}");
+    }
+    assert!(!verdict(RUN.record(), &[]).reason.contains("no motion"));
+}
+
+#[test]
+fn a_sensor_that_shows_no_motion_beside_one_that_does_is_refused() {
+    for (dead, other) in [("x", "v"), ("v", "x")] {
+        let mut columns = RUN.columns();
+        columns.insert(dead.into(), vec![3.0; 800]);
+        let message = read(columns, None).unwrap_err().to_string();
+        assert!(message.contains(&format!("`{dead}` never changes although `{other}`")), "{message}");
+        assert!(message.contains("remove the column"), "{message}");
+    }
+    // At rest both are still.
+    let mut columns = RUN.columns();
+    for name in ["x", "v"] {
+        columns.insert(name.into(), vec![0.0; 800]);
+    }
+    assert!(read(columns, None).is_ok());
+}
+
+#[test]
+fn a_clock_in_milliseconds_is_refused() {
+    let mut columns = Run { velocity: false, ..RUN }.columns();
+    columns.get_mut("t").unwrap().iter_mut().for_each(|t| *t *= 1e3);
+    let record = read(columns, None).unwrap();
+    let error = diagnose(&spring(), &[record], &[], &Settings::default(), &mut |_| {}).unwrap_err();
+    assert!(matches!(error, DiagnoseError::TimeScale { turns, .. } if turns > 5.0), "{error}");
+    assert!(error.to_string().contains("milliseconds"), "{error}");
+}
