@@ -123,6 +123,11 @@ pub fn diagnose(
     let named: Vec<usize> = (0..library.len()).collect();
     let Selection { mut chosen, mut scatter, mut tests, screened } = selection;
     let mut alarm = base.alarm.p_value.min(screened);
+    let motionless = still(records).1;
+    if motionless {
+        // What outliers alone would call for is no cause.
+        (chosen, alarm) = (base.clone(), 1.0);
+    }
     let mut found = Vec::new();
     let mut refuted = None;
     if alarm < settings.significance {
@@ -155,7 +160,7 @@ pub fn diagnose(
             }
         }
     }
-    if let Some(better) = search.base().filter(|b| b.square() < base.square()) {
+    if let Some(better) = search.base().filter(|b| !motionless && b.square() < base.square()) {
         base = better.clone();
         alarm = base.alarm.p_value;
     }
@@ -248,10 +253,8 @@ fn doubt(
             report.reason = format!("{}; but {}", report.reason, other.clause());
             report.notes.push(format!("{}: find out how the inputs go on before believing a cause", other.clause()));
         }
-        if let Some(sentence) = other_units(system, search, findings, settings)? {
-            report.notes.push(sentence);
-        }
     }
+    report.notes.extend(other_units(system, search, findings, settings)?);
     for cause in &mut report.causes {
         cause.flags.extend(half_a_sample(cause, records));
     }

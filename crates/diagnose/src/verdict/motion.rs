@@ -16,9 +16,8 @@ pub(super) fn still(records: &[Record]) -> (Vec<String>, bool) {
             names.push(&m.name);
         }
     }
-    let columns = |name: &str| records.iter().flat_map(|r| &r.measured).filter(move |m| m.name == name);
     let all = names.len();
-    names.retain(|name| !columns(name).any(moves));
+    names.retain(|name| !records.iter().flat_map(|r| &r.measured).any(|m| m.name == *name && moves(m)));
     (names.iter().map(|&n| n.to_owned()).collect(), names.len() == all)
 }
 

@@ -9,7 +9,7 @@ use super::alarm::Alarm;
 use super::diagnose::{Ending, Findings};
 use super::held_out::window_length;
 use super::search::Search;
-use crate::{Cause, DiagnoseError, Fit, Record, Study, StudySettings};
+use crate::{Cause, DiagnoseError, Estimate, Record, Study, StudySettings};
 
 /// By what columns are multiplied if they have another unit or sign, and what that would mean.
 const FACTORS: [(f64, &str); 5] = [
@@ -37,8 +37,8 @@ enum Scaled {
 }
 
 /// Puts every measured column, all of them together and every input times the factors of other units and signs before the model
-/// as it stands, and refits it with the best. A sentence if that explains the data without a cause, where the causes found do
-/// not, or look like a wrong unit.
+/// as it stands, and refits it with the best. A sentence if that explains the data as well without any cause and with parameters near
+/// their values, where what was found looks like a wrong unit.
 ///
 /// # Errors
 /// [`DiagnoseError`] as [`Study::new`].
@@ -69,14 +69,14 @@ pub(super) fn other_units(
         }
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((square, scaled, k)) = tried.first().filter(|best| best.0 < refitted.square) else { return Ok(None) };
+    let Some((square, scaled, k)) = tried.first() else { return Ok(None) };
     let study = Study::new(system, &scale(system, records, scaled, FACTORS[*k].0), &of)?;
-    let alarm = match study.fit(&[], &windows, None) {
-        Ok(Fit { windows, values, .. }) => Alarm::of(&windows, system.states.len(), values.len()),
-        Err(_) => return Ok(None),
-    };
+    let Ok(fit) = study.fit(&[], &windows, None) else { return Ok(None) };
+    let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
     let excess = |alarm: &Alarm| (alarm.square - alarm.floor).max(0.0);
-    if alarm.square > *square || excess(&alarm) > EXPLAINED * excess(&refitted) {
+    let explains = excess(&alarm) <= EXPLAINED * excess(&refitted) || alarm.square <= ALIKE * refitted.square;
+    let near = fit.values.iter().enumerate().all(|(j, e)| !far(e) || fit.unidentified.contains(&j));
+    if !near || !explains {
         return Ok(None);
     }
     // In a linear model it is the same which column it is.
@@ -99,21 +99,22 @@ pub(super) fn other_units(
 /// Whether what was found looks as if columns had another unit: structure remains, parameters have moved far or stopped at a
 /// limit, or the cause is a gain or has no name.
 fn suspicious(search: &Search<'_>, findings: &Findings) -> bool {
-    let fit = &findings.base.fit;
-    let far = fit.values.iter().any(|e| {
-        let ratio = e.value / e.nominal;
-        e.nominal != 0.0 && !(1.0 / FAR..=FAR).contains(&ratio)
-    });
+    let moved = findings.base.fit.values.iter().any(far);
     let gain = findings
         .chosen
         .members
         .iter()
         .any(|&m| matches!(search.candidates[m].cause, Cause::InputGain | Cause::UnknownTerm));
     match findings.ending {
-        Ending::Quiet | Ending::Coloured => false,
-        Ending::Explained => far || gain,
+        Ending::Quiet | Ending::Coloured => moved,
+        Ending::Explained => moved || gain,
         Ending::Partly(_) | Ending::Unexplained(_) | Ending::Refuted(_) => true,
     }
+}
+
+/// Whether a parameter has moved by more than [`FAR`].
+fn far(e: &Estimate) -> bool {
+    e.nominal != 0.0 && !(1.0 / FAR..=FAR).contains(&(e.value / e.nominal))
 }
 
 fn ways(record: &Record) -> Vec<Scaled> {

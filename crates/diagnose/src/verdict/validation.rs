@@ -4,7 +4,6 @@ use bracketry_system::System;
 
 use super::Settings;
 use super::alarm::Alarm;
-
 use super::held_out::{thinned, window_length};
 use super::search::{Explanation, NEAR_NOISE};
 use crate::{DiagnoseError, Record, Study, StudySettings};
