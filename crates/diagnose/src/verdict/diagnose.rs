@@ -205,6 +205,10 @@ fn written(
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
     let mut report = write::report(system, search, findings, settings, begin);
+    if still(search.study.records()).1 {
+        report.causes.clear();
+        report.verdict = Verdict::NothingFound;
+    }
     if report.verdict != Verdict::NothingFound {
         let Places { motion, regimes, over_time } = places(system, search.study.records(), &findings.base.fit)?;
         (report.places, report.regimes, report.residual_acceleration) = (motion, regimes, over_time);
@@ -234,9 +238,7 @@ fn doubt(
     let records = search.study.records();
     let (still, all) = still(records);
     if all {
-        if report.verdict == Verdict::NothingFound {
-            report.reason = "the data hold no motion above the noise, which says nothing about the model".to_owned();
-        }
+        report.reason = "the data hold no motion above the noise, which says nothing about the model".to_owned();
         report
             .notes
             .push("no measured column stands out of its noise: record a run in which the device moves".to_owned());
