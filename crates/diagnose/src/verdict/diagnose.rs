@@ -92,6 +92,11 @@ pub fn diagnose(
     let Distinct { mut records, mut validate, mut notes } = distinct(records, validate);
     let mut library = candidates(system, &records)?;
     library.extend(settings.candidates.iter().cloned());
+    let motionless = still(&records).1;
+    if motionless {
+        // What outliers alone would call for is no cause.
+        library.clear();
+    }
     let first = Study::new(system, &records, &settings.study)?;
     first.check_window()?;
     first.check_time_scale()?;
@@ -123,10 +128,8 @@ pub fn diagnose(
     let named: Vec<usize> = (0..library.len()).collect();
     let Selection { mut chosen, mut scatter, mut tests, screened } = selection;
     let mut alarm = base.alarm.p_value.min(screened);
-    let motionless = still(records).1;
     if motionless {
-        // What outliers alone would call for is no cause.
-        (chosen, alarm) = (base.clone(), 1.0);
+        alarm = 1.0;
     }
     let mut found = Vec::new();
     let mut refuted = None;
