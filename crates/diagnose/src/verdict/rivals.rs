@@ -78,7 +78,10 @@ pub(crate) fn rivals(
                 match rival.coefficients.cmp(&chosen.coefficients) {
                     Ordering::Less => wins |= rival.physical && told,
                     Ordering::Equal => {}
-                    Ordering::Greater => wins &= !told_as_well(chosen, &rival),
+                    Ordering::Greater => {
+                        let gained = chosen.square() - rival.square();
+                        wins &= !told_as_well(chosen, &rival) && !(structured && gained < inexact);
+                    }
                 }
                 if wins && better.as_ref().is_none_or(|b| merit(search, &rival, scatter) < merit(search, b, scatter)) {
                     better = Some(rival.clone());
