@@ -13,6 +13,9 @@ use crate::{Cause, Change, DiagnoseError, Effect, Estimate, Fit, Linearization, 
 
 /// An amplitude that begins from a secant may leave it by this factor at most: farther out the secant says nothing.
 const FARTHEST: f64 = 2.0;
+/// How often a fit that went astray begins anew, and the factor by which its amplitudes are then nearer to none.
+const MOST_RETURNS: usize = 2;
+const NEARER: f64 = 0.25;
 
 /// Share of the model's excess below which, near the noise, what an explanation leaves over is its own inexactness: three per
 /// cent in amplitude, as no real part follows its law more exactly.
@@ -162,9 +165,7 @@ impl<'a> Search<'a> {
             }
         }
         let found = self
-            .study
-            .fit(&effects, &self.windows, Some(&begin))
-            .ok()
+            .fit_from(&effects, begin, near, start)
             .map(|fit| self.judge(members.to_vec(), fit))
             .filter(|e| self.comparable(e) && self.biases_within_range(e));
         self.known.insert(key, found.clone());
@@ -198,6 +199,30 @@ impl<'a> Search<'a> {
     /// The model with nothing added, from the best fit of it so far.
     pub(crate) fn base(&self) -> Option<&Explanation> {
         self.known.get(&Vec::new())?.as_ref()
+    }
+
+    /// The fit of `effects` from `begin`. What has more coefficients than `near` can leave no more over: where it does, the
+    /// values that were added (`start`) lead astray, and the fit begins anew with smaller amplitudes.
+    fn fit_from(&self, effects: &[Effect], mut begin: Fit, near: &Fit, start: &[(String, f64)]) -> Option<Fit> {
+        let square = |fit: &Fit| fit.windows.iter().map(|w| w.square).sum::<f64>();
+        let mut best = self.study.fit(effects, &self.windows, Some(&begin)).ok();
+        for _ in 0..MOST_RETURNS {
+            let astray = best.as_ref().is_none_or(|fit| square(fit) > square(near));
+            if start.is_empty() || !astray {
+                break;
+            }
+            let amplitudes = effects.iter().flat_map(|e| &e.coefficients).filter(|c| c.role == Role::Amplitude);
+            for c in amplitudes.filter(|c| start.iter().any(|(name, _)| *name == c.name)) {
+                for e in begin.values.iter_mut().filter(|e| e.name == c.name) {
+                    e.value = c.nominal + NEARER * (e.value - c.nominal);
+                }
+            }
+            let again = self.study.fit(effects, &self.windows, Some(&begin)).ok();
+            if again.as_ref().is_some_and(|a| best.as_ref().is_none_or(|b| square(a) < square(b))) {
+                best = again;
+            }
+        }
+        best
     }
 
     /// Whether the fit covers the windows that the model without effects covers.
