@@ -65,7 +65,7 @@ pub struct Coefficient {
     pub scale: f64,
     /// Smallest value that the mathematics allows.
     pub min: f64,
-    /// Largest value that the mathematics allows.
+    /// Largest value that the mathematics allows; if it is the smallest, too, the effect is there altogether or not at all.
     pub max: f64,
     /// Values to try first (shapes; delays and lags, whose response is not linear). Empty: only `nominal`.
     pub trials: Vec<f64>,
@@ -75,6 +75,13 @@ pub struct Coefficient {
     pub unit: String,
     /// What it is.
     pub about: String,
+}
+
+impl Coefficient {
+    /// The value of a law that is there altogether or not at all: its limits are one number, which the fit does not move.
+    pub(crate) fn settled(&self) -> Option<f64> {
+        (self.min == self.max).then_some(self.min)
+    }
 }
 
 /// Something on the way of a signal.

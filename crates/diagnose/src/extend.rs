@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 
 use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
-use crate::library::{TIME_INPUT, decimal, parameter};
+use crate::library::{TIME_INPUT, apply_all, decimal, parameter};
 use crate::study::{Estimate, Fit};
 
 /// Digits that a fitted value keeps below its standard deviation.
@@ -110,9 +110,7 @@ impl ExtendedModel {
 /// A model with effects applied, parameters at their fitted values; what is on the way of signals is left out.
 pub(crate) fn equations(system: &System, effects: &[Effect], values: &[Estimate]) -> Result<System, DiagnoseError> {
     let mut system = system.clone();
-    for effect in effects {
-        effect.apply(&mut system)?;
-    }
+    apply_all(effects, &mut system)?;
     for estimate in values {
         set_fitted(&mut system, estimate);
     }

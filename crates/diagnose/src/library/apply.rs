@@ -105,6 +105,32 @@ impl Names for ModelNames {
     }
 }
 
+/// Makes the changes of several effects in a model: terms first, then substitutions, so that these act on what others
+/// add as well (friction that is coupled over the axes is so in every term), then effects of several changes. Coefficients
+/// that have one value only become numbers: what they replace is gone.
+///
+/// # Errors
+/// As [`Effect::apply`].
+pub(crate) fn apply_all(effects: &[Effect], system: &mut System) -> Result<(), DiagnoseError> {
+    let turn = |effect: &Effect| match effect.change {
+        Change::Terms(_) => 0,
+        Change::Substitution { .. } => 1,
+        Change::Several(_) | Change::Path { .. } => 2,
+    };
+    for effect in (0..3).flat_map(|now| effects.iter().filter(move |e| turn(e) == now)) {
+        effect.apply(system)?;
+        for (c, value) in effect.coefficients.iter().filter_map(|c| Some((c, decimal(c.settled()?)?))) {
+            let symbol = system.pool.symbol(&c.name);
+            let map = std::iter::once((system.pool.sym(symbol), system.pool.rational(value))).collect();
+            let rows = system.dynamics.clone();
+            system.dynamics = system.pool.substitute_all(&rows, &map);
+            system.parameters.retain(|p| p.symbol != symbol);
+            drop_lost_static_levels(system);
+        }
+    }
+    Ok(())
+}
+
 impl Effect {
     /// Makes the change in a model: the coefficients become parameters at their nominal values, so that the equations
     /// keep their values as long as the amplitudes are not given others.

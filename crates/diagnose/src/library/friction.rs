@@ -229,7 +229,9 @@ impl Builder {
             })
             .collect();
         let about = "1: dry friction acts against the direction of the slip; 0: on each axis by itself";
-        let c = Coefficient { min: 0.0, max: 1.0, ..dissipation(k, "1", about) };
+        // Altogether or not at all: a small part of it changes nothing where friction on each axis holds a body that in truth
+        // slips along the other one, and in a mixture of both the forces on a body at rest are not determined.
+        let c = Coefficient { min: 1.0, max: 1.0, trials: vec![1.0], ..dissipation(k, "1", about) };
         self.substitution(Cause::FrictionCoupling, axes[0].0, names.join(", "), pairs, vec![c])
     }
 

@@ -1,12 +1,13 @@
 //! Inertial forces of moving frames, and a tracked point off the centre of mass.
 
-use bracketry_symbolic::{Expr, Node, Pool};
+use bracketry_symbolic::Expr;
 use rustc_hash::FxHashMap;
 
 use super::apply::ModelNames;
 use super::builder::{Builder, amplitude};
 use super::probe::derivative_name;
 use super::structure::{Coordinate, Kind, is_angle};
+use super::terms::physical_terms;
 use crate::effect::{Cause, Change};
 use crate::error::DiagnoseError;
 
@@ -192,8 +193,7 @@ impl Builder {
         let derivatives: Vec<_> = self.system.input_derivatives.iter().map(|d| d.symbol).collect();
         for c in self.structure.coordinates.clone() {
             let row = self.system.dynamics[c.rate];
-            let expanded = self.system.pool.expand(row);
-            for term in summands(&self.system.pool, expanded) {
+            for term in physical_terms(&mut self.system, &self.structure, row) {
                 let used = self.system.pool.symbols_of(&[term]);
                 if !used.iter().any(|s| derivatives.contains(s)) {
                     continue;
@@ -263,17 +263,5 @@ impl Builder {
         }
         let term = format!("({x_name}, {y_name}) = centre of mass + R({phi_name})*({}, {})", k[0], k[1]);
         self.several(Cause::ComOffset, *vx, term, changes, coefficients)
-    }
-}
-
-/// The summands of a sum.
-pub(crate) fn summands(pool: &Pool, e: Expr) -> Vec<Expr> {
-    match pool.node(e) {
-        Node::Add(a, b) => {
-            let mut all = summands(pool, a);
-            all.extend(summands(pool, b));
-            all
-        }
-        _ => vec![e],
     }
 }

@@ -13,9 +13,10 @@ mod reference;
 mod replace;
 mod separate;
 mod structure;
+mod terms;
 
 pub use apply::TIME_INPUT;
-pub(crate) use apply::{decimal, parameter};
+pub(crate) use apply::{apply_all, decimal, parameter};
 pub use dictionary::dictionary;
 pub use reference::reference_candidates;
 pub use separate::separating_experiment;

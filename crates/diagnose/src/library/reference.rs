@@ -5,10 +5,10 @@ use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use super::builder::{Builder, amplitude, dissipation};
-use super::inertia::summands;
 use super::structure::Kind;
+use super::terms::{physical_terms, summands};
 use super::{builder_for, structure};
-use crate::effect::{Cause, Effect, Role};
+use crate::effect::{Cause, Coefficient, Effect, Role};
 use crate::error::DiagnoseError;
 
 /// The additive terms that the equations of a more complete model have and those of this one lack, each with an amplitude
@@ -40,15 +40,14 @@ pub fn reference_candidates(system: &System, reference: &System) -> Result<Vec<E
         couple(&mut builder)?;
     }
     let wanted = differences(&mut builder, theirs, &shared);
-    for (row, terms) in wanted {
+    for (row, difference) in wanted {
         let mut yaw = None;
+        let parts = summands(&builder.system.pool, difference);
         // Alone, a term with a parameter of the model cannot take the place of another one with it, as `k sqrt(h)` of `k h`.
-        if terms.len() > 1 && share_parameters(&mut builder, row, &terms) {
-            let zero = builder.system.pool.int(0);
-            let whole = terms.iter().fold(zero, |sum, &t| builder.system.pool.add(sum, t));
-            add(&mut builder, Cause::UnknownTerm, row, whole)?;
+        if parts.len() > 1 && share_parameters(&mut builder, row, &parts) {
+            add(&mut builder, Cause::UnknownTerm, row, difference)?;
         }
-        for term in terms {
+        for term in physical_terms(&mut builder.system, &builder.structure, difference) {
             let cause = classify(&mut builder, row, term);
             if cause == Cause::YawFriction {
                 yaw = Some(match yaw {
@@ -91,6 +90,8 @@ fn add(builder: &mut Builder, cause: Cause, row: usize, term: Expr) -> Result<()
         Cause::YawFriction => dissipation(k.clone(), "1", about),
         _ => amplitude(k.clone(), "1", about),
     };
+    // All of the term: where a model sticks that should slide, a small part of it changes nothing.
+    let c = Coefficient { trials: vec![1.0], ..c };
     builder.along(cause, row, &[(row, term)], &k, vec![c])
 }
 
@@ -113,8 +114,8 @@ fn couple(builder: &mut Builder) -> Result<(), DiagnoseError> {
     Ok(())
 }
 
-/// The summands of reference minus model, by row of the model.
-fn differences(builder: &mut Builder, mut theirs: System, shared: &[String]) -> Vec<(usize, Vec<Expr>)> {
+/// Reference minus model, by row of the model.
+fn differences(builder: &mut Builder, mut theirs: System, shared: &[String]) -> Vec<(usize, Expr)> {
     let ours = &mut builder.system;
     // Parameters that both have at the same value stay symbols.
     let same: Vec<String> = ours
@@ -154,8 +155,7 @@ fn differences(builder: &mut Builder, mut theirs: System, shared: &[String]) -> 
         if ours.pool.is_zero(difference) {
             continue;
         }
-        let terms = summands(&ours.pool, difference);
-        all.push((row, terms));
+        all.push((row, difference));
     }
     all
 }

@@ -3,6 +3,8 @@
 use bracketry_symbolic::{Expr, Node, Pool};
 use rustc_hash::FxHashMap;
 
+use super::terms::factors;
+
 /// A component `a/√S` of a unit vector and what stands for it.
 struct Direction {
     factors: Vec<Expr>,
@@ -39,18 +41,6 @@ pub(crate) fn replace_all(pool: &mut Pool, roots: &[Expr], map: &FxHashMap<Expr,
         new.insert(e, image);
     }
     roots.iter().map(|e| new[e]).collect()
-}
-
-/// The factors of a product.
-fn factors(pool: &Pool, e: Expr) -> Vec<Expr> {
-    match pool.node(e) {
-        Node::Mul(a, b) => {
-            let mut all = factors(pool, a);
-            all.extend(factors(pool, b));
-            all
-        }
-        _ => vec![e],
-    }
 }
 
 fn is_inverse_root(pool: &Pool, e: Expr) -> bool {

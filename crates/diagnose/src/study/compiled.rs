@@ -3,7 +3,7 @@
 use super::unknown::Unknown;
 use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
-use crate::library::TIME_INPUT;
+use crate::library::{TIME_INPUT, apply_all};
 use crate::record::{Record, Signal};
 use bracketry_sim::{Hold, Inputs, Model, Samples};
 use bracketry_system::System;
@@ -105,8 +105,8 @@ impl Compiled {
         let mut unknowns: Vec<Unknown> =
             parameters.iter().map(|&i| Unknown::parameter(system, &system.parameters[i])).collect();
         let mut targets = vec![Target::Equations; unknowns.len()];
+        apply_all(effects, &mut changed)?;
         for effect in effects {
-            effect.apply(&mut changed)?;
             for c in &effect.coefficients {
                 unknowns.push(Unknown::coefficient(c));
                 targets.push(target(system, records, effect)?);

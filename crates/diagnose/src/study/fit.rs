@@ -280,7 +280,7 @@ fn minimise(
     }
     let normals = eliminate(slots, &normals);
     let (covariance, unidentified) = uncertainty(&normals, unknowns, slots.first().map_or(0, |s| s.scales.len()));
-    let limited = (0..p).filter(|&j| ranges[j].ends_at(theta[j])).collect();
+    let limited = (0..p).filter(|&j| ranges[j].ends_at(theta[j]) && !unknowns[j].is_settled()).collect();
     Solution { theta, status, covariance, unidentified, limited, normals }
 }
 
@@ -444,7 +444,8 @@ fn uncertainty(normals: &[Normal], unknowns: &[Unknown], states: usize) -> (DMat
         || DMatrix::from_diagonal(&DVector::from_iterator(p, unknowns.iter().map(|u| (u.prior / u.scale).powi(2)))),
         |c| c.inverse(),
     );
-    let covariance = DMatrix::from_fn(p, p, |i, j| scaled[(i, j)] * unknowns[i].scale * unknowns[j].scale);
+    let unit = |j: usize| if unknowns[j].is_settled() { 0.0 } else { unknowns[j].scale };
+    let covariance = DMatrix::from_fn(p, p, |i, j| scaled[(i, j)] * unit(i) * unit(j));
     let unidentified = (0..p).filter(|&j| covariance[(j, j)] > 0.25 * unknowns[j].prior.powi(2)).collect();
     (covariance, unidentified)
 }

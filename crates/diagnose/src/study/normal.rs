@@ -97,6 +97,9 @@ pub(super) fn sensitivities(
     }
     for j in 0..unknowns {
         let unknown = &compiled.unknowns[j];
+        if unknown.is_settled() {
+            continue;
+        }
         let mut column = jacobian.column_mut(n + j);
         if compiled.targets[j] == Target::Equations
             && let Some(by_number) = carried.next()

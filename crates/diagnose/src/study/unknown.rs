@@ -16,6 +16,9 @@ const AMPLITUDE_PRIOR: f64 = 100.0;
 /// Standard deviation of the prior of an effect's shape over its scale.
 const SHAPE_PRIOR: f64 = 2.0;
 
+/// The same of what has one value only: it need not move at all.
+const SETTLED_PRIOR: f64 = 1e-3;
+
 /// A number that is fitted.
 #[derive(Clone, Debug)]
 pub(super) struct Unknown {
@@ -55,12 +58,13 @@ impl Unknown {
 
     pub(super) fn coefficient(c: &Coefficient) -> Self {
         let prior = match c.role {
+            _ if c.settled().is_some() => SETTLED_PRIOR * c.scale,
             Role::Amplitude => AMPLITUDE_PRIOR * c.scale,
             Role::Shape => SHAPE_PRIOR * c.scale.max(c.nominal.abs()),
         };
         Self {
             name: c.name.clone(),
-            nominal: c.nominal,
+            nominal: c.settled().unwrap_or(c.nominal),
             scale: c.scale,
             min: c.min,
             max: c.max,
@@ -68,6 +72,11 @@ impl Unknown {
             prior,
             start: c.nominal,
         }
+    }
+
+    /// Whether it has one value only.
+    pub(super) fn is_settled(&self) -> bool {
+        self.min == self.max
     }
 
     /// The range of a fit that comes from `value`: the limits, and where there is none a factor of [`LARGEST_CHANGE`], but no

@@ -91,7 +91,9 @@ pub fn diagnose(
     progress(Stage::Refit);
     let Distinct { mut records, mut validate, mut notes } = distinct(records, validate);
     let mut library = candidates(system, &records)?;
-    library.extend(settings.candidates.iter().cloned());
+    // What another model suggests may be in the library already.
+    let more = settings.candidates.iter().filter(|c| library.iter().all(|known| known.change != c.change));
+    library.extend(more.cloned().collect::<Vec<_>>());
     let motionless = still(&records).1;
     if motionless {
         // What outliers alone would call for is no cause.
