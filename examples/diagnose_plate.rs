@@ -9,18 +9,22 @@
 //! cargo run --release --example diagnose_plate -- --runs 40 --seed 7
 //! cargo run --release --example diagnose_plate -- --effect actuator_lag --runs 5
 //! cargo run --release --example diagnose_plate -- --out logs                      # the logs alone, with their truth apart
+//! cargo run --release --example diagnose_plate -- --logs ../shared/data/plate --seconds 6   # logs of an independent engine
 //! ```
 #![allow(clippy::print_stdout)]
 
 use anyhow::Context;
-use bracketry_diagnose::{Cause, Record, RecordSettings, Report, Score, Settings, diagnose};
+use bracketry_diagnose::{
+    Cause, Record, RecordSettings, Report, Score, Settings, diagnose, read_record, reference_candidates,
+};
 use bracketry_plate::{
     Experiment, HiddenEffect, LogSettings, Object, PlateError, PlateLog, Shape, multisine, plate_log,
 };
+use bracketry_sim::Hold;
 use bracketry_system::System;
 use clap::Parser;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Parser)]
 struct Options {
@@ -54,12 +58,55 @@ struct Options {
     /// Most causes that are named.
     #[arg(long)]
     max_causes: Option<usize>,
+    /// Another model of the plate: terms of its equations that the diagnosed one lacks become candidates.
+    #[arg(long)]
+    reference: Option<PathBuf>,
+    /// A further multisine of every plant, that no fit sees, to measure the gain on.
+    #[arg(long)]
+    held_out: bool,
+    /// Diagnoses the CSV files of this folder, one by one, in place of logs of the area contact: columns `t`, `plate_X`,
+    /// `plate_theta` of the plate and `x_plate`, `y_plate`, `phi_plate` of the object.
+    #[arg(long)]
+    logs: Option<PathBuf>,
     /// Prints every report.
     #[arg(long)]
     full: bool,
     /// Writes logs and truth into this folder and diagnoses nothing.
     #[arg(long)]
     out: Option<PathBuf>,
+}
+
+/// Columns of the independent engine and their names in the model.
+const RENAMED: [(&str, &str); 5] =
+    [("plate_X", "X"), ("plate_theta", "theta"), ("x_plate", "x"), ("y_plate", "y"), ("phi_plate", "phi")];
+
+/// What a diagnosis makes of the logs in a folder, one by one.
+fn independent(folder: &Path, system: &System, settings: &Settings, full: bool) -> anyhow::Result<()> {
+    let rename = RENAMED.map(|(column, name)| (column.to_owned(), name.to_owned())).to_vec();
+    let reading = RecordSettings { hold: Some(Hold::Linear), rename };
+    let mut paths: Vec<PathBuf> =
+        std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<anyhow::Result<_>>()?;
+    paths.retain(|path| path.extension().is_some_and(|e| e == "csv"));
+    paths.sort();
+    println!("| log | found | verdict | residual over noise, refitted | extended | s |\n|---|---|---|---|---|---|");
+    for path in paths {
+        let (record, _) = read_record(&path, system, &reading)?;
+        let report = diagnose(system, &[record], &[], settings, &mut |_| ())?;
+        let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.3}"));
+        println!(
+            "| {} | {} | {:?} | {} | {} | {:.1} |",
+            path.file_stem().unwrap_or_default().to_string_lossy(),
+            named(&report),
+            report.verdict,
+            number(report.excess.as_ref().map(|e| e.refitted)),
+            number(report.excess.as_ref().and_then(|e| e.extended)),
+            report.seconds
+        );
+        if full {
+            println!("\n{report}\n");
+        }
+    }
+    Ok(())
 }
 
 /// The logs of one plant.
@@ -84,6 +131,19 @@ fn logs(
             plate_log(&experiment, start(y), duration, effect, settings, 3 * seed + i as u64)
         })
         .collect()
+}
+
+/// A multisine of another seed.
+fn held_out(
+    effect: &HiddenEffect,
+    settings: &LogSettings,
+    seed: u64,
+    options: &Options,
+) -> Result<PlateLog, PlateError> {
+    let start = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let other = !seed;
+    let shaken = multisine(start, options.seconds, settings, other)?;
+    plate_log(&shaken, start, options.seconds, effect, settings, other)
 }
 
 fn cause(effect: &HiddenEffect) -> Option<Cause> {
@@ -115,17 +175,23 @@ fn main() -> anyhow::Result<()> {
     let options = Options::parse();
     let text = std::fs::read_to_string(&options.model).with_context(|| options.model.display().to_string())?;
     let system = System::parse(&options.model.display().to_string(), &text)?;
+    let mut settings = Settings::default();
+    settings.study.window = options.window;
+    if let Some(most) = options.max_causes {
+        settings.max_causes = most;
+    }
+    if let Some(path) = &options.reference {
+        settings.candidates = reference_candidates(&system, &System::read(path)?)?;
+    }
+    if let Some(folder) = &options.logs {
+        return independent(folder, &system, &settings, options.full);
+    }
     let object = match options.shape.as_str() {
         "disk" => Object::REFERENCE,
         "ellipse" => Object { shape: Shape::REFERENCE_ELLIPSE, ..Object::REFERENCE },
         other => anyhow::bail!("--shape {other}: choose disk or ellipse"),
     };
     let log_settings = LogSettings { object, derivatives: options.derivatives, ..LogSettings::default() };
-    let mut settings = Settings::default();
-    settings.study.window = options.window;
-    if let Some(most) = options.max_causes {
-        settings.max_causes = most;
-    }
     let mut scores: BTreeMap<&str, BTreeMap<&str, u32>> = BTreeMap::new();
     if options.out.is_none() {
         println!("| run | hidden | found | score | s |\n|---|---|---|---|---|");
@@ -141,20 +207,27 @@ fn main() -> anyhow::Result<()> {
         if let Some(folder) = &options.out {
             let folder = folder.join(format!("run_{run}"));
             std::fs::create_dir_all(&folder)?;
+            if options.held_out {
+                let log = held_out(&effect, &log_settings, seed, &options)?;
+                std::fs::write(folder.join("held_out.csv"), log.csv())?;
+            }
             for (log, name) in logs.iter().zip(["multisine.csv", "experiment_1.csv", "experiment_3.csv"]) {
                 std::fs::write(folder.join(name), log.csv())?;
             }
             std::fs::write(folder.join("truth.json"), serde_json::to_string_pretty(&effect)?)?;
             continue;
         }
-        let records = logs
-            .into_iter()
-            .map(|log| {
-                let columns = log.by_name();
-                Ok(Record::from_columns(&log.name, log.times, columns, &system, &RecordSettings::default())?.0)
-            })
-            .collect::<anyhow::Result<Vec<Record>>>()?;
-        let report = diagnose(&system, &records, &[], &settings, &mut |_| ())?;
+        let record = |log: PlateLog| -> anyhow::Result<Record> {
+            let columns = log.by_name();
+            Ok(Record::from_columns(&log.name, log.times, columns, &system, &RecordSettings::default())?.0)
+        };
+        let records = logs.into_iter().map(record).collect::<anyhow::Result<Vec<Record>>>()?;
+        let validate = if options.held_out {
+            vec![record(held_out(&effect, &log_settings, seed, &options)?)?]
+        } else {
+            Vec::new()
+        };
+        let report = diagnose(&system, &records, &validate, &settings, &mut |_| ())?;
         let hidden: Vec<Option<Cause>> = cause(&effect).map(Some).into_iter().collect();
         let score = Score::of_causes(&hidden, &report).name();
         println!("| {run} | {effect:?} | {} | {score} | {:.1} |", named(&report), report.seconds);
