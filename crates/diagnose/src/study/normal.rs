@@ -97,15 +97,15 @@ pub(super) fn sensitivities(
     }
     for j in 0..unknowns {
         let unknown = &compiled.unknowns[j];
-        if unknown.is_settled() {
-            continue;
-        }
         let mut column = jacobian.column_mut(n + j);
         if compiled.targets[j] == Target::Equations
             && let Some(by_number) = carried.next()
         {
             column.copy_from_slice(&by_number);
             column *= unknown.scale;
+            continue;
+        }
+        if unknown.is_settled() {
             continue;
         }
         if runner.offset_column(j, column.as_mut_slice()) {
