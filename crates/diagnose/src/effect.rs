@@ -110,8 +110,18 @@ pub enum Change {
         /// Pairs: what is replaced, by what.
         pairs: Vec<(String, String)>,
     },
-    /// Several changes of the equations, made one after the other.
-    Several(Vec<Change>),
+    /// What is measured of a body in the plane is the motion of a point p off its centre of mass c, which the equations are
+    /// about: `p = c + R(angle) d`, `p' = c' + spin z × R(angle) d`; the two coefficients are d, in axes of the body.
+    TrackedPoint {
+        /// Names of the states of the position.
+        position: [String; 2],
+        /// Names of their rates.
+        velocity: [String; 2],
+        /// Name of the state of the angle.
+        angle: String,
+        /// Name of its rate.
+        spin: String,
+    },
     /// Something on the way of inputs or measured columns, by name; the one coefficient is its time constant or its offset.
     Path {
         /// What.

@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 
 use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
-use crate::library::{TIME_INPUT, apply_all, decimal, parameter};
+use crate::library::{ModelNames, TIME_INPUT, apply_all, decimal, parameter};
 use crate::study::{Estimate, Fit};
 
 /// Digits that a fitted value keeps below its standard deviation.
@@ -26,7 +26,8 @@ impl ExtendedModel {
     /// deviation, which stands in the parameter's description; limits that a fitted value breaks are dropped.
     ///
     /// A lag of an input `u` becomes a state `u_lagged` that the equations use in place of `u` (and its derivatives, by
-    /// `τ u_lagged' = u − u_lagged`), the time a state with derivative 1, an offset of a measured column an output. A delay of
+    /// `τ u_lagged' = u − u_lagged`), the time a state with derivative 1, an offset of a measured column, or a tracked
+    /// point off the centre of mass, an output. A delay of
     /// an input stands in the model's table of delays, on top of one that it had.
     ///
     /// # Errors
@@ -34,8 +35,12 @@ impl ExtendedModel {
     pub fn new(system: &System, fit: &Fit) -> Result<Self, DiagnoseError> {
         let mut extended = Self { system: equations(system, &fit.effects, &fit.values)?, notes: Vec::new() };
         for effect in &fit.effects {
-            if let Change::Path { path, signals } = &effect.change {
-                extended.add_path(effect, *path, signals, &fit.values)?;
+            match &effect.change {
+                Change::Path { path, signals } => extended.add_path(effect, *path, signals, &fit.values)?,
+                Change::TrackedPoint { position, angle, .. } => {
+                    extended.add_tracked_point(effect, position, angle, &fit.values)?;
+                }
+                Change::Terms(_) | Change::Substitution { .. } => {}
             }
         }
         extended.time_as_state();
@@ -82,8 +87,40 @@ impl ExtendedModel {
             match path {
                 Path::ActuatorLag => add_lag(&mut self.system, name, symbol)?,
                 Path::InputDelay => add_delay(&mut self.system, name, symbol)?,
-                Path::SensorDelay | Path::SensorBias => add_offset(&mut self.system, name, symbol)?,
+                Path::SensorDelay | Path::SensorBias => {
+                    let offset = self.system.pool.sym(symbol);
+                    add_offset(&mut self.system, name, offset)?;
+                }
             }
+        }
+        Ok(())
+    }
+
+    /// The measured position becomes an output; the equations stay those of the centre of mass.
+    fn add_tracked_point(
+        &mut self,
+        effect: &Effect,
+        position: &[String; 2],
+        angle: &str,
+        values: &[Estimate],
+    ) -> Result<(), DiagnoseError> {
+        let mut symbols = Vec::new();
+        for coefficient in &effect.coefficients {
+            let symbol = self.system.pool.symbol(&coefficient.name);
+            let entry = parameter(coefficient, symbol)?;
+            self.system.parameters.push(entry);
+            if let Some(estimate) = values.iter().find(|e| e.name == coefficient.name) {
+                set_fitted(&mut self.system, estimate);
+            }
+            symbols.push(coefficient.name.clone());
+        }
+        let [along, across] = &symbols[..] else { return Ok(()) };
+        for (column, text) in position.iter().zip([
+            format!("{along}*cos({angle}) - {across}*sin({angle})"),
+            format!("{along}*sin({angle}) + {across}*cos({angle})"),
+        ]) {
+            let shift = ModelNames::new(&mut self.system).read(&mut self.system.pool, &text)?;
+            add_offset(&mut self.system, column, shift)?;
         }
         Ok(())
     }
@@ -218,8 +255,7 @@ fn add_lag(system: &mut System, input: &str, tau: Symbol) -> Result<(), Diagnose
 }
 
 /// Adds an offset to an output; a measured state gets an output of its own.
-fn add_offset(system: &mut System, column: &str, offset: Symbol) -> Result<(), DiagnoseError> {
-    let offset = system.pool.sym(offset);
+fn add_offset(system: &mut System, column: &str, offset: Expr) -> Result<(), DiagnoseError> {
     if let Some(k) = system.outputs.iter().position(|(name, _)| name == column) {
         let exact = system.outputs[k].1;
         system.outputs[k].1 = system.pool.add(exact, offset);

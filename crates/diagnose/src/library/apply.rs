@@ -106,7 +106,7 @@ impl Names for ModelNames {
 }
 
 /// Makes the changes of several effects in a model: terms first, then substitutions, so that these act on what others
-/// add as well (friction that is coupled over the axes is so in every term), then effects of several changes. Coefficients
+/// add as well (friction that is coupled over the axes is so in every term). Coefficients
 /// that have one value only become numbers: what they replace is gone.
 ///
 /// # Errors
@@ -115,7 +115,7 @@ pub(crate) fn apply_all(effects: &[Effect], system: &mut System) -> Result<(), D
     let turn = |effect: &Effect| match effect.change {
         Change::Terms(_) => 0,
         Change::Substitution { .. } => 1,
-        Change::Several(_) | Change::Path { .. } => 2,
+        Change::TrackedPoint { .. } | Change::Path { .. } => 2,
     };
     for effect in (0..3).flat_map(|now| effects.iter().filter(move |e| turn(e) == now)) {
         effect.apply(system)?;
@@ -137,8 +137,8 @@ impl Effect {
     ///
     /// Terms and substitutions are read with the names of the model (states, inputs and their derivatives, parameters,
     /// definitions) and those of the coefficients. Derivatives of inputs that the model did not use are appended to
-    /// [`System::input_derivatives`]; if [`TIME_INPUT`] is used, an input of that name is appended. A change of a signal
-    /// path is none of the equations and leaves the system as it is. Static levels of signs that are replaced are
+    /// [`System::input_derivatives`]; if [`TIME_INPUT`] is used, an input of that name is appended. A change of what
+    /// is measured or of a signal's path is none of the equations and leaves the system as it is. Static levels of signs that are replaced are
     /// dropped.
     ///
     /// # Errors
@@ -146,7 +146,7 @@ impl Effect {
     /// that the model does not have, [`DiagnoseError::NameTaken`] for a coefficient that it has already,
     /// [`DiagnoseError::NothingReplaced`] for a substitution that does not occur. The system is then unchanged.
     pub fn apply(&self, system: &mut System) -> Result<(), DiagnoseError> {
-        if matches!(self.change, Change::Path { .. }) {
+        if matches!(self.change, Change::Path { .. } | Change::TrackedPoint { .. }) {
             return Ok(());
         }
         let mut changed = system.clone();
@@ -206,12 +206,7 @@ fn change_equations(change: &Change, system: &mut System, names: &mut ModelNames
             }
             drop_lost_static_levels(system);
         }
-        Change::Several(changes) => {
-            for change in changes {
-                change_equations(change, system, names)?;
-            }
-        }
-        Change::Path { .. } => {}
+        Change::Path { .. } | Change::TrackedPoint { .. } => {}
     }
     Ok(())
 }

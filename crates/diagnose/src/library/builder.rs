@@ -167,19 +167,6 @@ impl Builder {
         self.finish(Effect { cause, equation: on, term, coefficients, change }, equation)
     }
 
-    /// Adds an effect that changes the equations in several ways; `term` is for the reader.
-    pub(crate) fn several(
-        &mut self,
-        cause: Cause,
-        equation: usize,
-        term: String,
-        changes: Vec<Change>,
-        coefficients: Vec<Coefficient>,
-    ) -> Result<(), DiagnoseError> {
-        let name = self.state(equation);
-        self.finish(Effect { cause, equation: name, term, coefficients, change: Change::Several(changes) }, equation)
-    }
-
     /// Adds something on the way of signals.
     pub(crate) fn path(&mut self, cause: Cause, path: Path, signals: Vec<String>, term: String, c: Coefficient) {
         let equation = signals.join(", ");

@@ -1,14 +1,12 @@
 //! Inertial forces of moving frames, and a tracked point off the centre of mass.
 
 use bracketry_symbolic::Expr;
-use rustc_hash::FxHashMap;
 
-use super::apply::ModelNames;
 use super::builder::{Builder, amplitude};
 use super::probe::derivative_name;
 use super::structure::{Coordinate, Kind, is_angle};
 use super::terms::physical_terms;
-use crate::effect::{Cause, Change};
+use crate::effect::Cause;
 use crate::error::DiagnoseError;
 
 /// The rotation of a frame: its angle, rate and acceleration as texts.
@@ -32,8 +30,7 @@ impl Builder {
             }
         }
         self.load_of_other_axes()?;
-        self.existing()?;
-        self.com_offset()
+        self.existing()
     }
 
     /// Inputs and coordinates that are angles.
@@ -206,62 +203,5 @@ impl Builder {
             }
         }
         Ok(())
-    }
-
-    /// A body in the plane whose tracked point p lies off its centre of mass c: p = c + R(phi) d. Where the states are those
-    /// of the tracked point, the equations of c hold at p - R d and v - w z × R d, and
-    /// p'' = c'' + w' z × R d - w² R d.
-    fn com_offset(&mut self) -> Result<(), DiagnoseError> {
-        let translations: Vec<(usize, usize)> =
-            self.structure.translations().filter_map(|c| c.position.map(|q| (q, c.rate))).collect();
-        let turns: Vec<(usize, usize)> = self
-            .structure
-            .coordinates
-            .iter()
-            .filter(|c| c.kind == Kind::Angle)
-            .filter_map(|c| c.position.map(|q| (q, c.rate)))
-            .collect();
-        let ([(x, vx), (y, vy)], [(phi, w)]) = (&translations[..], &turns[..]) else { return Ok(()) };
-        let [x_name, y_name, phi_name] = [*x, *y, *phi].map(|i| self.state(i));
-        let [vx_name, vy_name, w_name] = [*vx, *vy, *w].map(|i| self.state(i));
-        let k = [self.name("com", "along"), self.name("com", "across")];
-        let (cos, sin) = (format!("cos({phi_name})"), format!("sin({phi_name})"));
-        let offset = [format!("({}*{cos} - {}*{sin})", k[0], k[1]), format!("({}*{sin} + {}*{cos})", k[0], k[1])];
-        let coefficient = |name: &String, axis: &str| {
-            let about =
-                format!("position of the tracked point off the centre of mass, along the {axis} axis of the body");
-            amplitude(name.clone(), "m", about)
-        };
-        let coefficients = vec![coefficient(&k[0], "first"), coefficient(&k[1], "second")];
-        let pairs = vec![
-            (x_name.clone(), format!("({x_name} - {})", offset[0])),
-            (y_name.clone(), format!("({y_name} - {})", offset[1])),
-            (vx_name.clone(), format!("({vx_name} + {w_name}*{})", offset[1])),
-            (vy_name.clone(), format!("({vy_name} - {w_name}*{})", offset[0])),
-        ];
-        let states: Vec<String> = vec![vx_name.clone(), vy_name.clone(), w_name.clone()];
-        // The spin's own equation, seen from the tracked point.
-        let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
-        let mut map = FxHashMap::default();
-        for (from, to) in &pairs {
-            let from = names.read(&mut self.system.pool, from)?;
-            let to = names.read(&mut self.system.pool, to)?;
-            map.insert(from, to);
-        }
-        let spin = self.system.pool.substitute(self.system.dynamics[*w], &map);
-        let spin = self.text(spin);
-        let terms = vec![
-            (vx_name, format!("-({spin})*{} - {w_name}^2*{}", offset[1], offset[0])),
-            (vy_name, format!("({spin})*{} - {w_name}^2*{}", offset[0], offset[1])),
-        ];
-        let rows: Vec<Expr> = [*vx, *vy, *w].iter().map(|&r| self.system.dynamics[r]).collect();
-        let used = self.system.pool.symbols_of(&rows);
-        let shifted = [*x, *y, *vx, *vy].iter().any(|&i| used.contains(&self.system.states[i]));
-        let mut changes = vec![Change::Terms(terms)];
-        if shifted {
-            changes.insert(0, Change::Substitution { states, pairs });
-        }
-        let term = format!("({x_name}, {y_name}) = centre of mass + R({phi_name})*({}, {})", k[0], k[1]);
-        self.several(Cause::ComOffset, *vx, term, changes, coefficients)
     }
 }

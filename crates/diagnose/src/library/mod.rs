@@ -16,7 +16,7 @@ mod structure;
 mod terms;
 
 pub use apply::TIME_INPUT;
-pub(crate) use apply::{apply_all, decimal, parameter};
+pub(crate) use apply::{ModelNames, apply_all, decimal, parameter};
 pub use dictionary::dictionary;
 pub use reference::reference_candidates;
 pub use separate::separating_experiment;

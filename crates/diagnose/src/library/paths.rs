@@ -1,13 +1,16 @@
 //! Effects on the way of signals: gains, delays, lags, offsets.
 
 use super::builder::{Builder, amplitude, dissipation, log_grid};
-use crate::effect::{Cause, Coefficient, Path};
+use super::structure::{Coordinate, Kind};
+use crate::effect::{Cause, Change, Coefficient, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::record::{Quantity, Record};
 
 /// Delays and lags are tried from half a sampling interval up to this, s.
 const LONGEST: f64 = 0.1;
 const TIME_TRIALS: usize = 6;
+/// A typical offset of a tracked point, m.
+const SMALL_OFFSET: f64 = 0.01;
 
 /// A measured column and the states that it shows.
 struct Sensor {
@@ -43,6 +46,7 @@ impl Builder {
         for name in all {
             self.time(Cause::SensorDelay, Path::SensorDelay, "sensor_delay", &name.clone(), vec![name], interval);
         }
+        self.com_offset(records);
         for i in 0..sensors.len() {
             if self.absorbed(&sensors, i) {
                 continue;
@@ -56,6 +60,33 @@ impl Builder {
             self.path(Cause::SensorBias, Path::SensorBias, vec![name.clone()], format!("{name} + {k}"), c);
         }
         Ok(())
+    }
+
+    /// The tracked point of a body in the plane lies off its centre of mass, if both coordinates are measured.
+    fn com_offset(&mut self, records: &[Record]) {
+        let coordinate = |c: &Coordinate| c.position.map(|q| (q, c.rate));
+        let translations: Vec<(usize, usize)> = self.structure.translations().filter_map(coordinate).collect();
+        let angles = self.structure.coordinates.iter().filter(|c| c.kind == Kind::Angle);
+        let turns: Vec<(usize, usize)> = angles.filter_map(coordinate).collect();
+        let ([(x, vx), (y, vy)], [(phi, w)]) = (&translations[..], &turns[..]) else { return };
+        let shown =
+            |state: &usize| records.iter().all(|r| r.measured.iter().any(|m| m.quantity == Quantity::State(*state)));
+        if !(shown(x) && shown(y)) {
+            return;
+        }
+        let [x, y, vx, vy, phi, w] = [*x, *y, *vx, *vy, *phi, *w].map(|i| self.state(i));
+        let coefficients = [("along", "first"), ("across", "second")].map(|(name, axis)| {
+            let about =
+                format!("position of the tracked point off the centre of mass, along the {axis} axis of the body");
+            Coefficient { scale: SMALL_OFFSET, ..amplitude(self.name("com", name), "m", about) }
+        });
+        self.effects.push(Effect {
+            cause: Cause::ComOffset,
+            equation: format!("{x}, {y}"),
+            term: format!("({x}, {y}) + R({phi})*({}, {})", coefficients[0].name, coefficients[1].name),
+            coefficients: coefficients.to_vec(),
+            change: Change::TrackedPoint { position: [x, y], velocity: [vx, vy], angle: phi, spin: w },
+        });
     }
 
     /// The input and its derivatives act scaled.

@@ -11,6 +11,8 @@ pub(super) struct Way {
     pub(super) path: Path,
     /// By reading, the number of pieces until then.
     pub(super) marks: Vec<usize>,
+    /// By reading, angle and spin of a body whose tracked point lies off its centre of mass; empty without one.
+    pub(super) turns: Vec<(f64, f64)>,
     /// The unknowns and the initial state that it belongs to.
     pub(super) of: Option<(Vec<f64>, Vec<f64>)>,
     /// The linear maps along it, where they have been made.
@@ -29,6 +31,7 @@ impl Way {
         self.of = None;
         self.mapped = false;
         self.marks.clear();
+        self.turns.clear();
     }
 }
 
@@ -60,7 +63,8 @@ impl Runner<'_> {
         let mut scratch = Vec::new();
         let mut piece = 0;
         let samples = self.samples();
-        for (reading, &mark) in self.schedule.iter().zip(&self.way.marks) {
+        let tracked = self.tracked();
+        for (number, (reading, &mark)) in self.schedule.iter().zip(&self.way.marks).enumerate() {
             while piece < mark {
                 let (by_state, by_field) = x.split_at_mut(own * n);
                 self.way.tangent.carry(piece, by_state, &[], &mut scratch);
@@ -70,8 +74,14 @@ impl Runner<'_> {
             let Quantity::State(state) = self.record.measured[reading.column].quantity else { continue };
             let at = reading.column * samples + reading.sample;
             if self.present[at] {
+                let turned =
+                    tracked.and_then(|(point, d)| Some((point, point.shift(state, *self.way.turns.get(number)?, d))));
                 for (column, values) in out.iter_mut().enumerate() {
-                    values[at] = x[column * n + state] * self.weights[reading.column];
+                    let moved = &x[column * n..(column + 1) * n];
+                    let with_it = turned.map_or(0.0, |(point, shift)| {
+                        shift.by_angle * moved[point.angle] + shift.by_spin * moved[point.spin]
+                    });
+                    values[at] = (moved[state] + with_it) * self.weights[reading.column];
                 }
             }
         }

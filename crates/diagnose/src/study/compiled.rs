@@ -1,5 +1,6 @@
 //! A model with effects, compiled once for all values of its unknowns.
 
+use super::tracked::TrackedPoint;
 use super::unknown::Unknown;
 use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
@@ -19,6 +20,8 @@ pub(super) enum Target {
     Input(Path, Vec<usize>),
     /// The way of measured columns, by name.
     Column(Path, Vec<String>),
+    /// A tracked point off the centre of mass: the coordinate with this number.
+    Tracked(TrackedPoint, usize),
 }
 
 /// A model with effects whose unknowns are live numbers.
@@ -107,9 +110,9 @@ impl Compiled {
         let mut targets = vec![Target::Equations; unknowns.len()];
         apply_all(effects, &mut changed)?;
         for effect in effects {
-            for c in &effect.coefficients {
+            for (number, c) in effect.coefficients.iter().enumerate() {
                 unknowns.push(Unknown::coefficient(c));
-                targets.push(target(system, records, effect)?);
+                targets.push(target(system, records, effect, number)?);
             }
         }
         let driven = driven(system, &changed, sources)?;
@@ -127,7 +130,11 @@ impl Compiled {
     }
 }
 
-fn target(system: &System, records: &[Record], effect: &Effect) -> Result<Target, DiagnoseError> {
+/// What the coefficient of an effect with this number acts on.
+fn target(system: &System, records: &[Record], effect: &Effect, number: usize) -> Result<Target, DiagnoseError> {
+    if let Some(point) = TrackedPoint::new(system, &effect.change)? {
+        return Ok(Target::Tracked(point, number));
+    }
     let Change::Path { path, signals } = &effect.change else {
         return Ok(Target::Equations);
     };

@@ -162,7 +162,7 @@ impl Study {
             candidate.coefficients.iter().filter(|c| c.role == Role::Amplitude).collect();
         let names: Vec<String> = amplitudes.iter().map(|c| c.name.clone()).collect();
         let smooth = amplitudes.iter().all(|c| c.trials.is_empty());
-        let carried = smooth && !matches!(candidate.change, Change::Path { .. });
+        let carried = smooth && !matches!(candidate.change, Change::Path { .. } | Change::TrackedPoint { .. });
         let by = if carried { names.as_slice() } else { &[] };
         let compiled = Compiled::with_derivatives(&self.system, &self.sources, &self.parameters, &effects, Some(by))?;
         let sampling = slots.first().map_or(1e-3, |s| s.runner.sampling());

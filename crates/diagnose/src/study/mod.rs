@@ -15,6 +15,7 @@ mod predictor;
 mod runner;
 mod signal_path;
 mod time_scale;
+mod tracked;
 mod unknown;
 mod window;
 mod window_length;

@@ -3,6 +3,7 @@
 use super::carried::Way;
 use super::compiled::{Compiled, Target};
 use super::signal_path::through_path;
+use super::tracked::TrackedPoint;
 use super::window::{Window, stretches};
 use crate::effect::Path;
 use crate::error::DiagnoseError;
@@ -44,6 +45,8 @@ struct Ways {
     inputs: Vec<(f64, f64)>,
     /// Delay and offset of each column.
     columns: Vec<(f64, f64)>,
+    /// A tracked point off the centre of mass, and where it is.
+    tracked: Option<(TrackedPoint, [f64; 2])>,
 }
 
 /// Simulates one window.
@@ -128,10 +131,14 @@ impl<'a> Runner<'a> {
         let mut ways = Ways {
             inputs: vec![(0.0, 0.0); self.record.inputs.len()],
             columns: vec![(0.0, 0.0); self.record.measured.len()],
+            tracked: None,
         };
         for (value, target) in theta.iter().zip(&self.compiled.targets) {
             match target {
                 Target::Equations => {}
+                Target::Tracked(point, number) => {
+                    ways.tracked.get_or_insert((*point, [0.0; 2])).1[*number] = *value;
+                }
                 Target::Input(path, inputs) => {
                     for &i in inputs {
                         match path {
@@ -190,6 +197,11 @@ impl<'a> Runner<'a> {
         Ok(())
     }
 
+    /// A tracked point off the centre of mass, and where it is.
+    pub(super) fn tracked(&self) -> Option<(TrackedPoint, [f64; 2])> {
+        self.ways.as_ref()?.tracked
+    }
+
     fn make_schedule(&mut self, ways: &Ways) {
         self.schedule.clear();
         for sample in 0..self.samples() {
@@ -222,6 +234,7 @@ impl<'a> Runner<'a> {
         let start = self.start;
         self.stepper.set_state(start, x0).map_err(|e| Failure { t: start, reason: e.to_string() })?;
         let offsets: Vec<f64> = self.ways.iter().flat_map(|w| w.columns.iter().map(|c| c.1)).collect();
+        let tracked = self.tracked();
         let mut outputs: Option<(f64, Vec<f64>)> = None;
         for reading in &self.schedule {
             if reading.t > self.stepper.time()
@@ -230,8 +243,17 @@ impl<'a> Runner<'a> {
                 return Err(Failure { t, reason: reason.to_string() });
             }
             self.way.marks.push(self.stepper.followed());
+            if let Some((point, _)) = tracked {
+                let x = self.stepper.state();
+                self.way.turns.push((x[point.angle], x[point.spin]));
+            }
             let value = match self.record.measured[reading.column].quantity {
-                Quantity::State(i) => self.stepper.state()[i],
+                Quantity::State(i) => {
+                    let x = self.stepper.state();
+                    let shift =
+                        tracked.map_or(0.0, |(point, d)| point.shift(i, (x[point.angle], x[point.spin]), d).value);
+                    x[i] + shift
+                }
                 Quantity::Output(i) => {
                     if outputs.as_ref().is_none_or(|(t, _)| *t != reading.t) {
                         let x = self.stepper.state().to_vec();
