@@ -1,7 +1,9 @@
 //! Effects of the library leave the dynamics as they are while their amplitudes vanish, and change them as they say.
 #![allow(clippy::unwrap_used, clippy::format_push_string)]
 
-use bracketry_diagnose::{Cause, Change, Effect, Role, candidates, dictionary};
+use bracketry_diagnose::{
+    Cause, Change, Effect, Fit, Record, RecordSettings, Role, Study, StudySettings, candidates, dictionary,
+};
 use bracketry_system::System;
 use bracketry_system::symbolic::{Bindings, Expr, Rational};
 use rand::rngs::SmallRng;
@@ -166,22 +168,37 @@ fn replaced_friction_stays_set_valued() {
 }
 
 #[test]
-fn the_centre_of_mass_is_a_change_of_the_frame() {
-    // Of a body whose centre of mass moves freely, a point at (d, 0) on the body moves on a circle about it.
+fn a_tracked_point_off_the_centre_of_mass_is_found_where_the_body_turns() {
+    // The centre of mass of a free body moves straight on; a point at d on the body circles about it.
     let text = r#"
 states = ["x", "y", "phi", "vx", "vy", "w"]
 dynamics = { x = "vx", y = "vy", phi = "w", vx = "0", vy = "0", w = "0" }
 "#;
-    let mut system = System::parse("free", text).unwrap();
-    let effects = candidates(&system, &[]).unwrap();
-    let com = effects.iter().find(|e| e.cause == Cause::ComOffset).unwrap();
-    com.apply(&mut system).unwrap();
-    system.set_parameter(&com.coefficients[0].name, Rational::try_from(0.5).unwrap());
-    let (arguments, dynamics) = (system.arguments(), system.dynamics.clone());
-    let tape = system.compile(&arguments, &dynamics).unwrap();
-    let mut out = vec![0.0; 6];
-    let (phi, w) = (0.3f64, 2.0);
-    tape.eval(&[1.0, 2.0, phi, 0.1, 0.2, w], &mut Vec::new(), &mut out);
-    assert!((out[3] + w * w * 0.5 * phi.cos()).abs() < 1e-12);
-    assert!((out[4] + w * w * 0.5 * phi.sin()).abs() < 1e-12);
+    let system = System::parse("free", text).unwrap();
+    let d = [0.03, -0.02];
+    let times: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+    // Rounded as a sensor would, a tenth of a millimetre.
+    let column = |f: &dyn Fn(f64) -> f64| times.iter().map(|t| (f(*t) * 1e4).round() * 1e-4).collect::<Vec<f64>>();
+    let phi = |t: f64| 0.3 + 2.0 * t;
+    let columns = [
+        ("x".to_owned(), column(&|t| 0.1 * t + d[0] * phi(t).cos() - d[1] * phi(t).sin())),
+        ("y".to_owned(), column(&|t| 0.2 * t + d[0] * phi(t).sin() + d[1] * phi(t).cos())),
+        ("phi".to_owned(), column(&phi)),
+    ];
+    let (record, _) =
+        Record::from_columns("free", times.clone(), columns.into(), &system, &RecordSettings::default()).unwrap();
+    let effects = candidates(&system, std::slice::from_ref(&record)).unwrap();
+    let com = effects.into_iter().find(|e| e.cause == Cause::ComOffset).unwrap();
+    let study = Study::new(&system, &[record], &StudySettings::default()).unwrap();
+    let every: Vec<usize> = (0..study.windows().len()).collect();
+    let square = |effects: &[Effect]| study.fit(effects, &every, None).unwrap();
+    let (without, with) = (square(&[]), square(&[com]));
+    let over_noise = |fit: &Fit| {
+        let count: usize = fit.windows.iter().map(|w| w.count).sum();
+        fit.windows.iter().map(|w| w.square).sum::<f64>() / count as f64
+    };
+    assert!(over_noise(&with) < 1.2 && over_noise(&without) > 10.0, "{} {}", over_noise(&with), over_noise(&without));
+    for (estimate, d) in with.values.iter().zip(d) {
+        assert!((estimate.value - d).abs() < 5.0 * estimate.std && estimate.std < 1e-3, "{estimate:?}");
+    }
 }

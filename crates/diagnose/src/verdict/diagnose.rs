@@ -137,10 +137,9 @@ pub fn diagnose(
     let mut refuted = None;
     if alarm < settings.significance {
         let mut among = named;
-        let suspicious = chosen.alarm.p_value < settings.significance
-            || chosen.members.len() > 1
-            || chosen.strayed(settings.tolerance) > 0;
-        if suspicious && !chosen.exhausts(&base) {
+        // Structure that is hardly worth a name; several causes or parameters far off that one law may say more simply.
+        let structured = chosen.alarm.p_value < settings.significance && !chosen.exhausts(&base);
+        if structured || chosen.members.len() > 1 || chosen.strayed(settings.tolerance) > 0 {
             let terms = search.extend(dictionary(system, records)?);
             let lists = (among.as_slice(), terms.as_slice());
             if let Some(better) = unnamed(&mut search, &base, &chosen, lists, settings, progress)? {
