@@ -1,0 +1,53 @@
+//! What can be wrong with a robot, a pose or a load.
+
+/// Why a deformation cannot be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StiffnessError {
+    /// A list that does not fit the robot.
+    #[error("{found} {what} for a robot with {joints} joints; give one for each")]
+    Count {
+        /// What is counted.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// Joints of the robot.
+        joints: usize,
+    },
+    /// A number that is not finite.
+    #[error("{what} is {value}; give a finite number")]
+    NotFinite {
+        /// What it is.
+        what: String,
+        /// The number.
+        value: f64,
+    },
+    /// A spring that pushes the wrong way or gives without end.
+    #[error("joint {joint}: {what} is {value}; it must be positive")]
+    NotPositive {
+        /// Number of the joint, from 1.
+        joint: usize,
+        /// Which number of the spring.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// The load bends the robot more than its springs can hold.
+    #[error(
+        "the load has no stable equilibrium near this pose: the springs less what the load does with its lever are not \
+         positive definite (smallest eigenvalue {smallest:.3e} N·m/rad); reduce the load or check the stiffnesses' units"
+    )]
+    Unstable {
+        /// Smallest eigenvalue of the loaded joint stiffness.
+        smallest: f64,
+    },
+    /// The iteration to the loaded equilibrium did not settle.
+    #[error(
+        "no equilibrium under the load after {iterations} iterations, last change {change:.3e} rad; reduce the load"
+    )]
+    NoEquilibrium {
+        /// Iterations made.
+        iterations: usize,
+        /// Largest change of a joint in the last one.
+        change: f64,
+    },
+}
