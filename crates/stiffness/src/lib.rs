@@ -21,6 +21,7 @@ mod error;
 mod frame;
 mod kinematics;
 mod loaded;
+mod payload;
 mod robot;
 mod spring;
 
@@ -29,5 +30,6 @@ pub use error::StiffnessError;
 pub use frame::{Twist, Wrench, displaced, displacement_between, twist_adjoint, wrench_adjoint};
 pub use kinematics::Kinematics;
 pub use loaded::{geometric_stiffness, loaded_compliance};
+pub use payload::{Payload, PayloadError, PayloadEstimate, StaticReading, identify_payload};
 pub use robot::{DhParameters, Joint, JointKind, Robot};
 pub use spring::{JointSpring, Springs};
