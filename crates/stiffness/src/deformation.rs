@@ -32,8 +32,9 @@ impl Deformation {
     /// [`StiffnessError`] for coordinates, springs or a wrench that do not fit.
     pub fn linear(robot: &Robot, springs: &Springs, q: &[f64], wrench: &Wrench) -> Result<Self, StiffnessError> {
         check(robot, springs, q, wrench)?;
-        let unloaded = Bent::new(robot, q, &vec![Twist::zeros(); q.len()]);
-        let yielded = unloaded.yield_to(robot, springs, wrench);
+        let mut yielded = Yielded::none(q.len());
+        let unloaded = Bent::new(robot, q, &yielded.locals);
+        unloaded.yield_to(robot, springs, wrench, &mut yielded);
         // Twists at the origin of the base add up.
         let mut total = Twist::zeros();
         let mut frames = Vec::with_capacity(q.len());
@@ -52,8 +53,9 @@ impl Deformation {
     /// As [`Deformation::linear`].
     pub fn product(robot: &Robot, springs: &Springs, q: &[f64], wrench: &Wrench) -> Result<Self, StiffnessError> {
         check(robot, springs, q, wrench)?;
-        let unloaded = Bent::new(robot, q, &vec![Twist::zeros(); q.len()]);
-        let yielded = unloaded.yield_to(robot, springs, wrench);
+        let mut yielded = Yielded::none(q.len());
+        let unloaded = Bent::new(robot, q, &yielded.locals);
+        unloaded.yield_to(robot, springs, wrench, &mut yielded);
         let bent = Bent::new(robot, q, &yielded.locals);
         Ok(unloaded.moved_to(&bent, yielded.deflections))
     }
@@ -64,16 +66,14 @@ impl Deformation {
     /// As [`Deformation::linear`]; [`StiffnessError::NoEquilibrium`] where the iteration does not settle.
     pub fn equilibrium(robot: &Robot, springs: &Springs, q: &[f64], wrench: &Wrench) -> Result<Self, StiffnessError> {
         check(robot, springs, q, wrench)?;
-        let unloaded = Bent::new(robot, q, &vec![Twist::zeros(); q.len()]);
-        let mut yielded = unloaded.yield_to(robot, springs, wrench);
+        let mut yielded = Yielded::none(q.len());
+        let unloaded = Bent::new(robot, q, &yielded.locals);
+        let mut bent = unloaded.clone();
         let mut change = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
-            let bent = Bent::new(robot, q, &yielded.locals);
-            let next = bent.yield_to(robot, springs, wrench);
-            change = next.locals.iter().zip(&yielded.locals).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
-            yielded = next;
+            change = bent.yield_to(robot, springs, wrench, &mut yielded);
+            bent.update(robot, q, &yielded.locals);
             if change <= SETTLED {
-                let bent = Bent::new(robot, q, &yielded.locals);
                 return Ok(unloaded.moved_to(&bent, yielded.deflections));
             }
         }
@@ -81,37 +81,53 @@ impl Deformation {
     }
 }
 
-/// The frames of a robot whose springs have yielded.
-struct Bent {
+/// The frames of a robot whose springs have yielded. Renewed by [`Bent::update`] without allocation.
+#[derive(Clone, Debug)]
+pub(crate) struct Bent {
     /// Frame of each joint as its springs find it.
     springs: Vec<Isometry3<f64>>,
     /// The same after they have yielded.
     frames: Vec<Isometry3<f64>>,
-    tool: Isometry3<f64>,
+    pub(crate) tool: Isometry3<f64>,
 }
 
 /// What springs do under a load.
-struct Yielded {
-    deflections: Vec<f64>,
+#[derive(Clone, Debug)]
+pub(crate) struct Yielded {
+    pub(crate) deflections: Vec<f64>,
     /// Displacement of each joint's frame in its own axes.
-    locals: Vec<Twist>,
+    pub(crate) locals: Vec<Twist>,
+}
+
+impl Yielded {
+    /// No load.
+    pub(crate) fn none(joints: usize) -> Self {
+        Self { deflections: vec![0.0; joints], locals: vec![Twist::zeros(); joints] }
+    }
 }
 
 impl Bent {
-    fn new(robot: &Robot, q: &[f64], locals: &[Twist]) -> Self {
-        let mut pose = Isometry3::identity();
-        let (mut springs, mut frames) = (Vec::with_capacity(q.len()), Vec::with_capacity(q.len()));
-        for ((joint, q), local) in robot.joints.iter().zip(q).zip(locals) {
-            pose *= joint.placement * joint.motion(*q);
-            springs.push(pose);
-            pose *= displaced(&Isometry3::identity(), local);
-            frames.push(pose);
-        }
-        Self { springs, frames, tool: pose * robot.tool }
+    pub(crate) fn new(robot: &Robot, q: &[f64], locals: &[Twist]) -> Self {
+        let none = vec![Isometry3::identity(); q.len()];
+        let mut bent = Self { springs: none.clone(), frames: none, tool: Isometry3::identity() };
+        bent.update(robot, q, locals);
+        bent
     }
 
-    fn yield_to(&self, robot: &Robot, springs: &Springs, wrench: &Wrench) -> Yielded {
-        let mut yielded = Yielded { deflections: Vec::new(), locals: Vec::new() };
+    pub(crate) fn update(&mut self, robot: &Robot, q: &[f64], locals: &[Twist]) {
+        let mut pose = Isometry3::identity();
+        for (i, joint) in robot.joints.iter().enumerate() {
+            pose *= joint.placement * joint.motion(q[i]);
+            self.springs[i] = pose;
+            pose *= displaced(&Isometry3::identity(), &locals[i]);
+            self.frames[i] = pose;
+        }
+        self.tool = pose * robot.tool;
+    }
+
+    /// What the springs do at these frames; gives the largest change against what `yielded` held.
+    pub(crate) fn yield_to(&self, robot: &Robot, springs: &Springs, wrench: &Wrench, yielded: &mut Yielded) -> f64 {
+        let mut change: f64 = 0.0;
         for (i, (joint, frame)) in robot.joints.iter().zip(&self.springs).enumerate() {
             let here = wrench_in(frame, &self.tool.translation.vector, wrench);
             let rows = match joint.kind {
@@ -123,10 +139,11 @@ impl Bent {
             let mut local = springs.links.get(i).map_or(Twist::zeros(), |link| link * here);
             let mut along = local.fixed_rows_mut::<3>(rows);
             along += joint.axis.into_inner() * deflection;
-            yielded.deflections.push(deflection);
-            yielded.locals.push(local);
+            change = change.max((local - yielded.locals[i]).amax());
+            yielded.deflections[i] = deflection;
+            yielded.locals[i] = local;
         }
-        yielded
+        change
     }
 
     fn moved_to(&self, bent: &Bent, deflections: Vec<f64>) -> Deformation {

@@ -50,4 +50,14 @@ pub enum StiffnessError {
         /// Largest change of a joint in the last one.
         change: f64,
     },
+    /// The robot does not get to a pose.
+    #[error(
+        "no joint coordinates for the pose after {iterations} iterations, {missing:.3e} m away; is it within reach?"
+    )]
+    NoPose {
+        /// Iterations made.
+        iterations: usize,
+        /// Distance from the pose in m.
+        missing: f64,
+    },
 }

@@ -16,15 +16,21 @@
 //! assert!((bent.tool[1] - 0.01).abs() < 1e-12);
 //! ```
 
+mod compensate;
 mod deformation;
 mod error;
 mod frame;
+mod inverse;
 mod kinematics;
 mod loaded;
 mod payload;
 mod robot;
 mod spring;
 
+pub use compensate::{
+    CompensationError, CompensationSettings, Compensator, Correction, Fault, FilterOrder, ForceSensor, Stability, Status,
+    WrenchFilter, stability,
+};
 pub use deformation::Deformation;
 pub use error::StiffnessError;
 pub use frame::{Twist, Wrench, displaced, displacement_between, twist_adjoint, wrench_adjoint};
