@@ -28,8 +28,9 @@ mod robot;
 mod spring;
 
 pub use compensate::{
-    CompensationError, CompensationSettings, Compensator, Correction, Fault, FilterOrder, ForceSensor, Stability, Status,
-    WrenchFilter, stability,
+    CircleRun, CircleSample, CompensationError, CompensationSettings, Compensator, Correction, Cutting, Fault,
+    FilterOrder, ForceSensor, LostMotion, LostMotionReport, MillingCircle, PathError, ResidualSample, Stability,
+    Status, WrenchFilter, explain_residual, stability,
 };
 pub use deformation::Deformation;
 pub use error::StiffnessError;

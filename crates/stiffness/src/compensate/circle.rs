@@ -1,0 +1,385 @@
+//! A milled circle, simulated: what the compensation is worth.
+
+use super::compensator::{Compensator, Status};
+use super::cutting::{Cutting, Directions};
+use super::settings::{CompensationError, ForceSensor, positive};
+use super::stability::{Stability, stability};
+use crate::deformation::{Bent, Yielded};
+use crate::error::StiffnessError;
+use crate::frame::{Wrench, wrench_in};
+use crate::kinematics::Kinematics;
+use crate::loaded::loaded_compliance;
+use crate::payload::{Payload, PayloadError, PayloadEstimate, StaticReading, identify_payload};
+use crate::robot::Robot;
+use crate::spring::Springs;
+use nalgebra::{Isometry3, Vector3};
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+/// Error of the depth of cut at which the process and the springs agree (m).
+const DEPTH_FOUND: f64 = 1e-10;
+/// Most evaluations to the depth of cut.
+const MOST_DEPTHS: usize = 80;
+/// Most passes to the loaded equilibrium, and the change (m, rad) that ends them.
+const MOST_PASSES: usize = 60;
+const SETTLED: f64 = 1e-12;
+
+/// A circle that a robot mills in the plane across its tool, from the inside of the material.
+///
+/// The robot follows its command after a pure lag; its springs are in equilibrium with the cutting force at every sample
+/// (no vibration), which depends on the depth of cut and thereby on where the tool really is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MillingCircle {
+    /// Pose of the tool point at the centre of the circle; its z axis points into the work.
+    pub centre: Isometry3<f64>,
+    /// Radius (m).
+    pub radius: f64,
+    /// Speed along the circle (m/s).
+    pub feed: f64,
+    /// Angle that is milled before the circle counts (rad).
+    pub run_in: f64,
+    /// Control period (s).
+    pub period: f64,
+    /// Lag from command to motion (s), rounded to whole periods.
+    pub lag: f64,
+    /// The cutting force.
+    pub cutting: Cutting,
+    /// The force sensor.
+    pub sensor: ForceSensor,
+    /// What the sensor really carries, and its bias.
+    pub payload: Payload,
+    /// Gravity in base axes (m/s²).
+    pub gravity: Vector3<f64>,
+    /// Standard deviation of the sensor's noise per sample: force (N), moment (N·m).
+    pub noise: [f64; 2],
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+/// A sample on the circle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CircleSample {
+    /// Time since the circle counts (s).
+    pub time: f64,
+    /// Angle of the point that the tool is to be at (rad).
+    pub angle: f64,
+    /// That point: the reference, one lag ago (m, base axes).
+    pub reference: Vector3<f64>,
+    /// Where the tool point is.
+    pub actual: Vector3<f64>,
+    /// Distance from the centre, in the plane, less the radius (m).
+    pub radial_error: f64,
+    /// Distance of the two points (m).
+    pub point_error: f64,
+    /// True wrench of the process at the tool point, in base axes.
+    pub wrench: Wrench,
+    /// Measured coordinates of the joints (rad).
+    pub coordinates: Vec<f64>,
+    /// Displacement of the tool point by the springs (m, base axes).
+    pub displacement: Vector3<f64>,
+    /// What the compensation said at this sample.
+    pub status: Status,
+}
+
+/// Root mean square and largest magnitude of an error along a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathError {
+    /// Root mean square (m).
+    pub rms: f64,
+    /// Largest magnitude (m).
+    pub max: f64,
+}
+
+impl PathError {
+    fn of(errors: impl Iterator<Item = f64>) -> Self {
+        let (mut count, mut squares, mut max) = (0usize, 0.0, 0.0f64);
+        for error in errors {
+            count += 1;
+            squares += error * error;
+            max = max.max(error.abs());
+        }
+        Self { rms: (squares / count.max(1) as f64).sqrt(), max }
+    }
+
+    /// The share by which the root mean square is less than that of `before`.
+    pub fn reduction_from(&self, before: &Self) -> f64 {
+        1.0 - self.rms / before.rms
+    }
+}
+
+/// A milled circle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CircleRun {
+    /// Samples of one turn.
+    pub samples: Vec<CircleSample>,
+}
+
+impl CircleRun {
+    /// Error of the radius.
+    pub fn radial(&self) -> PathError {
+        PathError::of(self.samples.iter().map(|s| s.radial_error))
+    }
+
+    /// Error from point to point.
+    pub fn point(&self) -> PathError {
+        PathError::of(self.samples.iter().map(|s| s.point_error))
+    }
+
+    /// Samples at which the compensation was limited or held.
+    pub fn limited(&self) -> usize {
+        self.samples.iter().filter(|s| !s.status.is_good()).count()
+    }
+}
+
+impl MillingCircle {
+    /// References of the joints (rad), one per period, by inverse kinematics from near `start`.
+    ///
+    /// # Errors
+    /// [`CompensationError`] where the circle cannot be reached or its numbers make none.
+    pub fn path(&self, robot: &Robot, start: &[f64]) -> Result<Vec<Vec<f64>>, CompensationError> {
+        for (what, value) in [("the radius", self.radius), ("the feed", self.feed), ("the control period", self.period)]
+        {
+            positive(what, value)?;
+        }
+        self.cutting.check()?;
+        let samples =
+            ((self.run_in + TAU) * self.radius / (self.feed * self.period)).ceil() as usize + self.lag_periods();
+        let mut path: Vec<Vec<f64>> = Vec::with_capacity(samples + 1);
+        for k in 0..=samples {
+            let near = path.last().map_or(start, Vec::as_slice);
+            path.push(robot.inverse(&self.reference(self.angle(k)), near)?);
+        }
+        Ok(path)
+    }
+
+    /// The payload as readings at rest find it, each the mean of `count` samples, with the robot at the given coordinates.
+    ///
+    /// # Errors
+    /// [`PayloadError`] as [`identify_payload`].
+    pub fn weigh(&self, robot: &Robot, poses: &[Vec<f64>], count: usize) -> Result<PayloadEstimate, PayloadError> {
+        let mut noise = Noise::new(self, self.seed.wrapping_add(1), 1.0 / (count.max(1) as f64).sqrt());
+        let readings: Result<Vec<StaticReading>, PayloadError> = poses
+            .iter()
+            .enumerate()
+            .map(|(i, q)| {
+                let tool = robot.tool_pose(q).map_err(|source| PayloadError::Reading { reading: i + 1, source })?;
+                let orientation = (tool * self.sensor.pose).rotation;
+                let wrench = self.payload.reading(&orientation, &self.gravity) + noise.sample();
+                Ok(StaticReading { orientation, wrench })
+            })
+            .collect();
+        identify_payload(&readings?, &self.gravity)
+    }
+
+    /// Largest gains of the loop through the process along the circle, for a robot of `springs` and a compensation that
+    /// believes in `modelled`.
+    ///
+    /// # Errors
+    /// [`CompensationError`] for springs that do not fit the robot.
+    pub fn stability(
+        &self,
+        robot: &Robot,
+        path: &[Vec<f64>],
+        springs: &Springs,
+        modelled: &Springs,
+    ) -> Result<Stability, CompensationError> {
+        let mut worst = Stability { process: 0.0, compensation: 0.0, process_holds: true };
+        for (k, q) in path.iter().enumerate().step_by((path.len() / 72).max(1)) {
+            let kinematics = Kinematics::new(robot, q)?;
+            let load = self.cutting.wrench(&self.directions(self.angle(k)), self.cutting.depth, 0.0);
+            let compliance = loaded_compliance(robot, springs, &kinematics, &load)?;
+            let believed = loaded_compliance(robot, modelled, &kinematics, &load)?;
+            let here = stability(&self.cutting.stiffness(&self.directions(self.angle(k))), &compliance, &believed)?;
+            worst.process = worst.process.max(here.process);
+            worst.compensation = worst.compensation.max(here.compensation);
+            worst.process_holds &= here.process_holds;
+        }
+        Ok(worst)
+    }
+
+    /// Mills the circle along `path` with a robot whose true springs are `springs`; without a compensator as it is.
+    ///
+    /// # Errors
+    /// [`CompensationError`] for a path or springs that do not fit, or a process that pulls the tool in without end.
+    pub fn mill(
+        &self,
+        robot: &Robot,
+        path: &[Vec<f64>],
+        springs: &Springs,
+        mut compensator: Option<Compensator>,
+    ) -> Result<CircleRun, CompensationError> {
+        let joints = robot.joints.len();
+        springs.check(joints)?;
+        for q in path {
+            robot.check("coordinates", q)?;
+        }
+        let lag = self.lag_periods();
+        let mut noise = Noise::new(self, self.seed, 1.0);
+        let mut plant = Plant::new(robot, springs);
+        let mut commands: Vec<Vec<f64>> = Vec::with_capacity(path.len());
+        let mut run = CircleRun { samples: Vec::new() };
+        for k in 0..path.len() {
+            let sent = k.checked_sub(lag);
+            let moved = sent.map_or(&path[0], |at| &commands[at]);
+            let angle = self.angle(sent.unwrap_or(0));
+            let time = k as f64 * self.period;
+            let wrench = plant.cut(self, moved, angle, time)?;
+            let coordinates = moved.clone();
+            let tool = plant.bent.tool;
+            let reading = self.reading(&tool, &wrench) + noise.sample();
+            let (command, status) = match &mut compensator {
+                None => (path[k].clone(), Status::default()),
+                Some(compensator) => {
+                    let corrected = compensator.step(&coordinates, &reading, &path[k]);
+                    (corrected.reference.to_vec(), corrected.status)
+                }
+            };
+            commands.push(command);
+            if angle >= 0.0 && sent.is_some() {
+                let actual = tool.translation.vector;
+                let unloaded = robot.tool_pose(&coordinates)?.translation.vector;
+                let reference = self.reference(angle).translation.vector;
+                run.samples.push(CircleSample {
+                    time: angle * self.radius / self.feed,
+                    angle,
+                    reference,
+                    actual,
+                    radial_error: self.distance(&actual) - self.radius,
+                    point_error: (actual - reference).norm(),
+                    wrench,
+                    displacement: actual - unloaded,
+                    coordinates,
+                    status,
+                });
+            }
+        }
+        Ok(run)
+    }
+
+    fn lag_periods(&self) -> usize {
+        (self.lag / self.period).round().max(0.0) as usize
+    }
+
+    fn angle(&self, k: usize) -> f64 {
+        k as f64 * self.period * self.feed / self.radius - self.run_in
+    }
+
+    fn directions(&self, angle: f64) -> Directions {
+        let axes = self.centre.rotation;
+        Directions {
+            outwards: axes * Vector3::new(angle.cos(), angle.sin(), 0.0),
+            feed: axes * Vector3::new(-angle.sin(), angle.cos(), 0.0),
+            tool: axes * Vector3::z(),
+        }
+    }
+
+    fn reference(&self, angle: f64) -> Isometry3<f64> {
+        let point = self.centre.translation.vector + self.radius * self.directions(angle).outwards;
+        Isometry3::from_parts(point.into(), self.centre.rotation)
+    }
+
+    /// Distance from the centre in the plane of the circle.
+    fn distance(&self, point: &Vector3<f64>) -> f64 {
+        let local = self.centre.rotation.inverse() * (point - self.centre.translation.vector);
+        local.x.hypot(local.y)
+    }
+
+    /// What the sensor reads without noise.
+    fn reading(&self, tool: &Isometry3<f64>, wrench: &Wrench) -> Wrench {
+        let sensor = tool * self.sensor.pose;
+        wrench_in(&sensor, &tool.translation.vector, wrench) + self.payload.reading(&sensor.rotation, &self.gravity)
+    }
+}
+
+/// The true robot: its springs in equilibrium with the process.
+struct Plant<'a> {
+    robot: &'a Robot,
+    springs: &'a Springs,
+    bent: Bent,
+    yielded: Yielded,
+    /// Depth of cut found last (m), and how fast what was missing fell with it.
+    depth: f64,
+    slope: f64,
+}
+
+impl<'a> Plant<'a> {
+    fn new(robot: &'a Robot, springs: &'a Springs) -> Self {
+        let joints = robot.joints.len();
+        let yielded = Yielded::none(joints);
+        let bent = Bent::new(robot, &vec![0.0; joints], &yielded.locals);
+        Self { robot, springs, bent, yielded, depth: 0.0, slope: -1.0 }
+    }
+
+    /// The loaded tool point under a wrench.
+    fn settle(&mut self, q: &[f64], wrench: &Wrench) -> Result<(), StiffnessError> {
+        let mut change = f64::INFINITY;
+        for _ in 0..MOST_PASSES {
+            self.bent.update(self.robot, q, &self.yielded.locals);
+            change = self.bent.yield_to(self.robot, self.springs, wrench, &mut self.yielded);
+            if change <= SETTLED {
+                return Ok(());
+            }
+        }
+        Err(StiffnessError::NoEquilibrium { iterations: MOST_PASSES, change })
+    }
+
+    /// The depth of cut at which the tool stands where the force of that depth puts it, by secants within a bracket; gives the wrench.
+    fn cut(&mut self, circle: &MillingCircle, q: &[f64], angle: f64, time: f64) -> Result<Wrench, CompensationError> {
+        let at = circle.directions(angle);
+        let cutting = &circle.cutting;
+        // The root lies above `low` (out of the material below 0) and below `high`.
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let mut last: Option<(f64, f64)> = None;
+        let mut depth = self.depth;
+        for _ in 0..MOST_DEPTHS {
+            self.settle(q, &cutting.wrench(&at, depth, time))?;
+            let outside = circle.distance(&self.bent.tool.translation.vector) - circle.radius;
+            let gap = cutting.depth + outside - depth;
+            if gap.abs() <= DEPTH_FOUND || (depth == 0.0 && gap < 0.0) {
+                self.depth = depth;
+                return Ok(cutting.wrench(&at, depth, time));
+            }
+            if let Some((before, gap_before)) = last {
+                self.slope = (gap - gap_before) / (depth - before);
+            }
+            last = Some((depth, gap));
+            if gap > 0.0 {
+                low = depth;
+            } else {
+                high = depth;
+            }
+            let next = depth - gap / self.slope;
+            depth = if next > low && next < high && self.slope < 0.0 {
+                next
+            } else if high.is_infinite() {
+                2.0 * depth + cutting.depth
+            } else if low == 0.0 && next <= 0.0 {
+                0.0
+            } else {
+                0.5 * (low + high)
+            };
+        }
+        Err(CompensationError::NoDepth { angle })
+    }
+}
+
+/// Noise of a force sensor.
+struct Noise {
+    random: StdRng,
+    deviation: [f64; 2],
+}
+
+impl Noise {
+    fn new(circle: &MillingCircle, seed: u64, scale: f64) -> Self {
+        Self { random: StdRng::seed_from_u64(seed), deviation: circle.noise.map(|n| n * scale) }
+    }
+
+    fn sample(&mut self) -> Wrench {
+        Wrench::from_fn(|i, _| {
+            let z: f64 = StandardNormal.sample(&mut self.random);
+            z * self.deviation[i / 3]
+        })
+    }
+}
