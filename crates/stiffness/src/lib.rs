@@ -18,7 +18,9 @@
 
 mod compensate;
 mod deformation;
+mod document;
 mod error;
+mod file;
 mod frame;
 mod inverse;
 mod kinematics;
@@ -26,6 +28,7 @@ mod loaded;
 mod payload;
 mod robot;
 mod spring;
+mod urdf;
 
 pub use compensate::{
     CircleRun, CircleSample, CompensationError, CompensationSettings, Compensator, Correction, Cutting, Fault,
@@ -33,10 +36,13 @@ pub use compensate::{
     Status, WrenchFilter, explain_residual, stability,
 };
 pub use deformation::Deformation;
+pub use document::RobotFileError;
 pub use error::StiffnessError;
+pub use file::{NoiseLevels, RobotFile};
 pub use frame::{Twist, Wrench, displaced, displacement_between, twist_adjoint, wrench_adjoint};
 pub use kinematics::Kinematics;
 pub use loaded::{geometric_stiffness, loaded_compliance};
 pub use payload::{Payload, PayloadError, PayloadEstimate, StaticReading, identify_payload};
 pub use robot::{DhParameters, Joint, JointKind, Robot};
 pub use spring::{JointSpring, Springs};
+pub use urdf::UrdfError;

@@ -1,0 +1,367 @@
+//! Robot files: kinematics, springs, sensor, payload and compensation in TOML.
+
+use crate::compensate::{CompensationSettings, FilterOrder, ForceSensor};
+use crate::document::{Document, Plausible, RobotFileError, Table, read_text};
+use crate::frame::Wrench;
+use crate::payload::Payload;
+use crate::robot::{DhParameters, Robot};
+use crate::spring::{JointSpring, Springs};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::path::Path;
+use toml::de::DeValue;
+
+const LENGTH: Plausible = Plausible::new(-20.0, 20.0, "m", "give lengths in m, not mm");
+const DEGREES: Plausible = Plausible::new(-360.0, 360.0, "degrees", "give the angle in degrees");
+const STIFFNESS: Plausible =
+    Plausible::new(1.0, 1e11, "N·m/rad", "give the stiffness in N·m/rad (N/m where the joint slides)");
+const CUBIC: Plausible = Plausible::new(0.0, 1e20, "N·m/rad³", "leave it out for a linear spring");
+const GAP: Plausible =
+    Plausible::new(0.0, 0.05, "rad", "give the lost motion from flank to flank in rad: 1' is 2.9e-4");
+const TORQUE: Plausible = Plausible::new(1e-6, 1e6, "N·m", "give the torque at which the flanks engage in N·m");
+const DEVIATION_LENGTH: Plausible = Plausible::new(1e-9, 0.01, "m", "give a standard deviation in m: 20 µm is 20e-6");
+const DEVIATION_ANGLE: Plausible =
+    Plausible::new(1e-9, 0.1, "rad", "give a standard deviation in rad: 50 µrad is 50e-6");
+const DEVIATION_LOAD: Plausible = Plausible::new(1e-6, 1e4, "N or N·m", "give a standard deviation in N or N·m");
+const MASS: Plausible = Plausible::new(0.0, 5000.0, "kg", "give the mass in kg");
+const LOAD: Plausible = Plausible::new(-1e6, 1e6, "N or N·m", "give forces in N, moments in N·m");
+const RANGE: Plausible = Plausible::new(1e-3, 1e7, "N or N·m", "give the sensor's range in N or N·m");
+const PERIOD: Plausible = Plausible::new(1e-6, 1.0, "s", "give the period in s: 4 ms is 0.004");
+const CUTOFF: Plausible = Plausible::new(1e-3, 1e5, "Hz", "give the cutoff in Hz");
+const LIMIT: Plausible = Plausible::new(1e-9, 0.2, "rad", "give the limit in rad: 10 mrad is 0.01");
+const RATE: Plausible = Plausible::new(1e-9, 100.0, "rad/s", "give the limit in rad/s");
+const GRAVITY: Plausible = Plausible::new(-20.0, 20.0, "m/s²", "give gravity in base axes in m/s², as [0, 0, -9.81]");
+const STEPS: Plausible = Plausible::new(0.0, 10.0, "steps", "two are enough");
+const ORDER: Plausible = Plausible::new(1.0, 2.0, "poles", "write order = 1 or order = 2");
+
+const TOP_KEYS: [&str; 11] =
+    ["name", "convention", "urdf", "base", "tip", "joint", "tool", "sensor", "payload", "noise", "compensation"];
+const DH_KEYS: [&str; 9] = ["name", "alpha_deg", "a", "d", "offset_deg", "stiffness", "cubic", "gap", "engaged"];
+const URDF_KEYS: [&str; 5] = ["name", "stiffness", "cubic", "gap", "engaged"];
+
+/// Standard deviations of what is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseLevels {
+    /// Of a translation (m).
+    pub translation: f64,
+    /// Of a rotation (rad).
+    pub rotation: f64,
+    /// Of a force (N).
+    pub force: f64,
+    /// Of a moment (N·m).
+    pub moment: f64,
+}
+
+impl Default for NoiseLevels {
+    /// 20 µm, 50 µrad, 2 N, 0.5 N·m.
+    fn default() -> Self {
+        Self { translation: 20e-6, rotation: 50e-6, force: 2.0, moment: 0.5 }
+    }
+}
+
+/// What a robot file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotFile {
+    /// The robot with its tool.
+    pub robot: Robot,
+    /// Springs of its joints, where the file gives them.
+    pub springs: Option<Springs>,
+    /// The force sensor, where it has one.
+    pub sensor: Option<ForceSensor>,
+    /// What the sensor carries.
+    pub payload: Payload,
+    /// Noise of measurement.
+    pub noise: NoiseLevels,
+    /// Settings of the compensation.
+    pub compensation: CompensationSettings,
+}
+
+impl RobotFile {
+    /// Reads a robot file; a URDF description that it names is looked for beside it.
+    ///
+    /// # Errors
+    /// [`RobotFileError`] with file, line and remedy.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
+        let path = path.as_ref();
+        let text = read_text(path)?;
+        Self::parse(&path.display().to_string(), &text, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// A robot from the text of a file of that name; `folder` is where URDF descriptions are looked for.
+    ///
+    /// # Errors
+    /// As [`RobotFile::read`].
+    pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, RobotFileError> {
+        let document = Document { file, text };
+        let table = document.table()?;
+        document.only_keys(&table, &TOP_KEYS, "a robot file")?;
+        let joints = joint_tables(&document, &table)?;
+        let mut robot = if table.contains_key("urdf") {
+            from_urdf(&document, &table, &joints, folder)?
+        } else {
+            from_dh(&document, &table, &joints)?
+        };
+        if let Some(name) = document.text(&table, "name")? {
+            robot.name = name;
+        }
+        for (joint, given) in robot.joints.iter_mut().zip(&joints) {
+            if let Some(name) = document.text(given, "name")? {
+                joint.name = name;
+            }
+        }
+        let springs = springs(&document, &robot, &joints)?;
+        let tool = match document.sub_table(&table, "tool")? {
+            None => Isometry3::identity(),
+            Some(tool) => {
+                document.only_keys(tool, &["position", "rpy_deg"], "[tool]")?;
+                pose(&document, tool)?
+            }
+        };
+        Ok(Self {
+            robot: robot.with_tool(tool),
+            springs,
+            sensor: sensor(&document, &table, &tool)?,
+            payload: payload(&document, &table)?,
+            noise: noise(&document, &table)?,
+            compensation: compensation(&document, &table)?,
+        })
+    }
+}
+
+/// The entries of `[[joint]]`.
+fn joint_tables<'t, 'i>(document: &Document<'_>, table: &'t Table<'i>) -> Result<Vec<&'t Table<'i>>, RobotFileError> {
+    let remedy = "write one [[joint]] for each joint, from the base on";
+    let Some(value) = table.get("joint") else { return Ok(Vec::new()) };
+    let wrong = |span| document.at(span, "`joint` must be a list of tables", remedy);
+    let DeValue::Array(entries) = value.get_ref() else { return Err(wrong(value.span())) };
+    entries
+        .iter()
+        .map(|entry| match entry.get_ref() {
+            DeValue::Table(t) => Ok(t),
+            _ => Err(wrong(entry.span())),
+        })
+        .collect()
+}
+
+fn from_dh(document: &Document<'_>, table: &Table<'_>, joints: &[&Table<'_>]) -> Result<Robot, RobotFileError> {
+    let Some(convention) = document.text(table, "convention")? else {
+        let remedy = "write convention = \"modified\" or \"standard\" for Denavit–Hartenberg parameters, or urdf = \"robot.urdf\"";
+        return Err(document.whole("says nothing about the kinematics", remedy));
+    };
+    for key in ["base", "tip"] {
+        if let Some((key, _)) = table.get_key_value(key) {
+            return Err(document.at(key.span(), "base and tip belong to a URDF description", "remove it"));
+        }
+    }
+    if joints.is_empty() {
+        return Err(document.whole("has no joints", "write one [[joint]] for each joint, from the base on"));
+    }
+    let rows: Vec<DhParameters> = joints.iter().map(|joint| dh_row(document, joint)).collect::<Result<_, _>>()?;
+    match convention.as_str() {
+        "modified" => Ok(Robot::from_modified_dh("robot", &rows)),
+        "standard" => Ok(Robot::from_standard_dh("robot", &rows)),
+        _ => {
+            let span = table.get("convention").map_or(0..0, toml::Spanned::span);
+            Err(document.at(
+                span,
+                format!("`{convention}` is no convention"),
+                "write \"modified\" (Craig) or \"standard\"",
+            ))
+        }
+    }
+}
+
+fn dh_row(document: &Document<'_>, joint: &Table<'_>) -> Result<DhParameters, RobotFileError> {
+    document.only_keys(joint, &DH_KEYS, "[[joint]]")?;
+    let length = |key| Ok(document.optional(joint, key, &LENGTH)?.unwrap_or(0.0));
+    let angle = |key: &str| {
+        let Some(value) = joint.get(key) else { return Ok(0.0) };
+        let degrees = document.number(value, key, &DEGREES)?;
+        // A quarter or half turn to the digits that people write is no angle in degrees.
+        for (radians, instead) in [(std::f64::consts::FRAC_PI_2, 90), (std::f64::consts::PI, 180)] {
+            if (degrees.abs() - radians).abs() < 1e-3 {
+                let sign = if degrees < 0.0 { "-" } else { "" };
+                let remedy = format!("this key is in degrees: write {key} = {sign}{instead}");
+                return Err(document.at(
+                    value.span(),
+                    format!("`{key}` is {degrees}, which looks like radians"),
+                    remedy,
+                ));
+            }
+        }
+        Ok(degrees.to_radians())
+    };
+    Ok(DhParameters { alpha: angle("alpha_deg")?, a: length("a")?, d: length("d")?, offset: angle("offset_deg")? })
+}
+
+fn from_urdf(
+    document: &Document<'_>,
+    table: &Table<'_>,
+    joints: &[&Table<'_>],
+    folder: &Path,
+) -> Result<Robot, RobotFileError> {
+    if let Some((key, _)) = table.get_key_value("convention") {
+        return Err(document.at(key.span(), "both `urdf` and `convention`", "keep the one that describes the robot"));
+    }
+    for joint in joints {
+        document.only_keys(joint, &URDF_KEYS, "[[joint]] beside a URDF description")?;
+    }
+    let name = document.text(table, "urdf")?.unwrap_or_default();
+    let text = read_text(&folder.join(&name))?;
+    let (base, tip) = (document.text(table, "base")?, document.text(table, "tip")?);
+    let robot = Robot::from_urdf(&text, base.as_deref(), tip.as_deref()).map_err(|e| {
+        let span = table.get("urdf").map_or(0..0, toml::Spanned::span);
+        document.at(span, format!("{name}: {e}"), "write base = \"…\" and tip = \"…\" with the links of the chain")
+    })?;
+    if !joints.is_empty() && joints.len() != robot.joints.len() {
+        let names: Vec<&str> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
+        let message = format!("{} [[joint]] entries for {} joints", joints.len(), names.len());
+        return Err(document.whole(message, format!("write one for each, in this order: {}", names.join(", "))));
+    }
+    Ok(robot)
+}
+
+/// The springs, given for all joints or for none.
+fn springs(document: &Document<'_>, robot: &Robot, joints: &[&Table<'_>]) -> Result<Option<Springs>, RobotFileError> {
+    let mut springs = Vec::with_capacity(joints.len());
+    for joint in joints {
+        if let Some(spring) = spring(document, joint)? {
+            springs.push(spring);
+        }
+    }
+    if springs.is_empty() {
+        return Ok(None);
+    }
+    if springs.len() != robot.joints.len() {
+        let missing = joints.iter().position(|joint| !joint.contains_key("stiffness")).unwrap_or(0);
+        let message = format!("joint {} ({}) has no stiffness", missing + 1, robot.joints[missing].name);
+        return Err(document.whole(message, "give `stiffness` for every joint or for none"));
+    }
+    Ok(Some(Springs::of_joints(springs)))
+}
+
+fn spring(document: &Document<'_>, joint: &Table<'_>) -> Result<Option<JointSpring>, RobotFileError> {
+    let Some(stiffness) = document.optional(joint, "stiffness", &STIFFNESS)? else {
+        return match ["cubic", "gap", "engaged"].iter().find_map(|key| joint.get_key_value(*key)) {
+            None => Ok(None),
+            Some((key, _)) => {
+                Err(document.at(key.span(), format!("`{}` without `stiffness`", key.get_ref()), "give both"))
+            }
+        };
+    };
+    let cubic = document.optional(joint, "cubic", &CUBIC)?;
+    let gap = document.optional(joint, "gap", &GAP)?;
+    let engaged = document.optional(joint, "engaged", &TORQUE)?;
+    let place = |key: &str| joint.get_key_value(key).map_or(0..0, |(key, _)| key.span());
+    match (cubic, gap, engaged) {
+        (None, None, None) => Ok(Some(JointSpring::linear(stiffness))),
+        (Some(cubic), None, None) => Ok(Some(JointSpring::Stiffening { stiffness, cubic })),
+        (None, Some(gap), Some(engaged)) => Ok(Some(JointSpring::Backlash { stiffness, gap, engaged })),
+        (Some(_), ..) => Err(document.at(
+            place("cubic"),
+            "a spring with `cubic` and lost motion",
+            "keep `cubic`, or `gap` with `engaged`",
+        )),
+        (None, Some(_), None) => Err(document.at(
+            place("gap"),
+            "`gap` without `engaged`",
+            "give the torque (N·m) from which on the flanks are engaged",
+        )),
+        (None, None, Some(_)) => {
+            Err(document.at(place("engaged"), "`engaged` without `gap`", "give the lost motion `gap` in rad"))
+        }
+    }
+}
+
+fn pose(document: &Document<'_>, table: &Table<'_>) -> Result<Isometry3<f64>, RobotFileError> {
+    let [x, y, z] = document.numbers(table, "position", &LENGTH)?.unwrap_or_default();
+    let [roll, pitch, yaw] =
+        document.numbers::<3>(table, "rpy_deg", &DEGREES)?.unwrap_or_default().map(f64::to_radians);
+    Ok(Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_euler_angles(roll, pitch, yaw)))
+}
+
+fn sensor(
+    document: &Document<'_>,
+    table: &Table<'_>,
+    tool: &Isometry3<f64>,
+) -> Result<Option<ForceSensor>, RobotFileError> {
+    let Some(sensor) = document.sub_table(table, "sensor")? else { return Ok(None) };
+    document.only_keys(sensor, &["position", "rpy_deg", "force_range", "moment_range"], "[sensor]")?;
+    let range = |key: &str| {
+        document.optional(sensor, key, &RANGE)?.ok_or_else(|| {
+            document.whole(format!("[sensor] has no `{key}`"), "give the largest reading that counts, in N or N·m")
+        })
+    };
+    // In the file both poses are in the frame that ends the robot.
+    let pose = tool.inverse() * pose(document, sensor)?;
+    Ok(Some(ForceSensor { pose, force_range: range("force_range")?, moment_range: range("moment_range")? }))
+}
+
+fn payload(document: &Document<'_>, table: &Table<'_>) -> Result<Payload, RobotFileError> {
+    let Some(payload) = document.sub_table(table, "payload")? else { return Ok(Payload::none()) };
+    document.only_keys(payload, &["mass", "centre", "bias"], "[payload]")?;
+    Ok(Payload {
+        mass: document.optional(payload, "mass", &MASS)?.unwrap_or(0.0),
+        centre: Vector3::from(document.numbers(payload, "centre", &LENGTH)?.unwrap_or_default()),
+        bias: Wrench::from(document.numbers(payload, "bias", &LOAD)?.unwrap_or_default()),
+    })
+}
+
+fn noise(document: &Document<'_>, table: &Table<'_>) -> Result<NoiseLevels, RobotFileError> {
+    let mut levels = NoiseLevels::default();
+    let Some(noise) = document.sub_table(table, "noise")? else { return Ok(levels) };
+    document.only_keys(noise, &["translation", "rotation", "force", "moment"], "[noise]")?;
+    for (key, level, range) in [
+        ("translation", &mut levels.translation, &DEVIATION_LENGTH),
+        ("rotation", &mut levels.rotation, &DEVIATION_ANGLE),
+        ("force", &mut levels.force, &DEVIATION_LOAD),
+        ("moment", &mut levels.moment, &DEVIATION_LOAD),
+    ] {
+        *level = document.optional(noise, key, range)?.unwrap_or(*level);
+    }
+    Ok(levels)
+}
+
+fn compensation(document: &Document<'_>, table: &Table<'_>) -> Result<CompensationSettings, RobotFileError> {
+    let mut settings = CompensationSettings::default();
+    let Some(given) = document.sub_table(table, "compensation")? else { return Ok(settings) };
+    let known = ["period", "cutoff", "order", "newton_steps", "correction_limit", "rate_limit", "gravity"];
+    document.only_keys(given, &known, "[compensation]")?;
+    for (key, setting, range) in [
+        ("period", &mut settings.period, &PERIOD),
+        ("cutoff", &mut settings.cutoff, &CUTOFF),
+        ("correction_limit", &mut settings.correction_limit, &LIMIT),
+        ("rate_limit", &mut settings.rate_limit, &RATE),
+    ] {
+        *setting = document.optional(given, key, range)?.unwrap_or(*setting);
+    }
+    if let Some(steps) = whole(document, given, "newton_steps", &STEPS)? {
+        settings.newton_steps = steps;
+    }
+    if let Some(order) = whole(document, given, "order", &ORDER)? {
+        settings.order = if order == 1 { FilterOrder::First } else { FilterOrder::Second };
+    }
+    if let Some(gravity) = document.numbers(given, "gravity", &GRAVITY)? {
+        settings.gravity = Vector3::from(gravity);
+    }
+    if settings.cutoff * settings.period >= 0.5 {
+        let span = given.get("cutoff").or(given.get("period")).map_or(0..0, toml::Spanned::span);
+        let message = format!("a cutoff of {} Hz at a period of {} s", settings.cutoff, settings.period);
+        return Err(document.at(span, message, "the cutoff must lie below half the sampling rate"));
+    }
+    Ok(settings)
+}
+
+/// A whole number.
+fn whole(
+    document: &Document<'_>,
+    table: &Table<'_>,
+    key: &str,
+    range: &Plausible,
+) -> Result<Option<usize>, RobotFileError> {
+    let Some(value) = table.get(key) else { return Ok(None) };
+    let number = document.number(value, key, range)?;
+    if number.fract() != 0.0 {
+        return Err(document.at(value.span(), format!("`{key}` is no whole number"), range.remedy));
+    }
+    Ok(Some(number as usize))
+}
