@@ -155,7 +155,11 @@ impl<'a> Document<'a> {
             DeValue::Integer(i) if i.radix() == 10 => i.as_str().replace('_', ""),
             DeValue::Float(x) => x.as_str().replace('_', ""),
             _ => {
-                return Err(self.at(value.span(), format!("`{key}` must be a number"), "write a number without quotes"));
+                return Err(self.at(
+                    value.span(),
+                    format!("`{key}` must be a number"),
+                    "write a number without quotes",
+                ));
             }
         };
         let number: f64 = text.parse().unwrap_or(f64::NAN);

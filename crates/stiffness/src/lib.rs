@@ -22,9 +22,11 @@ mod document;
 mod error;
 mod file;
 mod frame;
+mod identify;
 mod inverse;
 mod kinematics;
 mod loaded;
+mod measurement;
 mod payload;
 mod robot;
 mod spring;
@@ -40,8 +42,14 @@ pub use document::RobotFileError;
 pub use error::StiffnessError;
 pub use file::{NoiseLevels, RobotFile};
 pub use frame::{Twist, Wrench, displaced, displacement_between, twist_adjoint, wrench_adjoint};
+pub use identify::{
+    Attenuation, CartesianEstimate, CartesianEstimator, Comparison, DeformationModel, Found, IdentificationError,
+    Identified, Method, MethodReport, Outliers, PoseChoice, PoseInformation, SpringFit, SpringFitSettings,
+    SpringParameter, compare, fit_springs, identify_cartesian,
+};
 pub use kinematics::Kinematics;
 pub use loaded::{geometric_stiffness, loaded_compliance};
+pub use measurement::{Measurement, MeasurementNoise, MeasurementSet};
 pub use payload::{Payload, PayloadError, PayloadEstimate, StaticReading, identify_payload};
 pub use robot::{DhParameters, Joint, JointKind, Robot};
 pub use spring::{JointSpring, Springs};

@@ -1,0 +1,208 @@
+//! Measured displacements under measured loads, checked before anything is computed from them.
+
+use crate::frame::{Twist, Wrench};
+use crate::identify::IdentificationError;
+use nalgebra::{Matrix6, Vector6};
+use std::collections::HashMap;
+
+/// Columns of a wrench.
+pub(crate) const WRENCH_COLUMNS: [&str; 6] = ["force x", "force y", "force z", "moment x", "moment y", "moment z"];
+/// Columns of a displacement.
+pub(crate) const TWIST_COLUMNS: [&str; 6] =
+    ["translation x", "translation y", "translation z", "rotation x", "rotation y", "rotation z"];
+
+/// Largest displacement taken for elastic: m and rad.
+const LARGEST: (f64, f64) = (0.05, 0.1);
+/// Force per translation of robots, N/m.
+const FORCE_PER_TRANSLATION: (f64, f64) = (1e4, 1e10);
+/// Moment per rotation of robots, N·m/rad; forces turn the tool too, hence far down.
+const MOMENT_PER_ROTATION: (f64, f64) = (1e3, 1e9);
+/// Translation per rotation of robots, m: of the size of their arms.
+const TRANSLATION_PER_ROTATION: (f64, f64) = (0.02, 50.0);
+
+/// A pose, a load and what the tool point did under it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// Joint coordinates (rad; m where a joint slides).
+    pub q: Vec<f64>,
+    /// Wrench on the robot at the tool point, in base axes (N, N·m).
+    pub wrench: Wrench,
+    /// Displacement of the tool point against the unloaded pose, in base axes (m, rotation vector in rad).
+    pub displacement: Twist,
+}
+
+/// Covariances of what is measured. They also make rotations comparable with translations: everything is weighted by them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasurementNoise {
+    /// Covariance of a displacement (m², m·rad, rad²).
+    pub displacement: Matrix6<f64>,
+    /// Covariance of a wrench (N², N·N·m, N²·m²).
+    pub wrench: Matrix6<f64>,
+}
+
+impl MeasurementNoise {
+    /// Independent noise with standard deviations of each translation (m), rotation (rad), force (N) and moment (N·m).
+    pub fn from_std(translation: f64, rotation: f64, force: f64, moment: f64) -> Self {
+        let diagonal = |a: f64, b: f64| Matrix6::from_diagonal(&Vector6::new(a, a, a, b, b, b).map(|s| s * s));
+        Self { displacement: diagonal(translation, rotation), wrench: diagonal(force, moment) }
+    }
+
+    fn check(&self) -> Result<(), IdentificationError> {
+        for (what, covariance) in [("displacement", &self.displacement), ("wrench", &self.wrench)] {
+            // Compared entry by entry in its own scale, as m² and rad² may differ by orders.
+            let symmetric = (0..6).all(|i| {
+                (0..i).all(|j| {
+                    let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+                    (covariance[(i, j)] - covariance[(j, i)]).abs() <= 1e-9 * scale
+                })
+            });
+            if !covariance.iter().all(|v| v.is_finite()) || !symmetric || covariance.cholesky().is_none() {
+                return Err(IdentificationError::Noise { what });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Checked measurements with their noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasurementSet {
+    measurements: Vec<Measurement>,
+    noise: Vec<MeasurementNoise>,
+}
+
+impl MeasurementSet {
+    /// Measurements with the same noise.
+    ///
+    /// Refused are numbers that are not finite, rows of different lengths, exact copies of a row, displacements that are not small
+    /// (50 mm, 0.1 rad), sizes that no robot has (units mixed up) and noise that is not positive definite.
+    ///
+    /// # Errors
+    /// [`IdentificationError`] with the row and the column, or with the units that may have been mixed up.
+    pub fn new(measurements: Vec<Measurement>, noise: MeasurementNoise) -> Result<Self, IdentificationError> {
+        noise.check()?;
+        check_rows(&measurements)?;
+        check_units(&measurements)?;
+        let noise = vec![noise; measurements.len()];
+        Ok(Self { measurements, noise })
+    }
+
+    /// The set with a noise of its own for each measurement.
+    ///
+    /// # Errors
+    /// [`IdentificationError`] for another number of them or one that is not positive definite.
+    pub fn with_noise_of_each(mut self, noise: Vec<MeasurementNoise>) -> Result<Self, IdentificationError> {
+        let expected = self.measurements.len();
+        if noise.len() != expected {
+            let found = noise.len();
+            return Err(IdentificationError::Count { row: found.min(expected) + 1, what: "noises", found, expected });
+        }
+        noise.iter().try_for_each(MeasurementNoise::check)?;
+        self.noise = noise;
+        Ok(self)
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.measurements.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.measurements.is_empty()
+    }
+
+    /// The measurements.
+    pub fn measurements(&self) -> &[Measurement] {
+        &self.measurements
+    }
+
+    /// The noise of each.
+    pub fn noise(&self) -> &[MeasurementNoise] {
+        &self.noise
+    }
+
+    /// Those of the given indices (from 0), which must exist.
+    pub(crate) fn subset(&self, indices: &[usize]) -> Self {
+        Self {
+            measurements: indices.iter().map(|i| self.measurements[*i].clone()).collect(),
+            noise: indices.iter().map(|i| self.noise[*i]).collect(),
+        }
+    }
+}
+
+fn check_rows(measurements: &[Measurement]) -> Result<(), IdentificationError> {
+    let joints = measurements.first().map_or(0, |m| m.q.len());
+    let mut seen: HashMap<Vec<u64>, usize> = HashMap::new();
+    for (i, m) in measurements.iter().enumerate() {
+        let row = i + 1;
+        if m.q.len() != joints {
+            return Err(IdentificationError::Count {
+                row,
+                what: "joint coordinates",
+                found: m.q.len(),
+                expected: joints,
+            });
+        }
+        let joint_columns = m.q.iter().enumerate().map(|(j, v)| (format!("joint {}", j + 1), *v));
+        let wrench = WRENCH_COLUMNS.iter().zip(&m.wrench).map(|(c, v)| ((*c).to_owned(), *v));
+        let twist = TWIST_COLUMNS.iter().zip(&m.displacement).map(|(c, v)| ((*c).to_owned(), *v));
+        if let Some((column, value)) = joint_columns.chain(wrench).chain(twist).find(|(_, v)| !v.is_finite()) {
+            return Err(IdentificationError::NotFinite { row, column, value });
+        }
+        let bits = m.q.iter().chain(&m.wrench).chain(&m.displacement).map(|v| v.to_bits()).collect();
+        if let Some(first) = seen.insert(bits, row) {
+            return Err(IdentificationError::Repeated { row, first });
+        }
+    }
+    Ok(())
+}
+
+fn check_units(measurements: &[Measurement]) -> Result<(), IdentificationError> {
+    if measurements.is_empty() {
+        return Ok(());
+    }
+    let median = |part: &dyn Fn(&Measurement) -> f64| median(measurements.iter().map(part).collect());
+    let translation = median(&|m| m.displacement.fixed_rows::<3>(0).norm());
+    let rotation = median(&|m| m.displacement.fixed_rows::<3>(3).norm());
+    let force = median(&|m| m.wrench.fixed_rows::<3>(0).norm());
+    let moment = median(&|m| m.wrench.fixed_rows::<3>(3).norm());
+    let within = |what, value: f64, (low, high), unit, remedy| {
+        if (low..=high).contains(&value) {
+            Ok(())
+        } else {
+            Err(IdentificationError::Units { what, value, low, high, unit, remedy })
+        }
+    };
+    within("the translation", translation, (0.0, LARGEST.0), "m", "units off by 1000: mm for m?")?;
+    within("the rotation", rotation, (0.0, LARGEST.1), "rad", "units off by 1000 or by 57: mrad or degrees for rad?")?;
+    // A load without forces or without moments says nothing here; that it is missing is told where it matters.
+    if force > 0.0 && translation > 0.0 {
+        let remedy = "units off by 1000: mm or µm for m, kN for N?";
+        within("force per translation", force / translation, FORCE_PER_TRANSLATION, "N/m", remedy)?;
+    }
+    if moment > 0.0 && rotation > 0.0 {
+        let remedy = "units off by 1000: mrad or degrees for rad, kN·m or N·mm for N·m?";
+        within("moment per rotation", moment / rotation, MOMENT_PER_ROTATION, "N·m/rad", remedy)?;
+    }
+    if translation > 0.0 && rotation > 0.0 {
+        let remedy = "translations and rotations do not belong together: mm for m, or mrad or degrees for rad?";
+        within("translation per rotation", translation / rotation, TRANSLATION_PER_ROTATION, "m", remedy)?;
+    }
+    for (i, m) in measurements.iter().enumerate() {
+        let sizes = [
+            ("translation", m.displacement.fixed_rows::<3>(0).norm(), LARGEST.0, "m"),
+            ("rotation", m.displacement.fixed_rows::<3>(3).norm(), LARGEST.1, "rad"),
+        ];
+        if let Some(&(what, value, limit, unit)) = sizes.iter().find(|(_, value, limit, _)| value > limit) {
+            return Err(IdentificationError::NotSmall { row: i + 1, what, value, limit, unit });
+        }
+    }
+    Ok(())
+}
+
+/// The middle of some numbers; 0 of none.
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,182 @@
+//! Data that say nothing, or something else than they seem to, are refused with the reason.
+#![allow(clippy::unwrap_used)]
+
+mod identify_data;
+
+use bracketry_stiffness::{
+    CartesianEstimator, IdentificationError, JointSpring, Measurement, MeasurementNoise, MeasurementSet, Outliers,
+    PoseInformation, SpringFitSettings, Springs, fit_springs, identify_cartesian,
+};
+use identify_data::{STIFFNESS, compliance, kr125, linear_measurements, noise, noisy, pose, rng, robot_measurements};
+
+fn measurements() -> Vec<Measurement> {
+    linear_measurements(&mut rng(1), &compliance(), 40)
+}
+
+fn refusal(measurements: Vec<Measurement>) -> IdentificationError {
+    MeasurementSet::new(measurements, noise()).unwrap_err()
+}
+
+#[test]
+fn a_number_that_is_none_is_named_by_row_and_column() {
+    for (value, change, column) in [
+        (f64::NAN, (|m, v| m.wrench[4] = v) as fn(&mut Measurement, f64), "moment y"),
+        (f64::INFINITY, |m, v| m.displacement[2] = v, "translation z"),
+        (f64::NAN, |m, v| m.q[5] = v, "joint 6"),
+    ] {
+        let mut data = measurements();
+        change(&mut data[12], value);
+        let refused = refusal(data);
+        assert!(matches!(refused, IdentificationError::NotFinite { row: 13, .. }));
+        assert!(refused.to_string().starts_with(&format!("row 13, {column}:")), "{refused}");
+    }
+}
+
+#[test]
+fn units_off_by_a_thousand_are_noticed() {
+    let scaled = |wrench: [f64; 2], displacement: [f64; 2]| {
+        let mut data = measurements();
+        for m in &mut data {
+            for i in 0..6 {
+                m.wrench[i] *= wrench[i / 3];
+                m.displacement[i] *= displacement[i / 3];
+            }
+        }
+        MeasurementSet::new(data, noise())
+    };
+    assert!(scaled([1.0, 1.0], [1.0, 1.0]).is_ok());
+    for (wrench, displacement, hint) in [
+        ([1.0, 1.0], [1e3, 1.0], "mm"),
+        ([1.0, 1.0], [1.0, 1e3], "mrad"),
+        ([1.0, 1.0], [1e3, 1e3], "mm"),
+        ([1.0, 1.0], [1e-3, 1.0], "mm for m"),
+        ([1.0, 1.0], [1.0, 57.3], "degrees"),
+        ([1e-3, 1.0], [1.0, 1.0], "kN for N"),
+        ([1e-3, 1e-3], [1.0, 1.0], "kN for N"),
+        ([1.0, 1e-3], [1.0, 1.0], "kN·m"),
+    ] {
+        match scaled(wrench, displacement) {
+            Err(refused @ IdentificationError::Units { .. }) => {
+                assert!(refused.to_string().contains(hint), "{wrench:?} {displacement:?}: {refused}");
+            }
+            other => panic!("{wrench:?} {displacement:?}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_single_displacement_that_is_not_small_is_named() {
+    let mut data = measurements();
+    data[3].displacement[0] = 0.2;
+    assert!(matches!(refusal(data), IdentificationError::NotSmall { row: 4, what: "translation", .. }));
+}
+
+#[test]
+fn copies_and_rows_of_another_length_are_named() {
+    let mut data = measurements();
+    data.push(data[5].clone());
+    assert_eq!(refusal(data), IdentificationError::Repeated { row: 41, first: 6 });
+    let mut data = measurements();
+    data[7].q.pop();
+    assert!(matches!(refusal(data), IdentificationError::Count { row: 8, found: 5, expected: 6, .. }));
+    let set = MeasurementSet::new(measurements(), noise()).unwrap();
+    assert!(matches!(set.with_noise_of_each(vec![noise(); 3]), Err(IdentificationError::Count { .. })));
+}
+
+#[test]
+fn a_noise_that_is_none_is_refused() {
+    for bad in [MeasurementNoise::from_std(0.0, 5e-5, 2.0, 0.5), MeasurementNoise::from_std(2e-5, 5e-5, 2.0, f64::NAN)]
+    {
+        assert!(matches!(MeasurementSet::new(measurements(), bad), Err(IdentificationError::Noise { .. })));
+    }
+    let mut skewed = noise();
+    skewed.wrench[(0, 1)] = 1.0;
+    assert_eq!(MeasurementSet::new(measurements(), skewed), Err(IdentificationError::Noise { what: "wrench" }));
+}
+
+/// Measurements whose loads went through a change before they acted.
+fn loaded(change: impl Fn(&mut bracketry_stiffness::Wrench)) -> MeasurementSet {
+    let truth = compliance();
+    let mut rng = rng(2);
+    let data = (0..60).map(|_| {
+        let mut wrench = identify_data::load(&mut rng);
+        change(&mut wrench);
+        let displacement = noisy(&mut rng, &(truth * wrench), 20e-6, 50e-6);
+        Measurement { q: pose(), wrench: noisy(&mut rng, &wrench, 2.0, 0.5), displacement }
+    });
+    MeasurementSet::new(data.collect(), noise()).unwrap()
+}
+
+#[test]
+fn directions_that_were_never_loaded_are_named() {
+    let told = |set: &MeasurementSet| {
+        CartesianEstimator::ALL.map(|estimator| match identify_cartesian(set, estimator, Outliers::Reject) {
+            Err(IdentificationError::NotLoaded { directions }) => directions,
+            other => panic!("{estimator}: {other:?}"),
+        })
+    };
+    for words in told(&loaded(|w| w[3] = 0.0)) {
+        assert_eq!(words, ["no moment about x"]);
+    }
+    for words in told(&loaded(|w| (w[1], w[5]) = (0.0, 0.0))) {
+        assert_eq!(words, ["no force along y", "no moment about z"]);
+    }
+    // A force on a fixed lever of 0.1 m: its moment is never free of it.
+    for words in told(&loaded(|w| w[4] = 0.1 * w[2])) {
+        assert_eq!(words.len(), 1);
+        assert!(words[0].contains("moment y") && words[0].contains("force z"), "{words:?}");
+    }
+}
+
+#[test]
+fn too_few_measurements_and_several_poses_are_refused() {
+    let few = MeasurementSet::new(measurements()[..6].to_vec(), noise()).unwrap();
+    let refused = identify_cartesian(&few, CartesianEstimator::DisplacementOnWrench, Outliers::Keep).unwrap_err();
+    assert!(matches!(refused, IdentificationError::TooFew { found: 6, needed: 7, .. }));
+    let none = MeasurementSet::new(Vec::new(), noise()).unwrap();
+    assert!(identify_cartesian(&none, CartesianEstimator::PositiveDefinite, Outliers::Reject).is_err());
+    assert!(fit_springs(&kr125(), &none, &Springs::linear(&STIFFNESS), &SpringFitSettings::default()).is_err());
+    let mut data = measurements();
+    data[9].q[2] += 0.1;
+    let set = MeasurementSet::new(data, noise()).unwrap();
+    let refused = identify_cartesian(&set, CartesianEstimator::PositiveDefinite, Outliers::Keep).unwrap_err();
+    assert!(matches!(refused, IdentificationError::PosesDiffer { row: 10, joint: 3, .. }));
+}
+
+#[test]
+fn more_outliers_than_measurements_explain_are_a_wrong_model() {
+    // Half of the data from another robot.
+    let mut rng = rng(3);
+    let mut data = linear_measurements(&mut rng, &compliance(), 50);
+    data.extend(linear_measurements(&mut rng, &(3.0 * compliance()), 45));
+    let set = MeasurementSet::new(data, noise()).unwrap();
+    let refused = identify_cartesian(&set, CartesianEstimator::PositiveDefinite, Outliers::Reject).unwrap_err();
+    assert!(matches!(refused, IdentificationError::TooManyOutliers { of: 95, .. }), "{refused}");
+}
+
+#[test]
+fn springs_and_poses_that_do_not_fit_the_robot_are_refused() {
+    let (robot, springs) = (kr125(), Springs::linear(&STIFFNESS));
+    let settings = SpringFitSettings::default();
+    let data = robot_measurements(&mut rng(4), &springs, &[pose()], 10, 1.0);
+    let set = MeasurementSet::new(data.clone(), noise()).unwrap();
+    assert!(matches!(
+        fit_springs(&robot, &set, &Springs::linear(&STIFFNESS[..5]), &settings),
+        Err(IdentificationError::Robot(_))
+    ));
+    let mut start = springs.clone();
+    start.joints[3] = JointSpring::Stiffening { stiffness: 1e5, cubic: 0.0 };
+    let refused = fit_springs(&robot, &set, &start, &settings).unwrap_err();
+    assert_eq!(refused, IdentificationError::Start { joint: 4, name: "cubic", value: 0.0 });
+    let short = data.into_iter().map(|mut m| {
+        m.q.pop();
+        m
+    });
+    let set = MeasurementSet::new(short.collect(), noise()).unwrap();
+    assert!(matches!(
+        fit_springs(&robot, &set, &springs, &settings),
+        Err(IdentificationError::Count { row: 1, found: 5, expected: 6, .. })
+    ));
+    let information = PoseInformation::new(&robot, &springs, &[(pose(), identify_data::load(&mut rng(5)))], &noise());
+    assert!(matches!(information.unwrap().choose(2), Err(IdentificationError::TooFew { found: 1, needed: 2, .. })));
+}
