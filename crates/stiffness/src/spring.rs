@@ -138,6 +138,19 @@ impl Springs {
         self
     }
 
+    /// The springs with the stiffness of each joint multiplied by its factor; joints without one keep theirs.
+    #[must_use]
+    pub fn scaled(&self, factors: &[f64]) -> Self {
+        let mut scaled = self.clone();
+        for (spring, factor) in scaled.joints.iter_mut().zip(factors) {
+            let (JointSpring::Linear { stiffness }
+            | JointSpring::Stiffening { stiffness, .. }
+            | JointSpring::Backlash { stiffness, .. }) = spring;
+            *stiffness *= factor;
+        }
+        scaled
+    }
+
     pub(crate) fn check(&self, joints: usize) -> Result<(), StiffnessError> {
         if self.joints.len() != joints {
             return Err(StiffnessError::Count { what: "springs", found: self.joints.len(), joints });

@@ -107,6 +107,8 @@ pub struct CircleSample {
     pub point_error: f64,
     /// True wrench of the process at the tool point, in base axes.
     pub wrench: Wrench,
+    /// What the sensor read, in its axes, with noise, weight and bias.
+    pub reading: Wrench,
     /// Measured coordinates of the joints (rad).
     pub coordinates: Vec<f64>,
     /// Displacement of the tool point by the springs (m, base axes).
@@ -281,6 +283,7 @@ impl MillingCircle {
                     radial_error: self.distance(&actual) - self.radius,
                     point_error: (actual - reference).norm(),
                     wrench,
+                    reading,
                     displacement: actual - unloaded,
                     coordinates,
                     status,

@@ -128,14 +128,9 @@ pub fn explain_residual(
     }
     let regular = data.regularised(&chosen, best.squares);
     let rms = |squares: f64| (squares / samples.len() as f64).sqrt();
-    let mut fitted = springs.clone();
-    for (i, spring) in fitted.joints.iter_mut().enumerate() {
-        let (JointSpring::Linear { stiffness }
-        | JointSpring::Stiffening { stiffness, .. }
-        | JointSpring::Backlash { stiffness, .. }) = spring;
-        // A compliance that all but vanishes in the fit is not believed.
-        *stiffness /= (1.0 + regular[i]).max(0.1);
-    }
+    // A compliance that all but vanishes in the fit is not believed.
+    let factors: Vec<f64> = (0..joints).map(|i| 1.0 / (1.0 + regular[i]).max(0.1)).collect();
+    let mut fitted = springs.scaled(&factors);
     let mut lost_motion = Vec::new();
     for (j, (term, share)) in chosen.iter().zip(shares).enumerate() {
         let gap = regular[joints + j];

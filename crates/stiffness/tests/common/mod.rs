@@ -1,7 +1,7 @@
 //! A milling robot and its circle.
 #![allow(dead_code)]
 
-use bracketry_stiffness::{CompensationSettings, Compensator, JointSpring, MillingCircle, Robot, RobotFile, Springs};
+use bracketry_stiffness::{CompensationSettings, Compensator, MillingCircle, Robot, RobotFile, Springs};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use std::path::Path;
 
@@ -37,16 +37,8 @@ pub(crate) fn compensator(circle: &MillingCircle, robot: &Robot, springs: Spring
 
 /// Springs whose stiffnesses are wrong by at most a share, at random per joint.
 pub(crate) fn wrong(springs: &Springs, share: f64, random: &mut StdRng) -> Springs {
-    let mut wrong = springs.clone();
-    for spring in &mut wrong.joints {
-        let factor = 1.0 + share * random.random_range(-1.0..1.0);
-        match spring {
-            JointSpring::Linear { stiffness }
-            | JointSpring::Stiffening { stiffness, .. }
-            | JointSpring::Backlash { stiffness, .. } => *stiffness *= factor,
-        }
-    }
-    wrong
+    let factors: Vec<f64> = springs.joints.iter().map(|_| 1.0 + share * random.random_range(-1.0..1.0)).collect();
+    springs.scaled(&factors)
 }
 
 pub(crate) fn random(seed: u64) -> StdRng {
