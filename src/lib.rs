@@ -7,6 +7,7 @@ pub use bracketry_native as native;
 pub use bracketry_plate as plate;
 pub use bracketry_plot as plot;
 pub use bracketry_sim as sim;
+pub use bracketry_stiffness as stiffness;
 pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;
 
@@ -21,6 +22,7 @@ mod point;
 mod reach;
 mod report;
 mod scenario;
+mod stiffness_run;
 
 pub use affinization::{AffinizationReport, InputChange};
 pub use analysis::{Analysis, AnalysisError, analyze};
@@ -35,6 +37,7 @@ pub use plate_run::{
 pub use point::{PointError, point};
 pub use reach::{Influence, ReachTable, Reached};
 pub use scenario::{Run, Scenario, ScenarioError};
+pub use stiffness_run::{CompensatedLog, CompensatedRow, FaultCount, RobotLog, StiffnessRunError};
 
 /// A tutorial: from two equations to a verdict, and from there to the plate.
 #[doc = include_str!("../docs/tutorial.md")]

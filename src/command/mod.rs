@@ -14,6 +14,7 @@ mod output;
 mod pictures;
 mod plate;
 mod simulate;
+mod stiffness;
 
 /// How a command ended; bad input is an error instead.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -73,6 +74,9 @@ enum Command {
         bracketry diagnose slider.toml log.csv --rename force=u --fix g --json"
     )]
     Diagnose(Box<diagnose::DiagnoseArgs>),
+    /// Stiffness of a robot: identify it from measurements, compensate the deformation
+    #[command(subcommand)]
+    Stiffness(stiffness::StiffnessCommand),
     /// Close the loop of a problem file
     #[command(after_help = "Example:\n  bracketry control models/cart_pole_swing_up.toml --out out")]
     Control {
@@ -97,6 +101,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
         Some(Command::Diagnose(args)) => diagnose::run(&args, &output),
+        Some(Command::Stiffness(command)) => stiffness::run(&command, &output),
         Some(Command::Control { problem, seed }) => control::run(&problem, seed, &output),
     }
 }

@@ -1,0 +1,168 @@
+//! What a compensation would have done along a log.
+
+use std::fmt;
+
+use bracketry_stiffness::{Compensator, Fault, RobotFile};
+use serde::Serialize;
+
+use super::{RobotLog, StiffnessRunError};
+
+/// A sample of a [`CompensatedLog`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct CompensatedRow {
+    /// Time in seconds.
+    pub t: f64,
+    /// Corrected reference of the joints (rad, m).
+    pub corrected: Vec<f64>,
+    /// Correction of the joints (rad, m).
+    pub correction: Vec<f64>,
+    /// Filtered process wrench at the tool point in base axes (N, N·m).
+    pub wrench: [f64; 6],
+    /// Displacement of the tool point without correction, in base axes (m, rad).
+    pub displacement: [f64; 6],
+    /// Whether bad input held the correction.
+    pub held: bool,
+    /// Whether a limit shortened the correction or its change.
+    pub limited: bool,
+}
+
+/// How often something was wrong with the input.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FaultCount {
+    /// What it was.
+    pub fault: String,
+    /// Samples.
+    pub samples: usize,
+}
+
+/// A compensation along a log.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CompensatedLog {
+    /// Name of the robot.
+    pub robot: String,
+    /// Samples of the log.
+    pub samples: usize,
+    /// Period of the log in seconds.
+    pub period_s: f64,
+    /// Root mean square of the predicted translation of the tool point (m).
+    pub displacement_rms_m: f64,
+    /// Largest predicted translation (m).
+    pub displacement_max_m: f64,
+    /// Largest force of the process (N), filtered.
+    pub force_max_n: f64,
+    /// Largest correction of each joint (rad, m).
+    pub correction_max: Vec<f64>,
+    /// Samples at which a limit acted.
+    pub limited: usize,
+    /// Samples at which the correction was held, by cause.
+    pub faults: Vec<FaultCount>,
+    /// The samples.
+    #[serde(skip)]
+    pub rows: Vec<CompensatedRow>,
+}
+
+impl CompensatedLog {
+    /// Runs the compensation of a robot file along a log, at the log's period.
+    ///
+    /// # Errors
+    /// [`StiffnessRunError`] for a robot file without springs or sensor, and settings that do not fit.
+    pub fn new(file: &RobotFile, log: &RobotLog) -> Result<Self, StiffnessRunError> {
+        let springs = file.springs.clone().ok_or(StiffnessRunError::Lacks {
+            what: "springs",
+            remedy: "give `stiffness` for each [[joint]]; `bracketry stiffness identify` finds them",
+        })?;
+        let sensor = file.sensor.ok_or(StiffnessRunError::Lacks {
+            what: "[sensor]",
+            remedy: "give its position, force_range and moment_range",
+        })?;
+        let settings = bracketry_stiffness::CompensationSettings { period: log.period, ..file.compensation };
+        let mut compensator = Compensator::new(file.robot.clone(), springs, sensor, file.payload, settings)?;
+        let mut faults: Vec<FaultCount> = Vec::new();
+        let mut rows = Vec::with_capacity(log.t.len());
+        for (k, t) in log.t.iter().enumerate() {
+            let step = compensator.step(&log.measured[k], &log.readings[k], &log.references[k]);
+            if let Some(fault) = step.status.fault {
+                let fault = describe(fault);
+                match faults.iter_mut().find(|count| count.fault == fault) {
+                    Some(count) => count.samples += 1,
+                    None => faults.push(FaultCount { fault, samples: 1 }),
+                }
+            }
+            let reference = log.references[k].iter();
+            rows.push(CompensatedRow {
+                t: *t,
+                corrected: step.reference.to_vec(),
+                correction: step.reference.iter().zip(reference).map(|(c, r)| c - r).collect(),
+                wrench: step.wrench.into(),
+                displacement: step.displacement.into(),
+                held: step.status.fault.is_some(),
+                limited: step.status.saturated || step.status.rate_limited,
+            });
+        }
+        let moved = |row: &CompensatedRow| length(&row.displacement);
+        let good: Vec<&CompensatedRow> = rows.iter().filter(|row| !row.held).collect();
+        let squares: f64 = good.iter().map(|row| moved(row).powi(2)).sum();
+        let largest = |value: &dyn Fn(&CompensatedRow) -> f64| good.iter().map(|row| value(row)).fold(0.0, f64::max);
+        Ok(Self {
+            robot: file.robot.name.clone(),
+            samples: rows.len(),
+            period_s: log.period,
+            displacement_rms_m: (squares / good.len().max(1) as f64).sqrt(),
+            displacement_max_m: largest(&moved),
+            force_max_n: largest(&|row| length(&row.wrench)),
+            correction_max: (0..file.robot.joints.len()).map(|i| largest(&|row| row.correction[i].abs())).collect(),
+            limited: rows.iter().filter(|row| row.limited).count(),
+            faults,
+            rows,
+        })
+    }
+
+    /// Samples at which the correction was held.
+    pub fn held(&self) -> usize {
+        self.faults.iter().map(|count| count.samples).sum()
+    }
+}
+
+/// Length of the first three entries.
+fn length(v: &[f64; 6]) -> f64 {
+    v[..3].iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn describe(fault: Fault) -> String {
+    const WRENCH: [&str; 6] = super::log::WRENCH;
+    match fault {
+        Fault::Count => "not one coordinate for each joint".to_owned(),
+        Fault::Reading(i) => format!("no reading of {}", WRENCH[i]),
+        Fault::Range => "the reading lies beyond the sensor's range".to_owned(),
+        Fault::Measured(i) => format!("no measured q{}", i + 1),
+        Fault::Reference(i) => format!("no reference of joint {}", i + 1),
+        Fault::Unbounded => "coordinates too large for a pose".to_owned(),
+    }
+}
+
+impl fmt::Display for CompensatedLog {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let duration = self.samples as f64 * self.period_s;
+        writeln!(f, "{}: {} samples of {} s, {duration:.2} s", self.robot, self.samples, self.period_s)?;
+        writeln!(f, "process force up to {:.1} N at the tool point, filtered", self.force_max_n)?;
+        writeln!(
+            f,
+            "predicted displacement of the tool point: {:.1} µm rms, {:.1} µm at most",
+            1e6 * self.displacement_rms_m,
+            1e6 * self.displacement_max_m
+        )?;
+        let corrections: Vec<String> = self.correction_max.iter().map(|c| format!("{:.3}", 1e3 * c)).collect();
+        writeln!(f, "largest correction of each joint [mrad, mm]: {}", corrections.join(", "))?;
+        if self.limited > 0 {
+            writeln!(
+                f,
+                "limits acted at {} samples: raise correction_limit or rate_limit if this is wanted",
+                self.limited
+            )?;
+        }
+        for count in &self.faults {
+            writeln!(f, "held at {} samples: {}", count.samples, count.fault)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,30 @@
+//! Robots from files, with measurements and logs from tables: identification and compensation as reports.
+
+mod compensation;
+mod figures;
+mod log;
+
+use bracketry_stiffness::CompensationError;
+use bracketry_system::FileError;
+
+pub use compensation::{CompensatedLog, CompensatedRow, FaultCount};
+pub use log::RobotLog;
+
+/// Why a run over a robot's data did not come about.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StiffnessRunError {
+    /// A table that does not fit.
+    #[error(transparent)]
+    Table(#[from] FileError),
+    /// The robot file lacks something.
+    #[error("the robot file has no {what}: {remedy}")]
+    Lacks {
+        /// What is missing.
+        what: &'static str,
+        /// How to get it.
+        remedy: &'static str,
+    },
+    /// A compensation that cannot work.
+    #[error(transparent)]
+    Compensation(#[from] CompensationError),
+}
