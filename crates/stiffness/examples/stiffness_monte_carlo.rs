@@ -146,8 +146,8 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Medians over the data sets: error of K, error of C, share of positive definite estimates.
-fn cartesian(estimator: CartesianEstimator, count: usize, spoiled: bool, outliers: Outliers) -> Result<[f64; 3]> {
+/// Over the data sets: lower quartile, median and upper quartile of the error of K, median error of C, share of positive definite estimates.
+fn cartesian(estimator: CartesianEstimator, count: usize, spoiled: bool, outliers: Outliers) -> Result<[f64; 5]> {
     let (_, springs) = kr125();
     let truth = stiffness_at_pose(&springs)?;
     let inverse = truth.try_inverse().ok_or("the pose is singular")?;
@@ -159,7 +159,8 @@ fn cartesian(estimator: CartesianEstimator, count: usize, spoiled: bool, outlier
         c.push(relative(&estimate.compliance, &inverse));
         definite += f64::from(u8::from(estimate.positive_definite)) / TRIALS as f64;
     }
-    Ok([median(k), median(c), definite])
+    k.sort_by(f64::total_cmp);
+    Ok([k[TRIALS / 4], k[TRIALS / 2], k[3 * TRIALS / 4], median(c), definite])
 }
 
 type Draw = fn(&mut StdRng, usize, bool) -> Result<MeasurementSet>;
@@ -197,7 +198,7 @@ fn over_counts(folder: &Path) -> Result<()> {
     for estimator in CartesianEstimator::ALL {
         let mut errors = Vec::new();
         for count in counts {
-            errors.push(cartesian(estimator, count, false, Outliers::Keep)?[0]);
+            errors.push(cartesian(estimator, count, false, Outliers::Keep)?[1]);
         }
         // With the same noise for all it is the estimator above it.
         if estimator != CartesianEstimator::Weighted {
@@ -217,16 +218,19 @@ fn over_counts(folder: &Path) -> Result<()> {
 
 fn at_two_hundred() -> Result<()> {
     println!(
-        "\n| N = 200 | error of K | error of C | positive definite | 5 % outliers kept: K | 5 % outliers rejected: K |"
+        "\n| N = 200 | error of K (quartiles) | of C | definite | at N = 20 | of K, 5 % outliers kept | rejected |"
     );
-    println!("|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|");
     let percent = |v: f64| format!("{:.1} %", 100.0 * v);
     for estimator in CartesianEstimator::ALL {
-        let [k, c, definite] = cartesian(estimator, 200, false, Outliers::Keep)?;
-        let [kept, ..] = cartesian(estimator, 200, true, Outliers::Keep)?;
-        let [rejected, ..] = cartesian(estimator, 200, true, Outliers::Reject)?;
-        let (kept, rejected) = (percent(kept), percent(rejected));
-        println!("| {estimator} | {} | {} | {:.0} % | {kept} | {rejected} |", percent(k), percent(c), 100.0 * definite);
+        let [low, k, high, c, definite] = cartesian(estimator, 200, false, Outliers::Keep)?;
+        let few = 100.0 * cartesian(estimator, 20, false, Outliers::Keep)?[4];
+        let kept = cartesian(estimator, 200, true, Outliers::Keep)?[1];
+        let kept = if kept > 10.0 { "> 1000 %".to_owned() } else { percent(kept) };
+        let rejected = percent(cartesian(estimator, 200, true, Outliers::Reject)?[1]);
+        let quartiles = format!("{:.1} – {}", 100.0 * low, percent(high));
+        let (k, c, definite) = (percent(k), percent(c), 100.0 * definite);
+        println!("| {estimator} | {k} ({quartiles}) | {c} | {definite:.0} % | {few:.0} % | {kept} | {rejected} |");
     }
     println!("\n| N = 200, joint springs | error of K | k1 | k2 | k3 | k4 | k5 | k6 |");
     println!("|---|---|---|---|---|---|---|---|");

@@ -13,10 +13,20 @@ pub(crate) const TWIST_COLUMNS: [&str; 6] =
 
 /// Largest displacement taken for elastic: m and rad.
 const LARGEST: (f64, f64) = (0.05, 0.1);
+/// Largest load on a robot: N and N·m.
+const HEAVIEST: (f64, f64) = (1e7, 1e7);
+/// Range of standard deviations.
+const DEVIATIONS: (f64, f64) = (1e-12, 1e6);
 /// Force per translation of robots, N/m.
 const FORCE_PER_TRANSLATION: (f64, f64) = (1e4, 1e10);
 /// Moment per rotation of robots, N·m/rad; forces turn the tool too, hence far down.
 const MOMENT_PER_ROTATION: (f64, f64) = (1e3, 1e9);
+/// Moment per force, m: a lever.
+const LEVER: (f64, f64) = (0.0, 20.0);
+/// Moment per translation from which on moments alone explain the translation, N·m/m.
+const MOMENT_PER_TRANSLATION: f64 = 1e5;
+/// Times its noise that a median is more than noise.
+const BEYOND_NOISE: f64 = 3.0;
 /// Translation per rotation of robots, m: of the size of their arms.
 const TRANSLATION_PER_ROTATION: (f64, f64) = (0.02, 50.0);
 
@@ -56,7 +66,8 @@ impl MeasurementNoise {
                     (covariance[(i, j)] - covariance[(j, i)]).abs() <= 1e-9 * scale
                 })
             });
-            if !covariance.iter().all(|v| v.is_finite()) || !symmetric || covariance.cholesky().is_none() {
+            let in_range = covariance.diagonal().iter().all(|v| (DEVIATIONS.0..=DEVIATIONS.1).contains(&v.sqrt()));
+            if !in_range || !covariance.iter().all(|v| v.is_finite()) || !symmetric || covariance.cholesky().is_none() {
                 return Err(IdentificationError::Noise { what });
             }
         }
@@ -74,15 +85,15 @@ pub struct MeasurementSet {
 impl MeasurementSet {
     /// Measurements with the same noise.
     ///
-    /// Refused are numbers that are not finite, rows of different lengths, exact copies of a row, displacements that are not small
-    /// (50 mm, 0.1 rad), sizes that no robot has (units mixed up) and noise that is not positive definite.
+    /// Refused are numbers that are not finite, rows of different lengths, exact copies of a row, displacements and loads beyond any robot's
+    /// (50 mm, 0.1 rad, 10 MN, 10 MN·m), sizes that no robot has (units mixed up) and noise that is not positive definite.
     ///
     /// # Errors
     /// [`IdentificationError`] with the row and the column, or with the units that may have been mixed up.
     pub fn new(measurements: Vec<Measurement>, noise: MeasurementNoise) -> Result<Self, IdentificationError> {
         noise.check()?;
         check_rows(&measurements)?;
-        check_units(&measurements)?;
+        check_units(&measurements, &noise)?;
         let noise = vec![noise; measurements.len()];
         Ok(Self { measurements, noise })
     }
@@ -158,7 +169,7 @@ fn check_rows(measurements: &[Measurement]) -> Result<(), IdentificationError> {
     Ok(())
 }
 
-fn check_units(measurements: &[Measurement]) -> Result<(), IdentificationError> {
+fn check_units(measurements: &[Measurement], noise: &MeasurementNoise) -> Result<(), IdentificationError> {
     if measurements.is_empty() {
         return Ok(());
     }
@@ -167,6 +178,11 @@ fn check_units(measurements: &[Measurement]) -> Result<(), IdentificationError> 
     let rotation = median(&|m| m.displacement.fixed_rows::<3>(3).norm());
     let force = median(&|m| m.wrench.fixed_rows::<3>(0).norm());
     let moment = median(&|m| m.wrench.fixed_rows::<3>(3).norm());
+    let shows = |value: f64, row: usize| {
+        let variance = noise.wrench.diagonal().fixed_rows::<3>(row).sum();
+        value > BEYOND_NOISE * variance.sqrt()
+    };
+    let (forced, turned) = (shows(force, 0), shows(moment, 3));
     let within = |what, value: f64, (low, high), unit, remedy| {
         if (low..=high).contains(&value) {
             Ok(())
@@ -176,14 +192,19 @@ fn check_units(measurements: &[Measurement]) -> Result<(), IdentificationError> 
     };
     within("the translation", translation, (0.0, LARGEST.0), "m", "units off by 1000: mm for m?")?;
     within("the rotation", rotation, (0.0, LARGEST.1), "rad", "units off by 1000 or by 57: mrad or degrees for rad?")?;
-    // A load without forces or without moments says nothing here; that it is missing is told where it matters.
-    if force > 0.0 && translation > 0.0 {
+    // Loads of moments alone may well move the tool point, with no more force than noise.
+    let moved_by_moments = !forced && moment > MOMENT_PER_TRANSLATION * translation;
+    if force > 0.0 && translation > 0.0 && !moved_by_moments {
         let remedy = "units off by 1000: mm or µm for m, kN for N?";
         within("force per translation", force / translation, FORCE_PER_TRANSLATION, "N/m", remedy)?;
     }
-    if moment > 0.0 && rotation > 0.0 {
-        let remedy = "units off by 1000: mrad or degrees for rad, kN·m or N·mm for N·m?";
+    // Loads of forces alone turn the tool, with no more moment than noise; that a moment is missing is told where it matters.
+    if turned && rotation > 0.0 {
+        let remedy = "units off by 1000 or by 57: mrad or degrees for rad, kN·m or N·mm for N·m?";
         within("moment per rotation", moment / rotation, MOMENT_PER_ROTATION, "N·m/rad", remedy)?;
+    }
+    if forced {
+        within("moment per force", moment / force, LEVER, "m", "units off by 1000: N·mm for N·m, kN for N?")?;
     }
     if translation > 0.0 && rotation > 0.0 {
         let remedy = "translations and rotations do not belong together: mm for m, or mrad or degrees for rad?";
@@ -193,9 +214,11 @@ fn check_units(measurements: &[Measurement]) -> Result<(), IdentificationError> 
         let sizes = [
             ("translation", m.displacement.fixed_rows::<3>(0).norm(), LARGEST.0, "m"),
             ("rotation", m.displacement.fixed_rows::<3>(3).norm(), LARGEST.1, "rad"),
+            ("force", m.wrench.fixed_rows::<3>(0).norm(), HEAVIEST.0, "N"),
+            ("moment", m.wrench.fixed_rows::<3>(3).norm(), HEAVIEST.1, "N·m"),
         ];
         if let Some(&(what, value, limit, unit)) = sizes.iter().find(|(_, value, limit, _)| value > limit) {
-            return Err(IdentificationError::NotSmall { row: i + 1, what, value, limit, unit });
+            return Err(IdentificationError::Implausible { row: i + 1, what, value, limit, unit });
         }
     }
     Ok(())

@@ -11,6 +11,7 @@ use identify_data::{
     NOISE, compliance, kr125, linear_measurements, load, noise, noisy, pose, relative, rng, set, spoil,
 };
 use nalgebra::{Matrix6, Vector6};
+use rand::RngExt;
 
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
@@ -115,6 +116,72 @@ fn intervals_contain_the_truth_as_often_as_they_say() {
 }
 
 #[test]
+fn intervals_of_stiffnesses_hold_where_measurements_are_many() {
+    let stiffness = compliance().try_inverse().unwrap();
+    let (mut inside, mut all) = (0, 0);
+    for seed in 0..20 {
+        let set = set(linear_measurements(&mut rng(350 + seed), &compliance(), 2000));
+        let estimate = identify_cartesian(&set, CartesianEstimator::PositiveDefinite, Outliers::Keep).unwrap();
+        for i in 0..6 {
+            for j in 0..6 {
+                let (low, high) = estimate.stiffness_interval(i, j);
+                all += 1;
+                inside += u32::from((low..=high).contains(&stiffness[(i, j)]));
+            }
+        }
+    }
+    let share = f64::from(inside) / f64::from(all);
+    assert!((0.9..0.99).contains(&share), "{share}");
+}
+
+#[test]
+fn residuals_tell_the_noise_and_intervals_follow_it() {
+    let measurements = linear_measurements(&mut rng(360), &compliance(), 400);
+    let stated = |factor: f64| {
+        let noise =
+            MeasurementNoise::from_std(factor * NOISE[0], factor * NOISE[1], factor * NOISE[2], factor * NOISE[3]);
+        let set = MeasurementSet::new(measurements.clone(), noise).unwrap();
+        identify_cartesian(&set, CartesianEstimator::PositiveDefinite, Outliers::Keep).unwrap()
+    };
+    let (right, half) = (stated(1.0), stated(0.5));
+    assert!((right.chi_square - 1.0).abs() < 0.1, "{}", right.chi_square);
+    assert!((half.chi_square - 4.0 * right.chi_square).abs() < 1e-3);
+    let ratio = half.compliance_std.component_div(&right.compliance_std);
+    assert!(ratio.iter().all(|r| (r - 1.0).abs() < 0.1), "{ratio}");
+}
+
+/// `Σ rᵀ (Σ_X + C Σ_W Cᵀ)⁻¹ r`.
+fn squares(set: &MeasurementSet, compliance: &Matrix6<f64>) -> f64 {
+    let noise = noise();
+    let weight = (noise.displacement + compliance * noise.wrench * compliance.transpose()).try_inverse().unwrap();
+    let residuals = set.measurements().iter().map(|m| m.displacement - compliance * m.wrench);
+    residuals.map(|r| r.dot(&(weight * r))).sum()
+}
+
+#[test]
+fn total_and_definite_least_squares_are_minima_of_the_likelihood() {
+    let mut draw = rng(370);
+    let set = set(linear_measurements(&mut draw, &compliance(), 50));
+    for (estimator, symmetric) in
+        [(CartesianEstimator::TotalLeastSquares, false), (CartesianEstimator::PositiveDefinite, true)]
+    {
+        let found = identify_cartesian(&set, estimator, Outliers::Keep).unwrap().compliance;
+        let least = squares(&set, &found);
+        for size in [1e-3, 1e-2, 0.1] {
+            for _ in 0..50 {
+                let mut step = Matrix6::from_fn(|i, j| {
+                    size * (found[(i, i)] * found[(j, j)]).sqrt() * draw.random_range(-1.0..1.0)
+                });
+                if symmetric {
+                    step += step.transpose();
+                }
+                assert!(squares(&set, &(found + step)) > least, "{estimator} {size}");
+            }
+        }
+    }
+}
+
+#[test]
 fn weighting_listens_to_the_better_measurements() {
     let truth = compliance();
     let (mut plain, mut weighted) = (Vec::new(), Vec::new());
@@ -142,7 +209,7 @@ fn weighting_listens_to_the_better_measurements() {
 }
 
 #[test]
-fn estimates_do_not_depend_on_the_units_or_axes_of_the_noise_free_scaling() {
+fn estimates_do_not_depend_on_units_or_axes() {
     // Another frame: C' = A C Aᵀ for X' = A X, W' = A⁻ᵀ W, and noise carried along.
     let truth = compliance();
     let a = Matrix6::from_fn(|i, j| if i == j { 1.0 } else { 0.2 * ((i * 5 + j * 3) as f64).sin() });

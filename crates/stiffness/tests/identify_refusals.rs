@@ -53,22 +53,54 @@ fn units_off_by_a_thousand_are_noticed() {
         ([1.0, 1.0], [1.0, 57.3], "degrees"),
         ([1e-3, 1.0], [1.0, 1.0], "kN for N"),
         ([1e-3, 1e-3], [1.0, 1.0], "kN for N"),
-        ([1.0, 1e-3], [1.0, 1.0], "kN·m"),
+        ([1.0, 1e3], [1.0, 1.0], "N·mm for N·m"),
     ] {
         match scaled(wrench, displacement) {
             Err(refused @ IdentificationError::Units { .. }) => {
                 assert!(refused.to_string().contains(hint), "{wrench:?} {displacement:?}: {refused}");
             }
-            other => panic!("{wrench:?} {displacement:?}: {other:?}"),
+            Err(other) => panic!("{wrench:?} {displacement:?}: {other}"),
+            Ok(_) => panic!("{wrench:?} {displacement:?}: taken for good"),
         }
     }
 }
 
 #[test]
-fn a_single_displacement_that_is_not_small_is_named() {
+fn moments_in_kilonewton_metres_look_like_none() {
+    let mut data = measurements();
+    for m in &mut data {
+        m.wrench.fixed_rows_mut::<3>(3).scale_mut(1e-3);
+    }
+    let set = MeasurementSet::new(data, noise()).unwrap();
+    let refused = identify_cartesian(&set, CartesianEstimator::PositiveDefinite, Outliers::Keep).unwrap_err();
+    assert!(matches!(refused, IdentificationError::NotLoaded { .. }), "{refused}");
+    assert!(refused.to_string().contains("no moment about y") && refused.to_string().contains("check the units"));
+}
+
+#[test]
+fn loads_of_forces_alone_or_moments_alone_are_no_mistake_of_units() {
+    // Only as much of the other as the sensor's noise.
+    for strong in [0, 3] {
+        let mut rng = rng(9);
+        let data = (0..40).map(|_| {
+            let mut wrench = identify_data::load(&mut rng);
+            wrench.fixed_rows_mut::<3>(3).scale_mut(10.0);
+            wrench.fixed_rows_mut::<3>(3 - strong).fill(0.0);
+            let displacement = noisy(&mut rng, &(compliance() * wrench), 20e-6, 50e-6);
+            Measurement { q: pose(), wrench: noisy(&mut rng, &wrench, 2.0, 0.5), displacement }
+        });
+        assert!(MeasurementSet::new(data.collect(), noise()).is_ok());
+    }
+}
+
+#[test]
+fn a_single_displacement_or_load_beyond_any_robot_s_is_named() {
     let mut data = measurements();
     data[3].displacement[0] = 0.2;
-    assert!(matches!(refusal(data), IdentificationError::NotSmall { row: 4, what: "translation", .. }));
+    assert!(matches!(refusal(data), IdentificationError::Implausible { row: 4, what: "translation", .. }));
+    let mut data = measurements();
+    data[5].wrench[4] = 1e200;
+    assert!(matches!(refusal(data), IdentificationError::Implausible { row: 6, what: "moment", .. }));
 }
 
 #[test]
@@ -85,8 +117,12 @@ fn copies_and_rows_of_another_length_are_named() {
 
 #[test]
 fn a_noise_that_is_none_is_refused() {
-    for bad in [MeasurementNoise::from_std(0.0, 5e-5, 2.0, 0.5), MeasurementNoise::from_std(2e-5, 5e-5, 2.0, f64::NAN)]
-    {
+    for bad in [
+        MeasurementNoise::from_std(0.0, 5e-5, 2.0, 0.5),
+        MeasurementNoise::from_std(2e-5, 5e-5, 2.0, f64::NAN),
+        MeasurementNoise::from_std(2e-5, 1e200, 2.0, 0.5),
+        MeasurementNoise::from_std(2e-5, 5e-5, 1e-160, 0.5),
+    ] {
         assert!(matches!(MeasurementSet::new(measurements(), bad), Err(IdentificationError::Noise { .. })));
     }
     let mut skewed = noise();
@@ -177,6 +213,12 @@ fn springs_and_poses_that_do_not_fit_the_robot_are_refused() {
         fit_springs(&robot, &set, &springs, &settings),
         Err(IdentificationError::Count { row: 1, found: 5, expected: 6, .. })
     ));
-    let information = PoseInformation::new(&robot, &springs, &[(pose(), identify_data::load(&mut rng(5)))], &noise());
+    let candidate = (pose(), identify_data::load(&mut rng(5)));
+    for bad in [f64::NAN, 1e200] {
+        let mut spoiled = candidate.clone();
+        spoiled.1[2] = bad;
+        assert!(PoseInformation::new(&robot, &springs, &[candidate.clone(), spoiled], &noise()).is_err());
+    }
+    let information = PoseInformation::new(&robot, &springs, &[candidate], &noise());
     assert!(matches!(information.unwrap().choose(2), Err(IdentificationError::TooFew { found: 1, needed: 2, .. })));
 }

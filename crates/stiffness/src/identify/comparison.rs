@@ -211,7 +211,7 @@ fn reasons(
     error: f64,
 ) -> Vec<String> {
     let mut reasons = vec![format!(
-        "trust {trusted}: it predicts held-out displacements to {error:.2} of the noise, no method with fewer parameters does as well"
+        "trust {trusted}: it predicts held-out displacements to {error:.2} σ, and of the methods that do so it has the fewest parameters"
     )];
     for (method, report) in methods {
         let report = match report {

@@ -48,14 +48,15 @@ pub enum IdentificationError {
         /// The earlier one.
         first: usize,
     },
-    /// A displacement that is none of an elastic robot.
+    /// More than a robot bends or bears.
     #[error(
-        "row {row}: a {what} of {value} {unit} is not a small displacement (limit {limit} {unit}); correct or remove the row"
+        "row {row}: a {what} of {value:.3e} {unit} is more than a robot bends or bears (limit {limit:e} {unit}); correct or \
+         remove the row"
     )]
-    NotSmall {
+    Implausible {
         /// Row.
         row: usize,
-        /// Translation or rotation.
+        /// Translation, rotation, force or moment.
         what: &'static str,
         /// Its size.
         value: f64,
@@ -81,7 +82,9 @@ pub enum IdentificationError {
         remedy: &'static str,
     },
     /// A noise that is none.
-    #[error("the covariance of the {what} is not symmetric positive definite; give standard deviations above 0")]
+    #[error(
+        "the covariance of the {what} is not symmetric positive definite, or its standard deviations are not between 1e-12 and 1e6"
+    )]
     Noise {
         /// Displacement or wrench.
         what: &'static str,
@@ -100,7 +103,7 @@ pub enum IdentificationError {
         by: f64,
     },
     /// Loads that leave out a direction.
-    #[error("the loads do not tell the stiffness: {}; add loads in these directions, larger than the sensor's noise", .directions.join("; "))]
+    #[error("the loads do not tell the stiffness: {}; add loads in these directions, larger than the sensor's noise, or check the units", .directions.join("; "))]
     NotLoaded {
         /// What was never loaded, in words.
         directions: Vec<String>,

@@ -47,7 +47,7 @@ impl PoseInformation {
         springs.check(robot.joints.len())?;
         let point = logarithms(&parameters(springs)?);
         let model = DeformationModel::Product;
-        let each = candidates.iter().map(|(q, wrench)| {
+        let each = candidates.iter().enumerate().map(|(candidate, (q, wrench))| {
             let kinematics = Kinematics::new(robot, q)?;
             let compliance = loaded_compliance(robot, springs, &kinematics, wrench)?;
             let covariance = noise.displacement + compliance * noise.wrench * compliance.transpose();
@@ -61,7 +61,15 @@ impl PoseInformation {
                 };
                 sensitivity.set_column(k, &((at(1.0)? - at(-1.0)?) / (2.0 * DIFFERENCE)));
             }
-            Ok(sensitivity.tr_mul(&whiten.solve(&sensitivity)))
+            let information = sensitivity.tr_mul(&whiten.solve(&sensitivity));
+            match information.iter().find(|v| !v.is_finite()) {
+                Some(v) => Err(IdentificationError::NotFinite {
+                    row: candidate + 1,
+                    column: "information".to_owned(),
+                    value: *v,
+                }),
+                None => Ok(information),
+            }
         });
         Ok(Self { each: each.collect::<Result<_, IdentificationError>>()? })
     }

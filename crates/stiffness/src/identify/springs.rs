@@ -176,6 +176,9 @@ pub fn fit_springs(
     let chi_square = residuals / (6 * kept.len() - listed.len()) as f64;
     let told = fit.minimum.jacobian.rows(0, 6 * kept.len());
     let information = told.tr_mul(&told) / chi_square.max(1.0);
+    if information.iter().any(|v| !v.is_finite()) {
+        return Err(IdentificationError::NotConverged { iterations: fit.minimum.iterations });
+    }
     let known = Known::from(&information);
     let last = parameters(&fit.springs)?;
     Ok(SpringFit {
