@@ -247,6 +247,33 @@ fn at_two_hundred() -> Result<()> {
     Ok(())
 }
 
+/// What the size of the loads does to least squares either way.
+fn over_loads() -> Result<()> {
+    let (robot, springs) = kr125();
+    let truth = stiffness_at_pose(&springs)?;
+    println!("\n| error of K, N = 200 | W on ΔX (published) | ΔX on W |");
+    println!("|---|---|---|");
+    for [force, moment] in [[500.0, 60.0], [1000.0, 60.0], [1000.0, 100.0], [1000.0, 200.0]] {
+        let mut errors = [Vec::new(), Vec::new()];
+        for trial in 0..TRIALS {
+            let mut rng = StdRng::seed_from_u64(trial as u64);
+            let mut measurements = Vec::new();
+            for _ in 0..200 {
+                let wrench =
+                    load(&mut rng).component_mul(&Wrench::from_fn(|i, _| [force, moment][i / 3] / LOADS[i / 3]));
+                measurements.push(measured(&mut rng, &robot, &springs, &pose(), wrench)?);
+            }
+            let set = MeasurementSet::new(measurements, noise())?;
+            for (errors, estimator) in errors.iter_mut().zip(CartesianEstimator::ALL) {
+                errors.push(relative(&identify_cartesian(&set, estimator, Outliers::Keep)?.stiffness, &truth));
+            }
+        }
+        let [published, other] = errors.map(|errors| 100.0 * median(errors));
+        println!("| loads to {force} N, {moment} N·m | {published:.0} % | {other:.0} % |");
+    }
+    Ok(())
+}
+
 /// Ten measurements chosen among 400 against ten at random.
 fn chosen_poses() -> Result<()> {
     let (robot, springs) = kr125();
@@ -287,6 +314,7 @@ fn main() -> Result<()> {
     let folder = std::env::args().nth(1).ok_or("give the folder for the figure, docs/figures")?;
     over_counts(Path::new(&folder))?;
     at_two_hundred()?;
+    over_loads()?;
     chosen_poses()?;
     let (robot, _) = kr125();
     let set = set_at_one_pose(&mut StdRng::seed_from_u64(0), 200, true)?;
