@@ -8,7 +8,8 @@ use bracketry_stiffness::{
     Springs, compare, identify_cartesian,
 };
 use identify_data::{
-    NOISE, compliance, kr125, linear_measurements, load, noise, noisy, pose, relative, rng, set, spoil,
+    NOISE, STIFFNESS, compliance, kr125, linear_measurements, load, noise, noisy, pose, random_pose, relative, rng,
+    robot_measurements, set, spoil,
 };
 use nalgebra::{Matrix6, Vector6};
 use rand::RngExt;
@@ -284,6 +285,19 @@ fn the_comparison_distrusts_the_published_estimator_and_foresees_its_error() {
     assert!((0.9..1.1).contains(&report(CartesianEstimator::PositiveDefinite).held_out));
     let words = comparison.to_string();
     assert!(words.contains("the noise of ΔX makes K too small"), "{words}");
+}
+
+#[test]
+fn over_several_poses_only_springs_are_compared() {
+    let (robot, springs) = (kr125(), Springs::linear(&STIFFNESS));
+    let mut draw = rng(750);
+    let poses: Vec<Vec<f64>> = (0..6).map(|_| random_pose(&mut draw)).collect();
+    let set = set(robot_measurements(&mut draw, &springs, &poses, 60, 1.0));
+    let settings = SpringFitSettings::default();
+    let comparison = compare(&set, Some((&robot, &springs, &settings)), Outliers::Reject).unwrap();
+    assert_eq!(comparison.trusted, Method::JointSprings);
+    assert_eq!(comparison.methods.iter().filter(|(_, report)| report.is_ok()).count(), 1);
+    assert!(compare(&set, None, Outliers::Keep).is_err());
 }
 
 #[test]

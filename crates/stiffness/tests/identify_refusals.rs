@@ -5,7 +5,7 @@ mod identify_data;
 
 use bracketry_stiffness::{
     CartesianEstimator, IdentificationError, JointSpring, Measurement, MeasurementNoise, MeasurementSet, Outliers,
-    PoseInformation, SpringFitSettings, Springs, fit_springs, identify_cartesian,
+    PoseInformation, Robot, SpringFitSettings, Springs, fit_springs, identify_cartesian,
 };
 use identify_data::{STIFFNESS, compliance, kr125, linear_measurements, noise, noisy, pose, rng, robot_measurements};
 
@@ -180,6 +180,32 @@ fn too_few_measurements_and_several_poses_are_refused() {
 }
 
 #[test]
+fn what_outliers_leave_must_still_be_enough() {
+    for count in [7, 8, 9, 12] {
+        let mut data = linear_measurements(&mut rng(6), &compliance(), count);
+        data[0].displacement *= -3.0;
+        data[3].displacement *= -2.0;
+        let set = MeasurementSet::new(data, noise()).unwrap();
+        for estimator in CartesianEstimator::ALL {
+            // Found or refused, never a panic; what is found comes from enough.
+            if let Ok(estimate) = identify_cartesian(&set, estimator, Outliers::Reject) {
+                assert!(count - estimate.outliers.len() >= 7);
+            }
+        }
+    }
+}
+
+#[test]
+fn displacements_of_nothing_are_no_stiffness() {
+    let mut data = measurements();
+    data.iter_mut().for_each(|m| m.displacement.fill(0.0));
+    let set = MeasurementSet::new(data, noise()).unwrap();
+    for estimator in CartesianEstimator::ALL {
+        assert!(identify_cartesian(&set, estimator, Outliers::Keep).is_err(), "{estimator}");
+    }
+}
+
+#[test]
 fn more_outliers_than_measurements_explain_are_a_wrong_model() {
     // Half of the data from another robot.
     let mut rng = rng(3);
@@ -219,6 +245,11 @@ fn springs_and_poses_that_do_not_fit_the_robot_are_refused() {
         spoiled.1[2] = bad;
         assert!(PoseInformation::new(&robot, &springs, &[candidate.clone(), spoiled], &noise()).is_err());
     }
+    let none = PoseInformation::new(&robot, &springs, &[], &noise()).unwrap();
+    assert!(none.of(&[]).log_std.iter().all(|v| v.is_infinite()));
+    assert!(none.choose(0).is_err());
+    let stump = Robot::from_modified_dh("stump", &[]);
+    assert!(PoseInformation::new(&stump, &Springs::linear(&[]), &[], &noise()).is_err());
     let information = PoseInformation::new(&robot, &springs, &[candidate], &noise());
     assert!(matches!(information.unwrap().choose(2), Err(IdentificationError::TooFew { found: 1, needed: 2, .. })));
 }

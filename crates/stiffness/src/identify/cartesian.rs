@@ -5,7 +5,7 @@ use super::estimators::{
     EntryCovariance, displacement_on_wrench, positive_definite, total_least_squares, weighted, wrench_on_displacement,
 };
 use super::outliers::{Outliers, agreeing};
-use super::scaled::{Row, Scaled, check_loads};
+use super::scaled::{Row, Scaled, check_count, check_loads};
 use crate::measurement::MeasurementSet;
 use nalgebra::{Matrix6, SMatrix};
 use std::fmt;
@@ -137,6 +137,7 @@ pub fn identify_cartesian(
         )?,
     };
     let rows = scaled.subset(&kept);
+    check_count(rows.len())?;
     check_loads(&rows)?;
     let fit = fit(&rows, estimator)?;
     let distances: f64 = rows.iter().map(|row| row.distance(&fit.compliance)).sum();

@@ -47,7 +47,7 @@ pub(super) struct Parameter {
     pub(super) value: f64,
 }
 
-/// All parameters, joint by joint, the stiffness first. Refuses those whose logarithm cannot be taken.
+/// All parameters, joint by joint, the stiffness first. Refuses those whose logarithm cannot be taken, and a robot without joints.
 pub(super) fn parameters(springs: &Springs) -> Result<Vec<Parameter>, IdentificationError> {
     let mut list = Vec::new();
     for (joint, spring) in springs.joints.iter().enumerate() {
@@ -64,6 +64,9 @@ pub(super) fn parameters(springs: &Springs) -> Result<Vec<Parameter>, Identifica
             }
             list.push(Parameter { joint, name, value });
         }
+    }
+    if list.is_empty() {
+        return Err(IdentificationError::NotIdentified { parameters: vec!["the robot has no joints".to_owned()] });
     }
     Ok(list)
 }

@@ -30,6 +30,7 @@ pub struct PoseChoice {
 /// Information that measurements at some poses and loads give about joint springs.
 #[derive(Clone, Debug)]
 pub struct PoseInformation {
+    parameters: usize,
     each: Vec<DMatrix<f64>>,
 }
 
@@ -71,7 +72,7 @@ impl PoseInformation {
                 None => Ok(information),
             }
         });
-        Ok(Self { each: each.collect::<Result<_, IdentificationError>>()? })
+        Ok(Self { parameters: point.len(), each: each.collect::<Result<_, IdentificationError>>()? })
     }
 
     /// What the given candidates (from 0) tell together; those that do not exist tell nothing.
@@ -101,7 +102,7 @@ impl PoseInformation {
         let mut chosen: Vec<usize> = Vec::with_capacity(count);
         // A trace of information about everything makes the determinant of the first few tell something.
         let least = 1e-9 * self.each.iter().fold(0.0, |largest: f64, m| largest.max(m.amax()));
-        let mut sum = DMatrix::identity(self.each[0].nrows(), self.each[0].nrows()) * least;
+        let mut sum = DMatrix::identity(self.parameters, self.parameters) * least;
         for _ in 0..count {
             let Some((best, _)) = self.best(&sum, &chosen) else { break };
             sum += &self.each[best];
@@ -133,7 +134,7 @@ impl PoseInformation {
     }
 
     fn sum(&self, candidates: &[usize]) -> DMatrix<f64> {
-        let size = self.each.first().map_or(0, DMatrix::nrows);
+        let size = self.parameters;
         let each = candidates.iter().filter_map(|i| self.each.get(*i));
         each.fold(DMatrix::zeros(size, size), |sum, m| sum + m)
     }

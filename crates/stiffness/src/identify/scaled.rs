@@ -44,9 +44,7 @@ impl Scaled {
     /// Refuses too few measurements and several poses.
     pub(super) fn new(set: &MeasurementSet) -> Result<Self, IdentificationError> {
         let found = set.len();
-        if found < 7 {
-            return Err(IdentificationError::TooFew { what: "a Cartesian stiffness", found, needed: 7 });
-        }
+        check_count(found)?;
         one_pose(set)?;
         let mean = set.noise().iter().fold(Matrix6::zeros(), |sum, n| sum + n.displacement) / found as f64;
         let noise = || IdentificationError::Noise { what: "displacement" };
@@ -79,6 +77,15 @@ impl Scaled {
 
     pub(super) fn subset(&self, indices: &[usize]) -> Vec<Row> {
         indices.iter().map(|i| self.rows[*i].clone()).collect()
+    }
+}
+
+/// One measurement more than the six that a compliance needs.
+pub(super) fn check_count(found: usize) -> Result<(), IdentificationError> {
+    if found < 7 {
+        Err(IdentificationError::TooFew { what: "a Cartesian stiffness", found, needed: 7 })
+    } else {
+        Ok(())
     }
 }
 

@@ -152,9 +152,14 @@ pub fn fit_springs(
     start.check(robot.joints.len())?;
     let listed = parameters(start)?;
     let needed = listed.len().div_ceil(6) + 1;
-    if set.len() < needed {
-        return Err(IdentificationError::TooFew { what: "a fit of these springs", found: set.len(), needed });
-    }
+    let enough = |found: usize| {
+        if found < needed {
+            Err(IdentificationError::TooFew { what: "a fit of these springs", found, needed })
+        } else {
+            Ok(())
+        }
+    };
+    enough(set.len())?;
     for (i, m) in set.measurements().iter().enumerate() {
         if m.q.len() != robot.joints.len() {
             let (found, expected) = (m.q.len(), robot.joints.len());
@@ -171,6 +176,7 @@ pub fn fit_springs(
             |fit| (0..set.len()).map(|i| squared_distance(robot, set, i, &fit.springs, settings.model)).collect(),
         )?,
     };
+    enough(kept.len())?;
     let fit = fitted(&kept)?;
     let residuals: f64 = kept.iter().map(|i| squared_distance(robot, set, *i, &fit.springs, settings.model)).sum();
     let chi_square = residuals / (6 * kept.len() - listed.len()) as f64;
