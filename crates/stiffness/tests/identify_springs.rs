@@ -180,6 +180,25 @@ fn joints_that_act_alike_are_named_together() {
 }
 
 #[test]
+fn lost_motion_where_there_is_none_is_said_not_to_show() {
+    let measurements = robot_measurements(&mut rng(70), &Springs::linear(&STIFFNESS), &poses(71, 20), 200, 1.0);
+    let mut start = Springs::linear(&[5e5; 6]);
+    start.joints[1] = JointSpring::Backlash { stiffness: 5e5, gap: 1e-4, engaged: 50.0 };
+    let fit = fit(&set(measurements), &start, Outliers::Keep);
+    for parameter in &fit.parameters {
+        match (&parameter.identified, parameter.name) {
+            (Identified::Yes { value, .. }, "stiffness") => {
+                assert!((value / STIFFNESS[parameter.joint - 1] - 1.0).abs() < 0.1, "{parameter}");
+            }
+            (Identified::No { .. }, "gap" | "engaged") => {}
+            _ => panic!("{fit}"),
+        }
+    }
+    assert!(fit.log_covariance.iter().all(|v| !v.is_nan()));
+    assert!(fit.springs().is_err());
+}
+
+#[test]
 fn chosen_poses_beat_any_random_choice() {
     let (robot, springs) = (kr125(), Springs::linear(&STIFFNESS));
     let mut rng = rng(8);

@@ -24,6 +24,8 @@ const LOOSE: f64 = 3.0;
 const DEPENDENT: f64 = 1e-12;
 /// Product of components from which on two parameters take part in a direction: below, it is rounding.
 const TAKES_PART: f64 = 1e-8;
+/// Most others that a parameter is said not to be told from.
+const MOST_NAMED: usize = 3;
 /// Times the noise's covariance is renewed from the springs.
 const REWEIGHTED: usize = 3;
 
@@ -138,7 +140,8 @@ impl fmt::Display for SpringFit {
 /// Fits the parameters of the joints' springs: those of `start`, of the same kinds; compliances of links stay as they are.
 ///
 /// Minimises `Σ rᵀ (Σ_X + C Σ_W Cᵀ)⁻¹ r`, r the measured less the predicted displacement, over the logarithms of the parameters, from
-/// the linear solution of `ΔX = Σ_j c_j J_j J_jᵀ W` where it is positive.
+/// the linear solution of `ΔX = Σ_j c_j J_j J_jᵀ W` where it is positive. The torque at which a gap is engaged must start among the torques of
+/// the loads: below all of them it changes nothing, and is found not identified.
 ///
 /// # Errors
 /// [`IdentificationError`] for springs, poses or starts that do not fit, fewer than one measurement more than parameters need, too many
@@ -314,16 +317,20 @@ pub(super) struct Known {
     pub(super) condition: f64,
     /// Directions among the scaled logarithms, the worst known first, with their standard deviation.
     directions: Vec<(f64, DVector<f64>)>,
+    /// Standard deviation of each logarithm if the others were known.
+    alone: DVector<f64>,
 }
 
 impl From<&DMatrix<f64>> for Known {
     fn from(information: &DMatrix<f64>) -> Self {
         let count = information.nrows();
         // Each logarithm in units of what it would be known to alone: two that act alike cancel even where one hardly shows.
-        let alone = information.diagonal().map(|v| if v > 0.0 { v.sqrt().recip() } else { 0.0 });
-        let shared = DMatrix::from_fn(count, count, |i, j| match (i == j, alone[i] * alone[j] > 0.0) {
+        let alone = information.diagonal().map(|v| if v > 0.0 { v.sqrt().recip() } else { f64::INFINITY });
+        let shows = |i: usize| alone[i].is_finite();
+        let shared = DMatrix::from_fn(count, count, |i, j| match (i == j, shows(i) && shows(j)) {
             (true, shows) => f64::from(u8::from(shows)),
-            (false, _) => information[(i, j)] * alone[i] * alone[j],
+            (false, true) => information[(i, j)] * alone[i] * alone[j],
+            (false, false) => 0.0,
         });
         let eigen = shared.symmetric_eigen();
         let mut directions: Vec<(f64, DVector<f64>)> = eigen
@@ -333,13 +340,14 @@ impl From<&DMatrix<f64>> for Known {
             .map(|(v, d)| (if *v > DEPENDENT { v.sqrt().recip() } else { f64::INFINITY }, d.into_owned()))
             .collect();
         directions.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let scale = |i: usize| if shows(i) { alone[i] } else { 0.0 };
         let covariance = DMatrix::from_fn(count, count, |i, j| {
-            directions.iter().fold(0.0, |sum, (std, d)| {
+            directions.iter().fold(0.0, |sum: f64, (std, d)| {
                 let product = d[i] * d[j];
                 if std.is_finite() {
-                    sum + std * std * product * alone[i] * alone[j]
-                } else if product.abs() > TAKES_PART {
-                    sum + product.signum() * f64::INFINITY
+                    sum + std * std * product * scale(i) * scale(j)
+                } else if product.abs() > TAKES_PART && sum.is_finite() {
+                    product.signum() * f64::INFINITY
                 } else {
                     sum
                 }
@@ -347,7 +355,7 @@ impl From<&DMatrix<f64>> for Known {
         });
         let eigenvalues = information.symmetric_eigenvalues();
         let condition = (eigenvalues.max() / eigenvalues.min().max(0.0)).sqrt();
-        Self { covariance, condition, directions }
+        Self { covariance, condition, directions, alone }
     }
 }
 
@@ -364,21 +372,28 @@ impl Known {
         SpringParameter { joint: parameter.joint + 1, name: parameter.name, identified }
     }
 
-    /// The others that it cannot be told apart from, or that it does not show.
+    /// That it does not show, or the others that it cannot be told apart from.
     fn why(&self, k: usize, log_std: f64, all: &[Parameter]) -> String {
-        let Some((_, worst)) =
-            self.directions.iter().max_by(|a, b| (a.0 * a.1[k].abs()).total_cmp(&(b.0 * b.1[k].abs())))
-        else {
-            return String::new();
-        };
-        let others = (0..all.len()).filter(|i| *i != k && worst[*i].abs() > 0.3 * worst[k].abs());
-        let others: Vec<String> =
-            others.map(|i| format!("the {} of joint {}", all[i].name, all[i].joint + 1)).collect();
         let size = format!("standard deviation of its logarithm {log_std:.1}");
-        if others.is_empty() {
-            format!("these loads move the joint by less than the noise in these poses ({size})")
-        } else {
-            format!("these poses and loads do not tell it from {} ({size})", others.join(" and "))
+        // Known no better if all others were.
+        if self.alone[k] > NOT_IDENTIFIED {
+            return if all[k].name == "stiffness" {
+                format!("these loads move the joint by less than the noise in these poses ({size})")
+            } else {
+                format!(
+                    "it changes these displacements by less than the noise; start elsewhere or leave it out ({size})"
+                )
+            };
         }
+        let part = |direction: &(f64, DVector<f64>)| direction.0.min(f64::MAX.sqrt()) * direction.1[k].abs();
+        let worst = self.directions.iter().max_by(|a, b| part(a).total_cmp(&part(b)));
+        let mut others: Vec<(f64, usize)> = worst.map_or(Vec::new(), |(_, d)| {
+            (0..all.len()).filter(|i| *i != k).map(|i| (d[i].abs() / d[k].abs(), i)).filter(|o| o.0 > 0.3).collect()
+        });
+        others.sort_by(|a, b| b.0.total_cmp(&a.0));
+        others.truncate(MOST_NAMED);
+        let named = others.iter().map(|(_, i)| format!("the {} of joint {}", all[*i].name, all[*i].joint + 1));
+        let named: Vec<String> = named.collect();
+        format!("these poses and loads do not tell it from {} ({size})", named.join(" and "))
     }
 }
