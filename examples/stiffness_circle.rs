@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use bracketry::plot::{Color, Dash, Panel, Series, TimeSeries, XyChart};
 use bracketry::stiffness::{
-    CircleRun, CompensationError, Compensator, JointSpring, Kinematics, MillingCircle, ResidualSample, Robot,
-    RobotFile, Springs, explain_residual,
+    CircleRun, CompensationError, Compensator, Deformation, JointSpring, Kinematics, MillingCircle, ResidualSample,
+    Robot, RobotFile, Springs, Wrench, explain_residual,
 };
 use nalgebra::Vector3;
 use rand::rngs::StdRng;
@@ -110,7 +110,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     points_figure(&runs, &dir)?;
     lost_motion(&mill, &truth, &dir)?;
     write_log(&runs[0].1, &mill, &dir.join("circle_log.csv"))?;
-    println!("\nfigures and circle_log.csv in {}", dir.display());
+    write_measurements(&mill, &truth, &dir.join("measurements.csv"))?;
+    println!("\nfigures, circle_log.csv and measurements.csv in {}", dir.display());
     Ok(())
 }
 
@@ -214,12 +215,12 @@ fn circle_figure(mill: &Mill, runs: &[(&str, CircleRun)], dir: &Path) -> Result<
     let (x, y): (Vec<f64>, Vec<f64>) = (0..=360).map(|k| point(f64::from(k).to_radians(), mill.circle.radius)).unzip();
     let mut panel = Panel::new("y [mm]").series(Series::new("circle", x, y).color(Color::INK).dash(Dash::Dashed));
     let mut largest: f64 = 1e3 * mill.circle.radius;
-    for (name, run) in runs {
+    for (k, (name, run)) in runs.iter().enumerate() {
         let errors = smooth(run.samples.iter().map(|s| s.radial_error).collect());
         let magnified = run.samples.iter().zip(errors).map(|(s, e)| point(s.angle, mill.circle.radius + MAGNIFIED * e));
         let (x, y): (Vec<f64>, Vec<f64>) = magnified.unzip();
         largest = x.iter().chain(&y).fold(largest, |m, v| m.max(v.abs()));
-        panel = panel.series(Series::new(*name, x, y));
+        panel = panel.series(Series::new(*name, x, y).color(Color::series(k)));
     }
     let chart = XyChart::new("x [mm]", panel.limits(-1.08 * largest, 1.08 * largest).height(690.0));
     chart
@@ -323,6 +324,34 @@ fn write_log(run: &CircleRun, mill: &Mill, path: &Path) -> Result<(), Box<dyn Er
         values.extend(&s.coordinates);
         values.extend(s.reading.iter());
         writer.write_record(values.iter().map(|v| format!("{v:.9}")))?;
+    }
+    writer.flush()?;
+    Ok(())
+}
+
+/// Displacements under loads in 20 poses, with the noise of the robot file, for `bracketry stiffness identify`.
+fn write_measurements(mill: &Mill, truth: &Springs, path: &Path) -> Result<(), Box<dyn Error>> {
+    let mut random = StdRng::seed_from_u64(11);
+    let mut writer = csv::Writer::from_path(path)?;
+    let columns =
+        ["q1", "q2", "q3", "q4", "q5", "q6", "Fx", "Fy", "Fz", "Mx", "My", "Mz", "dx", "dy", "dz", "rx", "ry", "rz"];
+    writer.write_record(columns)?;
+    let noise = &mill.file.noise;
+    let deviations = [[noise.force, noise.moment], [noise.translation, noise.rotation]];
+    for _ in 0..20 {
+        let q: Vec<f64> = mill.path[0].iter().map(|q| q + random.random_range(-0.7..0.7)).collect();
+        for _ in 0..10 {
+            let load = Wrench::from_fn(|i, _| [1000.0, 60.0][i / 3] * random.random_range(-1.0..1.0));
+            let moved = Deformation::equilibrium(mill.robot(), truth, &q, &load)?.tool;
+            let mut values = q.clone();
+            for (vector, deviation) in [(load, deviations[0]), (moved, deviations[1])] {
+                values.extend(vector.iter().enumerate().map(|(i, v)| {
+                    let z: f64 = StandardNormal.sample(&mut random);
+                    v + deviation[i / 3] * z
+                }));
+            }
+            writer.write_record(values.iter().map(|v| format!("{v:.9}")))?;
+        }
     }
     writer.flush()?;
     Ok(())

@@ -37,7 +37,10 @@ pub use plate_run::{
 pub use point::{PointError, point};
 pub use reach::{Influence, ReachTable, Reached};
 pub use scenario::{Run, Scenario, ScenarioError};
-pub use stiffness_run::{CompensatedLog, CompensatedRow, FaultCount, RobotLog, StiffnessRunError};
+pub use stiffness_run::{
+    CompensatedLog, CompensatedRow, FaultCount, Identification, MethodSummary, ParameterSummary, RobotLog,
+    StiffnessRunError,
+};
 
 /// A tutorial: from two equations to a verdict, and from there to the plate.
 #[doc = include_str!("../docs/tutorial.md")]

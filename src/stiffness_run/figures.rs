@@ -1,11 +1,37 @@
-//! A compensation along a log, in pictures.
+//! An identification and a compensation along a log, in pictures.
 
-use bracketry_plot::{Color, Drawing, Interval, Panel, PlotError, Series, TimeSeries};
+use bracketry_plot::{Color, Dash, Drawing, Interval, IntervalChart, Panel, PlotError, Series, TimeSeries, XyChart};
 
-use super::{CompensatedLog, CompensatedRow};
+use super::{CompensatedLog, CompensatedRow, Identification};
 
 const HELD: &str = "held: bad input";
 const LIMITED: &str = "at a limit";
+
+impl Identification {
+    /// Stiffnesses of the joints with their intervals; none where the data tell none.
+    pub fn stiffness_figure(&self) -> Option<Result<Drawing, PlotError>> {
+        let mut chart = IntervalChart::new("stiffness [MN·m/rad]")
+            .title(format!("Stiffness of the joints with 95 % intervals, {}", self.robot));
+        for parameter in self.parameters.iter().filter(|p| p.name == "stiffness") {
+            if let Some([value, low, high]) = parameter.value.map(|v| v.map(|k| 1e-6 * k)) {
+                chart = chart.row(format!("joint {}", parameter.joint), value, Some((low, high)), "identified");
+            }
+        }
+        (!chart.rows.is_empty()).then(|| chart.draw())
+    }
+
+    /// What the prediction of the trusted method leaves of the measured translations; none without a prediction.
+    pub fn residual_figure(&self) -> Option<Result<Drawing, PlotError>> {
+        let mut panel = Panel::new("measured − predicted [µm]").named_target("", 0.0);
+        for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let pairs = self.predictions.iter().skip(i).step_by(3);
+            let (predicted, rest): (Vec<f64>, Vec<f64>) = pairs.map(|[m, p]| (1e3 * p, 1e6 * (m - p))).unzip();
+            panel = panel.series(Series::new(axis, predicted, rest).points());
+        }
+        let title = format!("Translation of the tool point, {}: {}", self.robot, self.trusted);
+        (!self.predictions.is_empty()).then(|| XyChart::new("predicted [mm]", panel).title(title).draw())
+    }
+}
 
 impl CompensatedLog {
     /// Force of the process, displacement that it causes, and correction of the joints over time; where input was bad or a limit

@@ -2,12 +2,14 @@
 
 mod compensation;
 mod figures;
+mod identification;
 mod log;
 
-use bracketry_stiffness::CompensationError;
+use bracketry_stiffness::{CompensationError, IdentificationError};
 use bracketry_system::FileError;
 
 pub use compensation::{CompensatedLog, CompensatedRow, FaultCount};
+pub use identification::{Identification, MethodSummary, ParameterSummary};
 pub use log::RobotLog;
 
 /// Why a run over a robot's data did not come about.
@@ -23,6 +25,14 @@ pub enum StiffnessRunError {
         what: &'static str,
         /// How to get it.
         remedy: &'static str,
+    },
+    /// Measurements that cannot be used, or tell nothing.
+    #[error("{file}: {source}")]
+    Identification {
+        /// The table.
+        file: String,
+        /// What is wrong with them.
+        source: IdentificationError,
     },
     /// A compensation that cannot work.
     #[error(transparent)]

@@ -128,7 +128,10 @@ impl RobotFile {
 }
 
 /// The entries of `[[joint]]`.
-fn joint_tables<'t, 'i>(document: &Document<'_>, table: &'t Table<'i>) -> Result<Vec<&'t Table<'i>>, RobotFileError> {
+pub(crate) fn joint_tables<'t, 'i>(
+    document: &Document<'_>,
+    table: &'t Table<'i>,
+) -> Result<Vec<&'t Table<'i>>, RobotFileError> {
     let remedy = "write one [[joint]] for each joint, from the base on";
     let Some(value) = table.get("joint") else { return Ok(Vec::new()) };
     let wrong = |span| document.at(span, "`joint` must be a list of tables", remedy);
@@ -239,7 +242,7 @@ fn springs(document: &Document<'_>, robot: &Robot, joints: &[&Table<'_>]) -> Res
     Ok(Some(Springs::of_joints(springs)))
 }
 
-fn spring(document: &Document<'_>, joint: &Table<'_>) -> Result<Option<JointSpring>, RobotFileError> {
+pub(crate) fn spring(document: &Document<'_>, joint: &Table<'_>) -> Result<Option<JointSpring>, RobotFileError> {
     let Some(stiffness) = document.optional(joint, "stiffness", &STIFFNESS)? else {
         return match ["cubic", "gap", "engaged"].iter().find_map(|key| joint.get_key_value(*key)) {
             None => Ok(None),

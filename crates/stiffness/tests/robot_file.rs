@@ -3,7 +3,9 @@
 
 mod common;
 
-use bracketry_stiffness::{DhParameters, FilterOrder, ForceSensor, JointKind, JointSpring, Robot, RobotFile, Springs};
+use bracketry_stiffness::{
+    DhParameters, FilterOrder, ForceSensor, JointKind, JointSpring, Robot, RobotFile, Springs, with_springs,
+};
 use common::{KR125, STIFFNESS, random};
 use nalgebra::{Isometry3, Vector3};
 use rand::RngExt;
@@ -252,4 +254,36 @@ fn mutilated_files_are_read_or_refused() {
         }
     }
     assert!(refused > 200, "{refused}");
+}
+
+#[test]
+fn other_springs_are_written_into_the_file_and_nothing_else_changes() {
+    let joints = vec![
+        JointSpring::linear(1.234_567e6),
+        JointSpring::Backlash { stiffness: 4e5, gap: 2.9e-4, engaged: 30.0 },
+        JointSpring::Stiffening { stiffness: 9.1e5, cubic: 1e10 },
+        JointSpring::linear(3.5e5),
+        JointSpring::linear(3.6e5),
+        JointSpring::linear(1e9 / 3.0),
+    ];
+    let changed = with_springs("kr125.toml", KR125, &Springs::of_joints(joints.clone())).unwrap();
+    let (before, after) = (parse(KR125), parse(&changed));
+    assert_eq!(RobotFile { springs: None, ..after.clone() }, RobotFile { springs: None, ..before });
+    let written = after.springs.unwrap().joints;
+    assert_eq!(written[0], JointSpring::linear(1.23457e6));
+    assert_eq!(written[1..5], joints[1..5]);
+    assert_eq!(written[5], JointSpring::linear(333_333_000.0));
+    // Comments stay.
+    assert!(changed.contains("# N·m/rad") && changed.contains("# Craig: "));
+    // A joint without a stiffness gets one.
+    let bare = "convention = \"modified\"\n[[joint]]\na = 1 # m\n[tool]\nposition = [0, 0, 1]";
+    let sprung = with_springs("r.toml", bare, &Springs::linear(&[5e5])).unwrap();
+    assert_eq!(parse(&sprung).springs.unwrap(), Springs::linear(&[5e5]));
+    for (text, springs) in [
+        ("joint = [{a = 1}]\nconvention = \"modified\"\n", Springs::linear(&[5e5])),
+        (bare, Springs::linear(&[5e5, 5e5])),
+    ] {
+        let message = with_springs("r.toml", text, &springs).unwrap_err().to_string();
+        assert!(message.contains("[[joint]]"), "{message}");
+    }
 }

@@ -73,6 +73,22 @@ pub struct Correction<'a> {
 /// stand at `q_r`; where links bend Newton's steps follow.
 ///
 /// The weight of robot and payload counts as calibrated: only the process wrench is compensated.
+///
+/// ```
+/// use bracketry_stiffness::{CompensationSettings, Compensator, DhParameters, ForceSensor, Payload, Robot, Springs, Wrench};
+/// use nalgebra::Isometry3;
+/// // An arm of 1 m on one joint, 1000 N·m/rad, 5 N across its end: it yields by 5 mrad.
+/// let robot = Robot::from_modified_dh("arm", &[DhParameters::default()]).with_tool(Isometry3::translation(1.0, 0.0, 0.0));
+/// let sensor = ForceSensor { pose: Isometry3::identity(), force_range: 100.0, moment_range: 10.0 };
+/// let settings = CompensationSettings::default();
+/// let mut compensator = Compensator::new(robot, Springs::linear(&[1000.0]), sensor, Payload::none(), settings).unwrap();
+/// let mut command = 0.0;
+/// for _ in 0..500 {
+///     let step = compensator.step(&[command], &Wrench::new(0.0, 5.0, 0.0, 0.0, 0.0, 0.0), &[0.0]);
+///     command = step.reference[0];
+/// }
+/// assert!((command + 0.005).abs() < 1e-6);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Compensator {
     robot: Robot,

@@ -1,0 +1,79 @@
+//! Robot files with other springs.
+
+use crate::document::{Document, RobotFileError};
+use crate::file::{joint_tables, spring};
+use crate::spring::{JointSpring, Springs};
+
+/// The text of a robot file with other springs; comments and everything else stay.
+///
+/// # Errors
+/// [`RobotFileError`] for a text that is no robot file, another number of joints, or joints that are not written as `[[joint]]` tables.
+pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String, RobotFileError> {
+    let document = Document { file, text };
+    let table = document.table()?;
+    let joints = joint_tables(&document, &table)?;
+    let remedy = "write one [[joint]] for each joint, its keys on lines below";
+    if joints.len() != springs.joints.len() {
+        let message = format!("{} [[joint]] entries for {} springs", joints.len(), springs.joints.len());
+        return Err(document.whole(message, remedy));
+    }
+    // What replaces a range of the text.
+    let mut changes: Vec<(std::ops::Range<usize>, String)> = Vec::new();
+    for (joint, spring) in joints.iter().zip(&springs.joints) {
+        let values = match *spring {
+            JointSpring::Linear { stiffness } => vec![("stiffness", stiffness)],
+            JointSpring::Stiffening { stiffness, cubic } => vec![("stiffness", stiffness), ("cubic", cubic)],
+            JointSpring::Backlash { stiffness, gap, engaged } => {
+                vec![("stiffness", stiffness), ("gap", gap), ("engaged", engaged)]
+            }
+        };
+        for (key, value) in values {
+            if let Some(old) = joint.get(key) {
+                changes.push((old.span(), significant(value)));
+            } else {
+                let last = joint.values().map(|value| value.span().end).max().unwrap_or(text.len());
+                let end = text[last..].find('\n').map_or(text.len(), |i| last + i);
+                changes.push((end..end, format!("\n{key} = {}", significant(value))));
+            }
+        }
+    }
+    changes.sort_by_key(|(range, _)| range.start);
+    let (mut changed, mut at) = (String::with_capacity(text.len()), 0);
+    for (range, new) in changes {
+        changed.push_str(&text[at..range.start]);
+        changed.push_str(&new);
+        at = range.end;
+    }
+    changed.push_str(&text[at..]);
+    let document = Document { file, text: &changed };
+    let written = document.table().and_then(|table| {
+        joint_tables(&document, &table)?.iter().map(|joint| spring(&document, joint)).collect::<Result<Vec<_>, _>>()
+    });
+    let same = |(new, old): (&Option<JointSpring>, &JointSpring)| new.as_ref().is_some_and(|new| close(new, old));
+    match written {
+        Ok(written) if written.iter().zip(&springs.joints).all(same) => Ok(changed),
+        _ => Err(Document { file, text }.whole("cannot take other springs", remedy)),
+    }
+}
+
+/// A number with six significant digits.
+fn significant(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    format!("{rounded:?}")
+}
+
+/// Whether springs are the same to the digits that are written.
+fn close(a: &JointSpring, b: &JointSpring) -> bool {
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * b.abs();
+    match (*a, *b) {
+        (JointSpring::Linear { stiffness: a }, JointSpring::Linear { stiffness: b }) => near(a, b),
+        (JointSpring::Stiffening { stiffness: a, cubic: c }, JointSpring::Stiffening { stiffness: b, cubic: d }) => {
+            near(a, b) && near(c, d)
+        }
+        (
+            JointSpring::Backlash { stiffness: a, gap: c, engaged: e },
+            JointSpring::Backlash { stiffness: b, gap: d, engaged: f },
+        ) => near(a, b) && near(c, d) && near(e, f),
+        _ => false,
+    }
+}
