@@ -1,6 +1,6 @@
 //! An identification and a compensation along a log, in pictures.
 
-use bracketry_plot::{Color, Dash, Drawing, Interval, IntervalChart, Panel, PlotError, Series, TimeSeries, XyChart};
+use bracketry_plot::{Color, Drawing, Interval, IntervalChart, Panel, PlotError, Series, TimeSeries, XyChart};
 
 use super::{CompensatedLog, CompensatedRow, Identification};
 
