@@ -59,7 +59,11 @@ fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &OutputArgs) 
         write(&dir.join("identification.txt"), &found.to_string())?;
         if let Some(springs) = &found.springs {
             let text = std::fs::read_to_string(robot).with_context(|| format!("cannot read {}", robot.display()))?;
-            write(&dir.join("identified.toml"), &with_springs(&robot.display().to_string(), &text, springs)?)?;
+            // The springs are in the report, whether they go into the file or not.
+            match with_springs(&robot.display().to_string(), &text, springs) {
+                Ok(changed) => write(&dir.join("identified.toml"), &changed)?,
+                Err(e) => eprintln!("warning: no identified.toml: {e}"),
+            }
         }
         for (drawing, name) in [(found.stiffness_figure(), "stiffness"), (found.residual_figure(), "residuals")] {
             if let Some(drawing) = drawing {

@@ -13,21 +13,25 @@ pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String,
     let table = document.table()?;
     let joints = joint_tables(&document, &table)?;
     let remedy = "write one [[joint]] for each joint, its keys on lines below";
-    if joints.len() != springs.joints.len() {
+    // Beside a URDF description there may be none yet.
+    let described = joints.is_empty() && table.contains_key("urdf");
+    if joints.len() != springs.joints.len() && !described {
         let message = format!("{} [[joint]] entries for {} springs", joints.len(), springs.joints.len());
         return Err(document.whole(message, remedy));
     }
     // What replaces a range of the text.
     let mut changes: Vec<(std::ops::Range<usize>, String)> = Vec::new();
-    for (joint, spring) in joints.iter().zip(&springs.joints) {
-        let values = match *spring {
-            JointSpring::Linear { stiffness } => vec![("stiffness", stiffness)],
-            JointSpring::Stiffening { stiffness, cubic } => vec![("stiffness", stiffness), ("cubic", cubic)],
-            JointSpring::Backlash { stiffness, gap, engaged } => {
-                vec![("stiffness", stiffness), ("gap", gap), ("engaged", engaged)]
-            }
+    if described {
+        let entry = |spring| {
+            let keys: Vec<String> =
+                keys(spring).iter().map(|(key, v)| format!("{key} = {}\n", significant(*v))).collect();
+            format!("\n[[joint]]\n{}", keys.concat())
         };
-        for (key, value) in values {
+        let entries: Vec<String> = springs.joints.iter().map(entry).collect();
+        changes.push((text.len()..text.len(), format!("\n{}", entries.concat())));
+    }
+    for (joint, spring) in joints.iter().zip(&springs.joints) {
+        for (key, value) in keys(spring) {
             if let Some(old) = joint.get(key) {
                 changes.push((old.span(), significant(value)));
             } else {
@@ -51,8 +55,21 @@ pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String,
     });
     let same = |(new, old): (&Option<JointSpring>, &JointSpring)| new.as_ref().is_some_and(|new| close(new, old));
     match written {
-        Ok(written) if written.iter().zip(&springs.joints).all(same) => Ok(changed),
+        Ok(written) if written.len() == springs.joints.len() && written.iter().zip(&springs.joints).all(same) => {
+            Ok(changed)
+        }
         _ => Err(Document { file, text }.whole("cannot take other springs", remedy)),
+    }
+}
+
+/// The keys of a spring.
+fn keys(spring: &JointSpring) -> Vec<(&'static str, f64)> {
+    match *spring {
+        JointSpring::Linear { stiffness } => vec![("stiffness", stiffness)],
+        JointSpring::Stiffening { stiffness, cubic } => vec![("stiffness", stiffness), ("cubic", cubic)],
+        JointSpring::Backlash { stiffness, gap, engaged } => {
+            vec![("stiffness", stiffness), ("gap", gap), ("engaged", engaged)]
+        }
     }
 }
 

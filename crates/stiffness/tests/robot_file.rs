@@ -279,7 +279,13 @@ fn other_springs_are_written_into_the_file_and_nothing_else_changes() {
     let bare = "convention = \"modified\"\n[[joint]]\na = 1 # m\n[tool]\nposition = [0, 0, 1]";
     let sprung = with_springs("r.toml", bare, &Springs::linear(&[5e5])).unwrap();
     assert_eq!(parse(&sprung).springs.unwrap(), Springs::linear(&[5e5]));
+    // Beside a URDF description the joints are added.
+    let described =
+        with_springs("r.toml", "urdf = \"r.urdf\"\n[tool]\nposition = [0, 0, 1]", &Springs::of_joints(joints)).unwrap();
+    assert_eq!(described.matches("[[joint]]\nstiffness").count(), 6);
+    assert!(described.contains("gap = 0.00029\nengaged = 30.0"));
     for (text, springs) in [
+        ("convention = \"modified\"\n", Springs::linear(&[5e5])),
         ("joint = [{a = 1}]\nconvention = \"modified\"\n", Springs::linear(&[5e5])),
         (bare, Springs::linear(&[5e5, 5e5])),
     ] {
