@@ -27,6 +27,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 #[derive(Parser)]
+// Each switch is one of the command line.
+#[allow(clippy::struct_excessive_bools)]
 struct Options {
     /// Runs.
     #[arg(long, default_value_t = 16)]

@@ -74,7 +74,9 @@ impl Run {
             let Some(values) = columns.get_mut(name) else { continue };
             let size = (values.iter().map(|v| v * v).sum::<f64>() / samples as f64).sqrt();
             let noise = Normal::new(0.0, 0.01 * size).unwrap();
-            values.iter_mut().for_each(|v| *v += noise.sample(&mut random));
+            for v in values.iter_mut() {
+                *v += noise.sample(&mut random);
+            }
         }
         columns
     }

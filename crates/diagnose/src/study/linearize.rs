@@ -217,7 +217,9 @@ fn by_samples(
     let step = secant.to - values[unknown];
     values[unknown] = secant.to;
     let mut column = base.by_samples(candidate, &values).ok()??;
-    column.iter_mut().for_each(|v| *v /= step);
+    for v in &mut column {
+        *v /= step;
+    }
     Some(column)
 }
 

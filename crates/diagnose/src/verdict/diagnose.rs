@@ -242,7 +242,7 @@ fn doubt(
     let records = search.study.records();
     let (still, all) = still(records);
     if all {
-        report.reason = "the data hold no motion above the noise, which says nothing about the model".to_owned();
+        "the data hold no motion above the noise, which says nothing about the model".clone_into(&mut report.reason);
         report
             .notes
             .push("no measured column stands out of its noise: record a run in which the device moves".to_owned());
@@ -254,11 +254,11 @@ fn doubt(
             still.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
         ));
     }
-    if findings.ending != Ending::Quiet {
-        if let Some(other) = other_hold(system, search, findings, settings)? {
-            report.reason = format!("{}; but {}", report.reason, other.clause());
-            report.notes.push(format!("{}: find out how the inputs go on before believing a cause", other.clause()));
-        }
+    if findings.ending != Ending::Quiet
+        && let Some(other) = other_hold(system, search, findings, settings)?
+    {
+        report.reason = format!("{}; but {}", report.reason, other.clause());
+        report.notes.push(format!("{}: find out how the inputs go on before believing a cause", other.clause()));
     }
     report.notes.extend(other_units(system, search, findings, settings)?);
     for cause in &mut report.causes {

@@ -173,7 +173,7 @@ impl View {
             let (low, high) = values(i).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (v.min(a), v.max(b)));
             let third = (high - low) / 3.0;
             let name = system.symbol_name(system.states[i]).to_owned();
-            (third > 0.0 && third.is_finite()).then(|| (i, name, [low + third, high - third]))
+            (third > 0.0 && third.is_finite()).then_some((i, name, [low + third, high - third]))
         });
         let used = system.pool.symbols_of(&[system.dynamics[state]]);
         let mut angles = Vec::new();

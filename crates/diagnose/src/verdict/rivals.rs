@@ -80,7 +80,7 @@ pub(crate) fn rivals(
                     Ordering::Equal => {}
                     Ordering::Greater => {
                         let gained = chosen.square() - rival.square();
-                        wins &= !told_as_well(chosen, &rival) && !(structured && gained < inexact);
+                        wins &= !(told_as_well(chosen, &rival) || structured && gained < inexact);
                     }
                 }
                 if wins && better.as_ref().is_none_or(|b| merit(search, &rival, scatter) < merit(search, b, scatter)) {
