@@ -207,7 +207,8 @@ fn angles(run: &CircleRun) -> Vec<f64> {
 }
 
 /// Means over 40 ms, in which the ripple of the teeth is lost.
-fn smooth(values: Vec<f64>) -> Vec<f64> {
+fn smooth(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let values: Vec<f64> = values.collect();
     let around = |k: usize| &values[k.saturating_sub(5)..(k + 5).min(values.len())];
     (0..values.len()).map(|k| around(k).iter().sum::<f64>() / around(k).len() as f64).collect()
 }
@@ -218,7 +219,7 @@ fn circle_figure(mill: &Mill, runs: &[(&str, CircleRun)], dir: &Path) -> Result<
     let mut panel = Panel::new("y [mm]").series(Series::new("circle", x, y).color(Color::INK).dash(Dash::Dashed));
     let mut largest: f64 = 1e3 * mill.circle.radius;
     for (k, (name, run)) in runs.iter().enumerate() {
-        let errors = smooth(run.samples.iter().map(|s| s.radial_error).collect());
+        let errors = smooth(run.samples.iter().map(|s| s.radial_error));
         let magnified = run.samples.iter().zip(errors).map(|(s, e)| point(s.angle, mill.circle.radius + MAGNIFIED * e));
         let (x, y): (Vec<f64>, Vec<f64>) = magnified.unzip();
         largest = x.iter().chain(&y).fold(largest, |m, v| m.max(v.abs()));
@@ -235,7 +236,7 @@ fn circle_figure(mill: &Mill, runs: &[(&str, CircleRun)], dir: &Path) -> Result<
 fn points_figure(runs: &[(&str, CircleRun)], dir: &Path) -> Result<(), Box<dyn Error>> {
     let mut panel = Panel::new("point-to-point error [µm]");
     for (name, run) in runs {
-        let errors = smooth(run.samples.iter().map(|s| 1e6 * s.point_error).collect());
+        let errors = smooth(run.samples.iter().map(|s| 1e6 * s.point_error));
         panel = panel.series(Series::new(*name, angles(run), errors));
     }
     XyChart::new("angle along the circle [°]", panel)

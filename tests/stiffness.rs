@@ -94,7 +94,7 @@ fn other_units_and_broken_tables_are_refused_with_the_remedy() {
         ("degrees", measurements(12, [57.29578, 1.0, 1.0]), &["looks like degrees", "π/180"][..]),
         ("millimetres", measurements(12, [1.0, 1000.0, 1.0]), &["mm for m"]),
         ("milliradians", measurements(12, [1.0, 1.0, 1000.0]), &["mrad or degrees for rad"]),
-        ("lost", good.replace(line, &line.replacen("e", "x", 1)), &["line 5", "not a finite number"]),
+        ("lost", good.replace(line, &line.replacen('e', "x", 1)), &["line 5", "not a finite number"]),
         ("column", good.replace("rz", "wz"), &["column rz is missing"]),
         ("twice", format!("{good}{line}\n"), &["equal to row 4"]),
     ] {

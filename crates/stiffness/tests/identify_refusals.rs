@@ -198,7 +198,9 @@ fn what_outliers_leave_must_still_be_enough() {
 #[test]
 fn displacements_of_nothing_are_no_stiffness() {
     let mut data = measurements();
-    data.iter_mut().for_each(|m| m.displacement.fill(0.0));
+    for m in &mut data {
+        m.displacement.fill(0.0);
+    }
     let set = MeasurementSet::new(data, noise()).unwrap();
     for estimator in CartesianEstimator::ALL {
         assert!(identify_cartesian(&set, estimator, Outliers::Keep).is_err(), "{estimator}");

@@ -115,7 +115,9 @@ fn impossible_numbers_are_refused_with_the_reason() {
     let good = readings(&payload(), &orientations, 0.1, &mut random);
     let changed = |change: &dyn Fn(&mut Wrench)| {
         let mut readings = good.clone();
-        readings.iter_mut().for_each(|r| change(&mut r.wrench));
+        for r in &mut readings {
+            change(&mut r.wrench);
+        }
         identify_payload(&readings, &gravity()).unwrap_err().to_string()
     };
     let millimetres = changed(&|w| w.fixed_rows_mut::<3>(3).scale_mut(1000.0));

@@ -1,5 +1,5 @@
 //! Robot files: what they mean, and what is said about those that mean nothing.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::format_push_string)]
 
 mod common;
 

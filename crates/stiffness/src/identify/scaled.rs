@@ -136,7 +136,9 @@ fn in_words(space: &[Vector6<f64>]) -> Vec<String> {
         .collect();
     for direction in space {
         let mut rest = *direction;
-        axes.iter().for_each(|axis| rest[*axis] = 0.0);
+        for axis in &axes {
+            rest[*axis] = 0.0;
+        }
         if rest.norm() > 0.7 {
             let sign = if rest[rest.iamax()] < 0.0 { -1.0 } else { 1.0 };
             let terms = (0..6).filter(|i| rest[*i].abs() > 0.2);
