@@ -29,6 +29,7 @@ mod settings;
 mod simulate;
 mod stages;
 mod stepper;
+mod switch_expressions;
 mod switched;
 mod tableau;
 mod trajectory;

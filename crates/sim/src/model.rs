@@ -3,19 +3,12 @@
 use crate::Switched;
 use crate::drive::{Driven, Source, drive};
 use crate::inputs::{InputError, Inputs, Samples};
-use bracketry_symbolic::{Expr, Func, Func2, Rational, Symbol, Tape};
-use bracketry_system::{Switch, SwitchKind, SwitchedForm, System};
-use rustc_hash::FxHashMap;
-
-/// A switch of a compiled model.
-#[derive(Debug, Clone)]
-struct ModelSwitch {
-    name: String,
-    components: usize,
-    sticks: bool,
-    /// Static over sliding level.
-    static_ratio: f64,
-}
+use crate::switch_expressions::{
+    Differentiate, ModelSwitch, derivatives, model_switches, plain_surfaces, surface_gradients,
+    with_derivatives_by_signs, without_set_values,
+};
+use bracketry_symbolic::{Expr, Symbol, Tape};
+use bracketry_system::System;
 
 /// Derivatives of the field, compiled.
 #[derive(Debug, Clone)]
@@ -28,13 +21,6 @@ struct Derivatives {
     by_state: bool,
     /// Whether some of those of the switching functions are not zero.
     surfaces_move: bool,
-}
-
-/// Which derivatives of the field to compile.
-#[derive(Clone, Copy)]
-struct Differentiate<'a> {
-    by_state: bool,
-    by: &'a [String],
 }
 
 /// A held input that acts later than it is set.
@@ -506,161 +492,4 @@ fn moving(sources: &[Source], tables: &[Samples]) -> Vec<(usize, usize)> {
         _ => None,
     };
     sources.iter().enumerate().filter_map(of).collect()
-}
-
-/// Expressions without set-valued parts, but for the symbols `kept`: signs as functions, and components of unit vectors
-/// as quotients that are zero where σ is.
-fn without_set_values(system: &mut System, expressions: &[Expr], kept: &[Symbol]) -> Vec<Expr> {
-    let mut alone = system.clone();
-    alone.dynamics = expressions.to_vec();
-    alone.outputs.clear();
-    let form = alone.set_valued_form();
-    if form.unit_vectors.is_empty() && kept.is_empty() {
-        return expressions.to_vec();
-    }
-    let pool = &mut alone.pool;
-    let mut values: FxHashMap<Expr, Expr> = FxHashMap::default();
-    for switch in form.signs().iter().filter(|s| !kept.contains(&s.sign)) {
-        let surface = pool.substitute(switch.surface, &values);
-        let (symbol, sign) = (pool.sym(switch.sign), pool.call(Func::Sign, surface));
-        values.insert(symbol, sign);
-    }
-    // Smaller than any size of σ that could be told from zero.
-    let tiny = pool.rational(Rational::ONE / Rational::from(10u8).pow(300));
-    for vector in &form.unit_vectors {
-        let square = pool.substitute(vector.square, &values);
-        let size = pool.sqrt(square);
-        let size = pool.call2(Func2::Max, size, tiny);
-        for switch in form.switches[vector.switches.clone()].iter().filter(|s| !kept.contains(&s.sign)) {
-            let surface = pool.substitute(switch.surface, &values);
-            let (symbol, component) = (pool.sym(switch.sign), pool.div(surface, size));
-            values.insert(symbol, component);
-        }
-    }
-    let expressions = pool.substitute_all(&form.dynamics, &values);
-    system.pool = alone.pool;
-    expressions
-}
-
-/// Signs, then unit vectors.
-fn model_switches(driven: &mut Driven, form: &SwitchedForm) -> Result<Vec<ModelSwitch>, InputError> {
-    let switch =
-        |name: &str, components, sticks| ModelSwitch { name: name.to_owned(), components, sticks, static_ratio: 1.0 };
-    let signs = form.signs().iter().map(|s| switch(&s.name, 1, s.kind == SwitchKind::Jump));
-    let vectors = form.unit_vectors.iter().map(|v| switch(&v.name, v.switches.len(), true));
-    let mut switches: Vec<ModelSwitch> = signs.chain(vectors).collect();
-    let system = &mut driven.system;
-    for level in system.static_levels.clone() {
-        // One of a switch that the inputs make constant has nothing to act on.
-        let Some(i) = system.switch_of(form, &level) else { continue };
-        let live: Vec<(Expr, Expr)> = driven
-            .live
-            .iter()
-            .filter_map(|&(_, slot)| match driven.sources[slot] {
-                Source::Held(value) => Some((driven.slots[slot], value)),
-                _ => None,
-            })
-            .filter_map(|(symbol, value)| {
-                let number = Rational::try_from(value).ok()?;
-                Some((system.pool.sym(symbol), system.pool.rational(number)))
-            })
-            .collect();
-        let ratio = system.pool.substitute(level.ratio, &live.into_iter().collect());
-        let ratio = system.value(ratio).unwrap_or(f64::NAN);
-        if !(1.0..f64::INFINITY).contains(&ratio) {
-            return Err(InputError::StaticLevel { switch: switches[i].name.clone(), ratio });
-        }
-        switches[i].static_ratio = ratio;
-    }
-    Ok(switches)
-}
-
-/// The surfaces with the signs of inner switches as functions again (an inner switch comes before an outer one).
-fn plain_surfaces(system: &mut System, switches: &[Switch]) -> Result<Vec<Expr>, InputError> {
-    let mut signs: FxHashMap<Expr, Expr> = FxHashMap::default();
-    let mut surfaces = Vec::new();
-    for outer in switches {
-        let used = system.pool.symbols_of(&[outer.surface]);
-        if let Some(inner) = switches.iter().find(|inner| inner.kind == SwitchKind::Jump && used.contains(&inner.sign))
-        {
-            return Err(InputError::NestedJump { outer: outer.name.clone(), inner: inner.name.clone() });
-        }
-        let surface = system.pool.substitute(outer.surface, &signs);
-        let symbol = system.pool.sym(outer.sign);
-        let sign = system.pool.call(Func::Sign, surface);
-        signs.insert(symbol, sign);
-        surfaces.push(surface);
-    }
-    Ok(surfaces)
-}
-
-/// The derivatives of the dynamics by states, signs and live numbers, one after the other, then those of the switching functions by
-/// live numbers; none if a live number moves the surface of a sign on which the dynamics jump. Unit vectors turn with their σ.
-fn derivatives(
-    driven: &mut Driven,
-    form: &SwitchedForm,
-    wanted: Differentiate<'_>,
-) -> Result<Option<Vec<Expr>>, InputError> {
-    let mut numbers = Vec::with_capacity(wanted.by.len());
-    for name in wanted.by {
-        let slot = driven.live.iter().find(|(live, _)| live == name).map(|(_, slot)| *slot);
-        numbers.push(driven.slots[slot.ok_or_else(|| InputError::UnknownLive { name: name.clone() })?]);
-    }
-    let pool = &mut driven.system.pool;
-    let jumps: Vec<Expr> = form.signs().iter().filter(|s| s.kind == SwitchKind::Jump).map(|s| s.surface).collect();
-    if pool.symbols_of(&jumps).iter().any(|s| numbers.contains(s)) {
-        return Ok(None);
-    }
-    let mut symbols = Vec::new();
-    if wanted.by_state {
-        symbols.extend(&driven.system.states);
-    }
-    symbols.extend(form.switches.iter().map(|s| s.sign));
-    symbols.extend(&numbers);
-    let mut all = Vec::with_capacity(symbols.len() * form.dynamics.len());
-    for symbol in symbols {
-        all.extend(form.dynamics.iter().map(|&f| pool.diff(f, symbol)));
-    }
-    let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
-    let pool = &mut driven.system.pool;
-    for number in numbers {
-        all.extend(surfaces.iter().map(|&surface| pool.diff(surface, number)));
-    }
-    Ok(Some(all))
-}
-
-/// The dynamics and `∂f_j/∂s_i` by columns, if these do not depend on the signs.
-fn with_derivatives_by_signs(system: &mut System, switches: &[Switch], dynamics: &[Expr]) -> Option<Vec<Expr>> {
-    let mut all = dynamics.to_vec();
-    for switch in switches {
-        all.extend(dynamics.iter().map(|&f| system.pool.diff(f, switch.sign)));
-    }
-    let used = system.pool.symbols_of(&all[dynamics.len()..]);
-    switches.iter().all(|switch| !used.contains(&switch.sign)).then_some(all)
-}
-
-/// `∂σ_i/∂x_j` by rows, then `∂σ_i/∂t` including what moves with time.
-fn surface_gradients(driven: &mut Driven, switches: &[Switch]) -> Result<Vec<Expr>, InputError> {
-    let plain = plain_surfaces(&mut driven.system, switches)?;
-    let pool = &mut driven.system.pool;
-    let mut signs: FxHashMap<Expr, Expr> = FxHashMap::default();
-    for (switch, surface) in switches.iter().zip(&plain) {
-        let symbol = pool.sym(switch.sign);
-        let sign = pool.call(Func::Sign, *surface);
-        signs.insert(symbol, sign);
-    }
-    let mut all = Vec::new();
-    for switch in switches {
-        all.extend(pool.gradient(switch.surface, &driven.system.states));
-    }
-    for switch in switches {
-        let mut sum = pool.diff(switch.surface, driven.time);
-        for (symbol, rate) in &driven.rates {
-            let by_slot = pool.diff(switch.surface, *symbol);
-            let term = pool.mul(by_slot, *rate);
-            sum = pool.add(sum, term);
-        }
-        all.push(sum);
-    }
-    Ok(pool.substitute_all(&all, &signs))
 }
