@@ -309,3 +309,18 @@ fn the_comparison_prefers_a_free_matrix_where_joints_do_not_explain_it() {
     let comparison = compare(&set, Some((&robot, &start, &SpringFitSettings::default())), Outliers::Keep).unwrap();
     assert_eq!(comparison.trusted, Method::Cartesian(CartesianEstimator::PositiveDefinite), "{comparison}");
 }
+
+#[test]
+fn links_that_yield_are_no_outliers_where_there_is_one_pose() {
+    // So much that no spring of a joint explains any of it.
+    let truth = compliance() + Matrix6::from_diagonal(&Vector6::new(1e-5, 1e-5, 1e-5, 2e-5, 2e-5, 2e-5));
+    let mut rng = rng(810);
+    let mut measurements = linear_measurements(&mut rng, &truth, 200);
+    let wrong = spoil(&mut rng, &mut measurements);
+    let set = set(measurements);
+    let (robot, start) = (kr125(), Springs::linear(&[5e5; 6]));
+    let comparison = compare(&set, Some((&robot, &start, &SpringFitSettings::default())), Outliers::Reject).unwrap();
+    assert_eq!(comparison.trusted, Method::Cartesian(CartesianEstimator::PositiveDefinite), "{comparison}");
+    assert!(wrong.iter().all(|n| comparison.outliers.contains(n)), "{comparison}");
+    assert!(comparison.outliers.len() <= wrong.len() + 3, "{comparison}");
+}

@@ -16,6 +16,8 @@ use std::fmt;
 const FOLDS: usize = 5;
 /// Predictions as good as the best, relative: less than what chance makes in a few hundred numbers.
 const AS_GOOD: f64 = 1.02;
+/// Mean square of the residuals, in units of their noise, above which a model misses something (or the noise is larger than stated).
+const MISSES: f64 = 1.5;
 
 /// A way to identify the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,14 +92,9 @@ pub fn compare(
     robot: Option<(&Robot, &Springs, &SpringFitSettings)>,
     outliers: Outliers,
 ) -> Result<Comparison, IdentificationError> {
-    let left_out = match (outliers, robot) {
-        (Outliers::Keep, _) => Vec::new(),
-        (Outliers::Reject, Some((robot, start, settings))) => {
-            fit_springs(robot, set, start, &SpringFitSettings { outliers, ..*settings })?.outliers
-        }
-        (Outliers::Reject, None) => {
-            identify_cartesian(set, CartesianEstimator::DisplacementOnWrench, outliers)?.outliers
-        }
+    let left_out = match outliers {
+        Outliers::Keep => Vec::new(),
+        Outliers::Reject => contradicting(set, robot)?,
     };
     let kept: Vec<usize> = (0..set.len()).filter(|i| !left_out.contains(i)).collect();
     let set = set.subset(&kept);
@@ -120,6 +117,28 @@ pub fn compare(
     };
     let reasons = reasons(&methods, trusted, error);
     Ok(Comparison { methods, trusted, reasons, outliers: left_out })
+}
+
+/// Measurements that contradict the springs; the free matrix, where that explains the rest better. A model that misses something takes
+/// good measurements for bad.
+fn contradicting(
+    set: &MeasurementSet,
+    robot: Option<(&Robot, &Springs, &SpringFitSettings)>,
+) -> Result<Vec<usize>, IdentificationError> {
+    let outliers = Outliers::Reject;
+    let springs = robot
+        .map(|(robot, start, settings)| fit_springs(robot, set, start, &SpringFitSettings { outliers, ..*settings }));
+    if let Some(Ok(fit)) = &springs
+        && fit.chi_square <= MISSES
+    {
+        return Ok(fit.outliers.clone());
+    }
+    match (springs, identify_cartesian(set, CartesianEstimator::DisplacementOnWrench, outliers)) {
+        (Some(Ok(fit)), Ok(free)) if fit.chi_square <= free.chi_square => Ok(fit.outliers),
+        (_, Ok(free)) => Ok(free.outliers),
+        (Some(springs), Err(_)) => Ok(springs?.outliers),
+        (None, Err(why)) => Err(why),
+    }
 }
 
 /// Indices held out together; drawn, as rows next to each other may belong to one direction of load.
@@ -251,7 +270,7 @@ fn reasons(
                 if let Err(why) = fit.springs() {
                     reasons.push(format!("{method}: {why}"));
                 }
-                if fit.chi_square > 1.5 {
+                if fit.chi_square > MISSES {
                     let off = fit.chi_square.sqrt();
                     reasons.push(format!(
                         "{method}: residuals of {off:.1} σ, the model misses something or the noise is larger"
