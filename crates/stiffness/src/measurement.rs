@@ -86,7 +86,8 @@ impl MeasurementSet {
     /// Measurements with the same noise.
     ///
     /// Refused are numbers that are not finite, rows of different lengths, exact copies of a row, displacements and loads beyond any robot's
-    /// (50 mm, 0.1 rad, 10 MN, 10 MN·m), sizes that no robot has (units mixed up) and noise that is not positive definite.
+    /// (50 mm, 0.1 rad, 10 MN, 10 MN·m), sizes that no robot has (units mixed up), displacements against their loads (the opposite
+    /// sign) and noise that is not positive definite.
     ///
     /// # Errors
     /// [`IdentificationError`] with the row and the column, or with the units that may have been mixed up.
@@ -94,6 +95,7 @@ impl MeasurementSet {
         noise.check()?;
         check_rows(&measurements)?;
         check_units(&measurements, &noise)?;
+        check_sign(&measurements, &noise)?;
         let noise = vec![noise; measurements.len()];
         Ok(Self { measurements, noise })
     }
@@ -222,6 +224,17 @@ fn check_units(measurements: &[Measurement], noise: &MeasurementNoise) -> Result
         }
     }
     Ok(())
+}
+
+/// Refuses loads of the opposite sign. A compliance is positive definite: every load does work on the robot.
+fn check_sign(measurements: &[Measurement], noise: &MeasurementNoise) -> Result<(), IdentificationError> {
+    let against = measurements.iter().filter(|m| {
+        let (w, x) = (&m.wrench, &m.displacement);
+        let variance = (noise.displacement * w).dot(w) + (noise.wrench * x).dot(x);
+        w.dot(x) < -BEYOND_NOISE * variance.sqrt()
+    });
+    let (found, of) = (against.count(), measurements.len());
+    if 2 * found > of { Err(IdentificationError::Sign { found, of }) } else { Ok(()) }
 }
 
 /// The middle of some numbers; 0 of none.

@@ -66,6 +66,22 @@ fn units_off_by_a_thousand_are_noticed() {
 }
 
 #[test]
+fn the_wrench_that_the_robot_exerts_is_not_the_one_on_it() {
+    let mut data = measurements();
+    for m in &mut data {
+        m.wrench = -m.wrench;
+    }
+    let refused = refusal(data.clone());
+    assert!(matches!(refused, IdentificationError::Sign { found: 40, of: 40 }), "{refused}");
+    assert!(refused.to_string().contains("change the sign"), "{refused}");
+    // A few rows of the wrong sign are outliers.
+    for m in &mut data[5..] {
+        m.wrench = -m.wrench;
+    }
+    assert!(MeasurementSet::new(data, noise()).is_ok());
+}
+
+#[test]
 fn moments_in_kilonewton_metres_look_like_none() {
     let mut data = measurements();
     for m in &mut data {

@@ -81,6 +81,17 @@ pub enum IdentificationError {
         /// Which units may have been mixed up.
         remedy: &'static str,
     },
+    /// Displacements against their loads.
+    #[error(
+        "{found} of {of} loads push one way and the robot moves the other; change the sign of all forces and moments: the \
+         wrench is what acts on the robot, not what the robot exerts"
+    )]
+    Sign {
+        /// Measurements whose load takes work out of the robot, by more than noise.
+        found: usize,
+        /// All measurements.
+        of: usize,
+    },
     /// A noise that is none.
     #[error(
         "the covariance of the {what} is not symmetric positive definite, or its standard deviations are not between 1e-12 and 1e6"
