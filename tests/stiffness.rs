@@ -6,15 +6,20 @@ mod common;
 use std::fmt::Write;
 use std::fs;
 
-use bracketry::stiffness::{Deformation, MillingCircle, RobotFile, Wrench};
+use bracketry::stiffness::{Deformation, JointSpring, MillingCircle, RobotFile, Springs, Wrench};
 use common::{bracketry, code, file, json, model, scratch};
 
 const HEADER: &str = "q1,q2,q3,q4,q5,q6,Fx,Fy,Fz,Mx,My,Mz,dx,dy,dz,rx,ry,rz\n";
 
 /// Displacements of the KR 125 without noise, in some poses; the unit of each group of columns.
 fn measurements(poses: usize, units: [f64; 3]) -> String {
+    let springs = RobotFile::read(model("kr125.toml")).unwrap().springs.unwrap();
+    measured(&springs, poses, units, 0.0)
+}
+
+/// The same with other springs and a tool that yields by itself (m/N, rad/(N·m)).
+fn measured(springs: &Springs, poses: usize, units: [f64; 3], tool: f64) -> String {
     let robot = RobotFile::read(model("kr125.toml")).unwrap();
-    let springs = robot.springs.unwrap();
     let mut text = HEADER.to_owned();
     for k in 0..60 {
         let wave = |frequency: f64| (1.0 + frequency * k as f64).sin();
@@ -29,7 +34,8 @@ fn measurements(poses: usize, units: [f64; 3]) -> String {
             50.0 * wave(4.7),
             50.0 * wave(5.3),
         );
-        let moved = Deformation::equilibrium(&robot.robot, &springs, &q, &load).unwrap().tool;
+        let moved = Deformation::equilibrium(&robot.robot, springs, &q, &load).unwrap().tool;
+        let moved = moved + tool * load;
         let columns = q
             .iter()
             .map(|v| v * units[0])
@@ -58,7 +64,7 @@ fn springs_identified_in_many_poses_go_into_the_robot_file() {
     let identified = RobotFile::read(out.join("identified.toml")).unwrap();
     let published = RobotFile::read(model("kr125.toml")).unwrap();
     for (k, joint) in published.springs.unwrap().joints.iter().enumerate() {
-        let bracketry::stiffness::JointSpring::Linear { stiffness } = joint else { unreachable!() };
+        let JointSpring::Linear { stiffness } = joint else { unreachable!() };
         let value = v["parameters"][k]["value"][0].as_f64().unwrap();
         assert!((value / stiffness - 1.0).abs() < 1e-4, "{value} {stiffness}");
         let written = identified.springs.as_ref().unwrap().joints[k].deflection(100.0);
@@ -66,6 +72,26 @@ fn springs_identified_in_many_poses_go_into_the_robot_file() {
     }
     for name in ["identification.json", "identification.txt", "stiffness.svg", "stiffness.png", "residuals.png"] {
         assert!(fs::metadata(out.join(name)).unwrap().len() > 0, "{name}");
+    }
+}
+
+#[test]
+fn springs_that_do_not_explain_the_data_are_not_written() {
+    let dir = scratch("stiffness_withheld");
+    let springs = RobotFile::read(model("kr125.toml")).unwrap().springs.unwrap();
+    for (name, text, exit, said) in [
+        ("poses", measured(&springs, 12, [1.0; 3], 2.5e-7), 1, "`gap`"),
+        ("tool", measured(&springs, 1, [1.0; 3], 2.5e-7), 0, "predicts better than the springs"),
+    ] {
+        let data = file(&dir, &format!("{name}.csv"), &text);
+        let out = dir.join(name);
+        let o = bracketry(&["stiffness", "identify", &data, &model("kr125.toml"), "--out", out.to_str().unwrap()]);
+        assert_eq!(code(&o), exit, "{name}");
+        assert!(!out.join("identified.toml").exists(), "{name}");
+        for message in [String::from_utf8(o.stderr).unwrap(), String::from_utf8(o.stdout).unwrap()] {
+            assert!(message.contains(said), "{name}: {message}");
+        }
+        assert!(fs::read_to_string(out.join("identification.txt")).unwrap().contains("not written"), "{name}");
     }
 }
 

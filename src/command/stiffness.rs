@@ -57,6 +57,9 @@ fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &OutputArgs) 
         folder(dir)?;
         write(&dir.join("identification.json"), &json(&found)?)?;
         write(&dir.join("identification.txt"), &found.to_string())?;
+        if let Some(why) = &found.withheld {
+            eprintln!("warning: no identified.toml: {why}");
+        }
         if let Some(springs) = &found.springs {
             let text = std::fs::read_to_string(robot).with_context(|| format!("cannot read {}", robot.display()))?;
             // The springs are in the report, whether they go into the file or not.

@@ -19,6 +19,9 @@ const TWIST: [&str; 6] = ["dx", "dy", "dz", "rx", "ry", "rz"];
 /// Stiffness to start from where the robot file has none: revolute (N·m/rad), prismatic (N/m).
 const START: [f64; 2] = [1e6, 1e8];
 
+/// Mean square of the residuals of springs, in units of their noise, from which on they are no springs to work with: twice the noise.
+const WRONG: f64 = 4.0;
+
 /// How a method did.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MethodSummary {
@@ -62,9 +65,11 @@ pub struct Identification {
     pub parameters: Vec<ParameterSummary>,
     /// Compliance at the tool point in base axes (m/N, rad/(N·m)) where the measurements are of one pose: symmetric positive definite.
     pub compliance: Option<[[f64; 6]; 6]>,
-    /// The springs, where the data tell all of them.
+    /// The springs, where the data tell all of them and they explain the data.
     #[serde(skip)]
     pub springs: Option<Springs>,
+    /// Why the springs that were found are none to work with.
+    pub withheld: Option<String>,
     /// Measured and predicted translations (m) of the trusted method, x, y and z in turn.
     #[serde(skip)]
     pub predictions: Vec<[f64; 2]>,
@@ -113,6 +118,7 @@ impl Identification {
             parameters: Vec::new(),
             compliance: None,
             springs: None,
+            withheld: None,
             predictions: Vec::new(),
         };
         identification.take(file, &set, &comparison);
@@ -147,8 +153,13 @@ impl Identification {
                 }
                 Found::Springs(fit) => {
                     self.parameters = fit.parameters.iter().map(summary).collect();
-                    self.springs = fit.springs().ok().cloned();
-                    if let (true, Some(springs)) = (*method == comparison.trusted, &self.springs) {
+                    let trusted = *method == comparison.trusted;
+                    let found = fit.springs().ok();
+                    self.withheld = found.and_then(|_| withheld(fit.chi_square, trusted, &self.trusted));
+                    if self.withheld.is_none() {
+                        self.springs = found.cloned();
+                    }
+                    if let (true, Some(springs)) = (trusted, found) {
                         let predict = |m: &Measurement| {
                             Some(Deformation::equilibrium(&file.robot, springs, &m.q, &m.wrench).ok()?.tool)
                         };
@@ -158,6 +169,22 @@ impl Identification {
             }
         }
     }
+}
+
+/// Why springs with these residuals are not written.
+fn withheld(chi_square: f64, trusted: bool, other: &str) -> Option<String> {
+    let off = chi_square.sqrt();
+    if !trusted {
+        return Some(format!(
+            "{other} predicts better than the springs of the joints, which leave {off:.1} σ: something else yields too"
+        ));
+    }
+    (chi_square > WRONG).then(|| {
+        format!(
+            "they leave {off:.1} σ of noise: give a joint `gap` and `engaged` or `cubic` to start from, or raise [noise] if the \
+             measurements are that noisy"
+        )
+    })
 }
 
 fn summary(parameter: &bracketry_stiffness::SpringParameter) -> ParameterSummary {
@@ -218,6 +245,11 @@ impl fmt::Display for Identification {
                     writeln!(f, "joint {} {:10} not identified: {why}", p.joint, p.name)?;
                 }
             }
+        }
+        if let Some(why) = &self.withheld {
+            writeln!(f, "these springs are not written, and their intervals do not hold: {why}")?;
+        } else if !self.parameters.is_empty() {
+            writeln!(f, "the intervals hold as far as the model does")?;
         }
         if let Some(compliance) = &self.compliance {
             writeln!(f, "\ncompliance at the tool point, base axes [µm, µrad per N, N·m]")?;
