@@ -122,6 +122,7 @@ fn other_units_and_broken_tables_are_refused_with_the_remedy() {
         ("milliradians", measurements(12, [1.0, 1.0, 1000.0]), &["mrad or degrees for rad"]),
         ("lost", good.replace(line, &line.replacen('e', "x", 1)), &["line 5", "not a finite number"]),
         ("column", good.replace("rz", "wz"), &["column rz is missing"]),
+        ("joints", format!("q7,{}", good.trim_end().replace('\n', "\n0,")), &["q7", "the robot has 6"]),
         ("twice", format!("{good}{line}\n"), &["equal to row 4"]),
     ] {
         let data = file(&dir, &format!("{name}.csv"), &text);
@@ -201,6 +202,8 @@ fn logs_that_cannot_be_used_are_refused_or_answered_in_the_negative() {
             "line 53",
         ),
         (&bare, "bare", log(|_, _, v| v), 2, "no springs"),
+        (&robot, "references", format!("r2,{}", log(|_, _, v| v).trim_end().replace('\n', "\n0,")), 2, "r1 is missing"),
+        (&robot, "seventh", format!("q7,{}", log(|_, _, v| v).trim_end().replace('\n', "\n0,")), 2, "the robot has 6"),
     ] {
         let path = file(&dir, &format!("{name}.csv"), &text);
         let o = bracketry(&["stiffness", "compensate", robot, &path]);

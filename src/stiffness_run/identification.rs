@@ -12,7 +12,7 @@ use nalgebra::Matrix6;
 use serde::Serialize;
 
 use super::StiffnessRunError;
-use super::log::{WRENCH, check_coordinates, joint_names, rows};
+use super::log::{WRENCH, check_coordinates, check_joints, joint_names, rows};
 
 /// Columns of a displacement.
 const TWIST: [&str; 6] = ["dx", "dy", "dz", "rx", "ry", "rz"];
@@ -86,6 +86,7 @@ impl Identification {
         let doc = Columns::document(table, "name a CSV file: a table with the columns q1 …, Fx … Mz, dx … rz")?;
         let columns = Columns::parse(&doc, |_| Entries::Finite)?;
         let q = joint_names("q", robot);
+        check_joints(&doc, &columns, robot, "q")?;
         let coordinates = rows(&doc, &columns, &q)?;
         check_coordinates(&doc, &columns, robot, &q)?;
         let wrenches = rows(&doc, &columns, &WRENCH.map(str::to_owned))?;

@@ -41,11 +41,13 @@ impl RobotLog {
         let table = Columns::parse(&doc, entries)?;
         let q = joint_names("q", robot);
         let t = column(&doc, &table, "t")?.clone();
+        check_joints(&doc, &table, robot, "q")?;
         let measured = rows(&doc, &table, &q)?;
         check_coordinates(&doc, &table, robot, &q)?;
         let readings = rows(&doc, &table, &WRENCH.map(str::to_owned))?;
         let r = joint_names("r", robot);
-        let references = if table.columns.contains_key("r1") {
+        check_joints(&doc, &table, robot, "r")?;
+        let references = if r.iter().any(|name| table.columns.contains_key(name)) {
             check_coordinates(&doc, &table, robot, &r)?;
             rows(&doc, &table, &r)?
         } else {
@@ -60,6 +62,19 @@ impl RobotLog {
 /// `q1 … qn`.
 pub(super) fn joint_names(letter: &str, robot: &Robot) -> Vec<String> {
     (1..=robot.joints.len()).map(|i| format!("{letter}{i}")).collect()
+}
+
+/// Refuses a column of a joint that the robot does not have.
+pub(super) fn check_joints(doc: &Document, table: &Columns, robot: &Robot, letter: &str) -> Result<(), FileError> {
+    let joints = robot.joints.len();
+    let number = |name: &str| name.strip_prefix(letter)?.parse::<usize>().ok();
+    match table.header.iter().find(|name| number(name).is_some_and(|i| i == 0 || i > joints)) {
+        None => Ok(()),
+        Some(name) => {
+            let message = format!("the column {name} is of no joint: the robot has {joints}");
+            Err(doc.missing(message, "remove the column, or name the file of the robot that was measured"))
+        }
+    }
 }
 
 pub(super) fn column<'a>(doc: &Document, table: &'a Columns, name: &str) -> Result<&'a Vec<f64>, FileError> {
