@@ -4,8 +4,8 @@
 mod identify_data;
 
 use bracketry_stiffness::{
-    CartesianEstimator, IdentificationError, JointSpring, Measurement, MeasurementNoise, MeasurementSet, Outliers,
-    PoseInformation, Robot, SpringFitSettings, Springs, fit_springs, identify_cartesian,
+    CartesianEstimator, IdentificationError, JointSpring, Measurement, MeasurementNoise, MeasurementSet, Method,
+    Outliers, PoseInformation, Robot, SpringFitSettings, Springs, compare, fit_springs, identify_cartesian,
 };
 use identify_data::{STIFFNESS, compliance, kr125, linear_measurements, noise, noisy, pose, rng, robot_measurements};
 
@@ -63,6 +63,25 @@ fn units_off_by_a_thousand_are_noticed() {
             Ok(_) => panic!("{wrench:?} {displacement:?}: taken for good"),
         }
     }
+}
+
+#[test]
+fn a_comparison_counts_all_measurements() {
+    let (robot, springs) = (kr125(), Springs::linear(&STIFFNESS));
+    let compared = |count| {
+        let data = linear_measurements(&mut rng(8), &compliance(), count);
+        let set = MeasurementSet::new(data, noise()).unwrap();
+        let settings = SpringFitSettings { outliers: Outliers::Keep, ..SpringFitSettings::default() };
+        let comparison = compare(&set, Some((&robot, &springs, &settings)), Outliers::Keep).unwrap();
+        let positive = Method::Cartesian(CartesianEstimator::PositiveDefinite);
+        comparison.methods.into_iter().find(|(method, _)| *method == positive).unwrap().1.map(|report| report.held_out)
+    };
+    for count in [7, 8] {
+        let refused = compared(count).unwrap_err();
+        assert!(matches!(refused, IdentificationError::TooFew { found, needed: 9, .. } if found == count), "{refused}");
+    }
+    let refused = compared(9);
+    assert!(!matches!(refused, Err(IdentificationError::TooFew { .. })), "{refused:?}");
 }
 
 #[test]

@@ -152,6 +152,18 @@ fn rest(count: usize, fold: &[usize]) -> Vec<usize> {
     (0..count).filter(|i| !fold.contains(i)).collect()
 }
 
+/// Why a fold cannot be predicted, in numbers of the whole set: what is held out must leave enough.
+fn of_all(why: IdentificationError, found: usize) -> IdentificationError {
+    match why {
+        IdentificationError::TooFew { needed, .. } => IdentificationError::TooFew {
+            what: "predicting each fifth of them from the others",
+            found,
+            needed: (FOLDS * needed).div_ceil(FOLDS - 1),
+        },
+        other => other,
+    }
+}
+
 fn joint_springs(
     robot: &Robot,
     set: &MeasurementSet,
@@ -162,7 +174,8 @@ fn joint_springs(
     let fit = fit_springs(robot, set, start, settings)?;
     let mut sum = 0.0;
     for fold in folds {
-        let without = fit_springs(robot, &set.subset(&rest(set.len(), fold)), start, settings)?;
+        let without = fit_springs(robot, &set.subset(&rest(set.len(), fold)), start, settings);
+        let without = without.map_err(|why| of_all(why, set.len()))?;
         sum += fold.iter().map(|i| squared_distance(robot, set, *i, without.fitted(), settings.model)).sum::<f64>();
     }
     let held_out = (sum / (6 * set.len()) as f64).sqrt();
@@ -179,7 +192,8 @@ fn cartesian(
     let reference = identify_cartesian(set, CartesianEstimator::PositiveDefinite, Outliers::Keep)?.compliance;
     let mut sum = 0.0;
     for fold in folds {
-        let without = identify_cartesian(&set.subset(&rest(set.len(), fold)), estimator, Outliers::Keep)?;
+        let without = identify_cartesian(&set.subset(&rest(set.len(), fold)), estimator, Outliers::Keep);
+        let without = without.map_err(|why| of_all(why, set.len()))?;
         for i in fold {
             let (m, noise) = (&set.measurements()[*i], &set.noise()[*i]);
             let residual = m.displacement - without.compliance * m.wrench;
