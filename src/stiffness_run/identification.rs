@@ -101,7 +101,7 @@ impl Identification {
             .collect();
         let noise = &file.noise;
         let noise = MeasurementNoise::from_std(noise.translation, noise.rotation, noise.force, noise.moment);
-        let place = |source| StiffnessRunError::Identification { file: table.display().to_string(), source };
+        let place = |why| StiffnessRunError::Identification { file: table.display().to_string(), why };
         let set = MeasurementSet::new(measurements, noise).map_err(place)?;
         let start = file.springs.clone().unwrap_or_else(|| {
             let of = |kind| START[usize::from(kind == JointKind::Prismatic)];

@@ -27,12 +27,12 @@ pub enum StiffnessRunError {
         remedy: &'static str,
     },
     /// Measurements that cannot be used, or tell nothing.
-    #[error("{file}: {source}")]
+    #[error("{file}: {why}")]
     Identification {
         /// The table.
         file: String,
         /// What is wrong with them.
-        source: IdentificationError,
+        why: IdentificationError,
     },
     /// A compensation that cannot work.
     #[error(transparent)]

@@ -66,6 +66,16 @@ fn units_off_by_a_thousand_are_noticed() {
 }
 
 #[test]
+fn a_range_from_zero_has_only_an_upper_end() {
+    let mut data = measurements();
+    for m in &mut data {
+        m.displacement *= 1e3;
+    }
+    let words = refusal(data).to_string();
+    assert!(words.contains("which is at most 0.05 for robots"), "{words}");
+}
+
+#[test]
 fn a_comparison_counts_all_measurements() {
     let (robot, springs) = (kr125(), Springs::linear(&STIFFNESS));
     let compared = |count| {

@@ -66,7 +66,7 @@ pub enum IdentificationError {
         unit: &'static str,
     },
     /// Sizes that no robot has.
-    #[error("{what} is {value:.3e} {unit} in the median, which lies between {low:e} and {high:e} for robots; {remedy}")]
+    #[error("{what} is {value:.3e} {unit} in the median, which {} for robots; {remedy}", between(*low, *high))]
     Units {
         /// What was computed.
         what: &'static str,
@@ -153,4 +153,9 @@ pub enum IdentificationError {
         /// Iterations made.
         iterations: usize,
     },
+}
+
+/// A range in words.
+fn between(low: f64, high: f64) -> String {
+    if low > 0.0 { format!("lies between {low:e} and {high:e}") } else { format!("is at most {high}") }
 }
