@@ -192,7 +192,21 @@ fn logs_that_cannot_be_used_are_refused_or_answered_in_the_negative() {
             "kilo",
             log(|_, c, v| if c >= 7 { format!("{}", 1000.0 * v.parse::<f64>().unwrap()) } else { v }),
             1,
-            "",
+            "mN for N",
+        ),
+        (
+            &robot,
+            "milli",
+            log(|_, c, v| if c >= 7 { format!("{}", 0.001 * v.parse::<f64>().unwrap()) } else { v }),
+            2,
+            "kN for N",
+        ),
+        (
+            &robot,
+            "milliseconds",
+            log(|_, c, v| if c == 0 { format!("{}", 1000.0 * v.parse::<f64>().unwrap()) } else { v }),
+            2,
+            "if it is in ms",
         ),
         (
             &robot,
@@ -207,7 +221,7 @@ fn logs_that_cannot_be_used_are_refused_or_answered_in_the_negative() {
     ] {
         let path = file(&dir, &format!("{name}.csv"), &text);
         let o = bracketry(&["stiffness", "compensate", robot, &path]);
-        let message = String::from_utf8(o.stderr.clone()).unwrap();
+        let message = String::from_utf8([o.stderr.clone(), o.stdout.clone()].concat()).unwrap();
         assert_eq!(code(&o), exit, "{name}: {message}");
         assert!(message.contains(said), "{name}: {message}");
     }

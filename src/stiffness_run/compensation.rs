@@ -2,10 +2,15 @@
 
 use std::fmt;
 
-use bracketry_stiffness::{Compensator, Fault, RobotFile};
+use bracketry_stiffness::{Compensator, Fault, ForceSensor, RobotFile, Wrench};
 use serde::Serialize;
 
 use super::{RobotLog, StiffnessRunError};
+
+/// Bias and weight in units of the force's noise, from which on readings must show them.
+const WEIGHS: f64 = 5.0;
+/// Times that a reading may be smaller than bias and weight: what kN for N leaves of ten times as large a process.
+const FAR_BELOW: f64 = 50.0;
 
 /// A sample of a [`CompensatedLog`].
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +80,11 @@ impl CompensatedLog {
             what: "[sensor]",
             remedy: "give its position, force_range and moment_range",
         })?;
+        check_readings(file, &sensor, log)?;
+        let (period, cutoff) = (log.period, file.compensation.cutoff);
+        if period * cutoff >= 0.5 {
+            return Err(StiffnessRunError::Period { period, cutoff });
+        }
         let settings = bracketry_stiffness::CompensationSettings { period: log.period, ..file.compensation };
         let mut compensator = Compensator::new(file.robot.clone(), springs, sensor, file.payload, settings)?;
         let mut faults: Vec<FaultCount> = Vec::new();
@@ -123,6 +133,30 @@ impl CompensatedLog {
     }
 }
 
+/// Refuses forces far below the bias and the weight that the sensor carries.
+fn check_readings(file: &RobotFile, sensor: &ForceSensor, log: &RobotLog) -> Result<(), StiffnessRunError> {
+    let force = |wrench: &Wrench| wrench.fixed_rows::<3>(0).norm();
+    let alone = |q: &Vec<f64>| {
+        let orientation = (file.robot.tool_pose(q).ok()? * sensor.pose).rotation;
+        Some(force(&file.payload.reading(&orientation, &file.compensation.gravity)))
+    };
+    let expected = median(log.measured.iter().filter_map(alone).collect());
+    let found = median(log.readings.iter().map(force).collect());
+    match (found, expected) {
+        (Some(found), Some(expected)) if expected > WEIGHS * file.noise.force && FAR_BELOW * found < expected => {
+            Err(StiffnessRunError::Readings { found, expected })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The middle of the numbers that are finite.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.retain(|v| v.is_finite());
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
 /// Length of the first three entries.
 fn length(v: &[f64; 6]) -> f64 {
     v[..3].iter().map(|x| x * x).sum::<f64>().sqrt()
@@ -133,7 +167,9 @@ fn describe(fault: Fault) -> String {
     match fault {
         Fault::Count => "not one coordinate for each joint".to_owned(),
         Fault::Reading(i) => format!("no reading of {}", WRENCH[i]),
-        Fault::Range => "the reading lies beyond the sensor's range".to_owned(),
+        Fault::Range => {
+            "the reading lies beyond the sensor's range: overload, or other units (mN for N, N·mm for N·m)".to_owned()
+        }
         Fault::Measured(i) => format!("no measured q{}", i + 1),
         Fault::Reference(i) => format!("no reference of joint {}", i + 1),
         Fault::Unbounded => "coordinates too large for a pose".to_owned(),

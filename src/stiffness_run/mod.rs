@@ -34,6 +34,28 @@ pub enum StiffnessRunError {
         /// What is wrong with them.
         why: IdentificationError,
     },
+    /// Readings of force in other units.
+    #[error(
+        "the sensor reads {found:.3} N in the median, bias and weight of [payload] alone are {expected:.1} N; units off by 1000: kN \
+         for N? (remove [payload] if the readings are free of it)"
+    )]
+    Readings {
+        /// Median of the readings (N).
+        found: f64,
+        /// Median of bias and weight (N).
+        expected: f64,
+    },
+    /// Samples too rare for the filter.
+    #[error(
+        "a period of {period} s is too long for a cutoff of {cutoff} Hz; t is in seconds: divide it by 1000 if it is in ms, else \
+         lower `cutoff` in [compensation] below {:.3} Hz", 0.5 / period
+    )]
+    Period {
+        /// Period of the log (s).
+        period: f64,
+        /// Cutoff of the filter (Hz).
+        cutoff: f64,
+    },
     /// A compensation that cannot work.
     #[error(transparent)]
     Compensation(#[from] CompensationError),
