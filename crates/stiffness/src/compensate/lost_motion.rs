@@ -71,7 +71,7 @@ impl std::fmt::Display for LostMotionReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(
             f,
-            "measured less modelled displacement {:.1} µm rms; with the best joint stiffnesses {:.1} µm: {:.0} % is nothing a linear model explains",
+            "measured less modelled displacement {:.1} µm rms; with the best joint stiffnesses {:.1} µm: {:.0} % of the rms is nothing a linear model explains",
             1e6 * self.residual,
             1e6 * self.linear,
             100.0 * self.unexplained()
@@ -79,7 +79,7 @@ impl std::fmt::Display for LostMotionReport {
         for lost in &self.lost_motion {
             writeln!(
                 f,
-                "joint {}: lost motion of {:.3} mrad, flanks engaged from {:.0} N·m on, {} torque reversals; explains {:.0} % of that",
+                "joint {}: lost motion of {:.3} mrad, flanks engaged from {:.0} N·m on, {} torque reversals; explains {:.0} % of its square",
                 lost.joint,
                 1e3 * lost.gap,
                 lost.engaged,
