@@ -205,7 +205,14 @@ fn main() -> anyhow::Result<()> {
             Some(kind) => HiddenEffect::draw_kind(kind, seed)
                 .with_context(|| format!("--effect {kind}: choose one of {}", HiddenEffect::KINDS.join(", ")))?,
         };
-        let logs = logs(&effect, &log_settings, seed, &options)?;
+        // A plate that is tilted the other way may carry the object off in every multisine.
+        let logs = match logs(&effect, &log_settings, seed, &options) {
+            Ok(logs) => logs,
+            Err(e) => {
+                println!("| {run} | {effect:?} | no log: {e} | | |");
+                continue;
+            }
+        };
         if let Some(folder) = &options.out {
             let folder = folder.join(format!("run_{run}"));
             std::fs::create_dir_all(&folder)?;
