@@ -1,10 +1,12 @@
 //! What one step of the compensation costs: `cargo bench -p bracketry-stiffness --bench compensation`.
 
-use bracketry_stiffness::{
-    CompensationSettings, Compensator, DhParameters, ForceSensor, JointSpring, Payload, Robot, Springs, Wrench,
-};
+#[path = "../tests/kr125/mod.rs"]
+mod table;
+
+use bracketry_stiffness::{CompensationSettings, Compensator, ForceSensor, JointSpring, Payload, Springs, Wrench};
 use divan::{Bencher, black_box};
 use nalgebra::{Isometry3, Matrix6, Vector3};
+use table::kr125;
 
 const Q: [f64; 6] = [0.35, -0.44, 0.7, 0.52, 0.79, 0.17];
 
@@ -13,21 +15,7 @@ fn main() {
 }
 
 fn compensator(springs: Springs) -> Compensator {
-    let row = |alpha: f64, a: f64, d: f64, offset: f64| DhParameters {
-        alpha: alpha.to_radians(),
-        a,
-        d,
-        offset: offset.to_radians(),
-    };
-    let rows = [
-        row(0.0, 0.0, 0.75, 0.0),
-        row(-90.0, 0.35, 0.0, -90.0),
-        row(0.0, 1.25, 0.0, 0.0),
-        row(-90.0, -0.055, 1.1, 0.0),
-        row(90.0, 0.0, 0.0, 0.0),
-        row(-90.0, 0.0, 0.23, 0.0),
-    ];
-    let robot = Robot::from_modified_dh("KR 125", &rows).with_tool(Isometry3::translation(0.0, 0.0, 0.3));
+    let robot = kr125().with_tool(Isometry3::translation(0.0, 0.0, 0.3));
     let sensor =
         ForceSensor { pose: Isometry3::translation(0.0, 0.0, -0.25), force_range: 2000.0, moment_range: 500.0 };
     let payload = Payload {

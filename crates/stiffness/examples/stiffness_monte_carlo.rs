@@ -2,11 +2,14 @@
 //! `docs/stiffness_identification.md`: `cargo run --release -p bracketry-stiffness --example stiffness_monte_carlo -- docs/figures`.
 #![allow(clippy::print_stdout)]
 
+#[path = "../tests/kr125/mod.rs"]
+mod table;
+
 use bracketry_plot::{Panel, Series, XyChart};
 use bracketry_stiffness::{
-    CartesianEstimator, Deformation, DeformationModel, DhParameters, Kinematics, Measurement, MeasurementNoise,
-    MeasurementSet, Outliers, PoseInformation, Robot, SpringFit, SpringFitSettings, Springs, Wrench, compare,
-    fit_springs, identify_cartesian, loaded_compliance,
+    CartesianEstimator, Deformation, DeformationModel, Kinematics, Measurement, MeasurementNoise, MeasurementSet,
+    Outliers, PoseInformation, Robot, SpringFit, SpringFitSettings, Springs, Wrench, compare, fit_springs,
+    identify_cartesian, loaded_compliance,
 };
 use nalgebra::{Matrix6, Vector6};
 use rand::rngs::StdRng;
@@ -14,13 +17,12 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use std::error::Error;
 use std::path::Path;
+use table::{STIFFNESS, pose};
 
 /// Standard deviations: 20 µm, 50 µrad, 2 N, 0.5 N·m.
 const NOISE: [f64; 4] = [20e-6, 50e-6, 2.0, 0.5];
 /// Loads are drawn evenly from ± 1000 N and ± 60 N·m.
 const LOADS: [f64; 2] = [1000.0, 60.0];
-const STIFFNESS: [f64; 6] = [1_409_800.0, 400_760.0, 935_280.0, 360_000.0, 370_000.0, 380_000.0];
-const POSE: [f64; 6] = [20.0, -25.0, 40.0, 30.0, 45.0, 10.0];
 /// Data sets for each figure.
 const TRIALS: usize = 100;
 /// Poses over which the joint springs are measured.
@@ -29,25 +31,7 @@ const POSES: usize = 20;
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 fn kr125() -> (Robot, Springs) {
-    let row = |alpha: f64, a: f64, d: f64, offset: f64| DhParameters {
-        alpha: alpha.to_radians(),
-        a,
-        d,
-        offset: offset.to_radians(),
-    };
-    let rows = [
-        row(0.0, 0.0, 0.75, 0.0),
-        row(-90.0, 0.35, 0.0, -90.0),
-        row(0.0, 1.25, 0.0, 0.0),
-        row(-90.0, -0.055, 1.1, 0.0),
-        row(90.0, 0.0, 0.0, 0.0),
-        row(-90.0, 0.0, 0.23, 0.0),
-    ];
-    (Robot::from_modified_dh("KR 125", &rows), Springs::linear(&STIFFNESS))
-}
-
-fn pose() -> Vec<f64> {
-    POSE.iter().map(|q| q.to_radians()).collect()
+    (table::kr125(), Springs::linear(&STIFFNESS))
 }
 
 fn noise() -> MeasurementNoise {
@@ -60,7 +44,7 @@ fn load(rng: &mut StdRng) -> Wrench {
 
 /// A pose within ± 40° of the one of the reference.
 fn random_pose(rng: &mut StdRng) -> Vec<f64> {
-    POSE.iter().map(|q| (q + rng.random_range(-40.0..40.0)).to_radians()).collect()
+    pose().iter().map(|q| q + rng.random_range(-40.0f64..40.0).to_radians()).collect()
 }
 
 fn noisy(rng: &mut StdRng, value: Vector6<f64>, first: f64, last: f64) -> Vector6<f64> {

@@ -1,32 +1,13 @@
 //! A published robot: figures that were computed elsewhere.
 #![allow(clippy::unwrap_used)]
 
-use bracketry_stiffness::{
-    Deformation, DhParameters, Kinematics, Robot, Springs, Wrench, geometric_stiffness, loaded_compliance,
-};
+mod kr125;
 
-/// KUKA KR 125: modified Denavit–Hartenberg parameters, joint stiffnesses in N·m/rad.
-fn kr125() -> (Robot, Springs) {
-    let row = |alpha: f64, a: f64, d: f64, offset: f64| DhParameters {
-        alpha: alpha.to_radians(),
-        a,
-        d,
-        offset: offset.to_radians(),
-    };
-    let rows = [
-        row(0.0, 0.0, 0.75, 0.0),
-        row(-90.0, 0.35, 0.0, -90.0),
-        row(0.0, 1.25, 0.0, 0.0),
-        row(-90.0, -0.055, 1.1, 0.0),
-        row(90.0, 0.0, 0.0, 0.0),
-        row(-90.0, 0.0, 0.23, 0.0),
-    ];
-    let springs = Springs::linear(&[1_409_800.0, 400_760.0, 935_280.0, 360_000.0, 370_000.0, 380_000.0]);
-    (Robot::from_modified_dh("KR 125", &rows), springs)
-}
+use bracketry_stiffness::{Deformation, Kinematics, Robot, Springs, Wrench, geometric_stiffness, loaded_compliance};
+use kr125::{STIFFNESS, kr125, pose};
 
-fn pose() -> Vec<f64> {
-    [20.0f64, -25.0, 40.0, 30.0, 45.0, 10.0].iter().map(|q| q.to_radians()).collect()
+fn robot_and_springs() -> (Robot, Springs) {
+    (kr125(), Springs::linear(&STIFFNESS))
 }
 
 fn load() -> Wrench {
@@ -41,7 +22,7 @@ fn assert_digits(value: f64, printed: f64, digits: i32) {
 
 #[test]
 fn the_tool_stands_where_it_was_computed() {
-    let (robot, _) = kr125();
+    let (robot, _) = robot_and_springs();
     let tool = robot.tool_pose(&pose()).unwrap().translation.vector;
     for (value, printed) in tool.iter().zip([0.903094, 0.415235, 1.366918]) {
         assert_digits(*value, printed, 6);
@@ -50,7 +31,7 @@ fn the_tool_stands_where_it_was_computed() {
 
 #[test]
 fn the_translational_compliance_has_the_computed_entries() {
-    let (robot, springs) = kr125();
+    let (robot, springs) = robot_and_springs();
     let kinematics = Kinematics::new(&robot, &pose()).unwrap();
     let compliance = loaded_compliance(&robot, &springs, &kinematics, &Wrench::zeros()).unwrap();
     let printed = [[1.33330, 0.11391, -0.27370], [0.11391, 0.77727, -0.08889], [-0.27370, -0.08889, 2.52606]];
@@ -63,7 +44,7 @@ fn the_translational_compliance_has_the_computed_entries() {
 
 #[test]
 fn the_three_deformations_have_the_computed_values() {
-    let (robot, springs) = kr125();
+    let (robot, springs) = robot_and_springs();
     let (q, load) = (pose(), load());
     for (deformation, printed) in [
         (Deformation::linear(&robot, &springs, &q, &load), [0.50122, -0.08114, -1.25964]),
@@ -78,7 +59,7 @@ fn the_three_deformations_have_the_computed_values() {
 
 #[test]
 fn the_loaded_compliance_is_the_derivative_of_the_equilibrium() {
-    let (robot, springs) = kr125();
+    let (robot, springs) = robot_and_springs();
     let q = pose();
     let load = 5.0 * load();
     let bent = Deformation::equilibrium(&robot, &springs, &q, &load).unwrap();

@@ -6,7 +6,7 @@ mod common;
 use bracketry_stiffness::{
     DhParameters, FilterOrder, ForceSensor, JointKind, JointSpring, Robot, RobotFile, Springs, with_springs,
 };
-use common::{KR125, STIFFNESS, random};
+use common::{KR125, STIFFNESS, kr125, random};
 use nalgebra::{Isometry3, Vector3};
 use rand::RngExt;
 use std::path::Path;
@@ -32,15 +32,7 @@ fn assert_same(a: &Robot, b: &Robot, seed: u64) {
 #[test]
 fn the_file_of_the_kr125_is_the_published_robot() {
     let file = parse(KR125);
-    let rows = [
-        row(0.0, 0.0, 0.75, 0.0),
-        row(-90.0, 0.35, 0.0, -90.0),
-        row(0.0, 1.25, 0.0, 0.0),
-        row(-90.0, -0.055, 1.1, 0.0),
-        row(90.0, 0.0, 0.0, 0.0),
-        row(-90.0, 0.0, 0.23, 0.0),
-    ];
-    let published = Robot::from_modified_dh("", &rows).with_tool(Isometry3::translation(0.0, 0.0, 0.3));
+    let published = kr125().with_tool(Isometry3::translation(0.0, 0.0, 0.3));
     assert_same(&file.robot, &published, 1);
     assert_eq!(file.robot.name, "KR 125");
     assert_eq!(file.robot.joints[4].name, "A5");

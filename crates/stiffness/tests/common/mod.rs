@@ -1,12 +1,14 @@
 //! A milling robot and its circle.
-#![allow(dead_code)]
+#![allow(unused_imports, dead_code)]
+
+#[path = "../kr125/mod.rs"]
+mod table;
 
 use bracketry_stiffness::{CompensationSettings, Compensator, MillingCircle, Robot, RobotFile, Springs};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use std::path::Path;
 
-/// Stiffnesses of the joints of the KR 125 (N·m/rad).
-pub(crate) const STIFFNESS: [f64; 6] = [1_409_800.0, 400_760.0, 935_280.0, 360_000.0, 370_000.0, 380_000.0];
+pub(crate) use table::{STIFFNESS, kr125};
 
 /// The robot file that comes with the models.
 pub(crate) const KR125: &str = include_str!("../../../../models/kr125.toml");

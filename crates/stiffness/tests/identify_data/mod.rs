@@ -1,40 +1,21 @@
 //! A robot measured with noise.
-#![allow(dead_code, unreachable_pub)]
+#![allow(unused_imports, dead_code, unreachable_pub)]
+
+#[path = "../kr125/mod.rs"]
+mod table;
 
 use bracketry_stiffness::{
-    Deformation, DhParameters, Kinematics, Measurement, MeasurementNoise, MeasurementSet, Robot, Springs, Wrench,
-    loaded_compliance,
+    Deformation, Kinematics, Measurement, MeasurementNoise, MeasurementSet, Robot, Springs, Wrench, loaded_compliance,
 };
 use nalgebra::{Matrix6, Vector6};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 
-pub const STIFFNESS: [f64; 6] = [1_409_800.0, 400_760.0, 935_280.0, 360_000.0, 370_000.0, 380_000.0];
+pub(crate) use table::{STIFFNESS, kr125, pose};
+
 /// 20 µm, 50 µrad, 2 N, 0.5 N·m.
 pub const NOISE: [f64; 4] = [20e-6, 50e-6, 2.0, 0.5];
-
-pub fn kr125() -> Robot {
-    let row = |alpha: f64, a: f64, d: f64, offset: f64| DhParameters {
-        alpha: alpha.to_radians(),
-        a,
-        d,
-        offset: offset.to_radians(),
-    };
-    let rows = [
-        row(0.0, 0.0, 0.75, 0.0),
-        row(-90.0, 0.35, 0.0, -90.0),
-        row(0.0, 1.25, 0.0, 0.0),
-        row(-90.0, -0.055, 1.1, 0.0),
-        row(90.0, 0.0, 0.0, 0.0),
-        row(-90.0, 0.0, 0.23, 0.0),
-    ];
-    Robot::from_modified_dh("KR 125", &rows)
-}
-
-pub fn pose() -> Vec<f64> {
-    [20.0f64, -25.0, 40.0, 30.0, 45.0, 10.0].iter().map(|q| q.to_radians()).collect()
-}
 
 pub fn noise() -> MeasurementNoise {
     MeasurementNoise::from_std(NOISE[0], NOISE[1], NOISE[2], NOISE[3])
