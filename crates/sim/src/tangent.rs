@@ -1,0 +1,414 @@
+//! The way of a simulation as a chain of linear maps: what small changes of the state and of the field lead to.
+//!
+//! Along a step the change `X` of the state obeys `X' = A X + b` with `A = ∂f/∂x` for the modes of the step, unit vectors that slide
+//! turning with σ, and sticking signs answering so that `σ̇_K` stays zero. At an event where `σ` reaches zero at the rate
+//! `σ̇`, `X` jumps by `(f⁺ − f⁻) ∇σ·X/σ̇` (Leine, Nijmeijer, *Dynamics and Bifurcations of Non-Smooth Mechanical Systems*, 2004,
+//! ch. 7). The steps are the integrator's own, taken by the implicit midpoint rule.
+
+use crate::multipliers::norm;
+use crate::path::{Path, Piece};
+use crate::{Mode, Model, Switched};
+
+/// The linear maps along a [`Path`], with `n` states: `X ← T X + R b` by piece, where `b` is a change of the field.
+#[derive(Debug, Clone, Default)]
+pub struct Tangent {
+    n: usize,
+    /// By piece `n × n` by columns.
+    transition: Vec<f64>,
+    response: Vec<f64>,
+    /// By piece, the field's derivatives by live numbers, `n` each.
+    by_number: Vec<f64>,
+    numbers: usize,
+}
+
+impl Tangent {
+    /// Number of pieces.
+    pub fn len(&self) -> usize {
+        self.transition.len() / (self.n * self.n).max(1)
+    }
+
+    /// Whether there are no pieces.
+    pub fn is_empty(&self) -> bool {
+        self.transition.is_empty()
+    }
+
+    /// The field's derivatives by the live numbers of the model along a piece: `n` numbers for each.
+    pub fn by_number(&self, piece: usize) -> &[f64] {
+        let size = self.n * self.numbers;
+        &self.by_number[piece * size..(piece + 1) * size]
+    }
+
+    /// Carries changes of the state, `x` of `n` numbers each, over a piece along which the field changes by `b`; changes beyond
+    /// those of `b` find the field as it is.
+    pub fn carry(&self, piece: usize, x: &mut [f64], b: &[f64], scratch: &mut Vec<f64>) {
+        let n = self.n;
+        let t = &self.transition[piece * n * n..(piece + 1) * n * n];
+        let r = &self.response[piece * n * n..(piece + 1) * n * n];
+        scratch.resize(n, 0.0);
+        for (i, column) in x.chunks_exact_mut(n).enumerate() {
+            scratch.fill(0.0);
+            accumulate(t, column, scratch);
+            if let Some(field) = b.get(i * n..(i + 1) * n) {
+                accumulate(r, field, scratch);
+            }
+            column.copy_from_slice(scratch);
+        }
+    }
+}
+
+/// `y += M v`, by columns of `M`.
+fn accumulate(matrix: &[f64], v: &[f64], y: &mut [f64]) {
+    for (column, &factor) in matrix.chunks_exact(y.len()).zip(v) {
+        if factor != 0.0 {
+            for (y, m) in y.iter_mut().zip(column) {
+                *y += m * factor;
+            }
+        }
+    }
+}
+
+impl Model {
+    /// The linear maps along a path of this model; false if the model was not made by [`Model::differentiable`], or where they
+    /// are not finite.
+    pub fn tangent(&mut self, path: &Path, tangent: &mut Tangent) -> bool {
+        let (n, k) = (self.dim(), self.arguments());
+        let Some((numbers, true)) = self.differentiated() else { return false };
+        // A static level makes the field jump where what sticks breaks loose.
+        if n == 0 || (0..self.switches()).any(|i| self.static_ratio(i) > 1.0) {
+            return false;
+        }
+        tangent.n = n;
+        tangent.numbers = numbers;
+        tangent.transition.clear();
+        tangent.response.clear();
+        tangent.by_number.clear();
+        let mut derivatives = vec![0.0; n * (n + k + numbers) + k * numbers];
+        let moving = self.surfaces_move();
+        let mut maps = Maps::new(self, n, k);
+        for piece in &path.pieces {
+            match *piece {
+                Piece::Jump { first } => {
+                    let (jump, row) = path.numbers[first..first + 2 * n].split_at(n);
+                    for (j, r) in row.iter().enumerate() {
+                        tangent.transition.extend((0..n).map(|i| f64::from(u8::from(i == j)) + jump[i] * r));
+                    }
+                    tangent.response.resize(tangent.response.len() + n * n, 0.0);
+                    tangent.by_number.resize(tangent.by_number.len() + n * numbers, 0.0);
+                }
+                Piece::Step { t, h, first, modes } => {
+                    let (x, s) = path.numbers[first..first + n + k].split_at(n);
+                    self.enter_segment(t);
+                    self.derivatives(t, x, s, &mut derivatives);
+                    let (field, rest) = derivatives.split_at(n * (n + k));
+                    let (by_number, moved) = rest.split_at(n * numbers);
+                    let modes = &path.modes[modes..modes + self.switches()];
+                    if !maps.of_step(self, (t, h), (x, s), modes, field) {
+                        return false;
+                    }
+                    tangent.transition.extend_from_slice(&maps.transition);
+                    tangent.response.extend_from_slice(&maps.response);
+                    let from = tangent.by_number.len();
+                    tangent.by_number.extend_from_slice(by_number);
+                    if moving {
+                        let by_sign = &field[n * n..];
+                        for (part, _) in maps.parts.iter().zip(modes).filter(|(_, m)| **m == Mode::Sliding) {
+                            turn_with(part, (s, &maps.sigma), by_sign, moved, &mut tangent.by_number[from..]);
+                        }
+                    }
+                }
+            }
+        }
+        tangent.transition.iter().all(|v| v.is_finite()) && tangent.by_number.iter().all(|v| v.is_finite())
+    }
+}
+
+impl Model {
+    /// The derivatives of this model's field by its live numbers along a path of another model with the same states: by piece and
+    /// number, `n` each. Signs of the other model that this one has too, by name, keep their values; others follow their
+    /// switching functions. False where they are not finite, or the model was not made by [`Model::with_influences`].
+    pub fn along(&mut self, other: &Model, path: &Path, by_number: &mut Vec<f64>) -> bool {
+        let (n, k) = (self.dim(), self.arguments());
+        let Some((numbers, false)) = self.differentiated() else { return false };
+        if other.dim() != n {
+            return false;
+        }
+        let own = Maps::new(self, n, k).parts;
+        let others = Maps::new(other, n, other.arguments()).parts;
+        let place = |name: &str| other.switch_names().position(|theirs| theirs == name);
+        let known: Vec<Option<usize>> = self.switch_names().map(place).collect();
+        let mut signs = vec![0.0; k];
+        let mut sigma = vec![0.0; k];
+        let mut derivatives = vec![0.0; n * (k + numbers) + k * numbers];
+        let moving = self.surfaces_move();
+        let size = n * numbers;
+        by_number.clear();
+        by_number.resize(path.len() * size, 0.0);
+        for (piece, out) in path.pieces.iter().zip(by_number.chunks_exact_mut(size.max(1))) {
+            let Piece::Step { t, first, .. } = *piece else { continue };
+            let (x, rest) = path.numbers[first..].split_at(n);
+            self.enter_segment(t);
+            if moving || known.contains(&None) {
+                self.switching(t, x, &mut sigma);
+            }
+            for (part, known) in own.iter().zip(&known) {
+                match known.map(|i| others[i].clone()) {
+                    Some(theirs) if theirs.len() == part.len() => {
+                        signs[part.clone()].copy_from_slice(&rest[theirs]);
+                    }
+                    _ => {
+                        let length = norm(&sigma[part.clone()]);
+                        for c in part.clone() {
+                            signs[c] = if length > 0.0 { sigma[c] / length } else { 0.0 };
+                        }
+                    }
+                }
+            }
+            self.derivatives(t, x, &signs, &mut derivatives);
+            let (by_sign, rest) = derivatives.split_at(n * k);
+            let (field, moved) = rest.split_at(size);
+            out.copy_from_slice(field);
+            if moving {
+                for part in own.iter().filter(|p| p.len() > 1) {
+                    turn_with(part, (&signs, &sigma), by_sign, moved, out);
+                }
+            }
+        }
+        by_number.iter().all(|v| v.is_finite())
+    }
+}
+
+impl Model {
+    /// By how much this model's field differs, along a path of another one with the same equations, because of its own samples: by piece
+    /// `n` numbers. Samples count with their means over each step, so that delays far below a step keep their impulse. False
+    /// where the models differ otherwise, or the field is not finite.
+    pub fn by_samples(&mut self, other: &Model, path: &Path, changes: &mut Vec<f64>) -> bool {
+        let (n, k) = (self.dim(), self.arguments());
+        if n == 0 || !self.driven_like(other) {
+            return false;
+        }
+        changes.clear();
+        changes.resize(path.len() * n, 0.0);
+        let mut without = vec![0.0; n];
+        for (piece, out) in path.pieces.iter().zip(changes.chunks_exact_mut(n)) {
+            let Piece::Step { t, h, first, .. } = *piece else { continue };
+            let (x, s) = path.numbers[first..first + n + k].split_at(n);
+            let span = (t - 0.5 * h, t + 0.5 * h);
+            self.mean_field(span, (x, s), None, out);
+            self.mean_field(span, (x, s), Some(other), &mut without);
+            out.iter_mut().zip(&without).for_each(|(out, without)| *out -= without);
+        }
+        changes.iter().all(|v| v.is_finite())
+    }
+}
+
+/// Adds to the field's derivatives what comes from unit vectors whose σ a number moves: `∂f/∂s (I − s sᵀ)/|σ| ∂σ/∂p`.
+fn turn_with(
+    part: &std::ops::Range<usize>,
+    (s, sigma): (&[f64], &[f64]),
+    by_sign: &[f64],
+    moved: &[f64],
+    by_number: &mut [f64],
+) {
+    let size = norm(&sigma[part.clone()]);
+    let k = sigma.len();
+    if size == 0.0 || k == 0 {
+        return;
+    }
+    let n = by_sign.len() / k;
+    for (moved, out) in moved.chunks_exact(k).zip(by_number.chunks_exact_mut(n)) {
+        let along: f64 = part.clone().map(|c| s[c] * moved[c]).sum();
+        for c in part.clone() {
+            let turned = (moved[c] - s[c] * along) / size;
+            for (out, f) in out.iter_mut().zip(&by_sign[c * n..(c + 1) * n]) {
+                *out += f * turned;
+            }
+        }
+    }
+}
+
+/// The maps of one step, `n × n` by columns.
+struct Maps {
+    n: usize,
+    parts: Vec<std::ops::Range<usize>>,
+    sigma: Vec<f64>,
+    /// By component of σ, `n` each.
+    gradient: Vec<f64>,
+    partial_t: Vec<f64>,
+    /// `∂f/∂x`.
+    a: Vec<f64>,
+    /// Keeps `σ̇_K`: `I − F (G F)⁻¹ G`.
+    projection: Vec<f64>,
+    transition: Vec<f64>,
+    response: Vec<f64>,
+}
+
+impl Maps {
+    fn new(model: &Model, n: usize, k: usize) -> Self {
+        let mut first = 0;
+        let parts = (0..model.switches())
+            .map(|i| {
+                let part = first..first + model.components(i);
+                first = part.end;
+                part
+            })
+            .collect();
+        let square = || vec![0.0; n * n];
+        Self {
+            n,
+            parts,
+            sigma: vec![0.0; k],
+            gradient: vec![0.0; n * k],
+            partial_t: vec![0.0; k],
+            a: square(),
+            projection: square(),
+            transition: square(),
+            response: square(),
+        }
+    }
+
+    fn of_step(
+        &mut self,
+        model: &mut Model,
+        (t, h): (f64, f64),
+        (x, s): (&[f64], &[f64]),
+        modes: &[Mode],
+        field: &[f64],
+    ) -> bool {
+        let n = self.n;
+        let (by_state, by_sign) = field.split_at(n * n);
+        self.a.copy_from_slice(by_state);
+        let vectors = (0..modes.len()).any(|i| modes[i] == Mode::Sliding);
+        let sticks = modes.contains(&Mode::Sticking);
+        if vectors || sticks {
+            model.switching_gradient(t, x, &mut self.gradient, &mut self.partial_t);
+        }
+        if vectors {
+            model.switching(t, x, &mut self.sigma);
+            self.turn(s, modes, by_sign);
+        }
+        if sticks {
+            if !self.stick(modes, by_sign) {
+                return false;
+            }
+            let a = product(&self.projection, &self.a, n);
+            self.a.copy_from_slice(&a);
+        }
+        // (I − h/2 A) X⁺ = (I + h/2 A) X + h b, with what sticks taken off X and b.
+        let identity = |i: usize, j: usize| f64::from(u8::from(i == j));
+        let mut matrix = vec![0.0; n * n];
+        let mut right = vec![0.0; 2 * n * n];
+        for j in 0..n {
+            for i in 0..n {
+                matrix[j * n + i] = identity(i, j) - 0.5 * h * self.a[j * n + i];
+                right[j * n + i] = identity(i, j) + 0.5 * h * self.a[j * n + i];
+                right[n * n + j * n + i] = h * identity(i, j);
+            }
+        }
+        if !solve(&mut matrix, &mut right, n) {
+            return false;
+        }
+        let (transition, response) = right.split_at(n * n);
+        if sticks {
+            self.transition = product(transition, &self.projection, n);
+            self.response = product(response, &self.projection, n);
+        } else {
+            self.transition.copy_from_slice(transition);
+            self.response.copy_from_slice(response);
+        }
+        true
+    }
+
+    /// Unit vectors that slide turn with σ: `δs = (I − s sᵀ)/|σ| ∇σ δx`.
+    fn turn(&mut self, s: &[f64], modes: &[Mode], by_sign: &[f64]) {
+        let n = self.n;
+        for (part, _) in self.parts.iter().zip(modes).filter(|(_, m)| **m == Mode::Sliding) {
+            let size = norm(&self.sigma[part.clone()]);
+            if size == 0.0 {
+                continue;
+            }
+            for j in 0..n {
+                let along: f64 = part.clone().map(|c| s[c] * self.gradient[c * n + j]).sum();
+                for c in part.clone() {
+                    let turned = (self.gradient[c * n + j] - s[c] * along) / size;
+                    for i in 0..n {
+                        self.a[j * n + i] += by_sign[c * n + i] * turned;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The projection for the components that stick; false where they do not determine each other.
+    fn stick(&mut self, modes: &[Mode], by_sign: &[f64]) -> bool {
+        let n = self.n;
+        let sticking: Vec<usize> =
+            self.parts.iter().zip(modes).filter(|(_, m)| **m == Mode::Sticking).flat_map(|(p, _)| p.clone()).collect();
+        let m = sticking.len();
+        let row = |c: usize| &self.gradient[c * n..(c + 1) * n];
+        let column = |c: usize| &by_sign[c * n..(c + 1) * n];
+        let mut matrix = vec![0.0; m * m];
+        let mut right = vec![0.0; m * n];
+        for (b, &d) in sticking.iter().enumerate() {
+            for (a, &c) in sticking.iter().enumerate() {
+                matrix[b * m + a] = row(c).iter().zip(column(d)).map(|(g, f)| g * f).sum();
+            }
+        }
+        for j in 0..n {
+            for (a, &c) in sticking.iter().enumerate() {
+                right[j * m + a] = row(c)[j];
+            }
+        }
+        if !solve(&mut matrix, &mut right, m) {
+            return false;
+        }
+        for j in 0..n {
+            for i in 0..n {
+                let taken: f64 = sticking.iter().enumerate().map(|(a, &c)| column(c)[i] * right[j * m + a]).sum();
+                self.projection[j * n + i] = f64::from(u8::from(i == j)) - taken;
+            }
+        }
+        true
+    }
+}
+
+/// `A B` of `n × n` matrices by columns.
+fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
+    let mut out = vec![0.0; n * n];
+    for (column, out) in b.chunks_exact(n).zip(out.chunks_exact_mut(n)) {
+        accumulate(a, column, out);
+    }
+    out
+}
+
+/// Gaussian elimination with row pivots, `n × n` by columns; columns of `right` become solutions. False if it is singular.
+fn solve(matrix: &mut [f64], right: &mut [f64], n: usize) -> bool {
+    let size = matrix.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    for k in 0..n {
+        let largest = |p: &usize, q: &usize| matrix[k * n + *p].abs().total_cmp(&matrix[k * n + *q].abs());
+        let pivot = (k..n).max_by(largest).unwrap_or(k);
+        let value = matrix[k * n + pivot];
+        if !(value.abs() > 1e-12 * size && value.is_finite()) {
+            return false;
+        }
+        if pivot != k {
+            (0..n).for_each(|c| matrix.swap(c * n + k, c * n + pivot));
+            right.chunks_exact_mut(n).for_each(|c| c.swap(k, pivot));
+        }
+        for r in k + 1..n {
+            let factor = matrix[k * n + r] / value;
+            if factor != 0.0 {
+                for c in k + 1..n {
+                    matrix[c * n + r] -= factor * matrix[c * n + k];
+                }
+                right.chunks_exact_mut(n).for_each(|c| c[r] -= factor * c[k]);
+            }
+        }
+    }
+    for column in right.chunks_exact_mut(n) {
+        for k in (0..n).rev() {
+            let known: f64 = (k + 1..n).map(|c| matrix[c * n + k] * column[c]).sum();
+            column[k] = (column[k] - known) / matrix[k * n + k];
+        }
+    }
+    true
+}
