@@ -13,8 +13,11 @@ pub use bracketry_system as system;
 
 mod affinization;
 mod analysis;
+mod analysis_pictures;
+mod closed_loop_figure;
 mod control;
 mod diagnosis;
+mod friction_bands;
 mod input_table;
 mod plate_move;
 mod plate_run;
@@ -22,12 +25,14 @@ mod point;
 mod reach;
 mod report;
 mod scenario;
+mod simulation_report;
 mod stiffness_run;
 
 pub use affinization::{AffinizationReport, InputChange};
 pub use analysis::{Analysis, AnalysisError, analyze};
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
 pub use diagnosis::{Diagnosis, Figure, RankChange, Ranks};
+pub use friction_bands::{friction_bands, friction_colors};
 pub use input_table::SampledScenario;
 pub use plate_move::{Arrival, MoveError, plate_move, target_of};
 pub use plate_run::{
@@ -37,6 +42,7 @@ pub use plate_run::{
 pub use point::{PointError, point};
 pub use reach::{Influence, ReachTable, Reached};
 pub use scenario::{Run, Scenario, ScenarioError};
+pub use simulation_report::{ModeChange, SimulationReport};
 pub use stiffness_run::{
     CompensatedLog, CompensatedRow, FaultCount, Identification, MethodSummary, ParameterSummary, RobotLog,
     StiffnessRunError,

@@ -9,7 +9,7 @@ use bracketry::system::System;
 use clap::{Args, ValueEnum};
 
 use super::output::{figure, folder, json, line, print, spinner, write};
-use super::{Outcome, OutputArgs, pictures};
+use super::{Outcome, OutputArgs};
 
 /// What the report on standard output is written in.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -102,8 +102,8 @@ pub(crate) fn save(analysis: &Analysis, dir: &Path) -> anyhow::Result<()> {
     write(&dir.join("analysis.txt"), &analysis.to_string())?;
     write(&dir.join("analysis.md"), &analysis.markdown())?;
     write(&dir.join("affine.toml"), &analysis.affinization.model.to_toml()?)?;
-    figure(pictures::growth(analysis).draw(), &dir.join("growth"));
-    if let Some(reach) = pictures::reach(analysis) {
+    figure(analysis.growth_figure().draw(), &dir.join("growth"));
+    if let Some(reach) = analysis.reach_figure() {
         figure(reach.draw(), &dir.join("reach"));
     }
     Ok(())

@@ -3,10 +3,8 @@
 use std::path::Path;
 
 use bracketry::mpc::{ControlProblem, MpcError};
-use bracketry::plot::{Dash, Panel, Series, TimeSeries};
 use bracketry::{ControlError, Controlled, control_watched};
 
-use super::bands::{friction_bands, friction_colors};
 use super::output::{csv, figure, folder, json, line, print, spinner, write};
 use super::{Outcome, OutputArgs};
 
@@ -75,42 +73,6 @@ fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) ->
         .collect();
     csv(&dir.join("closed_loop.csv"), &header, rows.iter().map(Vec::as_slice))?;
 
-    let mut chart = friction_colors(TimeSeries::new()).title(format!("Closed loop, {}", problem.system.name));
-    for (k, name) in states.iter().enumerate() {
-        let values: Vec<f64> = run.x.iter().map(|x| x[k]).collect();
-        let label = if estimated { "true state" } else { "" };
-        let mut panel = Panel::new(name.clone()).series(Series::new(label, run.t.clone(), values));
-        if estimated {
-            let values: Vec<f64> = run.estimates.iter().map(|x| x[k]).collect();
-            panel = panel.series(Series::new("estimate", run.t[..values.len()].to_vec(), values).dash(Dash::Dashed));
-        }
-        for target in problem.ocp.targets.iter().filter(|t| t.state == k) {
-            panel = panel.target(target.value);
-        }
-        let b = problem.ocp.state_bounds[k];
-        for bound in [b.min, b.max].into_iter().filter(|b| b.is_finite()) {
-            panel = panel.bound(bound);
-        }
-        panel = friction_bands(panel, &controlled.recording.trajectory, &controlled.switches, name);
-        chart = chart.panel(panel);
-    }
-    for (k, name) in inputs.iter().enumerate() {
-        let mut panel = Panel::new(format!("input {name}")).series(held(&run.t, run.u.iter().map(|u| u[k])));
-        let (min, max) = problem.ocp.input_bounds[k];
-        for bound in [min, max].into_iter().filter(|b| b.is_finite()) {
-            panel = panel.bound(bound);
-        }
-        chart = chart.panel(panel);
-    }
-    let milliseconds = run.steps.iter().map(|s| 1e3 * s.timings.total());
-    chart = chart.panel(Panel::new("solve time [ms]").series(held(&run.t, milliseconds)));
-    figure(chart.draw(), &dir.join("closed_loop"));
+    figure(controlled.figure(problem), &dir.join("closed_loop"));
     Ok(())
-}
-
-/// Values that are held from each time to the next, the last one to the end.
-fn held(t: &[f64], values: impl Iterator<Item = f64>) -> Series {
-    let mut values: Vec<f64> = values.collect();
-    values.extend(values.last().copied());
-    Series::new("", t[..values.len().min(t.len())].to_vec(), values).step()
 }

@@ -6,12 +6,10 @@ use clap::{Args, Parser, Subcommand};
 
 mod affinize;
 mod analyze;
-mod bands;
 mod control;
 mod diagnose;
 mod main_job;
 mod output;
-mod pictures;
 mod plate;
 mod simulate;
 mod stiffness;

@@ -6,10 +6,9 @@ use bracketry::plate::Shape;
 use bracketry::plot::{Dash, Interval, Outline, Panel, PlanView, Pose, Scene, Series, TimeSeries, Trajectory};
 use bracketry::sim;
 
-use bracketry::target_of;
+use bracketry::{friction_bands, friction_colors, target_of};
 
 use super::Job;
-use crate::command::bands::{friction_bands, friction_colors};
 use crate::command::output::figure;
 
 /// Draws all of them into `out`.

@@ -1,8 +1,8 @@
 //! Pictures of an analysis: how brackets open directions, and what comes under the influence of the inputs when.
 
-use bracketry::lie::{Dimensions, ModeReport};
-use bracketry::plot::{Color, TileChart, TileGrid};
-use bracketry::{Analysis, Influence, ReachTable};
+use crate::{Analysis, Influence, ReachTable};
+use bracketry_lie::{Dimensions, ModeReport};
+use bracketry_plot::{Color, TileChart, TileGrid};
 
 /// Inputs that get a colour each.
 const OWN_COLORS: usize = 3;
@@ -15,43 +15,60 @@ const SEVERAL: &str = "fields of several inputs";
 const UNNAMED: &str = "a bracket at the point";
 const NEVER: &str = "in no bracket";
 
-/// A staircase: each column has the brackets of one length, on top of those that were there before.
-pub(crate) fn growth(analysis: &Analysis) -> TileChart {
-    let inputs = analysis.affinization.model.input_names();
-    let mut chart = TileChart::new()
-        .title(format!("Directions opened by brackets, {}", analysis.model))
-        .category(DRIFT, Color::band(2));
-    for (i, u) in inputs.iter().enumerate().take(OWN_COLORS) {
-        let color = [Color::band(0), Color::band(1), Color::band(3)][i];
-        chart = chart.category(field_of(&inputs, i, u), color);
+impl Analysis {
+    /// A staircase: each column has the brackets of one length, on top of those that were there before.
+    pub fn growth_figure(&self) -> TileChart {
+        let inputs = self.affinization.model.input_names();
+        let mut chart = TileChart::new()
+            .title(format!("Directions opened by brackets, {}", self.model))
+            .category(DRIFT, Color::band(2));
+        for (i, u) in inputs.iter().enumerate().take(OWN_COLORS) {
+            let color = [Color::band(0), Color::band(1), Color::band(3)][i];
+            chart = chart.category(field_of(&inputs, i, u), color);
+        }
+        chart = chart
+            .category(SEVERAL, Color::band(5))
+            .category(SWITCHING, Color::band(4))
+            .category(UNNAMED, Color::band(0).mix(Color::GREY, 0.15))
+            .category(NEVER, Color::VERMILLION.mix(Color(255, 255, 255), 0.45));
+        if self.states > MOST_ROWS {
+            return chart;
+        }
+        let report = &self.report;
+        let n = self.states;
+        if let Some(first) = report.modes.first() {
+            chart = chart.grid(staircase(&mode_title(first, &report.modes), &first.dimensions, n, &inputs));
+        }
+        if let Some(s) = &report.switched {
+            chart = chart.grid(staircase("all modes together", &s.dimensions, n, &inputs));
+        }
+        if let Some(s) = &report.smoothed {
+            chart = chart.grid(staircase(&format!("smoothed, width {}", s.epsilon), &s.dimensions, n, &inputs));
+        }
+        // Where the point is like any other its picture says nothing new.
+        let generic = report.smoothed.as_ref().map(|s| &s.dimensions).or(report.modes.first().map(|m| &m.dimensions));
+        if let Some(p) = report.at_point.as_ref().and_then(|p| p.known())
+            && generic.is_none_or(|d| d.growth != p.dimensions.growth)
+        {
+            chart = chart.grid(staircase("at the point of the model", &p.dimensions, n, &inputs));
+        }
+        chart
     }
-    chart = chart
-        .category(SEVERAL, Color::band(5))
-        .category(SWITCHING, Color::band(4))
-        .category(UNNAMED, Color::band(0).mix(Color::GREY, 0.15))
-        .category(NEVER, Color::VERMILLION.mix(Color(255, 255, 255), 0.45));
-    if analysis.states > MOST_ROWS {
-        return chart;
+
+    /// States and functions against rounds of brackets; none where the analysis could not tell.
+    pub fn reach_figure(&self) -> Option<TileChart> {
+        let tables = self.reach();
+        if tables.is_empty() {
+            return None;
+        }
+        let chart = TileChart::new()
+            .title(format!("What the inputs influence, {}", self.model))
+            .category(FREE, Color::BLUE.mix(Color(255, 255, 255), 0.25))
+            .category(MOVES, Color::BLUE.mix(Color(255, 255, 255), 0.75))
+            .category(NOT_YET, Color::band(2))
+            .category(NO_INPUT, Color::VERMILLION.mix(Color(255, 255, 255), 0.45));
+        Some(tables.iter().fold(chart, |chart, t| chart.grid(table(t, self.states))))
     }
-    let report = &analysis.report;
-    let n = analysis.states;
-    if let Some(first) = report.modes.first() {
-        chart = chart.grid(staircase(&mode_title(first, &report.modes), &first.dimensions, n, &inputs));
-    }
-    if let Some(s) = &report.switched {
-        chart = chart.grid(staircase("all modes together", &s.dimensions, n, &inputs));
-    }
-    if let Some(s) = &report.smoothed {
-        chart = chart.grid(staircase(&format!("smoothed, width {}", s.epsilon), &s.dimensions, n, &inputs));
-    }
-    // Where the point is like any other its picture says nothing new.
-    let generic = report.smoothed.as_ref().map(|s| &s.dimensions).or(report.modes.first().map(|m| &m.dimensions));
-    if let Some(p) = report.at_point.as_ref().and_then(|p| p.known())
-        && generic.is_none_or(|d| d.growth != p.dimensions.growth)
-    {
-        chart = chart.grid(staircase("at the point of the model", &p.dimensions, n, &inputs));
-    }
-    chart
 }
 
 fn mode_title(first: &ModeReport, modes: &[ModeReport]) -> String {
@@ -132,21 +149,6 @@ const FREE: &str = "can be moved alone";
 const MOVES: &str = "moves, with others";
 const NOT_YET: &str = "not yet influenced";
 const NO_INPUT: &str = "influenced by no input";
-
-/// States and functions against rounds of brackets; none where the analysis could not tell.
-pub(crate) fn reach(analysis: &Analysis) -> Option<TileChart> {
-    let tables = analysis.reach();
-    if tables.is_empty() {
-        return None;
-    }
-    let chart = TileChart::new()
-        .title(format!("What the inputs influence, {}", analysis.model))
-        .category(FREE, Color::BLUE.mix(Color(255, 255, 255), 0.25))
-        .category(MOVES, Color::BLUE.mix(Color(255, 255, 255), 0.75))
-        .category(NOT_YET, Color::band(2))
-        .category(NO_INPUT, Color::VERMILLION.mix(Color(255, 255, 255), 0.45));
-    Some(tables.iter().fold(chart, |chart, t| chart.grid(table(t, analysis.states))))
-}
 
 fn table(t: &ReachTable, n: usize) -> TileGrid {
     let title = match &t.mode {
