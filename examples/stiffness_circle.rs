@@ -42,6 +42,14 @@ impl Mill {
         &self.file.robot
     }
 
+    /// The same with another lag to predict ahead of, and another error of stiffness to reckon with.
+    fn reckoning(&self, lag: Option<f64>, stiffness_error: f64) -> Self {
+        let mut file = self.file.clone();
+        file.compensation.lag = lag;
+        file.compensation.stiffness_error = stiffness_error;
+        Self { file, circle: self.circle.clone(), path: self.path.clone() }
+    }
+
     fn without(&self, truth: &Springs) -> Result<CircleRun, CompensationError> {
         self.circle.mill(self.robot(), &self.path, truth, None)
     }
@@ -129,41 +137,65 @@ fn row(name: &str, run: &CircleRun) {
 
 fn monte_carlo(mill: &Mill, truth: &Springs) -> Result<(), Box<dyn Error>> {
     println!(
-        "Reduction of the radial error\n\n| stiffness of each joint wrong by | rms: worst | 5th percentile of {DRAWS} draws | median | largest error: worst | median |\n|---|---|---|---|---|---|"
+        "Reduction of the radial error\n\n| stiffness of each joint wrong by | rms: worst | 5th percentile of {DRAWS} draws | median | largest error: worst | median | rms, reckoning with this error: worst |\n|---|---|---|---|---|---|---|"
     );
+    let joints = truth.joints.len();
     let percent = |v: f64| format!("{:.0} %", 100.0 * v);
     for share in [0.0, 0.1, 0.2, 0.3] {
         let mut random = StdRng::seed_from_u64(1);
         let draws = if share > 0.0 { DRAWS } else { 2 };
         let models: Vec<Springs> = (0..draws).map(|_| wrong(truth, share, &mut random)).collect();
-        let [rms, max] = mill.reductions(truth, &models)?;
-        println!(
-            "| {} | {} | {} | {} | {} | {} |",
-            if share > 0.0 { format!("at most {} at random", percent(share)) } else { "true stiffness".to_owned() },
-            percent(rms[0]),
-            percent(rms[draws / 20]),
-            percent(rms[draws / 2]),
-            percent(max[0]),
-            percent(max[draws / 2])
-        );
+        let name =
+            if share > 0.0 { format!("at most {} at random", percent(share)) } else { "true stiffness".to_owned() };
+        reduced(mill, truth, &name, share, &models)?;
     }
     for share in [0.1, 0.3] {
-        let joints = truth.joints.len();
         let corner = |signs: usize| -> Vec<f64> {
             (0..joints).map(|i| if signs >> i & 1 == 0 { 1.0 - share } else { 1.0 + share }).collect()
         };
         let models: Vec<Springs> = (0..1 << joints).map(|signs| truth.scaled(&corner(signs))).collect();
-        let [rms, max] = mill.reductions(truth, &models)?;
-        println!(
-            "| exactly ±{}, all {} signs | {} | {} | {} | {} | {} |",
-            percent(share),
-            models.len(),
-            percent(rms[0]),
-            percent(rms[models.len() / 20]),
-            percent(rms[models.len() / 2]),
-            percent(max[0]),
-            percent(max[models.len() / 2])
-        );
+        let name = format!("exactly ±{}, all {} signs", percent(share), models.len());
+        reduced(mill, truth, &name, share, &models)?;
+    }
+    laws(mill, truth)
+}
+
+/// A row of the table: with the settings of the file, and with a stiffness error as large as it is.
+fn reduced(mill: &Mill, truth: &Springs, name: &str, share: f64, models: &[Springs]) -> Result<(), Box<dyn Error>> {
+    let [rms, max] = mill.reductions(truth, models)?;
+    let [stated, _] = mill.reckoning(mill.file.compensation.lag, share).reductions(truth, models)?;
+    let middle = models.len() / 2;
+    let numbers = [rms[0], rms[models.len() / 20], rms[middle], max[0], max[middle], stated[0]];
+    let cells = numbers.map(|v| format!("{:.1} %", 100.0 * v));
+    println!("| {name} | {} |", cells.join(" | "));
+    Ok(())
+}
+
+/// What each part of the compensation is worth, with models whose joints are all wrong in the same direction.
+fn laws(mill: &Mill, truth: &Springs) -> Result<(), Box<dyn Error>> {
+    const WRONG: [f64; 5] = [1.0, 0.9, 1.1, 0.7, 1.3];
+    println!(
+        "\n| rms reduced by | true stiffness | all joints 10 % too soft | 10 % too stiff | 30 % too soft | 30 % too stiff | largest gain |\n|---|---|---|---|---|---|---|"
+    );
+    let before = mill.without(truth)?.radial();
+    let lag = mill.file.compensation.lag;
+    for (name, lag, stiffness_error) in [
+        ("filtered wrench as it comes", None, 0.0),
+        ("reckoning with 30 %", None, 0.3),
+        ("predicted ahead", lag, 0.0),
+        ("predicted ahead, reckoning with 10 %", lag, 0.1),
+        ("predicted ahead, reckoning with 30 %", lag, 0.3),
+    ] {
+        let law = mill.reckoning(lag, stiffness_error);
+        let gain = law.file.compensation.largest_gain();
+        let reduced: Result<Vec<String>, Box<dyn Error>> = WRONG
+            .iter()
+            .map(|factor| {
+                let after = law.with(truth, &truth.scaled(&[*factor; 6]))?.radial();
+                Ok(format!("{:.1} %", 100.0 * after.reduction_from(&before)))
+            })
+            .collect();
+        println!("| {name} | {} | {gain:.2} |", reduced?.join(" | "));
     }
     Ok(())
 }
@@ -171,7 +203,7 @@ fn monte_carlo(mill: &Mill, truth: &Springs) -> Result<(), Box<dyn Error>> {
 /// The same forces from a stiffer cut.
 fn process(truth: &Springs) -> Result<(), Box<dyn Error>> {
     println!(
-        "\n| depth of cut [mm] | ρ(K_p C) | ρ((1 + K_p C)⁻¹ K_p Ĉ) | radial rms without [µm] | true stiffness | all joints 10 % too soft | 30 % too soft | 30 % too stiff |\n|---|---|---|---|---|---|---|---|"
+        "\n| depth of cut [mm] | ρ(K_p C) | ρ((1 + K_p C)⁻¹ K_p Ĉ), 30 % too soft | times the largest gain | radial rms without [µm] | true stiffness | all joints 10 % too soft | 30 % too soft | 30 % too stiff |\n|---|---|---|---|---|---|---|---|---|"
     );
     for stiffer in [1.0, 2.0, 4.0] {
         let mut circle = MillingCircle::default();
@@ -188,10 +220,11 @@ fn process(truth: &Springs) -> Result<(), Box<dyn Error>> {
             Ok(100.0 * mill.with(truth, model)?.radial().reduction_from(&before))
         };
         println!(
-            "| {:.0} | {:.2} | {:.2} | {:.0} | −{:.1} % | −{:.1} % | −{:.1} % | −{:.1} % |",
+            "| {:.0} | {:.2} | {:.2} | {:.2} | {:.0} | {:.1} % | {:.1} % | {:.1} % | {:.1} % |",
             1e3 * mill.circle.cutting.depth,
             gains.process,
             gains.compensation,
+            gains.compensation * mill.file.compensation.largest_gain(),
             1e6 * before.rms,
             reduction(truth)?,
             reduction(&truth.scaled(&[0.9; 6]))?,
@@ -284,9 +317,8 @@ fn lost_motion(mill: &Mill, linear: &Springs, dir: &Path) -> Result<(), Box<dyn 
     for (name, run) in &runs {
         row(name, run);
     }
-    let reductions = runs
-        .iter()
-        .map(|(name, run)| format!("{name} −{:.0} %", 100.0 * run.radial().reduction_from(&before.radial())));
+    let reductions =
+        runs.iter().map(|(name, run)| format!("{name} {:.0} %", 100.0 * run.radial().reduction_from(&before.radial())));
     println!("\n{}", reductions.collect::<Vec<_>>().join(", "));
 
     let radial = |run: &CircleRun| run.samples.iter().map(|s| 1e6 * s.radial_error).collect::<Vec<f64>>();

@@ -19,7 +19,7 @@ pub struct CompensatedRow {
     pub t: f64,
     /// Corrected reference of the joints (rad, m).
     pub corrected: Vec<f64>,
-    /// Correction of the joints (rad, m).
+    /// Correction of the joints (rad, m); the last good one where input was bad.
     pub correction: Vec<f64>,
     /// Filtered process wrench at the tool point in base axes (N, N·m).
     pub wrench: [f64; 6],
@@ -92,17 +92,16 @@ impl CompensatedLog {
         for (k, t) in log.t.iter().enumerate() {
             let step = compensator.step(&log.measured[k], &log.readings[k], &log.references[k]);
             if let Some(fault) = step.status.fault {
-                let fault = describe(fault);
+                let fault = describe(fault, &log.measured[k]);
                 match faults.iter_mut().find(|count| count.fault == fault) {
                     Some(count) => count.samples += 1,
                     None => faults.push(FaultCount { fault, samples: 1 }),
                 }
             }
-            let reference = log.references[k].iter();
             rows.push(CompensatedRow {
                 t: *t,
                 corrected: step.reference.to_vec(),
-                correction: step.reference.iter().zip(reference).map(|(c, r)| c - r).collect(),
+                correction: step.correction.to_vec(),
                 wrench: step.wrench.into(),
                 displacement: step.displacement.into(),
                 held: step.status.fault.is_some(),
@@ -162,7 +161,8 @@ fn length(v: &[f64; 6]) -> f64 {
     v[..3].iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn describe(fault: Fault) -> String {
+/// What was wrong, where these coordinates were measured: they stand for the references of a log without any.
+fn describe(fault: Fault, measured: &[f64]) -> String {
     const WRENCH: [&str; 6] = super::log::WRENCH;
     match fault {
         Fault::Count => "not one coordinate for each joint".to_owned(),
@@ -171,6 +171,7 @@ fn describe(fault: Fault) -> String {
             "the reading lies beyond the sensor's range: overload, or other units (mN for N, N·mm for N·m)".to_owned()
         }
         Fault::Measured(i) => format!("no measured q{}", i + 1),
+        Fault::Reference(i) if measured.get(i).is_some_and(|q| q.is_nan()) => format!("no measured q{}", i + 1),
         Fault::Reference(i) => format!("no reference of joint {}", i + 1),
         Fault::Unbounded => "coordinates too large for a pose".to_owned(),
     }

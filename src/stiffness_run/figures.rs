@@ -52,10 +52,7 @@ impl CompensatedLog {
         }
         let mut correction = Panel::new("correction [mrad]").height(160.0);
         for i in 0..self.correction_max.len() {
-            // A reference that was lost has no correction.
-            correction = correction.series(line(format!("joint {}", i + 1), &|row| {
-                if row.correction[i].is_finite() { 1e3 * row.correction[i] } else { 0.0 }
-            }));
+            correction = correction.series(line(format!("joint {}", i + 1), &|row| 1e3 * row.correction[i]));
         }
         let mut figure = TimeSeries::new()
             .title(format!("Compensation along the log, {}", self.robot))

@@ -6,7 +6,7 @@ use crate::frame::Wrench;
 use crate::payload::Payload;
 use crate::robot::{DhParameters, Robot};
 use crate::spring::{JointSpring, Springs};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
 use std::path::Path;
 use toml::de::DeValue;
 
@@ -18,6 +18,12 @@ const CUBIC: Plausible = Plausible::new(0.0, 1e20, "N·m/rad³", "leave it out f
 const GAP: Plausible =
     Plausible::new(0.0, 0.05, "rad", "give the lost motion from flank to flank in rad: 1' is 2.9e-4");
 const TORQUE: Plausible = Plausible::new(1e-6, 1e6, "N·m", "give the torque at which the flanks engage in N·m");
+const LINK: Plausible = Plausible::new(
+    0.0,
+    1e-3,
+    "m/N, rad/(N·m)",
+    "give compliances, three of translation in m/N and three of rotation in rad/(N·m): 1/k of a stiffness k, 0 where rigid",
+);
 const DEVIATION_LENGTH: Plausible = Plausible::new(1e-9, 0.01, "m", "give a standard deviation in m: 20 µm is 20e-6");
 const DEVIATION_ANGLE: Plausible =
     Plausible::new(1e-9, 0.1, "rad", "give a standard deviation in rad: 50 µrad is 50e-6");
@@ -29,14 +35,28 @@ const PERIOD: Plausible = Plausible::new(1e-6, 1.0, "s", "give the period in s: 
 const CUTOFF: Plausible = Plausible::new(1e-3, 1e5, "Hz", "give the cutoff in Hz");
 const LIMIT: Plausible = Plausible::new(1e-9, 0.2, "rad", "give the limit in rad: 10 mrad is 0.01");
 const RATE: Plausible = Plausible::new(1e-9, 100.0, "rad/s", "give the limit in rad/s");
+const LAG: Plausible = Plausible::new(0.0, 1.0, "s", "give the lag of the servo in s: 12 ms is 0.012");
+const SHARE: Plausible = Plausible::new(0.0, 0.9, "(a share)", "give the error to reckon with as a share: 10 % is 0.1");
 const GRAVITY: Plausible = Plausible::new(-20.0, 20.0, "m/s²", "give gravity in base axes in m/s², as [0, 0, -9.81]");
 const STEPS: Plausible = Plausible::new(0.0, 10.0, "steps", "two are enough");
 const ORDER: Plausible = Plausible::new(1.0, 2.0, "poles", "write order = 1 or order = 2");
 
 const TOP_KEYS: [&str; 11] =
     ["name", "convention", "urdf", "base", "tip", "joint", "tool", "sensor", "payload", "noise", "compensation"];
-const DH_KEYS: [&str; 9] = ["name", "alpha_deg", "a", "d", "offset_deg", "stiffness", "cubic", "gap", "engaged"];
-const URDF_KEYS: [&str; 5] = ["name", "stiffness", "cubic", "gap", "engaged"];
+const DH_KEYS: [&str; 10] =
+    ["name", "alpha_deg", "a", "d", "offset_deg", "stiffness", "cubic", "gap", "engaged", "link_compliance"];
+const COMPENSATION_KEYS: [&str; 9] = [
+    "period",
+    "cutoff",
+    "order",
+    "lag",
+    "stiffness_error",
+    "newton_steps",
+    "correction_limit",
+    "rate_limit",
+    "gravity",
+];
+const URDF_KEYS: [&str; 6] = ["name", "stiffness", "cubic", "gap", "engaged", "link_compliance"];
 
 /// Standard deviations of what is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +83,7 @@ impl Default for NoiseLevels {
 pub struct RobotFile {
     /// The robot with its tool.
     pub robot: Robot,
-    /// Springs of its joints, where the file gives them.
+    /// Springs of its joints and links, where the file gives them.
     pub springs: Option<Springs>,
     /// The force sensor, where it has one.
     pub sensor: Option<ForceSensor>,
@@ -239,12 +259,22 @@ fn springs(document: &Document<'_>, robot: &Robot, joints: &[&Table<'_>]) -> Res
         let message = format!("joint {} ({}) has no stiffness", missing + 1, robot.joints[missing].name);
         return Err(document.whole(message, "give `stiffness` for every joint or for none"));
     }
-    Ok(Some(Springs::of_joints(springs)))
+    Ok(Some(Springs::of_joints(springs).with_links(links(document, joints)?)))
+}
+
+/// Compliances of the links behind the joints, along and about the axes of each joint's frame; none where no joint has them.
+fn links(document: &Document<'_>, joints: &[&Table<'_>]) -> Result<Vec<Matrix6<f64>>, RobotFileError> {
+    let given: Vec<Option<[f64; 6]>> =
+        joints.iter().map(|joint| document.numbers(joint, "link_compliance", &LINK)).collect::<Result<_, _>>()?;
+    if given.iter().all(Option::is_none) {
+        return Ok(Vec::new());
+    }
+    Ok(given.into_iter().map(|link| Matrix6::from_diagonal(&Vector6::from(link.unwrap_or_default()))).collect())
 }
 
 pub(crate) fn spring(document: &Document<'_>, joint: &Table<'_>) -> Result<Option<JointSpring>, RobotFileError> {
     let Some(stiffness) = document.optional(joint, "stiffness", &STIFFNESS)? else {
-        return match ["cubic", "gap", "engaged"].iter().find_map(|key| joint.get_key_value(*key)) {
+        return match ["cubic", "gap", "engaged", "link_compliance"].iter().find_map(|key| joint.get_key_value(*key)) {
             None => Ok(None),
             Some((key, _)) => {
                 Err(document.at(key.span(), format!("`{}` without `stiffness`", key.get_ref()), "give both"))
@@ -327,16 +357,17 @@ fn noise(document: &Document<'_>, table: &Table<'_>) -> Result<NoiseLevels, Robo
 fn compensation(document: &Document<'_>, table: &Table<'_>) -> Result<CompensationSettings, RobotFileError> {
     let mut settings = CompensationSettings::default();
     let Some(given) = document.sub_table(table, "compensation")? else { return Ok(settings) };
-    let known = ["period", "cutoff", "order", "newton_steps", "correction_limit", "rate_limit", "gravity"];
-    document.only_keys(given, &known, "[compensation]")?;
+    document.only_keys(given, &COMPENSATION_KEYS, "[compensation]")?;
     for (key, setting, range) in [
         ("period", &mut settings.period, &PERIOD),
         ("cutoff", &mut settings.cutoff, &CUTOFF),
+        ("stiffness_error", &mut settings.stiffness_error, &SHARE),
         ("correction_limit", &mut settings.correction_limit, &LIMIT),
         ("rate_limit", &mut settings.rate_limit, &RATE),
     ] {
         *setting = document.optional(given, key, range)?.unwrap_or(*setting);
     }
+    settings.lag = document.optional(given, "lag", &LAG)?;
     if let Some(steps) = whole(document, given, "newton_steps", &STEPS)? {
         settings.newton_steps = steps;
     }

@@ -1,13 +1,13 @@
 //! Robot files with other springs.
 
-use crate::document::{Document, RobotFileError};
+use crate::document::{Document, RobotFileError, Table};
 use crate::file::{joint_tables, spring};
 use crate::spring::{JointSpring, Springs};
 
-/// The text of a robot file with other springs; comments and everything else stay.
+/// The text of a robot file with other springs of its joints; comments and everything else stay, compliances of links too.
 ///
 /// # Errors
-/// [`RobotFileError`] for a text that is no robot file, another number of joints, or joints that are not written as `[[joint]]` tables.
+/// [`RobotFileError`] for a text that is no robot file, or another number of joints.
 pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String, RobotFileError> {
     let document = Document { file, text };
     let table = document.table()?;
@@ -35,9 +35,7 @@ pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String,
             if let Some(old) = joint.get(key) {
                 changes.push((old.span(), significant(value)));
             } else {
-                let last = joint.values().map(|value| value.span().end).max().unwrap_or(text.len());
-                let end = text[last..].find('\n').map_or(text.len(), |i| last + i);
-                changes.push((end..end, format!("\n{key} = {}", significant(value))));
+                changes.push(added(text, joint, key, value));
             }
         }
     }
@@ -60,6 +58,18 @@ pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String,
         }
         _ => Err(Document { file, text }.whole("cannot take other springs", remedy)),
     }
+}
+
+/// A key that a joint does not have yet: on a line below its others, or behind them where they stand on one line between braces.
+fn added(text: &str, joint: &Table<'_>, key: &str, value: f64) -> (std::ops::Range<usize>, String) {
+    let last = joint.values().map(|value| value.span().end).max().unwrap_or(text.len());
+    let value = significant(value);
+    // Behind a value in braces there is a comma or the brace; behind others the end of the line or a comment.
+    if text[last..].trim_start().starts_with([',', '}']) {
+        return (last..last, format!(", {key} = {value}"));
+    }
+    let end = text[last..].find('\n').map_or(text.len(), |i| last + i);
+    (end..end, format!("\n{key} = {value}"))
 }
 
 /// The keys of a spring.

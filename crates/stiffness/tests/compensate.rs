@@ -190,6 +190,68 @@ fn the_filter_passes_half_the_power_at_its_cutoff_and_all_of_what_stands() {
     }
 }
 
+/// The filtered wrench of a stiff robot at rest whose sensor reads a force along x.
+fn filtered(settings: CompensationSettings, force: impl Fn(f64) -> f64, samples: usize) -> Vec<f64> {
+    let sensor = ForceSensor { pose: Isometry3::identity(), force_range: 1e6, moment_range: 1e6 };
+    let robot = Robot::from_modified_dh("arm", &[bracketry_stiffness::DhParameters::default()]);
+    let mut compensator = Compensator::new(robot, Springs::linear(&[1e12]), sensor, Payload::none(), settings).unwrap();
+    let read = |k: usize| Wrench::new(force(k as f64 * settings.period), 0.0, 0.0, 0.0, 0.0, 0.0);
+    (0..samples).map(|k| compensator.step(&[0.0], &read(k), &[0.0]).wrench[0]).collect()
+}
+
+#[test]
+fn a_steady_change_of_the_wrench_is_predicted_ahead_of_filter_and_lag() {
+    let lag = 0.017;
+    for order in [FilterOrder::First, FilterOrder::Second] {
+        let settings = CompensationSettings { order, lag: Some(lag), ..CompensationSettings::default() };
+        let found = filtered(settings, |t| 50.0 * t, 500);
+        assert!((found[499] - 50.0 * (499.0 * settings.period + lag)).abs() < 1e-6, "{}", found[499]);
+        // Without a lag the filter alone is undone, without a prediction it delays.
+        let settings = CompensationSettings { lag: Some(0.0), ..settings };
+        assert!((filtered(settings, |t| 50.0 * t, 500)[499] - 50.0 * 499.0 * settings.period).abs() < 1e-6);
+        let delayed = filtered(CompensationSettings { lag: None, ..settings }, |t| 50.0 * t, 500)[499];
+        assert!(delayed < 50.0 * (499.0 * settings.period - 0.02), "{delayed}");
+    }
+}
+
+#[test]
+fn no_frequency_passes_with_more_than_the_largest_gain() {
+    for order in [FilterOrder::First, FilterOrder::Second] {
+        let settings = CompensationSettings { order, lag: Some(0.012), ..CompensationSettings::default() };
+        let gain = |frequency: f64| {
+            let found = filtered(settings, |t| (TAU * frequency * t).sin(), 2000);
+            found[1000..].iter().fold(0.0f64, |m, v| m.max(v.abs()))
+        };
+        let largest =
+            [1.0, 2.0, 3.0, 3.6, 4.2, 4.8, 5.5, 7.0, 10.0, 30.0, 100.0].map(gain).into_iter().fold(0.0, f64::max);
+        let stated = settings.largest_gain();
+        assert!(largest <= stated + 1e-6 && largest > 0.98 * stated && stated > 1.2, "{largest} {stated}");
+        assert_eq!(CompensationSettings { lag: None, ..settings }.largest_gain(), 1.0);
+        assert!(
+            (CompensationSettings { stiffness_error: 0.5, ..settings }.largest_gain() - 0.75 * stated).abs() < 1e-12
+        );
+    }
+}
+
+#[test]
+fn an_error_reckoned_with_shortens_the_correction() {
+    let sensor = ForceSensor { pose: Isometry3::identity(), force_range: 1000.0, moment_range: 200.0 };
+    let q = [0.1, -0.3, 0.9, 0.2, 0.9, 0.3];
+    let correction = |stiffness_error: f64| {
+        let settings = CompensationSettings { stiffness_error, ..CompensationSettings::default() };
+        let springs = Springs::linear(&STIFFNESS);
+        let mut compensator = Compensator::new(robot(), springs, sensor, Payload::none(), settings).unwrap();
+        let reading = Wrench::new(100.0, -50.0, 80.0, 5.0, 3.0, -4.0);
+        (0..500).for_each(|_| {
+            compensator.step(&q, &reading, &q);
+        });
+        compensator.step(&q, &reading, &q).correction.to_vec()
+    };
+    for (full, less) in correction(0.0).iter().zip(correction(0.3)) {
+        assert!((less - 0.91 * full).abs() < 1e-12 && *full != 0.0, "{less} {full}");
+    }
+}
+
 #[test]
 fn a_cutoff_beyond_the_sampling_is_refused() {
     for (cutoff, period) in
@@ -309,6 +371,12 @@ fn settings_that_are_none_are_refused() {
     assert!(mass.contains("mass of the payload"), "{mass}");
     let limit = refused(sensor, none, springs.clone(), CompensationSettings { rate_limit: 0.0, ..good });
     assert!(limit.contains("limit of the rate is 0"), "{limit}");
+    let lag = refused(sensor, none, springs.clone(), CompensationSettings { lag: Some(-0.01), ..good });
+    assert!(lag.contains("lag of the servo is -0.01 s"), "{lag}");
+    for share in [-0.1, 1.0, f64::NAN] {
+        let share = refused(sensor, none, springs.clone(), CompensationSettings { stiffness_error: share, ..good });
+        assert!(share.contains("a share from 0 to below 1"), "{share}");
+    }
     let range = refused(ForceSensor { force_range: -5.0, ..sensor }, none, springs, good);
     assert!(range.contains("range of force is -5"), "{range}");
 }

@@ -3,8 +3,10 @@
 
 mod common;
 
-use bracketry_stiffness::{CircleRun, JointSpring, MillingCircle, ResidualSample, Robot, Springs, explain_residual};
-use common::{START, STIFFNESS, circle, compensator, random, robot, wrong};
+use bracketry_stiffness::{
+    CircleRun, CompensationSettings, JointSpring, MillingCircle, ResidualSample, Robot, Springs, explain_residual,
+};
+use common::{START, STIFFNESS, circle, compensator, compensator_with, random, robot, wrong};
 use nalgebra::Vector3;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -90,6 +92,30 @@ fn thirty_percent_of_stiffness_error_leave_half_of_the_gain() {
     assert!(reductions[0] >= 0.5, "{}", reductions[0]);
     // A poor model does gain less.
     assert!(reductions[50] <= 0.88, "{}", reductions[50]);
+}
+
+#[test]
+fn a_predicted_wrench_and_a_stiffness_error_reckoned_with_gain_whatever_the_sign_of_the_error() {
+    let mill = Mill::new(5);
+    let springs = Springs::linear(&STIFFNESS);
+    let before = mill.without(&springs).radial();
+    let gain = |factor: f64, lag: Option<f64>, stiffness_error: f64| {
+        let settings = CompensationSettings { lag, stiffness_error, ..CompensationSettings::default() };
+        let modelled = springs.scaled(&[factor; 6]);
+        let compensator = compensator_with(&mill.circle, &mill.robot, modelled, settings);
+        let run = mill.circle.mill(&mill.robot, &mill.path, &springs, Some(compensator)).unwrap();
+        run.radial().reduction_from(&before)
+    };
+    // All joints wrong in the same direction, the worst there is.
+    for (factor, share, least) in [(0.7, 0.3, 0.5), (1.3, 0.3, 0.5), (0.9, 0.1, 0.8), (1.1, 0.1, 0.8)] {
+        let found = gain(factor, Some(mill.circle.lag), share);
+        assert!(found >= least, "{factor}: {found}");
+    }
+    // What turns with the tool comes undelayed, which a model that is too soft needs most; the smaller correction does the rest.
+    let (late, ahead) = (gain(0.7, None, 0.0), gain(0.7, Some(mill.circle.lag), 0.0));
+    assert!(late < 0.42 && ahead > late + 0.05, "{late} {ahead}");
+    assert!(gain(0.7, Some(mill.circle.lag), 0.3) > ahead + 0.1);
+    assert!(gain(1.0, Some(mill.circle.lag), 0.0) > gain(1.0, None, 0.0) + 0.02);
 }
 
 #[test]

@@ -4,10 +4,11 @@
 mod common;
 
 use bracketry_stiffness::{
-    DhParameters, FilterOrder, ForceSensor, JointKind, JointSpring, Robot, RobotFile, Springs, with_springs,
+    Deformation, DhParameters, FilterOrder, ForceSensor, JointKind, JointSpring, Robot, RobotFile, Springs,
+    with_springs,
 };
 use common::{KR125, STIFFNESS, kr125, random};
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Matrix6, Vector3, Vector6};
 use rand::RngExt;
 use std::path::Path;
 
@@ -70,6 +71,22 @@ fn springs_are_linear_stiffening_or_with_lost_motion() {
         JointSpring::Backlash { stiffness: 3e5, gap: 2.9e-4, engaged: 30.0 },
     ];
     assert_eq!(file.springs.unwrap().joints, expected);
+}
+
+#[test]
+fn links_yield_by_the_compliances_that_their_joints_give() {
+    let file = parse(
+        "convention = \"modified\"\n[[joint]]\nstiffness = 1e5\nlink_compliance = [0, 2e-8, 0, 0, 0, 3e-7]\n\
+         [[joint]]\na = 1\nstiffness = 2e5\n",
+    );
+    let springs = file.springs.unwrap();
+    assert_eq!(springs.links[0], Matrix6::from_diagonal(&Vector6::new(0.0, 2e-8, 0.0, 0.0, 0.0, 3e-7)));
+    assert_eq!(springs.links[1], Matrix6::zeros());
+    // 100 N across an arm of 1 m: the first joint and its link turn, the link also gives way.
+    let load = Vector6::new(0.0, 100.0, 0.0, 0.0, 0.0, 0.0);
+    let moved = Deformation::linear(&file.robot, &springs, &[0.0, 0.0], &load).unwrap().tool;
+    assert!((moved[1] - (100.0 / 1e5 + 100.0 * 2e-8 + 100.0 * 3e-7)).abs() < 1e-15, "{moved}");
+    assert!(parse("convention = \"modified\"\n[[joint]]\nstiffness = 1e5\n").springs.unwrap().links.is_empty());
 }
 
 /// The KR 125 as URDF: each origin is the placement of a joint, in metres and roll, pitch, yaw.
@@ -190,6 +207,14 @@ fn errors_name_place_and_remedy() {
         (&format!("{head}a = nan\n"), &["robot.toml:3:5", "not a finite number"]),
         (&format!("{head}stiffness = -3e5\n"), &["robot.toml:3:13", "N·m/rad"]),
         (&format!("{head}cubic = 3e5\n"), &["robot.toml:3:1", "without `stiffness`"]),
+        (&format!("{head}link_compliance = [0, 0, 0, 0, 0, 0]\n"), &["robot.toml:3:1", "without `stiffness`"]),
+        (&format!("{head}stiffness = 3e5\nlink_compliance = [1e-8]\n"), &["robot.toml:4:19", "list of 6 numbers"]),
+        (
+            &format!("{head}stiffness = 3e5\nlink_compliance = [1e8, 0, 0, 0, 0, 0]\n"),
+            &["robot.toml:4:20", "1/k of a stiffness"],
+        ),
+        (&format!("{head}a = 1\n[compensation]\nlag = 12\n"), &["robot.toml:5:7", "0.012"]),
+        (&format!("{head}a = 1\n[compensation]\nstiffness_error = 30\n"), &["robot.toml:5:19", "10 % is 0.1"]),
         (&format!("{head}stiffness = 3e5\ngap = 1e-4\n"), &["robot.toml:4:1", "`gap` without `engaged`"]),
         (&format!("{head}stiffness = 3e5\ngap = 0.3\nengaged = 5\n"), &["robot.toml:4:7", "2.9e-4"]),
         (&format!("{head}stiffness = 3e5\n[[joint]]\na = 1\n"), &["joint 2 (joint_2) has no stiffness"]),
@@ -271,6 +296,13 @@ fn other_springs_are_written_into_the_file_and_nothing_else_changes() {
     let bare = "convention = \"modified\"\n[[joint]]\na = 1 # m\n[tool]\nposition = [0, 0, 1]";
     let sprung = with_springs("r.toml", bare, &Springs::linear(&[5e5])).unwrap();
     assert_eq!(parse(&sprung).springs.unwrap(), Springs::linear(&[5e5]));
+    // Joints in braces get theirs between them; links keep their compliance.
+    let braces = "convention = \"modified\"\njoint = [\n  { a = 1.0 }, # first\n  { d = 1, stiffness = 3e5, link_compliance = [1e-8, 0, 0, 0, 0, 0], },\n]\n";
+    let two = Springs::of_joints(vec![JointSpring::linear(5e5), joints[1]]);
+    let sprung = with_springs("r.toml", braces, &two).unwrap();
+    let written = parse(&sprung).springs.unwrap();
+    assert_eq!((written.joints, written.links[1][(0, 0)]), (two.joints, 1e-8));
+    assert!(sprung.contains("# first"), "{sprung}");
     // Beside a URDF description the joints are added.
     let described =
         with_springs("r.toml", "urdf = \"r.urdf\"\n[tool]\nposition = [0, 0, 1]", &Springs::of_joints(joints)).unwrap();
@@ -278,7 +310,7 @@ fn other_springs_are_written_into_the_file_and_nothing_else_changes() {
     assert!(described.contains("gap = 0.00029\nengaged = 30.0"));
     for (text, springs) in [
         ("convention = \"modified\"\n", Springs::linear(&[5e5])),
-        ("joint = [{a = 1}]\nconvention = \"modified\"\n", Springs::linear(&[5e5])),
+        ("joint = [{}]\nconvention = \"modified\"\n", Springs::linear(&[5e5])),
         (bare, Springs::linear(&[5e5, 5e5])),
     ] {
         let message = with_springs("r.toml", text, &springs).unwrap_err().to_string();

@@ -1,6 +1,6 @@
 //! The compensation, one step per control period.
 
-use super::filter::WrenchFilter;
+use super::filter::{Prediction, WrenchFilter};
 use super::settings::{CompensationError, CompensationSettings, ForceSensor, positive};
 use crate::deformation::{Bent, Yielded};
 use crate::error::StiffnessError;
@@ -57,7 +57,9 @@ impl Status {
 pub struct Correction<'a> {
     /// Corrected reference of the joints (rad, m): what to send to the robot. Always finite.
     pub reference: &'a [f64],
-    /// Filtered process wrench on the robot at the tool point, in base axes.
+    /// The correction that is in force (rad, m); held while input is bad.
+    pub correction: &'a [f64],
+    /// Filtered process wrench on the robot at the tool point, in base axes; predicted ahead where the settings name a lag.
     pub wrench: Wrench,
     /// Displacement of the tool point at the reference if it were not corrected, first order, in base axes.
     pub displacement: Twist,
@@ -97,6 +99,7 @@ pub struct Compensator {
     payload: Payload,
     settings: CompensationSettings,
     filter: WrenchFilter,
+    prediction: Option<Prediction>,
     kinematics: Kinematics,
     bent: Bent,
     yielded: Yielded,
@@ -132,7 +135,13 @@ impl Compensator {
         if let Some(value) = settings.gravity.iter().find(|v| !v.is_finite()) {
             return Err(StiffnessError::NotFinite { what: "gravity".into(), value: *value }.into());
         }
-        let filter = WrenchFilter::new(settings.order, settings.cutoff, settings.period)?;
+        let share = settings.stiffness_error;
+        if !(0.0..1.0).contains(&share) {
+            return Err(CompensationError::StiffnessError { share });
+        }
+        let (order, cutoff, period) = (settings.order, settings.cutoff, settings.period);
+        let filter = WrenchFilter::new(order, cutoff, period)?;
+        let prediction = settings.lag.map(|lag| Prediction::new(order, cutoff, period, lag)).transpose()?;
         let rest = vec![0.0; joints];
         let yielded = Yielded::none(joints);
         Ok(Self {
@@ -152,6 +161,7 @@ impl Compensator {
             payload,
             settings,
             filter,
+            prediction,
         })
     }
 
@@ -171,7 +181,13 @@ impl Compensator {
                 *command = reference[i] + self.correction[i];
             }
         }
-        Correction { reference: &self.command, wrench: self.wrench, displacement: self.displacement, status }
+        Correction {
+            reference: &self.command,
+            correction: &self.correction,
+            wrench: self.wrench,
+            displacement: self.displacement,
+            status,
+        }
     }
 
     fn compensate(
@@ -187,7 +203,8 @@ impl Compensator {
         if self.kinematics.jacobian().iter().any(|v| !v.is_finite()) {
             return Err(Fault::Unbounded);
         }
-        self.wrench = self.filter.step(&process);
+        let filtered = self.filter.step(&process);
+        self.wrench = self.prediction.as_mut().map_or(filtered, |prediction| prediction.step(&filtered));
         self.correct(reference);
         self.limit(status);
         Ok(())
@@ -240,6 +257,8 @@ impl Compensator {
         if !self.springs.links.is_empty() {
             self.follow_links(reference);
         }
+        let believed = 1.0 - self.settings.stiffness_error.powi(2);
+        self.wanted.iter_mut().for_each(|wanted| *wanted *= believed);
     }
 
     /// Newton's steps to the reference pose, while the links yield under the wrench.

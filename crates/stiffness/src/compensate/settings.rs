@@ -1,6 +1,6 @@
 //! Settings of a compensation, and what can be wrong with them.
 
-use super::filter::FilterOrder;
+use super::filter::{FilterOrder, largest_excess};
 use crate::error::StiffnessError;
 use nalgebra::{Isometry3, Vector3};
 
@@ -24,6 +24,13 @@ pub struct CompensationSettings {
     pub cutoff: f64,
     /// Order of that filter.
     pub order: FilterOrder,
+    /// Lag of the servo from command to motion (s). Where it is given, the filtered wrench is predicted ahead by this and by the filter's own
+    /// delay, as far as its slow changes go.
+    pub lag: Option<f64>,
+    /// Largest relative error s of the stiffnesses that is reckoned with, below 1: the correction is multiplied by `1 − s²`. A model
+    /// `k̂ = (1 + e) k` with |e| ≤ s leaves `1 − (1 − s²)/(1 + e)` of the deformation, at worst s; in full it would leave s/(1 − s) where it is
+    /// too soft.
+    pub stiffness_error: f64,
     /// Newton steps where links bend. A robot that bends in its joints alone needs none.
     pub newton_steps: usize,
     /// Largest correction of a joint (rad, m).
@@ -35,17 +42,29 @@ pub struct CompensationSettings {
 }
 
 impl Default for CompensationSettings {
-    /// 4 ms, first order at 5 Hz, two Newton steps, at most 10 mrad and 50 mrad/s, gravity along −z.
+    /// 4 ms, first order at 5 Hz, no prediction, the stiffnesses believed, two Newton steps, at most 10 mrad and 50 mrad/s, gravity along −z.
     fn default() -> Self {
         Self {
             period: 0.004,
             cutoff: 5.0,
             order: FilterOrder::First,
+            lag: None,
+            stiffness_error: 0.0,
             newton_steps: 2,
             correction_limit: 0.01,
             rate_limit: 0.05,
             gravity: Vector3::new(0.0, 0.0, -9.81),
         }
+    }
+}
+
+impl CompensationSettings {
+    /// Largest gain of the way from wrench to correction over all frequencies: of filter and prediction, times `1 − s²`. Without a
+    /// prediction 1 at most.
+    pub fn largest_gain(&self) -> f64 {
+        let believed = 1.0 - self.stiffness_error * self.stiffness_error;
+        let predicted = self.lag.map_or(0.0, |lag| largest_excess(self.order, self.cutoff, self.period, lag));
+        believed * (1.0 + predicted)
     }
 }
 
@@ -65,6 +84,20 @@ pub enum CompensationError {
         cutoff: f64,
         /// Period in s.
         period: f64,
+    },
+    /// A lag that is none.
+    #[error("the lag of the servo is {lag} s; it must be 0 or more")]
+    Lag {
+        /// Lag in s.
+        lag: f64,
+    },
+    /// An error of stiffness that leaves nothing to compensate with.
+    #[error(
+        "the error of the stiffnesses to reckon with is {share}; it must be a share from 0 to below 1: 10 % is 0.1"
+    )]
+    StiffnessError {
+        /// The share.
+        share: f64,
     },
     /// A setting that must be positive.
     #[error("{what} is {value}; it must be positive")]

@@ -28,12 +28,22 @@ pub(crate) fn circle(seed: u64) -> MillingCircle {
 
 /// The circle with its sensor weighed out, and a compensation that believes in `springs`.
 pub(crate) fn compensator(circle: &MillingCircle, robot: &Robot, springs: Springs) -> Compensator {
+    compensator_with(circle, robot, springs, CompensationSettings::default())
+}
+
+/// The same with other settings than those by default, at the circle's period.
+pub(crate) fn compensator_with(
+    circle: &MillingCircle,
+    robot: &Robot,
+    springs: Springs,
+    settings: CompensationSettings,
+) -> Compensator {
     let poses: Vec<Vec<f64>> = [[0.0, 0.9, 0.0], [0.8, 0.3, 0.5], [-0.8, 1.4, -0.5], [1.5, 0.9, 1.5], [-1.5, 1.2, 0.7]]
         .iter()
         .map(|wrist| START[..3].iter().chain(wrist).copied().collect())
         .collect();
     let payload = circle.weigh(robot, &poses, 250).unwrap().payload;
-    let settings = CompensationSettings { period: circle.period, ..CompensationSettings::default() };
+    let settings = CompensationSettings { period: circle.period, ..settings };
     Compensator::new(robot.clone(), springs, circle.sensor, payload, settings).unwrap()
 }
 
