@@ -45,7 +45,7 @@ pub use file::{NoiseLevels, RobotFile};
 pub use frame::{Twist, Wrench, displaced, displacement_between, twist_adjoint, wrench_adjoint};
 pub use identify::{
     Attenuation, CartesianEstimate, CartesianEstimator, Comparison, DeformationModel, Found, IdentificationError,
-    Identified, Method, MethodReport, Outliers, PoseChoice, PoseInformation, SpringFit, SpringFitSettings,
+    Identified, Method, MethodReport, Outliers, Place, PoseChoice, PoseInformation, SpringFit, SpringFitSettings,
     SpringParameter, compare, fit_springs, identify_cartesian,
 };
 pub use kinematics::Kinematics;

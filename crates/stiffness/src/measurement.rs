@@ -1,7 +1,7 @@
 //! Measured displacements under measured loads, checked before anything is computed from them.
 
 use crate::frame::{Twist, Wrench};
-use crate::identify::IdentificationError;
+use crate::identify::{IdentificationError, Place};
 use nalgebra::{Matrix6, Vector6};
 use std::collections::HashMap;
 
@@ -27,6 +27,10 @@ const LEVER: (f64, f64) = (0.0, 20.0);
 const MOMENT_PER_TRANSLATION: f64 = 1e5;
 /// Times its noise that a median is more than noise.
 const BEYOND_NOISE: f64 = 3.0;
+/// Times its noise that no single number of noise is.
+const ALWAYS_BEYOND_NOISE: f64 = 6.0;
+/// Standard deviation from which on a displacement counts for nothing: m and rad.
+const MEANINGLESS: (f64, f64) = (0.01, 0.01);
 /// Translation per rotation of robots, m: of the size of their arms.
 const TRANSLATION_PER_ROTATION: (f64, f64) = (0.02, 50.0);
 
@@ -85,8 +89,8 @@ pub struct MeasurementSet {
 impl MeasurementSet {
     /// Measurements with the same noise.
     ///
-    /// Refused are numbers that are not finite, rows of different lengths, exact copies of a row, displacements and loads beyond any robot's
-    /// (50 mm, 0.1 rad, 10 MN, 10 MN·m), sizes that no robot has (units mixed up), displacements against their loads (the opposite
+    /// Refused are numbers that are not finite, rows of different lengths, exact copies of a row, displacements that were not measured
+    /// (exactly 0), displacements and loads beyond any robot's (50 mm, 0.1 rad, 10 MN, 10 MN·m), sizes that no robot has (units mixed up), displacements against their loads (the opposite
     /// sign) and noise that is not positive definite.
     ///
     /// # Errors
@@ -94,6 +98,7 @@ impl MeasurementSet {
     pub fn new(measurements: Vec<Measurement>, noise: MeasurementNoise) -> Result<Self, IdentificationError> {
         noise.check()?;
         check_rows(&measurements)?;
+        check_zeros(&measurements, &noise)?;
         check_units(&measurements, &noise)?;
         check_sign(&measurements, &noise)?;
         let noise = vec![noise; measurements.len()];
@@ -108,7 +113,8 @@ impl MeasurementSet {
         let expected = self.measurements.len();
         if noise.len() != expected {
             let found = noise.len();
-            return Err(IdentificationError::Count { row: found.min(expected) + 1, what: "noises", found, expected });
+            let row = Place::Row(found.min(expected) + 1);
+            return Err(IdentificationError::Count { row, what: "noises", found, expected });
         }
         noise.iter().try_for_each(MeasurementNoise::check)?;
         self.noise = noise;
@@ -146,9 +152,9 @@ impl MeasurementSet {
 
 fn check_rows(measurements: &[Measurement]) -> Result<(), IdentificationError> {
     let joints = measurements.first().map_or(0, |m| m.q.len());
-    let mut seen: HashMap<Vec<u64>, usize> = HashMap::new();
+    let mut seen: HashMap<Vec<u64>, Place> = HashMap::new();
     for (i, m) in measurements.iter().enumerate() {
-        let row = i + 1;
+        let row = Place::Row(i + 1);
         if m.q.len() != joints {
             return Err(IdentificationError::Count {
                 row,
@@ -169,6 +175,31 @@ fn check_rows(measurements: &[Measurement]) -> Result<(), IdentificationError> {
         }
     }
     Ok(())
+}
+
+/// Refuses displacements that nobody measured: all translations or all rotations exactly 0, unless their noise says that they count for
+/// nothing, and single ones under a load.
+fn check_zeros(measurements: &[Measurement], noise: &MeasurementNoise) -> Result<(), IdentificationError> {
+    for (what, part, least) in [("translations", 0, MEANINGLESS.0), ("rotations", 3, MEANINGLESS.1)] {
+        let zero = measurements.iter().all(|m| m.displacement.fixed_rows::<3>(part).amax() == 0.0);
+        let counts = noise.displacement.diagonal().fixed_rows::<3>(part).min().sqrt() < least;
+        if zero && counts && !measurements.is_empty() {
+            return Err(IdentificationError::Zero { what, least });
+        }
+    }
+    let loaded =
+        |m: &Measurement| (0..6).any(|i| m.wrench[i].abs() > ALWAYS_BEYOND_NOISE * noise.wrench[(i, i)].sqrt());
+    let mut unmoved = (0..measurements.len()).filter(|i| {
+        let m = &measurements[*i];
+        m.displacement.amax() == 0.0 && loaded(m)
+    });
+    match unmoved.next() {
+        None => Ok(()),
+        Some(first) => {
+            let (row, found) = (Place::Row(first + 1), unmoved.count() + 1);
+            Err(IdentificationError::Unmoved { row, found, of: measurements.len() })
+        }
+    }
 }
 
 fn check_units(measurements: &[Measurement], noise: &MeasurementNoise) -> Result<(), IdentificationError> {
@@ -220,7 +251,8 @@ fn check_units(measurements: &[Measurement], noise: &MeasurementNoise) -> Result
             ("moment", m.wrench.fixed_rows::<3>(3).norm(), HEAVIEST.1, "N·m"),
         ];
         if let Some(&(what, value, limit, unit)) = sizes.iter().find(|(_, value, limit, _)| value > limit) {
-            return Err(IdentificationError::Implausible { row: i + 1, what, value, limit, unit });
+            let row = Place::Row(i + 1);
+            return Err(IdentificationError::Implausible { row, what, value, limit, unit });
         }
     }
     Ok(())

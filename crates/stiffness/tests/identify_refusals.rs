@@ -5,7 +5,7 @@ mod identify_data;
 
 use bracketry_stiffness::{
     CartesianEstimator, IdentificationError, JointSpring, Measurement, MeasurementNoise, MeasurementSet, Method,
-    Outliers, PoseInformation, Robot, SpringFitSettings, Springs, compare, fit_springs, identify_cartesian,
+    Outliers, Place, PoseInformation, Robot, SpringFitSettings, Springs, compare, fit_springs, identify_cartesian,
 };
 use identify_data::{STIFFNESS, compliance, kr125, linear_measurements, noise, noisy, pose, rng, robot_measurements};
 
@@ -27,7 +27,7 @@ fn a_number_that_is_none_is_named_by_row_and_column() {
         let mut data = measurements();
         change(&mut data[12], value);
         let refused = refusal(data);
-        assert!(matches!(refused, IdentificationError::NotFinite { row: 13, .. }));
+        assert!(matches!(refused, IdentificationError::NotFinite { row: Place::Row(13), .. }));
         assert!(refused.to_string().starts_with(&format!("row 13, {column}:")), "{refused}");
     }
 }
@@ -123,6 +123,68 @@ fn moments_in_kilonewton_metres_look_like_none() {
 }
 
 #[test]
+fn a_part_with_another_sign_or_unit_is_named_by_the_fit_of_joint_springs() {
+    let (robot, start) = (kr125(), Springs::linear(&[1e6; 6]));
+    let settings = SpringFitSettings::default();
+    let mut rng = rng(21);
+    let poses: Vec<Vec<f64>> = (0..8).map(|_| identify_data::random_pose(&mut rng)).collect();
+    let mut data = robot_measurements(&mut rng, &Springs::linear(&STIFFNESS), &poses, 60, 1.0);
+    identify_data::spoil(&mut rng, &mut data);
+    let compared = |[force, moment, translation, rotation]: [f64; 4]| {
+        let mut data = data.clone();
+        for m in &mut data {
+            for i in 0..6 {
+                m.wrench[i] *= if i < 3 { force } else { moment };
+                m.displacement[i] *= if i < 3 { translation } else { rotation };
+            }
+        }
+        let set = MeasurementSet::new(data, noise()).unwrap();
+        compare(&set, Some((&robot, &start, &settings)), Outliers::Reject)
+    };
+    assert!(compared([1.0; 4]).is_ok());
+    for (factors, said) in [
+        ([1.0, 1e-3, 1.0, 1.0], "multiply Mx, My, Mz by 1000"),
+        ([1.0, 1.0, 1.0, -1.0], "change the sign of rx, ry, rz"),
+        ([1.0, -1.0, 1.0, 1.0], "change the sign of Mx, My, Mz"),
+    ] {
+        let refused = compared(factors).unwrap_err();
+        assert!(matches!(refused, IdentificationError::Convention { .. }), "{refused}");
+        assert!(refused.to_string().contains(said), "{refused}");
+    }
+}
+
+#[test]
+fn another_model_is_not_taken_for_another_sign() {
+    // Lost motion, and links that yield: the joint springs miss something, but no sign.
+    let (robot, start) = (kr125(), Springs::linear(&[1e6; 6]));
+    let mut rng = rng(22);
+    let poses: Vec<Vec<f64>> = (0..8).map(|_| identify_data::random_pose(&mut rng)).collect();
+    let mut lost = Springs::linear(&STIFFNESS);
+    lost.joints[0] = JointSpring::Backlash { stiffness: STIFFNESS[0], gap: 3e-4, engaged: 40.0 };
+    let link = nalgebra::Matrix6::from_diagonal(&nalgebra::Vector6::new(2e-7, 2e-7, 2e-7, 5e-7, 5e-7, 5e-7));
+    let links = Springs::linear(&STIFFNESS).with_links(vec![link; 6]);
+    for springs in [lost, links] {
+        let data = robot_measurements(&mut rng, &springs, &poses, 60, 1.0);
+        let set = MeasurementSet::new(data, noise()).unwrap();
+        let compared = compare(&set, Some((&robot, &start, &SpringFitSettings::default())), Outliers::Keep);
+        assert!(!matches!(compared, Err(IdentificationError::Convention { .. })), "{compared:?}");
+    }
+}
+
+#[test]
+fn noise_that_is_smaller_than_stated_is_remarked() {
+    let (robot, start) = (kr125(), Springs::linear(&[1e6; 6]));
+    let data = linear_measurements(&mut rng(23), &compliance(), 40);
+    for (factor, remarked) in [(1.0, false), (5.0, true)] {
+        let [a, b, c, d] = identify_data::NOISE.map(|n| factor * n);
+        let set = MeasurementSet::new(data.clone(), MeasurementNoise::from_std(a, b, c, d)).unwrap();
+        let found = compare(&set, Some((&robot, &start, &SpringFitSettings::default())), Outliers::Keep).unwrap();
+        let said = found.reasons.iter().any(|reason| reason.contains("of the stated noise"));
+        assert_eq!(said, remarked, "{:?}", found.reasons);
+    }
+}
+
+#[test]
 fn loads_of_forces_alone_or_moments_alone_are_no_mistake_of_units() {
     // Only as much of the other as the sensor's noise.
     for strong in [0, 3] {
@@ -142,20 +204,20 @@ fn loads_of_forces_alone_or_moments_alone_are_no_mistake_of_units() {
 fn a_single_displacement_or_load_beyond_any_robot_s_is_named() {
     let mut data = measurements();
     data[3].displacement[0] = 0.2;
-    assert!(matches!(refusal(data), IdentificationError::Implausible { row: 4, what: "translation", .. }));
+    assert!(matches!(refusal(data), IdentificationError::Implausible { row: Place::Row(4), what: "translation", .. }));
     let mut data = measurements();
     data[5].wrench[4] = 1e200;
-    assert!(matches!(refusal(data), IdentificationError::Implausible { row: 6, what: "moment", .. }));
+    assert!(matches!(refusal(data), IdentificationError::Implausible { row: Place::Row(6), what: "moment", .. }));
 }
 
 #[test]
 fn copies_and_rows_of_another_length_are_named() {
     let mut data = measurements();
     data.push(data[5].clone());
-    assert_eq!(refusal(data), IdentificationError::Repeated { row: 41, first: 6 });
+    assert_eq!(refusal(data), IdentificationError::Repeated { row: Place::Row(41), first: Place::Row(6) });
     let mut data = measurements();
     data[7].q.pop();
-    assert!(matches!(refusal(data), IdentificationError::Count { row: 8, found: 5, expected: 6, .. }));
+    assert!(matches!(refusal(data), IdentificationError::Count { row: Place::Row(8), found: 5, expected: 6, .. }));
     let set = MeasurementSet::new(measurements(), noise()).unwrap();
     assert!(matches!(set.with_noise_of_each(vec![noise(); 3]), Err(IdentificationError::Count { .. })));
 }
@@ -221,7 +283,7 @@ fn too_few_measurements_and_several_poses_are_refused() {
     data[9].q[2] += 0.1;
     let set = MeasurementSet::new(data, noise()).unwrap();
     let refused = identify_cartesian(&set, CartesianEstimator::PositiveDefinite, Outliers::Keep).unwrap_err();
-    assert!(matches!(refused, IdentificationError::PosesDiffer { row: 10, joint: 3, .. }));
+    assert!(matches!(refused, IdentificationError::PosesDiffer { row: Place::Row(10), joint: 3, .. }));
 }
 
 #[test]
@@ -241,15 +303,38 @@ fn what_outliers_leave_must_still_be_enough() {
 }
 
 #[test]
-fn displacements_of_nothing_are_no_stiffness() {
+fn displacements_that_nobody_measured_are_no_stiffness() {
+    let without = |part: usize, rows: std::ops::Range<usize>| {
+        let mut data = measurements();
+        data[rows].iter_mut().for_each(|m| m.displacement.fixed_rows_mut::<3>(part).fill(0.0));
+        data
+    };
+    for (part, what) in [(0, "translations"), (3, "rotations")] {
+        let refused = refusal(without(part, 0..40));
+        assert!(matches!(refused, IdentificationError::Zero { what: found, .. } if found == what), "{refused}");
+    }
+    // Those that are known not to be measured count for nothing.
+    let unmeasured = MeasurementNoise::from_std(2e-5, 0.05, 2.0, 0.5);
+    assert!(MeasurementSet::new(without(3, 0..40), unmeasured).is_ok());
+    // A row without a displacement under a load is not measured either; without a load it is the pose it is measured against.
+    let mut data = without(0, 7..9);
+    data[7..9].iter_mut().for_each(|m| m.displacement.fill(0.0));
+    let refused = refusal(data.clone());
+    assert_eq!(refused, IdentificationError::Unmoved { row: Place::Row(8), found: 2, of: 40 });
+    (data[7].wrench, data[8].wrench) = (nalgebra::Vector6::repeat(0.3), nalgebra::Vector6::zeros());
+    assert!(MeasurementSet::new(data, noise()).is_ok());
+}
+
+#[test]
+fn refusals_of_a_file_name_its_lines() {
     let mut data = measurements();
-    for m in &mut data {
-        m.displacement.fill(0.0);
-    }
-    let set = MeasurementSet::new(data, noise()).unwrap();
-    for estimator in CartesianEstimator::ALL {
-        assert!(identify_cartesian(&set, estimator, Outliers::Keep).is_err(), "{estimator}");
-    }
+    data.push(data[5].clone());
+    let lines: Vec<u64> = (0..41).map(|i| 3 + 2 * i).collect();
+    let refused = refusal(data).in_file(&lines);
+    assert!(refused.to_string().starts_with("line 83 is equal to line 13 in every digit"), "{refused}");
+    // What names no measurement stays what it is.
+    let other = IdentificationError::Sign { found: 3, of: 4 };
+    assert_eq!(other.clone().in_file(&lines), other);
 }
 
 #[test]
@@ -284,7 +369,7 @@ fn springs_and_poses_that_do_not_fit_the_robot_are_refused() {
     let set = MeasurementSet::new(short.collect(), noise()).unwrap();
     assert!(matches!(
         fit_springs(&robot, &set, &springs, &settings),
-        Err(IdentificationError::Count { row: 1, found: 5, expected: 6, .. })
+        Err(IdentificationError::Count { row: Place::Row(1), found: 5, expected: 6, .. })
     ));
     let candidate = (pose(), identify_data::load(&mut rng(5)));
     for bad in [f64::NAN, 1e200] {

@@ -1,6 +1,7 @@
 //! All estimators on the same data: which one predicts what it has not seen, and which one to trust.
 
 use super::cartesian::{CartesianEstimate, CartesianEstimator, identify_cartesian};
+use super::conventions::check_conventions;
 use super::error::IdentificationError;
 use super::estimators::noise_sums;
 use super::outliers::{Draw, Outliers};
@@ -18,6 +19,9 @@ const FOLDS: usize = 5;
 const AS_GOOD: f64 = 1.02;
 /// Mean square of the residuals, in units of their noise, above which a model misses something (or the noise is larger than stated).
 const MISSES: f64 = 1.5;
+/// The same below which the noise is smaller than stated, if there are enough numbers to tell.
+const OVERSTATED: f64 = 0.25;
+const ENOUGH: usize = 36;
 
 /// A way to identify the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,12 +90,16 @@ pub struct Comparison {
 /// The best prediction wins; of those as good as it within 2 % the one with the fewest parameters.
 ///
 /// # Errors
-/// The first method's [`IdentificationError`] where none works.
+/// [`IdentificationError::Convention`] for data that joint springs explain far better with another sign of their forces, moments, translations
+/// or rotations, or with moments a thousand times as large; else the first method's [`IdentificationError`] where none works.
 pub fn compare(
     set: &MeasurementSet,
     robot: Option<(&Robot, &Springs, &SpringFitSettings)>,
     outliers: Outliers,
 ) -> Result<Comparison, IdentificationError> {
+    if let Some((robot, start, _)) = robot {
+        check_conventions(robot, set, start)?;
+    }
     let left_out = match outliers {
         Outliers::Keep => Vec::new(),
         Outliers::Reject => contradicting(set, robot)?,
@@ -115,7 +123,8 @@ pub fn compare(
         let first = methods.into_iter().find_map(|(_, report)| report.err());
         return Err(first.unwrap_or(IdentificationError::TooFew { what: "a comparison", found: 0, needed: 7 }));
     };
-    let reasons = reasons(&methods, trusted, error);
+    let mut reasons = reasons(&methods, trusted, error);
+    reasons.extend(overstated(&methods, trusted, set.len()));
     Ok(Comparison { methods, trusted, reasons, outliers: left_out })
 }
 
@@ -296,22 +305,61 @@ fn reasons(
     reasons
 }
 
+impl Found {
+    /// Mean square of the residuals of displacements in units of their noise, by degree of freedom.
+    pub fn chi_square(&self) -> f64 {
+        match self {
+            Self::Cartesian(estimate) => estimate.chi_square,
+            Self::Springs(fit) => fit.chi_square,
+        }
+    }
+
+    /// Ratio of the largest to the smallest: of the loads over all directions (Cartesian), of the standard deviations of combinations of
+    /// logarithms (springs).
+    pub fn condition(&self) -> f64 {
+        match self {
+            Self::Cartesian(estimate) => estimate.condition,
+            Self::Springs(fit) => fit.condition,
+        }
+    }
+}
+
+/// A remark on noise that is smaller than stated, as the residuals of the trusted method tell.
+fn overstated(
+    methods: &[(Method, Result<MethodReport, IdentificationError>)],
+    trusted: Method,
+    measurements: usize,
+) -> Option<String> {
+    let (_, report) = methods.iter().find(|(method, _)| *method == trusted)?;
+    let chi_square = report.as_ref().ok()?.found.chi_square();
+    (chi_square < OVERSTATED && 6 * measurements >= 2 * ENOUGH).then(|| {
+        format!(
+            "the residuals are {:.2} of the stated noise: the measurements are better than that, and the intervals wider than need be",
+            chi_square.sqrt()
+        )
+    })
+}
+
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{:24} {:>12} {:>10} {:>10} {:>10}",
-            "method", "held out [σ]", "condition", "symmetric", "pos. def."
+            "{:24} {:>12} {:>10} {:>8} {:>10} {:>10}",
+            "method", "held out [σ]", "condition", "χ²/dof", "symmetric", "pos. def."
         )?;
         for (method, report) in &self.methods {
             let yes = |b: bool| if b { "yes" } else { "no" };
             match report {
-                Ok(MethodReport { found: Found::Cartesian(e), held_out, .. }) => {
-                    let (symmetric, definite) = (yes(e.symmetric), yes(e.positive_definite));
-                    writeln!(f, "{method:24} {held_out:12.3} {:10.1} {symmetric:>10} {definite:>10}", e.condition)?;
-                }
-                Ok(MethodReport { found: Found::Springs(fit), held_out, .. }) => {
-                    writeln!(f, "{method:24} {held_out:12.3} {:10.1} {:>10} {:>10}", fit.condition, "yes", "yes")?;
+                Ok(MethodReport { found, held_out, .. }) => {
+                    let (symmetric, definite) = match found {
+                        Found::Cartesian(estimate) => (yes(estimate.symmetric), yes(estimate.positive_definite)),
+                        Found::Springs(_) => ("yes", "yes"),
+                    };
+                    let (condition, chi_square) = (found.condition(), found.chi_square());
+                    writeln!(
+                        f,
+                        "{method:24} {held_out:12.3} {condition:10.1} {chi_square:8.2} {symmetric:>10} {definite:>10}"
+                    )?;
                 }
                 Err(_) => writeln!(f, "{method:24} {:>12}", "–")?,
             }

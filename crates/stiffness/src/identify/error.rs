@@ -1,28 +1,47 @@
 //! Why a data set cannot be used, or says nothing about what was asked.
 
 use crate::error::StiffnessError;
+use std::fmt;
 
-/// Why nothing is identified. Rows count from 1.
+/// Where a measurement stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Its number among the measurements, from 1.
+    Row(usize),
+    /// Its line in a file, from 1.
+    Line(u64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Row(row) => write!(f, "row {row}"),
+            Self::Line(line) => write!(f, "line {line}"),
+        }
+    }
+}
+
+/// Why nothing is identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum IdentificationError {
     /// Robot, springs or a load that do not fit.
     #[error(transparent)]
     Robot(#[from] StiffnessError),
     /// A number that is not finite.
-    #[error("row {row}, {column}: {value} is not a finite number; correct or remove the row")]
+    #[error("{row}, {column}: {value} is not a finite number; correct or remove it")]
     NotFinite {
-        /// Row.
-        row: usize,
+        /// Where.
+        row: Place,
         /// Column.
         column: String,
         /// The number.
         value: f64,
     },
     /// A row of another length.
-    #[error("row {row}: {found} {what}, expected {expected}")]
+    #[error("{row}: {found} {what}, expected {expected}")]
     Count {
-        /// Row.
-        row: usize,
+        /// Where.
+        row: Place,
         /// What is counted.
         what: &'static str,
         /// How many there are.
@@ -41,21 +60,21 @@ pub enum IdentificationError {
         needed: usize,
     },
     /// The same row twice, which measured data never contain.
-    #[error("row {row} is equal to row {first} in every digit; a copy adds no information: remove it")]
+    #[error("{row} is equal to {first} in every digit; a copy adds no information: remove it")]
     Repeated {
-        /// The later row.
-        row: usize,
+        /// The later one.
+        row: Place,
         /// The earlier one.
-        first: usize,
+        first: Place,
     },
     /// More than a robot bends or bears.
     #[error(
-        "row {row}: a {what} of {value:.3e} {unit} is more than a robot bends or bears (limit {limit:e} {unit}); correct or \
-         remove the row"
+        "{row}: a {what} of {value:.3e} {unit} is more than a robot bends or bears (limit {limit:e} {unit}); correct or \
+         remove it"
     )]
     Implausible {
-        /// Row.
-        row: usize,
+        /// Where.
+        row: Place,
         /// Translation, rotation, force or moment.
         what: &'static str,
         /// Its size.
@@ -92,6 +111,44 @@ pub enum IdentificationError {
         /// All measurements.
         of: usize,
     },
+    /// Numbers in another unit or with another sign, as the fit of joint springs tells.
+    #[error(
+        "{what}: with them as they are the springs of the joints leave {found:.1} σ in the middle, changed so {changed:.1} σ; \
+         {remedy}"
+    )]
+    Convention {
+        /// What seems wrong.
+        what: &'static str,
+        /// Middle residual of the data as they are, in units of their noise.
+        found: f64,
+        /// The same of the changed data.
+        changed: f64,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A part of the displacements that was not measured.
+    #[error(
+        "all {what} are exactly 0, which no measurement is: give what was measured; if they were not, say so by a noise of \
+         {least} or more for them"
+    )]
+    Zero {
+        /// Translations or rotations.
+        what: &'static str,
+        /// Standard deviation (m, rad) from which on they count for nothing.
+        least: f64,
+    },
+    /// A load that moved nothing at all.
+    #[error(
+        "{row}: a displacement of exactly 0 under a load, in {found} of {of} measurements; give what was measured, or remove them"
+    )]
+    Unmoved {
+        /// The first of them.
+        row: Place,
+        /// How many there are.
+        found: usize,
+        /// All measurements.
+        of: usize,
+    },
     /// A noise that is none.
     #[error(
         "the covariance of the {what} is not symmetric positive definite, or its standard deviations are not between 1e-12 and 1e6"
@@ -102,12 +159,14 @@ pub enum IdentificationError {
     },
     /// Measurements at several poses given to an estimator for one.
     #[error(
-        "row {row} is at another pose than row 1 (joint {joint} differs by {by:.3e}); a Cartesian stiffness belongs to one \
-         pose: select the rows of one, or fit joint springs"
+        "{row} is at another pose than {first} (joint {joint} differs by {by:.3e}); a Cartesian stiffness belongs to one \
+         pose: select the measurements of one, or fit joint springs"
     )]
     PosesDiffer {
-        /// Row.
-        row: usize,
+        /// Where.
+        row: Place,
+        /// The first measurement.
+        first: Place,
         /// Joint from 1.
         joint: usize,
         /// Difference in rad or m.
@@ -153,6 +212,32 @@ pub enum IdentificationError {
         /// Iterations made.
         iterations: usize,
     },
+}
+
+impl IdentificationError {
+    /// The same about a file, whose `lines` the measurements stand in.
+    #[must_use]
+    pub fn in_file(mut self, lines: &[u64]) -> Self {
+        let move_to_line = |place: &mut Place| {
+            if let Place::Row(row) = *place
+                && let Some(line) = row.checked_sub(1).and_then(|i| lines.get(i))
+            {
+                *place = Place::Line(*line);
+            }
+        };
+        match &mut self {
+            Self::Repeated { row, first } | Self::PosesDiffer { row, first, .. } => {
+                move_to_line(row);
+                move_to_line(first);
+            }
+            Self::NotFinite { row, .. }
+            | Self::Count { row, .. }
+            | Self::Implausible { row, .. }
+            | Self::Unmoved { row, .. } => move_to_line(row),
+            _ => {}
+        }
+        self
+    }
 }
 
 /// A range in words.

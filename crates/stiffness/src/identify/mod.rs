@@ -2,6 +2,7 @@
 
 mod cartesian;
 mod comparison;
+mod conventions;
 mod error;
 mod estimators;
 mod levenberg_marquardt;
@@ -13,7 +14,7 @@ mod springs;
 
 pub use cartesian::{CartesianEstimate, CartesianEstimator, identify_cartesian};
 pub use comparison::{Attenuation, Comparison, Found, Method, MethodReport, compare};
-pub use error::IdentificationError;
+pub use error::{IdentificationError, Place};
 pub use outliers::Outliers;
 pub use parameters::DeformationModel;
 pub use poses::{PoseChoice, PoseInformation};

@@ -1,6 +1,6 @@
 //! Which poses and loads tell the most.
 
-use super::error::IdentificationError;
+use super::error::{IdentificationError, Place};
 use super::parameters::{DeformationModel, logarithms, parameters, springs_at};
 use super::springs::Known;
 use crate::Wrench;
@@ -65,7 +65,7 @@ impl PoseInformation {
             let information = sensitivity.tr_mul(&whiten.solve(&sensitivity));
             match information.iter().find(|v| !v.is_finite()) {
                 Some(v) => Err(IdentificationError::NotFinite {
-                    row: candidate + 1,
+                    row: Place::Row(candidate + 1),
                     column: "information".to_owned(),
                     value: *v,
                 }),

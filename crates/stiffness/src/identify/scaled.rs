@@ -1,6 +1,6 @@
 //! Measurements in coordinates in which forces and moments, translations and rotations can be compared.
 
-use super::error::IdentificationError;
+use super::error::{IdentificationError, Place};
 use crate::measurement::{MeasurementSet, WRENCH_COLUMNS};
 use nalgebra::{Matrix6, Vector6};
 
@@ -94,7 +94,8 @@ fn one_pose(set: &MeasurementSet) -> Result<(), IdentificationError> {
     for (i, m) in set.measurements().iter().enumerate() {
         let differences = m.q.iter().zip(&first.q).map(|(a, b)| (a - b).abs());
         if let Some((joint, by)) = differences.enumerate().find(|(_, by)| *by > ONE_POSE) {
-            return Err(IdentificationError::PosesDiffer { row: i + 1, joint: joint + 1, by });
+            let (row, first) = (Place::Row(i + 1), Place::Row(1));
+            return Err(IdentificationError::PosesDiffer { row, first, joint: joint + 1, by });
         }
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! Springs of the joints from measurements over many poses.
 
-use super::error::IdentificationError;
+use super::error::{IdentificationError, Place};
 use super::levenberg_marquardt::{Minimum, minimise};
 use super::outliers::{Outliers, agreeing};
 use super::parameters::{DeformationModel, Parameter, logarithms, parameters, springs_at};
@@ -166,7 +166,8 @@ pub fn fit_springs(
     for (i, m) in set.measurements().iter().enumerate() {
         if m.q.len() != robot.joints.len() {
             let (found, expected) = (m.q.len(), robot.joints.len());
-            return Err(IdentificationError::Count { row: i + 1, what: "joint coordinates", found, expected });
+            let row = Place::Row(i + 1);
+            return Err(IdentificationError::Count { row, what: "joint coordinates", found, expected });
         }
     }
     let fitted = |indices: &[usize]| fit(robot, &set.subset(indices), start, settings);
