@@ -44,8 +44,8 @@ pub use reach::{Influence, ReachTable, Reached};
 pub use scenario::{Run, Scenario, ScenarioError};
 pub use simulation_report::{ModeChange, SimulationReport};
 pub use stiffness_run::{
-    CompensatedLog, CompensatedRow, FaultCount, Identification, MethodSummary, ParameterSummary, RobotLog,
-    StiffnessRunError,
+    ChosenPoses, CompensatedLog, CompensatedRow, Expectation, FaultCount, Identification, LoopGain, LostMotionSummary,
+    MethodSummary, ParameterSummary, PredictedTranslation, RobotLog, StiffnessRunError, Unexplained, Weighing,
 };
 
 /// A tutorial: from two equations to a verdict, and from there to the plate.

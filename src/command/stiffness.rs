@@ -1,16 +1,21 @@
 //! `bracketry stiffness`: springs of a robot from measurements, and the compensation of its deformation.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use bracketry::stiffness::{Outliers, RobotFile, with_springs};
-use bracketry::{CompensatedLog, Identification, RobotLog};
-use clap::Subcommand;
+use bracketry::{ChosenPoses, CompensatedLog, Identification, RobotLog, Weighing};
+use clap::{Args, Subcommand};
+use serde::Serialize;
 
 use super::output::{csv, figure, folder, json, line, print, spinner, write};
 use super::{Outcome, OutputArgs};
 
-/// Commands of `stiffness`.
+/// Columns of a wrench.
+const WRENCH: [&str; 6] = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"];
+
+/// Commands of `stiffness`. All take a table and the robot file, in either order.
 #[derive(Subcommand)]
 pub(crate) enum StiffnessCommand {
     /// Springs of the joints and stiffness at the tool point from measured displacements under measured loads
@@ -18,34 +23,111 @@ pub(crate) enum StiffnessCommand {
         The table has the columns q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes) and \
         dx, dy, dz, rx, ry, rz (m, rad, base axes).")]
     Identify {
-        /// Measurements (CSV)
-        data: PathBuf,
-        /// Robot file (TOML)
-        robot: PathBuf,
+        #[command(flatten)]
+        files: TableAndRobot,
         /// Use all measurements as they are
         #[arg(long)]
         keep_outliers: bool,
     },
+    /// Which of some measurements that could be made tell the most about the springs
+    #[command(
+        after_help = "Example:\n  bracketry stiffness poses candidates.csv models/kr125.toml --count 20 --out out\n\n\
+        The table has the columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes): \
+        poses that can be reached with loads that can be applied there."
+    )]
+    Poses {
+        #[command(flatten)]
+        files: TableAndRobot,
+        /// Measurements to choose
+        #[arg(long, default_value_t = 20)]
+        count: usize,
+    },
+    /// What the force sensor carries, and its bias, from readings at rest
+    #[command(after_help = "Example:\n  bracketry stiffness weigh readings.csv models/kr125.toml\n\n\
+        The table has the columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), with nothing touching what \
+        the sensor carries, in three orientations or more that tilt it about two axes.")]
+    Weigh {
+        #[command(flatten)]
+        files: TableAndRobot,
+    },
     /// What the compensation does along a log: corrected references, predicted deformation
-    #[command(after_help = "Example:\n  bracketry stiffness compensate models/kr125.toml log.csv --out out\n\n\
+    #[command(after_help = "Example:\n  bracketry stiffness compensate log.csv models/kr125.toml --out out\n\n\
         The log has the columns t, q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), and r1 … rn \
         where references differ from what was measured.")]
     Compensate {
-        /// Robot file (TOML)
-        robot: PathBuf,
-        /// Log (CSV)
-        log: PathBuf,
+        #[command(flatten)]
+        files: TableAndRobot,
+        /// Stiffness of the process in N/m, in all directions or along x,y,z of the base: whether the loop through it is stable
+        #[arg(long, value_name = "N/m", allow_hyphen_values = true, value_delimiter = ',', value_parser = process_stiffness)]
+        process_stiffness: Option<Vec<f64>>,
     },
+}
+
+/// A table and a robot file.
+#[derive(Args)]
+pub(crate) struct TableAndRobot {
+    /// Table (CSV)
+    #[arg(value_name = "DATA")]
+    first: PathBuf,
+    /// Robot file (TOML)
+    #[arg(value_name = "ROBOT")]
+    second: PathBuf,
+}
+
+impl TableAndRobot {
+    /// The table and the robot file, which is the one that ends in .toml.
+    fn sorted(&self) -> anyhow::Result<(&Path, &Path)> {
+        let robot = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        let (first, second) = (self.first.as_path(), self.second.as_path());
+        match (robot(first), robot(second)) {
+            (false, true) => Ok((first, second)),
+            (true, false) => Ok((second, first)),
+            (both, _) => anyhow::bail!(
+                "{} of {} and {} a robot file (.toml); name a table and a robot file: DATA.csv ROBOT.toml",
+                if both { "each" } else { "none" },
+                first.display(),
+                second.display()
+            ),
+        }
+    }
+}
+
+/// A stiffness of a process in N/m.
+fn process_stiffness(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if (0.0..=1e9).contains(&value) => Ok(value),
+        _ => Err("give a stiffness from 0 to 1e9 N/m; 50 N/mm is 5e4".to_owned()),
+    }
 }
 
 /// Runs a command of `stiffness`.
 pub(crate) fn run(command: &StiffnessCommand, output: &OutputArgs) -> anyhow::Result<Outcome> {
     match command {
-        StiffnessCommand::Identify { data, robot, keep_outliers } => {
+        StiffnessCommand::Identify { files, keep_outliers } => {
+            let (data, robot) = files.sorted()?;
             let outliers = if *keep_outliers { Outliers::Keep } else { Outliers::Reject };
             identify(data, robot, outliers, output)
         }
-        StiffnessCommand::Compensate { robot, log } => compensate(robot, log, output),
+        StiffnessCommand::Poses { files, count } => {
+            let (candidates, robot) = files.sorted()?;
+            poses(candidates, robot, *count, output)
+        }
+        StiffnessCommand::Weigh { files } => {
+            let (readings, robot) = files.sorted()?;
+            weigh(readings, robot, output)
+        }
+        StiffnessCommand::Compensate { files, process_stiffness } => {
+            let (log, robot) = files.sorted()?;
+            let process = match process_stiffness.as_deref() {
+                None => None,
+                Some([all]) => Some([*all; 3]),
+                Some([x, y, z]) => Some([*x, *y, *z]),
+                Some(other) => {
+                    anyhow::bail!("{} numbers for --process-stiffness; give one, or three as 5e4,5e4,1e4", other.len())
+                }
+            };
+            compensate(log, robot, process, output)
+        }
     }
 }
 
@@ -75,23 +157,57 @@ fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &OutputArgs) 
         }
     }
     progress.finish_and_clear();
-    if output.json {
-        print(&json(&found)?)?;
-    } else {
-        print(&found.to_string())?;
-        match &output.out {
-            Some(dir) => line(&format!("written to {}", dir.display()))?,
-            None => line("(--out DIR writes the robot file with these springs, and figures)")?,
-        }
-    }
+    report(&found, output, "the robot file with these springs, and figures")?;
     // Joint springs that the data do not tell, and no stiffness of one pose instead.
     Ok(if found.springs.is_none() && found.compliance.is_none() { Outcome::Negative } else { Outcome::Done })
 }
 
-fn compensate(robot: &Path, log: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
+fn poses(candidates: &Path, robot: &Path, count: usize, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let file = RobotFile::read(robot)?;
+    let progress = spinner("choosing");
+    let found = ChosenPoses::new(&file, candidates, count)?;
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write(&dir.join("poses.json"), &json(&found)?)?;
+        write(&dir.join("poses.txt"), &found.to_string())?;
+        let q = (1..=file.robot.joints.len()).map(|i| format!("q{i}"));
+        let header: Vec<String> = q.chain(WRENCH.map(String::from)).collect();
+        csv(&dir.join("poses.csv"), &header, found.rows.iter().map(Vec::as_slice))?;
+    }
+    progress.finish_and_clear();
+    report(&found, output, "the chosen rows as a table")?;
+    // Measurements that will not tell all springs.
+    Ok(if found.identifies_all() { Outcome::Done } else { Outcome::Negative })
+}
+
+fn weigh(readings: &Path, robot: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let found = Weighing::new(&RobotFile::read(robot)?, readings)?;
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write(&dir.join("weighing.json"), &json(&found)?)?;
+        write(&dir.join("weighing.txt"), &found.to_string())?;
+        write(&dir.join("payload.toml"), &found.toml())?;
+    }
+    report(&found, output, "the table [payload]")?;
+    Ok(Outcome::Done)
+}
+
+/// Prints a report, and what `--out` has written or would write.
+fn report<T: Serialize + Display>(found: &T, output: &OutputArgs, files: &str) -> anyhow::Result<()> {
+    if output.json {
+        return print(&json(found)?);
+    }
+    print(&found.to_string())?;
+    match &output.out {
+        Some(dir) => line(&format!("written to {}", dir.display())),
+        None => line(&format!("(--out DIR writes {files})")),
+    }
+}
+
+fn compensate(log: &Path, robot: &Path, process: Option<[f64; 3]>, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let file = RobotFile::read(robot)?;
     let progress = spinner("compensating");
-    let run = CompensatedLog::new(&file, &RobotLog::read(log, &file.robot)?)?;
+    let run = CompensatedLog::new(&file, &RobotLog::read(log, &file.robot)?, process)?;
     if let Some(dir) = &output.out {
         folder(dir)?;
         write(&dir.join("compensation.json"), &json(&run)?)?;
@@ -100,26 +216,18 @@ fn compensate(robot: &Path, log: &Path, output: &OutputArgs) -> anyhow::Result<O
         figure(run.figure(), &dir.join("compensation"));
     }
     progress.finish_and_clear();
-    if output.json {
-        print(&json(&run)?)?;
-    } else {
-        print(&run.to_string())?;
-        match &output.out {
-            Some(dir) => line(&format!("written to {}", dir.display()))?,
-            None => line("(--out DIR writes the corrected references and a figure)")?,
-        }
-    }
-    // A log of which nothing could be used answers nothing.
-    Ok(if run.held() == run.samples { Outcome::Negative } else { Outcome::Done })
+    report(&run, output, "the corrected references and a figure")?;
+    // A log of which nothing could be used answers nothing; a loop that is not stable is none to run.
+    let unstable = run.loop_gain.is_some_and(|gain| !gain.holds());
+    Ok(if run.held() == run.samples || unstable { Outcome::Negative } else { Outcome::Done })
 }
 
 fn write_rows(path: &Path, run: &CompensatedLog) -> anyhow::Result<()> {
     let joints = run.correction_max.len();
     let mut header = vec!["t".to_owned()];
     header.extend((1..=joints).map(|i| format!("c{i}")));
-    header.extend(
-        ["Fx", "Fy", "Fz", "Mx", "My", "Mz", "dx", "dy", "dz", "rx", "ry", "rz", "held", "limited"].map(String::from),
-    );
+    header.extend(WRENCH.map(String::from));
+    header.extend(["dx", "dy", "dz", "rx", "ry", "rz", "held", "limited"].map(String::from));
     let rows: Vec<Vec<f64>> = run
         .rows
         .iter()

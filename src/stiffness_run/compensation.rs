@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use bracketry_stiffness::{Compensator, Fault, ForceSensor, RobotFile, Wrench};
+use bracketry_stiffness::{Compensator, Fault, ForceSensor, RobotFile, Springs, Wrench};
 use serde::Serialize;
 
-use super::{RobotLog, StiffnessRunError};
+use super::{LoopGain, RobotLog, StiffnessRunError};
 
 /// Bias and weight in units of the force's noise, from which on readings must show them.
 const WEIGHS: f64 = 5.0;
@@ -61,31 +61,29 @@ pub struct CompensatedLog {
     pub limited: usize,
     /// Samples at which the correction was held, by cause.
     pub faults: Vec<FaultCount>,
+    /// The loop through the process, where its stiffness was given.
+    pub loop_gain: Option<LoopGain>,
     /// The samples.
     #[serde(skip)]
     pub rows: Vec<CompensatedRow>,
 }
 
 impl CompensatedLog {
-    /// Runs the compensation of a robot file along a log, at the log's period.
+    /// Runs the compensation of a robot file along a log, at the log's period. With the stiffness of the process (N/m along the base axes) the
+    /// loop through it is judged too.
     ///
     /// # Errors
     /// [`StiffnessRunError`] for a robot file without springs or sensor, and settings that do not fit.
-    pub fn new(file: &RobotFile, log: &RobotLog) -> Result<Self, StiffnessRunError> {
-        let springs = file.springs.clone().ok_or(StiffnessRunError::Lacks {
-            what: "springs",
-            remedy: "give `stiffness` for each [[joint]]; `bracketry stiffness identify` finds them",
-        })?;
-        let sensor = file.sensor.ok_or(StiffnessRunError::Lacks {
-            what: "[sensor]",
-            remedy: "give its position, force_range and moment_range",
-        })?;
+    pub fn new(file: &RobotFile, log: &RobotLog, process: Option<[f64; 3]>) -> Result<Self, StiffnessRunError> {
+        let springs = springs(file)?.clone();
+        let sensor = sensor(file)?;
         check_readings(file, &sensor, log)?;
         let (period, cutoff) = (log.period, file.compensation.cutoff);
         if period * cutoff >= 0.5 {
             return Err(StiffnessRunError::Period { period, cutoff });
         }
         let settings = bracketry_stiffness::CompensationSettings { period: log.period, ..file.compensation };
+        let loop_gain = process.map(|process| LoopGain::new(file, &springs, &settings, log, process)).transpose()?;
         let mut compensator = Compensator::new(file.robot.clone(), springs, sensor, file.payload, settings)?;
         let mut faults: Vec<FaultCount> = Vec::new();
         let mut rows = Vec::with_capacity(log.t.len());
@@ -122,6 +120,7 @@ impl CompensatedLog {
             correction_max: (0..file.robot.joints.len()).map(|i| largest(&|row| row.correction[i].abs())).collect(),
             limited: rows.iter().filter(|row| row.limited).count(),
             faults,
+            loop_gain,
             rows,
         })
     }
@@ -130,6 +129,20 @@ impl CompensatedLog {
     pub fn held(&self) -> usize {
         self.faults.iter().map(|count| count.samples).sum()
     }
+}
+
+/// The springs of a robot file.
+pub(super) fn springs(file: &RobotFile) -> Result<&Springs, StiffnessRunError> {
+    file.springs.as_ref().ok_or(StiffnessRunError::Lacks {
+        what: "springs",
+        remedy: "give `stiffness` for each [[joint]]; `bracketry stiffness identify` finds them",
+    })
+}
+
+/// The sensor of a robot file.
+pub(super) fn sensor(file: &RobotFile) -> Result<ForceSensor, StiffnessRunError> {
+    file.sensor
+        .ok_or(StiffnessRunError::Lacks { what: "[sensor]", remedy: "give its position, force_range and moment_range" })
 }
 
 /// Refuses forces far below the bias and the weight that the sensor carries.
@@ -199,6 +212,9 @@ impl fmt::Display for CompensatedLog {
         }
         for count in &self.faults {
             writeln!(f, "held at {} samples: {}", count.samples, count.fault)?;
+        }
+        if let Some(gain) = &self.loop_gain {
+            write!(f, "{gain}")?;
         }
         Ok(())
     }

@@ -2,34 +2,54 @@
 
 use bracketry_plot::{Color, Drawing, Interval, IntervalChart, Panel, PlotError, Series, TimeSeries, XyChart};
 
-use super::{CompensatedLog, CompensatedRow, Identification};
+use super::{CompensatedLog, CompensatedRow, Identification, PredictedTranslation};
 
+const IDENTIFIED: &str = "identified";
+const UNKNOWN: &str = "not identified (no value; drawn at 0)";
 const HELD: &str = "held: bad input";
 const LIMITED: &str = "at a limit";
 
 impl Identification {
-    /// Stiffnesses of the joints with their intervals; none where the data tell none.
+    /// Stiffnesses of the joints with their intervals, and which joints the data tell nothing of; none where they tell no stiffness.
     pub fn stiffness_figure(&self) -> Option<Result<Drawing, PlotError>> {
         let mut chart = IntervalChart::new("stiffness [MN·m/rad]")
-            .title(format!("Stiffness of the joints with 95 % intervals, {}", self.robot));
+            .title(format!("Stiffness of the joints with 95 % intervals, {}", self.robot))
+            .categories([IDENTIFIED, UNKNOWN]);
         for parameter in self.parameters.iter().filter(|p| p.name == "stiffness") {
-            if let Some([value, low, high]) = parameter.value.map(|v| v.map(|k| 1e-6 * k)) {
-                chart = chart.row(format!("joint {}", parameter.joint), value, Some((low, high)), "identified");
-            }
+            let name = format!("joint {}", parameter.joint);
+            chart = match parameter.value.map(|v| v.map(|k| 1e-6 * k)) {
+                Some([value, low, high]) => chart.row(name, value, Some((low, high)), IDENTIFIED),
+                None => chart.row(format!("{name}: not identified"), 0.0, None, UNKNOWN),
+            };
         }
-        (!chart.rows.is_empty()).then(|| chart.draw())
+        chart.rows.iter().any(|row| row.category == IDENTIFIED).then(|| chart.draw())
     }
 
-    /// What the prediction of the trusted method leaves of the measured translations; none without a prediction.
+    /// What the prediction of the trusted method leaves of the measured translations; none without a prediction. Outliers have a marker of
+    /// their own, at the frame's edge where they lie beyond.
     pub fn residual_figure(&self) -> Option<Result<Drawing, PlotError>> {
+        let point = |p: &PredictedTranslation, i: usize| (1e3 * p.predicted[i], 1e6 * (p.measured[i] - p.predicted[i]));
+        let of = |outlier: bool| self.predictions.iter().filter(move |p| p.outlier == outlier);
+        let kept: Vec<(f64, f64)> = of(false).flat_map(|p| [0, 1, 2].map(|i| point(p, i))).collect();
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0f64, |m, v| m.max(v.abs()));
+        let wide = 1.05 * largest(&mut kept.iter().map(|p| p.0));
+        let high = 1.2 * largest(&mut kept.iter().map(|p| p.1));
         let mut panel = Panel::new("measured − predicted [µm]").named_target("", 0.0);
         for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
-            let pairs = self.predictions.iter().skip(i).step_by(3);
-            let (predicted, rest): (Vec<f64>, Vec<f64>) = pairs.map(|[m, p]| (1e3 * p, 1e6 * (m - p))).unzip();
+            let (predicted, rest): (Vec<f64>, Vec<f64>) = of(false).map(|p| point(p, i)).unzip();
             panel = panel.series(Series::new(axis, predicted, rest).points());
         }
+        let outliers: Vec<(f64, f64)> = of(true).flat_map(|p| [0, 1, 2].map(|i| point(p, i))).collect();
+        if !outliers.is_empty() && high > 0.0 {
+            let beyond = outliers.iter().any(|(x, y)| x.abs() > wide || y.abs() > high);
+            let name =
+                if beyond { "left out as outlier (beyond the frame: at its edge)" } else { "left out as outlier" };
+            let shown = outliers.iter().map(|(x, y)| (x.clamp(-wide, wide), y.clamp(-high, high)));
+            let (x, y): (Vec<f64>, Vec<f64>) = shown.unzip();
+            panel = panel.series(Series::new(name, x, y).points().color(Color::GREY)).limits(-high, high);
+        }
         let title = format!("Translation of the tool point, {}: {}", self.robot, self.trusted);
-        (!self.predictions.is_empty()).then(|| XyChart::new("predicted [mm]", panel).title(title).draw())
+        (!kept.is_empty()).then(|| XyChart::new("predicted [mm]", panel).title(title).draw())
     }
 }
 

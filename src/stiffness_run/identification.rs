@@ -1,18 +1,19 @@
 //! Springs and stiffnesses of a robot from a table of measurements.
 
-use std::fmt;
 use std::path::Path;
 
 use bracketry_stiffness::{
-    Comparison, Deformation, Found, Identified, JointKind, Measurement, MeasurementNoise, MeasurementSet, Method,
-    Outliers, RobotFile, SpringFitSettings, Springs, Twist, Wrench, compare,
+    CartesianEstimate, CartesianEstimator, Comparison, Deformation, Found, IdentificationError, Identified, JointKind,
+    Measurement, MeasurementNoise, MeasurementSet, Method, Outliers, RobotFile, SpringFit, SpringFitSettings, Springs,
+    Twist, compare,
 };
-use bracketry_system::{Columns, Entries};
+use bracketry_system::Columns;
 use nalgebra::Matrix6;
 use serde::Serialize;
 
 use super::StiffnessRunError;
-use super::log::{WRENCH, check_coordinates, check_joints, joint_names, rows};
+use super::log::{CoordinatesAndWrenches, rows};
+use super::unexplained::Unexplained;
 
 /// Columns of a displacement.
 const TWIST: [&str; 6] = ["dx", "dy", "dz", "rx", "ry", "rz"];
@@ -22,13 +23,21 @@ const START: [f64; 2] = [1e6, 1e8];
 /// Mean square of the residuals of springs, in units of their noise, from which on they are no springs to work with: twice the noise.
 const WRONG: f64 = 4.0;
 
+/// Share of what linear springs leave, squared, from which on lost motion that explains it makes them none to work with.
+const LOST: f64 = 0.5;
+
 /// How a method did.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MethodSummary {
     /// Its name.
     pub method: String,
-    /// Error of the prediction of held-out displacements in units of their noise; absent where it does not apply.
+    /// Error of the prediction of held-out displacements in units of their noise; absent where it does not apply, as all that follows.
     pub held_out: Option<f64>,
+    /// Ratio of the largest to the smallest: of the loads over all directions in units of their noise (for W on ΔX of the displacements), for
+    /// joint springs of the standard deviations of combinations of their logarithms.
+    pub condition: Option<f64>,
+    /// χ² per degree of freedom: mean square of the residuals of displacements in units of their noise.
+    pub chi_square: Option<f64>,
     /// Why it does not apply.
     pub failed: Option<String>,
 }
@@ -46,6 +55,17 @@ pub struct ParameterSummary {
     pub why: Option<String>,
 }
 
+/// The measured translation of the tool point and its prediction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PredictedTranslation {
+    /// Measured (m, base axes).
+    pub measured: [f64; 3],
+    /// Predicted.
+    pub predicted: [f64; 3],
+    /// Whether the measurement was left out as an outlier.
+    pub outlier: bool,
+}
+
 /// An identification.
 #[derive(Clone, Debug, Serialize)]
 pub struct Identification {
@@ -55,6 +75,8 @@ pub struct Identification {
     pub measurements: usize,
     /// Lines of the table that were left out as outliers.
     pub outliers: Vec<u64>,
+    /// Why none were left out although that was asked for.
+    pub outliers_kept: Option<String>,
     /// The method to trust.
     pub trusted: String,
     /// Why, and what is wrong with the others that work.
@@ -63,16 +85,24 @@ pub struct Identification {
     pub methods: Vec<MethodSummary>,
     /// Numbers of the joints' springs.
     pub parameters: Vec<ParameterSummary>,
-    /// Compliance at the tool point in base axes (m/N, rad/(N·m)) where the measurements are of one pose: symmetric positive definite.
+    /// What of the measured translations joint springs do not explain; absent where there are none.
+    pub unexplained: Option<Unexplained>,
+    /// Compliance at the tool point in base axes (m/N, m/(N·m); rad/N, rad/(N·m)) where the measurements are of one pose: symmetric positive definite.
     pub compliance: Option<[[f64; 6]; 6]>,
+    /// Ends of the 95 % intervals of its entries.
+    pub compliance_interval: Option<[[[f64; 2]; 6]; 6]>,
+    /// Its inverse, the stiffness (N/m, N/rad; N·m/m, N·m/rad).
+    pub stiffness: Option<[[f64; 6]; 6]>,
+    /// Ends of the 95 % intervals of its entries.
+    pub stiffness_interval: Option<[[[f64; 2]; 6]; 6]>,
     /// The springs, where the data tell all of them and they explain the data.
     #[serde(skip)]
     pub springs: Option<Springs>,
     /// Why the springs that were found are none to work with.
     pub withheld: Option<String>,
-    /// Measured and predicted translations (m) of the trusted method, x, y and z in turn.
+    /// Measured and predicted translations of the trusted method.
     #[serde(skip)]
-    pub predictions: Vec<[f64; 2]>,
+    pub predictions: Vec<PredictedTranslation>,
 }
 
 impl Identification {
@@ -84,50 +114,64 @@ impl Identification {
     pub fn new(file: &RobotFile, table: &Path, outliers: Outliers) -> Result<Self, StiffnessRunError> {
         let robot = &file.robot;
         let doc = Columns::document(table, "name a CSV file: a table with the columns q1 …, Fx … Mz, dx … rz")?;
-        let columns = Columns::parse(&doc, |_| Entries::Finite)?;
-        let q = joint_names("q", robot);
-        check_joints(&doc, &columns, robot, "q")?;
-        let coordinates = rows(&doc, &columns, &q)?;
-        check_coordinates(&doc, &columns, robot, &q)?;
-        let wrenches = rows(&doc, &columns, &WRENCH.map(str::to_owned))?;
-        let twists = rows(&doc, &columns, &TWIST.map(str::to_owned))?;
-        let together = coordinates.into_iter().zip(wrenches).zip(twists);
+        let read = CoordinatesAndWrenches::parse(&doc, robot)?;
+        let twists = rows(&doc, &read.columns, &TWIST.map(str::to_owned))?;
+        let lines = &read.columns.lines;
+        let together = read.coordinates.into_iter().zip(read.wrenches).zip(twists);
         let measurements: Vec<Measurement> = together
-            .map(|((q, wrench), twist)| Measurement {
-                q,
-                wrench: Wrench::from_row_slice(&wrench),
-                displacement: Twist::from_row_slice(&twist),
-            })
+            .map(|((q, wrench), twist)| Measurement { q, wrench, displacement: Twist::from_row_slice(&twist) })
             .collect();
-        let noise = &file.noise;
-        let noise = MeasurementNoise::from_std(noise.translation, noise.rotation, noise.force, noise.moment);
-        let place = |why| StiffnessRunError::Identification { file: table.display().to_string(), why };
-        let set = MeasurementSet::new(measurements, noise).map_err(place)?;
-        let start = file.springs.clone().unwrap_or_else(|| {
-            let of = |kind| START[usize::from(kind == JointKind::Prismatic)];
-            Springs::linear(&robot.joints.iter().map(|joint| of(joint.kind)).collect::<Vec<f64>>())
-        });
-        let comparison =
-            compare(&set, Some((robot, &start, &SpringFitSettings::default())), outliers).map_err(place)?;
-        let mut identification = Self {
-            robot: robot.name.clone(),
+        let place = |why: IdentificationError| StiffnessRunError::Identification {
+            file: table.display().to_string(),
+            why: why.in_file(lines),
+        };
+        let set = MeasurementSet::new(measurements, noise(file)).map_err(place)?;
+        let start = start(file);
+        let compared = |outliers| compare(&set, Some((robot, &start, &SpringFitSettings::default())), outliers);
+        let told = |comparison: &Comparison| {
+            let mut identification = Self::empty(file, &set, comparison, lines);
+            identification.take(file, &set, comparison, lines);
+            identification
+        };
+        match compared(outliers) {
+            Ok(comparison) => Ok(told(&comparison)),
+            // Lost motion in a joint contradicts linear springs in most measurements: that is worth more than the refusal.
+            Err(why @ IdentificationError::TooManyOutliers { .. }) if outliers == Outliers::Reject => {
+                let kept = compared(Outliers::Keep).ok().map(|comparison| told(&comparison));
+                let named = |found: &Self| found.unexplained.as_ref().is_some_and(|rest| !rest.lost_motion.is_empty());
+                match kept.filter(named) {
+                    Some(found) => Ok(Self { outliers_kept: Some(why.to_string()), ..found }),
+                    None => Err(place(why)),
+                }
+            }
+            Err(why) => Err(place(why)),
+        }
+    }
+
+    /// A report without results.
+    fn empty(file: &RobotFile, set: &MeasurementSet, comparison: &Comparison, lines: &[u64]) -> Self {
+        Self {
+            robot: file.robot.name.clone(),
             measurements: set.len(),
-            outliers: comparison.outliers.iter().filter_map(|i| columns.lines.get(*i).copied()).collect(),
+            outliers: comparison.outliers.iter().filter_map(|i| lines.get(*i).copied()).collect(),
+            outliers_kept: None,
             trusted: comparison.trusted.to_string(),
             reasons: Vec::new(),
             methods: Vec::new(),
             parameters: Vec::new(),
+            unexplained: None,
             compliance: None,
+            compliance_interval: None,
+            stiffness: None,
+            stiffness_interval: None,
             springs: None,
             withheld: None,
             predictions: Vec::new(),
-        };
-        identification.take(file, &set, &comparison);
-        Ok(identification)
+        }
     }
 
     /// Takes over what each method found.
-    fn take(&mut self, file: &RobotFile, set: &MeasurementSet, comparison: &Comparison) {
+    fn take(&mut self, file: &RobotFile, set: &MeasurementSet, comparison: &Comparison, lines: &[u64]) {
         // Why a method does not apply stands with the method.
         let failed = |reason: &String| {
             let mut methods = comparison.methods.iter().filter(|(_, report)| report.is_err());
@@ -135,49 +179,93 @@ impl Identification {
         };
         self.reasons = comparison.reasons.iter().filter(|reason| !failed(reason)).cloned().collect();
         for (method, report) in &comparison.methods {
+            let working = report.as_ref().ok();
             self.methods.push(MethodSummary {
                 method: method.to_string(),
-                held_out: report.as_ref().ok().map(|r| r.held_out),
-                failed: report.as_ref().err().map(ToString::to_string),
+                held_out: working.map(|r| r.held_out),
+                condition: working.map(|r| r.found.condition()),
+                chi_square: working.map(|r| r.found.chi_square()),
+                failed: report.as_ref().err().map(|why| why.clone().in_file(lines).to_string()),
             });
-            let Ok(report) = report else { continue };
+            let Some(report) = working else { continue };
+            let trusted = *method == comparison.trusted;
             match &report.found {
                 Found::Cartesian(estimate) => {
-                    if *method == comparison.trusted {
+                    if trusted {
                         let predict = |m: &Measurement| Some(estimate.compliance * m.wrench);
-                        self.predictions = predictions(set, predict);
+                        self.predictions = predictions(set, &comparison.outliers, predict);
                     }
-                    let positive = bracketry_stiffness::CartesianEstimator::PositiveDefinite;
-                    if *method == Method::Cartesian(positive) {
-                        self.compliance = Some(entries(&estimate.compliance));
-                    }
-                }
-                Found::Springs(fit) => {
-                    self.parameters = fit.parameters.iter().map(summary).collect();
-                    let trusted = *method == comparison.trusted;
-                    let found = fit.springs().ok();
-                    self.withheld = found.and_then(|_| withheld(fit.chi_square, trusted, &self.trusted));
-                    if self.withheld.is_none() {
-                        self.springs = found.cloned();
-                    }
-                    if let (true, Some(springs)) = (trusted, found) {
-                        let predict = |m: &Measurement| {
-                            Some(Deformation::equilibrium(&file.robot, springs, &m.q, &m.wrench).ok()?.tool)
-                        };
-                        self.predictions = predictions(set, predict);
+                    if *method == Method::Cartesian(CartesianEstimator::PositiveDefinite) {
+                        self.take_cartesian(estimate);
                     }
                 }
+                Found::Springs(fit) => self.take_springs(file, set, comparison, fit, lines),
             }
+        }
+    }
+
+    fn take_cartesian(&mut self, estimate: &CartesianEstimate) {
+        let intervals = |of: &dyn Fn(usize, usize) -> (f64, f64)| {
+            std::array::from_fn(|i| std::array::from_fn(|j| <[f64; 2]>::from(of(i, j))))
+        };
+        self.compliance = Some(entries(&estimate.compliance));
+        self.compliance_interval = Some(intervals(&|i, j| estimate.compliance_interval(i, j)));
+        self.stiffness = Some(entries(&estimate.stiffness));
+        self.stiffness_interval = Some(intervals(&|i, j| estimate.stiffness_interval(i, j)));
+    }
+
+    fn take_springs(
+        &mut self,
+        file: &RobotFile,
+        set: &MeasurementSet,
+        comparison: &Comparison,
+        fit: &SpringFit,
+        lines: &[u64],
+    ) {
+        self.parameters = fit.parameters.iter().map(summary).collect();
+        let trusted = comparison.trusted == Method::JointSprings;
+        let Ok(springs) = fit.springs() else { return };
+        let predict =
+            |m: &Measurement| Some(Deformation::equilibrium(&file.robot, springs, &m.q, &m.wrench).ok()?.tool);
+        let predicted = predictions(set, &comparison.outliers, predict);
+        self.unexplained = Unexplained::new(&file.robot, springs, set, &comparison.outliers, &predicted, lines);
+        let lost_motion = self.unexplained.as_ref().map_or(0.0, Unexplained::by_lost_motion);
+        self.withheld = withheld(fit.chi_square, trusted, &self.trusted, lost_motion);
+        if self.withheld.is_none() {
+            self.springs = Some(springs.clone());
+        }
+        if trusted {
+            self.predictions = predicted;
         }
     }
 }
 
+/// Noise of the measurements, as a robot file states it.
+pub(super) fn noise(file: &RobotFile) -> MeasurementNoise {
+    let noise = &file.noise;
+    MeasurementNoise::from_std(noise.translation, noise.rotation, noise.force, noise.moment)
+}
+
+/// Springs to start from: those of the robot file, else of a usual size.
+pub(super) fn start(file: &RobotFile) -> Springs {
+    file.springs.clone().unwrap_or_else(|| {
+        let of = |kind| START[usize::from(kind == JointKind::Prismatic)];
+        Springs::linear(&file.robot.joints.iter().map(|joint| of(joint.kind)).collect::<Vec<f64>>())
+    })
+}
+
 /// Why springs with these residuals are not written.
-fn withheld(chi_square: f64, trusted: bool, other: &str) -> Option<String> {
+fn withheld(chi_square: f64, trusted: bool, other: &str, lost_motion: f64) -> Option<String> {
     let off = chi_square.sqrt();
     if !trusted {
         return Some(format!(
             "{other} predicts better than the springs of the joints, which leave {off:.1} σ: something else yields too"
+        ));
+    }
+    if lost_motion > LOST {
+        let share = 100.0 * lost_motion;
+        return Some(format!(
+            "lost motion in joints explains {share:.0} % of what they leave: start from it, as told below"
         ));
     }
     (chi_square > WRONG).then(|| {
@@ -196,69 +284,21 @@ fn summary(parameter: &bracketry_stiffness::SpringParameter) -> ParameterSummary
     ParameterSummary { joint: parameter.joint, name: parameter.name.to_owned(), value, why }
 }
 
-fn predictions(set: &MeasurementSet, predict: impl Fn(&Measurement) -> Option<Twist>) -> Vec<[f64; 2]> {
-    let pairs = |m: &Measurement| {
-        let predicted = predict(m)?;
-        Some([0, 1, 2].map(|i| [m.displacement[i], predicted[i]]))
+/// All measurements that can be predicted; `outliers` are those (from 0) that were left out.
+fn predictions(
+    set: &MeasurementSet,
+    outliers: &[usize],
+    predict: impl Fn(&Measurement) -> Option<Twist>,
+) -> Vec<PredictedTranslation> {
+    let translation = |twist: &Twist| [twist[0], twist[1], twist[2]];
+    let pair = |(i, m): (usize, &Measurement)| {
+        let predicted = translation(&predict(m)?);
+        let measured = translation(&m.displacement);
+        Some(PredictedTranslation { measured, predicted, outlier: outliers.contains(&i) })
     };
-    set.measurements().iter().filter_map(pairs).flatten().collect()
+    set.measurements().iter().enumerate().filter_map(pair).collect()
 }
 
 fn entries(matrix: &Matrix6<f64>) -> [[f64; 6]; 6] {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]))
-}
-
-impl fmt::Display for Identification {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {} measurements", self.robot, self.measurements)?;
-        if !self.outliers.is_empty() {
-            let lines: Vec<String> = self.outliers.iter().map(ToString::to_string).collect();
-            writeln!(f, "left out as outliers: lines {}", lines.join(", "))?;
-        }
-        writeln!(f, "\n{:24} error of prediction [σ]", "method")?;
-        for method in &self.methods {
-            match method.held_out {
-                Some(error) => writeln!(f, "{:24} {error:.3}", method.method)?,
-                None => writeln!(f, "{:24} –", method.method)?,
-            }
-        }
-        writeln!(f)?;
-        self.reasons.iter().try_for_each(|reason| writeln!(f, "{reason}"))?;
-        let mut told: Vec<&str> = Vec::new();
-        for why in self.methods.iter().filter_map(|method| method.failed.as_deref()) {
-            if !told.contains(&why) {
-                told.push(why);
-                let alike = self.methods.iter().filter(|method| method.failed.as_deref() == Some(why));
-                let alike: Vec<&str> = alike.map(|method| method.method.as_str()).collect();
-                writeln!(f, "{}: does not apply, {why}", alike.join("; "))?;
-            }
-        }
-        if !self.parameters.is_empty() {
-            writeln!(f, "\nsprings of the joints (N·m/rad, N·m/rad³, rad, N·m), 95 % interval")?;
-        }
-        for p in &self.parameters {
-            match (p.value, &p.why) {
-                (Some([value, low, high]), _) => {
-                    writeln!(f, "joint {} {:10} {value:.4e}  ({low:.4e} … {high:.4e})", p.joint, p.name)?;
-                }
-                (None, why) => {
-                    let why = why.as_deref().unwrap_or("unknown");
-                    writeln!(f, "joint {} {:10} not identified: {why}", p.joint, p.name)?;
-                }
-            }
-        }
-        if let Some(why) = &self.withheld {
-            writeln!(f, "these springs are not written, and their intervals do not hold: {why}")?;
-        } else if !self.parameters.is_empty() {
-            writeln!(f, "the intervals hold as far as the model does")?;
-        }
-        if let Some(compliance) = &self.compliance {
-            writeln!(f, "\ncompliance at the tool point, base axes [µm, µrad per N, N·m]")?;
-            for row in compliance {
-                let row: Vec<String> = row.iter().map(|c| format!("{:9.4}", 1e6 * c)).collect();
-                writeln!(f, "{}", row.join(" "))?;
-            }
-        }
-        Ok(())
-    }
 }

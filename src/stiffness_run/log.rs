@@ -59,13 +59,37 @@ impl RobotLog {
     }
 }
 
+/// A table with coordinates of the joints and a wrench in each row.
+pub(super) struct CoordinatesAndWrenches {
+    /// The table.
+    pub(super) columns: Columns,
+    /// `q1 … qn` (rad).
+    pub(super) coordinates: Vec<Vec<f64>>,
+    /// `Fx … Mz` (N, N·m).
+    pub(super) wrenches: Vec<Wrench>,
+}
+
+impl CoordinatesAndWrenches {
+    /// Reads a table in which nothing is lost.
+    pub(super) fn parse(doc: &Document, robot: &Robot) -> Result<Self, FileError> {
+        let columns = Columns::parse(doc, |_| Entries::Finite)?;
+        let q = joint_names("q", robot);
+        check_joints(doc, &columns, robot, "q")?;
+        let coordinates = rows(doc, &columns, &q)?;
+        check_coordinates(doc, &columns, robot, &q)?;
+        let wrenches = rows(doc, &columns, &WRENCH.map(str::to_owned))?;
+        let wrenches = wrenches.iter().map(|row| Wrench::from_row_slice(row)).collect();
+        Ok(Self { columns, coordinates, wrenches })
+    }
+}
+
 /// `q1 … qn`.
-pub(super) fn joint_names(letter: &str, robot: &Robot) -> Vec<String> {
+fn joint_names(letter: &str, robot: &Robot) -> Vec<String> {
     (1..=robot.joints.len()).map(|i| format!("{letter}{i}")).collect()
 }
 
 /// Refuses a column of a joint that the robot does not have.
-pub(super) fn check_joints(doc: &Document, table: &Columns, robot: &Robot, letter: &str) -> Result<(), FileError> {
+fn check_joints(doc: &Document, table: &Columns, robot: &Robot, letter: &str) -> Result<(), FileError> {
     let joints = robot.joints.len();
     let number = |name: &str| name.strip_prefix(letter)?.parse::<usize>().ok();
     match table.header.iter().find(|name| number(name).is_some_and(|i| i == 0 || i > joints)) {
@@ -77,7 +101,7 @@ pub(super) fn check_joints(doc: &Document, table: &Columns, robot: &Robot, lette
     }
 }
 
-pub(super) fn column<'a>(doc: &Document, table: &'a Columns, name: &str) -> Result<&'a Vec<f64>, FileError> {
+fn column<'a>(doc: &Document, table: &'a Columns, name: &str) -> Result<&'a Vec<f64>, FileError> {
     table.columns.get(name).ok_or_else(|| {
         let message = format!("the column {name} is missing; the table has {}", table.header.join(", "));
         doc.missing(message, "name the columns as docs/stiffness.md does; units are m, rad, N, N·m")
@@ -91,12 +115,7 @@ pub(super) fn rows(doc: &Document, table: &Columns, names: &[String]) -> Result<
 }
 
 /// Refuses coordinates that no joint has.
-pub(super) fn check_coordinates(
-    doc: &Document,
-    table: &Columns,
-    robot: &Robot,
-    names: &[String],
-) -> Result<(), FileError> {
+fn check_coordinates(doc: &Document, table: &Columns, robot: &Robot, names: &[String]) -> Result<(), FileError> {
     for (name, joint) in names.iter().zip(&robot.joints) {
         let (limit, unit, remedy) = match joint.kind {
             JointKind::Revolute => (LARGEST_ANGLE, "rad", "looks like degrees: multiply the joint columns by π/180"),

@@ -3,14 +3,23 @@
 mod compensation;
 mod figures;
 mod identification;
+mod identification_text;
 mod log;
+mod loop_gain;
+mod poses;
+mod unexplained;
+mod weighing;
 
-use bracketry_stiffness::{CompensationError, IdentificationError};
+use bracketry_stiffness::{CompensationError, IdentificationError, PayloadError};
 use bracketry_system::FileError;
 
 pub use compensation::{CompensatedLog, CompensatedRow, FaultCount};
-pub use identification::{Identification, MethodSummary, ParameterSummary};
+pub use identification::{Identification, MethodSummary, ParameterSummary, PredictedTranslation};
 pub use log::RobotLog;
+pub use loop_gain::LoopGain;
+pub use poses::{ChosenPoses, Expectation};
+pub use unexplained::{LostMotionSummary, Unexplained};
+pub use weighing::Weighing;
 
 /// Why a run over a robot's data did not come about.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -33,6 +42,14 @@ pub enum StiffnessRunError {
         file: String,
         /// What is wrong with them.
         why: IdentificationError,
+    },
+    /// Readings at rest that do not determine what the sensor carries.
+    #[error("{file}: {why}")]
+    Weighing {
+        /// The table.
+        file: String,
+        /// What is wrong with them.
+        why: PayloadError,
     },
     /// Readings of force in other units.
     #[error(

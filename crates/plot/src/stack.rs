@@ -112,6 +112,7 @@ impl TimeSeries {
         let layout = Layout {
             title: &self.title,
             x_label: &self.time_label,
+            x_ticks: &[],
             x_margin: 0.0,
             integer: false,
             spread: 0.0,
@@ -135,12 +136,21 @@ pub struct XyChart {
     pub panel: Panel,
     /// Whether both axes count things, see [`Self::integer`].
     pub integer: bool,
+    /// Places on the horizontal axis that are labelled in place of round numbers; none for those.
+    pub x_ticks: Vec<(f64, String)>,
 }
 
 impl XyChart {
     /// A chart of `panel` over the quantity named `x_label`.
     pub fn new(x_label: impl Into<String>, panel: Panel) -> Self {
-        Self { title: String::new(), x_label: x_label.into(), panel, integer: false }
+        Self { title: String::new(), x_label: x_label.into(), panel, integer: false, x_ticks: Vec::new() }
+    }
+
+    /// Labels places on the horizontal axis, such as 100 at 2 where it holds decimal logarithms.
+    #[must_use]
+    pub fn x_ticks<S: Into<String>>(mut self, ticks: impl IntoIterator<Item = (f64, S)>) -> Self {
+        self.x_ticks = ticks.into_iter().map(|(place, label)| (place, label.into())).collect();
+        self
     }
 
     /// Sets the title.
@@ -166,6 +176,7 @@ impl XyChart {
         let layout = Layout {
             title: &self.title,
             x_label: &self.x_label,
+            x_ticks: &self.x_ticks,
             x_margin: 0.04,
             integer: self.integer,
             spread: if self.integer { 6.0 } else { 0.0 },
@@ -182,6 +193,7 @@ impl XyChart {
 struct Layout<'a> {
     title: &'a str,
     x_label: &'a str,
+    x_ticks: &'a [(f64, String)],
     x_margin: f64,
     integer: bool,
     spread: f64,
@@ -277,7 +289,12 @@ impl Layout<'_> {
         let own = self.panels.iter().flat_map(Panel::abscissas);
         let common = self.intervals.iter().flat_map(|i| [i.start, i.end]);
         let (low, high) = padded_range(own.chain(common), self.x_margin);
-        horizontal_scale((low, high), width, 85.0, self.integer)
+        let scale = horizontal_scale((low, high), width, 85.0, self.integer);
+        if self.x_ticks.is_empty() {
+            return scale;
+        }
+        let inside = |tick: &&(f64, String)| (low..=high).contains(&tick.0);
+        Scale { ticks: self.x_ticks.iter().filter(inside).cloned().collect(), factor: String::new(), ..scale }
     }
 
     /// The categories in order of appearance, with their colours.

@@ -1,7 +1,7 @@
 //! Data in another unit or with another sign than they should have, as the springs of the joints tell.
 
 use super::error::IdentificationError;
-use crate::deformation::Deformation;
+use super::parameters::links_alone;
 use crate::error::StiffnessError;
 use crate::frame::{Twist, Wrench};
 use crate::kinematics::Kinematics;
@@ -19,8 +19,6 @@ const EXPLAINED: f64 = 0.5;
 /// Share of the measurements that a refit keeps, the best; and how many refits there are.
 const TRUSTED: f64 = 0.7;
 const REFITS: usize = 2;
-/// Stiffness of joints that count as rigid, where links alone are asked for (N·m/rad).
-const RIGID: f64 = 1e30;
 
 /// A change of the data that may make sense of them.
 struct Change {
@@ -81,13 +79,12 @@ pub(super) fn check_conventions(
 /// the better part of them.
 fn misfit(robot: &Robot, set: &MeasurementSet, start: &Springs, factors: [f64; 4]) -> Option<f64> {
     let joints = robot.joints.len();
-    let rigid = Springs { joints: Springs::linear(&vec![RIGID; joints]).joints, links: start.links.clone() };
     let rows: Vec<(DMatrix<f64>, DVector<f64>)> = set
         .measurements()
         .iter()
         .zip(set.noise())
         .map(|(m, noise)| {
-            let (columns, rest) = regressor(robot, &rigid, m, factors).ok()?;
+            let (columns, rest) = regressor(robot, start, m, factors).ok()?;
             let whiten = noise.displacement.cholesky()?.l().try_inverse()?;
             let columns = DMatrix::from_column_slice(6, joints, (whiten * columns).as_slice());
             Some((columns, DVector::from_column_slice((whiten * rest).as_slice())))
@@ -119,7 +116,7 @@ fn misfit(robot: &Robot, set: &MeasurementSet, start: &Springs, factors: [f64; 4
 /// Displacement per compliance of each joint, and the displacement that links leave to the joints.
 fn regressor(
     robot: &Robot,
-    rigid: &Springs,
+    start: &Springs,
     m: &Measurement,
     [force, moment, translation, rotation]: [f64; 4],
 ) -> Result<(nalgebra::Matrix6xX<f64>, Twist), StiffnessError> {
@@ -132,6 +129,6 @@ fn regressor(
     for j in 0..robot.joints.len() {
         columns.column_mut(j).scale_mut(kinematics.torque(j, &wrench));
     }
-    let links = Deformation::linear(robot, rigid, &m.q, &wrench)?.tool;
+    let links = links_alone(robot, start, &m.q, &wrench)?;
     Ok((columns, scaled(&m.displacement, translation, rotation) - links))
 }

@@ -89,3 +89,20 @@ pub(super) fn springs_at(start: &Springs, logarithms: &DVector<f64>) -> Springs 
     }
     springs
 }
+
+/// Stiffness of joints that count as rigid, where links alone are asked for (N·m/rad).
+const RIGID: f64 = 1e30;
+
+/// First-order displacement of the tool point by the compliances of the links alone.
+pub(super) fn links_alone(
+    robot: &Robot,
+    springs: &Springs,
+    q: &[f64],
+    wrench: &Wrench,
+) -> Result<Twist, StiffnessError> {
+    if springs.links.is_empty() {
+        return Ok(Twist::zeros());
+    }
+    let rigid = Springs::linear(&vec![RIGID; springs.joints.len()]).with_links(springs.links.clone());
+    Ok(Deformation::linear(robot, &rigid, q, wrench)?.tool)
+}

@@ -3,7 +3,7 @@
 use super::error::{IdentificationError, Place};
 use super::levenberg_marquardt::{Minimum, minimise};
 use super::outliers::{Outliers, agreeing};
-use super::parameters::{DeformationModel, Parameter, logarithms, parameters, springs_at};
+use super::parameters::{DeformationModel, Parameter, links_alone, logarithms, parameters, springs_at};
 use crate::kinematics::Kinematics;
 use crate::loaded::loaded_compliance;
 use crate::measurement::{Measurement, MeasurementNoise, MeasurementSet};
@@ -278,7 +278,7 @@ fn fit(
     Ok(Fit { springs, minimum })
 }
 
-/// Stiffnesses from `ΔX = Σ_j c_j J_j J_jᵀ W`; those whose compliance is not clearly positive stay at the start.
+/// Stiffnesses from `ΔX = Σ_j c_j J_j J_jᵀ W`, less what links yield; those whose compliance is not clearly positive stay at the start.
 fn linear_start(
     robot: &Robot,
     set: &MeasurementSet,
@@ -296,7 +296,8 @@ fn linear_start(
             columns.column_mut(j).scale_mut(torque);
         }
         normal += columns.tr_mul(&columns);
-        right += columns.tr_mul(&(whiten * m.displacement));
+        let links = links_alone(robot, start, &m.q, &m.wrench)?;
+        right += columns.tr_mul(&(whiten * (m.displacement - links)));
     }
     let mut springs = start.clone();
     let Some(inverse) = normal.cholesky().map(|factor| factor.inverse()) else { return Ok(springs) };
