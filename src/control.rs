@@ -100,6 +100,7 @@ pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)
     let model = Model::new(&problem.plant, &inputs)?;
     let switches = model.switch_names().map(str::to_owned).collect();
     let end = run.closed_loop.t.last().copied().unwrap_or(0.0);
-    let recording = simulate(model, 0.0, &problem.x0, end, &Settings::default())?;
+    let settings = Settings { stop: problem.stop.clone(), ..Settings::default() };
+    let recording = simulate(model, 0.0, &problem.x0, end, &settings)?;
     Ok(Controlled { run, recording, switches })
 }

@@ -95,6 +95,9 @@ pub enum DiagnoseError {
         /// What should be replaced.
         text: String,
     },
+    /// The [`StopFlag`](bracketry_symbolic::StopFlag) of the model's pool was raised.
+    #[error("the diagnosis was stopped")]
+    Stopped,
     /// A setting without meaning.
     #[error("{name} is {value}, but must be {requirement}")]
     Setting {

@@ -59,8 +59,8 @@ impl Default for Options {
 /// vanishes at the point, of the smoothed model.
 ///
 /// # Errors
-/// [`Error::NotAffine`], [`Error::NoStates`], [`Error::Modes`], [`Error::Bracket`]; what an exact test cannot
-/// decide becomes an unknown of the report instead.
+/// [`Error::NotAffine`], [`Error::NoStates`], [`Error::Modes`], [`Error::Bracket`], [`Undecided::Stopped`] once the stop flag
+/// of the system's pool is raised; what an exact test cannot decide becomes an unknown of the report instead.
 pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     let begin = Instant::now();
     let mut evidence = Evidence::default();
@@ -197,6 +197,10 @@ pub fn analyse(system: &System, options: &Options) -> Result<Report, Error> {
     } else {
         None
     };
+    // Whatever is unknown now, it is not for a reason of its own.
+    if system.pool.stop_flag().is_raised() {
+        return Err(Undecided::Stopped.into());
+    }
     Ok(Report {
         modes: mode_reports,
         switched,

@@ -17,6 +17,9 @@ pub enum Undecided {
         /// New nodes of the pool that were allowed.
         nodes: usize,
     },
+    /// The pool's [`StopFlag`](bracketry_symbolic::StopFlag) was raised.
+    #[error("not decided because the analysis was stopped")]
+    Stopped,
     /// Ranks of too many or too large matrices.
     #[error("not decided because the ranks take more than {products:e} products")]
     TooMany {
@@ -32,6 +35,9 @@ const MAX_NODES: usize = 400_000;
 const MAX_ANALYSIS_NODES: usize = 1_000_000;
 
 fn check(pool: &Pool, first: usize, coming: usize, nodes: usize) -> Result<(), Undecided> {
+    if pool.stop_flag().is_raised() {
+        return Err(Undecided::Stopped);
+    }
     if pool.len() + coming > first + nodes { Err(Undecided::TooLarge { nodes }) } else { Ok(()) }
 }
 
@@ -54,6 +60,9 @@ pub(crate) fn check_growth(pool: &Pool, first: usize, roots: [&[Expr]; 2], direc
 /// Stops an analysis that began when the pool had made `first` nodes, between two questions. Nodes that were
 /// freed since count as well.
 pub(crate) fn check_analysis(pool: &Pool, first: usize) -> Result<(), Undecided> {
+    if pool.stop_flag().is_raised() {
+        return Err(Undecided::Stopped);
+    }
     let nodes = MAX_ANALYSIS_NODES;
     if pool.made() > first + nodes { Err(Undecided::TooLarge { nodes }) } else { Ok(()) }
 }

@@ -3,13 +3,14 @@
 use crate::controller::Controller;
 use crate::counts::{Counts, PhaseTimes, SolveTimes};
 use crate::dynamics::Dynamics;
-use crate::error::{MpcError, PlantError, check_length};
+use crate::error::{MpcError, PlantError, check_flag, check_length};
 use crate::estimation::Estimator;
 use crate::faults::{Fault, StepLimits, disturb, lose};
 use crate::integrator::Integrator;
 use crate::ocp::Ocp;
 use crate::shooting::Shooter;
 use crate::step::{Step, StepStatus, Timings};
+use bracketry_symbolic::StopFlag;
 use std::collections::VecDeque;
 
 /// The thing that is controlled.
@@ -68,6 +69,8 @@ pub struct LoopSettings<'a> {
     pub initial_input: Vec<f64>,
     /// What goes wrong.
     pub faults: Option<FaultFunction<'a>>,
+    /// Once it is raised, the loop ends with [`MpcError::Stopped`] at its next sample.
+    pub stop: StopFlag,
 }
 
 /// One sample of a closed loop.
@@ -148,6 +151,7 @@ impl<'a> SampledLoop<'a> {
     /// # Errors
     /// If a length is wrong or the plant stops ([`MpcError::Plant`]).
     pub fn sample(&mut self) -> Result<Sample, MpcError> {
+        check_flag(&self.settings.stop)?;
         let (k, t, dt) = (self.k, self.time(), self.ocp.dt);
         let faults = self.settings.faults.as_mut().map_or_else(Vec::new, |f| f(k));
         disturb(&faults, &mut self.x);

@@ -1,6 +1,6 @@
 //! What can be wrong with a problem before anything is solved.
 
-use bracketry_symbolic::CompileError;
+use bracketry_symbolic::{CompileError, StopFlag};
 
 /// Why a plant could not be simulated further.
 pub type PlantError = Box<dyn std::error::Error + Send + Sync>;
@@ -111,12 +111,20 @@ pub enum MpcError {
         /// The derivative.
         name: String,
     },
+    /// The flag of the settings was raised.
+    #[error("the computation was stopped")]
+    Stopped,
     /// A cost cannot be read.
     #[error(transparent)]
     Parse(#[from] bracketry_symbolic::ParseError),
     /// An expression uses a name that is neither a state, an input, the time nor a reference.
     #[error(transparent)]
     Compile(#[from] CompileError),
+}
+
+/// [`MpcError::Stopped`] once the flag is raised.
+pub(crate) fn check_flag(stop: &StopFlag) -> Result<(), MpcError> {
+    if stop.is_raised() { Err(MpcError::Stopped) } else { Ok(()) }
 }
 
 pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), MpcError> {

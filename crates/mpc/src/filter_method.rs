@@ -10,7 +10,7 @@
 //!
 //! Where programs fail, the defects are removed by simulating the inputs (feasibility restoration).
 
-use crate::error::MpcError;
+use crate::error::{MpcError, check_flag};
 use crate::filter::{Filter, Verdict};
 use crate::qp::QpStatus;
 use crate::sqp::{Iteration, Sqp};
@@ -62,6 +62,7 @@ impl Sqp {
         // ½ dᵀHd of the last step, if it was a whole one of a program without proximal term.
         let mut last_curvature = None;
         for _ in 0..s.filter_iterations {
+            check_flag(&s.stop)?;
             let proximal = if lambda < s.min_proximal { 0.0 } else { lambda };
             self.assemble(&at, proximal);
             let qp = self.qp.solve()?;

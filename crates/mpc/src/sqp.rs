@@ -13,13 +13,14 @@
 //! with dry friction from 2 of 30 starts alone, and from 27 with the filter method after it.
 
 use crate::dynamics::Dynamics;
-use crate::error::{MpcError, check_length};
+use crate::error::{MpcError, check_flag, check_length};
 use crate::faults::StepLimits;
 use crate::ocp::Ocp;
 use crate::qp::{Qp, QpSettings, QpStatus};
 use crate::shooting::Linearisation;
 use crate::trajectory::Trajectory;
 use crate::transcription::{Merit, Transcription};
+use bracketry_symbolic::StopFlag;
 use std::time::Instant;
 
 /// Second derivatives of the quadratic programs.
@@ -63,6 +64,8 @@ pub struct SqpSettings {
     pub hessian: Hessian,
     /// Settings of the quadratic programs.
     pub qp: QpSettings,
+    /// Once it is raised, the iteration ends with [`MpcError::Stopped`].
+    pub stop: StopFlag,
 }
 
 impl Default for SqpSettings {
@@ -80,6 +83,7 @@ impl Default for SqpSettings {
             min_proximal: 1e-4,
             hessian: Hessian::default(),
             qp: QpSettings::default(),
+            stop: StopFlag::default(),
         }
     }
 }
@@ -358,6 +362,7 @@ impl Sqp {
         let mut weight = 0.0_f64;
         let mut failures = 0;
         for _ in 0..limit {
+            check_flag(&s.stop)?;
             let proximal = if *lambda < s.min_proximal { 0.0 } else { *lambda };
             self.assemble(z, proximal);
             let now = self.problem.merit_with(z, &self.lin.end, s.qp.hard_weight);

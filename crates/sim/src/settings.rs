@@ -1,5 +1,6 @@
 //! Tolerances and limits of a simulation, and the errors of wrong ones.
 
+use bracketry_symbolic::StopFlag;
 use serde::{Deserialize, Serialize};
 
 /// Tolerances and limits of a simulation.
@@ -20,6 +21,9 @@ pub struct Settings {
     /// Most switching functions that may vanish at once for the full enumeration of the `3^|Z|` next modes; for
     /// more, an active-set search is tried.
     pub max_zero_set: usize,
+    /// Once it is raised, the simulation stops where it is ([`crate::StopReason::Asked`]).
+    #[serde(skip)]
+    pub stop: StopFlag,
 }
 
 impl Default for Settings {
@@ -32,6 +36,7 @@ impl Default for Settings {
             max_events: 1000,
             event_window: 1e-3,
             max_zero_set: 8,
+            stop: StopFlag::default(),
         }
     }
 }

@@ -228,6 +228,9 @@ impl<S: Switched> Stepper<S> {
         self.restart(trajectory)?;
         let first = self.statistics.steps + self.statistics.rejected;
         while self.t < t_end {
+            if self.settings.stop.is_raised() {
+                return Err(StopReason::Asked);
+            }
             if self.t >= self.segment_end {
                 self.restart(trajectory)?;
             }

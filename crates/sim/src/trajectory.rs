@@ -101,6 +101,8 @@ pub enum StopReason {
     },
     /// The system announced a segment that does not end after it begins.
     EmptySegment,
+    /// The flag of the settings was raised.
+    Asked,
 }
 
 impl std::fmt::Display for StopReason {
@@ -121,6 +123,7 @@ impl std::fmt::Display for StopReason {
             Self::TooManySimultaneous { count, limit } => {
                 write!(f, "{count} switching functions vanish together, more than the {limit} that are enumerated")
             }
+            Self::Asked => write!(f, "it was asked to stop"),
             Self::EmptySegment => write!(f, "an input segment does not end after it begins"),
         }
     }

@@ -7,6 +7,7 @@ use hashbrown::HashTable;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use crate::func::{Func, Func2};
+use crate::stop_flag::StopFlag;
 
 /// An expression: an index into the [`Pool`] that made it.
 ///
@@ -94,6 +95,7 @@ pub struct Pool {
     pub(crate) derivatives: FxHashMap<(Expr, Symbol), Expr>,
     /// Content and primitive part of canonical sums.
     pub(crate) primitives: FxHashMap<Expr, (RBig, Expr)>,
+    stop: StopFlag,
 }
 
 fn symbol_bit(s: Symbol) -> u64 {
@@ -120,6 +122,7 @@ impl Default for Pool {
             name_ids: FxHashMap::default(),
             derivatives: FxHashMap::default(),
             primitives: FxHashMap::default(),
+            stop: StopFlag::default(),
         };
         for unit in [0, 1, -1] {
             pool.small_number(unit);
@@ -132,6 +135,16 @@ impl Pool {
     /// An empty pool.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// The flag that ends long work on expressions of this pool. Clones of a pool share it.
+    pub fn stop_flag(&self) -> &StopFlag {
+        &self.stop
+    }
+
+    /// Gives the pool another flag.
+    pub fn set_stop_flag(&mut self, flag: StopFlag) {
+        self.stop = flag;
     }
 
     /// Number of distinct nodes made so far.

@@ -7,6 +7,7 @@ use crate::error::DiagnoseError;
 use crate::library::{TIME_INPUT, apply_all};
 use crate::record::{Record, Signal};
 use bracketry_sim::{Hold, Inputs, Model, Samples};
+use bracketry_symbolic::StopFlag;
 use bracketry_system::System;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
@@ -34,6 +35,8 @@ pub(super) struct Compiled {
     pub(super) driven: Vec<Driven>,
     /// Whether the models have derivatives by states and by the unknowns of the equations.
     pub(super) differentiable: bool,
+    /// That of the model's pool.
+    pub(super) stop: StopFlag,
 }
 
 /// An input, or a derivative of one, that a record's samples drive.
@@ -103,6 +106,10 @@ impl Compiled {
         effects: &[Effect],
         by: Option<&[String]>,
     ) -> Result<Self, DiagnoseError> {
+        let stop = system.pool.stop_flag().clone();
+        if stop.is_raised() {
+            return Err(DiagnoseError::Stopped);
+        }
         let records = &sources.records;
         let mut changed = system.clone();
         let mut unknowns: Vec<Unknown> =
@@ -126,7 +133,7 @@ impl Compiled {
             };
             models.push(model);
         }
-        Ok(Self { models, unknowns, targets, driven, differentiable: by.is_none() })
+        Ok(Self { models, unknowns, targets, driven, differentiable: by.is_none(), stop })
     }
 }
 

@@ -285,6 +285,9 @@ impl Study {
     }
 
     fn some_window(&self, slots: &[Slot<'_>]) -> Result<(), DiagnoseError> {
+        if self.system.pool.stop_flag().is_raised() {
+            return Err(DiagnoseError::Stopped);
+        }
         if slots.iter().any(|s| s.state.is_ok()) {
             return Ok(());
         }

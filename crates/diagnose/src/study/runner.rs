@@ -98,6 +98,7 @@ impl<'a> Runner<'a> {
         // The tolerance is far below any noise; a window that takes this many steps per sample is not worth its time.
         let mut settings = Settings::default().with_tolerance(1e-6, 1e-8);
         settings.max_steps = 10_000;
+        settings.stop = compiled.stop.clone();
         let stepper = Stepper::new(model, t0, &vec![0.0; n], &settings)?;
         let schedule = Vec::with_capacity(target.len());
         Ok(Self {

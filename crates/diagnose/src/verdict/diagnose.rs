@@ -76,6 +76,7 @@ pub(crate) enum Ending {
 ///
 /// # Errors
 /// Records that do not fit the model, a model that cannot be simulated: [`DiagnoseError`].
+/// [`DiagnoseError::Stopped`] soon after the flag of the model's pool is raised.
 pub fn diagnose(
     system: &System,
     records: &[Record],
@@ -177,6 +178,10 @@ pub fn diagnose(
     let findings = Findings { base, chosen, rivals: found, scatter, tests, alarm, ending };
     let mut report = written(system, &mut search, &findings, validate, settings, begin, progress)?;
     report.notes.extend(notes);
+    // What failed since was not the model's fault.
+    if system.pool.stop_flag().is_raised() {
+        return Err(DiagnoseError::Stopped);
+    }
     Ok(report)
 }
 

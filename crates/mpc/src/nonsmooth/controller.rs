@@ -5,7 +5,7 @@ use super::roll_out::ExactProblem;
 use super::switched_field::SwitchedField;
 use crate::controller::Controller;
 use crate::dynamics::{Dynamics, SymbolicDynamics};
-use crate::error::{MpcError, check_length};
+use crate::error::{MpcError, check_flag, check_length};
 use crate::faults::StepLimits;
 use crate::ocp::Ocp;
 use crate::policy::{FailurePolicy, Failures, rest_input};
@@ -15,6 +15,7 @@ use crate::sqp::{Sqp, SqpSettings};
 use crate::step::{FallbackReason, InputSource, Step, StepStatus, Timings};
 use crate::trajectory::Trajectory;
 use crate::transcription::Transcription;
+use bracketry_symbolic::StopFlag;
 use bracketry_system::System;
 use std::time::Instant;
 
@@ -42,6 +43,8 @@ pub struct StickSlipSettings {
     pub rest_input: Vec<f64>,
     /// Settings of the quadratic programs.
     pub qp: QpSettings,
+    /// Once it is raised, planning ends with [`MpcError::Stopped`].
+    pub stop: StopFlag,
 }
 
 impl Default for StickSlipSettings {
@@ -56,6 +59,7 @@ impl Default for StickSlipSettings {
             failure: FailurePolicy::default(),
             rest_input: Vec::new(),
             qp: QpSettings::default(),
+            stop: StopFlag::default(),
         }
     }
 }
@@ -290,7 +294,12 @@ impl StickSlipController {
         if self.smooth.is_none() {
             return Ok(());
         }
-        let settings = SqpSettings { qp: self.settings.qp, max_iterations: 50, ..SqpSettings::default() };
+        let settings = SqpSettings {
+            qp: self.settings.qp,
+            max_iterations: 50,
+            stop: self.settings.stop.clone(),
+            ..SqpSettings::default()
+        };
         let guess = z.clone();
         let x0 = guess.x(0).to_vec();
         let mut candidates = Vec::new();
@@ -335,6 +344,7 @@ impl StickSlipController {
         let limit = if first { self.settings.initial_iterations } else { self.settings.iterations };
         let mut status = QpStatus::Solved;
         for _ in 0..limit.max(1) {
+            check_flag(&self.settings.stop)?;
             let before = cost;
             status = self.improve(&mut z, &mut cost)?;
             if !status.is_usable() || before - cost <= self.settings.tolerance * before.abs() || self.out_of_time() {

@@ -21,6 +21,7 @@ use crate::ocp::Ocp;
 use crate::policy::FailurePolicy;
 use crate::qp::Backend;
 use crate::sqp::Hessian;
+use bracketry_symbolic::StopFlag;
 use bracketry_system::{AffineError, Document, FileError, System};
 use reader::{KEYS, Reader};
 use std::path::Path;
@@ -114,6 +115,8 @@ pub struct ControlProblem {
     pub conditions: RunConditions,
     /// What is measured, and the estimator; without it the states are measured.
     pub estimation: Option<Estimation>,
+    /// Once it is raised, planning and running end with [`MpcError::Stopped`](crate::MpcError::Stopped).
+    pub stop: StopFlag,
 }
 
 impl ControlProblem {

@@ -5,7 +5,7 @@ use crate::ocp::{Ocp, Substeps};
 use crate::policy::FailurePolicy;
 use crate::qp::{Backend, QpSettings};
 use crate::sqp::Hessian;
-use bracketry_symbolic::{Expr, Names, Pool, Tape};
+use bracketry_symbolic::{Expr, Names, Pool, StopFlag, Tape};
 use bracketry_system::{Document, FileError, System, Table, Value};
 use std::ops::Range;
 
@@ -126,6 +126,7 @@ impl Reader<'_> {
             plant_substeps: start.plant_substeps.unwrap_or(substeps),
             conditions,
             estimation,
+            stop: StopFlag::default(),
             system: system.clone(),
             plant,
             ocp,

@@ -6,7 +6,7 @@ use crate::closed_loop::{ClosedLoop, LoopSettings, MeasurementFunction, Plant, r
 use crate::controller::{Controller, SqpController};
 use crate::delay::DelayCompensated;
 use crate::dynamics::SymbolicDynamics;
-use crate::error::MpcError;
+use crate::error::{MpcError, check_flag};
 use crate::estimation::Estimator;
 use crate::nonsmooth::{StickSlipController, StickSlipSettings};
 use crate::ocp::Ocp;
@@ -62,6 +62,7 @@ impl ControlProblem {
             smoothing: self.smoothing.clone(),
             hessian: self.hessian,
             qp: self.qp(),
+            stop: self.stop.clone(),
             ..SqpSettings::default()
         }
     }
@@ -138,6 +139,7 @@ impl ControlProblem {
             Method::Rti => {
                 let mut rti = self.rti(self.ocp.clone(), self.start(), Horizon::Receding)?;
                 for _ in 1..self.initial_iterations {
+                    check_flag(&self.stop)?;
                     rti.feedback(&self.x0)?;
                 }
                 let cost = self.first_predicted_cost(rti.trajectory())?;
@@ -150,6 +152,7 @@ impl ControlProblem {
                     // Whole steps often find a better solution through states that a merit function forbids.
                     let mut rti = self.rti(self.ocp.clone(), self.start(), Horizon::Receding)?;
                     for _ in 0..WHOLE_STEPS {
+                        check_flag(&self.stop)?;
                         rti.feedback(&self.x0)?;
                     }
                     let second = sqp.solve(&self.x0, rti.trajectory())?;
@@ -171,6 +174,7 @@ impl ControlProblem {
                     failure: self.policy.clone(),
                     rest_input: self.rest_input.clone(),
                     qp: self.qp(),
+                    stop: self.stop.clone(),
                     ..StickSlipSettings::default()
                 };
                 let mut controller = StickSlipController::new(&self.system, self.ocp.clone(), self.start(), settings)?;
@@ -242,6 +246,7 @@ impl ControlProblem {
             delay,
             initial_input: first,
             faults: Some(Box::new(|k| self.conditions.faults_at(k))),
+            stop: self.stop.clone(),
         };
         let run = run_closed_loop(controller.as_mut(), plant, &self.x0, self.samples, settings)?;
         let end = run.x.last().unwrap_or(&self.x0);

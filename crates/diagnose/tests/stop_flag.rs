@@ -1,0 +1,46 @@
+//! A diagnosis ends once the flag of its model's pool is raised, whatever it was doing.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+
+use bracketry_diagnose::{DiagnoseError, Record, RecordSettings, Settings, Stage, diagnose};
+use bracketry_system::System;
+
+/// A mass that is pushed by a force, with a friction that its model lacks.
+fn pushed() -> (System, Record) {
+    let model = "states = ['x', 'v']\ninputs = ['u']\nparameters = { m = 1 }\ndynamics = { x = 'v', v = 'u/m' }";
+    let system = System::parse("pushed", model).unwrap();
+    let times: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+    let force: Vec<f64> = times.iter().map(|t| (3.0 * t).sin()).collect();
+    let (mut x, mut v) = (0.0, 0.0);
+    let mut positions = Vec::new();
+    for (k, u) in force.iter().enumerate() {
+        positions.push(x + 1e-4 * (12.9898 * k as f64).sin());
+        v += 0.01 * (u - 0.4 * v);
+        x += 0.01 * v;
+    }
+    let columns = BTreeMap::from([("u".to_owned(), force), ("x".to_owned(), positions)]);
+    let record = Record::from_columns("run", times, columns, &system, &RecordSettings::default()).unwrap().0;
+    (system, record)
+}
+
+#[test]
+fn every_stage_at_which_the_flag_is_raised_is_the_last() {
+    let (system, record) = pushed();
+    let mut stages: Vec<Stage> = Vec::new();
+    diagnose(&system, std::slice::from_ref(&record), &[], &Settings::default(), &mut |s| stages.push(s)).unwrap();
+    assert!(stages.len() >= 3, "{stages:?}");
+    for last in 0..stages.len() {
+        let mut system = system.clone();
+        system.pool.set_stop_flag(bracketry_symbolic::StopFlag::default());
+        let flag = system.pool.stop_flag().clone();
+        let mut seen = 0;
+        let stopped = diagnose(&system, std::slice::from_ref(&record), &[], &Settings::default(), &mut |_| {
+            if seen == last {
+                flag.raise();
+            }
+            seen += 1;
+        });
+        assert!(matches!(stopped, Err(DiagnoseError::Stopped)), "raised at {:?}", stages[last]);
+    }
+}
