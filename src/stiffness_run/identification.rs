@@ -7,7 +7,7 @@ use bracketry_stiffness::{
     Measurement, MeasurementNoise, MeasurementSet, Method, Outliers, RobotFile, SpringFit, SpringFitSettings, Springs,
     Twist, compare,
 };
-use bracketry_system::Columns;
+use bracketry_system::{Columns, Document};
 use nalgebra::Matrix6;
 use serde::Serialize;
 
@@ -112,17 +112,25 @@ impl Identification {
     /// # Errors
     /// [`StiffnessRunError`] for a table that does not fit, numbers in other units, and data that tell nothing.
     pub fn new(file: &RobotFile, table: &Path, outliers: Outliers) -> Result<Self, StiffnessRunError> {
-        let robot = &file.robot;
         let doc = Columns::document(table, "name a CSV file: a table with the columns q1 …, Fx … Mz, dx … rz")?;
-        let read = CoordinatesAndWrenches::parse(&doc, robot)?;
-        let twists = rows(&doc, &read.columns, &TWIST.map(str::to_owned))?;
+        Self::from_table(file, &doc, outliers)
+    }
+
+    /// [`Identification::new`] from the text of the table.
+    ///
+    /// # Errors
+    /// As [`Identification::new`].
+    pub fn from_table(file: &RobotFile, doc: &Document, outliers: Outliers) -> Result<Self, StiffnessRunError> {
+        let robot = &file.robot;
+        let read = CoordinatesAndWrenches::parse(doc, robot)?;
+        let twists = rows(doc, &read.columns, &TWIST.map(str::to_owned))?;
         let lines = &read.columns.lines;
         let together = read.coordinates.into_iter().zip(read.wrenches).zip(twists);
         let measurements: Vec<Measurement> = together
             .map(|((q, wrench), twist)| Measurement { q, wrench, displacement: Twist::from_row_slice(&twist) })
             .collect();
         let place = |why: IdentificationError| StiffnessRunError::Identification {
-            file: table.display().to_string(),
+            file: doc.file().to_owned(),
             why: why.in_file(lines),
         };
         let set = MeasurementSet::new(measurements, noise(file)).map_err(place)?;

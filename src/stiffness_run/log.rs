@@ -37,23 +37,31 @@ impl RobotLog {
     /// [`FileError`] with place and remedy; also for coordinates in degrees and uneven sampling.
     pub fn read(path: &Path, robot: &Robot) -> Result<Self, FileError> {
         let doc = Columns::document(path, "name a CSV file: a table with the columns t, q1 …, Fx, Fy, Fz, Mx, My, Mz")?;
+        Self::from_table(&doc, robot)
+    }
+
+    /// [`RobotLog::read`] from the text of the table.
+    ///
+    /// # Errors
+    /// As [`RobotLog::read`].
+    pub fn from_table(doc: &Document, robot: &Robot) -> Result<Self, FileError> {
         let entries = |name: &str| if name == "t" { Entries::Finite } else { Entries::MayBeLost };
-        let table = Columns::parse(&doc, entries)?;
+        let table = Columns::parse(doc, entries)?;
         let q = joint_names("q", robot);
-        let t = column(&doc, &table, "t")?.clone();
-        check_joints(&doc, &table, robot, "q")?;
-        let measured = rows(&doc, &table, &q)?;
-        check_coordinates(&doc, &table, robot, &q)?;
-        let readings = rows(&doc, &table, &WRENCH.map(str::to_owned))?;
+        let t = column(doc, &table, "t")?.clone();
+        check_joints(doc, &table, robot, "q")?;
+        let measured = rows(doc, &table, &q)?;
+        check_coordinates(doc, &table, robot, &q)?;
+        let readings = rows(doc, &table, &WRENCH.map(str::to_owned))?;
         let r = joint_names("r", robot);
-        check_joints(&doc, &table, robot, "r")?;
+        check_joints(doc, &table, robot, "r")?;
         let references = if r.iter().any(|name| table.columns.contains_key(name)) {
-            check_coordinates(&doc, &table, robot, &r)?;
-            rows(&doc, &table, &r)?
+            check_coordinates(doc, &table, robot, &r)?;
+            rows(doc, &table, &r)?
         } else {
             measured.clone()
         };
-        let period = period(&doc, &table, &t)?;
+        let period = period(doc, &table, &t)?;
         let readings = readings.iter().map(|row| Wrench::from_row_slice(row)).collect();
         Ok(Self { t, period, measured, readings, references })
     }
