@@ -20,6 +20,12 @@ pub enum AnalysisError {
     /// The brackets could not be formed.
     #[error(transparent)]
     Lie(#[from] bracketry_lie::Error),
+    /// It is asked what the outputs determine of a model without outputs.
+    #[error("there are no outputs that could determine `{function}`: add a table [outputs]")]
+    NoOutputs {
+        /// The function that was asked for.
+        function: String,
+    },
 }
 
 /// What the inputs of a model reach.
@@ -64,6 +70,9 @@ pub struct Analysis {
 /// cannot decide becomes an unknown of the report instead.
 pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisError> {
     let begin = Instant::now();
+    if let (Some(function), true) = (options.determined.first(), system.outputs.is_empty()) {
+        return Err(AnalysisError::NoOutputs { function: function.clone() });
+    }
     let affinization = system.affinize()?;
     let mut options = options.clone();
     if affinization.method == Method::None {

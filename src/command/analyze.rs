@@ -64,12 +64,6 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
     if let Some(at) = &args.at {
         system.point = Some(bracketry::point(&mut system, at).context("--at")?);
     }
-    if !args.determines.is_empty() && system.outputs.is_empty() {
-        anyhow::bail!(
-            "--determines: {} has no outputs that could determine anything; add a table [outputs]",
-            args.model.display()
-        );
-    }
     let options =
         Options { brackets: args.brackets.clone(), determined: args.determines.clone(), ..Options::default() };
     let progress = spinner("brackets and ranks");
