@@ -1,0 +1,50 @@
+"""What can my inputs reach, how do I get there, and where are the equations wrong?
+
+A model is a :class:`System`. :func:`analyze` says what its inputs reach, :func:`affinize` makes it affine in them,
+:func:`simulate` integrates it with exact dry friction, :func:`control` closes a loop, :func:`diagnose` names what it gets wrong
+in measured data. :mod:`bracketry.stiffness` is for robots that bend, :func:`sweep` for many runs at once.
+"""
+
+
+from . import stiffness
+from ._analysis import Affinization, Analysis, AtPoint, LocalControllability, Mode, Reach, affinize, analyze
+from ._control import ClosedLoop, control
+from ._diagnosis import Candidate, Cause, Diagnosis, Estimate, Gain, Place, RefittedParameter, Rival, diagnose
+from ._native import BracketryError, __version__
+from ._result import Figure, Result
+from ._simulation import Event, Trajectory, simulate
+from ._sweep import sweep
+from ._system import Parameter, System
+
+__all__ = [
+    "Affinization",
+    "Analysis",
+    "AtPoint",
+    "BracketryError",
+    "Candidate",
+    "Cause",
+    "ClosedLoop",
+    "Diagnosis",
+    "Estimate",
+    "Event",
+    "Figure",
+    "Gain",
+    "LocalControllability",
+    "Mode",
+    "Parameter",
+    "Place",
+    "Reach",
+    "RefittedParameter",
+    "Result",
+    "Rival",
+    "System",
+    "Trajectory",
+    "affinize",
+    "__version__",
+    "analyze",
+    "control",
+    "diagnose",
+    "simulate",
+    "stiffness",
+    "sweep",
+]

@@ -1,0 +1,119 @@
+"""Closed loops."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from os import PathLike, fspath
+from typing import Any
+
+from . import _native
+from ._native import BracketryError
+from ._result import Result, fields_of, parsed, real
+from ._system import System
+from ._tables import Floats
+from ._text import toml_document
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ClosedLoop(Result):
+    """A closed loop: samples, figures of the solver, what was reached. ``loop["x"]`` is a state or input by name."""
+
+    #: Whether it did what was asked: every target met (without targets: the plan converged), no sample without a solution.
+    succeeded: bool
+    #: Σ dt·stage at the sampled states and applied inputs.
+    closed_loop_cost: float
+    #: Cost that the first plan predicts.
+    open_loop_cost: float
+    x_final: dict[str, float]
+    #: Number of samples.
+    steps: int
+    constraint_violation_max: float
+    #: What is missing to every target at the end.
+    miss: dict[str, float] = field(default_factory=dict)
+    #: Outcomes of the samples: solved, inaccurate, infeasible, fallback …
+    status: dict[str, Any] = field(repr=False, default_factory=dict)
+    #: Times per sample: median, p99, max.
+    solve_ms: dict[str, float] = field(repr=False, default_factory=dict)
+    period_ms: float = field(repr=False, default=0.0)
+    plan: dict[str, Any] | None = field(repr=False, default=None)
+    #: What went wrong, and what to do about it.
+    notes: list[str] = field(repr=False, default_factory=list)
+    #: Sampled times in seconds, shape (k + 1,).
+    t: Floats = field(repr=False)
+    #: States at these times, shape (k + 1, n).
+    states: Floats = field(repr=False)
+    #: Inputs applied from each time on, shape (k, m).
+    inputs: Floats = field(repr=False)
+    #: What was measured at each sample, shape (k, number of outputs).
+    measured: Floats = field(repr=False)
+    #: States handed to the controller, shape (k, n).
+    estimates: Floats = field(repr=False)
+    state_names: list[str] = field(repr=False)
+    input_names: list[str] = field(repr=False)
+
+    def __getitem__(self, name: str) -> Floats:
+        if name == "t":
+            return self.t
+        for names, values in ((self.state_names, self.states), (self.input_names, self.inputs)):
+            if name in names:
+                column: Floats = values[:, names.index(name)]
+                return column
+        known = ", ".join(["t", *self.state_names, *self.input_names])
+        raise KeyError(f"there is no column `{name}`; there are {known}")
+
+
+def control(
+    problem: str | PathLike[str] | Mapping[str, Any],
+    *,
+    models: Mapping[str, System] | None = None,
+    seed: int | None = None,
+) -> ClosedLoop:
+    """Runs the closed loop of a control problem on its plant.
+
+    Args:
+        problem: A problem file; its text; or its tables as a mapping, in which ``model`` and ``plant`` may be systems.
+        models: Systems by the names under which the problem speaks of them; other names are files.
+        seed: Seed of the measurement noise in place of the problem's.
+
+    Raises:
+        BracketryError: for a problem that contradicts itself, and if the plant stops.
+    """
+    named = dict(models or {})
+    path = text = None
+    if isinstance(problem, Mapping):
+        tables = dict(problem)
+        for role in ("model", "plant"):
+            if isinstance(tables.get(role), System):
+                named[role] = tables[role]
+                tables[role] = role
+        text = toml_document(tables, "problem")
+    elif isinstance(problem, str) and ("\n" in problem or "=" in problem):
+        text = problem
+    elif isinstance(problem, (str, PathLike)):
+        path = fspath(problem)
+    else:
+        raise BracketryError("problem: give a file, the text of one, or its tables as a mapping")
+    if path is not None and named:
+        raise BracketryError("models go with a problem that is given as text or as a mapping, not with a file")
+    systems = {name: system._model for name, system in named.items()}
+    answer = _native.control(path=path, text=text, folder="", models=systems, seed=seed)
+    data = parsed(answer["json"])
+    return fields_of(
+        ClosedLoop,
+        data,
+        json=data,
+        text=answer["text"],
+        _figures=answer["figures"],
+        closed_loop_cost=real(data["closed_loop_cost"]),
+        open_loop_cost=real(data["open_loop_cost"]),
+        constraint_violation_max=real(data["constraint_violation_max"]),
+        x_final={name: real(value) for name, value in data["x_final"].items()},
+        t=answer["t"],
+        states=answer["states"],
+        inputs=answer["inputs"],
+        measured=answer["measured"],
+        estimates=answer["estimates"],
+        state_names=answer["state_names"],
+        input_names=answer["input_names"],
+    )

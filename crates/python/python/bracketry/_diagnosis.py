@@ -1,0 +1,235 @@
+"""What a model gets wrong in measured data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+
+from . import _native
+from ._native import BracketryError, Page
+from ._result import Result, fields_of, parsed
+from ._simulation import Hold
+from ._system import System
+from ._tables import Floats, Table, columns_of, path_of
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its uncertainty."""
+
+    value: float
+    std: float
+    #: The interval that holds the true value with 95 % probability; None where it was not made.
+    interval: list[float] | None = None
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Something that the experiment cannot tell from a cause."""
+
+    name: str
+    equation: str
+    term: str
+    why: str
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause of what the model gets wrong."""
+
+    name: str
+    #: The state, input or measured column that it acts on.
+    equation: str
+    term: str
+    parameters: dict[str, Estimate]
+    p_value: float
+    #: Names that this experiment cannot tell from it.
+    confusable_with: list[str]
+    #: What to measure in order to tell them apart.
+    separating_experiment: str
+    rivals: list[Rival] = field(default_factory=list)
+    share: float | None = None
+    #: What is odd about the values, as a negative friction coefficient.
+    flags: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the refitted model is wrong."""
+
+    equation: str
+    regime: str
+    share: float
+    time: float | None = None
+
+
+@dataclass(frozen=True)
+class Gain:
+    """How much better the extended model predicts."""
+
+    metric: str
+    horizons_s: list[float]
+    before: list[float]
+    after: list[float]
+    as_given: list[float]
+    held_out: bool
+    predictions: list[int]
+    equation_error_before: float | None = None
+    equation_error_after: float | None = None
+    equation_error_as_given: float | None = None
+    equation_bandwidth_hz: float | None = None
+
+
+@dataclass(frozen=True)
+class RefittedParameter:
+    """A parameter of the given model, refitted."""
+
+    before: float
+    after: float
+    std: float
+    interval: list[float] | None = None
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An explanation that was tried."""
+
+    name: str
+    equation: str
+    term: str
+    p_value: float
+    chosen: bool
+    share: float | None = None
+    interval: list[float] | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Diagnosis(Result):
+    """What a model gets wrong in measured data: the cause by name, the extended model, the gain."""
+
+    model: str
+    verdict: Literal["cause_found", "nothing_found", "unexplained"]
+    #: Why, in a sentence.
+    reason: str
+    causes: list[Cause]
+    #: Where the refitted model is wrong (`where` in the JSON object), the largest share first.
+    where: list[Place] = field(repr=False)
+    gain: Gain | None = field(repr=False, default=None)
+    #: The refitted parameters by name.
+    parameters: dict[str, RefittedParameter] = field(repr=False)
+    #: What was tried, the best first.
+    candidates: list[Candidate] = field(repr=False)
+    #: The model with the causes in it; None without any.
+    extended_model: System | None = field(repr=False, default=None)
+    #: What the extended model changes in what the inputs reach.
+    ranks: dict[str, Any] | None = field(repr=False, default=None)
+    #: What was noticed in the data, one per run.
+    data: list[dict[str, Any]] = field(repr=False, default_factory=list)
+    notes: list[str] = field(repr=False, default_factory=list)
+    seconds: float = field(repr=False, default=0.0)
+    _page: Page | None = field(repr=False, default=None)
+
+    def page(self) -> str:
+        """The report with its figures as one HTML page. A result that came out of a pickle has none."""
+        if self._page is None:
+            raise BracketryError("the page does not travel with a pickled result: make it where the result was made")
+        return self._page.html()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**super().__getstate__(), "_page": None}
+
+
+def diagnose(
+    system: System,
+    data: Table | Sequence[Table],
+    validate: Table | Sequence[Table] | None = None,
+    *,
+    hold: Hold | None = None,
+    rename: Mapping[str, str] | None = None,
+    fix: Sequence[str] = (),
+    reference: System | None = None,
+    max_causes: int | None = None,
+    seed: int | None = None,
+    window: float | None = None,
+    threads: int | None = None,
+) -> Diagnosis:
+    """Finds what a model gets wrong in measured data.
+
+    A run is a file (CSV or NPZ), a mapping of arrays, a DataFrame or a :class:`Trajectory`, with a column ``t`` in seconds, one
+    for each input and one for each measured state or output; NaN in a measured column is a lost value.
+
+    Args:
+        system: The model.
+        data: One run, or several.
+        validate: Runs that no fit sees, to measure the gain on.
+        hold: How inputs go on between samples; if left out they are held, and derivatives of inputs follow straight lines.
+        rename: Names in the model by names of columns.
+        fix: Parameters that keep their values.
+        reference: Another model of the same system: terms that the first lacks become candidates.
+        max_causes: Most causes that are named together.
+        seed: Seed of what is resampled.
+        window: Length of the windows in seconds; chosen from the data if left out.
+        threads: Threads to work with, all of the machine if left out. Results do not depend on them.
+
+    Raises:
+        BracketryError: for data that do not fit the model, with place and remedy.
+    """
+    answer = _native.diagnose(
+        system._model,
+        _runs(data, "data"),
+        [] if validate is None else _runs(validate, "validate"),
+        hold_inputs=hold,
+        rename=list((rename or {}).items()),
+        fix=list(fix),
+        reference=None if reference is None else reference._model,
+        max_causes=max_causes,
+        seed=seed,
+        window=window,
+        threads=threads or 0,
+    )
+    found = parsed(answer["json"])
+    gain = found.get("gain")
+    extended = answer["extended_model"]
+    return fields_of(
+        Diagnosis,
+        found,
+        json=found,
+        text=answer["text"],
+        _figures=answer["figures"],
+        _page=answer["page"],
+        causes=[_cause(c) for c in found["causes"]],
+        where=[fields_of(Place, p) for p in found["where"]],
+        gain=None if gain is None else fields_of(Gain, gain),
+        parameters={name: fields_of(RefittedParameter, p) for name, p in found["parameters"].items()},
+        candidates=[fields_of(Candidate, c) for c in found["candidates"]],
+        extended_model=None if extended is None else System._of(extended),
+    )
+
+
+def _cause(data: Mapping[str, Any]) -> Cause:
+    return fields_of(
+        Cause,
+        data,
+        parameters={name: fields_of(Estimate, p) for name, p in data["parameters"].items()},
+        rivals=[fields_of(Rival, r) for r in data.get("rivals", [])],
+    )
+
+
+def _runs(runs: Any, what: str) -> list[str | tuple[str, dict[str, Floats]]]:
+    """Runs as the native module takes them."""
+    if isinstance(runs, (list, tuple)):
+        listed = list(runs)
+    else:
+        listed = [runs]
+    taken: list[str | tuple[str, dict[str, Floats]]] = []
+    for k, run in enumerate(listed, start=1):
+        path = path_of(run)
+        name = f"{what} {k}" if len(listed) > 1 else what
+        taken.append(path if path is not None else (name, columns_of(run, name)))
+    return taken
+
+

@@ -1,0 +1,146 @@
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import TypeAlias, TypedDict, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Floats: TypeAlias = NDArray[np.float64]
+_Bools: TypeAlias = NDArray[np.bool_]
+_Path: TypeAlias = str | PathLike[str]
+_Run: TypeAlias = str | tuple[str, Mapping[str, _Floats]]
+_Text: TypeAlias = str | tuple[str, str]
+
+__version__: str
+
+class BracketryError(ValueError): ...
+
+@final
+class Figures:
+    def names(self) -> list[str]: ...
+    def svg(self, name: str) -> str: ...
+    def png(self, name: str) -> bytes: ...
+
+@final
+class Page:
+    def html(self) -> str: ...
+
+@final
+class Model:
+    @staticmethod
+    def parse(file: str, text: str, name: str) -> Model: ...
+    @staticmethod
+    def read(path: _Path) -> Model: ...
+    @property
+    def file(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def states(self) -> list[str]: ...
+    @property
+    def inputs(self) -> list[str]: ...
+    @property
+    def outputs(self) -> list[str]: ...
+    @property
+    def input_derivatives(self) -> list[tuple[str, int]]: ...
+    @property
+    def parameters(self) -> list[tuple[str, float, str | None, float | None, float | None, str | None]]: ...
+    @property
+    def point(self) -> tuple[list[float], list[float]] | None: ...
+    def with_parameters(self, values: Sequence[tuple[str, str]]) -> Model: ...
+    def to_toml(self) -> str: ...
+    def equations(self) -> list[tuple[str, str]]: ...
+    def latex(self) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]: ...
+    def rates(self, rows: _Floats) -> _Floats: ...
+    def output_values(self, rows: _Floats) -> _Floats: ...
+    def jacobian(self, rows: _Floats) -> _Floats: ...
+
+class _Answer(TypedDict):
+    json: str
+    text: str
+    figures: Figures
+
+class _Analysis(_Answer):
+    markdown: str
+    latex: str
+    affine_model: Model | None
+
+class _Affinization(TypedDict):
+    json: str
+    changes: list[str]
+    model: Model
+
+class _Simulation(_Answer):
+    t: _Floats
+    states: _Floats
+    inputs: _Floats
+    outputs: _Floats
+
+class _Control(_Answer):
+    t: _Floats
+    states: _Floats
+    inputs: _Floats
+    measured: _Floats
+    estimates: _Floats
+    state_names: list[str]
+    input_names: list[str]
+
+class _Diagnosis(_Answer):
+    page: Page
+    extended_model: Model | None
+
+class _Identification(_Answer):
+    identified_robot: str | None
+
+class _Compensation(_Answer):
+    t: _Floats
+    corrected: _Floats
+    correction: _Floats
+    wrench: _Floats
+    displacement: _Floats
+    held: _Bools
+    limited: _Bools
+
+def analyze(model: Model, at: str | None, brackets: Sequence[str], determines: Sequence[str]) -> _Analysis: ...
+def affinize(model: Model) -> _Affinization: ...
+def simulate(
+    model: Model,
+    *,
+    text: str | None,
+    file: _Path | None,
+    table: _Path | None,
+    samples: Mapping[str, tuple[_Floats, _Floats]],
+    hold_inputs: str,
+    start: float,
+    duration: float | None,
+    sample: float | None,
+    rtol: float | None,
+    atol: float | None,
+    ignored: Sequence[str],
+) -> _Simulation: ...
+def control(
+    *,
+    path: _Path | None,
+    text: str | None,
+    folder: _Path,
+    models: Mapping[str, Model],
+    seed: int | None,
+) -> _Control: ...
+def diagnose(
+    model: Model,
+    data: Sequence[_Run],
+    validate: Sequence[_Run],
+    *,
+    hold_inputs: str | None,
+    rename: Sequence[tuple[str, str]],
+    fix: Sequence[str],
+    reference: Model | None,
+    max_causes: int | None,
+    seed: int | None,
+    window: float | None,
+    threads: int,
+) -> _Diagnosis: ...
+def identify(data: _Text, robot: _Text, keep_outliers: bool) -> _Identification: ...
+def compensate(log: _Text, robot: _Text, process_stiffness: Sequence[float] | None) -> _Compensation: ...

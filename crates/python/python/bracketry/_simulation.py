@@ -1,0 +1,286 @@
+"""Simulations with exact stick–slip friction."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from os import PathLike, fspath
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _native
+from ._native import BracketryError
+from ._result import Result, fields_of, parsed, real
+from ._system import System
+from ._tables import Floats, columns_of, floats, path_of
+from ._text import expression, name_of, number, toml_document
+
+Hold: TypeAlias = Literal["previous", "linear"]
+#: Rows of a result where neither `sample` nor a table says how many.
+_ROWS = 1000
+
+
+@dataclass(frozen=True)
+class Event:
+    """A change of mode of a switching function."""
+
+    t: float
+    switch: str
+    #: +1, -1, slide or stick.
+    from_mode: str
+    to_mode: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trajectory(Result):
+    """A simulation: samples, events, how it ended.
+
+    ``trajectory["x"]`` is the column of a state, input or output by name, ``trajectory["t"]`` the times.
+    """
+
+    model: str
+    #: Times in seconds, shape (k,).
+    t: Floats = field(repr=False)
+    #: States, shape (k, n).
+    states: Floats = field(repr=False)
+    #: Inputs, shape (k, m); NaN where only derivatives of an input are given.
+    inputs: Floats = field(repr=False)
+    #: Outputs, shape (k, number of outputs), with sign(0) = 0.
+    outputs: Floats = field(repr=False)
+    state_names: list[str] = field(repr=False)
+    input_names: list[str] = field(repr=False)
+    output_names: list[str] = field(repr=False)
+    #: Changes of mode, in order.
+    events: list[Event] = field(repr=False)
+    t_final: float
+    x_final: dict[str, float]
+    #: Whether the end was reached.
+    finished: bool
+    #: Where and why it stopped before.
+    stopped: str | None = None
+    #: Steps of the integrator.
+    steps: int = 0
+    ignored_columns: list[str] = field(repr=False, default_factory=list)
+    #: Inputs that nothing drives.
+    inputs_at_zero: list[str] = field(repr=False, default_factory=list)
+    #: Derivatives of inputs whose impulses are left out, because the input jumps or has kinks.
+    impulses_left_out: list[str] = field(repr=False, default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __getitem__(self, name: str) -> Floats:
+        if name == "t":
+            return self.t
+        for names, values in (
+            (self.state_names, self.states),
+            (self.input_names, self.inputs),
+            (self.output_names, self.outputs),
+        ):
+            if name in names:
+                column: Floats = values[:, names.index(name)]
+                return column
+        known = ", ".join(["t", *self.state_names, *self.input_names, *self.output_names])
+        raise KeyError(f"there is no column `{name}`; there are {known}")
+
+    def columns(self) -> dict[str, Floats]:
+        """All columns by name, as :func:`diagnose` takes them; inputs of which nothing is known are left out."""
+        names = dict.fromkeys(["t", *self.state_names, *self.input_names, *self.output_names])
+        return {name: self[name] for name in names if not np.isnan(self[name]).all()}
+
+    def to_pandas(self) -> Any:
+        """A pandas DataFrame with the times as index."""
+        import pandas
+
+        columns = self.columns()
+        index = pandas.Index(columns.pop("t"), name="t")
+        return pandas.DataFrame(columns, index=index)
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Writes all columns as a table whose numbers read back exactly."""
+        from ._tables import csv_text
+
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(csv_text(self.columns(), "trajectory"))
+
+    def plot(self, *names: str) -> Any:
+        """Draws columns (all states and inputs unless named) over time with matplotlib; gives its figure."""
+        import matplotlib.pyplot as plt
+
+        shown = list(names) or [*self.state_names, *self.input_names]
+        figure, axes = plt.subplots(
+            len(shown), 1, sharex=True, squeeze=False, figsize=(8, 1.6 * len(shown) + 0.6), layout="constrained"
+        )
+        for axis, name in zip(axes[:, 0], shown, strict=True):
+            axis.plot(self.t, self[name])
+            axis.set_ylabel(name)
+            axis.grid(visible=True, alpha=0.3)
+        axes[-1, 0].set_xlabel("t [s]")
+        return figure
+
+
+def simulate(
+    system: System,
+    duration: float | None = None,
+    *,
+    x0: Mapping[Any, Any] | ArrayLike | None = None,
+    inputs: Mapping[Any, Any] | str | PathLike[str] | Any = None,
+    parameters: Mapping[Any, Any] | None = None,
+    sample: float | None = None,
+    start: float | None = None,
+    hold: Hold = "previous",
+    scenario: str | PathLike[str] | None = None,
+    rtol: float | None = None,
+    atol: float | None = None,
+) -> Trajectory:
+    """Integrates a model with exact stick–slip friction.
+
+    Args:
+        system: The model.
+        duration: Seconds; with sampled inputs that come with times, the span of these if left out.
+        x0: Initial state by name, or an array in the order of the states; what is absent comes from the model's point, else 0.
+        inputs: What drives the inputs, by name: an expression in ``t`` (text or SymPy), a number, a pair (times, values), a
+            function of time that is sampled every ``sample`` seconds. Or a table with a column ``t``: a file, a mapping of
+            arrays or a DataFrame; ``der(X,2)`` names the second derivative of X. Inputs that nothing drives are zero.
+        parameters: Values in place of the model's.
+        sample: Seconds between the rows of the result: a thousandth of the duration, or as in the table, if left out.
+        start: Time at the beginning: 0, or the first of a table.
+        hold: How samples go on: "previous" holds each value until the next, "linear" draws straight lines.
+        scenario: A scenario file in place of all this.
+        rtol: Relative tolerance of the local error, 1e-9 if left out.
+        atol: Absolute tolerance, 1e-11 if left out.
+
+    Raises:
+        BracketryError: for what does not fit the model. Blow-up and chattering are in the result.
+    """
+    native: dict[str, Any] = {"rtol": rtol, "atol": atol, "hold_inputs": hold}
+    if scenario is not None:
+        if any(v is not None for v in (duration, x0, inputs, parameters, sample, start)):
+            raise BracketryError("a scenario file says all of duration, x0, inputs, parameters and sample: give it alone")
+        return _run(system, file=fspath(scenario), **native)
+    own = {
+        "x0": _initial(system, x0),
+        "parameters": None if parameters is None else {name_of(k, "parameters"): v for k, v in parameters.items()},
+    }
+    table = path_of(inputs)
+    if table is not None:
+        if start is not None:
+            raise BracketryError("a table of inputs begins at its first time: leave out `start`")
+        for what, seconds in (("duration", duration), ("sample", sample)):
+            if seconds is not None and not 0 < float(number(seconds, what)):
+                raise BracketryError(f"{what} is {seconds}; give a positive time in seconds")
+        text = toml_document({"duration": 1.0, **own}, "simulate")
+        return _run(system, table=table, text=text, duration=duration, sample=sample, **native)
+    samples: dict[str, tuple[Floats, Floats]] = {}
+    functions: dict[str, Callable[[Any], Any]] = {}
+    ignored: list[str] = []
+    expressions: dict[str, str] = {}
+    if inputs is not None and not isinstance(inputs, Mapping):
+        inputs = columns_of(inputs, "inputs")
+    given = {name_of(k, "inputs"): v for k, v in (inputs or {}).items()}
+    if "t" in given and "t" not in system.inputs:
+        times = floats(given.pop("t"), "inputs: column `t`")
+        if len(times) < 2:
+            raise BracketryError("inputs: the table has fewer than two rows; give at least two samples")
+        first, last = float(times[0]), float(times[-1])
+        start = first if start is None else start
+        duration = last - start if duration is None else duration
+        sample = (last - first) / (len(times) - 1) if sample is None else sample
+        known = {*system.inputs, *_derivative_names(system)}
+        for name, values in given.items():
+            if name.replace(" ", "") in known:
+                samples[name.replace(" ", "")] = (times, floats(values, f"inputs: column `{name}`"))
+            else:
+                ignored.append(name)
+        if not samples and system.inputs:
+            raise BracketryError(
+                f"inputs: no column is called like an input of the model; name them {', '.join(sorted(known))}"
+            )
+    else:
+        for name, value in given.items():
+            if isinstance(value, tuple) and len(value) == 2:
+                samples[name] = (floats(value[0], f"times of `{name}`"), floats(value[1], f"values of `{name}`"))
+            elif callable(value) and not hasattr(value, "free_symbols"):
+                functions[name] = value
+            else:
+                expressions[name] = expression(value, f"inputs, {name}")
+    if duration is None and samples:
+        begin = min(t[0] for t, _ in samples.values())
+        start = float(begin) if start is None else start
+        duration = float(max(t[-1] for t, _ in samples.values()) - start)
+    if duration is None:
+        raise BracketryError("how long? give a duration in seconds")
+    start = 0.0 if start is None else float(start)
+    for name, function in functions.items():
+        step = float(duration) / _ROWS if sample is None else float(sample)
+        times = start + step * np.arange(int(np.floor(float(duration) / step + 1e-9)) + 1)
+        samples[name] = (times, _sampled(function, times, name))
+    text = toml_document({"duration": duration, "sample": sample, "inputs": expressions or None, **own}, "simulate")
+    return _run(system, text=text, samples=samples, start=start, ignored=ignored, **native)
+
+
+def _run(
+    system: System,
+    *,
+    text: str | None = None,
+    file: str | None = None,
+    table: str | None = None,
+    samples: Mapping[str, tuple[Floats, Floats]] | None = None,
+    start: float = 0.0,
+    duration: float | None = None,
+    sample: float | None = None,
+    ignored: list[str] | None = None,
+    **native: Any,
+) -> Trajectory:
+    answer = _native.simulate(
+        system._model,
+        text=text,
+        file=file,
+        table=table,
+        samples=dict(samples or {}),
+        start=start,
+        duration=duration,
+        sample=sample,
+        ignored=ignored or [],
+        **native,
+    )
+    data = parsed(answer["json"])
+    return fields_of(
+        Trajectory,
+        data,
+        json=data,
+        text=answer["text"],
+        _figures=answer["figures"],
+        t=answer["t"],
+        states=answer["states"],
+        inputs=answer["inputs"],
+        outputs=answer["outputs"],
+        state_names=system.states,
+        input_names=system.inputs,
+        output_names=system.outputs,
+        events=[Event(e["t"], e["switch"], e["from"], e["to"]) for e in data["events"]],
+        x_final={name: real(value) for name, value in data["x_final"].items()},
+    )
+
+
+def _derivative_names(system: System) -> list[str]:
+    return [f"der({name},{order})" for name, order in system.input_derivatives]
+
+
+def _initial(system: System, x0: Any) -> dict[str, Any] | None:
+    if x0 is None:
+        return None
+    if isinstance(x0, Mapping):
+        return {name_of(k, "x0"): v for k, v in x0.items()}
+    values = floats(x0, "x0")
+    if len(values) != len(system.states):
+        raise BracketryError(f"x0 has {len(values)} entries; the model has the states {', '.join(system.states)}")
+    return dict(zip(system.states, values.tolist(), strict=True))
+
+
+def _sampled(function: Callable[[Any], Any], times: Floats, name: str) -> Floats:
+    """A function of time at all times: called with one at a time, as it may not take arrays."""
+    return floats([float(function(float(t))) for t in times], f"values of `{name}`")
+

@@ -1,0 +1,60 @@
+"""Tables of samples: mappings of arrays, data frames, trajectories, files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from os import PathLike, fspath
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._native import BracketryError
+
+Floats: TypeAlias = NDArray[np.float64]
+#: A file (CSV, for runs also NPZ), columns by name, a pandas DataFrame, or a Trajectory.
+Table: TypeAlias = "str | PathLike[str] | Mapping[str, Any] | Any"
+
+
+def floats(values: Any, what: str) -> Floats:
+    """A one-dimensional array of numbers."""
+    try:
+        array = np.ascontiguousarray(values, dtype=float)
+    except (TypeError, ValueError) as e:
+        raise BracketryError(f"{what} is no array of numbers: {e}") from None
+    if array.ndim != 1:
+        raise BracketryError(f"{what} has the shape {array.shape}; give a one-dimensional array")
+    return array
+
+
+def path_of(table: Any) -> str | None:
+    """The path where a table is a file."""
+    return fspath(table) if isinstance(table, (str, PathLike)) else None
+
+
+def columns_of(table: Any, what: str) -> dict[str, Floats]:
+    """The columns of a table that is no file; the index of a data frame counts where it is called t."""
+    columns = getattr(table, "columns", None)
+    if isinstance(table, Mapping):
+        pairs = dict(table)
+    elif callable(columns):
+        pairs = columns()
+    elif columns is not None:
+        pairs = {str(c): table[c] for c in columns}
+        if "t" not in pairs and getattr(table.index, "name", None) == "t":
+            pairs["t"] = table.index
+    else:
+        raise BracketryError(
+            f"{what}: {type(table).__name__} is no table; give a file, a mapping of arrays, a DataFrame or a Trajectory"
+        )
+    return {str(name): floats(values, f"{what}: column `{name}`") for name, values in pairs.items()}
+
+
+def csv_text(columns: Mapping[str, Floats], what: str) -> str:
+    """A table as the text of a CSV file, in which numbers read back exactly."""
+    lengths = {len(values) for values in columns.values()}
+    if len(lengths) > 1:
+        found = ", ".join(f"{name}: {len(values)}" for name, values in columns.items())
+        raise BracketryError(f"{what}: the columns differ in length ({found})")
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    return "\n".join([",".join(columns), *(",".join(map(repr, row)) for row in rows)]) + "\n"

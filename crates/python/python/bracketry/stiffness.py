@@ -1,0 +1,169 @@
+"""Stiffness of robots: identified from measurements, compensated along logs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from ._result import Result, fields_of, parsed
+from ._tables import Floats, Table, columns_of, csv_text, path_of
+
+__all__ = ["Compensation", "Identification", "compensate", "identify"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Identification(Result):
+    """Springs of the joints, and the stiffness at the tool point where the measurements are of one pose."""
+
+    robot: str
+    #: Number of measurements.
+    measurements: int
+    #: Lines of the table (its header is line 1) that were left out as outliers.
+    outliers: list[int] = field(repr=False)
+    #: The method to trust.
+    trusted: str
+    reasons: list[str] = field(repr=False)
+    #: All methods with their errors on held-out measurements.
+    methods: list[dict[str, Any]] = field(repr=False)
+    #: Numbers of the joints' springs: joint (from 1), name, value with the ends of its 95 % interval.
+    parameters: list[dict[str, Any]] = field(repr=False)
+    #: What the springs do not explain, and the joints with lost motion that it points to.
+    unexplained: dict[str, Any] | None = field(repr=False, default=None)
+    #: Why outliers were kept although they should have been left out.
+    outliers_kept: str | None = field(repr=False, default=None)
+    #: Compliance at the tool point in base axes (m/N, rad/(N·m)), shape (6, 6); None where there is none.
+    compliance: Floats | None = field(repr=False, default=None)
+    #: Ends of its 95 % intervals, shape (6, 6, 2).
+    compliance_interval: Floats | None = field(repr=False, default=None)
+    #: Its inverse (N/m, N·m/rad), shape (6, 6).
+    stiffness: Floats | None = field(repr=False, default=None)
+    #: Ends of its 95 % intervals, shape (6, 6, 2).
+    stiffness_interval: Floats | None = field(repr=False, default=None)
+    #: Why springs that were found are none to work with.
+    withheld: str | None = None
+    #: The text of the robot file with these springs; None where there are none to work with.
+    identified_robot: str | None = field(repr=False, default=None)
+
+    @property
+    def stiffnesses(self) -> dict[int, float]:
+        """Stiffness of each joint (N·m/rad, N/m) that the data tell."""
+        told = [p for p in self.parameters if p["name"] == "stiffness" and p["value"] is not None]
+        return {p["joint"]: float(p["value"][0]) for p in told}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Compensation(Result):
+    """A compensation along a log."""
+
+    robot: str
+    samples: int
+    period_s: float
+    #: Root mean square of the predicted translation of the tool point (m).
+    displacement_rms_m: float
+    displacement_max_m: float
+    #: Largest force of the process (N), filtered.
+    force_max_n: float
+    #: Largest correction of each joint (rad, m).
+    correction_max: list[float]
+    #: Number of samples at which a limit acted.
+    samples_limited: int
+    faults: list[dict[str, Any]]
+    #: How stable the loop through the process is; None unless the stiffness of the process was given.
+    loop_gain: dict[str, Any] | None = field(repr=False, default=None)
+    #: Times, shape (k,).
+    t: Floats = field(repr=False)
+    #: Corrected references of the joints, shape (k, n).
+    corrected: Floats = field(repr=False)
+    #: Their corrections, shape (k, n).
+    correction: Floats = field(repr=False)
+    #: Filtered wrench of the process at the tool point in base axes (N, N·m), shape (k, 6).
+    wrench: Floats = field(repr=False)
+    #: Displacement of the tool point without correction (m, rad), shape (k, 6).
+    displacement: Floats = field(repr=False)
+    #: Whether bad input held the correction, shape (k,).
+    held: NDArray[np.bool_] = field(repr=False)
+    #: Whether a limit shortened it, shape (k,).
+    limited: NDArray[np.bool_] = field(repr=False)
+
+
+def identify(data: Table, robot: str | PathLike[str], *, keep_outliers: bool = False) -> Identification:
+    """Identifies the springs of a robot from measured displacements under measured loads.
+
+    Args:
+        data: A table with the columns ``q1 … qn`` (rad), ``Fx, Fy, Fz, Mx, My, Mz`` (N, N·m on the robot at the tool point, base
+            axes) and ``dx, dy, dz, rx, ry, rz`` (m, rad): a CSV file, a mapping of arrays or a DataFrame.
+        robot: A robot file, or its text.
+        keep_outliers: Use all measurements as they are.
+
+    Raises:
+        BracketryError: for a table that does not fit, numbers in other units, and data that tell nothing.
+    """
+    answer = _native.identify(_table(data, "data"), _robot(robot), keep_outliers)
+    found = parsed(answer["json"])
+    matrices = {
+        name: None if found.get(name) is None else np.array(found[name], dtype=float)
+        for name in ("compliance", "compliance_interval", "stiffness", "stiffness_interval")
+    }
+    return fields_of(
+        Identification,
+        found,
+        json=found,
+        text=answer["text"],
+        _figures=answer["figures"],
+        identified_robot=answer["identified_robot"],
+        **matrices,
+    )
+
+
+def compensate(
+    log: Table,
+    robot: str | PathLike[str],
+    *,
+    process_stiffness: float | Sequence[float] | None = None,
+) -> Compensation:
+    """Runs the compensation of a robot file along a log.
+
+    Args:
+        log: A table with the columns ``t``, ``q1 … qn`` (rad) and ``Fx … Mz`` (N, N·m, axes of the sensor), and ``r1 … rn``
+            where references differ from what was measured: a CSV file, a mapping of arrays or a DataFrame.
+        robot: A robot file with springs and a sensor, or its text.
+        process_stiffness: Stiffness of the process in N/m, in all directions or along x, y, z of the base: whether the loop
+            through it is stable.
+
+    Raises:
+        BracketryError: for a robot file without springs or sensor, and a log that does not fit.
+    """
+    if process_stiffness is not None:
+        process_stiffness = np.broadcast_to(np.asarray(process_stiffness, dtype=float), (3,)).tolist()
+    answer = _native.compensate(_table(log, "log"), _robot(robot), process_stiffness)
+    data = parsed(answer["json"])
+    arrays: Mapping[str, Any] = {
+        k: answer[k]  # type: ignore[literal-required]
+        for k in ("t", "corrected", "correction", "wrench", "displacement", "held", "limited")
+    }
+    return fields_of(
+        Compensation,
+        data,
+        json=data,
+        text=answer["text"],
+        _figures=answer["figures"],
+        samples_limited=data["limited"],
+        **arrays,
+    )
+
+
+def _table(table: Table, what: str) -> str | tuple[str, str]:
+    path = path_of(table)
+    return path if path is not None else (what, csv_text(columns_of(table, what), what))
+
+
+def _robot(robot: str | PathLike[str]) -> str | tuple[str, str]:
+    if isinstance(robot, str) and "\n" in robot:
+        return ("robot", robot)
+    return str(path_of(robot))

@@ -1,0 +1,73 @@
+//! Closed loops of control problems.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bracketry::mpc::ControlProblem;
+use bracketry::system::System;
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::Failure;
+use crate::figures::Figures;
+use crate::interrupt::watched;
+use crate::model::Model;
+use crate::tables::{Answer, matrix};
+
+/// Runs the closed loop of a problem file, or of its text with the models that it names.
+#[pyfunction]
+#[pyo3(signature = (*, path, text, folder, models, seed))]
+pub(crate) fn control<'py>(
+    py: Python<'py>,
+    path: Option<PathBuf>,
+    text: Option<String>,
+    folder: PathBuf,
+    models: HashMap<String, Bound<'py, Model>>,
+    seed: Option<u64>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let models: HashMap<String, System> = models.into_iter().map(|(name, m)| (name, m.get().system.clone())).collect();
+    let (answer, controlled, problem) = watched(py, move |stop| {
+        let mut problem = read(path.as_deref(), text.as_deref(), &folder, &models)?;
+        if let Some(seed) = seed {
+            problem.conditions.seed = seed;
+        }
+        problem.stop = stop.clone();
+        let controlled = Arc::new(bracketry::control(&problem)?);
+        let problem = Arc::new(problem);
+        let drawn = (Arc::clone(&controlled), Arc::clone(&problem));
+        let figures = Figures::default().with("closed_loop", move || drawn.0.figure(&drawn.1));
+        Ok((Answer::of(&controlled.run.report, figures)?, controlled, problem))
+    })?;
+    let run = &controlled.run.closed_loop;
+    let (states, inputs) = (problem.plant.state_names(), problem.plant.input_names());
+    let dict = answer.into_dict(py)?;
+    dict.set_item("t", run.t.clone().into_pyarray(py))?;
+    dict.set_item("states", matrix(py, &run.x, states.len())?)?;
+    dict.set_item("inputs", matrix(py, &run.u, inputs.len())?)?;
+    dict.set_item("measured", matrix(py, &run.y, run.y.first().map_or(0, Vec::len))?)?;
+    dict.set_item("estimates", matrix(py, &run.estimates, run.estimates.first().map_or(0, Vec::len))?)?;
+    dict.set_item("state_names", states)?;
+    dict.set_item("input_names", inputs)?;
+    Ok(dict)
+}
+
+fn read(
+    path: Option<&Path>,
+    text: Option<&str>,
+    folder: &Path,
+    models: &HashMap<String, System>,
+) -> Result<ControlProblem, Failure> {
+    match (path, text) {
+        (Some(path), _) => Ok(ControlProblem::read(path)?),
+        (None, Some(text)) => {
+            let model = |name: &str| match models.get(name) {
+                Some(system) => Ok(system.clone()),
+                None => System::read(folder.join(name)).map_err(Box::new),
+            };
+            Ok(ControlProblem::parse("problem", text, model)?)
+        }
+        (None, None) => Err(Failure::new("give a problem")),
+    }
+}

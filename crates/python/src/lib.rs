@@ -1,0 +1,39 @@
+//! The native module of the Python package `bracketry`.
+//!
+//! It hands over what the library computes, as JSON text, plain text, arrays and figures; the Python sources beside it make
+//! results of it. Every function here calls what the command line calls, so that all of them give the same numbers.
+
+mod analysis;
+mod control;
+mod diagnosis;
+mod error;
+mod figures;
+mod interrupt;
+mod model;
+mod simulation;
+mod stiffness;
+mod tables;
+
+/// The native part of the package; `bracketry` wraps it.
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "what Python calls it")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use super::analysis::{affinize, analyze};
+    #[pymodule_export]
+    use super::control::control;
+    #[pymodule_export]
+    use super::diagnosis::{Page, diagnose};
+    #[pymodule_export]
+    use super::error::BracketryError;
+    #[pymodule_export]
+    use super::figures::Figures;
+    #[pymodule_export]
+    use super::model::Model;
+    #[pymodule_export]
+    use super::simulation::simulate;
+    #[pymodule_export]
+    use super::stiffness::{compensate, identify};
+}

@@ -1,0 +1,114 @@
+//! Stiffness of robots: identified, compensated.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bracketry::stiffness::{Outliers, RobotFile, with_springs};
+use bracketry::system::{Columns, Document};
+use bracketry::{CompensatedLog, Identification, RobotLog};
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::Failure;
+use crate::figures::Figures;
+use crate::interrupt::watched;
+use crate::tables::{Answer, matrix};
+
+/// A text in a file, or given with a name for messages.
+#[derive(FromPyObject)]
+pub(crate) enum Text {
+    /// A file.
+    File(PathBuf),
+    /// Name and text.
+    Given(String, String),
+}
+
+impl Text {
+    fn table(&self, what: &str) -> Result<Document, Failure> {
+        match self {
+            Text::File(path) => Ok(Columns::document(path, what)?),
+            Text::Given(name, text) => Ok(Document::new(name, text)),
+        }
+    }
+
+    fn robot(&self) -> Result<RobotFile, Failure> {
+        match self {
+            Text::File(path) => Ok(RobotFile::read(path)?),
+            Text::Given(name, text) => Ok(RobotFile::parse(name, text, Path::new(""))?),
+        }
+    }
+
+    /// Name and text.
+    fn contents(&self) -> Result<(String, String), Failure> {
+        match self {
+            Text::File(path) => {
+                let text = std::fs::read_to_string(path);
+                let text = text.map_err(|e| Failure::from(e).about(&path.display().to_string()))?;
+                Ok((path.display().to_string(), text))
+            }
+            Text::Given(name, text) => Ok((name.clone(), text.clone())),
+        }
+    }
+}
+
+/// Springs of the joints and stiffness at the tool point from measurements.
+#[pyfunction]
+pub(crate) fn identify(py: Python<'_>, data: Text, robot: Text, keep_outliers: bool) -> PyResult<Bound<'_, PyDict>> {
+    let (answer, identified) = watched(py, move |_| {
+        let file = robot.robot()?;
+        let table = data.table("name a CSV file: a table with the columns q1 …, Fx … Mz, dx … rz")?;
+        let outliers = if keep_outliers { Outliers::Keep } else { Outliers::Reject };
+        let found = Arc::new(Identification::from_table(&file, &table, outliers)?);
+        // The springs are in the report, whether they go into the file or not.
+        let identified = match &found.springs {
+            Some(springs) => {
+                let (name, text) = robot.contents()?;
+                with_springs(&name, &text, springs).ok()
+            }
+            None => None,
+        };
+        let mut figures = Figures::default();
+        if let Some(Ok(drawing)) = found.stiffness_figure() {
+            figures = figures.with("stiffness", move || Ok(drawing.clone()));
+        }
+        if let Some(Ok(drawing)) = found.residual_figure() {
+            figures = figures.with("residuals", move || Ok(drawing.clone()));
+        }
+        Ok((Answer::of(found.as_ref(), figures)?, identified))
+    })?;
+    let dict = answer.into_dict(py)?;
+    dict.set_item("identified_robot", identified)?;
+    Ok(dict)
+}
+
+/// What the compensation does along a log.
+#[pyfunction]
+pub(crate) fn compensate(
+    py: Python<'_>,
+    log: Text,
+    robot: Text,
+    process_stiffness: Option<[f64; 3]>,
+) -> PyResult<Bound<'_, PyDict>> {
+    let (answer, run) = watched(py, move |_| {
+        let file = robot.robot()?;
+        let table = log.table("name a CSV file: a table with the columns t, q1 …, Fx, Fy, Fz, Mx, My, Mz")?;
+        let log = RobotLog::from_table(&table, &file.robot)?;
+        let run = Arc::new(CompensatedLog::new(&file, &log, process_stiffness)?);
+        let drawn = Arc::clone(&run);
+        let figures = Figures::default().with("compensation", move || drawn.figure());
+        Ok((Answer::of(run.as_ref(), figures)?, run))
+    })?;
+    let joints = run.correction_max.len();
+    let rows =
+        |of: &dyn Fn(&bracketry::CompensatedRow) -> Vec<f64>| -> Vec<Vec<f64>> { run.rows.iter().map(of).collect() };
+    let dict = answer.into_dict(py)?;
+    dict.set_item("t", run.rows.iter().map(|r| r.t).collect::<Vec<f64>>().into_pyarray(py))?;
+    dict.set_item("corrected", matrix(py, &rows(&|r| r.corrected.clone()), joints)?)?;
+    dict.set_item("correction", matrix(py, &rows(&|r| r.correction.clone()), joints)?)?;
+    dict.set_item("wrench", matrix(py, &rows(&|r| r.wrench.to_vec()), 6)?)?;
+    dict.set_item("displacement", matrix(py, &rows(&|r| r.displacement.to_vec()), 6)?)?;
+    dict.set_item("held", run.rows.iter().map(|r| r.held).collect::<Vec<bool>>().into_pyarray(py))?;
+    dict.set_item("limited", run.rows.iter().map(|r| r.limited).collect::<Vec<bool>>().into_pyarray(py))?;
+    Ok(dict)
+}
