@@ -149,7 +149,18 @@ fn the_report_has_condition_fit_and_intervals() {
             assert!((product - f64::from(u8::from(i == j))).abs() < 1e-6, "{product}");
         }
     }
-    let text = String::from_utf8(bracketry(&["stiffness", "identify", &data, &model("kr125.toml")]).stdout).unwrap();
+    let out = dir.join("out");
+    let o = bracketry(&["stiffness", "identify", &data, &model("kr125.toml"), "--out", out.to_str().unwrap()]);
+    let text = String::from_utf8(o.stdout).unwrap();
+    let page = fs::read_to_string(out.join("identification.md")).unwrap();
+    for part in ["| joint springs |", "| 1 | stiffness | 1.4098e6 |", "## Compliance", "## Stiffness [", "| Mz |"] {
+        assert!(page.contains(part), "{part}: {page}");
+    }
+    // The tables have as many columns in each row as in their header.
+    for block in page.split("\n\n").filter(|block| block.starts_with('|')) {
+        let columns: Vec<usize> = block.lines().map(|line| line.matches('|').count()).collect();
+        assert!(columns.iter().all(|count| *count == columns[0]), "{block}");
+    }
     for part in ["condition", "χ²/dof", "stiffness, its inverse", " ± ", "of the stated noise", "nothing else is to be"]
     {
         assert!(text.contains(part), "{part}: {text}");
@@ -217,6 +228,20 @@ fn lost_motion_is_named_and_identified_from_what_the_report_says() {
     let value = |k: usize| v["parameters"][k]["value"][0].as_f64().unwrap();
     assert!((value(1) / 3e-4 - 1.0).abs() < 0.01 && (value(2) / 200.0 - 1.0).abs() < 0.01, "{} {}", value(1), value(2));
     assert_eq!(v["unexplained"]["share"], 0.0);
+    // So much of it that most measurements contradict linear springs: they are no outliers, and are not refused for it.
+    for i in [0, 4] {
+        springs.joints[i] = JointSpring::Backlash { stiffness: 1e6, gap: 2e-3, engaged: 20.0 };
+    }
+    let data = file(&dir, "much.csv", &measured_at(&springs, 12, 150, [1.0; 3], 0.0));
+    let o = bracketry(&["stiffness", "identify", &data, &model("kr125.toml"), "--json"]);
+    assert_eq!(code(&o), 1, "{}", String::from_utf8_lossy(&o.stderr));
+    let v: serde_json::Value = serde_json::from_slice(&o.stdout).unwrap();
+    assert!(v["outliers_kept"].as_str().unwrap().contains("no matter of outliers"), "{v}");
+    assert!(v["withheld"].as_str().unwrap().starts_with("lost motion in joints explains"), "{v}");
+    let found = v["unexplained"]["lost_motion"].as_array().unwrap();
+    let mut joints: Vec<u64> = found.iter().map(|lost| lost["joint"].as_u64().unwrap()).collect();
+    joints.sort_unstable();
+    assert_eq!(joints, [1, 5], "{v}");
 }
 
 #[test]

@@ -139,6 +139,7 @@ fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &OutputArgs) 
         folder(dir)?;
         write(&dir.join("identification.json"), &json(&found)?)?;
         write(&dir.join("identification.txt"), &found.to_string())?;
+        write(&dir.join("identification.md"), &found.markdown())?;
         if let Some(why) = &found.withheld {
             eprintln!("warning: no identified.toml: {why}");
         }

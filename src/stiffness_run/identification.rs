@@ -16,7 +16,7 @@ use super::log::{CoordinatesAndWrenches, rows};
 use super::unexplained::Unexplained;
 
 /// Columns of a displacement.
-const TWIST: [&str; 6] = ["dx", "dy", "dz", "rx", "ry", "rz"];
+pub(super) const TWIST: [&str; 6] = ["dx", "dy", "dz", "rx", "ry", "rz"];
 /// Stiffness to start from where the robot file has none: revolute (N·m/rad), prismatic (N/m).
 const START: [f64; 2] = [1e6, 1e8];
 
@@ -232,16 +232,14 @@ impl Identification {
     ) {
         self.parameters = fit.parameters.iter().map(summary).collect();
         let trusted = comparison.trusted == Method::JointSprings;
-        let Ok(springs) = fit.springs() else { return };
+        let springs = fit.fitted();
         let predict =
             |m: &Measurement| Some(Deformation::equilibrium(&file.robot, springs, &m.q, &m.wrench).ok()?.tool);
         let predicted = predictions(set, &comparison.outliers, predict);
         self.unexplained = Unexplained::new(&file.robot, springs, set, &comparison.outliers, &predicted, lines);
         let lost_motion = self.unexplained.as_ref().map_or(0.0, Unexplained::by_lost_motion);
         self.withheld = withheld(fit.chi_square, trusted, &self.trusted, lost_motion);
-        if self.withheld.is_none() {
-            self.springs = Some(springs.clone());
-        }
+        self.springs = fit.springs().ok().filter(|_| self.withheld.is_none()).cloned();
         if trusted {
             self.predictions = predicted;
         }

@@ -3,6 +3,7 @@
 mod compensation;
 mod figures;
 mod identification;
+mod identification_markdown;
 mod identification_text;
 mod log;
 mod loop_gain;

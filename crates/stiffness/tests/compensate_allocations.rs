@@ -18,7 +18,12 @@ fn a_step_allocates_nothing() {
         Springs::of_joints(nonlinear.to_vec()),
         Springs::linear(&STIFFNESS).with_links(vec![Matrix6::identity() * 1e-7; 6]),
     ] {
-        let settings = CompensationSettings { correction_limit: 5e-4, ..CompensationSettings::default() };
+        let settings = CompensationSettings {
+            correction_limit: 5e-4,
+            lag: Some(0.012),
+            stiffness_error: 0.3,
+            ..CompensationSettings::default()
+        };
         let mut compensator = Compensator::new(robot(), springs, sensor, payload, settings).unwrap();
         let q = [0.1, -0.3, 0.8, 0.2, 0.9, 0.0];
         let mut moved = 0.0f64;

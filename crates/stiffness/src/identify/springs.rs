@@ -123,8 +123,9 @@ impl SpringFit {
 }
 
 impl SpringFit {
-    /// The springs as they were fitted: good for predictions near the poses and loads of the fit, known or not.
-    pub(super) fn fitted(&self) -> &Springs {
+    /// The springs as they were fitted: good for predictions near the poses and loads of the fit, whether all of their parameters are
+    /// identified or not.
+    pub fn fitted(&self) -> &Springs {
         &self.springs
     }
 }
