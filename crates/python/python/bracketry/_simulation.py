@@ -215,8 +215,8 @@ def simulate(
     start = 0.0 if start is None else float(start)
     for name, function in functions.items():
         step = float(duration) / _ROWS if sample is None else float(sample)
-        times = start + step * np.arange(int(np.floor(float(duration) / step + 1e-9)) + 1)
-        samples[name] = (times, _sampled(function, times, name))
+        grid = floats(start + step * np.arange(int(np.floor(float(duration) / step + 1e-9)) + 1), "times")
+        samples[name] = (grid, _sampled(function, grid, name))
     text = toml_document({"duration": duration, "sample": sample, "inputs": expressions or None, **own}, "simulate")
     return _run(system, text=text, samples=samples, start=start, ignored=ignored, **native)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 from ._native import BracketryError
@@ -20,13 +21,13 @@ _SUM, _PRODUCT, _POWER, _ATOM = range(4)
 
 def is_sympy(value: object) -> bool:
     """Whether a value is SymPy's."""
-    return any(base.__module__.partition(".")[0] == "sympy" for base in type(value).__mro__)
+    return any(str(base.__module__).partition(".")[0] == "sympy" for base in type(value).__mro__)
 
 
 def is_function_of_time(value: object) -> bool:
     """Whether a SymPy expression is an unknown function of one symbol, such as x(t)."""
     undefined = any(base.__name__ == "AppliedUndef" for base in type(value).__mro__)
-    arguments = getattr(value, "args", ())
+    arguments: tuple[Any, ...] = getattr(value, "args", ())
     return undefined and len(arguments) == 1 and bool(getattr(arguments[0], "is_Symbol", False))
 
 
@@ -68,7 +69,7 @@ class _Writer:
         if kind in ("Pi", "Exp1"):
             return {"Pi": "pi", "Exp1": "exp(1)"}[kind], _ATOM
         if e.is_Add:
-            return " + ".join(self.within(a, _PRODUCT) for a in e.args), _SUM
+            return self.sum(e.args), _SUM
         if e.is_Mul:
             return self.product(e.args)
         if e.is_Pow:
@@ -79,9 +80,22 @@ class _Writer:
             return self.derivative(e), _ATOM
         if kind in _RECIPROCALS:
             return f"1/{_RECIPROCALS[kind]}({self.written(e.args[0])[0]})", _PRODUCT
+        if kind in ("Max", "Min"):
+            name, (first, *rest) = kind.lower(), [self.written(a)[0] for a in e.args]
+            return functools.reduce(lambda one, other: f"{name}({one}, {other})", rest, first), _ATOM
         if kind in _FUNCTIONS:
             return f"{_FUNCTIONS[kind]}({', '.join(self.written(a)[0] for a in e.args)})", _ATOM
         raise self.refuse(e)
+
+    def sum(self, terms: tuple[Any, ...]) -> str:
+        text = ""
+        for term in terms:
+            written = f"({self.written(term)[0]})" if term.is_Add else self.written(term)[0]
+            if written.startswith("-"):
+                text += f" - {written[1:]}" if text else written
+            else:
+                text += f" + {written}" if text else written
+        return text
 
     def product(self, factors: tuple[Any, ...]) -> tuple[str, int]:
         above, below, negative = [], [], False

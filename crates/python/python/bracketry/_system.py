@@ -156,7 +156,8 @@ class System:
     @property
     def parameters(self) -> dict[str, Parameter]:
         """The parameters by name."""
-        return {name: Parameter(*rest) for name, *rest in self._model.parameters}
+        rows = self._model.parameters
+        return {name: Parameter(value, unit, low, high, about) for name, value, unit, low, high, about in rows}
 
     @property
     def point(self) -> dict[str, float] | None:

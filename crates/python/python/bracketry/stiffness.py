@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._native import BracketryError
 from ._result import Result, fields_of, parsed
 from ._tables import Floats, Table, columns_of, csv_text, path_of
 
@@ -139,12 +140,11 @@ def compensate(
     Raises:
         BracketryError: for a robot file without springs or sensor, and a log that does not fit.
     """
-    if process_stiffness is not None:
-        process_stiffness = np.broadcast_to(np.asarray(process_stiffness, dtype=float), (3,)).tolist()
-    answer = _native.compensate(_table(log, "log"), _robot(robot), process_stiffness)
+    process = None if process_stiffness is None else _directions(process_stiffness)
+    answer = _native.compensate(_table(log, "log"), _robot(robot), process)
     data = parsed(answer["json"])
     arrays: Mapping[str, Any] = {
-        k: answer[k]  # type: ignore[literal-required]
+        k: answer[k]
         for k in ("t", "corrected", "correction", "wrench", "displacement", "held", "limited")
     }
     return fields_of(
@@ -156,6 +156,14 @@ def compensate(
         samples_limited=data["limited"],
         **arrays,
     )
+
+
+def _directions(stiffness: float | Sequence[float]) -> list[float]:
+    """One number for all directions, or one for each."""
+    values = np.atleast_1d(np.asarray(stiffness, dtype=float))
+    if values.shape not in ((1,), (3,)) or not np.isfinite(values).all() or (values < 0).any():
+        raise BracketryError("process_stiffness: give one number in N/m, or three along x, y, z of the base; none is negative")
+    return [float(v) for v in np.broadcast_to(values, (3,))]
 
 
 def _table(table: Table, what: str) -> str | tuple[str, str]:
