@@ -92,9 +92,10 @@ class System:
         ]
 
         def table(title: str, entries: Mapping[Any, Any] | None, write: Any) -> None:
-            if entries:
+            # An empty point is the origin.
+            if entries or (title == "point" and entries is not None):
                 lines.extend(["", f"[{title}]"])
-                for entry, value in entries.items():
+                for entry, value in (entries or {}).items():
                     named = name_of(entry, title)
                     lines.append(f"{key(named)} = {write(value, f'{title}, {named}')}")
 
