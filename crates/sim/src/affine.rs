@@ -1,6 +1,7 @@
 //! Sticking signs of systems that are affine in them: one evaluation and one small linear solve.
 
 use crate::Switched;
+use crate::elimination::{eliminate, is_idle};
 use crate::multipliers::Multipliers;
 
 /// Pivots below this part of the largest entry mean redundant switches.
@@ -32,11 +33,15 @@ impl Multipliers {
             size = size.max(influence);
             self.delta[a] = -self.rate(i, dx);
         }
-        if !eliminate(&mut self.matrix[..m * m], &mut self.delta[..m], SINGULAR * size) {
+        if !eliminate(&mut self.matrix[..m * m], &mut self.delta[..m], m, SINGULAR * size) {
             return false;
         }
         for a in 0..m {
             let j = self.sticking[a];
+            if is_idle(&self.matrix, m, a) {
+                // A component that moves nothing takes no part of what the others may resist.
+                self.delta[a] = -self.s[j];
+            }
             self.s[j] += self.delta[a];
             for (d, v) in dx.iter_mut().zip(&self.by_sign[j * n..(j + 1) * n]) {
                 *d += self.delta[a] * v;
@@ -44,31 +49,4 @@ impl Multipliers {
         }
         true
     }
-}
-
-/// Gaussian elimination with row pivots: `rhs` becomes the solution. False if a pivot is not above `least`.
-fn eliminate(matrix: &mut [f64], rhs: &mut [f64], least: f64) -> bool {
-    let m = rhs.len();
-    for k in 0..m {
-        let pivot = (k..m).max_by(|&p, &q| matrix[p * m + k].abs().total_cmp(&matrix[q * m + k].abs())).unwrap_or(k);
-        if !(matrix[pivot * m + k].abs() > least && matrix[pivot * m + k].is_finite()) {
-            return false;
-        }
-        if pivot != k {
-            rhs.swap(k, pivot);
-            (0..m).for_each(|c| matrix.swap(k * m + c, pivot * m + c));
-        }
-        for r in k + 1..m {
-            let factor = matrix[r * m + k] / matrix[k * m + k];
-            for c in k..m {
-                matrix[r * m + c] -= factor * matrix[k * m + c];
-            }
-            rhs[r] -= factor * rhs[k];
-        }
-    }
-    for k in (0..m).rev() {
-        let known: f64 = (k + 1..m).map(|c| matrix[k * m + c] * rhs[c]).sum();
-        rhs[k] = (rhs[k] - known) / matrix[k * m + k];
-    }
-    rhs.iter().all(|v| v.is_finite())
 }

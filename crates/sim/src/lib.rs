@@ -15,6 +15,7 @@ mod arrival;
 mod balance;
 mod contact;
 mod drive;
+mod elimination;
 mod events;
 mod implicit;
 mod impulses;

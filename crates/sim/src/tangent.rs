@@ -5,9 +5,13 @@
 //! `σ̇`, `X` jumps by `(f⁺ − f⁻) ∇σ·X/σ̇` (Leine, Nijmeijer, *Dynamics and Bifurcations of Non-Smooth Mechanical Systems*, 2004,
 //! ch. 7). The steps are the integrator's own, taken by the implicit midpoint rule.
 
+use crate::elimination::eliminate;
 use crate::multipliers::norm;
 use crate::path::{Path, Piece};
 use crate::{Mode, Model, Switched};
+
+/// Pivots below this part of the largest entry are none.
+const SINGULAR: f64 = 1e-12;
 
 /// The linear maps along a [`Path`], with `n` states: `X ← T X + R b` by piece, where `b` is a change of the field.
 #[derive(Debug, Clone, Default)]
@@ -348,22 +352,19 @@ impl Maps {
         let column = |c: usize| &by_sign[c * n..(c + 1) * n];
         let mut matrix = vec![0.0; m * m];
         let mut right = vec![0.0; m * n];
-        for (b, &d) in sticking.iter().enumerate() {
-            for (a, &c) in sticking.iter().enumerate() {
-                matrix[b * m + a] = row(c).iter().zip(column(d)).map(|(g, f)| g * f).sum();
+        for (a, &c) in sticking.iter().enumerate() {
+            for (b, &d) in sticking.iter().enumerate() {
+                matrix[a * m + b] = row(c).iter().zip(column(d)).map(|(g, f)| g * f).sum();
             }
+            right[a * n..(a + 1) * n].copy_from_slice(row(c));
         }
-        for j in 0..n {
-            for (a, &c) in sticking.iter().enumerate() {
-                right[j * m + a] = row(c)[j];
-            }
-        }
-        if !solve(&mut matrix, &mut right, m) {
+        let size = matrix.iter().fold(0.0f64, |size, v| size.max(v.abs()));
+        if !eliminate(&mut matrix, &mut right, m, SINGULAR * size) {
             return false;
         }
         for j in 0..n {
             for i in 0..n {
-                let taken: f64 = sticking.iter().enumerate().map(|(a, &c)| column(c)[i] * right[j * m + a]).sum();
+                let taken: f64 = sticking.iter().enumerate().map(|(a, &c)| column(c)[i] * right[a * n + j]).sum();
                 self.projection[j * n + i] = f64::from(u8::from(i == j)) - taken;
             }
         }
@@ -387,7 +388,7 @@ fn solve(matrix: &mut [f64], right: &mut [f64], n: usize) -> bool {
         let largest = |p: &usize, q: &usize| matrix[k * n + *p].abs().total_cmp(&matrix[k * n + *q].abs());
         let pivot = (k..n).max_by(largest).unwrap_or(k);
         let value = matrix[k * n + pivot];
-        if !(value.abs() > 1e-12 * size && value.is_finite()) {
+        if !(value.abs() > SINGULAR * size && value.is_finite()) {
             return false;
         }
         if pivot != k {
