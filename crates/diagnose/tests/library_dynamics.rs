@@ -43,8 +43,14 @@ fn random_model(seed: u64) -> System {
 }
 
 fn models() -> Vec<System> {
-    let names =
-        ["plate_published", "plate_reduced", "plate_point_anisotropic", "cart_pole_friction", "spring_mass_friction"];
+    let names = [
+        "plate_published",
+        "plate_reduced",
+        "plate_disk",
+        "plate_point_anisotropic",
+        "cart_pole_friction",
+        "spring_mass_friction",
+    ];
     names.into_iter().map(model).chain((0..6).map(random_model)).collect()
 }
 
@@ -200,5 +206,39 @@ dynamics = { x = "vx", y = "vy", phi = "w", vx = "0", vy = "0", w = "0" }
     assert!(over_noise(&with) < 1.2 && over_noise(&without) > 10.0, "{} {}", over_noise(&with), over_noise(&without));
     for (estimate, d) in with.values.iter().zip(d) {
         assert!((estimate.value - d).abs() < 5.0 * estimate.std && estimate.std < 1e-3, "{estimate:?}");
+    }
+}
+
+/// The disk with friction `(1 + k)^2` times as great along y at the same speed of slip, and `(1 + q)^2` times against the spin, written by
+/// hand; `factor` stands, as a parameter of value 1, in the sum under the root.
+fn disk_by_hand(k: &str, q: &str, factor: &str) -> System {
+    let path = format!("{}/../../models/plate_disk.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    let changed = text
+        .replace("[definitions]", "one = 1\n[definitions]")
+        .replace("sqrt(vx^2 + vy^2 + S*w^2)", &format!("sqrt(vx^2 + ({k}*vy)^2 + ({q})^2*S{factor}*w^2)"))
+        .replace("\"vy/s\"", &format!("\"({k})^2*vy/s\""))
+        .replace("\"w/s\"", &format!("\"({q})^2*w/s\""));
+    assert_eq!(changed.matches("vy/s").count() + changed.matches("w/s").count(), 2);
+    System::parse("by hand", &changed).unwrap()
+}
+
+#[test]
+fn anisotropic_friction_of_a_footprint_is_the_limit_surface_written_by_hand() {
+    for factor in ["", "*one"] {
+        let given = disk_by_hand("1", "1", factor);
+        let effect =
+            candidates(&given, &[]).unwrap().into_iter().find(|c| c.cause == Cause::AnisotropicFriction).unwrap();
+        let names: Vec<&str> = effect.coefficients.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["anisotropy_vy", "anisotropy_spin_w"]);
+        let mut extended = given.clone();
+        effect.apply(&mut extended).unwrap();
+        let by_hand = disk_by_hand("1.2", "0.75", factor);
+        for seed in 0..20 {
+            let new = values(&extended, &[(names[0], 0.2), (names[1], -0.25)], seed);
+            for (new, expected) in new.iter().zip(values(&by_hand, &[], seed)) {
+                assert!((new - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{factor}: {new} {expected}");
+            }
+        }
     }
 }

@@ -184,11 +184,10 @@ fn change_equations(change: &Change, system: &mut System, names: &mut ModelNames
             }
         }
         Change::Substitution { states, pairs } => {
-            let mut map = FxHashMap::default();
+            let mut replaced = Vec::with_capacity(pairs.len());
             for (from, to) in pairs {
                 let from = names.read(&mut system.pool, from)?;
-                let to = names.read(&mut system.pool, to)?;
-                map.insert(from, to);
+                replaced.push((from, names.read(&mut system.pool, to)?));
             }
             let rows: Vec<usize> = if states.is_empty() {
                 (0..system.states.len()).collect()
@@ -196,7 +195,7 @@ fn change_equations(change: &Change, system: &mut System, names: &mut ModelNames
                 states.iter().map(|s| equation(system, s)).collect::<Result<_, _>>()?
             };
             let old: Vec<Expr> = rows.iter().map(|&r| system.dynamics[r]).collect();
-            let new = replace_all(&mut system.pool, &old, &map);
+            let new = replace_all(&mut system.pool, &old, &replaced);
             if old == new {
                 let text = pairs.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(", ");
                 return Err(DiagnoseError::NothingReplaced { text });

@@ -1,6 +1,7 @@
 //! Friction and drag against the rates of coordinates.
 
 use bracketry_symbolic::{Expr, Func};
+use rustc_hash::FxHashMap;
 
 use super::apply::ModelNames;
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
@@ -266,6 +267,10 @@ impl Builder {
 
     /// An elliptic limit surface: with D = diag(1, …, 1 + k, …) the friction acts along D² v/|D v|, so that dissipation is
     /// greatest among all forces within the ellipse. All components of the unit vector get the new root.
+    ///
+    /// Where the root holds a spin w too, as `sqrt(vx^2 + vy^2 + S w^2)`, the friction of a footprint against it is that of its parts,
+    /// which slip across the mean slip: to second order in the spin `det(D)² |v|²/|D v|²` times as great as with the same friction along
+    /// all axes, which depends on the direction of the slip. Its mean over the data has a coefficient of its own.
     fn elliptic(
         &mut self,
         c: &Coordinate,
@@ -274,16 +279,42 @@ impl Builder {
         coefficient: Coefficient,
     ) -> Result<(), DiagnoseError> {
         let v = self.state(c.rate);
-        let mut names = ModelNames::new(&mut self.system)
-            .with_coefficients(&mut self.system.pool, std::slice::from_ref(&coefficient));
-        let longer = names.read(&mut self.system.pool, &format!("(1 + {k})*{v}"))?;
-        let rate = self.system.pool.sym(self.system.states[c.rate]);
-        let stretched = self.system.pool.substitute(square, &std::iter::once((rate, longer)).collect());
+        let mut coefficients = vec![coefficient];
+        let mut lengths = vec![(c.rate, format!("(1 + {k})"))];
+        let mut factors = vec![(c.rate, format!("(1 + {k})^2*"))];
+        // A product of a spin and a slip over one root means the direction of the slip: these come first.
+        factors.extend(self.structure.translations().filter(|t| t.rate != c.rate).map(|t| (t.rate, String::new())));
+        let angles = self.structure.coordinates.iter().filter(|c| c.kind == Kind::Angle).map(|c| c.rate);
+        for spin in angles.collect::<Vec<_>>() {
+            if !self.system.pool.depends_on(square, self.system.states[spin]) {
+                continue;
+            }
+            let w = self.state(spin);
+            let q = self.name("anisotropy_spin", &w);
+            let about = format!(
+                "root of the friction against the spin {w} over that with equal friction along all axes, minus 1"
+            );
+            coefficients.push(Coefficient { min: -1.0, ..amplitude(q.clone(), "1", about) });
+            lengths.push((spin, format!("(1 + {q})")));
+            factors.push((spin, format!("(1 + {q})^2*")));
+        }
+        let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
+        let mut longer = FxHashMap::default();
+        for (rate, length) in lengths {
+            let state = self.state(rate);
+            let image = names.read(&mut self.system.pool, &format!("{length}*{state}"))?;
+            longer.insert(self.system.pool.sym(self.system.states[rate]), image);
+        }
+        let stretched = self.system.pool.substitute(square, &longer);
         let (old, new) = (self.text(square), self.text(stretched));
-        let pairs = vec![
-            (format!("{v}/sqrt({old})"), format!("(1 + {k})^2*{v}/sqrt({new})")),
-            (format!("1/sqrt({old})"), format!("1/sqrt({new})")),
-        ];
-        self.substitution(Cause::AnisotropicFriction, c.rate, v, pairs, vec![coefficient])
+        let mut pairs: Vec<(String, String)> = factors
+            .into_iter()
+            .map(|(rate, factor)| {
+                let rate = self.state(rate);
+                (format!("{rate}/sqrt({old})"), format!("{factor}{rate}/sqrt({new})"))
+            })
+            .collect();
+        pairs.push((format!("1/sqrt({old})"), format!("1/sqrt({new})")));
+        self.substitution(Cause::AnisotropicFriction, c.rate, v, pairs, coefficients)
     }
 }

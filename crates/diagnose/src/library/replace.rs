@@ -11,21 +11,23 @@ struct Direction {
     image: Expr,
 }
 
-/// The expressions with every key of the map replaced by its value. A key `a/√S` is also found within products in which
-/// its two factors stand apart, as in `m*a*g/√S`.
-pub(crate) fn replace_all(pool: &mut Pool, roots: &[Expr], map: &FxHashMap<Expr, Expr>) -> Vec<Expr> {
+/// The expressions with the first of each of the `pairs` replaced by the second. A key `a/√S` is also found within products in which
+/// its two factors stand apart, as in `m*a*g/√S`; where several keys fit, as `a/√S` and `b/√S` in `a*b/√S`, the earliest is taken.
+pub(crate) fn replace_all(pool: &mut Pool, roots: &[Expr], pairs: &[(Expr, Expr)]) -> Vec<Expr> {
+    let map: FxHashMap<Expr, Expr> = pairs.iter().copied().collect();
     let mut directions = Vec::new();
-    for (&from, &image) in map {
+    for &(from, image) in pairs {
         let factors = factors(pool, from);
-        if factors.len() == 2 && factors.iter().any(|&f| is_inverse_root(pool, f)) {
+        if factors.len() == 2 && factors.iter().any(|&f| under_inverse_root(pool, f).is_some()) {
             directions.push(Direction { factors, image });
         }
     }
     if directions.is_empty() {
-        return pool.substitute_all(roots, map);
+        return pool.substitute_all(roots, &map);
     }
+    let roots = with_roots_as_written(pool, roots, &directions);
     let mut new: FxHashMap<Expr, Expr> = FxHashMap::default();
-    for e in pool.reachable(roots) {
+    for e in pool.reachable(&roots) {
         let image = match (map.get(&e), pool.node(e)) {
             (Some(&image), _) => image,
             (None, Node::Mul(..)) => match without(pool, e, &directions) {
@@ -43,10 +45,32 @@ pub(crate) fn replace_all(pool: &mut Pool, roots: &[Expr], map: &FxHashMap<Expr,
     roots.iter().map(|e| new[e]).collect()
 }
 
-fn is_inverse_root(pool: &Pool, e: Expr) -> bool {
+/// The expressions with what stands under their inverse roots written as under those of the directions, where it is the same.
+fn with_roots_as_written(pool: &mut Pool, roots: &[Expr], directions: &[Direction]) -> Vec<Expr> {
+    let bases = |pool: &Pool, of: &[Expr]| -> Vec<Expr> {
+        pool.reachable(of).into_iter().filter_map(|e| under_inverse_root(pool, e)).collect()
+    };
+    let wanted: Vec<Expr> =
+        directions.iter().flat_map(|d| &d.factors).filter_map(|&f| under_inverse_root(pool, f)).collect();
+    let mut map = FxHashMap::default();
+    for base in bases(pool, roots) {
+        let same = wanted.iter().find(|&&w| {
+            let difference = pool.sub(base, w);
+            let difference = pool.expand(difference);
+            w != base && pool.is_zero(difference)
+        });
+        if let Some(&w) = same {
+            map.insert(base, w);
+        }
+    }
+    if map.is_empty() { roots.to_vec() } else { pool.substitute_all(roots, &map) }
+}
+
+/// `S` of `1/√S`.
+fn under_inverse_root(pool: &Pool, e: Expr) -> Option<Expr> {
     match pool.node(e) {
-        Node::Pow(_, k) => pool.number(k).is_some_and(|k| k.to_f64().value() == -0.5),
-        _ => false,
+        Node::Pow(base, k) => pool.number(k).is_some_and(|k| k.to_f64().value() == -0.5).then_some(base),
+        _ => None,
     }
 }
 
