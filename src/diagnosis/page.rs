@@ -89,7 +89,10 @@ fn of_cause(cause: &NamedCause) -> String {
     for (name, value) in &cause.parameters {
         let _ = write!(out, "<li>{} = {}</li>", formula(name), escaped(&value.to_string()));
     }
-    let _ = write!(out, "<li>probability without the cause: {:.1e}</li>", cause.p_value);
+    let _ = match cause.p_value {
+        Some(p) => write!(out, "<li>probability without the cause: {p:.1e}</li>"),
+        None => write!(out, "<li>without the cause some of the data cannot be simulated</li>"),
+    };
     if let Some(share) = cause.share {
         let _ = write!(out, "<li>without it {} of the excess error would remain</li>", percent(share));
     }

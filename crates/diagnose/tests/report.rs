@@ -17,7 +17,7 @@ fn report() -> Report {
             equation: "v".into(),
             term: "-c*v".into(),
             parameters: vec![("c".into(), c)],
-            p_value: 1e-6,
+            p_value: Some(1e-6),
             confusable_with: vec![Cause::QuadraticDrag],
             separating_experiment: "drive faster".into(),
             rivals: vec![Rival {

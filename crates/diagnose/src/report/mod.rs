@@ -66,8 +66,10 @@ pub struct NamedCause {
     #[serde(serialize_with = "json::by_name")]
     pub parameters: Vec<(String, Value)>,
     /// Probability of an improvement on held-out data at least this large without the cause, corrected for the number of
-    /// candidates.
-    pub p_value: f64,
+    /// Probability of such an improvement by chance, corrected for the number of candidates; absent where some of the data cannot be
+    /// simulated without the cause.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p_value: Option<f64>,
     /// Names that this experiment cannot tell from it, without repetition.
     pub confusable_with: Vec<Cause>,
     /// What to measure in order to tell them apart; empty if there is nothing to tell apart.

@@ -83,7 +83,10 @@ impl Display for NamedCause {
         for (name, value) in &self.parameters {
             writeln!(f, "  {name} = {value}")?;
         }
-        write!(f, "  p {}", probability(self.p_value))?;
+        match self.p_value {
+            Some(p) => write!(f, "  p {}", probability(p))?,
+            None => write!(f, "  without it some of the data cannot be simulated: no p-value")?,
+        }
         match self.share {
             Some(share) => writeln!(f, "; without it {} of the excess error would remain", percent(share))?,
             None => writeln!(f)?,

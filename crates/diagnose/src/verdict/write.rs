@@ -183,7 +183,7 @@ fn parameter_errors(
                 equation: acts_on(system, known.symbol),
                 term: format!("{} -> {}", p.name, short(p.after)),
                 parameters: vec![(p.name.clone(), shown)],
-                p_value,
+                p_value: Some(p_value),
                 confusable_with: Vec::new(),
                 separating_experiment: String::new(),
                 rivals: Vec::new(),
@@ -208,9 +208,10 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
     let effect = search.candidates[member].clone();
     let chosen = &findings.chosen;
     let worth = worth(search, chosen, member, &findings.scatter, findings.tests);
-    let (share, p_value) = worth.map_or((None, 1.0), |(gained, p_value, rest)| {
+    let p_value = worth.as_ref().map(|w| w.1);
+    let share = worth.and_then(|(gained, _, rest)| {
         let excess = rest.alarm.excess();
-        ((excess > 0.0).then(|| gained / excess), p_value)
+        (excess > 0.0).then(|| gained / excess)
     });
     let estimates: Vec<&Estimate> =
         effect.coefficients.iter().filter_map(|c| chosen.fit.values.iter().find(|e| e.name == c.name)).collect();
