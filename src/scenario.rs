@@ -164,10 +164,14 @@ impl Scenario {
         let states: Vec<Vec<f64>> = times.iter().map(|&t| trajectory.sample(t)).collect();
         let outputs = times.iter().zip(&states).map(|(&t, x)| model.output_values(t, x)).collect();
         let unknown: Vec<bool> = system.input_names().iter().map(|n| self.inputs.only_derivatives(n)).collect();
+        // As they are commanded: the record of a run, given back as inputs, has to give the same run.
+        let mut commands = system.clone();
+        commands.input_delays.clear();
+        let mut commands = Model::new(&commands, &self.inputs)?;
         let inputs = times
             .iter()
             .map(|&t| {
-                let values = model.input_values(t);
+                let values = commands.input_values(t);
                 values.into_iter().zip(&unknown).map(|(v, &unknown)| if unknown { f64::NAN } else { v }).collect()
             })
             .collect();
@@ -198,7 +202,7 @@ pub struct Run {
     pub times: Vec<f64>,
     /// States at these times.
     pub states: Vec<Vec<f64>>,
-    /// Inputs at these times; not a number where only derivatives of an input are given.
+    /// Inputs at these times, as they are commanded, before the delays of the model; not a number where only derivatives of an input are given.
     pub inputs: Vec<Vec<f64>>,
     /// Outputs of the model at these times, with `sign(0) = 0`.
     pub outputs: Vec<Vec<f64>>,
