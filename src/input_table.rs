@@ -29,7 +29,7 @@ impl Scenario {
     pub fn from_csv(path: &Path, system: &System, hold: Hold) -> Result<SampledScenario, FileError> {
         let doc = Columns::document(path, "name a CSV file: a table with a column t and one per input")?;
         doc.time_is_free(system)?;
-        let Columns { columns, lines, .. } = Columns::parse(&doc, |_| Entries::Finite)?;
+        let Columns { columns, lines, header } = Columns::parse(&doc, |_| Entries::Finite)?;
         let Some(times) = columns.get("t") else {
             return Err(doc.missing("there is no column `t`", "add a column t with the time in seconds"));
         };
@@ -47,7 +47,9 @@ impl Scenario {
             let samples = Samples::new(times.clone(), values.clone(), hold).map_err(|e| match e {
                 InputError::BadSamples { row, problem } => {
                     let line = lines.get(row).copied().unwrap_or(0);
-                    doc.missing(format!("line {line}: column `{name}`: {problem}"), "correct the table")
+                    let place = Columns::place(&doc, &header, line, "t");
+                    let remedy = "sort the rows by time and remove repeated ones";
+                    doc.error(place, format!("line {line}: {problem}"), remedy)
                 }
                 other => doc.missing(other.to_string(), "correct the table"),
             })?;

@@ -45,7 +45,7 @@ pub enum PointError {
 }
 
 /// A point holds numbers and expressions of them.
-struct Constants;
+pub(crate) struct Constants;
 
 impl Names for Constants {
     fn lookup(&mut self, _: &mut Pool, _: &str) -> Option<Expr> {

@@ -5,8 +5,10 @@ use std::path::Path;
 use bracketry_sim::{
     InputError, Inputs, Model, Outcome, Settings, SimError, Simulation, StopReason, Switched, simulate,
 };
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::{ParseError, Rational};
 use bracketry_system::{Document, FileError, System, Value};
+
+use crate::point::Constants;
 
 /// A simulation to run: where it starts, what drives it, how long.
 #[derive(Clone, Debug)]
@@ -43,7 +45,7 @@ pub enum ScenarioError {
 const MAX_ROWS: f64 = 5e6;
 
 impl Scenario {
-    /// Reads a scenario file: `duration` and optionally `sample` in seconds, tables `[x0]` (numbers by state; what
+    /// Reads a scenario file: `duration` and optionally `sample` in seconds, tables `[x0]` (numbers, or expressions of numbers such as `"pi/2"`, by state; what
     /// is absent is taken from the model's `[point]`, else 0), `[inputs]` (expressions in `t` by input) and
     /// `[parameters]`.
     ///
@@ -84,9 +86,9 @@ impl Scenario {
         if let Some(t) = doc.sub_table(&table, "x0")? {
             let known: Vec<String> = system.state_names();
             doc.only_keys(t, &known.iter().map(String::as_str).collect::<Vec<_>>(), "[x0] of this model")?;
-            for key in t.keys() {
-                if let (Some(i), Some(v)) = (system.state_index(key.get_ref()), doc.number(t, key.get_ref())?) {
-                    x0[i] = v;
+            for (key, v) in t {
+                if let Some(i) = system.state_index(key.get_ref()) {
+                    x0[i] = constant(doc, system, v, key.get_ref())?;
                 }
             }
         }
@@ -102,8 +104,9 @@ impl Scenario {
                 };
                 inputs = inputs.expression(name, &text);
                 // Asked one by one so that the error can name the line.
-                Model::new(system, &Inputs::new().expression(name, &text)).map_err(|e| {
-                    doc.error(value.span(), e.to_string(), "inputs are expressions in t and the model's parameters")
+                Model::new(system, &Inputs::new().expression(name, &text)).map_err(|e| match e {
+                    InputError::Expression { source, .. } => doc.parse_error(value, in_time(system, source)),
+                    other => doc.error(value.span(), other.to_string(), IN_TIME),
                 })?;
             }
         }
@@ -228,6 +231,27 @@ fn first_not_finite(model: &mut Model, t: f64, x: &[f64]) -> Option<usize> {
     let signs = vec![0.0; model.arguments()];
     model.rhs(t, x, &signs, &mut rate);
     rate.iter().position(|v| !v.is_finite())
+}
+
+/// What inputs of a scenario may be.
+const IN_TIME: &str = "inputs are expressions in t and the model's parameters";
+
+/// An error in an expression of time, with the names that it may use.
+fn in_time(system: &System, mut e: ParseError) -> ParseError {
+    if e.message.starts_with("unknown name") && !e.remedy.starts_with("did you mean") {
+        let names: Vec<&str> = system.parameters.iter().map(|p| system.symbol_name(p.symbol)).collect();
+        e.remedy = if names.is_empty() { IN_TIME.to_owned() } else { format!("{IN_TIME}: {}", names.join(", ")) };
+    }
+    e
+}
+
+/// A number, or an expression of numbers such as "pi/2".
+fn constant(doc: &Document, system: &System, v: &toml::Spanned<Value<'_>>, key: &str) -> Result<f64, FileError> {
+    let mut system = system.clone();
+    let e = doc.expression(v, key, &mut system.pool, &mut Constants)?;
+    system.value(e).filter(|v| v.is_finite()).ok_or_else(|| {
+        doc.error(v.span(), format!("`{key}` is not a finite number"), "write a number such as 0.3 or \"pi/2\"")
+    })
 }
 
 /// The model's point, or zeros.

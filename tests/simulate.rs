@@ -136,7 +136,10 @@ fn bad_scenarios_and_tables_are_refused_with_place_and_remedy() {
         (&["simulate", &clock, "--scenario", &short], "calls a state `t`, which is time here"),
         (&["simulate", &plate, "--scenario", &rough], "rough.toml:3:6: parameter `mu` lies outside"),
         (&["simulate", &plate, "--scenario", &letter], "unknown name `x`"),
-        (&["simulate", &slider, "--inputs", dir.to_str().unwrap()], "name a CSV file"),
+        (
+            &["simulate", &slider, "--inputs", dir.to_str().unwrap()],
+            "is a directory\n   = name a table of samples in it: unordered.csv",
+        ),
         (&["simulate", &slider, "--inputs", &unordered], "line 6"),
     ];
     for (arguments, part) in cases {

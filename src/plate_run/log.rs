@@ -46,7 +46,7 @@ impl PlateLog {
     }
 
     fn from_document(doc: &Document) -> Result<Self, FileError> {
-        let Columns { mut columns, lines, .. } = Columns::parse(doc, |_| Entries::Finite)?;
+        let Columns { mut columns, lines, header } = Columns::parse(doc, |_| Entries::Finite)?;
         let known = columns.keys().cloned().collect::<Vec<_>>().join(", ");
         let missing: Vec<&str> = OBJECT.into_iter().filter(|name| !columns.contains_key(*name)).collect();
         if !missing.is_empty() {
@@ -64,7 +64,8 @@ impl PlateLog {
         if let Some(row) = (1..t.len()).find(|row| t[*row] <= t[*row - 1]) {
             let line = lines.get(row).copied().unwrap_or(0);
             let message = format!("line {line}: the time {} does not exceed {} before it", t[row], t[row - 1]);
-            return Err(doc.missing(message, "sort the rows by time and remove repeated ones"));
+            let place = Columns::place(doc, &header, line, "t");
+            return Err(doc.error(place, message, "sort the rows by time and remove repeated ones"));
         }
         if t.len() < 2 {
             return Err(doc.missing("the table has fewer than two rows", "give at least two samples"));

@@ -1,6 +1,7 @@
 //! Tables of samples as text (CSV): a header, then rows of numbers.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 
 use crate::document::{Document, FileError};
@@ -74,9 +75,18 @@ impl Columns {
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); header.len()];
         let mut lines = Vec::new();
         for record in reader.records() {
-            let record =
-                record.map_err(|e| doc.missing(e.to_string(), "give every row as many entries as the header"))?;
-            let line = record.position().map_or(0, |p| p.line() + skipped_lines(&text, p.byte()));
+            let line = |p: &csv::Position| p.line() + skipped_lines(&text, p.byte());
+            let record = record.map_err(|e| match e.kind() {
+                csv::ErrorKind::UnequalLengths { pos: Some(pos), expected_len, len } => {
+                    let line = line(pos);
+                    let entries = |n: u64| if n == 1 { "1 entry".to_owned() } else { format!("{n} entries") };
+                    let message = format!("line {line} has {}, the header {}", entries(*len), entries(*expected_len));
+                    let whole = line_span(doc.text(), line);
+                    doc.error(whole, message, "give every row as many entries as the header")
+                }
+                _ => doc.missing(e.to_string(), "give every row as many entries as the header"),
+            })?;
+            let line = record.position().map_or(0, line);
             lines.push(line);
             for (k, field) in record.iter().enumerate() {
                 match (entries[k], field.parse::<f64>()) {
@@ -91,7 +101,7 @@ impl Columns {
                             Entries::MayBeLost => "correct the entry; one that was lost is left empty or called nan",
                             _ => "correct or remove the row",
                         };
-                        return Err(doc.missing(message, remedy));
+                        return Err(doc.error(Self::place(doc, &header, line, &header[k]), message, remedy));
                     }
                 }
             }
@@ -104,6 +114,19 @@ impl Columns {
         Ok(Self { columns, header, lines })
     }
 
+    /// Byte range of an entry in the text of the table, for [`Document::error`]: that of the line where the column is not in the
+    /// header or quotes keep entries from being counted.
+    pub fn place(doc: &Document, header: &[String], line: u64, column: &str) -> Range<usize> {
+        let whole = line_span(doc.text(), line);
+        let row = &doc.text()[whole.clone()];
+        let position = header.iter().position(|name| name == column).filter(|_| !row.contains('"'));
+        let Some(entry) = position.and_then(|k| row.split(',').nth(k)) else { return whole };
+        // Both are parts of one text.
+        let start = whole.start + (entry.as_ptr() as usize - row.as_ptr() as usize);
+        let blank = entry.len() - entry.trim_start().len();
+        start + blank..start + blank + entry.trim().len()
+    }
+
     /// `der(X,2)` → (`X`, 2), `der(X)` → (`X`, 1): the input and the order that a column is called after.
     pub fn derivative_name(name: &str) -> Option<(&str, u32)> {
         let inner = name.strip_prefix("der(")?.strip_suffix(')')?;
@@ -112,6 +135,19 @@ impl Columns {
             Some((input, order)) => Some((input.trim(), order.trim().parse().ok()?)),
         }
     }
+}
+
+/// Byte range of a line, from 1, without its end.
+fn line_span(text: &str, line: u64) -> Range<usize> {
+    let mut start = 0;
+    for (k, part) in text.split_inclusive('\n').enumerate() {
+        let end = start + part.trim_end_matches(['\n', '\r']).len();
+        if k as u64 + 1 == line {
+            return start..end;
+        }
+        start += part.len();
+    }
+    text.len()..text.len()
 }
 
 /// Number of empty lines and comments between the end of the row before, at a byte of the text, and the row that follows.

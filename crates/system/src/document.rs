@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
-use bracketry_symbolic::{Expr, Names, Pool, Rational, closest_name};
+use bracketry_symbolic::{Expr, Names, ParseError, Pool, Rational, closest_name};
 use toml::de::{DeTable, DeValue};
 
 use crate::system::System;
@@ -89,8 +89,8 @@ impl Document {
             return Err(whole(format!("is larger than {} MiB", max_bytes >> 20), too_large));
         }
         let bytes = std::fs::read(path).map_err(|e| whole(format!("cannot be read: {e}"), "check the permissions"))?;
-        let text =
-            String::from_utf8(bytes).map_err(|_| whole("is not UTF-8 text".into(), "save it with UTF-8 encoding"))?;
+        let not_text = if bytes.contains(&0) { no_file } else { "save it with UTF-8 encoding" };
+        let text = String::from_utf8(bytes).map_err(|_| whole("is not UTF-8 text".into(), not_text))?;
         Ok(Self::new(path.display().to_string(), text))
     }
 
@@ -112,7 +112,8 @@ impl Document {
         DeTable::parse(&self.text).map(toml::Spanned::into_inner).map_err(|e| {
             let span = e.span().unwrap_or(0..0);
             let message = e.message().trim().replace('\n', ", ");
-            self.error(span, message, "correct the TOML syntax; expressions stand in quotes: x = \"u*cos(th)\"")
+            let remedy = syntax_remedy(&message);
+            self.error(span, message, remedy)
         })
     }
 
@@ -276,10 +277,7 @@ impl Document {
         names: &mut N,
     ) -> Result<Expr, FileError> {
         match v.get_ref() {
-            DeValue::String(s) => pool.parse_with(s, names).map_err(|e| {
-                let span = self.inside(&v.span(), s, e.offset, &e.found);
-                self.error(span, e.message, e.remedy)
-            }),
+            DeValue::String(s) => pool.parse_with(s, names).map_err(|e| self.parse_error(v, e)),
             DeValue::Integer(_) | DeValue::Float(_) => {
                 let r = self.exact_number(v, key)?;
                 Ok(pool.rational(r))
@@ -290,6 +288,15 @@ impl Document {
                 "put the expression in quotes",
             )),
         }
+    }
+
+    /// An error within the text of a located value.
+    pub fn parse_error(&self, v: &toml::Spanned<Value<'_>>, e: ParseError) -> FileError {
+        let span = match v.get_ref() {
+            DeValue::String(s) => self.inside(&v.span(), s, e.offset, &e.found),
+            _ => v.span(),
+        };
+        self.error(span, e.message, e.remedy)
     }
 
     /// Byte range of a part of a string value, exact where the string was written without escapes.
@@ -305,6 +312,22 @@ impl Document {
         let start = span.start + skip + byte(offset);
         let length = if value[byte(offset)..].starts_with(found) { found.len() } else { 0 };
         start..start + length
+    }
+}
+
+/// What to do about a syntax error of TOML.
+fn syntax_remedy(message: &str) -> &'static str {
+    let says = |part: &str| message.contains(part);
+    if says("duplicate key") {
+        "a name may stand once in its table: remove or rename one of them"
+    } else if says("array") {
+        "write a list as [\"x\", \"v\"]: commas between its entries, `]` at its end"
+    } else if says("invalid basic string") || says("invalid literal string") {
+        "close the quotes on the same line"
+    } else if says("inline table") {
+        "write a table on one line as { min = 0, max = 1 }, or as [name] with its entries on lines below"
+    } else {
+        "correct the TOML syntax; expressions stand in quotes: x = \"u*cos(th)\""
     }
 }
 

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use bracketry_sim::Hold;
-use bracketry_system::{Columns, Entries, FileError, System};
+use bracketry_system::{Columns, Document, Entries, FileError, System};
 
 use crate::{DiagnoseError, Measured, Record};
 use clock::Clock;
@@ -87,24 +87,28 @@ impl RecordSettings {
 /// Where columns come from, for messages.
 struct Origin<'a> {
     name: &'a str,
-    /// The line of each row, in a text file.
-    lines: Option<&'a [u64]>,
+    /// The text, its header and the line of each row, in a text file.
+    table: Option<(&'a Document, &'a [String], &'a [u64])>,
 }
 
 impl Origin<'_> {
     fn row(&self, row: usize) -> String {
-        match self.lines.and_then(|lines| lines.get(row)) {
+        match self.table.and_then(|(_, _, lines)| lines.get(row)) {
             Some(line) => format!("line {line}"),
             None => format!("sample {row}"),
         }
     }
 
     fn whole(&self, message: impl Into<String>, remedy: impl Into<String>) -> FileError {
-        bracketry_system::Document::new(self.name, "").missing(message, remedy)
+        Document::new(self.name, "").missing(message, remedy)
     }
 
     fn at(&self, row: usize, column: &str, problem: &str, remedy: &str) -> FileError {
-        self.whole(format!("{}, column `{column}`: {problem}", self.row(row)), remedy)
+        let message = format!("{}, column `{column}`: {problem}", self.row(row));
+        match self.table.and_then(|(doc, header, lines)| Some((doc, header, *lines.get(row)?))) {
+            Some((doc, header, line)) => doc.error(Columns::place(doc, header, line, column), message, remedy),
+            None => self.whole(message, remedy),
+        }
     }
 }
 
@@ -117,7 +121,7 @@ impl Origin<'_> {
 pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> Result<(Record, Audit), DiagnoseError> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy")) {
         let name = path.display().to_string();
-        return Err(Origin { name: &name, lines: None }
+        return Err(Origin { name: &name, table: None }
             .whole(
                 "is a single NumPy array, whose columns have no names",
                 "write an archive of one array per column: numpy.savez('run.npz', t=…, x=…)",
@@ -127,7 +131,7 @@ pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> R
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) {
         let (columns, ignored) = npz::read(path, |name| roles::role(settings.renamed(name), system).is_some())?;
         let name = path.display().to_string();
-        let origin = Origin { name: &name, lines: None };
+        let origin = Origin { name: &name, table: None };
         let header: Vec<String> = columns.keys().cloned().chain(ignored.iter().cloned()).collect();
         settings.check(&origin, &header, system)?;
         return build(&origin, settings.apply(&origin, columns)?, ignored, system, settings);
@@ -139,9 +143,9 @@ pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> R
         Some(_) => Entries::Finite,
     };
     let Columns { columns, header, lines } = Columns::parse(&doc, entries)?;
-    let origin = Origin { name: doc.file(), lines: Some(&lines) };
+    let origin = Origin { name: doc.file(), table: Some((&doc, &header, &lines)) };
     settings.check(&origin, &header, system)?;
-    let ignored = header.into_iter().filter(|name| !columns.contains_key(name)).collect();
+    let ignored = header.iter().filter(|name| !columns.contains_key(*name)).cloned().collect();
     build(&origin, settings.apply(&origin, columns)?, ignored, system, settings)
 }
 
@@ -158,7 +162,7 @@ impl Record {
         system: &System,
         settings: &RecordSettings,
     ) -> Result<(Record, Audit), DiagnoseError> {
-        let origin = Origin { name, lines: None };
+        let origin = Origin { name, table: None };
         for (column, values) in &columns {
             if values.len() != times.len() {
                 let message = format!("column `{column}` has {} entries for {} times", values.len(), times.len());
