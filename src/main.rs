@@ -1,24 +1,22 @@
 //! The command `bracketry`.
-// Errors and warnings go to standard error.
+// Warnings go to standard error.
 #![allow(clippy::print_stderr)]
 
 mod command;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
-use command::{Cli, Outcome};
+use command::{Outcome, style};
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = command::parse().unwrap_or_else(|e| e.exit());
     match command::run(cli) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Negative) => ExitCode::from(1),
         // Whoever read the output has seen enough.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            style::error(&format!("{error:#}"));
             ExitCode::from(2)
         }
     }

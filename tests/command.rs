@@ -100,7 +100,7 @@ fn bad_input_ends_with_code_2_and_names_the_place() {
         (&["simulate", &slider, "--inputs", &nan_row], "line 3"),
         (&["simulate", &slider, "--inputs", &unordered], "line 4"),
         (&["simulate", &slider, "--inputs", &no_time], "column `t`"),
-        (&["simulate", &slider, "--inputs", &ragged], "line: 3"),
+        (&["simulate", &slider, "--inputs", &ragged], "line 3 has 1 entry"),
         (&["simulate", &slider, "--scenario", &scenario], "s.toml:3:"),
         (&["simulate", &slider, "--scenario", &negative], "must be positive"),
         (&["control", &problem], "p.toml"),
@@ -169,7 +169,7 @@ fn a_missed_target_or_a_plant_that_ends_is_code_1() {
 #[test]
 fn every_file_that_help_and_readme_name_exists() {
     let mut texts = vec![fs::read_to_string(format!("{}/README.md", env!("CARGO_MANIFEST_DIR"))).unwrap()];
-    for command in ["analyze", "affinize", "simulate", "control"] {
+    for command in ["analyze", "affinize", "simulate", "control", "diagnose", "plate"] {
         texts.push(String::from_utf8(bracketry(&[command, "--help"]).stdout).unwrap());
     }
     let mut named = 0;

@@ -11,11 +11,18 @@ use serde_json::json as object;
 use super::output::{folder, json, line, print, write};
 use super::{Outcome, OutputArgs};
 
+/// Shown by the help.
+pub(crate) const EXAMPLES: [(&str, &str); 2] = [
+    ("The affine model as a model file", "bracketry affinize models/plate_published.toml > plate_affine.toml"),
+    ("Another of the ways that are listed", "bracketry affinize models/heading.toml --candidate 1"),
+];
+
 /// Arguments of `affinize`.
 #[derive(Args)]
 pub(crate) struct AffinizeArgs {
-    /// Model file
-    model: PathBuf,
+    /// Model file (TOML)
+    #[arg(value_hint = clap::ValueHint::FilePath)]
+    pub(crate) model: PathBuf,
     /// Take the way with this number, as they are listed, in place of the one that adds the fewest states
     #[arg(long, value_name = "K")]
     candidate: Option<usize>,

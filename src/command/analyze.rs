@@ -11,6 +11,14 @@ use clap::{Args, ValueEnum};
 use super::output::{figure, folder, json, line, print, spinner, write};
 use super::{Outcome, OutputArgs};
 
+/// Shown by the help.
+pub(crate) const EXAMPLES: [(&str, &str); 4] = [
+    ("Everything about a model", "bracketry analyze models/plate_published.toml"),
+    ("At another point, as Markdown", "bracketry analyze models/cart_pole.toml --at th=pi --markdown"),
+    ("Brackets written out", "bracketry analyze models/unicycle.toml --bracket \"[g1,g2]\""),
+    ("With report, affine model and pictures in a folder", "bracketry analyze models/cart_pole.toml --out out"),
+];
+
 /// What the report on standard output is written in.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
@@ -27,8 +35,9 @@ pub(crate) enum Format {
 /// Arguments of `analyze`.
 #[derive(Args)]
 pub(crate) struct AnalyzeArgs {
-    /// Model file
-    model: PathBuf,
+    /// Model file (TOML)
+    #[arg(value_hint = clap::ValueHint::FilePath)]
+    pub(crate) model: PathBuf,
     /// Bracket to write out, such as "[g1,[f,g1]]": f is the drift, g1, g2 … or the names of the inputs their fields;
     /// may be given more than once
     #[arg(long = "bracket", value_name = "BRACKET")]

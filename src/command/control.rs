@@ -1,18 +1,37 @@
 //! `bracketry control`: the closed loop of a problem file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bracketry::mpc::{ControlProblem, MpcError};
 use bracketry::{ControlError, Controlled, control_watched};
+use clap::Args;
 
 use super::output::{csv, figure, folder, json, line, print, spinner, write};
+use super::style::warning;
 use super::{Outcome, OutputArgs};
 
+/// Shown by the help.
+pub(crate) const EXAMPLES: [(&str, &str); 2] = [
+    ("Swing a pendulum up, with trajectory and plots", "bracketry control models/cart_pole_swing_up.toml --out out"),
+    ("Other noise", "bracketry control problem.toml --seed 7"),
+];
+
+/// Arguments of `control`.
+#[derive(Args)]
+pub(crate) struct ControlArgs {
+    /// Problem file (TOML): model, horizon, cost, bounds; docs/mpc.md has every key
+    #[arg(value_hint = clap::ValueHint::FilePath)]
+    pub(crate) problem: PathBuf,
+    /// Seed of the measurement noise, in place of `seed` in [run]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+}
+
 /// Runs the loop and writes what it gave.
-pub(crate) fn run(path: &Path, seed: Option<u64>, output: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let progress = spinner("reading and building the problem");
-    let mut problem = ControlProblem::read(path)?;
-    if let Some(seed) = seed {
+    let mut problem = ControlProblem::read(&args.problem)?;
+    if let Some(seed) = args.seed {
         problem.conditions.seed = seed;
     }
     progress.set_message("first plan");
@@ -22,7 +41,7 @@ pub(crate) fn run(path: &Path, seed: Option<u64>, output: &OutputArgs) -> anyhow
     let controlled = match outcome {
         // The loop ran until its plant ended: an answer, though a negative one.
         Err(ControlError::Mpc(stop @ MpcError::Plant { .. })) => {
-            eprintln!("{stop}");
+            warning(&stop.to_string());
             return Ok(Outcome::Negative);
         }
         other => other?,

@@ -12,17 +12,29 @@ use bracketry::sim::Hold;
 use bracketry::system::System;
 use clap::Args;
 
+use super::file_kind::{FileKind, Given};
 use super::output::{figure, folder, json, line, print, spinner, write};
 use super::simulate::HoldArg;
 use super::{Outcome, OutputArgs};
 
+/// Shown by the help.
+pub(crate) const EXAMPLES: [(&str, &str); 3] = [
+    (
+        "With a second run that no fit sees",
+        "bracketry diagnose models/emps.toml run.csv --validate second.csv --out out",
+    ),
+    ("Where columns have other names", "bracketry diagnose slider.toml log.csv --rename force=u,pos=x"),
+    ("With a parameter that is known well", "bracketry diagnose slider.toml log.csv --fix m --json"),
+];
+
 /// Arguments of `diagnose`.
 #[derive(Args)]
 pub(crate) struct DiagnoseArgs {
-    /// Model file
+    /// Model file (TOML)
+    #[arg(value_hint = clap::ValueHint::FilePath)]
     model: PathBuf,
     /// Measured runs (CSV or NPZ): a column t in seconds, one per measured state or output, one per input
-    #[arg(required = true, value_name = "DATA")]
+    #[arg(required = true, value_name = "DATA", value_hint = clap::ValueHint::FilePath)]
     data: Vec<PathBuf>,
     /// Further runs that no fit sees, to measure the gain on
     #[arg(long, value_name = "DATA", num_args = 1..)]
@@ -48,6 +60,13 @@ pub(crate) struct DiagnoseArgs {
     /// Length of the windows in seconds; chosen from the data without it
     #[arg(long, value_name = "S")]
     window: Option<f64>,
+}
+
+impl DiagnoseArgs {
+    pub(crate) fn files(&self) -> Vec<Given> {
+        let models = [&self.model].into_iter().chain(&self.reference).map(|p| Given::new(p, FileKind::Model));
+        models.chain(self.data.iter().chain(&self.validate).map(|p| Given::new(p, FileKind::Table))).collect()
+    }
 }
 
 fn renaming(text: &str) -> Result<(String, String), String> {

@@ -2,17 +2,27 @@
 
 use std::path::PathBuf;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, Parser, Subcommand};
 
 mod affinize;
 mod analyze;
 mod control;
 mod diagnose;
+mod file_kind;
+mod help;
 mod main_job;
+mod new;
 mod output;
 mod plate;
+mod shell;
 mod simulate;
 mod stiffness;
+pub(crate) mod style;
+
+use file_kind::{FileKind, Given};
+use help::{EXIT_CODES, UNITS, examples, guide};
+use stiffness::StiffnessCommand;
 
 /// How a command ended; bad input is an error instead.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -28,13 +38,28 @@ pub(crate) enum Outcome {
 /// Without a command: the main job on the vibrating plate, from its equations to a closed loop that moves
 /// position and orientation at the same time; results go to `out/`.
 #[derive(Parser)]
-#[command(version, about, max_term_width = 100)]
+#[command(
+    name = "bracketry", version, about, max_term_width = 100, styles = help::STYLES,
+    after_help = examples(&FIRST_STEPS),
+    after_long_help = guide(&FIRST_STEPS, &[EXIT_CODES, UNITS, (
+        "Colour",
+        "On terminals alone; NO_COLOR=1 turns it off, CLICOLOR_FORCE=1 on.",
+    )]),
+)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
     output: OutputArgs,
 }
+
+const FIRST_STEPS: [(&str, &str); 5] = [
+    ("Begin with a model of your own", "bracketry new ball"),
+    ("What its inputs reach", "bracketry analyze ball.toml"),
+    ("Simulate it", "bracketry simulate ball.toml --scenario ball_scenario.toml --out out"),
+    ("Close the loop", "bracketry control ball_problem.toml --out out"),
+    ("Where measured data say that it is wrong", "bracketry diagnose ball.toml run.csv --out out"),
+];
 
 /// Where results go.
 #[derive(Args, Clone)]
@@ -43,47 +68,91 @@ pub(crate) struct OutputArgs {
     #[arg(long, global = true)]
     pub(crate) json: bool,
     /// Folder for files and plots
-    #[arg(long, global = true, value_name = "DIR")]
+    #[arg(long, global = true, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
     pub(crate) out: Option<PathBuf>,
 }
 
 #[derive(Subcommand)]
 enum Command {
     /// Affine form, modes, ranks, brackets, and what no input influences
-    #[command(after_help = "Examples:\n  bracketry analyze models/plate_published.toml\n  \
-        bracketry analyze models/cart_pole.toml --at th=pi --markdown")]
+    #[command(after_help = examples(&analyze::EXAMPLES), after_long_help = guide(&analyze::EXAMPLES, &[(
+        "Exit codes", "0  everything decided\n1  a question is left undecided; the report says which and why\n2  bad input",
+    )]))]
     Analyze(analyze::AnalyzeArgs),
     /// Write the model in a form that is affine in its inputs
-    #[command(after_help = "Example:\n  bracketry affinize models/plate_published.toml > plate_affine.toml")]
+    #[command(after_help = examples(&affinize::EXAMPLES), after_long_help = guide(&affinize::EXAMPLES, &[EXIT_CODES]))]
     Affinize(affinize::AffinizeArgs),
     /// Integrate a model with exact stick–slip friction
-    #[command(
-        after_help = "Example:\n  bracketry simulate models/plate_published.toml --scenario models/plate_experiment_2.toml --out out"
-    )]
+    #[command(after_help = examples(&simulate::EXAMPLES), after_long_help = guide(&simulate::EXAMPLES, &[
+        ("Exit codes", "0  simulated to the end\n1  stopped before it (blow-up, chattering); the report says when\n2  bad input"),
+        UNITS,
+    ]))]
     Simulate(simulate::SimulateArgs),
     /// Run an experiment on the vibrating plate, on the model of your choice, beside a log if there is one
-    #[command(after_help = "Examples:\n  bracketry plate 1 --shape ellipse:0.15x0.10 --out out --gif\n  \
-        bracketry plate 2 --omega 4 --model published\n  \
-        bracketry plate 1 --compare log.csv --motion log --mu 0.3 --out out")]
+    #[command(after_help = examples(&plate::EXAMPLES), after_long_help = guide(&plate::EXAMPLES, &[
+        EXIT_CODES, ("Units", "SI and radians; ω in units of π"),
+    ]))]
     Plate(Box<plate::PlateArgs>),
     /// From measured data to what the model gets wrong: the cause, the extended model, the gain
-    #[command(
-        after_help = "Examples:\n  bracketry diagnose models/emps.toml run.csv --validate second.csv --out out\n  \
-        bracketry diagnose slider.toml log.csv --rename force=u --fix g --json"
-    )]
+    #[command(after_help = examples(&diagnose::EXAMPLES), after_long_help = guide(&diagnose::EXAMPLES, &[
+        ("Exit codes", "0  a cause is named, or nothing is wrong\n1  something is wrong, but nothing known explains it\n2  bad input"),
+        UNITS,
+    ]))]
     Diagnose(Box<diagnose::DiagnoseArgs>),
     /// Stiffness of a robot: identify it from measurements, compensate the deformation
     #[command(subcommand)]
-    Stiffness(stiffness::StiffnessCommand),
+    Stiffness(StiffnessCommand),
     /// Close the loop of a problem file
-    #[command(after_help = "Example:\n  bracketry control models/cart_pole_swing_up.toml --out out")]
-    Control {
-        /// Problem file
-        problem: PathBuf,
-        /// Seed of the measurement noise, in place of `seed` in [run]
-        #[arg(long)]
-        seed: Option<u64>,
-    },
+    #[command(after_help = examples(&control::EXAMPLES), after_long_help = guide(&control::EXAMPLES, &[
+        ("Exit codes", "0  the loop did what the problem asks\n1  it ran, but a target was missed, a sample had no solution or the plant ended\n2  bad input"),
+        UNITS,
+    ]))]
+    Control(control::ControlArgs),
+    /// Write a commented model of one's own, with a scenario and a problem beside it
+    #[command(after_help = examples(&new::EXAMPLES), after_long_help = guide(&new::EXAMPLES, &[EXIT_CODES]))]
+    New(new::NewArgs),
+    /// Print the script that completes commands and options in a shell
+    #[command(after_help = examples(&shell::COMPLETION_EXAMPLES))]
+    Completions(shell::CompletionsArgs),
+    /// Manual pages: print one, or write all of them into a folder with --out
+    #[command(after_help = examples(&shell::MAN_EXAMPLES))]
+    Man(shell::ManArgs),
+}
+
+impl Command {
+    /// The files that are read, with what they are to be.
+    fn files(&self) -> Vec<Given> {
+        match self {
+            Self::Analyze(args) => vec![Given::new(&args.model, FileKind::Model)],
+            Self::Affinize(args) => vec![Given::new(&args.model, FileKind::Model)],
+            Self::Simulate(args) => args.files(),
+            Self::Diagnose(args) => args.files(),
+            Self::Plate(args) => args.files(),
+            Self::Stiffness(command) => command.files(),
+            Self::Control(args) => Given::problem(&args.problem),
+            Self::New(_) | Self::Completions(_) | Self::Man(_) => Vec::new(),
+        }
+    }
+}
+
+/// Reads the command line.
+///
+/// # Errors
+/// What is wrong with it, and help where that was asked for.
+pub(crate) fn parse() -> Result<Cli, clap::Error> {
+    Cli::try_parse().map_err(|mut e| {
+        // A file where the command belongs.
+        if e.kind() == ErrorKind::InvalidSubcommand
+            && let Some(ContextValue::String(word)) = e.get(ContextKind::InvalidSubcommand)
+            && let Some(command) = FileKind::command_for(std::path::Path::new(word))
+        {
+            e.insert(
+                ContextKind::Suggested,
+                ContextValue::StyledStrs(vec![format!("for this file: `{command}`").into()]),
+            );
+        }
+        e
+    })
 }
 
 /// Runs what the command line asks for.
@@ -92,7 +161,8 @@ enum Command {
 /// Bad input: a file or an option, with place and remedy.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
     let output = cli.output;
-    match cli.command {
+    let files = cli.command.as_ref().map(Command::files).unwrap_or_default();
+    let result = match cli.command {
         None => main_job::run(&output),
         Some(Command::Analyze(args)) => analyze::analyze(&args, &output),
         Some(Command::Affinize(args)) => affinize::affinize(&args, &output),
@@ -100,6 +170,11 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Plate(args)) => plate::run(&args, &output),
         Some(Command::Diagnose(args)) => diagnose::run(&args, &output),
         Some(Command::Stiffness(command)) => stiffness::run(&command, &output),
-        Some(Command::Control { problem, seed }) => control::run(&problem, seed, &output),
-    }
+        Some(Command::Control(args)) => control::run(&args, &output),
+        Some(Command::New(args)) => new::run(&args, &output),
+        Some(Command::Completions(args)) => shell::completions(&args, &output),
+        Some(Command::Man(args)) => shell::man(&args, &output),
+    };
+    // A file of another kind explains more than the first thing in it that does not belong there.
+    result.map_err(|e| file_kind::mistaken(&files).map_or(e, anyhow::Error::msg))
 }

@@ -10,6 +10,8 @@ use bracketry::plot::{Drawing, PlotError};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use super::style::warning;
+
 /// Writes to standard output at once. A reader that has gone away is an error like any other, not a panic.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
@@ -37,7 +39,7 @@ pub(crate) fn spinner(message: &str) -> ProgressBar {
 /// results beside it are worth keeping.
 pub(crate) fn figure(drawing: Result<Drawing, PlotError>, stem: &Path) {
     if let Err(e) = drawing.and_then(|d| d.save(stem).map(|_| ())) {
-        eprintln!("warning: no figure {}: {e}", stem.display());
+        warning(&format!("no figure {}: {e}", stem.display()));
     }
 }
 

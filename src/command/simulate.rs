@@ -8,6 +8,7 @@ use bracketry::system::System;
 use bracketry::{Run, SampledScenario, Scenario, SimulationReport};
 use clap::{Args, ValueEnum};
 
+use super::file_kind::{FileKind, Given};
 use super::output::{csv, figure, folder, json, line, print, spinner};
 use super::{Outcome, OutputArgs};
 
@@ -20,20 +21,40 @@ pub(crate) enum HoldArg {
     Linear,
 }
 
+/// Shown by the help.
+pub(crate) const EXAMPLES: [(&str, &str); 2] = [
+    (
+        "By a scenario, with trajectory, events and plots",
+        "bracketry simulate models/plate_published.toml --scenario models/plate_experiment_2.toml --out out",
+    ),
+    ("By recorded inputs", "bracketry simulate slider.toml --inputs run.csv --hold linear --out out"),
+];
+
 /// Arguments of `simulate`.
 #[derive(Args)]
 pub(crate) struct SimulateArgs {
-    /// Model file
+    /// Model file (TOML)
+    #[arg(value_hint = clap::ValueHint::FilePath)]
     model: PathBuf,
     /// Scenario file (TOML): duration, x0, inputs as expressions in t
-    #[arg(long, conflicts_with = "inputs", required_unless_present = "inputs")]
+    #[arg(long, value_name = "FILE", conflicts_with = "inputs", required_unless_present = "inputs",
+        value_hint = clap::ValueHint::FilePath)]
     scenario: Option<PathBuf>,
     /// Table of inputs (CSV): a column t and one per input; der(X,2) for derivatives
-    #[arg(long)]
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     inputs: Option<PathBuf>,
     /// How the samples of --inputs continue
     #[arg(long, value_enum, default_value = "previous")]
     hold: HoldArg,
+}
+
+impl SimulateArgs {
+    pub(crate) fn files(&self) -> Vec<Given> {
+        let mut files = vec![Given::new(&self.model, FileKind::Model)];
+        files.extend(self.scenario.iter().map(|path| Given::new(path, FileKind::Scenario)));
+        files.extend(self.inputs.iter().map(|path| Given::new(path, FileKind::Table)));
+        files
+    }
 }
 
 /// Runs the simulation and writes what it gave.

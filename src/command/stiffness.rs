@@ -9,6 +9,7 @@ use bracketry::{ChosenPoses, CompensatedLog, Identification, RobotLog, Weighing}
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
+use super::file_kind::{FileKind, Given};
 use super::output::{csv, figure, folder, json, line, print, spinner, write};
 use super::{Outcome, OutputArgs};
 
@@ -61,6 +62,20 @@ pub(crate) enum StiffnessCommand {
         #[arg(long, value_name = "N/m", allow_hyphen_values = true, value_delimiter = ',', value_parser = process_stiffness)]
         process_stiffness: Option<Vec<f64>>,
     },
+}
+
+impl StiffnessCommand {
+    /// The files that are read, with what they are to be.
+    pub(crate) fn files(&self) -> Vec<Given> {
+        let (Self::Identify { files, .. }
+        | Self::Poses { files, .. }
+        | Self::Weigh { files }
+        | Self::Compensate { files, .. }) = self;
+        let sorted = files.sorted().ok();
+        let given =
+            sorted.map(|(table, robot)| [Given::new(table, FileKind::Table), Given::new(robot, FileKind::Robot)]);
+        given.into_iter().flatten().collect()
+    }
 }
 
 /// A table and a robot file.

@@ -8,9 +8,20 @@ use std::path::{Path, PathBuf};
 use bracketry::{Comparison, PlateLog, PlateOptions, PlateRun, PlateSetup};
 use clap::{Args, ValueEnum};
 
+use super::file_kind::{FileKind, Given};
 use super::output::{folder, json, line, print, spinner};
 use super::{Outcome, OutputArgs};
 use report::Report;
+
+/// Shown by the help.
+pub(crate) const EXAMPLES: [(&str, &str); 3] = [
+    (
+        "The first experiment with an ellipse, as pictures that move",
+        "bracketry plate 1 --shape ellipse:0.15x0.10 --out out --gif",
+    ),
+    ("Another frequency, on the published model", "bracketry plate 2 --omega 4 --model published"),
+    ("Beside a log, driven by it", "bracketry plate 1 --compare log.csv --motion log --mu 0.3 --out out"),
+];
 
 /// What moves the plate.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -85,10 +96,15 @@ pub(crate) struct PlateArgs {
 }
 
 impl PlateArgs {
+    pub(crate) fn files(&self) -> Vec<Given> {
+        let scenario = self.what.as_deref().map(Path::new).filter(|path| is_file(path));
+        let scenario = scenario.map(|path| Given::new(path, FileKind::PlateScenario));
+        scenario.into_iter().chain(self.compare.iter().map(|path| Given::new(path, FileKind::Table))).collect()
+    }
+
     fn options(&self) -> anyhow::Result<PlateOptions> {
-        let file = |what: &str| Path::new(what).extension().is_some_and(|e| e == "toml") || Path::new(what).is_file();
         let (experiment, scenario) = match self.what.as_deref() {
-            Some(what) if file(what) => (None, PlateOptions::read(Path::new(what))?),
+            Some(what) if is_file(Path::new(what)) => (None, PlateOptions::read(Path::new(what))?),
             Some(number) => (Some(number.to_owned()), PlateOptions::default()),
             None => (self.experiment.clone(), PlateOptions::default()),
         };
@@ -111,6 +127,11 @@ impl PlateArgs {
         };
         Ok(given.or(scenario))
     }
+}
+
+/// A scenario file, as against the number of an experiment.
+fn is_file(what: &Path) -> bool {
+    what.extension().is_some_and(|e| e == "toml") || what.exists()
 }
 
 /// What was run and what it gave.

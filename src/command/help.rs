@@ -1,0 +1,52 @@
+//! Texts and colours of the help, alike for all commands.
+
+use clap::builder::StyledStr;
+use clap::builder::styling::{AnsiColor, Style, Styles};
+use std::fmt::Write as _;
+
+/// Colours of help and errors; they are written on terminals alone.
+pub(crate) const STYLES: Styles = Styles::styled()
+    .header(AnsiColor::Green.on_default().bold())
+    .usage(AnsiColor::Green.on_default().bold())
+    .literal(AnsiColor::Cyan.on_default().bold())
+    .placeholder(AnsiColor::Cyan.on_default())
+    .error(AnsiColor::Red.on_default().bold())
+    .valid(AnsiColor::Green.on_default())
+    .invalid(AnsiColor::Yellow.on_default());
+
+/// Examples: what each does, and the command.
+pub(crate) fn examples(list: &[(&str, &str)]) -> StyledStr {
+    let mut text = heading("Examples");
+    for (k, (what, command)) in list.iter().enumerate() {
+        let gap = if k == 0 { "" } else { "\n" };
+        let literal = STYLES.get_literal();
+        let _ = write!(text, "{gap}\n  {what}:\n    {literal}{command}{literal:#}");
+    }
+    text.into()
+}
+
+/// [`examples`], then sections of a heading and lines.
+pub(crate) fn guide(list: &[(&str, &str)], sections: &[(&str, &str)]) -> StyledStr {
+    let mut text = examples(list).ansi().to_string();
+    for (name, lines) in sections {
+        let _ = write!(text, "\n\n{}\n  {}", heading(name), lines.replace('\n', "\n  "));
+    }
+    text.into()
+}
+
+fn heading(name: &str) -> String {
+    let header: &Style = STYLES.get_header();
+    format!("{header}{name}:{header:#}")
+}
+
+/// What exit codes mean, where nothing more is to be said.
+pub(crate) const EXIT_CODES: (&str, &str) = (
+    "Exit codes",
+    "0  done\n1  ran, but the answer is negative or was not reached\n2  bad input; the message names the place and the remedy",
+);
+
+/// What numbers are measured in.
+pub(crate) const UNITS: (&str, &str) = (
+    "Units",
+    "Time is in seconds. Everything else is in the units of the model file, SI and radians in all that are shipped.",
+);

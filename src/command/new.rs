@@ -1,0 +1,117 @@
+//! `bracketry new`: a commented model of one's own, with a scenario and a problem that run as they stand.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use serde_json::json as object;
+
+use super::output::{folder, json, line, print};
+use super::{Outcome, OutputArgs};
+
+/// Shown by the help.
+pub(crate) const EXAMPLES: [(&str, &str); 2] = [
+    ("A mass on a spring to begin with", "bracketry new ball"),
+    ("Two tanks with delay, in a folder", "bracketry new plant --template tanks --out plant"),
+];
+
+/// What the files begin with.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Template {
+    /// A mass on a spring, pushed by a force: linear, one input
+    Spring,
+    /// A carriage on a rail with dry friction, simulated exactly
+    Friction,
+    /// A pendulum that a motor too weak for it swings up
+    Pendulum,
+    /// A vehicle that cannot move sideways: two inputs, no drift
+    Vehicle,
+    /// Two tanks with levels, a pump that only pushes and a delay
+    Tanks,
+}
+
+impl Template {
+    /// Model, scenario and problem.
+    fn texts(self) -> [&'static str; 3] {
+        macro_rules! files {
+            ($name:literal) => {
+                [
+                    include_str!(concat!("new/", $name, ".toml")),
+                    include_str!(concat!("new/", $name, "_scenario.toml")),
+                    include_str!(concat!("new/", $name, "_problem.toml")),
+                ]
+            };
+        }
+        match self {
+            Self::Spring => files!("spring"),
+            Self::Friction => files!("friction"),
+            Self::Pendulum => files!("pendulum"),
+            Self::Vehicle => files!("vehicle"),
+            Self::Tanks => files!("tanks"),
+        }
+    }
+}
+
+/// Arguments of `new`. The folder of --out is the current one if it is absent.
+#[derive(Args)]
+pub(crate) struct NewArgs {
+    /// Name of the model, and of its file; letters, digits, _ and -
+    name: String,
+    /// What the files begin with
+    #[arg(long, value_enum, default_value = "spring")]
+    template: Template,
+}
+
+/// Stands for the name in templates.
+const NAME: &str = "@NAME@";
+
+/// Writes model, scenario and problem.
+pub(crate) fn run(args: &NewArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let name = checked(&args.name)?;
+    let dir = output.out.clone().unwrap_or_default();
+    let files: Vec<PathBuf> =
+        ["", "_scenario", "_problem"].iter().map(|end| dir.join(format!("{name}{end}.toml"))).collect();
+    if let Some(taken) = files.iter().find(|f| f.exists()) {
+        anyhow::bail!("{}: exists and is left as it is\n   = take another name, or remove the file", taken.display());
+    }
+    if !dir.as_os_str().is_empty() {
+        folder(&dir)?;
+    }
+    for (path, text) in files.iter().zip(args.template.texts()) {
+        create(path, &text.replace(NAME, name))?;
+    }
+    let [model, scenario, problem] = [0, 1, 2].map(|k| files[k].display().to_string());
+    let next = [
+        format!("bracketry analyze {model}"),
+        format!("bracketry simulate {model} --scenario {scenario} --out out"),
+        format!("bracketry control {problem} --out out"),
+    ];
+    if output.json {
+        print(&json(&object!({"model": model, "scenario": scenario, "problem": problem, "next": next}))?)?;
+        return Ok(Outcome::Done);
+    }
+    line(&format!("written: {model}, {scenario}, {problem}"))?;
+    line("next:")?;
+    for command in next {
+        line(&format!("  {command}"))?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Writes a file that does not exist.
+fn create(path: &Path, text: &str) -> anyhow::Result<()> {
+    let file = std::fs::File::create_new(path);
+    file.and_then(|mut f| std::io::Write::write_all(&mut f, text.as_bytes()))
+        .with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// A name that can be the name of a file everywhere; an ending .toml is left out.
+fn checked(name: &str) -> anyhow::Result<&str> {
+    let stem = name.strip_suffix(".toml").unwrap_or(name);
+    let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    anyhow::ensure!(
+        !stem.is_empty() && !stem.starts_with('-') && stem.len() <= 100 && stem.chars().all(fits),
+        "`{name}` is no name for a model\n   = use letters, digits, _ and -, as in ball_2; --out DIR names the folder"
+    );
+    Ok(stem)
+}
