@@ -1,0 +1,488 @@
+//! The classic systems in `models/`: their equations against energy balances and constraints, the verdicts of `analyze` against
+//! the literature, and the table in `docs/models.md`.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use std::fmt::Write as _;
+use std::sync::OnceLock;
+
+use bracketry::lie::Options;
+use bracketry::symbolic::{Bindings, Expr, Pool};
+use bracketry::system::System;
+use common::model;
+use serde_json::Value;
+
+/// What the literature says of a system; `None` where it says nothing that `analyze` answers.
+struct Known {
+    file: &'static str,
+    system: &'static str,
+    growth: &'static [u64],
+    /// Small-time locally controllable at the point of the model.
+    stlc: Option<&'static str>,
+    /// Rank of the linearisation at the point of the model.
+    linear_rank: Option<u64>,
+    /// Linearisable by static feedback near a generic point.
+    static_feedback: bool,
+    flat: Option<&'static str>,
+    source: &'static str,
+}
+
+const SYSTEMS: [Known; 22] = [
+    Known {
+        file: "acrobot",
+        system: "two links, motor at the elbow",
+        growth: &[2, 3, 4],
+        stlc: Some("yes"),
+        linear_rank: Some(4),
+        static_feedback: false,
+        flat: Some("no"),
+        source: "not linearisable by static feedback (Murray and Hauser 1991; Spong 1995)",
+    },
+    Known {
+        file: "ball_and_beam",
+        system: "ball on a beam that a torque turns",
+        growth: &[2, 3, 4],
+        stlc: Some("yes"),
+        linear_rank: Some(4),
+        static_feedback: false,
+        flat: Some("no"),
+        source: "relative degree of r not defined where r w = 0 (Hauser, Sastry and Kokotović 1992)",
+    },
+    Known {
+        file: "brockett_integrator",
+        system: "nonholonomic integrator",
+        growth: &[2, 3],
+        stlc: Some("yes"),
+        linear_rank: Some(2),
+        static_feedback: false,
+        flat: Some("yes"),
+        source: "controllable, no continuous stabilising feedback (Brockett 1983)",
+    },
+    Known {
+        file: "car_with_trailers",
+        system: "tractor with two trailers",
+        growth: &[2, 3, 4, 5],
+        stlc: Some("yes"),
+        linear_rank: Some(2),
+        static_feedback: false,
+        flat: Some("yes"),
+        source: "controllable (Laumond 1993), flat with the last axle (Rouchon and others 1993)",
+    },
+    Known {
+        file: "cart_pole",
+        system: "inverted pendulum on a cart",
+        growth: &[2, 3, 4],
+        stlc: None,
+        linear_rank: None,
+        static_feedback: false,
+        flat: Some("no"),
+        source: "fails the conditions of Jakubczyk and Respondek (1980)",
+    },
+    Known {
+        file: "double_integrator",
+        system: "mass and force",
+        growth: &[2],
+        stlc: None,
+        linear_rank: None,
+        static_feedback: true,
+        flat: Some("yes"),
+        source: "linear and controllable",
+    },
+    Known {
+        file: "duffing",
+        system: "beam between magnets",
+        growth: &[2],
+        stlc: Some("yes"),
+        linear_rank: Some(2),
+        static_feedback: true,
+        flat: Some("yes"),
+        source: "in normal form",
+    },
+    Known {
+        file: "flexible_joint",
+        system: "link on an elastic joint",
+        growth: &[2, 3, 4],
+        stlc: Some("yes"),
+        linear_rank: Some(4),
+        static_feedback: true,
+        flat: Some("yes"),
+        source: "linearisable by static feedback (Spong 1987)",
+    },
+    Known {
+        file: "furuta_pendulum",
+        system: "rotary inverted pendulum",
+        growth: &[2, 3, 4],
+        stlc: Some("yes"),
+        linear_rank: Some(4),
+        static_feedback: false,
+        flat: Some("no"),
+        source: "fails the conditions of Jakubczyk and Respondek (1980)",
+    },
+    Known {
+        file: "heading",
+        system: "point of constant speed that steers",
+        growth: &[2, 3],
+        stlc: Some("no"),
+        linear_rank: None,
+        static_feedback: false,
+        flat: Some("no"),
+        source: "accessible, never at rest (Dubins 1957)",
+    },
+    Known {
+        file: "induction_motor",
+        system: "induction motor",
+        growth: &[3, 5],
+        stlc: None,
+        linear_rank: None,
+        static_feedback: false,
+        flat: Some("yes"),
+        source: "not static, but dynamic feedback linearisable (Marino and others 1993; Chiasson 1993)",
+    },
+    Known {
+        file: "kinematic_car",
+        system: "car (bicycle model)",
+        growth: &[2, 3, 4],
+        stlc: Some("yes"),
+        linear_rank: Some(2),
+        static_feedback: false,
+        flat: Some("yes"),
+        source: "flat with the rear axle (Fliess and others 1995)",
+    },
+    Known {
+        file: "lorenz",
+        system: "Lorenz equations with an input",
+        growth: &[2, 3],
+        stlc: Some("no"),
+        linear_rank: Some(2),
+        static_feedback: true,
+        flat: Some("yes"),
+        source: "at the origin z ≥ x²/(2s) cannot be left: (z − x²/2s)' = (1 − b/2s) x² − b (z − x²/2s)",
+    },
+    Known {
+        file: "magnetic_levitation",
+        system: "ball below a magnet",
+        growth: &[2, 3],
+        stlc: Some("yes"),
+        linear_rank: Some(3),
+        static_feedback: true,
+        flat: Some("yes"),
+        source: "linearisable by static feedback (Barie and Chiasson 1996)",
+    },
+    Known {
+        file: "pendubot",
+        system: "two links, motor at the shoulder",
+        growth: &[2, 3, 4],
+        stlc: Some("yes"),
+        linear_rank: Some(4),
+        static_feedback: false,
+        flat: Some("no"),
+        source: "not linearisable by static feedback (Spong and Block 1995)",
+    },
+    Known {
+        file: "pvtol",
+        system: "aircraft that takes off vertically",
+        growth: &[3, 5, 6],
+        stlc: Some("yes"),
+        linear_rank: Some(6),
+        static_feedback: false,
+        flat: Some("yes"),
+        source: "not minimum phase (Hauser and others 1992), flat (Martin and others 1996)",
+    },
+    Known {
+        file: "quadruple_tank",
+        system: "four tanks, two pumps",
+        growth: &[3, 4],
+        stlc: Some("yes"),
+        linear_rank: Some(4),
+        static_feedback: true,
+        flat: Some("yes"),
+        source: "zeros −0.060 and −0.018 1/s (Johansson 2000)",
+    },
+    Known {
+        file: "reaction_wheel_pendulum",
+        system: "pendulum with a wheel",
+        growth: &[2, 3],
+        stlc: Some("yes"),
+        linear_rank: Some(3),
+        static_feedback: true,
+        flat: Some("yes"),
+        source: "linearisable by static feedback (Spong and others 2001)",
+    },
+    Known {
+        file: "rolling_disk",
+        system: "disk that rolls upright",
+        growth: &[2, 3, 4],
+        stlc: Some("yes"),
+        linear_rank: Some(2),
+        static_feedback: false,
+        flat: Some("yes"),
+        source: "controllable (Bloch 2003)",
+    },
+    Known {
+        file: "spacecraft",
+        system: "rigid body, torques about two axes",
+        growth: &[3, 5, 6],
+        stlc: Some("yes"),
+        linear_rank: Some(4),
+        static_feedback: false,
+        flat: None,
+        source: "small-time controllable (Crouch 1984), no smooth stabilising feedback (Byrnes and Isidori 1991)",
+    },
+    Known {
+        file: "tora",
+        system: "cart on a spring with a rotor",
+        growth: &[2, 3, 4],
+        stlc: Some("yes"),
+        linear_rank: Some(4),
+        static_feedback: true,
+        flat: Some("yes"),
+        source: "a cascade linearisable where cos θ ≠ 0 (Jankovic and others 1996)",
+    },
+    Known {
+        file: "two_link_arm",
+        system: "robot arm, a motor at each joint",
+        growth: &[3, 4],
+        stlc: Some("yes"),
+        linear_rank: Some(4),
+        static_feedback: true,
+        flat: Some("yes"),
+        source: "computed torque (Spong and others 2006)",
+    },
+];
+
+fn read(file: &str) -> System {
+    System::read(model(&format!("{file}.toml"))).unwrap()
+}
+
+/// What `analyze` says of each system, worked out once.
+fn analyses() -> &'static [Value] {
+    static ALL: OnceLock<Vec<Value>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let analysed =
+            |k: &Known| serde_json::to_value(bracketry::analyze(&read(k.file), &Options::default()).unwrap()).unwrap();
+        let half = SYSTEMS.len() / 2;
+        std::thread::scope(|scope| {
+            let first = scope.spawn(|| SYSTEMS[..half].iter().map(analysed).collect::<Vec<_>>());
+            let second: Vec<Value> = SYSTEMS[half..].iter().map(analysed).collect();
+            first.join().unwrap().into_iter().chain(second).collect()
+        })
+    })
+}
+
+fn analysis(file: &str) -> &'static Value {
+    &analyses()[SYSTEMS.iter().position(|k| k.file == file).unwrap()]
+}
+
+#[test]
+fn analyze_says_what_the_literature_says() {
+    for (known, found) in SYSTEMS.iter().zip(analyses()) {
+        let file = known.file;
+        assert_eq!(found["modes"][0]["growth"], serde_json::json!(known.growth), "{file}");
+        assert_eq!(found["modes"][0]["accessible_dimension"], found["states"], "{file}");
+        assert_eq!(found["static_feedback_linearizable"], known.static_feedback, "{file}");
+        if let Some(flat) = known.flat {
+            assert_eq!(found["flatness"]["verdict"], flat, "{file}: {}", found["flatness"]["reason"]);
+        }
+        if let Some(stlc) = known.stlc {
+            assert_eq!(found["at_point"]["stlc"]["verdict"], stlc, "{file}");
+        }
+        if let Some(rank) = known.linear_rank {
+            assert_eq!(found["at_point"]["linear_controllability_rank"], rank, "{file}");
+        }
+    }
+}
+
+#[test]
+fn what_continuous_feedback_cannot_stabilise_is_what_brockett_says() {
+    for (known, found) in SYSTEMS.iter().zip(analyses()) {
+        let driftless = ["brockett_integrator", "car_with_trailers", "kinematic_car", "rolling_disk"];
+        let fails = driftless.contains(&known.file) || known.file == "spacecraft";
+        if known.linear_rank.is_some() {
+            assert_eq!(found["at_point"]["brockett_condition"], !fails, "{}", known.file);
+        }
+    }
+}
+
+#[test]
+fn the_relative_degree_of_the_ball_is_lost_where_it_is_to_be_kept() {
+    let found = analysis("ball_and_beam");
+    assert_eq!(found["relative_degree"], serde_json::json!([3]));
+    assert_eq!(found["at_point"]["relative_degree_defined"], false);
+    assert_eq!(analysis("flexible_joint")["relative_degree"], serde_json::json!([4]));
+    assert_eq!(analysis("flexible_joint")["at_point"]["relative_degree_defined"], true);
+}
+
+#[test]
+fn the_aircraft_is_flat_with_its_centre_of_oscillation_and_not_minimum_phase() {
+    let found = analysis("pvtol");
+    assert_eq!(found["flatness"]["flat_outputs"], serde_json::json!(["x - eps*sin(th)", "eps*cos(th) + y"]));
+    assert_eq!(found["zero_dynamics"]["minimum_phase"], false);
+    // th'' = sin(th)/eps
+    let eigenvalue = found["zero_dynamics"]["eigenvalues"][1]["re"].as_f64().unwrap();
+    assert!((eigenvalue - (1.0 / 0.3f64).sqrt()).abs() < 1e-12, "{eigenvalue}");
+}
+
+#[test]
+fn the_zeros_of_the_tanks_are_those_published() {
+    let zeros = &analysis("quadruple_tank")["zero_dynamics"]["eigenvalues"];
+    for (k, published) in [-0.060, -0.018].into_iter().enumerate() {
+        let zero = zeros[k]["re"].as_f64().unwrap();
+        assert!((zero - published).abs() < 1e-3 && zeros[k]["im"] == 0.0, "{zeros}");
+    }
+}
+
+/// d/dt of an expression along the model's equations, the inputs as symbols.
+fn rate(system: &mut System, e: Expr) -> Expr {
+    let (states, dynamics) = (system.states.clone(), system.dynamics.clone());
+    system.pool.lie_derivative(e, &states, &dynamics)
+}
+
+/// Decided exactly, as a rank.
+fn is_zero(pool: &mut Pool, e: Expr) -> bool {
+    pool.rank(&[vec![e]], &Bindings::new()).unwrap().rank == 0
+}
+
+/// Whether the rate of `quantity` is `expected`.
+fn changes_by(file: &str, quantity: &str, expected: &str) {
+    let mut system = read(file);
+    let quantity = system.pool.parse(quantity).unwrap();
+    let rate = rate(&mut system, quantity);
+    let expected = system.pool.parse(expected).unwrap();
+    let difference = system.pool.sub(rate, expected);
+    assert!(is_zero(&mut system.pool, difference), "{file}: {}", system.pool.text(difference));
+}
+
+#[test]
+fn energy_changes_by_the_power_of_the_inputs() {
+    // Kinetic energy by the velocities of the centres of mass, not by the mass matrix that the equations were solved with.
+    let links = "1/2*m1*(lc1*w1)^2 + 1/2*I1*w1^2 + 1/2*I2*(w1 + w2)^2 \
+                 + 1/2*m2*((l1*w1*cos(th1) + lc2*(w1 + w2)*cos(th1 + th2))^2 + (l1*w1*sin(th1) + lc2*(w1 + w2)*sin(th1 + th2))^2) \
+                 - m1*g*lc1*cos(th1) - m2*g*(l1*cos(th1) + lc2*cos(th1 + th2))";
+    changes_by("acrobot", links, "tau*w2");
+    changes_by("pendubot", links, "tau*w1");
+    changes_by("two_link_arm", links, "tau1*w1 + tau2*w2");
+    changes_by("ball_and_beam", "1/2*m*(v^2 + (r*w)^2) + 1/2*Jb*((v/R)^2 + w^2) + 1/2*J*w^2 + m*g*r*sin(th)", "tau*w");
+    // The end of the arm is at (r cos phi, r sin phi), the mass l sin(th) beside it and l cos(th) above it.
+    changes_by(
+        "furuta_pendulum",
+        "1/2*J*p^2 + 1/2*m*((r*p + l*cos(th)*q)^2 + (l*sin(th)*p)^2 + (l*sin(th)*q)^2) + m*g*l*cos(th)",
+        "tau*p",
+    );
+    changes_by("reaction_wheel_pendulum", "1/2*J1*w^2 + 1/2*J2*(w + v)^2 + mgl*cos(th)", "tau*v");
+    changes_by("flexible_joint", "1/2*I*w1^2 + 1/2*J*w2^2 - mgl*cos(q1) + 1/2*k*(q1 - q2)^2", "u*w2");
+    changes_by("tora", "1/2*M*v^2 + 1/2*m*((v + e*w*cos(th))^2 + (e*w*sin(th))^2) + 1/2*I*w^2 + 1/2*k*x^2", "torque*w");
+    changes_by("magnetic_levitation", "1/2*m*v^2 - m*g*z + 1/2*(L + 2*C/z)*i^2", "u*i - R*i^2");
+    changes_by("spacecraft", "1/2*(J1*w1^2 + J2*w2^2 + J3*w3^2)", "u1*w1 + u2*w2");
+    changes_by("duffing", "1/2*v^2 - 1/2*a*x^2 + 1/4*b*x^4", "u*v - d*v^2");
+}
+
+#[test]
+fn wheels_roll_without_slipping_sideways() {
+    // Velocity of the point (x, y) across the direction th.
+    let across = |file: &str, x: &str, y: &str, heading: &str| {
+        let mut system = read(file);
+        let [x, y, s, c] =
+            [x, y, &format!("sin({heading})"), &format!("cos({heading})")].map(|t| system.pool.parse(t).unwrap());
+        let (dx, dy) = (rate(&mut system, x), rate(&mut system, y));
+        let (a, b) = (system.pool.mul(dx, s), system.pool.mul(dy, c));
+        let slip = system.pool.sub(a, b);
+        assert!(is_zero(&mut system.pool, slip), "{file}, {heading}: {}", system.pool.text(slip));
+    };
+    across("kinematic_car", "x", "y", "th");
+    across("kinematic_car", "x + L*cos(th)", "y + L*sin(th)", "th + delta");
+    across("car_with_trailers", "x", "y", "th2");
+    across("car_with_trailers", "x + d2*cos(th2)", "y + d2*sin(th2)", "th1");
+    across("car_with_trailers", "x + d2*cos(th2) + d1*cos(th1)", "y + d2*sin(th2) + d1*sin(th1)", "th0");
+    across("rolling_disk", "x", "y", "th");
+    // The rim moves as far as the disk.
+    let mut disk = read("rolling_disk");
+    let along = disk.pool.parse("roll*R").unwrap();
+    let phi = disk.pool.parse("R*phi").unwrap();
+    let rim = rate(&mut disk, phi);
+    let difference = disk.pool.sub(along, rim);
+    assert!(is_zero(&mut disk.pool, difference));
+}
+
+#[test]
+fn laws_that_the_equations_were_not_written_from_hold() {
+    // Faraday: the flux of the stator changes by the voltage less the drop across the resistance.
+    changes_by("induction_motor", "(Ls - M^2/Lr)*ia + M/Lr*fa", "ua - Rs*ia");
+    changes_by("induction_motor", "(Ls - M^2/Lr)*ib + M/Lr*fb", "ub - Rs*ib");
+    // Water is neither made nor lost but through the outlets of the lower tanks.
+    changes_by("quadruple_tank", "A1*(h1 + h3) + A2*(h2 + h4)", "k1*v1 + k2*v2 - a1*sqrt(2*g*h1) - a2*sqrt(2*g*h2)");
+    // The centre of oscillation is pushed along the axis of the aircraft alone (Martin, Devasia and Paden 1996).
+    changes_by("pvtol", "vx - eps*cos(th)*w", "-sin(th)*(u1 - eps*w^2)");
+    changes_by("pvtol", "vy - eps*sin(th)*w", "cos(th)*(u1 - eps*w^2) - 1");
+    changes_by("lorenz", "z - x^2/(2*s)", "(1 - 8/3/(2*s))*x^2 - 8/3*(z - x^2/(2*s))");
+    // Half the tangent of half the angle: |r|² changes by (1 + |r|²) r·w.
+    changes_by("spacecraft", "r1^2 + r2^2 + r3^2", "(1 + r1^2 + r2^2 + r3^2)*(r1*w1 + r2*w2 + r3*w3)");
+    changes_by("spacecraft", "J3*w3", "(J1 - J2)*w1*w2");
+}
+
+/// A list of numbers or texts with commas.
+fn listed(v: &Value) -> String {
+    let item = |v: &Value| v.as_str().map_or_else(|| v.to_string(), str::to_owned);
+    v.as_array().map_or(String::new(), |list| list.iter().map(item).collect::<Vec<_>>().join(", "))
+}
+
+fn yes_no(v: &Value) -> &str {
+    match v {
+        Value::Bool(true) => "yes",
+        Value::Bool(false) => "no",
+        Value::String(s) => s,
+        _ => "–",
+    }
+}
+
+fn table() -> String {
+    let mut out = "| model | system | states, inputs | affine | growth | at its point: linear rank | STLC | continuous feedback may stabilise | static feedback linearisable | flat outputs | literature |\n\
+                   |---|---|---|---|---|---|---|---|---|---|---|\n".to_owned();
+    for (known, found) in SYSTEMS.iter().zip(analyses()) {
+        let point = &found["at_point"];
+        let flat = match found["flatness"]["verdict"].as_str() {
+            Some("yes") => format!("`{}`", listed(&found["flatness"]["flat_outputs"]).replace(", ", "`, `")),
+            Some(verdict) => verdict.to_owned(),
+            None => "–".to_owned(),
+        };
+        let rank = point["linear_controllability_rank"].as_u64().map_or("–".to_owned(), |r| r.to_string());
+        let _ = writeln!(
+            out,
+            "| [`{}`](../models/{}.toml) | {} | {}, {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+            known.file,
+            known.file,
+            known.system,
+            found["states"],
+            found["inputs"],
+            match &found["affine"] {
+                Value::Bool(true) => "yes",
+                _ => "with integrators",
+            },
+            listed(&found["modes"][0]["growth"]),
+            rank,
+            yes_no(&point["stlc"]["verdict"]),
+            yes_no(&point["brockett_condition"]),
+            yes_no(&found["static_feedback_linearizable"]),
+            flat,
+            known.source,
+        );
+    }
+    out
+}
+
+/// Between these lines of `docs/models.md` stands what the program says.
+const MARKS: [&str; 2] = ["<!-- table: begin -->\n", "<!-- table: end -->\n"];
+
+#[test]
+fn the_table_of_models_is_what_analyze_says() {
+    let path = format!("{}/docs/models.md", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (before, rest) = text.split_once(MARKS[0]).unwrap();
+    let (_, after) = rest.split_once(MARKS[1]).unwrap();
+    let fresh = [before, MARKS[0], &table(), MARKS[1], after].concat();
+    if std::env::var_os("BRACKETRY_WRITE_DOCS").is_some() {
+        std::fs::write(&path, &fresh).unwrap();
+    }
+    let now = std::fs::read_to_string(&path).unwrap();
+    assert!(now == fresh, "docs/models.md is stale; BRACKETRY_WRITE_DOCS=1 cargo test --test classic_models writes it");
+}
