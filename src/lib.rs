@@ -19,6 +19,7 @@ mod control;
 mod diagnosis;
 mod friction_bands;
 mod input_table;
+mod measurement;
 mod plate_move;
 mod plate_run;
 mod point;
@@ -34,6 +35,7 @@ pub use control::{ControlError, Controlled, ExactPlant, control, control_watched
 pub use diagnosis::{Diagnosis, Figure, RankChange, Ranks};
 pub use friction_bands::{friction_bands, friction_colors};
 pub use input_table::SampledScenario;
+pub use measurement::SensorError;
 pub use plate_move::{Arrival, MoveError, plate_move, target_of};
 pub use plate_run::{
     Comparison, Deviation, Jump, LoggedMotion, PlateLog, PlateModel, PlateOptions, PlateRow, PlateRun, PlateRunError,

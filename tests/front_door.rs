@@ -370,3 +370,47 @@ fn a_recorded_run_gives_the_same_run_in_spite_of_a_delay() {
     let exact = (3.0 * (-t).exp() + (3.0 * t).sin() - 3.0 * (3.0 * t).cos()) / 10.0;
     assert!((x(&first) - exact).abs() < 1e-6, "{} {exact}", x(&first));
 }
+
+#[test]
+fn measurements_have_the_noise_that_is_asked_for() {
+    let dir = scratch("noise");
+    let model = file(&dir, "m.toml", "states = ['x']\ninputs = ['u']\n[dynamics]\nx = 'u'\n[outputs]\ny = '2*x'\n");
+    let scenario = file(&dir, "s.toml", "duration = 100\nsample = 0.01\n[inputs]\nu = 'cos(t)'\n");
+    let measured = |seed: &str, folder: &str| {
+        let out = dir.join(folder);
+        let arguments = ["simulate", &model, "--scenario", &scenario, "--noise", "y=0.1,x=0"];
+        let o = bracketry(&[&arguments[..], &["--seed", seed, "--out", out.to_str().unwrap()]].concat());
+        assert_eq!(code(&o), 0, "{}", text(&o.stderr));
+        fs::read_to_string(out.join("measured.csv")).unwrap()
+    };
+    let table = measured("1", "a");
+    assert_eq!(table.lines().next(), Some("t,u,y,x"));
+    let errors: Vec<f64> = table
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').map(|f| f.parse::<f64>().unwrap()).collect::<Vec<_>>())
+        .inspect(|r| assert!((r[1] - r[0].cos()).abs() < 1e-12 && (r[3] - r[0].sin()).abs() < 1e-7, "{r:?}"))
+        .map(|r| r[2] - 2.0 * r[3])
+        .collect();
+    let n = errors.len() as f64;
+    let mean = errors.iter().sum::<f64>() / n;
+    let std = (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / n).sqrt();
+    // Four standard errors of 10001 samples.
+    assert!(mean.abs() < 4.0 * 0.1 / n.sqrt() && (std / 0.1 - 1.0).abs() < 4.0 / (2.0 * n).sqrt(), "{mean} {std}");
+    assert_eq!(measured("1", "b"), table);
+    assert_ne!(measured("2", "c"), table);
+    let out = dir.join("d");
+    let refused = |noise: &str| {
+        let o =
+            bracketry(&["simulate", &model, "--scenario", &scenario, "--noise", noise, "--out", out.to_str().unwrap()]);
+        assert_eq!(code(&o), 2, "{noise}");
+        text(&o.stderr)
+    };
+    assert!(refused("z=0.1").contains("`z` is neither an output nor a state of the model: it has y, x"));
+    assert!(refused("y=-1").contains("is no standard deviation"));
+    assert!(refused("y=nan").contains("is no standard deviation"));
+    assert!(refused("y=1,y=2").contains("measured twice"));
+    assert!(refused("y").contains("x=0.001"));
+    let alone = bracketry(&["simulate", &model, "--scenario", &scenario, "--noise", "y=0.1"]);
+    assert!(code(&alone) == 2 && text(&alone.stderr).contains("--out"), "{}", text(&alone.stderr));
+}

@@ -22,12 +22,16 @@ pub(crate) enum HoldArg {
 }
 
 /// Shown by the help.
-pub(crate) const EXAMPLES: [(&str, &str); 2] = [
+pub(crate) const EXAMPLES: [(&str, &str); 3] = [
     (
         "By a scenario, with trajectory, events and plots",
         "bracketry simulate models/plate_published.toml --scenario models/plate_experiment_2.toml --out out",
     ),
     ("By recorded inputs", "bracketry simulate slider.toml --inputs run.csv --hold linear --out out"),
+    (
+        "As sensors would have it, for diagnose",
+        "bracketry simulate ball.toml --scenario ball_scenario.toml --noise position=0.001 --seed 1 --out out",
+    ),
 ];
 
 /// Arguments of `simulate`.
@@ -46,6 +50,18 @@ pub(crate) struct SimulateArgs {
     /// How the samples of --inputs continue
     #[arg(long, value_enum, default_value = "previous")]
     hold: HoldArg,
+    /// Write measured.csv too: the inputs, and outputs or states with Gaussian noise of these standard deviations, as a record
+    /// for `diagnose`
+    #[arg(long, value_name = "NAME=STD,…", value_delimiter = ',', value_parser = sensor, requires = "out")]
+    noise: Vec<(String, f64)>,
+    /// Seed of the noise
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "noise")]
+    seed: u64,
+}
+
+fn sensor(text: &str) -> Result<(String, f64), String> {
+    let parts = text.split_once('=').and_then(|(name, std)| Some((name.trim().to_owned(), std.trim().parse().ok()?)));
+    parts.ok_or_else(|| "write an output or a state, =, and the standard deviation of its noise: x=0.001".to_owned())
 }
 
 impl SimulateArgs {
@@ -82,13 +98,22 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
     if let Some(dir) = &output.out {
         folder(dir)?;
         write_files(dir, &system, &given.scenario, &run)?;
+        if !args.noise.is_empty() {
+            let columns = run.measured(&system, &args.noise, args.seed).context("--noise")?;
+            let header: Vec<String> = ["t".to_owned()].into_iter().chain(columns.iter().map(|c| c.0.clone())).collect();
+            let row = |k: usize| [run.times[k]].into_iter().chain(columns.iter().map(|c| c.1[k])).collect::<Vec<f64>>();
+            let rows: Vec<Vec<f64>> = (0..run.times.len()).map(row).collect();
+            csv(&dir.join("measured.csv"), &header, rows.iter().map(Vec::as_slice))?;
+        }
     }
     if output.json {
         print(&json(&report)?)?;
     } else {
         print(&report.to_string())?;
         if let Some(dir) = &output.out {
-            line(&format!("written to {}: trajectory.csv, events.csv, trajectory.svg, trajectory.png", dir.display()))?;
+            let measured = if args.noise.is_empty() { "" } else { ", measured.csv" };
+            let files = "trajectory.csv, events.csv, trajectory.svg, trajectory.png";
+            line(&format!("written to {}: {files}{measured}", dir.display()))?;
         } else {
             line("(--out DIR writes trajectory, events and plots)")?;
         }
