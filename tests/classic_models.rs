@@ -28,7 +28,7 @@ struct Known {
     source: &'static str,
 }
 
-const SYSTEMS: [Known; 22] = [
+const SYSTEMS: [Known; 25] = [
     Known {
         file: "acrobot",
         system: "two links, motor at the elbow",
@@ -73,8 +73,8 @@ const SYSTEMS: [Known; 22] = [
         file: "cart_pole",
         system: "inverted pendulum on a cart",
         growth: &[2, 3, 4],
-        stlc: None,
-        linear_rank: None,
+        stlc: Some("yes"),
+        linear_rank: Some(4),
         static_feedback: false,
         flat: Some("no"),
         source: "fails the conditions of Jakubczyk and Respondek (1980)",
@@ -83,8 +83,8 @@ const SYSTEMS: [Known; 22] = [
         file: "double_integrator",
         system: "mass and force",
         growth: &[2],
-        stlc: None,
-        linear_rank: None,
+        stlc: Some("yes"),
+        linear_rank: Some(2),
         static_feedback: true,
         flat: Some("yes"),
         source: "linear and controllable",
@@ -200,6 +200,16 @@ const SYSTEMS: [Known; 22] = [
         source: "zeros −0.060 and −0.018 1/s (Johansson 2000)",
     },
     Known {
+        file: "quadrotor",
+        system: "quadrotor, four thrusts",
+        growth: &[5, 9, 12],
+        stlc: None,
+        linear_rank: None,
+        static_feedback: false,
+        flat: None,
+        source: "flat with x, y, z and yaw (Mellinger and Kumar 2011), which the search does not find",
+    },
+    Known {
         file: "reaction_wheel_pendulum",
         system: "pendulum with a wheel",
         growth: &[2, 3],
@@ -249,6 +259,26 @@ const SYSTEMS: [Known; 22] = [
         flat: Some("yes"),
         source: "computed torque (Spong and others 2006)",
     },
+    Known {
+        file: "unicycle",
+        system: "wheel that rolls and turns",
+        growth: &[2, 3],
+        stlc: Some("yes"),
+        linear_rank: Some(2),
+        static_feedback: false,
+        flat: Some("yes"),
+        source: "controllable, no continuous stabilising feedback (Brockett 1983); flat (d'Andréa-Novel and others 1992)",
+    },
+    Known {
+        file: "van_der_pol",
+        system: "Van der Pol's oscillator with a force",
+        growth: &[2],
+        stlc: None,
+        linear_rank: None,
+        static_feedback: true,
+        flat: Some("yes"),
+        source: "in normal form",
+    },
 ];
 
 fn read(file: &str) -> System {
@@ -296,7 +326,7 @@ fn analyze_says_what_the_literature_says() {
 #[test]
 fn what_continuous_feedback_cannot_stabilise_is_what_brockett_says() {
     for (known, found) in SYSTEMS.iter().zip(analyses()) {
-        let driftless = ["brockett_integrator", "car_with_trailers", "kinematic_car", "rolling_disk"];
+        let driftless = ["brockett_integrator", "car_with_trailers", "kinematic_car", "rolling_disk", "unicycle"];
         let fails = driftless.contains(&known.file) || known.file == "spacecraft";
         if known.linear_rank.is_some() {
             assert_eq!(found["at_point"]["brockett_condition"], !fails, "{}", known.file);
