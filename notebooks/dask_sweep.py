@@ -30,7 +30,7 @@ def drift(friction: float, stream: np.random.Generator) -> float:
 
 def main() -> None:
     """Runs the sweep three times."""
-    cases = np.linspace(0.05, 0.4, 200).tolist()
+    cases = np.linspace(0.02, 0.25, 200).tolist()
     results = {}
 
     def timed(name, executor) -> None:

@@ -13,8 +13,9 @@ if [ ! -x "$python" ]; then
 fi
 "$python" -m pip install --quiet --disable-pip-version-check --requirement crates/python/requirements-ci.txt
 # The wheel is built by the maturin of the environment, so that nothing but what is pinned takes part.
-CARGO_TARGET_DIR=$target MATURIN_PEP517_ARGS="--profile $profile" \
+PATH=$environment/bin:$PATH CARGO_TARGET_DIR=$target MATURIN_PEP517_ARGS="--profile $profile" \
     "$python" -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps --force-reinstall .
 "$python" -m mypy
+"$python" -m mypy.stubtest bracketry._native --mypy-config-file pyproject.toml
 "$python" -m pytest --quiet crates/python/tests
 "$python" -m pytest --quiet --nbmake --nbmake-timeout=120 notebooks

@@ -5,6 +5,21 @@ from typing import TypeAlias, TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "BracketryError",
+    "Figures",
+    "Model",
+    "Page",
+    "__version__",
+    "affinize",
+    "analyze",
+    "compensate",
+    "control",
+    "diagnose",
+    "identify",
+    "simulate",
+]
+
 _Floats: TypeAlias = NDArray[np.float64]
 _Bools: TypeAlias = NDArray[np.bool_]
 _Path: TypeAlias = str | PathLike[str]
