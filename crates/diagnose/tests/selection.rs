@@ -119,3 +119,22 @@ fn what_a_limit_holds_back_gets_no_term_of_its_own() {
     assert_ne!(report.verdict, Verdict::NothingFound);
     assert!(report.notes.iter().any(|n| n.starts_with("k stopped at its limit")), "{:?}", report.notes);
 }
+
+#[test]
+fn a_search_that_ends_at_the_number_of_causes_allowed_says_so() {
+    let text = "states = ['x', 'v']\ninputs = ['u']\nparameters = { m = 1 }\n[dynamics]\nx = 'v'\nv = 'u/m'\n";
+    let system = System::parse("cart", text).unwrap();
+    let drive = |t: f64| 2.0 * input(t, 1.3);
+    let record = run(&system, (800, 0.01, 2e-3), [0.0, 0.0], drive, |x, u| [x[1], u - 0.8 * x[1] - 3.0 * x[0]]);
+    let named = |most: usize| {
+        let report = verdict(&system, &record, &Settings { max_causes: most, ..Settings::default() });
+        let ended = report.notes.iter().any(|note| note.contains("--max-causes"));
+        (report.causes.iter().map(|c| c.name).collect::<Vec<_>>(), ended)
+    };
+    let (one, ended) = named(1);
+    assert!(one.len() == 1 && ended, "{one:?}");
+    let (mut both, ended) = named(3);
+    both.sort();
+    assert_eq!(both, [Cause::ViscousFriction, Cause::LinearStiffness]);
+    assert!(!ended);
+}

@@ -51,10 +51,11 @@ pub(crate) fn unnamed(
     if structured {
         let own = LEAST_SHARE * base.alarm.excess();
         let worth = |e: &Explanation, less: f64| e.alarm.p_value >= settings.significance || e.square() < less - own;
-        for promise in search.pairs(&around, MOST_PAIRS) {
+        let pairs = if settings.max_causes < 2 { Vec::new() } else { search.pairs(&around, MOST_PAIRS) };
+        for promise in pairs {
             tried.extend(add(search, base, &promise).filter(|e| worth(e, alone)));
         }
-        if !chosen.members.is_empty() {
+        if (1..settings.max_causes).contains(&chosen.members.len()) {
             let around = search.around(chosen, terms)?;
             for promise in search.singles(&around).iter().take(MOST_FITS) {
                 tried.extend(add(search, chosen, promise).filter(|e| worth(e, alone.min(chosen.square()))));

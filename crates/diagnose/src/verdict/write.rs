@@ -68,7 +68,7 @@ pub(super) fn report(
             p_value: findings.alarm,
         }),
         candidates: ranking(search, findings, settings),
-        notes: Vec::new(),
+        notes: limit(findings, settings).into_iter().collect(),
         seconds: begin.elapsed().as_secs_f64(),
         data: Vec::new(),
         evidence: Evidence::default(),
@@ -112,6 +112,18 @@ fn reason(findings: &Findings, causes: &[NamedCause]) -> String {
             most(share)
         ),
     }
+}
+
+/// A note where structure is left over and the most causes allowed are there.
+fn limit(findings: &Findings, settings: &Settings) -> Option<String> {
+    let members = findings.chosen.members.len();
+    let structured = matches!(findings.ending, Ending::Partly(_) | Ending::Unexplained(_));
+    (structured && members >= settings.max_causes).then(|| {
+        format!(
+            "the search ended with the {members} causes that were allowed; more may be there: --max-causes {}",
+            2 * settings.max_causes
+        )
+    })
 }
 
 /// A share as per cent, which is all only if it is.
