@@ -50,6 +50,10 @@ pub use stiffness_run::{
     MethodSummary, ParameterSummary, PredictedTranslation, RobotLog, StiffnessRunError, Unexplained, Weighing,
 };
 
+/// From installation to a result on a system of one's own, in ten minutes.
+#[doc = include_str!("../docs/getting_started.md")]
+pub mod getting_started {}
+
 /// A tutorial: from two equations to a verdict, and from there to the plate.
 #[doc = include_str!("../docs/tutorial.md")]
 pub mod tutorial {}

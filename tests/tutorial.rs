@@ -6,36 +6,7 @@ mod common;
 use std::process::Command;
 
 use common::code;
-
-/// Commands and the lines shown below them; the blocks are fenced as `console`.
-fn sessions(tutorial: &str) -> Vec<(Vec<String>, Vec<String>)> {
-    let mut out = Vec::new();
-    for block in tutorial.split("```console\n").skip(1) {
-        let block = block.split("```").next().unwrap();
-        let mut lines = block.lines();
-        let command = lines.next().unwrap().strip_prefix("$ bracketry ").unwrap();
-        out.push((command.split(' ').map(str::to_owned).collect(), lines.map(str::to_owned).collect()));
-    }
-    out
-}
-
-/// The first line shown that does not follow in what was printed; `…` stands for any lines, also none.
-fn first_difference(shown: &[String], printed: &str) -> Option<String> {
-    let mut rest = printed.lines();
-    let mut gap = false;
-    for line in shown {
-        if line == "…" {
-            gap = true;
-        } else {
-            let found = if gap { rest.any(|l| l == line) } else { rest.next() == Some(line.as_str()) };
-            if !found {
-                return Some(line.clone());
-            }
-            gap = false;
-        }
-    }
-    (!gap && rest.next().is_some()).then(|| "more lines".to_owned())
-}
+use common::sessions::{first_difference, sessions};
 
 #[test]
 fn every_session_of_the_tutorial_prints_what_is_shown() {

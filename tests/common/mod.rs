@@ -3,6 +3,7 @@
 
 pub(crate) mod case_file;
 pub(crate) mod known_answers;
+pub(crate) mod sessions;
 
 use std::fs;
 use std::path::{Path, PathBuf};
