@@ -29,10 +29,12 @@ fn every_command_has_help_with_examples() {
     assert!(all.contains("Exit codes:") && all.contains("Units:"), "{all}");
     for command in COMMANDS {
         assert!(all.contains(&format!("\n  {command} ")), "{command} in {all}");
-        if command != "stiffness" {
-            let help = text(&bracketry(&[command, "--help"]).stdout);
-            assert!(help.contains("Example") && help.contains(&format!("bracketry {command} ")), "{help}");
-        }
+        let help = text(&bracketry(&[command, "--help"]).stdout);
+        assert!(help.contains("Examples:") && help.contains(&format!("bracketry {command} ")), "{help}");
+    }
+    for command in ["identify", "poses", "weigh", "compensate"] {
+        let help = text(&bracketry(&["stiffness", command, "--help"]).stdout);
+        assert!(help.contains(&format!("bracketry stiffness {command} ")) && help.contains("Exit codes:"), "{help}");
     }
     for command in ["analyze", "simulate", "control", "diagnose"] {
         let help = text(&bracketry(&[command, "--help"]).stdout);
@@ -316,6 +318,13 @@ fn errors_in_files_show_the_line_and_mark_the_text() {
         ),
         ("time.csv", "s,a\n0,1\n1,1\n".into(), ["time.csv: there is no column `t`", "", "add a column t"]),
         ("semicolon.csv", "t;a\n0;1\n1;1\n".into(), ["separated by semicolons", "", "decimal points"]),
+        (
+            "headless.csv",
+            "0,1\n1,1\n".into(),
+            ["headless.csv:1:1: the first line holds numbers", "   | ^^^", "begin with a header"],
+        ),
+        ("dot.toml", model(("0.3", ".3")), ["dot.toml:4:6: invalid mantissa", "^", "0.01"]),
+        ("bracket.toml", model(("[parameters]", "[para meters]")), ["bracket.toml:3:", "^", "letters, digits"]),
         ("rows.csv", "t,a\n".into(), ["rows.csv: the table has no rows", "", "two samples"]),
     ];
     for (name, content, parts) in files {

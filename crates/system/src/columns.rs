@@ -66,6 +66,12 @@ impl Columns {
                 return Err(doc.missing(message, "separate them by commas, and write decimal points: 0.5, not 0,5"));
             }
         }
+        if header.iter().all(|name| name.parse::<f64>().is_ok()) {
+            let end = doc.text().len() - after.len();
+            let start = doc.text()[..end].rfind('\n').map_or(0, |i| i + 1);
+            let message = "the first line holds numbers where the names of columns belong";
+            return Err(doc.error(start..end, message, "begin with a header such as t,u,x"));
+        }
         for (k, name) in header.iter().enumerate() {
             if header[..k].contains(name) {
                 return Err(doc.missing(format!("two columns are called `{name}`"), "rename one of them"));

@@ -324,6 +324,10 @@ fn syntax_remedy(message: &str) -> &'static str {
         "write a list as [\"x\", \"v\"]: commas between its entries, `]` at its end"
     } else if says("invalid basic string") || says("invalid literal string") {
         "close the quotes on the same line"
+    } else if says("invalid mantissa") {
+        "write digits before and after the point: 0.01"
+    } else if says("unclosed table") || says("invalid unquoted key") {
+        "names of keys and tables hold letters, digits, _ and -: [dynamics]"
     } else if says("inline table") {
         "write a table on one line as { min = 0, max = 1 }, or as [name] with its entries on lines below"
     } else {
