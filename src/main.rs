@@ -1,6 +1,4 @@
 //! The command `bracketry`.
-// Warnings go to standard error.
-#![allow(clippy::print_stderr)]
 
 mod command;
 

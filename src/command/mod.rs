@@ -100,7 +100,7 @@ enum Command {
     ]))]
     Diagnose(Box<diagnose::DiagnoseArgs>),
     /// Stiffness of a robot: identify it from measurements, compensate the deformation
-    #[command(subcommand)]
+    #[command(subcommand, after_help = examples(&stiffness::EXAMPLES))]
     Stiffness(StiffnessCommand),
     /// Close the loop of a problem file
     #[command(after_help = examples(&control::EXAMPLES), after_long_help = guide(&control::EXAMPLES, &[

@@ -10,19 +10,29 @@ use clap::{Args, Subcommand};
 use serde::Serialize;
 
 use super::file_kind::{FileKind, Given};
+use super::help::{EXIT_CODES, guide};
 use super::output::{csv, figure, folder, json, line, print, spinner, write};
+use super::style::warning;
 use super::{Outcome, OutputArgs};
 
 /// Columns of a wrench.
 const WRENCH: [&str; 6] = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"];
 
+/// Shown by the help.
+pub(crate) const EXAMPLES: [(&str, &str); 2] = [
+    ("Springs of the joints from measurements", "bracketry stiffness identify data.csv models/kr125.toml --out out"),
+    ("Corrected references along a log", "bracketry stiffness compensate log.csv models/kr125.toml --out out"),
+];
+
 /// Commands of `stiffness`. All take a table and the robot file, in either order.
 #[derive(Subcommand)]
 pub(crate) enum StiffnessCommand {
     /// Springs of the joints and stiffness at the tool point from measured displacements under measured loads
-    #[command(after_help = "Example:\n  bracketry stiffness identify data.csv models/kr125.toml --out out\n\n\
-        The table has the columns q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes) and \
-        dx, dy, dz, rx, ry, rz (m, rad, base axes).")]
+    #[command(after_help = guide(
+        &[("Into a folder, with the robot file completed and figures", "bracketry stiffness identify data.csv models/kr125.toml --out out")],
+        &[("Table", "Columns q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes) and \
+            dx, dy, dz, rx, ry, rz (m, rad, base axes)."), EXIT_CODES],
+    ))]
     Identify {
         #[command(flatten)]
         files: TableAndRobot,
@@ -31,11 +41,11 @@ pub(crate) enum StiffnessCommand {
         keep_outliers: bool,
     },
     /// Which of some measurements that could be made tell the most about the springs
-    #[command(
-        after_help = "Example:\n  bracketry stiffness poses candidates.csv models/kr125.toml --count 20 --out out\n\n\
-        The table has the columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes): \
-        poses that can be reached with loads that can be applied there."
-    )]
+    #[command(after_help = guide(
+        &[("Twenty of them", "bracketry stiffness poses candidates.csv models/kr125.toml --count 20 --out out")],
+        &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes): \
+            poses that can be reached with loads that can be applied there."), EXIT_CODES],
+    ))]
     Poses {
         #[command(flatten)]
         files: TableAndRobot,
@@ -44,17 +54,24 @@ pub(crate) enum StiffnessCommand {
         count: usize,
     },
     /// What the force sensor carries, and its bias, from readings at rest
-    #[command(after_help = "Example:\n  bracketry stiffness weigh readings.csv models/kr125.toml\n\n\
-        The table has the columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), with nothing touching what \
-        the sensor carries, in three orientations or more that tilt it about two axes.")]
+    #[command(after_help = guide(
+        &[("From readings", "bracketry stiffness weigh readings.csv models/kr125.toml")],
+        &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), with nothing touching what \
+            the sensor carries, in three orientations or more that tilt it about two axes."), EXIT_CODES],
+    ))]
     Weigh {
         #[command(flatten)]
         files: TableAndRobot,
     },
     /// What the compensation does along a log: corrected references, predicted deformation
-    #[command(after_help = "Example:\n  bracketry stiffness compensate log.csv models/kr125.toml --out out\n\n\
-        The log has the columns t, q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), and r1 … rn \
-        where references differ from what was measured.")]
+    #[command(after_help = guide(
+        &[
+            ("Along a log", "bracketry stiffness compensate log.csv models/kr125.toml --out out"),
+            ("Through a process of 50 N/mm", "bracketry stiffness compensate log.csv models/kr125.toml --process-stiffness 5e4"),
+        ],
+        &[("Log", "Columns t, q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), and r1 … rn \
+            where references differ from what was measured."), EXIT_CODES],
+    ))]
     Compensate {
         #[command(flatten)]
         files: TableAndRobot,
@@ -82,10 +99,10 @@ impl StiffnessCommand {
 #[derive(Args)]
 pub(crate) struct TableAndRobot {
     /// Table (CSV)
-    #[arg(value_name = "DATA")]
+    #[arg(value_name = "DATA", value_hint = clap::ValueHint::FilePath)]
     first: PathBuf,
     /// Robot file (TOML)
-    #[arg(value_name = "ROBOT")]
+    #[arg(value_name = "ROBOT", value_hint = clap::ValueHint::FilePath)]
     second: PathBuf,
 }
 
@@ -156,14 +173,14 @@ fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &OutputArgs) 
         write(&dir.join("identification.txt"), &found.to_string())?;
         write(&dir.join("identification.md"), &found.markdown())?;
         if let Some(why) = &found.withheld {
-            eprintln!("warning: no identified.toml: {why}");
+            warning(&format!("no identified.toml: {why}"));
         }
         if let Some(springs) = &found.springs {
             let text = std::fs::read_to_string(robot).with_context(|| format!("cannot read {}", robot.display()))?;
             // The springs are in the report, whether they go into the file or not.
             match with_springs(&robot.display().to_string(), &text, springs) {
                 Ok(changed) => write(&dir.join("identified.toml"), &changed)?,
-                Err(e) => eprintln!("warning: no identified.toml: {e}"),
+                Err(e) => warning(&format!("no identified.toml: {e}")),
             }
         }
         for (drawing, name) in [(found.stiffness_figure(), "stiffness"), (found.residual_figure(), "residuals")] {
