@@ -97,7 +97,7 @@ impl fmt::Display for SimulationReport {
             f,
             "{}: {} s simulated in {}, {}",
             self.model,
-            number(self.t_final - self.t_start, |t| t.to_string()),
+            number(self.t_final - self.t_start, |t| if t > 0.0 && t < 1e-6 { format!("{t:e}") } else { t.to_string() }),
             count(self.steps, "step", "steps"),
             count(self.events.len(), "change of mode", "changes of mode")
         )?;

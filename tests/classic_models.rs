@@ -28,7 +28,7 @@ struct Known {
     source: &'static str,
 }
 
-const SYSTEMS: [Known; 25] = [
+static SYSTEMS: [Known; 25] = [
     Known {
         file: "acrobot",
         system: "two links, motor at the elbow",
@@ -484,10 +484,7 @@ fn table() -> String {
             known.system,
             found["states"],
             found["inputs"],
-            match &found["affine"] {
-                Value::Bool(true) => "yes",
-                _ => "with integrators",
-            },
+            if found["affine"] == true { "yes" } else { "with integrators" },
             listed(&found["modes"][0]["growth"]),
             rank,
             yes_no(&point["stlc"]["verdict"]),
