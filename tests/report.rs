@@ -136,7 +136,10 @@ fn what_is_asked_must_be_known_to_the_model() {
     let path = file(&scratch("no_outputs"), "m.toml", "states = ['x']\ninputs = ['u']\n[dynamics]\nx = 'u'");
     let o = bracketry(&["analyze", &path, "--determines", "x"]);
     assert_eq!(code(&o), 2);
-    assert!(String::from_utf8_lossy(&o.stderr).contains("has no outputs"));
+    assert!(
+        String::from_utf8_lossy(&o.stderr)
+            .contains("there are no outputs that could determine `x`: add a table [outputs]")
+    );
 }
 
 #[test]
