@@ -75,7 +75,7 @@ def test_inputs_and_points() -> None:
     x, u, t = sympy.symbols("x u t")
     system = System(states=[x], inputs=[u], dynamics={x: u}, point={x: sympy.pi / 3})
     assert system.point == {"x": math.pi / 3, "u": 0.0}
-    run = simulate(system, 1.0, x0={x: 0}, inputs={u: sympy.cos(t)})
+    run = simulate(system, 1.0, x0={x: sympy.Integer(0)}, inputs={u: sympy.cos(t)})
     assert run["x"][-1] == pytest.approx(math.sin(1.0), abs=1e-9)
 
 

@@ -15,7 +15,7 @@ from ._native import BracketryError
 from ._result import Result, fields_of, parsed, real
 from ._system import System
 from ._tables import Floats, columns_of, floats, path_of
-from ._text import expression, name_of, number, toml_document
+from ._text import expression, name_of, number, numbers, toml_document
 
 Hold: TypeAlias = Literal["previous", "linear"]
 #: Rows of a result where neither `sample` nor a table says how many.
@@ -162,7 +162,7 @@ def simulate(
         return _run(system, file=fspath(scenario), **native)
     own = {
         "x0": _initial(system, x0),
-        "parameters": None if parameters is None else {name_of(k, "parameters"): v for k, v in parameters.items()},
+        "parameters": None if parameters is None else numbers(parameters, "parameters"),
     }
     table = path_of(inputs)
     if table is not None:
@@ -273,7 +273,7 @@ def _initial(system: System, x0: Any) -> dict[str, Any] | None:
     if x0 is None:
         return None
     if isinstance(x0, Mapping):
-        return {name_of(k, "x0"): v for k, v in x0.items()}
+        return numbers(x0, "x0")
     values = floats(x0, "x0")
     if len(values) != len(system.states):
         raise BracketryError(f"x0 has {len(values)} entries; the model has the states {', '.join(system.states)}")

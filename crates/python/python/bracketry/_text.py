@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from numbers import Integral, Real
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ._native import BracketryError
 from ._sympy import is_function_of_time, is_sympy, sympy_text
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+
 
 def name_of(value: object, what: str) -> str:
     """The name of a state, input or parameter: a string, a SymPy symbol, or a function of time such as ``x(t)``."""
@@ -45,6 +47,8 @@ def number(value: object, what: str) -> str:
     """A number as text that reads back exactly."""
     if is_sympy(value) and getattr(value, "is_number", False):
         value = float(value)  # type: ignore[arg-type]
+    if isinstance(value, Fraction):
+        value = float(value)
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
         raise BracketryError(f"{what}: `{value!r}` is no number")
     if isinstance(value, Integral):
@@ -53,6 +57,12 @@ def number(value: object, what: str) -> str:
     if not math.isfinite(as_float):
         raise BracketryError(f"{what} is {as_float}; give a finite number")
     return repr(as_float)
+
+
+def numbers(values: Mapping[Any, object], what: str) -> dict[str, object]:
+    """Numbers by name; fractions and SymPy's become floating-point numbers, strings stay for the reader to refuse."""
+    exact = {name_of(k, what): v for k, v in values.items()}
+    return {k: float(number(v, f"{what}, {k}")) if is_sympy(v) or isinstance(v, Fraction) else v for k, v in exact.items()}
 
 
 def key(name: str) -> str:
