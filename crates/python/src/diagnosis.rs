@@ -69,7 +69,7 @@ fn read(
 /// Diagnoses runs, and measures the gain on further ones.
 #[pyfunction]
 #[pyo3(signature = (model, data, validate, *, hold_inputs, rename, fix, reference, max_causes, seed, window, threads))]
-#[expect(clippy::too_many_arguments, reason = "keywords, all of them given by the Python function")]
+#[allow(clippy::too_many_arguments, reason = "keywords, all of them given by the Python function")]
 pub(crate) fn diagnose<'py>(
     py: Python<'py>,
     model: &Bound<'py, Model>,

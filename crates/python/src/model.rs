@@ -123,10 +123,10 @@ impl Model {
     /// The same model with other values of parameters, as decimal numbers.
     fn with_parameters(&self, values: Vec<(String, String)>) -> PyResult<Self> {
         let mut system = self.system.clone();
-        for (name, text) in &values {
-            let value = system.pool.parse(text).map_err(Failure::from)?;
+        for (name, text) in values {
+            let value = system.pool.parse(&text).map_err(Failure::from)?;
             let value = system.pool.number(value).cloned();
-            let known = value.is_some_and(|value| system.set_parameter(name, value));
+            let known = value.is_some_and(|value| system.set_parameter(&name, value));
             if !known {
                 let known: Vec<&str> = system.parameters.iter().map(|p| system.symbol_name(p.symbol)).collect();
                 let message = format!("the model has no parameter `{name}`; it has {}", known.join(", "));

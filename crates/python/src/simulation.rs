@@ -75,7 +75,7 @@ fn parsed(text: &str, system: &System) -> Result<Scenario, Failure> {
 /// Integrates a model.
 #[pyfunction]
 #[pyo3(signature = (model, *, text, file, table, samples, hold_inputs, start, duration, sample, rtol, atol, ignored))]
-#[expect(clippy::too_many_arguments, reason = "keywords, all of them given by the Python function")]
+#[allow(clippy::too_many_arguments, reason = "keywords, all of them given by the Python function")]
 pub(crate) fn simulate<'py>(
     py: Python<'py>,
     model: &Bound<'py, Model>,
