@@ -6,11 +6,11 @@ use bracketry_system::symbolic::{Expr, Func, Rational};
 use bracketry_system::{StaticLevel, System};
 use rustc_hash::FxHashMap;
 
-const COULOMB: &str = include_str!("../../../models/plate_point.toml");
-const STATIC_LEVEL: &str = include_str!("../../../models/plate_point_static_level.toml");
-const STRIBECK: &str = include_str!("../../../models/plate_point_stribeck.toml");
-const ANISOTROPIC: &str = include_str!("../../../models/plate_point_anisotropic.toml");
-const VISCOUS: &str = include_str!("../../../models/plate_point_viscous.toml");
+const COULOMB: &str = include_str!("../models/plate_point.toml");
+const STATIC_LEVEL: &str = include_str!("../models/plate_point_static_level.toml");
+const STRIBECK: &str = include_str!("../models/plate_point_stribeck.toml");
+const ANISOTROPIC: &str = include_str!("../models/plate_point_anisotropic.toml");
+const VISCOUS: &str = include_str!("../models/plate_point_viscous.toml");
 
 /// Which terms a model of the plate has. All are on by default; each off leaves its equation without that term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
