@@ -330,7 +330,7 @@ fn errors_in_files_show_the_line_and_mark_the_text() {
     for (name, content, parts) in files {
         file(&dir, name, &content);
         let arguments: Vec<&str> = match name {
-            n if n.ends_with(".csv") => vec!["simulate", "slider.toml", "--inputs", n],
+            n if n.strip_suffix(".csv").is_some() => vec!["simulate", "slider.toml", "--inputs", n],
             n @ ("x0.toml" | "x0_text.toml" | "input.toml" | "closed.toml") => {
                 vec!["simulate", "slider.toml", "--scenario", n]
             }

@@ -3,6 +3,8 @@
 //! It hands over what the library computes, as JSON text, plain text, arrays and figures; the Python sources beside it make
 //! results of it. Every function here calls what the command line calls, so that all of them give the same numbers.
 
+#![allow(clippy::needless_pass_by_value, reason = "arguments from Python arrive by value")]
+
 mod analysis;
 mod control;
 mod diagnosis;

@@ -13,6 +13,9 @@ use crate::error::Failure;
 /// Name, value, unit, smallest and largest value, description.
 type ParameterRow = (String, f64, Option<String>, Option<f64>, Option<f64>, Option<String>);
 
+/// Names with their formulas.
+type Formulas = Vec<(String, String)>;
+
 /// A model and the text it came from.
 #[pyclass(frozen, module = "bracketry._native")]
 pub(crate) struct Model {
@@ -151,7 +154,7 @@ impl Model {
     }
 
     /// Each state with its time derivative, then each output, in LaTeX.
-    fn latex(&self) -> (Vec<(String, String)>, Vec<(String, String)>) {
+    fn latex(&self) -> (Formulas, Formulas) {
         let mut pool = self.system.pool.clone();
         let mut symbol = |s: &Symbol| {
             let e = pool.sym(*s);

@@ -182,7 +182,7 @@ fn small_names_beside_large_unknowns_are_withheld() {
         equation: String::new(),
         term: String::new(),
         parameters: Vec::new(),
-        p_value: 0.0,
+        p_value: Some(0.0),
         confusable_with: Vec::new(),
         separating_experiment: String::new(),
         rivals: Vec::new(),
