@@ -123,6 +123,9 @@ pub(crate) struct Around {
     others: Vec<usize>,
 }
 
+/// A parameter is far from its nominal value beyond this part of it.
+const FAR: f64 = 0.5;
+
 impl<'a> Search<'a> {
     /// Fits will be made over `windows` of the study.
     pub(crate) fn new(study: &'a Study, candidates: Vec<Effect>, windows: Vec<usize>) -> Self {
@@ -164,10 +167,14 @@ impl<'a> Search<'a> {
                 None => begin.values.push(Estimate { name: name.clone(), nominal: *value, value: *value, std: 0.0 }),
             }
         }
+        let again = returned(&begin, &effects).and_then(|b| self.study.fit(&effects, &self.windows, Some(&b)).ok());
         let found = self
             .fit_from(&effects, begin, near, start)
+            .into_iter()
+            .chain(again)
             .map(|fit| self.judge(members.to_vec(), fit))
-            .filter(|e| self.comparable(e) && self.biases_within_range(e));
+            .filter(|e| self.comparable(e) && self.biases_within_range(e))
+            .min_by(|a, b| a.square().total_cmp(&b.square()));
         self.known.insert(key, found.clone());
         found
     }
@@ -204,7 +211,6 @@ impl<'a> Search<'a> {
     /// The fit of `effects` from `begin`. What has more coefficients than `near` can leave no more over: where it does, the
     /// values that were added (`start`) lead astray, and the fit begins anew with smaller amplitudes.
     fn fit_from(&self, effects: &[Effect], mut begin: Fit, near: &Fit, start: &[(String, f64)]) -> Option<Fit> {
-        let square = |fit: &Fit| fit.windows.iter().map(|w| w.square).sum::<f64>();
         let mut best = self.study.fit(effects, &self.windows, Some(&begin)).ok();
         for _ in 0..MOST_RETURNS {
             let astray = best.as_ref().is_none_or(|fit| square(fit) > square(near));
@@ -369,6 +375,20 @@ impl<'a> Search<'a> {
             })
             .collect()
     }
+}
+
+fn square(fit: &Fit) -> f64 {
+    fit.windows.iter().map(|w| w.square).sum()
+}
+
+/// The fit with parameters back at their nominal values that another explanation has driven far away from them; `None` if there are
+/// none. From where they went (a radius that vanishes) there may be no slope back.
+fn returned(begin: &Fit, effects: &[Effect]) -> Option<Fit> {
+    let mut back = begin.clone();
+    let own = |name: &str| effects.iter().flat_map(|e| &e.coefficients).all(|c| c.name != name);
+    let far = back.values.iter_mut().filter(|e| own(&e.name) && (e.value - e.nominal).abs() > FAR * e.nominal.abs());
+    let moved = far.map(|e| e.value = e.nominal).count();
+    (moved > 0).then_some(back)
 }
 
 /// Signs that amplitudes must have. Friction that rises from rest is found in real machines, so that the sign of Stribeck's
