@@ -8,7 +8,7 @@ pub use hidden::HiddenEffect;
 pub use multisine::multisine;
 
 use crate::monte_carlo::Random;
-use crate::{AreaContact, AreaOutcome, AreaSettings, Course, Experiment, Object, PlateError, STATES};
+use crate::{AreaContact, AreaOutcome, AreaSettings, Course, Experiment, Object, PlateError, PlateKinematics, STATES};
 use imposed::Imposed;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -72,6 +72,40 @@ impl PlateLog {
     /// The columns, times not among them.
     pub fn by_name(&self) -> BTreeMap<String, Vec<f64>> {
         self.columns.iter().cloned().collect()
+    }
+
+    /// A log of poses `x, y, phi` (m, rad) and commands at these times, with the noise of the settings added to the poses.
+    /// Poses or commands beyond the shortest of the three are left out.
+    pub fn measured(
+        name: &str,
+        times: Vec<f64>,
+        poses: &[[f64; 3]],
+        commands: &[PlateKinematics],
+        outcome: AreaOutcome,
+        settings: &LogSettings,
+        seed: u64,
+    ) -> Self {
+        let rows = times.len().min(poses.len()).min(commands.len());
+        let mut times = times;
+        times.truncate(rows);
+        let (poses, commands) = (&poses[..rows], &commands[..rows]);
+        let mut random = Random::new(seed);
+        let noise = [settings.position_noise, settings.position_noise, settings.angle_noise];
+        let mut measured = [const { Vec::new() }; 3];
+        for pose in poses {
+            for i in 0..3 {
+                measured[i].push(pose[i] + noise[i] * random.normal());
+            }
+        }
+        let mut columns: Vec<(String, Vec<f64>)> = STATES.iter().map(|name| (*name).to_owned()).zip(measured).collect();
+        columns.push(("X".into(), commands.iter().map(|k| k.displacement).collect()));
+        columns.push(("theta".into(), commands.iter().map(|k| k.tilt).collect()));
+        if settings.derivatives {
+            columns.push(("der(X,2)".into(), commands.iter().map(|k| k.acceleration).collect()));
+            columns.push(("der(theta,1)".into(), commands.iter().map(|k| k.tilt_rate).collect()));
+            columns.push(("der(theta,2)".into(), commands.iter().map(|k| k.tilt_acceleration).collect()));
+        }
+        Self { name: name.to_owned(), times, columns, outcome }
     }
 
     /// The log as text: a header, then a row per time.
@@ -156,26 +190,13 @@ pub fn plate_log(
     }
     let delay = if let HiddenEffect::SensorDelay(time) = *effect { time } else { 0.0 };
     let point = if let HiddenEffect::CentreOfMass(at) = *effect { at } else { [0.0; 2] };
-    let mut random = Random::new(seed);
-    let mut pose = [const { Vec::new() }; 3];
-    for t in &times {
+    let seen = times.iter().map(|t| {
         let state = course.state_at((t - delay).max(0.0));
         let (sin, cos) = state[2].sin_cos();
-        let seen = [state[0] + cos * point[0] - sin * point[1], state[1] + sin * point[0] + cos * point[1], state[2]];
-        let noise = [settings.position_noise, settings.position_noise, settings.angle_noise];
-        for i in 0..3 {
-            pose[i].push(seen[i] + noise[i] * random.normal());
-        }
-    }
-    let mut columns: Vec<(String, Vec<f64>)> = STATES.iter().map(|name| (*name).to_owned()).zip(pose).collect();
-    columns.push(("X".into(), commands.iter().map(|k| k.displacement).collect()));
-    columns.push(("theta".into(), commands.iter().map(|k| k.tilt).collect()));
-    if settings.derivatives {
-        columns.push(("der(X,2)".into(), commands.iter().map(|k| k.acceleration).collect()));
-        columns.push(("der(theta,1)".into(), commands.iter().map(|k| k.tilt_rate).collect()));
-        columns.push(("der(theta,2)".into(), commands.iter().map(|k| k.tilt_acceleration).collect()));
-    }
-    Ok(PlateLog { name: experiment.name.clone(), times, columns, outcome })
+        [state[0] + cos * point[0] - sin * point[1], state[1] + sin * point[0] + cos * point[1], state[2]]
+    });
+    let poses: Vec<[f64; 3]> = seen.collect();
+    Ok(PlateLog::measured(&experiment.name, times, &poses, &commands, outcome, settings, seed))
 }
 
 /// Sets the amplitude of the period that begins now.
