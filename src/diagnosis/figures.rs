@@ -1,9 +1,10 @@
 //! What was found, in pictures.
 
 use bracketry_diagnose::{Cause, ForceResidual, HeldOut, Place, Predicted, Report, ResidualAcceleration};
-use bracketry_plot::{BarChart, Color, Dash, Drawing, IntervalChart, Panel, PlotError, Series, TimeSeries, XyChart};
+use bracketry_plot::{BarChart, Color, Dash, IntervalChart, Panel, Series, TimeSeries, XyChart};
 
 use super::Diagnosis;
+use crate::html::Figure;
 
 /// Names of the models in legends.
 const MODELS: [&str; 3] = ["as given", "refitted", "extended"];
@@ -28,16 +29,6 @@ const RIVAL: &str = "cannot be told apart from a named one";
 const TRIED: &str = "tried";
 /// Places that a figure has room for.
 const MOST_PLACES: usize = 12;
-
-/// A figure of a diagnosis.
-pub struct Figure {
-    /// Name of its files, without ending.
-    pub name: String,
-    /// What it shows.
-    pub caption: String,
-    /// The figure, or why it cannot be drawn.
-    pub drawing: Result<Drawing, PlotError>,
-}
 
 impl Diagnosis {
     /// The figures that the findings allow.

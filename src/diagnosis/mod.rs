@@ -2,7 +2,6 @@
 //! and the report as a page.
 
 mod figures;
-mod mathml;
 mod page;
 mod ranks;
 
@@ -12,7 +11,6 @@ use bracketry_diagnose::Report;
 use bracketry_system::System;
 use serde::Serialize;
 
-pub use figures::Figure;
 pub use ranks::{RankChange, Ranks};
 
 /// A diagnosis and what follows from it.

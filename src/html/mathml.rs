@@ -40,12 +40,12 @@ const LETTERS: [(&str, char); 33] = [
 ];
 
 /// Text in which no sign has a meaning of its own in HTML.
-pub(super) fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// A formula as it stands in model files, set; as code where it cannot be read.
-pub(super) fn formula(text: &str) -> String {
+pub(crate) fn formula(text: &str) -> String {
     let mut pool = Pool::new();
     match pool.parse(text) {
         Ok(e) => math(&pool.latex(e)),
@@ -54,7 +54,7 @@ pub(super) fn formula(text: &str) -> String {
 }
 
 /// A formula in the LaTeX of [`Pool::latex`], set.
-pub(super) fn math(latex: &str) -> String {
+pub(crate) fn math(latex: &str) -> String {
     let mut reader = Reader { rest: latex };
     format!("<math>{}</math>", reader.row(None))
 }
