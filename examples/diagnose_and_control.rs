@@ -13,11 +13,11 @@
 
 use anyhow::Context;
 use bracketry::diagnose::{Record, RecordSettings, Settings, diagnose};
-use bracketry::mpc::{ControlProblem, ControlRun, Plant, PlantError};
-use bracketry::plate::{AreaContact, HiddenEffect, LogSettings, PlateKinematics, multisine, plate_log};
+use bracketry::mpc::{ControlProblem, ControlRun, Plant};
+use bracketry::plate::{HiddenEffect, LogSettings, multisine, plate_log};
 use bracketry::plot::{Color, Dash, Drawing, Panel, Series, TimeSeries};
 use bracketry::system::System;
-use bracketry::target_of;
+use bracketry::{AreaLoopPlant, target_of};
 use clap::Parser;
 use std::path::PathBuf;
 
@@ -40,35 +40,6 @@ struct Options {
     out: Option<PathBuf>,
 }
 
-/// The plate with its hidden effect, under held accelerations.
-struct HiddenPlant {
-    contact: AreaContact,
-    effect: HiddenEffect,
-    gravity: f64,
-}
-
-impl Plant for HiddenPlant {
-    fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
-        let (&[a, b, phi, va, vb, w, displacement, velocity, tilt, tilt_rate], &[acceleration, tilt_acceleration]) =
-            (&*x, u)
-        else {
-            return Err("the plate has ten states and two inputs".into());
-        };
-        let begin = PlateKinematics { displacement, velocity, acceleration, tilt, tilt_rate, tilt_acceleration };
-        self.contact.set_state([a, b, phi, va, vb, w])?;
-        self.contact.set_time(t)?;
-        let (effect, gravity) = (self.effect, self.gravity);
-        let outcome = self.contact.advance(&mut |s: f64| effect.inclined(begin.after(s - t), gravity), t + dt)?;
-        if !outcome.is_finished() {
-            return Err(outcome.to_string().into());
-        }
-        let end = begin.after(dt);
-        x[..6].copy_from_slice(&self.contact.state());
-        x[6..].copy_from_slice(&[end.displacement, end.velocity, end.tilt, end.tilt_rate]);
-        Ok(())
-    }
-}
-
 /// A move on the true plant.
 struct Move {
     /// Name of the model that planned it.
@@ -85,8 +56,11 @@ impl Move {
         let text = include_str!("../models/plate_move.toml");
         let mut problem = ControlProblem::parse("plate_move.toml", text, |_| Ok(model.clone()))?;
         problem.samples += 25;
-        let mut plant = HiddenPlant { contact: effect.contact(settings)?, effect, gravity: settings.area.gravity };
+        let mut plant = AreaLoopPlant::new(effect, settings)?;
         let run = problem.run(&mut plant)?;
+        if let Some(reason) = plant.stopped() {
+            anyhow::bail!("{reason}");
+        }
         let plan = run.plan.as_ref().context("the method makes no plan")?;
         let mut played = vec![problem.x0.clone()];
         for (k, t) in run.closed_loop.t[..problem.samples].iter().enumerate() {

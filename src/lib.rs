@@ -14,6 +14,7 @@ pub use bracketry_system as system;
 mod affinization;
 mod analysis;
 mod analysis_pictures;
+mod area_plant;
 mod closed_loop_figure;
 mod control;
 mod diagnosis;
@@ -29,16 +30,18 @@ mod report;
 mod scenario;
 mod simulation_report;
 mod stiffness_run;
+mod story;
 
 pub use affinization::{AffinizationReport, InputChange};
 pub use analysis::{Analysis, AnalysisError, analyze};
+pub use area_plant::AreaLoopPlant;
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
 pub use diagnosis::{Diagnosis, RankChange, Ranks};
 pub use friction_bands::{friction_bands, friction_colors};
 pub use html::Figure;
 pub use input_table::SampledScenario;
 pub use measurement::SensorError;
-pub use plate_move::{Arrival, MoveError, plate_move, target_of};
+pub use plate_move::{Arrival, MoveError, move_with, plate_move, target_of};
 pub use plate_run::{
     Comparison, Deviation, Jump, LoggedMotion, PlateLog, PlateModel, PlateOptions, PlateRow, PlateRun, PlateRunError,
     PlateSetup, SetupError,
@@ -50,6 +53,9 @@ pub use simulation_report::{ModeChange, SimulationReport};
 pub use stiffness_run::{
     ChosenPoses, CompensatedLog, CompensatedRow, Expectation, FaultCount, Identification, LoopGain, LostMotionSummary,
     MethodSummary, ParameterSummary, PredictedTranslation, RobotLog, StiffnessRunError, Unexplained, Weighing,
+};
+pub use story::{
+    MoveOnEquations, MoveOnPlant, Story, StoryAnimation, StoryError, StoryEvent, StorySettings, outline, record_logs,
 };
 
 /// From installation to a result on a system of one's own, in ten minutes.

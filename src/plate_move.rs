@@ -2,6 +2,7 @@
 
 use bracketry_mpc::{ControlProblem, ProblemError};
 use bracketry_plate::{PlateError, Shape, published};
+use bracketry_system::System;
 use serde::Serialize;
 
 use crate::control::Controlled;
@@ -13,7 +14,7 @@ const NEAR_DEG: f64 = 2.0;
 const PLATE_REST: f64 = 1e-3;
 const PLATE_REST_DEG: f64 = 0.1;
 /// Resolution at which the recording is looked at (s).
-const RESOLUTION: f64 = 1e-3;
+pub(crate) const RESOLUTION: f64 = 1e-3;
 
 /// A move that cannot be set up.
 #[derive(Debug, thiserror::Error)]
@@ -32,9 +33,16 @@ pub enum MoveError {
 /// # Errors
 /// [`MoveError`] if a length or coefficient has no meaning.
 pub fn plate_move(shape: &Shape, mu: f64) -> Result<ControlProblem, MoveError> {
-    let system = published(shape, mu)?;
+    move_with(&published(shape, mu)?)
+}
+
+/// The reference move with another model of the plate as the controller's model.
+///
+/// # Errors
+/// [`MoveError::Problem`] for a model without the states of the plate.
+pub fn move_with(model: &System) -> Result<ControlProblem, MoveError> {
     let text = include_str!("../models/plate_move.toml");
-    Ok(ControlProblem::parse("plate_move.toml", text, |_| Ok(system.clone()))?)
+    Ok(ControlProblem::parse("plate_move.toml", text, |_| Ok(model.clone()))?)
 }
 
 /// What a move achieved, from the recording of the plant. States are those of the affine plate:
@@ -66,14 +74,25 @@ pub fn target_of(problem: &ControlProblem) -> [f64; 3] {
 impl Arrival {
     /// Measures a move against the problem's targets and bounds.
     pub fn of(problem: &ControlProblem, controlled: &Controlled) -> Arrival {
-        let target = target_of(problem);
         let trajectory = &controlled.recording.trajectory;
-        let end = trajectory.final_state();
         let count = (trajectory.end() / RESOLUTION).round() as usize;
+        let states = (0..=count).map(|k| trajectory.sample(k as f64 * RESOLUTION));
+        Self::of_states(problem, states, trajectory.final_state())
+    }
+
+    /// The same from the states at every millisecond and the last one.
+    pub(crate) fn of_states(
+        problem: &ControlProblem,
+        states: impl IntoIterator<Item = impl AsRef<[f64]>>,
+        end: &[f64],
+    ) -> Arrival {
+        let target = target_of(problem);
         let (mut stroke, mut tilt) = (0.0f64, 0.0f64);
         let mut last_bad = None;
-        for k in 0..=count {
-            let x = trajectory.sample(k as f64 * RESOLUTION);
+        let mut count = 0;
+        for (k, x) in states.into_iter().enumerate() {
+            let x = x.as_ref();
+            count = k;
             let near = |i: usize, tolerance: f64| (x[i] - target[i]).abs() <= tolerance;
             let object =
                 near(0, NEAR) && near(1, NEAR) && near(2, NEAR_DEG.to_radians()) && x[5].abs() <= NEAR_DEG.to_radians();

@@ -3,11 +3,8 @@
 use std::path::Path;
 
 use anyhow::Context;
-use bracketry::plate::Shape;
-use bracketry::plot::{
-    Animation, Color, Dash, Outline, Panel, PlanView, Pose, Scene, Series, Snapshot, TimeSeries, Trajectory,
-};
-use bracketry::{PlateLog, PlateRow};
+use bracketry::plot::{Animation, Color, Dash, Panel, PlanView, Pose, Scene, Series, Snapshot, TimeSeries, Trajectory};
+use bracketry::{PlateLog, PlateRow, outline};
 
 use super::super::output::{csv, figure, json, write};
 use super::Ran;
@@ -139,16 +136,6 @@ fn overlay(ran: &Ran, log: &PlateLog) -> TimeSeries {
         .panel(panel("x [mm]", 0, 1e3, &log.x))
         .panel(panel("y [mm]", 1, 1e3, &log.y))
         .panel(panel("φ [°]", 2, DEGREES, &log.phi))
-}
-
-fn outline(shape: &Shape) -> Outline {
-    match shape {
-        Shape::Ellipse { a, b } => Outline::Ellipse { a: *a, b: *b },
-        Shape::Disk { radius } => Outline::Ellipse { a: *radius, b: *radius },
-        Shape::Rectangle { .. } | Shape::Polygon { .. } => {
-            Outline::Polygon(shape.rim(0).into_iter().map(|[x, y]| (x, y)).collect())
-        }
-    }
 }
 
 /// Where the object should go; the other coordinates as they were at the start.

@@ -1,0 +1,42 @@
+//! The story's figures for other programs.
+
+use serde_json::{Value, json};
+
+use super::Story;
+
+impl Story {
+    /// The figures of all chapters as one JSON object. Lengths in m, angles in deg, times in s unless a name says otherwise.
+    pub fn summary(&self) -> Value {
+        let own = &self.on_equations;
+        let report = &own.together.run.report;
+        let arrival = &own.arrival;
+        let [linearise, qp, rest] = own.step_split();
+        let plate = &own.together.recording.trajectory.final_state()[6..];
+        let [x, y, phi] = own.two_step_errors();
+        json!({
+            "target_error": {"x_m": arrival.x_m, "y_m": arrival.y_m, "phi_deg": arrival.phi_deg},
+            "spin_deg_s": arrival.spin_deg_s,
+            "time_s": arrival.settled_s,
+            "two_step_time_s": own.two_step_time(),
+            "step_ms": report.solve_ms,
+            "real_time_factor": own.real_time_factor(),
+            "step_split_ms": {"linearise": linearise, "qp": qp, "rest": rest},
+            "sampling_period_ms": report.period_ms,
+            "move_s": own.problem.ocp.steps as f64 * own.problem.ocp.dt,
+            "simulated_s": own.together.recording.trajectory.end(),
+            "status": report.status,
+            "plate_at_end": {"X_m": plate[0], "Xd_m_s": plate[1], "theta_deg": plate[2].to_degrees(),
+                             "thetad_deg_s": plate[3].to_degrees()},
+            "bound_excess": {"stroke_m": arrival.stroke_excess_m, "tilt_deg": arrival.tilt_excess_deg},
+            "plan": report.plan,
+            "two_step": {"x_m": x, "y_m": y, "phi_deg": phi, "spin_deg_s": own.two.remaining_spin.to_degrees(),
+                         "stages": own.two.stages.iter().map(|s| json!({"name": s.name, "from_s": s.from,
+                             "to_s": s.to, "met": s.met})).collect::<Vec<_>>()},
+            "true_plant": {"published_model": self.as_published, "extended_model": self.extended},
+            "diagnosis": self.diagnosis,
+            "gain": self.gain().into_iter().map(|(horizon_s, times_smaller)| json!({"horizon_s": horizon_s,
+                "times_smaller": times_smaller})).collect::<Vec<_>>(),
+            "seconds": self.seconds,
+        })
+    }
+}
