@@ -12,13 +12,15 @@ const CSV_STEP: f64 = 5e-3;
 const CSV_MILLISECONDS: usize = 5;
 
 /// Runs everything and writes `out/`.
-pub(crate) fn run(options: &OutputArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(options: &OutputArgs, seed: Option<u64>) -> anyhow::Result<Outcome> {
     let out = options.out.clone().unwrap_or_else(|| PathBuf::from("out"));
     folder(&out)?;
     let mut text = String::new();
     let mut broken = Ok(());
     let progress = output::spinner("");
-    let story = Story::tell(&StorySettings::default(), &mut |event| match event {
+    let standard = StorySettings::default();
+    let settings = StorySettings { seed: seed.unwrap_or(standard.seed), ..standard };
+    let story = Story::tell(&settings, &mut |event| match event {
         StoryEvent::Working(what) => progress.set_message(what.to_owned()),
         StoryEvent::Told(chapter) => {
             text += chapter;

@@ -35,8 +35,8 @@ pub(crate) enum Outcome {
 
 /// What can my inputs reach, how do I get there, and where are the equations wrong?
 ///
-/// Without a command: the main job on the vibrating plate, from its equations to a closed loop that moves
-/// position and orientation at the same time; results go to `out/`.
+/// Without a command: the main job on the vibrating plate, from its published equations to why a controller built on
+/// them fails on the true plant, and to one that works; results go to `out/`.
 #[derive(Parser)]
 #[command(
     name = "bracketry", version, about, max_term_width = 100, styles = help::STYLES,
@@ -51,6 +51,9 @@ pub(crate) struct Cli {
     command: Option<Command>,
     #[command(flatten)]
     output: OutputArgs,
+    /// Seed of the main job's experiments and noise
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
 }
 
 const FIRST_STEPS: [(&str, &str); 5] = [
@@ -163,7 +166,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
     let output = cli.output;
     let files = cli.command.as_ref().map(Command::files).unwrap_or_default();
     let result = match cli.command {
-        None => main_job::run(&output),
+        None => main_job::run(&output, cli.seed),
         Some(Command::Analyze(args)) => analyze::analyze(&args, &output),
         Some(Command::Affinize(args)) => affinize::affinize(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),

@@ -145,7 +145,10 @@ impl Reader<'_> {
                 self.rest = self.rest.get(c.len_utf8()..).unwrap_or("");
                 format!("<mo>{c}</mo>")
             }
-            "mathrm" | "text" | "operatorname" => format!("<mi mathvariant=\"normal\">{}</mi>", escaped(&self.words())),
+            "mathrm" | "text" | "operatorname" => {
+                let words = self.words();
+                derivative(&words).unwrap_or_else(|| format!("<mi mathvariant=\"normal\">{}</mi>", escaped(&words)))
+            }
             "cdot" => "<mo>·</mo>".to_owned(),
             "" => {
                 // An escaped sign.
@@ -159,6 +162,17 @@ impl Reader<'_> {
             },
         }
     }
+}
+
+/// `der(theta, 2)` as a letter with dots.
+fn derivative(words: &str) -> Option<String> {
+    let (name, order) = words.strip_prefix("der(")?.strip_suffix(')')?.split_once(',')?;
+    let dots = ["˙", "¨", "⃛"].get(order.trim().parse::<usize>().ok()?.checked_sub(1)?)?;
+    let letter = match LETTERS.iter().find(|(n, _)| *n == name) {
+        Some((_, letter)) => letter.to_string(),
+        None => escaped(name),
+    };
+    Some(format!("<mover accent=\"true\"><mi>{letter}</mi><mo>{dots}</mo></mover>"))
 }
 
 /// A base with an index or an exponent; an exponent on an index makes both.
@@ -181,6 +195,13 @@ mod tests {
             "<math><mrow><mfrac><mrow><mi>μ</mi><msubsup><mi>x</mi><mrow><mn>1</mn></mrow><mrow><mn>2</mn></mrow></msubsup></mrow>\
              <mrow><msqrt><mrow><mn>2</mn><mi>θ</mi></mrow></msqrt></mrow></mfrac></mrow></math>"
         );
+    }
+
+    #[test]
+    fn derivatives_of_inputs_have_dots() {
+        let set = math(r"\mathrm{der(theta, 2)}");
+        assert_eq!(set, "<math><mrow><mover accent=\"true\"><mi>θ</mi><mo>¨</mo></mover></mrow></math>");
+        assert!(math(r"\mathrm{der(x)}").contains("der(x)"));
     }
 
     #[test]

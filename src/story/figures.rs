@@ -295,7 +295,10 @@ fn pose_panels(moved: &MoveOnPlant, series: impl Fn(usize, f64) -> Vec<Series>) 
     axes.into_iter().enumerate().fold(TimeSeries::new(), |chart, (k, (label, scale, tolerance))| {
         let at = scale * target[k];
         let panel = Panel::new(label).target(at).target_band(at - tolerance, at + tolerance);
-        chart.panel(series(k, scale).into_iter().fold(panel, Panel::series))
+        // One legend for all panels.
+        let named = k == 0;
+        let series = series(k, scale).into_iter().map(|s| if named { s } else { Series { name: String::new(), ..s } });
+        chart.panel(series.fold(panel, Panel::series))
     })
 }
 

@@ -60,7 +60,8 @@ fn of_move(moved: &MoveOnPlant, settings: &StorySettings, seed: u64) -> PlateLog
         (t, ([x[0], x[1], x[2]], plate))
     });
     let (times, (poses, commands)): (Vec<f64>, (Vec<[f64; 3]>, Vec<PlateKinematics>)) = rows.unzip();
-    PlateLog::measured("closed loop", times, &poses, &commands, AreaOutcome::Finished, &settings.plant, seed)
+    let outcome = moved.stopped.unwrap_or(AreaOutcome::Finished);
+    PlateLog::measured("closed loop", times, &poses, &commands, outcome, &settings.plant, seed)
 }
 
 /// The logs as records of the model's diagnosis, with what was noticed about them.

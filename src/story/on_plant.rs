@@ -1,9 +1,9 @@
 //! A controller on the plant with contact over the whole footprint.
 
 use bracketry_mpc::{ControlProblem, ControlRun, Plant};
-use bracketry_plate::HiddenEffect;
+use bracketry_plate::{AreaOutcome, HiddenEffect};
 use bracketry_system::System;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::{StoryError, StorySettings};
 use crate::area_plant::AreaLoopPlant;
@@ -28,9 +28,11 @@ pub struct MoveOnPlant {
     #[serde(skip)]
     pub plan_alone: Vec<[f64; 10]>,
     /// How contact ended before the end of the closed loop, if it did; the states end there.
-    pub stopped: Option<String>,
+    #[serde(serialize_with = "in_words")]
+    pub stopped: Option<AreaOutcome>,
     /// The same of the plan alone.
-    pub plan_stopped: Option<String>,
+    #[serde(serialize_with = "in_words")]
+    pub plan_stopped: Option<AreaOutcome>,
     /// What the closed loop achieved.
     pub arrival: Arrival,
     /// What the plan alone achieved.
@@ -48,7 +50,7 @@ impl MoveOnPlant {
         let plant = || AreaLoopPlant::new(HiddenEffect::None, &settings.plant);
         let mut looped = plant()?;
         let run = problem.run(&mut looped)?;
-        let stopped = looped.stopped().map(ToString::to_string);
+        let stopped = looped.stopped().copied();
         let closed_loop = looped.states().to_vec();
         let mut played = plant()?;
         let mut x = problem.x0.clone();
@@ -60,7 +62,7 @@ impl MoveOnPlant {
                 .step(t, &mut x, u, problem.ocp.dt)
                 .map_err(|source| bracketry_mpc::MpcError::Plant { time: t, source })?;
         }
-        let plan_stopped = played.stopped().map(ToString::to_string);
+        let plan_stopped = played.stopped().copied();
         let plan_alone = played.states().to_vec();
         let measured = |states: &[[f64; 10]]| {
             let end = states.last().map_or(problem.x0.as_slice(), |x| x.as_slice());
@@ -84,4 +86,10 @@ impl MoveOnPlant {
     pub fn reached(&self) -> bool {
         self.stopped.is_none() && self.arrival.settled_s.is_some()
     }
+}
+
+// The signature is serde's.
+#[allow(clippy::ref_option)]
+fn in_words<S: Serializer>(outcome: &Option<AreaOutcome>, serializer: S) -> Result<S::Ok, S::Error> {
+    outcome.as_ref().map(ToString::to_string).serialize(serializer)
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use bracketry_plate::PlateLog;
+use bracketry_plate::{AreaOutcome, PlateLog};
 
 use super::{MoveOnEquations, MoveOnPlant, Story};
 use crate::diagnosis::Diagnosis;
@@ -111,7 +111,7 @@ impl fmt::Display for MoveOnPlant {
         )?;
         writeln!(f, "  The controller is given the exact state of the plant at every sample.")?;
         for (what, stopped) in [("closed loop", &self.stopped), ("plan alone", &self.plan_stopped)] {
-            if let Some(reason) = stopped {
+            if let Some(reason) = stopped.as_ref().map(ended) {
                 writeln!(f, "  The {what} ends early: {reason}. Its errors are those at that time.")?;
             }
         }
@@ -124,13 +124,21 @@ impl fmt::Display for MoveOnPlant {
     }
 }
 
+/// How contact ended, in words.
+fn ended(outcome: &AreaOutcome) -> String {
+    match outcome {
+        AreaOutcome::Tipping { t, .. } => format!("at {t:.2} s the object begins to tip over its rim"),
+        other => other.to_string(),
+    }
+}
+
 /// What was recorded.
 pub(super) fn of_logs(logs: &[PlateLog]) -> String {
     let mut out =
         "Logs of the true plant, the pose of the object with noise and the commanded motion of the plate:\n".to_owned();
     for log in logs {
         let end = log.times.last().copied().unwrap_or(0.0);
-        out += &format!("  {:<20} {end:.2} s, {} samples, {}\n", log.name, log.times.len(), log.outcome);
+        out += &format!("  {:<20} {end:.2} s, {} samples, {}\n", log.name, log.times.len(), ended(&log.outcome));
     }
     out
 }
@@ -226,7 +234,7 @@ impl Story {
             "within ± 2 mm, ± 2° from",
             of(&|m| match m.arrival.settled_s {
                 Some(t) if m.reached() => format!("{t:.2} s"),
-                _ if m.stopped.is_some() => "never: it tips".to_owned(),
+                _ if m.stopped.is_some() => "contact ends".to_owned(),
                 _ => "not reached".to_owned(),
             }),
         );
