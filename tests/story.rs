@@ -11,7 +11,7 @@ const DISK: Shape = Shape::Disk { radius: 0.12 };
 
 /// Short logs and one cause: every chapter in a few seconds.
 fn thin() -> StorySettings {
-    let mut settings = StorySettings { seconds: 1.5, rest_samples: 5, ..StorySettings::default() };
+    let mut settings = StorySettings { seconds: 1.0, rest_samples: 5, ..StorySettings::default() };
     settings.diagnosis.max_causes = 1;
     settings
 }
