@@ -1,6 +1,7 @@
 //! Text to expressions: a precedence-climbing parser whose errors name the place and the remedy.
 
 use crate::closest_name::closest_name;
+use dashu_base::BitTest;
 use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 
@@ -49,6 +50,8 @@ const MAX_DEPTH: u32 = 200;
 /// Beyond this a number would not be a finite f64.
 const MAX_DECIMAL_EXPONENT: i64 = 300;
 const MAX_LENGTH: usize = 1 << 20;
+/// Constants are multiplied and added exactly, so that products of many would fill the memory.
+const MAX_NUMBER_BITS: usize = 1 << 13;
 
 #[derive(Clone, Debug, PartialEq)]
 enum Token {
@@ -188,6 +191,8 @@ struct Parser<'a, N: Names> {
     tokens: Vec<Lexed>,
     at: usize,
     depth: u32,
+    /// Numbers of the pool that are known to be short.
+    short_numbers: usize,
 }
 
 impl<N: Names> Parser<'_, N> {
@@ -224,15 +229,28 @@ impl<N: Names> Parser<'_, N> {
         r
     }
 
+    /// Passes an expression on unless its numbers have grown beyond all use.
+    fn short(&mut self, e: Expr) -> Result<Expr, ParseError> {
+        let long = |x: &RBig| x.numerator().bit_len().max(x.denominator().bit_len()) > MAX_NUMBER_BITS;
+        if self.pool.numbers.iter().skip(self.short_numbers).any(long) {
+            return self
+                .fail(format!("a constant has more than {MAX_NUMBER_BITS} binary digits"), "round the numbers in it");
+        }
+        self.short_numbers = self.pool.numbers.len();
+        Ok(e)
+    }
+
     fn sum(&mut self) -> Result<Expr, ParseError> {
         let mut left = self.product()?;
         loop {
             if self.take('+') {
                 let right = self.product()?;
-                left = self.pool.add(left, right);
+                let sum = self.pool.add(left, right);
+                left = self.short(sum)?;
             } else if self.take('-') {
                 let right = self.product()?;
-                left = self.pool.sub(left, right);
+                let difference = self.pool.sub(left, right);
+                left = self.short(difference)?;
             } else {
                 return Ok(left);
             }
@@ -244,7 +262,8 @@ impl<N: Names> Parser<'_, N> {
         loop {
             if self.take('*') {
                 let right = self.unary()?;
-                left = self.pool.mul(left, right);
+                let product = self.pool.mul(left, right);
+                left = self.short(product)?;
             } else if *self.peek() == Token::Op('/') {
                 self.at += 1;
                 let start = self.at;
@@ -253,7 +272,8 @@ impl<N: Names> Parser<'_, N> {
                     self.at = start;
                     return self.fail("division by zero", "divide by something that is not zero");
                 }
-                left = self.pool.div(left, right);
+                let quotient = self.pool.div(left, right);
+                left = self.short(quotient)?;
             } else {
                 return Ok(left);
             }
@@ -284,14 +304,17 @@ impl<N: Names> Parser<'_, N> {
             self.at = start;
             return self.fail("zero to a negative power", "divide by something that is not zero");
         }
-        Ok(self.pool.pow(base, exponent))
+        let power = self.pool.pow(base, exponent);
+        self.short(power)
     }
 
     fn atom(&mut self) -> Result<Expr, ParseError> {
         match self.peek().clone() {
             Token::Number(x) => {
+                let number = self.pool.rational(x);
+                let number = self.short(number)?;
                 self.at += 1;
-                Ok(self.pool.rational(x))
+                Ok(number)
             }
             Token::Op('(') => {
                 self.at += 1;
@@ -451,7 +474,8 @@ impl Pool {
     /// [`ParseError`] with the place, the offending text and the remedy.
     pub fn parse_with<N: Names>(&mut self, text: &str, names: &mut N) -> Result<Expr, ParseError> {
         let tokens = lex(text)?;
-        let mut p = Parser { pool: self, names, chars: text.chars().collect(), tokens, at: 0, depth: 0 };
+        let short_numbers = self.numbers.len();
+        let mut p = Parser { pool: self, names, chars: text.chars().collect(), tokens, at: 0, depth: 0, short_numbers };
         if *p.peek() == Token::End {
             return p.fail("the expression is empty", "write an expression, for instance 0");
         }

@@ -226,6 +226,11 @@ impl Pool {
 
     fn write_fraction(&self, e: Expr) -> (String, Strength) {
         let f = fraction(self, e);
+        // Written once: a base that is nested deeply would otherwise be written twice at every level.
+        let single = f.bottom.is_empty() && f.coefficient == RBig::ONE && !f.negative;
+        if single && let [(b, k)] = f.top.as_slice() {
+            return self.write_power(*b, k);
+        }
         let side = |list: &[(Expr, Exponent)]| -> Vec<String> {
             list.iter()
                 .map(|(b, k)| {
@@ -236,10 +241,6 @@ impl Pool {
         };
         let mut top = side(&f.top);
         let mut bottom = side(&f.bottom);
-        let single = f.bottom.is_empty() && f.coefficient == RBig::ONE && !f.negative && top.len() == 1;
-        if single && let [(b, k)] = f.top.as_slice() {
-            return self.write_power(*b, k);
-        }
         if f.coefficient != RBig::ONE {
             let (s, atomic) = number_text(&f.coefficient);
             if atomic {

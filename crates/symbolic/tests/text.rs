@@ -127,3 +127,31 @@ fn awkward_forms_read_back() {
         assert!(!p.zero_test(d, &Bindings::new()).is_nonzero(), "{text} prints as {printed}");
     }
 }
+
+#[test]
+fn what_is_nested_deeply_is_written_once() {
+    // A level that is written twice would take 2^150 steps.
+    for text in [
+        format!("{}x{}", "(".repeat(150), " + 1)^2".repeat(150)),
+        format!("{}x{}", "sqrt(".repeat(150), " + 1)".repeat(150)),
+    ] {
+        let mut p = Pool::new();
+        let e = p.parse(&text).unwrap();
+        let printed = p.text(e);
+        assert_eq!(p.parse(&printed).unwrap(), e);
+    }
+}
+
+#[test]
+fn constants_that_grow_without_end_are_refused() {
+    // Kept exactly, the products of the first would fill 60 gigabytes, the sums of the second a gigabyte and more.
+    let mut p = Pool::new();
+    for text in [vec!["9e300"; 30_000].join("*"), format!("{}{}", "9".repeat(20_000), " + 1".repeat(100_000))] {
+        let e = p.parse(&text).unwrap_err();
+        assert!(e.message.contains("binary digits") && !e.remedy.is_empty(), "{e}");
+    }
+    assert!(p.len() < 1000);
+    // Beyond the numbers of f64 there is room for what cancels.
+    let e = p.parse("9e300^5/9e300^4 - 9e300 + x").unwrap();
+    assert_eq!(p.text(e), "x");
+}
