@@ -65,7 +65,6 @@ pub struct NamedCause {
     /// Its parameters by name; for [`Cause::ParameterError`] the parameter of the model.
     #[serde(serialize_with = "json::by_name")]
     pub parameters: Vec<(String, Value)>,
-    /// Probability of an improvement on held-out data at least this large without the cause, corrected for the number of
     /// Probability of such an improvement by chance, corrected for the number of candidates; absent where some of the data cannot be
     /// simulated without the cause.
     #[serde(skip_serializing_if = "Option::is_none")]
