@@ -194,7 +194,7 @@ impl Story {
                 figure(
                     &format!("{name}_plan_view"),
                     "The closed loop and the plan alone on the area-contact plant, seen from above.",
-                    self.from_above(moved, title),
+                    self.plan_view(moved, title),
                 ),
             ]
         };
@@ -261,7 +261,7 @@ impl Story {
             .snapshots(snapshots)
     }
 
-    fn from_above(&self, moved: &MoveOnPlant, title: &str) -> Result<Drawing, PlotError> {
+    fn plan_view(&self, moved: &MoveOnPlant, title: &str) -> Result<Drawing, PlotError> {
         let [x, y, phi] = target_of(&moved.problem);
         let scene = |title: &str, states: &[[f64; 10]]| {
             let path = Columns::of_states(states).path("");

@@ -59,7 +59,8 @@ fn of_move(moved: &MoveOnPlant, settings: &StorySettings, seed: u64) -> PlateLog
         };
         (t, ([x[0], x[1], x[2]], plate))
     });
-    let (times, (poses, commands)): (Vec<f64>, (Vec<[f64; 3]>, Vec<PlateKinematics>)) = rows.unzip();
+    let (times, moved_and_told): (Vec<f64>, Vec<_>) = rows.unzip();
+    let (poses, commands): (Vec<[f64; 3]>, Vec<PlateKinematics>) = moved_and_told.into_iter().unzip();
     let outcome = moved.stopped.unwrap_or(AreaOutcome::Finished);
     PlateLog::measured("closed loop", times, &poses, &commands, outcome, &settings.plant, seed)
 }

@@ -24,7 +24,7 @@ impl Story {
     /// The story as an HTML page with figures, tables, formulas and these animations; it needs no network and no other file.
     pub fn page(&self, animations: &[StoryAnimation]) -> String {
         let mut body = heading(1, "The vibrating plate: from published equations to a controller that works");
-        let _ = write!(body, "<p class=\"verdict\">{}</p>\n", escaped(&self.verdict()));
+        let _ = writeln!(body, "<p class=\"verdict\">{}</p>", escaped(&self.verdict()));
         body += &paragraph("On the true plant, with either model as the controller's prediction:");
         body += &self.table();
         let figures = self.chapters();

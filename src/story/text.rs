@@ -138,7 +138,7 @@ pub(super) fn of_logs(logs: &[PlateLog]) -> String {
         "Logs of the true plant, the pose of the object with noise and the commanded motion of the plate:\n".to_owned();
     for log in logs {
         let end = log.times.last().copied().unwrap_or(0.0);
-        let _ = write!(out, "  {:<20} {end:.2} s, {} samples, {}\n", log.name, log.times.len(), ended(&log.outcome));
+        let _ = writeln!(out, "  {:<20} {end:.2} s, {} samples, {}", log.name, log.times.len(), ended(&log.outcome));
     }
     out
 }
@@ -198,13 +198,13 @@ impl Story {
     pub(super) fn ending(&self) -> String {
         let mut out = String::new();
         if let Some(moved) = &self.extended {
-            let _ = write!(out, "{moved}\n");
+            let _ = writeln!(out, "{moved}");
         }
-        let _ = write!(out, "{}\n\n", self.verdict());
+        let _ = writeln!(out, "{}\n", self.verdict());
         out += "On the true plant:\n\n";
-        let _ = write!(out, "  {:<34} {:>16} {:>16}\n", "", "published model", "extended model");
+        let _ = writeln!(out, "  {:<34} {:>16} {:>16}", "", "published model", "extended model");
         for [what, published, extended] in self.comparison() {
-            let _ = write!(out, "  {what:<34} {published:>16} {extended:>16}\n");
+            let _ = writeln!(out, "  {what:<34} {published:>16} {extended:>16}");
         }
         out
     }
