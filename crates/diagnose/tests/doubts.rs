@@ -111,6 +111,7 @@ fn notes(report: &Report) -> String {
 fn a_smooth_input_that_is_read_as_held_is_told_from_a_cause() {
     let report = verdict(Run { held: false, ..RUN }.record(), &[]);
     assert!(report.reason.contains("--hold linear"), "{report}");
+    assert_eq!(report.verdict, Verdict::Unexplained, "{report}");
     let held = verdict(RUN.record(), &[]);
     assert_eq!(held.verdict, Verdict::NothingFound, "{held}");
     assert!(!format!("{held}").contains("--hold"), "{held}");

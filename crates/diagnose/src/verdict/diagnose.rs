@@ -263,6 +263,9 @@ fn doubt(
         && let Some(other) = other_hold(system, search, findings, settings)?
     {
         report.reason = format!("{}; but {}", report.reason, other.clause());
+        if other.noise && report.verdict == Verdict::CauseFound {
+            report.withdraw();
+        }
         report.notes.push(format!("{}: find out how the inputs go on before believing a cause", other.clause()));
     }
     report.notes.extend(other_units(system, search, findings, settings)?);

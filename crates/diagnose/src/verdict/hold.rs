@@ -22,8 +22,8 @@ pub(super) struct OtherHold {
     hold: Hold,
     /// Share of the excess that stays.
     stays: f64,
-    /// Whether no more than noise is left over.
-    noise: bool,
+    /// Whether no more than noise is left over: then any cause may be the image of the wrong way.
+    pub(super) noise: bool,
 }
 
 /// Refits the model once with inputs that go on between samples the other way. `None` without such an input, or where it

@@ -68,11 +68,17 @@ impl Report {
         if !refuted {
             return;
         }
-        let names: Vec<String> = self.causes.drain(..).map(|c| c.name.to_string()).collect();
+        let names: Vec<String> = self.causes.iter().map(|c| c.name.to_string()).collect();
         self.reason = format!(
             "{} explains the data of the fit, but data held out are predicted worse with it at every horizon",
             names.join(" and ")
         );
+        self.withdraw();
+    }
+
+    /// Takes the causes back, and what was made with them.
+    pub(super) fn withdraw(&mut self) {
+        self.causes.clear();
         self.verdict = Verdict::Unexplained;
         self.gain = None;
         self.candidates.iter_mut().for_each(|c| c.chosen = false);

@@ -23,6 +23,8 @@ const FACTORS: [(f64, &str); 5] = [
 const LOOKED_AT: usize = 8;
 /// Another unit must leave over at most this share of the excess, without any cause.
 const EXPLAINED: f64 = 0.1;
+/// Another unit that leaves this many times as much over as the causes that were named is none.
+const OUTDONE: f64 = 1.5;
 /// Columns that explain the data within this factor of the best one are named with it.
 const ALIKE: f64 = 1.05;
 /// A parameter that changes by more than this factor is a sign of a wrong unit.
@@ -76,7 +78,9 @@ pub(super) fn other_units(
     let excess = |alarm: &Alarm| (alarm.square - alarm.floor).max(0.0);
     let explains = excess(&alarm) <= EXPLAINED * excess(&refitted) || alarm.square <= ALIKE * refitted.square;
     let near = fit.values.iter().enumerate().all(|(j, e)| !far(e) || fit.unidentified.contains(&j));
-    if !near || !explains {
+    // What was named explains the data far better.
+    let outdone = !findings.chosen.members.is_empty() && alarm.size > OUTDONE * findings.chosen.alarm.size;
+    if !near || !explains || outdone {
         return Ok(None);
     }
     // In a linear model it is the same which column it is.
