@@ -12,7 +12,9 @@ import pytest
 from bracketry import System, simulate
 
 COMMON = """
-import os, threading, time, numpy as np, bracketry
+import os, signal, threading, time, numpy as np, bracketry
+# A process that was started in the background of a shell ignores interrupts until it is told otherwise.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 from bracketry import System, analyze, control, diagnose, simulate
 def busy():
     "Processor time per second of the process."
