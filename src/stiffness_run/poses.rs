@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use bracketry_stiffness::{IdentificationError, PoseChoice, PoseInformation, RobotFile, Springs};
-use bracketry_system::Columns;
+use bracketry_system::{Columns, Document};
 use serde::Serialize;
 
 use super::StiffnessRunError;
@@ -46,17 +46,25 @@ pub struct ChosenPoses {
 }
 
 impl ChosenPoses {
+    /// [`Self::from_table`] of a CSV file.
+    ///
+    /// # Errors
+    /// [`StiffnessRunError`] for a file that cannot be read, and as [`Self::from_table`].
+    pub fn new(file: &RobotFile, table: &Path, count: usize) -> Result<Self, StiffnessRunError> {
+        let doc = Columns::document(table, "name a CSV file: a table of candidates with the columns q1 …, Fx … Mz")?;
+        Self::from_table(file, &doc, count)
+    }
+
     /// Chooses `count` rows of a table of candidates, which has the columns `q1 … qn` (rad) and `Fx … Mz` (N, N·m on the robot at the tool
     /// point, base axes): those with the largest determinant of information about the springs.
     ///
     /// # Errors
     /// [`StiffnessRunError`] for a table that does not fit, or fewer candidates than are to be chosen.
-    pub fn new(file: &RobotFile, table: &Path, count: usize) -> Result<Self, StiffnessRunError> {
-        let doc = Columns::document(table, "name a CSV file: a table of candidates with the columns q1 …, Fx … Mz")?;
-        let read = CoordinatesAndWrenches::parse(&doc, &file.robot)?;
+    pub fn from_table(file: &RobotFile, doc: &Document, count: usize) -> Result<Self, StiffnessRunError> {
+        let read = CoordinatesAndWrenches::parse(doc, &file.robot)?;
         let lines = &read.columns.lines;
         let place = |why: IdentificationError| StiffnessRunError::Identification {
-            file: table.display().to_string(),
+            file: doc.file().to_owned(),
             why: why.in_file(lines),
         };
         let springs = start(file);

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use bracketry_stiffness::{PayloadError, PayloadEstimate, RobotFile, StaticReading, identify_payload};
-use bracketry_system::Columns;
+use bracketry_system::{Columns, Document};
 use serde::Serialize;
 
 use super::StiffnessRunError;
@@ -35,17 +35,25 @@ pub struct Weighing {
 }
 
 impl Weighing {
+    /// [`Self::from_table`] of a CSV file.
+    ///
+    /// # Errors
+    /// [`StiffnessRunError`] for a file that cannot be read, and as [`Self::from_table`].
+    pub fn new(file: &RobotFile, table: &Path) -> Result<Self, StiffnessRunError> {
+        let doc = Columns::document(table, "name a CSV file: a table with the columns q1 …, Fx … Mz")?;
+        Self::from_table(file, &doc)
+    }
+
     /// Weighs by a table with the columns `q1 … qn` (rad) and `Fx … Mz` (N, N·m, the sensor's axes): readings at rest in several orientations,
     /// with nothing touching what the sensor carries.
     ///
     /// # Errors
     /// [`StiffnessRunError`] for a table that does not fit, a robot file without a sensor, and readings that do not determine the payload.
-    pub fn new(file: &RobotFile, table: &Path) -> Result<Self, StiffnessRunError> {
+    pub fn from_table(file: &RobotFile, doc: &Document) -> Result<Self, StiffnessRunError> {
         let sensor = sensor(file)?;
-        let doc = Columns::document(table, "name a CSV file: a table with the columns q1 …, Fx … Mz")?;
-        let read = CoordinatesAndWrenches::parse(&doc, &file.robot)?;
+        let read = CoordinatesAndWrenches::parse(doc, &file.robot)?;
         let lines = &read.columns.lines;
-        let place = |why| StiffnessRunError::Weighing { file: table.display().to_string(), why };
+        let place = |why| StiffnessRunError::Weighing { file: doc.file().to_owned(), why };
         let reading = |(i, q): (usize, &Vec<f64>)| {
             let at = |source| place(PayloadError::Reading { reading: i + 1, source });
             let orientation = (file.robot.tool_pose(q).map_err(at)? * sensor.pose).rotation;
