@@ -43,8 +43,8 @@ pub use input_table::SampledScenario;
 pub use measurement::SensorError;
 pub use plate_move::{Arrival, MoveError, move_with, plate_move, target_of};
 pub use plate_run::{
-    Comparison, Deviation, Jump, LoggedMotion, PlateLog, PlateModel, PlateOptions, PlateRow, PlateRun, PlateRunError,
-    PlateSetup, SetupError,
+    Comparison, Deviation, Jump, LoggedMotion, PlateExperiment, PlateLog, PlateModel, PlateOptions, PlateReport,
+    PlateRow, PlateRun, PlateRunError, PlateSetup, SetupError,
 };
 pub use point::{PointError, point};
 pub use reach::{Influence, ReachTable, Reached};

@@ -42,10 +42,14 @@ impl PlateLog {
     /// [`FileError`] with place and remedy.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let doc = Columns::document(path, "name a CSV file: a table with the columns t, x_plate, y_plate, phi_plate")?;
-        Self::from_document(&doc)
+        Self::from_table(&doc)
     }
 
-    fn from_document(doc: &Document) -> Result<Self, FileError> {
+    /// [`PlateLog::read`] from the text of the table.
+    ///
+    /// # Errors
+    /// As [`PlateLog::read`].
+    pub fn from_table(doc: &Document) -> Result<Self, FileError> {
         let Columns { mut columns, lines, header } = Columns::parse(doc, |_| Entries::Finite)?;
         let known = columns.keys().cloned().collect::<Vec<_>>().join(", ");
         let missing: Vec<&str> = OBJECT.into_iter().filter(|name| !columns.contains_key(*name)).collect();
@@ -197,7 +201,7 @@ mod tests {
     use super::*;
 
     fn log(text: &str) -> Result<PlateLog, FileError> {
-        PlateLog::from_document(&Document::new("log.csv", text))
+        PlateLog::from_table(&Document::new("log.csv", text))
     }
 
     #[test]

@@ -3,10 +3,14 @@
 mod area;
 mod carried;
 mod compare;
+mod experiment;
+mod figures;
 mod log;
 mod options;
+mod report;
 mod spline;
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use bracketry_plate::{
@@ -18,8 +22,10 @@ use serde::Serialize;
 
 use carried::{Carried, carried};
 pub use compare::{Comparison, Deviation};
+pub use experiment::PlateExperiment;
 pub use log::{Jump, LoggedMotion, PlateLog};
 pub use options::{PlateOptions, SetupError};
+pub use report::PlateReport;
 
 /// Share of the way to the target that counts as reached.
 const REACHED: f64 = 0.98;
@@ -176,6 +182,12 @@ pub enum PlateRunError {
         /// The end of the run.
         until: f64,
     },
+    /// The log has no row within the run.
+    #[error("{log}: the log has no time in common with the run; shift its column t or give --seconds")]
+    NoCommonTime {
+        /// The log.
+        log: String,
+    },
 }
 
 /// What moves the plate.
@@ -222,11 +234,16 @@ impl PlateSetup {
         STATES.iter().position(|name| *name == self.experiment.coordinate).unwrap_or(0)
     }
 
-    /// Runs the experiment; with a log, on the plate motion of the log. `watch` is told the time now and then.
+    /// Runs the experiment; with a log, on the plate motion of the log. `watch` is told the time now and then, and
+    /// can break the run off.
     ///
     /// # Errors
     /// [`PlateRunError`] if something does not fit. What stops a run is an answer, not an error.
-    pub fn run(&self, driven_by: Option<&PlateLog>, mut watch: impl FnMut(f64)) -> Result<PlateRun, PlateRunError> {
+    pub fn run(
+        &self,
+        driven_by: Option<&PlateLog>,
+        mut watch: impl FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<PlateRun, PlateRunError> {
         let moving = match driven_by {
             None => Moving::Formula(self.experiment.motion(self.from)?),
             Some(log) => {
@@ -278,8 +295,8 @@ impl PlateSetup {
                 ));
             }
             run.rows.push(row);
-            if k % 100 == 0 {
-                watch(object.time());
+            if k % 100 == 0 && watch(object.time()).is_break() && run.stopped.is_none() {
+                run.stopped = Some(format!("broken off at t = {:.3} s", object.time()));
             }
             if run.stopped.is_some() || sample >= self.end() {
                 break;

@@ -3,14 +3,11 @@
 use std::path::Path;
 
 use anyhow::Context;
-use bracketry::plot::{Animation, Color, Dash, Panel, PlanView, Pose, Scene, Series, Snapshot, TimeSeries, Trajectory};
-use bracketry::{PlateLog, PlateRow, outline};
+use bracketry::plot::{Animation, Color, Pose, Snapshot};
+use bracketry::{PlateExperiment, PlateReport, PlateRow, outline};
 
 use super::super::output::{csv, figure, json, write};
-use super::Ran;
-use super::report::Report;
 
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Seconds between two images of the animation, and most of them.
 const IMAGE: f64 = 0.05;
 const MOST_IMAGES: usize = 1200;
@@ -27,14 +24,19 @@ const CONTACT: [(&str, Color); 4] = [
 ];
 
 /// Writes everything; gives the names of the files.
-pub(super) fn write_all(dir: &Path, ran: &Ran, report: &Report, gif: bool) -> anyhow::Result<Vec<&'static str>> {
+pub(super) fn write_all(
+    dir: &Path,
+    ran: &PlateExperiment,
+    report: &PlateReport,
+    gif: bool,
+) -> anyhow::Result<Vec<&'static str>> {
     let mut names = vec!["plate.json", "trajectory.csv", "motion.svg", "motion.png", "plan_view.svg", "plan_view.png"];
     write(&dir.join("plate.json"), &json(report)?)?;
     table(&dir.join("trajectory.csv"), &ran.run.rows)?;
-    figure(motion(ran).draw(), &dir.join("motion"));
-    figure(plan_view(ran).draw(), &dir.join("plan_view"));
-    if let Some(log) = &ran.log {
-        figure(overlay(ran, log).draw(), &dir.join("comparison"));
+    figure(ran.motion_figure(), &dir.join("motion"));
+    figure(ran.plan_view_figure(), &dir.join("plan_view"));
+    if let Some(drawing) = ran.comparison_figure() {
+        figure(drawing, &dir.join("comparison"));
         names.extend(["comparison.svg", "comparison.png"]);
     }
     if gif {
@@ -81,83 +83,7 @@ fn table(path: &Path, rows: &[PlateRow]) -> anyhow::Result<()> {
     csv(path, &names, kept.iter().map(Vec::as_slice))
 }
 
-fn series(name: &str, rows: &[PlateRow], value: impl Fn(&PlateRow) -> f64) -> Series {
-    // What the model does not tell is left out.
-    let (t, values): (Vec<f64>, Vec<f64>) = rows.iter().map(|r| (r.t, value(r))).filter(|(_, v)| !v.is_nan()).unzip();
-    Series::new(name, t, values)
-}
-
-fn title(ran: &Ran) -> String {
-    format!("Experiment {}, model {}", ran.setup.experiment.name, ran.setup.model.name())
-}
-
-fn targeted(ran: &Ran, panel: Panel, coordinate: usize, scale: f64) -> Panel {
-    if ran.setup.coordinate() == coordinate { panel.target(scale * ran.setup.experiment.target) } else { panel }
-}
-
-/// Object, plate and contact against time.
-fn motion(ran: &Ran) -> TimeSeries {
-    let rows = &ran.run.rows;
-    let panel = |label: &str, k: usize, scale: f64| {
-        targeted(ran, Panel::new(label).series(series("", rows, |r| scale * r.state[k])), k, scale)
-    };
-    let plain = |label: &str, value: &dyn Fn(&PlateRow) -> f64| Panel::new(label).series(series("", rows, value));
-    let mut chart = TimeSeries::new()
-        .title(title(ran))
-        .panel(panel("x [mm]", 0, 1e3))
-        .panel(panel("y [mm]", 1, 1e3))
-        .panel(panel("φ [°]", 2, DEGREES))
-        .panel(plain("plate X [mm]", &|r| 1e3 * r.plate.displacement))
-        .panel(plain("plate θ [°]", &|r| DEGREES * r.plate.tilt))
-        .panel(plain("normal force [N]", &|r| r.normal_force))
-        .panel(plain("share that sticks [1]", &|r| r.stick_fraction).limits(-0.05, 1.05));
-    if rows.iter().any(|r| r.gap > 0.0) {
-        chart = chart.panel(plain("gap [mm]", &|r| 1e3 * r.gap));
-    }
-    chart
-}
-
-/// Run and log in one picture.
-fn overlay(ran: &Ran, log: &PlateLog) -> TimeSeries {
-    let rows = &ran.run.rows;
-    let (from, to) = (rows[0].t, rows[rows.len() - 1].t);
-    let panel = |label: &str, k: usize, scale: f64, logged: &[f64]| {
-        let kept: Vec<(f64, f64)> =
-            log.t.iter().zip(logged).filter(|(t, _)| (from..=to).contains(*t)).map(|(t, v)| (*t, scale * v)).collect();
-        let (t, v): (Vec<f64>, Vec<f64>) = kept.into_iter().unzip();
-        let panel = Panel::new(label)
-            .series(Series::new("log", t, v).color(Color::ORANGE))
-            .series(series(ran.setup.model.name(), rows, |r| scale * r.state[k]).color(Color::BLUE).dash(Dash::Dashed))
-            .height(170.0);
-        targeted(ran, panel, k, scale)
-    };
-    TimeSeries::new()
-        .title(format!("{}, beside the log", title(ran)))
-        .panel(panel("x [mm]", 0, 1e3, &log.x))
-        .panel(panel("y [mm]", 1, 1e3, &log.y))
-        .panel(panel("φ [°]", 2, DEGREES, &log.phi))
-}
-
-/// Where the object should go; the other coordinates as they were at the start.
-fn target(ran: &Ran) -> Pose {
-    let mut pose = ran.setup.start;
-    pose[ran.setup.coordinate()] = ran.setup.experiment.target;
-    Pose::new(pose[0], pose[1], pose[2])
-}
-
-fn plan_view(ran: &Ran) -> PlanView {
-    let rows = &ran.run.rows;
-    let column = |k: usize| rows.iter().map(|r| r.state[k]).collect::<Vec<_>>();
-    let times: Vec<f64> = rows.iter().map(|r| r.t).collect();
-    let path = Trajectory::new(ran.setup.model.name(), times, column(0), column(1), column(2));
-    let mut scene = Scene::new("", outline(&ran.setup.object.shape)).trajectory(path).target(target(ran));
-    if let Some(log) = &ran.log {
-        scene = scene.trajectory(Trajectory::new("log", &*log.t, &*log.x, &*log.y, &*log.phi));
-    }
-    PlanView::new().title(format!("{}, seen from above in the frame of the plate", title(ran))).scene(scene)
-}
-
-fn animation(ran: &Ran) -> Animation {
+fn animation(ran: &PlateExperiment) -> Animation {
     let rows = &ran.run.rows;
     let (from, to) = (rows[0].t, rows[rows.len() - 1].t);
     let count = (((to - from) / IMAGE).floor() as usize + 1).min(MOST_IMAGES);
@@ -180,8 +106,8 @@ fn animation(ran: &Ran) -> Animation {
         }
     });
     let mut animation = Animation::new(outline(&ran.setup.object.shape), 2.0 * ran.setup.object.height)
-        .title(title(ran))
-        .target(target(ran))
+        .title(ran.title())
+        .target(ran.target())
         .path(rows.iter().map(|r| (r.t, r.state[0], r.state[1])));
     for (name, color) in CONTACT {
         animation = animation.category(name, color);

@@ -1,17 +1,16 @@
 //! `bracketry plate`: one experiment on the vibrating plate, on one model, perhaps beside a log.
 
 mod files;
-mod report;
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use bracketry::{Comparison, PlateLog, PlateOptions, PlateRun, PlateSetup};
+use bracketry::{PlateExperiment, PlateLog, PlateOptions, PlateReport};
 use clap::{Args, ValueEnum};
 
 use super::file_kind::{FileKind, Given};
 use super::output::{folder, json, line, print, spinner};
 use super::{Outcome, OutputArgs};
-use report::Report;
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
@@ -134,14 +133,6 @@ fn is_file(what: &Path) -> bool {
     what.extension().is_some_and(|e| e == "toml") || what.exists()
 }
 
-/// What was run and what it gave.
-struct Ran {
-    setup: PlateSetup,
-    run: PlateRun,
-    log: Option<PlateLog>,
-    comparison: Option<Comparison>,
-}
-
 /// Runs the experiment and writes what it gave.
 pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let options = args.options()?;
@@ -153,18 +144,14 @@ pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outco
         anyhow::bail!("--gif: there is no folder for the GIF; name one with --out DIR");
     }
     let setup = options.setup(log.as_ref())?;
-    let logged = args.motion == MotionArg::Log;
-    let driven_by = log.as_ref().filter(|_| logged);
     let progress = spinner("on the plate");
     let end = setup.end();
-    let run = setup.run(driven_by, |t| progress.set_message(format!("on the plate, {t:.1} of {end:.1} s")))?;
+    let ran = PlateExperiment::new(setup, log, args.motion == MotionArg::Log, |t| {
+        progress.set_message(format!("on the plate, {t:.1} of {end:.1} s"));
+        ControlFlow::Continue(())
+    })?;
     progress.finish_and_clear();
-    let comparison = log.as_ref().and_then(|log| Comparison::new(&run.rows, log));
-    if let (Some(log), None) = (&log, &comparison) {
-        anyhow::bail!("{}: the log has no time in common with the run; shift its column t or give --seconds", log.name);
-    }
-    let ran = Ran { setup, run, log, comparison };
-    let report = Report::new(&ran, logged);
+    let report = PlateReport::new(&ran);
     let mut written = Vec::new();
     if let Some(dir) = &output.out {
         folder(dir)?;

@@ -2,18 +2,17 @@
 
 use std::fmt;
 
-use bracketry::Comparison;
-use bracketry::plate::{Friction, Shape};
+use bracketry_plate::{Friction, Shape};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::Ran;
+use super::{Comparison, PlateExperiment};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// All there is to say, in the order of the JSON object.
-#[derive(Serialize)]
-pub(super) struct Report {
+/// All there is to say of an experiment: the JSON object of `bracketry plate --json`, and the report for a reader.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlateReport {
     experiment: String,
     model: &'static str,
     motion: &'static str,
@@ -31,11 +30,11 @@ pub(super) struct Report {
     coordinate: &'static str,
     target: f64,
     /// Seconds after the start; absent if not reached.
-    pub(super) reached: Option<f64>,
+    reached: Option<f64>,
     /// Why the run ended early.
-    pub(super) stopped: Option<String>,
+    stopped: Option<String>,
     /// `reached`, `not reached`, `stopped`, or `not flat` where the body has left the plate with its lower face.
-    pub(super) outcome: &'static str,
+    pub outcome: &'static str,
     t_final: f64,
     #[serde(rename = "final")]
     last: State,
@@ -54,7 +53,7 @@ pub(super) struct Report {
 }
 
 /// Metres and radians.
-#[derive(Serialize)]
+#[derive(Clone, Debug, Serialize)]
 struct State {
     x: f64,
     y: f64,
@@ -67,8 +66,9 @@ impl State {
     }
 }
 
-impl Report {
-    pub(super) fn new(ran: &Ran, logged: bool) -> Self {
+impl PlateReport {
+    /// What there is to say of an experiment.
+    pub fn new(ran: &PlateExperiment) -> Self {
         let (setup, run) = (&ran.setup, &ran.run);
         let rows = &run.rows;
         let (first, last) = (&rows[0], &rows[rows.len() - 1]);
@@ -77,7 +77,7 @@ impl Report {
         Self {
             experiment: setup.experiment.name.clone(),
             model: setup.model.name(),
-            motion: if logged { "log" } else { "formula" },
+            motion: if ran.driven_by_log { "log" } else { "formula" },
             shape: shape(&setup.object.shape),
             thickness: 2.0 * setup.object.height,
             mass: setup.object.mass,
@@ -173,7 +173,7 @@ fn round(v: f64) -> f64 {
     format!("{v:.5e}").parse().unwrap_or(v)
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for PlateReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "Experiment {}, model {}, plate driven by the {}", self.experiment, self.model, self.motion)?;
         writeln!(f, "  object      {}; {} m thick, {} kg", in_words(&self.shape), self.thickness, self.mass)?;
