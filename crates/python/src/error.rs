@@ -25,6 +25,11 @@ impl Failure {
     pub(crate) fn about(self, what: &str) -> Self {
         Self(format!("{what}: {}", self.0))
     }
+
+    /// The same with `mu` in place of `--mu`: options of the command line are arguments here.
+    pub(crate) fn without_dashes(self) -> Self {
+        Self(self.0.replace(" --", " ").trim_start_matches("--").to_owned())
+    }
 }
 
 impl<E: Error> From<E> for Failure {

@@ -12,6 +12,7 @@ mod error;
 mod figures;
 mod interrupt;
 mod model;
+mod plate;
 mod simulation;
 mod stiffness;
 mod tables;
@@ -35,7 +36,9 @@ mod _native {
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]
+    use super::plate::run_plate;
+    #[pymodule_export]
     use super::simulation::simulate;
     #[pymodule_export]
-    use super::stiffness::{compensate, identify};
+    use super::stiffness::{choose_poses, compensate, identify, weigh};
 }

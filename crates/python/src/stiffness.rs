@@ -1,11 +1,10 @@
-//! Stiffness of robots: identified, compensated.
+//! Stiffness of robots: identified and compensated, what to measure, what the sensor carries.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use bracketry::stiffness::{Outliers, RobotFile, with_springs};
-use bracketry::system::{Columns, Document};
-use bracketry::{CompensatedLog, Identification, RobotLog};
+use bracketry::{ChosenPoses, CompensatedLog, Identification, RobotLog, Weighing};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,42 +12,12 @@ use pyo3::types::PyDict;
 use crate::error::Failure;
 use crate::figures::Figures;
 use crate::interrupt::watched;
-use crate::tables::{Answer, matrix};
+use crate::tables::{Answer, Text, matrix};
 
-/// A text in a file, or given with a name for messages.
-#[derive(FromPyObject)]
-pub(crate) enum Text {
-    /// A file.
-    File(PathBuf),
-    /// Name and text.
-    Given(String, String),
-}
-
-impl Text {
-    fn table(&self, what: &str) -> Result<Document, Failure> {
-        match self {
-            Text::File(path) => Ok(Columns::document(path, what)?),
-            Text::Given(name, text) => Ok(Document::new(name, text)),
-        }
-    }
-
-    fn robot(&self) -> Result<RobotFile, Failure> {
-        match self {
-            Text::File(path) => Ok(RobotFile::read(path)?),
-            Text::Given(name, text) => Ok(RobotFile::parse(name, text, Path::new(""))?),
-        }
-    }
-
-    /// Name and text.
-    fn contents(&self) -> Result<(String, String), Failure> {
-        match self {
-            Text::File(path) => {
-                let text = std::fs::read_to_string(path);
-                let text = text.map_err(|e| Failure::from(e).about(&path.display().to_string()))?;
-                Ok((path.display().to_string(), text))
-            }
-            Text::Given(name, text) => Ok((name.clone(), text.clone())),
-        }
+fn robot_file(given: &Text) -> Result<RobotFile, Failure> {
+    match given {
+        Text::File(path) => Ok(RobotFile::read(path)?),
+        Text::Given(name, text) => Ok(RobotFile::parse(name, text, Path::new(""))?),
     }
 }
 
@@ -56,7 +25,7 @@ impl Text {
 #[pyfunction]
 pub(crate) fn identify(py: Python<'_>, data: Text, robot: Text, keep_outliers: bool) -> PyResult<Bound<'_, PyDict>> {
     let (answer, identified) = watched(py, move |_| {
-        let file = robot.robot()?;
+        let file = robot_file(&robot)?;
         let table = data.table("name a CSV file: a table with the columns q1 …, Fx … Mz, dx … rz")?;
         let outliers = if keep_outliers { Outliers::Keep } else { Outliers::Reject };
         let found = Arc::new(Identification::from_table(&file, &table, outliers)?);
@@ -91,7 +60,7 @@ pub(crate) fn compensate(
     process_stiffness: Option<[f64; 3]>,
 ) -> PyResult<Bound<'_, PyDict>> {
     let (answer, run) = watched(py, move |_| {
-        let file = robot.robot()?;
+        let file = robot_file(&robot)?;
         let table = log.table("name a CSV file: a table with the columns t, q1 …, Fx, Fy, Fz, Mx, My, Mz")?;
         let log = RobotLog::from_table(&table, &file.robot)?;
         let run = Arc::new(CompensatedLog::new(&file, &log, process_stiffness)?);
@@ -110,5 +79,34 @@ pub(crate) fn compensate(
     dict.set_item("displacement", matrix(py, &rows(&|r| r.displacement.to_vec()), 6)?)?;
     dict.set_item("held", run.rows.iter().map(|r| r.held).collect::<Vec<bool>>().into_pyarray(py))?;
     dict.set_item("limited", run.rows.iter().map(|r| r.limited).collect::<Vec<bool>>().into_pyarray(py))?;
+    Ok(dict)
+}
+
+/// Which measurements tell the most about the springs.
+#[pyfunction]
+pub(crate) fn choose_poses(py: Python<'_>, candidates: Text, robot: Text, count: usize) -> PyResult<Bound<'_, PyDict>> {
+    let (answer, chosen, joints) = watched(py, move |_| {
+        let file = robot_file(&robot)?;
+        let table = candidates.table("name a CSV file: a table of candidates with the columns q1 …, Fx … Mz")?;
+        let chosen = ChosenPoses::from_table(&file, &table, count)?;
+        Ok((Answer::of(&chosen, Figures::default())?, chosen, file.robot.joints.len()))
+    })?;
+    let dict = answer.into_dict(py)?;
+    dict.set_item("rows", matrix(py, &chosen.rows, joints + 6)?)?;
+    dict.set_item("identifies_all", chosen.identifies_all())?;
+    Ok(dict)
+}
+
+/// What the force sensor carries, and its bias.
+#[pyfunction]
+pub(crate) fn weigh(py: Python<'_>, readings: Text, robot: Text) -> PyResult<Bound<'_, PyDict>> {
+    let (answer, toml) = watched(py, move |_| {
+        let file = robot_file(&robot)?;
+        let table = readings.table("name a CSV file: a table with the columns q1 …, Fx … Mz")?;
+        let found = Weighing::from_table(&file, &table)?;
+        Ok((Answer::of(&found, Figures::default())?, found.toml()))
+    })?;
+    let dict = answer.into_dict(py)?;
+    dict.set_item("toml", toml)?;
     Ok(dict)
 }

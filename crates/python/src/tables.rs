@@ -1,8 +1,10 @@
-//! Rows of numbers as arrays.
+//! Rows of numbers as arrays, tables as texts.
 
 use std::collections::{BTreeMap, HashMap};
+use std::path::PathBuf;
 
 use bracketry::sim::Hold;
+use bracketry::system::{Columns, Document};
 use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -21,6 +23,37 @@ pub(crate) fn matrix<'py>(py: Python<'py>, rows: &[Vec<f64>], columns: usize) ->
 /// Columns by name from one-dimensional arrays.
 pub(crate) fn columns(arrays: HashMap<String, PyReadonlyArray1<'_, f64>>) -> BTreeMap<String, Vec<f64>> {
     arrays.into_iter().map(|(name, values)| (name, values.as_array().to_vec())).collect()
+}
+
+/// A text in a file, or given with a name for messages.
+#[derive(FromPyObject)]
+pub(crate) enum Text {
+    /// A file.
+    File(PathBuf),
+    /// Name and text.
+    Given(String, String),
+}
+
+impl Text {
+    /// The document of a table; `what` says what to name where a file is none.
+    pub(crate) fn table(&self, what: &str) -> Result<Document, Failure> {
+        match self {
+            Text::File(path) => Ok(Columns::document(path, what)?),
+            Text::Given(name, text) => Ok(Document::new(name, text)),
+        }
+    }
+
+    /// Name and text.
+    pub(crate) fn contents(&self) -> Result<(String, String), Failure> {
+        match self {
+            Text::File(path) => {
+                let text = std::fs::read_to_string(path);
+                let text = text.map_err(|e| Failure::from(e).about(&path.display().to_string()))?;
+                Ok((path.display().to_string(), text))
+            }
+            Text::Given(name, text) => Ok((name.clone(), text.clone())),
+        }
+    }
 }
 
 /// What every result has: its JSON object, its text, its figures.

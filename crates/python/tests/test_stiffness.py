@@ -97,3 +97,83 @@ def test_what_does_not_fit_is_refused(measurements, models) -> None:
         stiffness.compensate({"t": 0.01 * np.arange(60), **measurements}, ARM)
     with pytest.raises(BracketryError, match="nowhere.toml"):
         stiffness.identify(measurements, "nowhere.toml")
+
+
+def test_the_poses_that_tell_the_most_are_those_of_the_command_line(measurements, tmp_path, command) -> None:
+    candidates = {name: values for name, values in measurements.items() if name not in TWIST}
+    write(candidates, tmp_path / "candidates.csv")
+    (tmp_path / "arm.toml").write_text(ARM)
+    memory = stiffness.choose_poses(candidates, ARM, count=8)
+    file = stiffness.choose_poses(tmp_path / "candidates.csv", tmp_path / "arm.toml", count=8)
+    line = command("stiffness", "poses", tmp_path / "candidates.csv", tmp_path / "arm.toml", "--count", 8)
+    assert memory.json == file.json == line
+    assert len(memory.lines) == 8 and memory.candidates == 60 and memory.springs_known and memory.identifies_all
+    assert list(memory.chosen.errors) == ["joint 1 stiffness", "joint 2 stiffness"]
+    for name, values in memory.columns().items():
+        assert np.array_equal(values, candidates[name][memory.indices]), name
+
+
+def test_chosen_measurements_tell_more_than_as_many_others(measurements) -> None:
+    """The expected errors of the choice are below those of the first measurements of the table."""
+    candidates = {name: values for name, values in measurements.items() if name not in TWIST}
+    chosen = stiffness.choose_poses(candidates, ARM, count=8)
+    first = stiffness.choose_poses({name: values[:8] for name, values in candidates.items()}, ARM, count=8)
+    for name, error in chosen.chosen.errors.items():
+        assert error is not None and error < first.chosen.errors[name]
+
+
+#: Three revolute joints at right angles, so that gravity comes to the sensor from all sides.
+WRIST = """
+name = "wrist"
+convention = "standard"
+[[joint]]
+alpha_deg = 90
+[[joint]]
+alpha_deg = -90
+[[joint]]
+[sensor]
+position = [0.0, 0.0, 0.0]
+force_range = 500.0
+moment_range = 100.0
+"""
+
+
+def rotation(q: np.ndarray) -> np.ndarray:
+    """Orientation of the sensor of the wrist: turns about z, each followed by a quarter turn about x, forth and back."""
+
+    def z(a: float) -> np.ndarray:
+        return np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
+
+    forth = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+    return z(q[0]) @ forth @ z(q[1]) @ forth.T @ z(q[2])
+
+
+def test_a_load_is_weighed(noise, tmp_path, command) -> None:
+    mass, centre, bias = 4.2, np.array([0.01, -0.02, 0.08]), np.array([3.0, -2.0, 5.0, 0.1, -0.2, 0.3])
+    angles = noise.uniform(-2, 2, (25, 3))
+    readings = np.empty((25, 6))
+    for row, q in zip(readings, angles, strict=True):
+        weight = rotation(q).T @ np.array([0, 0, -9.81 * mass])
+        row[:] = bias + np.concatenate([weight, np.cross(centre, weight)])
+    readings += 0.01 * noise.standard_normal((25, 6))
+    table = {f"q{i + 1}": angles[:, i] for i in range(3)} | dict(zip(WRENCH, readings.T, strict=True))
+    found = stiffness.weigh(table, WRIST)
+    assert found.mass == pytest.approx(mass, abs=5 * found.mass_deviation)
+    assert np.allclose(found.centre, centre, atol=1e-3)
+    assert np.allclose(found.bias, bias, atol=0.05)
+    assert found.centre.shape == (3,) and found.bias_deviation.shape == (6,) and found.residual.shape == (2,)
+    assert found.toml.startswith("[payload]\nmass = ")
+    write(table, tmp_path / "readings.csv")
+    (tmp_path / "wrist.toml").write_text(WRIST)
+    assert found.json == command("stiffness", "weigh", tmp_path / "readings.csv", tmp_path / "wrist.toml")
+
+
+def test_what_cannot_be_chosen_or_weighed_is_refused(measurements) -> None:
+    with pytest.raises(BracketryError, match="count is -1"):
+        stiffness.choose_poses(measurements, ARM, count=-1)
+    with pytest.raises(BracketryError, match="60"):
+        stiffness.choose_poses(measurements, ARM, count=61)
+    with pytest.raises(BracketryError, match=r"no \[sensor\]"):
+        stiffness.weigh(measurements, ARM)
+    with pytest.raises(BracketryError, match="is no robot"):
+        stiffness.weigh(measurements, None)

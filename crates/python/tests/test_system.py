@@ -91,7 +91,7 @@ def test_an_error_has_place_and_remedy() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"states": "x", "dynamics": {"x": "1"}}, "give a list of names"),
+        ({"states": "x", "dynamics": {"x": "1"}}, "give a list"),
         ({"states": ["x"], "dynamics": ["1", "2"]}, "2 expressions for 1 states"),
         ({"states": ["x"], "dynamics": {"x": "y"}}, "unknown name"),
         ({"states": ["x"], "dynamics": {"x": "1"}, "parameters": {"p": float("nan")}}, "finite"),

@@ -2,16 +2,17 @@
 
 A model is a :class:`System`. :func:`analyze` says what its inputs reach, :func:`affinize` makes it affine in them,
 :func:`simulate` integrates it with exact dry friction, :func:`control` closes a loop, :func:`diagnose` names what it gets wrong
-in measured data. :mod:`bracketry.stiffness` is for robots that bend, :func:`sweep` for many runs at once.
+in measured data. :mod:`bracketry.plate` is for the vibrating plate, :mod:`bracketry.stiffness` for robots that bend,
+:func:`sweep` for many runs at once.
 """
 
-
-from . import stiffness
+from . import plate, stiffness
 from ._analysis import Affinization, Analysis, AtPoint, LocalControllability, Mode, Reach, affinize, analyze
 from ._control import ClosedLoop, control
 from ._diagnosis import Candidate, Cause, Diagnosis, Estimate, Gain, Place, RefittedParameter, Rival, diagnose
 from ._native import BracketryError, __version__
 from ._result import Figure, Result
+from ._sampled import Sampled
 from ._simulation import Event, Trajectory, simulate
 from ._sweep import sweep
 from ._system import Parameter, System
@@ -37,13 +38,15 @@ __all__ = [
     "RefittedParameter",
     "Result",
     "Rival",
+    "Sampled",
     "System",
     "Trajectory",
-    "affinize",
     "__version__",
+    "affinize",
     "analyze",
     "control",
     "diagnose",
+    "plate",
     "simulate",
     "stiffness",
     "sweep",

@@ -8,8 +8,8 @@ from typing import Any, Literal, TypeAlias
 
 from . import _native
 from ._result import Result, fields_of, parsed
-from ._system import System
-from ._text import expression, name_of
+from ._system import System, model_of
+from ._text import expression, listed, name_of
 
 #: Decided, or "unknown"; the report gives the reason.
 Answer: TypeAlias = bool | Literal["unknown"]
@@ -150,19 +150,26 @@ def analyze(
 ) -> Analysis:
     """Says what the inputs of a model reach: affine form, ranks, brackets, local verdicts, flatness, observability.
 
-    Args:
-        system: The model.
-        at: Point of local statements in place of the model's, such as ``{"th": "pi/2"}``; what is not named is 0.
-        brackets: Brackets to write out, such as ``"[g1,[f,g1]]"``.
-        determines: Functions of states and parameters: do the outputs determine them while the parameters are unknown?
+    Parameters
+    ----------
+    system
+        The model.
+    at
+        Point of local statements in place of the model's, such as ``{"th": "pi/2"}``; what is not named is 0.
+    brackets
+        Brackets to write out, such as ``"[g1,[f,g1]]"``.
+    determines
+        Functions of states and parameters: do the outputs determine them while the parameters are unknown?
 
-    Raises:
-        BracketryError: if no affine form is found, or for a point, bracket or function that cannot be read.
+    Raises
+    ------
+    BracketryError
+        If no affine form is found, or for a point, bracket or function that cannot be read.
     """
     if isinstance(at, Mapping):
         at = ", ".join(f"{name_of(k, 'at')}={expression(v, 'at')}" for k, v in at.items())
-    functions = [expression(f, "determines") for f in determines]
-    answer = _native.analyze(system._model, at, list(brackets), functions)
+    functions = [expression(f, "determines") for f in listed(determines, "determines")]
+    answer = _native.analyze(model_of(system), at, listed(brackets, "brackets"), functions)
     data = parsed(answer["json"])
     point = data.get("at_point")
     point = point if isinstance(point, dict) else None
@@ -185,8 +192,10 @@ def analyze(
 def affinize(system: System) -> Affinization:
     """Makes a model affine in its inputs, by new inputs, feedback, integrators or new states.
 
-    Raises:
-        BracketryError: if no affine form is found.
+    Raises
+    ------
+    BracketryError
+        If no affine form is found.
     """
-    answer = _native.affinize(system._model)
+    answer = _native.affinize(model_of(system))
     return _affinization(parsed(answer["json"]), answer["model"])

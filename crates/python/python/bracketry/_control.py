@@ -9,15 +9,20 @@ from typing import Any
 
 from . import _native
 from ._native import BracketryError
-from ._result import Result, fields_of, parsed, real
-from ._system import System
+from ._result import fields_of, parsed, real
+from ._sampled import Sampled
+from ._system import System, model_of
 from ._tables import Floats
-from ._text import toml_document
+from ._text import toml_document, whole
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ClosedLoop(Result):
-    """A closed loop: samples, figures of the solver, what was reached. ``loop["x"]`` is a state or input by name."""
+class ClosedLoop(Sampled):
+    """A closed loop: samples, figures of the solver, what was reached.
+
+    ``loop["x"]`` is a state or input by name. Of k samples there are k + 1 times and states and k inputs, each applied from its
+    time on.
+    """
 
     #: Whether it did what was asked: every target met (without targets: the plan converged), no sample without a solution.
     succeeded: bool
@@ -39,28 +44,10 @@ class ClosedLoop(Result):
     plan: dict[str, Any] | None = field(repr=False, default=None)
     #: What went wrong, and what to do about it.
     notes: list[str] = field(repr=False, default_factory=list)
-    #: Sampled times in seconds, shape (k + 1,).
-    t: Floats = field(repr=False)
-    #: States at these times, shape (k + 1, n).
-    states: Floats = field(repr=False)
-    #: Inputs applied from each time on, shape (k, m).
-    inputs: Floats = field(repr=False)
     #: What was measured at each sample, shape (k, number of outputs).
     measured: Floats = field(repr=False)
     #: States handed to the controller, shape (k, n).
     estimates: Floats = field(repr=False)
-    state_names: list[str] = field(repr=False)
-    input_names: list[str] = field(repr=False)
-
-    def __getitem__(self, name: str) -> Floats:
-        if name == "t":
-            return self.t
-        for names, values in ((self.state_names, self.states), (self.input_names, self.inputs)):
-            if name in names:
-                column: Floats = values[:, names.index(name)]
-                return column
-        known = ", ".join(["t", *self.state_names, *self.input_names])
-        raise KeyError(f"there is no column `{name}`; there are {known}")
 
 
 def control(
@@ -71,13 +58,19 @@ def control(
 ) -> ClosedLoop:
     """Runs the closed loop of a control problem on its plant.
 
-    Args:
-        problem: A problem file; its text; or its tables as a mapping, in which ``model`` and ``plant`` may be systems.
-        models: Systems by the names under which the problem speaks of them; other names are files.
-        seed: Seed of the measurement noise in place of the problem's.
+    Parameters
+    ----------
+    problem
+        A problem file; its text; or its tables as a mapping, in which ``model`` and ``plant`` may be systems.
+    models
+        Systems by the names under which the problem speaks of them; other names are files.
+    seed
+        Seed of the measurement noise in place of the problem's.
 
-    Raises:
-        BracketryError: for a problem that contradicts itself, and if the plant stops.
+    Raises
+    ------
+    BracketryError
+        For a problem that contradicts itself, and if the plant stops.
     """
     named = dict(models or {})
     path = text = None
@@ -88,7 +81,7 @@ def control(
                 named[role] = tables[role]
                 tables[role] = role
         text = toml_document(tables, "problem")
-    elif isinstance(problem, str) and ("\n" in problem or "=" in problem):
+    elif isinstance(problem, str) and ("\n" in problem or ("=" in problem and not problem.endswith(".toml"))):
         text = problem
     elif isinstance(problem, (str, PathLike)):
         path = fspath(problem)
@@ -96,8 +89,8 @@ def control(
         raise BracketryError("problem: give a file, the text of one, or its tables as a mapping")
     if path is not None and named:
         raise BracketryError("models go with a problem that is given as text or as a mapping, not with a file")
-    systems = {name: system._model for name, system in named.items()}
-    answer = _native.control(path=path, text=text, folder="", models=systems, seed=seed)
+    systems = {name: model_of(system, name) for name, system in named.items()}
+    answer = _native.control(path=path, text=text, folder="", models=systems, seed=None if seed is None else whole(seed, "seed"))
     data = parsed(answer["json"])
     return fields_of(
         ClosedLoop,

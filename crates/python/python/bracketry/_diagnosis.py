@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-
 from . import _native
 from ._native import BracketryError, Page
 from ._result import Result, fields_of, parsed
 from ._simulation import Hold
-from ._system import System
+from ._system import System, model_of
 from ._tables import Floats, Table, columns_of, path_of
+from ._text import listed, whole
 
 
 @dataclass(frozen=True)
@@ -84,14 +84,16 @@ class Gain:
 
 
 @dataclass(frozen=True)
-class RefittedParameter:
+class RefittedParameter(Estimate):
     """A parameter of the given model, refitted."""
 
-    before: float
-    after: float
-    std: float
-    interval: list[float] | None = None
-    unit: str = ""
+    #: Its value in the model.
+    before: float = field(kw_only=True)
+
+    @property
+    def after(self) -> float:
+        """Its value refitted."""
+        return self.value
 
 
 @dataclass(frozen=True)
@@ -139,9 +141,6 @@ class Diagnosis(Result):
             raise BracketryError("the page does not travel with a pickled result: make it where the result was made")
         return self._page.html()
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {**super().__getstate__(), "_page": None}
-
 
 def diagnose(
     system: System,
@@ -162,34 +161,48 @@ def diagnose(
     A run is a file (CSV or NPZ), a mapping of arrays, a DataFrame or a :class:`Trajectory`, with a column ``t`` in seconds, one
     for each input and one for each measured state or output; NaN in a measured column is a lost value.
 
-    Args:
-        system: The model.
-        data: One run, or several.
-        validate: Runs that no fit sees, to measure the gain on.
-        hold: How inputs go on between samples; if left out they are held, and derivatives of inputs follow straight lines.
-        rename: Names in the model by names of columns.
-        fix: Parameters that keep their values.
-        reference: Another model of the same system: terms that the first lacks become candidates.
-        max_causes: Most causes that are named together.
-        seed: Seed of what is resampled.
-        window: Length of the windows in seconds; chosen from the data if left out.
-        threads: Threads to work with, all of the machine if left out. Results do not depend on them.
+    Parameters
+    ----------
+    system
+        The model.
+    data
+        One run, or several.
+    validate
+        Runs that no fit sees, to measure the gain on.
+    hold
+        How inputs go on between samples; if left out they are held, and derivatives of inputs follow straight lines.
+    rename
+        Names in the model by names of columns.
+    fix
+        Parameters that keep their values.
+    reference
+        Another model of the same system: terms that the first lacks become candidates.
+    max_causes
+        Most causes that are named together.
+    seed
+        Seed of what is resampled.
+    window
+        Length of the windows in seconds; chosen from the data if left out.
+    threads
+        Threads to work with, all of the machine if left out. Results do not depend on them.
 
-    Raises:
-        BracketryError: for data that do not fit the model, with place and remedy.
+    Raises
+    ------
+    BracketryError
+        For data that do not fit the model, with place and remedy.
     """
     answer = _native.diagnose(
-        system._model,
+        model_of(system),
         _runs(data, "data"),
         [] if validate is None else _runs(validate, "validate"),
         hold_inputs=hold,
         rename=list((rename or {}).items()),
-        fix=list(fix),
-        reference=None if reference is None else reference._model,
-        max_causes=max_causes,
-        seed=seed,
+        fix=listed(fix, "fix"),
+        reference=None if reference is None else model_of(reference, "reference"),
+        max_causes=None if max_causes is None else whole(max_causes, "max_causes"),
+        seed=None if seed is None else whole(seed, "seed"),
         window=window,
-        threads=threads or 0,
+        threads=0 if threads is None else whole(threads, "threads"),
     )
     found = parsed(answer["json"])
     gain = found.get("gain")
@@ -204,7 +217,7 @@ def diagnose(
         causes=[_cause(c) for c in found["causes"]],
         where=[fields_of(Place, p) for p in found["where"]],
         gain=None if gain is None else fields_of(Gain, gain),
-        parameters={name: fields_of(RefittedParameter, p) for name, p in found["parameters"].items()},
+        parameters={name: fields_of(RefittedParameter, p, value=p["after"]) for name, p in found["parameters"].items()},
         candidates=[fields_of(Candidate, c) for c in found["candidates"]],
         extended_model=None if extended is None else System._of(extended),
     )
@@ -231,5 +244,3 @@ def _runs(runs: Any, what: str) -> list[str | tuple[str, dict[str, Floats]]]:
         name = f"{what} {k}" if len(listed) > 1 else what
         taken.append(path if path is not None else (name, columns_of(run, name)))
     return taken
-
-

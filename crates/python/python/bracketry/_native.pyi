@@ -13,11 +13,14 @@ __all__ = [
     "__version__",
     "affinize",
     "analyze",
+    "choose_poses",
     "compensate",
     "control",
     "diagnose",
     "identify",
+    "run_plate",
     "simulate",
+    "weigh",
 ]
 
 _Floats: TypeAlias = NDArray[np.float64]
@@ -118,6 +121,24 @@ class _Compensation(_Answer):
     held: _Bools
     limited: _Bools
 
+class _ChosenPoses(_Answer):
+    rows: _Floats
+    identifies_all: bool
+
+class _Weighing(_Answer):
+    toml: str
+
+class _PlateRun(_Answer):
+    t: _Floats
+    states: _Floats
+    plate_displacement: _Floats
+    plate_tilt: _Floats
+    amplitude: _Floats
+    normal_force: _Floats
+    stick_fraction: _Floats
+    gap: _Floats
+    lean: _Floats
+
 def analyze(model: Model, at: str | None, brackets: Sequence[str], determines: Sequence[str]) -> _Analysis: ...
 def affinize(model: Model) -> _Affinization: ...
 def simulate(
@@ -159,3 +180,13 @@ def diagnose(
 ) -> _Diagnosis: ...
 def identify(data: _Text, robot: _Text, keep_outliers: bool) -> _Identification: ...
 def compensate(log: _Text, robot: _Text, process_stiffness: Sequence[float] | None) -> _Compensation: ...
+def choose_poses(candidates: _Text, robot: _Text, count: int) -> _ChosenPoses: ...
+def weigh(readings: _Text, robot: _Text) -> _Weighing: ...
+def run_plate(
+    options: Mapping[str, str | float | None],
+    *,
+    scenario: _Path | None,
+    polygon: Sequence[Sequence[float]] | None,
+    log: _Text | None,
+    driven_by_log: bool,
+) -> _PlateRun: ...

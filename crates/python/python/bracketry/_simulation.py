@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 
 from . import _native
 from ._native import BracketryError
-from ._result import Result, fields_of, parsed, real
-from ._system import System
+from ._result import fields_of, parsed, real
+from ._sampled import Sampled
+from ._system import System, model_of
 from ._tables import Floats, columns_of, floats, path_of
 from ._text import expression, name_of, number, numbers, toml_document
 
@@ -34,23 +35,16 @@ class Event:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Trajectory(Result):
+class Trajectory(Sampled):
     """A simulation: samples, events, how it ended.
 
-    ``trajectory["x"]`` is the column of a state, input or output by name, ``trajectory["t"]`` the times.
+    ``trajectory["x"]`` is the column of a state, input or output by name, ``trajectory["t"]`` the times. Inputs are NaN where
+    only derivatives of them are given.
     """
 
     model: str
-    #: Times in seconds, shape (k,).
-    t: Floats = field(repr=False)
-    #: States, shape (k, n).
-    states: Floats = field(repr=False)
-    #: Inputs, shape (k, m); NaN where only derivatives of an input are given.
-    inputs: Floats = field(repr=False)
     #: Outputs, shape (k, number of outputs), with sign(0) = 0.
     outputs: Floats = field(repr=False)
-    state_names: list[str] = field(repr=False)
-    input_names: list[str] = field(repr=False)
     output_names: list[str] = field(repr=False)
     #: Changes of mode, in order.
     events: list[Event] = field(repr=False)
@@ -68,57 +62,8 @@ class Trajectory(Result):
     #: Derivatives of inputs whose impulses are left out, because the input jumps or has kinks.
     impulses_left_out: list[str] = field(repr=False, default_factory=list)
 
-    def __len__(self) -> int:
-        return len(self.t)
-
-    def __getitem__(self, name: str) -> Floats:
-        if name == "t":
-            return self.t
-        for names, values in (
-            (self.state_names, self.states),
-            (self.input_names, self.inputs),
-            (self.output_names, self.outputs),
-        ):
-            if name in names:
-                column: Floats = values[:, names.index(name)]
-                return column
-        known = ", ".join(["t", *self.state_names, *self.input_names, *self.output_names])
-        raise KeyError(f"there is no column `{name}`; there are {known}")
-
-    def columns(self) -> dict[str, Floats]:
-        """All columns by name, as :func:`diagnose` takes them; inputs of which nothing is known are left out."""
-        names = dict.fromkeys(["t", *self.state_names, *self.input_names, *self.output_names])
-        return {name: self[name] for name in names if not np.isnan(self[name]).all()}
-
-    def to_pandas(self) -> Any:
-        """A pandas DataFrame with the times as index."""
-        import pandas
-
-        columns = self.columns()
-        index = pandas.Index(columns.pop("t"), name="t")
-        return pandas.DataFrame(columns, index=index)
-
-    def to_csv(self, path: str | PathLike[str]) -> None:
-        """Writes all columns as a table whose numbers read back exactly."""
-        from ._tables import csv_text
-
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(csv_text(self.columns(), "trajectory"))
-
-    def plot(self, *names: str) -> Any:
-        """Draws columns (all states and inputs unless named) over time with matplotlib; gives its figure."""
-        import matplotlib.pyplot as plt
-
-        shown = list(names) or [*self.state_names, *self.input_names]
-        figure, axes = plt.subplots(
-            len(shown), 1, sharex=True, squeeze=False, figsize=(8, 1.6 * len(shown) + 0.6), layout="constrained"
-        )
-        for axis, name in zip(axes[:, 0], shown, strict=True):
-            axis.plot(self.t, self[name])
-            axis.set_ylabel(name)
-            axis.grid(visible=True, alpha=0.3)
-        axes[-1, 0].set_xlabel("t [s]")
-        return figure
+    def _blocks(self) -> list[tuple[list[str], Floats]]:
+        return [*super()._blocks(), (self.output_names, self.outputs)]
 
 
 def simulate(
@@ -137,29 +82,47 @@ def simulate(
 ) -> Trajectory:
     """Integrates a model with exact stick–slip friction.
 
-    Args:
-        system: The model.
-        duration: Seconds; with sampled inputs that come with times, the span of these if left out.
-        x0: Initial state by name, or an array in the order of the states; what is absent comes from the model's point, else 0.
-        inputs: What drives the inputs, by name: an expression in ``t`` (text or SymPy), a number, a pair (times, values), a
-            function of time that is sampled every ``sample`` seconds. Or a table with a column ``t``: a file, a mapping of
-            arrays or a DataFrame; ``der(X,2)`` names the second derivative of X. Inputs that nothing drives are zero.
-        parameters: Values in place of the model's.
-        sample: Seconds between the rows of the result: a thousandth of the duration, or as in the table, if left out.
-        start: Time at the beginning: 0, or the first of a table.
-        hold: How samples go on: "previous" holds each value until the next, "linear" draws straight lines.
-        scenario: A scenario file in place of all this.
-        rtol: Relative tolerance of the local error, 1e-9 if left out.
-        atol: Absolute tolerance, 1e-11 if left out.
+    Parameters
+    ----------
+    system
+        The model.
+    duration
+        Seconds; with sampled inputs that come with times, the span of these if left out.
+    x0
+        Initial state by name, or an array in the order of the states; what is absent comes from the model's point, else 0.
+    inputs
+        What drives the inputs, by name: an expression in ``t`` (text or SymPy), a number, a pair (times, values), a
+        function of time that is sampled every ``sample`` seconds. Or a table with a column ``t``: a file, a mapping of
+        arrays or a DataFrame; ``der(X,2)`` names the second derivative of X. Inputs that nothing drives are zero.
+    parameters
+        Values in place of the model's.
+    sample
+        Seconds between the rows of the result: a thousandth of the duration, or as in the table, if left out.
+    start
+        Time at the beginning: 0, or the first of a table.
+    hold
+        How samples go on: "previous" holds each value until the next, "linear" draws straight lines.
+    scenario
+        A scenario file in place of all this.
+    rtol
+        Relative tolerance of the local error, 1e-9 if left out.
+    atol
+        Absolute tolerance, 1e-11 if left out.
 
-    Raises:
-        BracketryError: for what does not fit the model. Blow-up and chattering are in the result.
+    Raises
+    ------
+    BracketryError
+        For what does not fit the model. Blow-up and chattering are in the result.
     """
+    model_of(system)
     native: dict[str, Any] = {"rtol": rtol, "atol": atol, "hold_inputs": hold}
     if scenario is not None:
         if any(v is not None for v in (duration, x0, inputs, parameters, sample, start)):
             raise BracketryError("a scenario file says all of duration, x0, inputs, parameters and sample: give it alone")
         return _run(system, file=fspath(scenario), **native)
+    for what, seconds in (("duration", duration), ("sample", sample)):
+        if seconds is not None and not 0 < float(number(seconds, what)):
+            raise BracketryError(f"{what} must be positive, not {seconds}; give a time in seconds")
     own = {
         "x0": _initial(system, x0),
         "parameters": None if parameters is None else numbers(parameters, "parameters"),
@@ -168,9 +131,6 @@ def simulate(
     if table is not None:
         if start is not None:
             raise BracketryError("a table of inputs begins at its first time: leave out `start`")
-        for what, seconds in (("duration", duration), ("sample", sample)):
-            if seconds is not None and not 0 < float(number(seconds, what)):
-                raise BracketryError(f"{what} is {seconds}; give a positive time in seconds")
         text = toml_document({"duration": 1.0, **own}, "simulate")
         return _run(system, table=table, text=text, duration=duration, sample=sample, **native)
     samples: dict[str, tuple[Floats, Floats]] = {}

@@ -9,12 +9,11 @@ from os import PathLike, fspath
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ._native import BracketryError, Model
-from ._text import expression, key, name_of, number, string, toml_value
-
-Floats = NDArray[np.float64]
+from ._tables import Floats, real_array
+from ._text import expression, key, listed, name_of, number, string, toml_value
 
 
 @dataclass(frozen=True)
@@ -42,21 +41,35 @@ class System:
     >>> unicycle.states
     ['x', 'y', 'th']
 
-    Args:
-        states: Names (or SymPy symbols, or functions of time) of the states.
-        inputs: The same of the inputs.
-        dynamics: The time derivative of each state by name, or all of them in the order of the states.
-        parameters: A number by name, or a mapping with ``value``, ``unit``, ``min``, ``max``, ``about``.
-        definitions: Named sub-expressions; they may use those before them.
-        outputs: What is measured, by name.
-        point: Where local statements are made; states and inputs that are absent are 0.
-        ranges: Values that inputs can take: pairs (min, max), None for no limit, or mappings.
-        delays: Seconds by which inputs act later than they are commanded; numbers or expressions of parameters.
-        static: Static levels of dry friction over the sliding ones, by argument of ``sign`` or ``unit``.
-        name: What the model is called.
+    Parameters
+    ----------
+    states
+        Names (or SymPy symbols, or functions of time) of the states.
+    inputs
+        The same of the inputs.
+    dynamics
+        The time derivative of each state by name, or all of them in the order of the states.
+    parameters
+        A number by name, or a mapping with ``value``, ``unit``, ``min``, ``max``, ``about``.
+    definitions
+        Named sub-expressions; they may use those before them.
+    outputs
+        What is measured, by name.
+    point
+        Where local statements are made; states and inputs that are absent are 0.
+    ranges
+        Values that inputs can take: pairs (min, max), None for no limit, or mappings.
+    delays
+        Seconds by which inputs act later than they are commanded; numbers or expressions of parameters.
+    static
+        Static levels of dry friction over the sliding ones, by argument of ``sign`` or ``unit``.
+    name
+        What the model is called.
 
-    Raises:
-        BracketryError: with line, column and remedy, for whatever is no model.
+    Raises
+    ------
+    BracketryError
+        With line, column and remedy, for whatever is no model.
     """
 
     def __init__(
@@ -74,8 +87,8 @@ class System:
         static: Mapping[str, Any] | None = None,
         name: str = "model",
     ) -> None:
-        state_names = [name_of(s, "states") for s in _listed(states, "states")]
-        input_names = [name_of(u, "inputs") for u in _listed(inputs, "inputs")]
+        state_names = [name_of(s, "states") for s in listed(states, "states")]
+        input_names = [name_of(u, "inputs") for u in listed(inputs, "inputs")]
         if not isinstance(dynamics, Mapping):
             rates = list(dynamics)
             if len(rates) != len(state_names):
@@ -84,7 +97,7 @@ class System:
                 )
             dynamics = dict(zip(state_names, rates, strict=True))
         if outputs is not None and not isinstance(outputs, Mapping):
-            outputs = {name_of(y, "outputs"): y for y in _listed(outputs, "outputs")}
+            outputs = {name_of(y, "outputs"): y for y in listed(outputs, "outputs")}
         lines = [
             f"name = {string(name)}",
             f"states = {toml_value(state_names, 'states')}",
@@ -119,8 +132,10 @@ class System:
     def from_file(cls, path: str | PathLike[str]) -> System:
         """Reads a model file.
 
-        Raises:
-            BracketryError: with file, line, column, the offending text and the remedy.
+        Raises
+        ------
+        BracketryError
+            With file, line, column, the offending text and the remedy.
         """
         return cls._of(Model.read(fspath(path)))
 
@@ -190,12 +205,18 @@ class System:
     def rhs(self, x: ArrayLike, u: ArrayLike = (), derivatives: ArrayLike | None = None) -> Floats:
         """Time derivatives of the states, with ``sign(0) = 0``.
 
-        Args:
-            x: States, shape (…, n).
-            u: Inputs, shape (…, m), broadcast against ``x``; zero if left out.
-            derivatives: Values of :attr:`input_derivatives`, shape (…, number of these); zero if left out.
+        Parameters
+        ----------
+        x
+            States, shape (…, n).
+        u
+            Inputs, shape (…, m), broadcast against ``x``; zero if left out.
+        derivatives
+            Values of :attr:`input_derivatives`, shape (…, number of these); zero if left out.
 
-        Returns:
+        Returns
+        -------
+        numpy.ndarray
             Shape (…, n).
         """
         rows, shape = self._rows(x, u, derivatives)
@@ -223,10 +244,7 @@ class System:
             ("u", u, len(self.inputs)),
             ("derivatives", () if derivatives is None else derivatives, len(self.input_derivatives)),
         ):
-            try:
-                block = np.asarray(given, dtype=float)
-            except (TypeError, ValueError) as e:
-                raise BracketryError(f"{what} is no array of numbers: {e}") from None
+            block = real_array(given, what)
             if block.shape == (0,):
                 block = np.zeros(length)
             if block.ndim == 0 or block.shape[-1] != length:
@@ -269,10 +287,12 @@ def _restored(file: str, text: str, name: str) -> System:
     return System._of(Model.parse(file, text, name))
 
 
-def _listed(values: Any, what: str) -> list[Any]:
-    if isinstance(values, str):
-        raise BracketryError(f"{what}: give a list of names, such as [{values!r}]")
-    return list(values)
+def model_of(system: Any, what: str = "system") -> Model:
+    """The native model of a system."""
+    if not isinstance(system, System):
+        remedy = f"System.from_file({fspath(system)!r})" if isinstance(system, (str, PathLike)) else "a System"
+        raise BracketryError(f"{what}: `{system!r}` is no model; give {remedy}")
+    return system._model
 
 
 def _expression(value: object, what: str) -> str:

@@ -16,12 +16,22 @@ Floats: TypeAlias = NDArray[np.float64]
 Table: TypeAlias = "str | PathLike[str] | Mapping[str, Any] | Any"
 
 
-def floats(values: Any, what: str) -> Floats:
-    """A one-dimensional array of numbers."""
+def real_array(values: Any, what: str) -> Floats:
+    """An array of real numbers of any shape; masked entries are NaN."""
     try:
-        array = np.ascontiguousarray(values, dtype=float)
+        masked = isinstance(values, np.ma.MaskedArray)
+        given = np.ma.filled(values.astype(float), np.nan) if masked else np.asarray(values)
+        if given.dtype.kind not in "cmM":
+            return np.ascontiguousarray(given, dtype=float).reshape(given.shape)
     except (TypeError, ValueError) as e:
         raise BracketryError(f"{what} is no array of numbers: {e}") from None
+    kind = "complex numbers" if given.dtype.kind == "c" else "dates or durations; give seconds as numbers"
+    raise BracketryError(f"{what} is no array of real numbers: it holds {kind}")
+
+
+def floats(values: Any, what: str) -> Floats:
+    """A one-dimensional array of numbers."""
+    array = np.atleast_1d(real_array(values, what))
     if array.ndim != 1:
         raise BracketryError(f"{what} has the shape {array.shape}; give a one-dimensional array")
     return array
@@ -58,3 +68,9 @@ def csv_text(columns: Mapping[str, Floats], what: str) -> str:
         raise BracketryError(f"{what}: the columns differ in length ({found})")
     rows = zip(*(values.tolist() for values in columns.values()), strict=True)
     return "\n".join([",".join(columns), *(",".join(map(repr, row)) for row in rows)]) + "\n"
+
+
+def table_text(table: Any, what: str) -> str | tuple[str, str]:
+    """A table as the native module takes it: a path, or a name with the text of a CSV file."""
+    path = path_of(table)
+    return path if path is not None else (what, csv_text(columns_of(table, what), what))

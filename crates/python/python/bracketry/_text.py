@@ -59,6 +59,20 @@ def number(value: object, what: str) -> str:
     return repr(as_float)
 
 
+def listed(values: Any, what: str) -> list[Any]:
+    """A list; a single text, which would fall apart into its letters, is refused."""
+    if isinstance(values, str):
+        raise BracketryError(f"{what}: give a list, such as [{values!r}]")
+    return list(values)
+
+
+def whole(value: object, what: str) -> int:
+    """A whole number that is not negative."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Integral) or int(value) < 0:
+        raise BracketryError(f"{what} is {value!r}; give a whole number, 0 or greater")
+    return int(value)
+
+
 def numbers(values: Mapping[Any, object], what: str) -> dict[str, object]:
     """Numbers by name; fractions and SymPy's become floating-point numbers, strings stay for the reader to refuse."""
     exact = {name_of(k, what): v for k, v in values.items()}

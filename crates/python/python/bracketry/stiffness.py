@@ -1,4 +1,4 @@
-"""Stiffness of robots: identified from measurements, compensated along logs."""
+"""Stiffness of robots: identified from measurements, compensated along logs; what to measure, what the sensor carries."""
 
 from __future__ import annotations
 
@@ -13,9 +13,22 @@ from numpy.typing import NDArray
 from . import _native
 from ._native import BracketryError
 from ._result import Result, fields_of, parsed
-from ._tables import Floats, Table, columns_of, csv_text, path_of
+from ._tables import Floats, Table, path_of, real_array, table_text
+from ._text import whole
 
-__all__ = ["Compensation", "Identification", "compensate", "identify"]
+__all__ = [
+    "ChosenPoses",
+    "Compensation",
+    "Expectation",
+    "Identification",
+    "Weighing",
+    "choose_poses",
+    "compensate",
+    "identify",
+    "weigh",
+]
+
+_WRENCH = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -93,19 +106,90 @@ class Compensation(Result):
     limited: NDArray[np.bool_] = field(repr=False)
 
 
+@dataclass(frozen=True)
+class Expectation:
+    """What measurements are expected to tell."""
+
+    #: Relative standard deviation by parameter of the joints' springs; None where it would not be identified.
+    errors: dict[str, float | None]
+    #: Ratio of the largest to the smallest standard deviation of a combination of logarithms; None where one is not told at all.
+    condition: float | None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ChosenPoses(Result):
+    """The measurements that tell the most about the springs, out of those that could be made."""
+
+    robot: str
+    #: Number of candidates.
+    candidates: int
+    #: Lines of the table that were chosen (its header is line 1).
+    lines: list[int]
+    #: What they are expected to tell.
+    chosen: Expectation
+    #: What all candidates together would.
+    all: Expectation = field(repr=False)
+    #: Whether the springs are those of the robot file, or of a usual size.
+    springs_known: bool
+    #: Whether the chosen measurements are expected to tell all parameters.
+    identifies_all: bool
+    #: The rows that were chosen: q1 … qn (rad), Fx … Mz (N, N·m), shape (count, n + 6).
+    rows: Floats = field(repr=False)
+
+    @property
+    def indices(self) -> list[int]:
+        """Rows of the table that were chosen, from 0, where it has neither comments nor empty lines."""
+        return [line - 2 for line in self.lines]
+
+    def columns(self) -> dict[str, Floats]:
+        """The chosen rows by name of the column."""
+        joints = [f"q{i}" for i in range(1, self.rows.shape[1] - len(_WRENCH) + 1)]
+        return dict(zip([*joints, *_WRENCH], self.rows.T, strict=True))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Weighing(Result):
+    """What a force sensor carries, and its bias, with standard deviations."""
+
+    robot: str
+    #: Number of readings.
+    readings: int
+    #: Mass (kg).
+    mass: float
+    mass_deviation: float
+    #: Centre of mass in the sensor's frame (m), shape (3,).
+    centre: Floats
+    centre_deviation: Floats = field(repr=False)
+    #: Reading without any load in the sensor's axes (N, N·m), shape (6,).
+    bias: Floats = field(repr=False)
+    bias_deviation: Floats = field(repr=False)
+    #: Standard deviation of one reading about the fit: force (N), moment (N·m), shape (2,).
+    residual: Floats = field(repr=False)
+    #: Line of the reading that fits worst (the header is line 1).
+    worst_line: int
+    #: The table ``[payload]`` for the robot file.
+    toml: str = field(repr=False)
+
+
 def identify(data: Table, robot: str | PathLike[str], *, keep_outliers: bool = False) -> Identification:
     """Identifies the springs of a robot from measured displacements under measured loads.
 
-    Args:
-        data: A table with the columns ``q1 … qn`` (rad), ``Fx, Fy, Fz, Mx, My, Mz`` (N, N·m on the robot at the tool point, base
-            axes) and ``dx, dy, dz, rx, ry, rz`` (m, rad): a CSV file, a mapping of arrays or a DataFrame.
-        robot: A robot file, or its text.
-        keep_outliers: Use all measurements as they are.
+    Parameters
+    ----------
+    data
+        A table with the columns ``q1 … qn`` (rad), ``Fx, Fy, Fz, Mx, My, Mz`` (N, N·m on the robot at the tool point, base
+        axes) and ``dx, dy, dz, rx, ry, rz`` (m, rad): a CSV file, a mapping of arrays or a DataFrame.
+    robot
+        A robot file, or its text.
+    keep_outliers
+        Use all measurements as they are.
 
-    Raises:
-        BracketryError: for a table that does not fit, numbers in other units, and data that tell nothing.
+    Raises
+    ------
+    BracketryError
+        For a table that does not fit, numbers in other units, and data that tell nothing.
     """
-    answer = _native.identify(_table(data, "data"), _robot(robot), keep_outliers)
+    answer = _native.identify(table_text(data, "data"), _robot(robot), keep_outliers)
     found = parsed(answer["json"])
     matrices = {
         name: None if found.get(name) is None else np.array(found[name], dtype=float)
@@ -130,18 +214,24 @@ def compensate(
 ) -> Compensation:
     """Runs the compensation of a robot file along a log.
 
-    Args:
-        log: A table with the columns ``t``, ``q1 … qn`` (rad) and ``Fx … Mz`` (N, N·m, axes of the sensor), and ``r1 … rn``
-            where references differ from what was measured: a CSV file, a mapping of arrays or a DataFrame.
-        robot: A robot file with springs and a sensor, or its text.
-        process_stiffness: Stiffness of the process in N/m, in all directions or along x, y, z of the base: whether the loop
-            through it is stable.
+    Parameters
+    ----------
+    log
+        A table with the columns ``t``, ``q1 … qn`` (rad) and ``Fx … Mz`` (N, N·m, axes of the sensor), and ``r1 … rn``
+        where references differ from what was measured: a CSV file, a mapping of arrays or a DataFrame.
+    robot
+        A robot file with springs and a sensor, or its text.
+    process_stiffness
+        Stiffness of the process in N/m, in all directions or along x, y, z of the base: whether the loop
+        through it is stable.
 
-    Raises:
-        BracketryError: for a robot file without springs or sensor, and a log that does not fit.
+    Raises
+    ------
+    BracketryError
+        For a robot file without springs or sensor, and a log that does not fit.
     """
     process = None if process_stiffness is None else _directions(process_stiffness)
-    answer = _native.compensate(_table(log, "log"), _robot(robot), process)
+    answer = _native.compensate(table_text(log, "log"), _robot(robot), process)
     data = parsed(answer["json"])
     arrays: Mapping[str, Any] = {
         k: answer[k]
@@ -158,20 +248,91 @@ def compensate(
     )
 
 
+def choose_poses(candidates: Table, robot: str | PathLike[str], *, count: int = 20) -> ChosenPoses:
+    """Chooses, among measurements that could be made, those that tell the most about a robot's springs.
+
+    Parameters
+    ----------
+    candidates
+        A table with the columns ``q1 … qn`` (rad) and ``Fx, Fy, Fz, Mx, My, Mz`` (N, N·m on the robot at the tool
+        point, base axes), poses that can be reached with loads that can be applied there: a CSV file, a mapping of arrays or
+        a DataFrame.
+    robot
+        A robot file, or its text.
+    count
+        Measurements to choose.
+
+    Raises
+    ------
+    BracketryError
+        For a table that does not fit, and fewer candidates than are to be chosen.
+    """
+    answer = _native.choose_poses(table_text(candidates, "candidates"), _robot(robot), whole(count, "count"))
+    data = parsed(answer["json"])
+    names = data["parameters"]
+    expected = {
+        k: Expectation(dict(zip(names, data[k]["errors"], strict=True)), data[k]["condition"]) for k in ("chosen", "all")
+    }
+    return fields_of(
+        ChosenPoses,
+        data,
+        json=data,
+        text=answer["text"],
+        _figures=answer["figures"],
+        identifies_all=answer["identifies_all"],
+        rows=answer["rows"],
+        **expected,
+    )
+
+
+def weigh(readings: Table, robot: str | PathLike[str]) -> Weighing:
+    """Weighs what a force sensor carries, and finds its bias.
+
+    Parameters
+    ----------
+    readings
+        A table with the columns ``q1 … qn`` (rad) and ``Fx, Fy, Fz, Mx, My, Mz`` (N, N·m, axes of the sensor): readings
+        at rest with nothing touching what the sensor carries, in three orientations or more that tilt it about two axes.
+        A CSV file, a mapping of arrays or a DataFrame.
+    robot
+        A robot file with a sensor, or its text.
+
+    Raises
+    ------
+    BracketryError
+        For a table that does not fit, a robot file without a sensor, and readings that do not determine the payload.
+    """
+    answer = _native.weigh(table_text(readings, "readings"), _robot(robot))
+    data = parsed(answer["json"])
+    arrays = {
+        k: np.array(data[k], dtype=float) for k in ("centre", "centre_deviation", "bias", "bias_deviation", "residual")
+    }
+    mass, mass_deviation = data["mass"]
+    return fields_of(
+        Weighing,
+        data,
+        json=data,
+        text=answer["text"],
+        _figures=answer["figures"],
+        mass=mass,
+        mass_deviation=mass_deviation,
+        toml=answer["toml"],
+        **arrays,
+    )
+
+
 def _directions(stiffness: float | Sequence[float]) -> list[float]:
     """One number for all directions, or one for each."""
-    values = np.atleast_1d(np.asarray(stiffness, dtype=float))
+    values = np.atleast_1d(real_array(stiffness, "process_stiffness"))
     if values.shape not in ((1,), (3,)) or not np.isfinite(values).all() or (values < 0).any():
         raise BracketryError("process_stiffness: give one number in N/m, or three along x, y, z of the base; none is negative")
     return [float(v) for v in np.broadcast_to(values, (3,))]
 
 
-def _table(table: Table, what: str) -> str | tuple[str, str]:
-    path = path_of(table)
-    return path if path is not None else (what, csv_text(columns_of(table, what), what))
-
-
 def _robot(robot: str | PathLike[str]) -> str | tuple[str, str]:
     if isinstance(robot, str) and "\n" in robot:
         return ("robot", robot)
-    return str(path_of(robot))
+    path = path_of(robot)
+    if path is None:
+        raise BracketryError(f"robot: {type(robot).__name__} is no robot; give a robot file, or its text")
+    return path

@@ -1,0 +1,116 @@
+//! Experiments on the vibrating plate.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bracketry::plate::Shape;
+use bracketry::{PlateExperiment, PlateLog, PlateOptions, PlateReport, PlateRow};
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::Failure;
+use crate::figures::Figures;
+use crate::interrupt::watched;
+use crate::tables::{Answer, Text, matrix};
+
+/// The options of the command line by name; what is absent has a default.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Options {
+    experiment: Option<String>,
+    omega: Option<f64>,
+    model: Option<String>,
+    shape: Option<String>,
+    thickness: Option<f64>,
+    mass: Option<f64>,
+    mu: Option<f64>,
+    friction: Option<String>,
+    start: Option<String>,
+    seconds: Option<f64>,
+    points: Option<f64>,
+    dt: Option<f64>,
+    restitution: Option<f64>,
+    jumps: Option<String>,
+    sample: Option<f64>,
+}
+
+impl From<Options> for PlateOptions {
+    fn from(o: Options) -> Self {
+        Self {
+            experiment: o.experiment,
+            omega: o.omega,
+            model: o.model,
+            shape: o.shape,
+            thickness: o.thickness,
+            mass: o.mass,
+            mu: o.mu,
+            friction: o.friction,
+            start: o.start,
+            seconds: o.seconds,
+            points: o.points,
+            dt: o.dt,
+            restitution: o.restitution,
+            jumps: o.jumps,
+            sample: o.sample,
+        }
+    }
+}
+
+/// One experiment, with the options of a scenario file where they are not given, on a polygon where its vertices are, and beside a log.
+#[pyfunction]
+#[pyo3(signature = (options, *, scenario, polygon, log, driven_by_log))]
+pub(crate) fn run_plate(
+    py: Python<'_>,
+    options: Options,
+    scenario: Option<PathBuf>,
+    polygon: Option<Vec<[f64; 2]>>,
+    log: Option<Text>,
+    driven_by_log: bool,
+) -> PyResult<Bound<'_, PyDict>> {
+    let (answer, ran) = watched(py, move |stop| {
+        let mut options = PlateOptions::from(options);
+        if let Some(scenario) = scenario {
+            options = options.or(PlateOptions::read(&scenario).map_err(named)?);
+        }
+        let log = log.map(|log| read(&log)).transpose()?;
+        let mut setup = options.setup(log.as_ref()).map_err(named)?;
+        if let Some(vertices) = polygon {
+            setup.object.shape = Shape::polygon(&vertices).map_err(|e| Failure::from(e).about("shape"))?;
+        }
+        let watch = |_| if stop.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let ran = Arc::new(PlateExperiment::new(setup, log, driven_by_log, watch).map_err(named)?);
+        let (motion, plan_view) = (Arc::clone(&ran), Arc::clone(&ran));
+        let mut figures = Figures::default()
+            .with("motion", move || motion.motion_figure())
+            .with("plan_view", move || plan_view.plan_view_figure());
+        if let Some(Ok(drawing)) = ran.comparison_figure() {
+            figures = figures.with("comparison", move || Ok(drawing.clone()));
+        }
+        Ok((Answer::of(&PlateReport::new(&ran), figures)?, ran))
+    })?;
+    let column = |value: fn(&PlateRow) -> f64| ran.run.rows.iter().map(value).collect::<Vec<f64>>().into_pyarray(py);
+    let states: Vec<Vec<f64>> = ran.run.rows.iter().map(|row| row.state.to_vec()).collect();
+    let dict = answer.into_dict(py)?;
+    dict.set_item("states", matrix(py, &states, 6)?)?;
+    dict.set_item("t", column(|row| row.t))?;
+    dict.set_item("plate_displacement", column(|row| row.plate.displacement))?;
+    dict.set_item("plate_tilt", column(|row| row.plate.tilt))?;
+    dict.set_item("amplitude", column(|row| row.amplitude))?;
+    dict.set_item("normal_force", column(|row| row.normal_force))?;
+    dict.set_item("stick_fraction", column(|row| row.stick_fraction))?;
+    dict.set_item("gap", column(|row| row.gap))?;
+    dict.set_item("lean", column(|row| row.lean))?;
+    Ok(dict)
+}
+
+fn read(log: &Text) -> Result<PlateLog, Failure> {
+    let table = log.table("name a CSV file: a table with the columns t, x_plate, y_plate, phi_plate")?;
+    Ok(PlateLog::from_table(&table)?)
+}
+
+/// An error that speaks of options by the names that the Python function gives them.
+fn named(error: impl std::error::Error) -> Failure {
+    Failure::from(error).without_dashes()
+}
