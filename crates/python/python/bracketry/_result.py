@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import html
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -14,6 +15,9 @@ from typing import Any, TypeVar
 from ._native import BracketryError, Figures
 
 T = TypeVar("T")
+R = TypeVar("R", bound="Result")
+#: Fields whose values the native module draws when they are asked for. They do not pickle.
+_DRAWN = ("_figures", "_page")
 
 
 def fields_of(cls: type[T], data: Mapping[str, Any], **made: Any) -> T:
@@ -89,7 +93,19 @@ class Result:
         return Figure(name, self._figures.svg(name), self._figures.png(name))
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_figures": None}
+        return {name: None if name in _DRAWN else value for name, value in self.__dict__.items()}
+
+    def __copy__(self: R) -> R:
+        return self._copied(lambda value: value)
+
+    def __deepcopy__(self: R, memo: dict[int, Any]) -> R:
+        return self._copied(lambda value: copy.deepcopy(value, memo))
+
+    def _copied(self: R, copied: Callable[[Any], Any]) -> R:
+        """A copy within this process, which keeps what is drawn when it is asked for: that cannot change."""
+        twin = object.__new__(type(self))
+        twin.__dict__.update({name: value if name in _DRAWN else copied(value) for name, value in self.__dict__.items()})
+        return twin
 
 
 def parsed(text: str) -> dict[str, Any]:

@@ -31,19 +31,29 @@ def sweep(
 
     Results are the same whichever executor works, and however many workers it has: a random stream belongs to its case.
 
-    Args:
-        function: Called with a case; with ``seed``, with a case and a ``numpy.random.Generator`` of its own. For workers in other
-            processes it has to be defined in a module (or, with Dask, anywhere).
-        cases: The cases.
-        executor: Anything with ``submit(function, *arguments)`` whose futures have ``result()``: a
-            ``concurrent.futures.ThreadPoolExecutor`` (the work is done without the interpreter's lock) or
-            ``ProcessPoolExecutor``, a ``dask.distributed.Client`` … None works in this thread, one case after the other.
-        seed: Seed of the random streams.
-        errors: "keep" puts a :class:`BracketryError` in place of the result of a case that raised it.
+    Parameters
+    ----------
+    function
+        Called with a case; with ``seed``, with a case and a ``numpy.random.Generator`` of its own. For workers in other
+        processes it has to be defined in a module (or, with Dask, anywhere).
+    cases
+        The cases.
+    executor
+        Anything with ``submit(function, *arguments)`` whose futures have ``result()``: a
+        ``concurrent.futures.ThreadPoolExecutor`` (the work is done without the interpreter's lock) or
+        ``ProcessPoolExecutor``, a ``dask.distributed.Client`` … None works in this thread, one case after the other.
+    seed
+        Seed of the random streams.
+    errors
+        "keep" puts a :class:`BracketryError` in place of the result of a case that raised it.
 
-    Raises:
-        BracketryError: of the first case that raises one, unless they are kept.
+    Raises
+    ------
+    BracketryError
+        Of the first case that raises one, unless they are kept.
     """
+    if errors not in ("raise", "keep"):
+        raise BracketryError(f'errors is {errors!r}; it can be "raise" or "keep"')
     listed = list(cases)
     streams = [None] * len(listed) if seed is None else np.random.SeedSequence(seed).spawn(len(listed))
     keep = errors == "keep"
