@@ -82,3 +82,14 @@ def test_numbers_are_those_of_the_command_line(slider, measured, tmp_path, comma
 def test_data_that_do_not_fit_are_refused(slider, data, message) -> None:
     with pytest.raises(BracketryError, match=message):
         diagnose(slider, data)
+
+
+def test_a_trajectory_stands_for_its_inputs_and_outputs() -> None:
+    """Also where an output is a state by another name: a sensor gives one of them."""
+    system = System(states=["x", "v"], inputs=["u"], dynamics={"x": "v", "v": "u - 0.5*v"}, outputs={"place": "x"})
+    t = np.arange(0, 6, 0.01)
+    run = simulate(system, inputs={"t": t, "u": np.sin(2 * t) + 0.5 * np.sin(5 * t)}, hold="linear")
+    assert set(run.measurements()) == {"t", "u", "place"}
+    assert "place  from" in diagnose(system, run, hold="linear").text
+    stateful = System(states=["x"], dynamics={"x": "-x"})
+    assert set(simulate(stateful, 1.0, x0=[1.0]).measurements()) == {"t", "x"}

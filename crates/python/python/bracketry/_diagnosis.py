@@ -9,7 +9,7 @@ from typing import Any, Literal
 from . import _native
 from ._native import BracketryError, Page
 from ._result import Result, fields_of, parsed
-from ._simulation import Hold
+from ._simulation import Hold, Trajectory
 from ._system import System, model_of
 from ._tables import Floats, Table, columns_of, path_of
 from ._text import listed, whole
@@ -158,7 +158,7 @@ def diagnose(
 ) -> Diagnosis:
     """Finds what a model gets wrong in measured data.
 
-    A run is a file (CSV or NPZ), a mapping of arrays, a DataFrame or a :class:`Trajectory`, with a column ``t`` in seconds, one
+    A run is a file (CSV or NPZ), a mapping of arrays, a DataFrame or a :class:`Trajectory` (its inputs and outputs), with a column ``t`` in seconds, one
     for each input and one for each measured state or output; NaN in a measured column is a lost value.
 
     Parameters
@@ -242,5 +242,6 @@ def _runs(runs: Any, what: str) -> list[str | tuple[str, dict[str, Floats]]]:
     for k, run in enumerate(listed, start=1):
         path = path_of(run)
         name = f"{what} {k}" if len(listed) > 1 else what
-        taken.append(path if path is not None else (name, columns_of(run, name)))
+        columns = run.measurements() if isinstance(run, Trajectory) else None
+        taken.append(path if path is not None else (name, columns or columns_of(run, name)))
     return taken

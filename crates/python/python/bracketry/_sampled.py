@@ -44,7 +44,7 @@ class Sampled(Result):
         raise KeyError(f"there is no column `{name}`; there are {known}")
 
     def columns(self) -> dict[str, Floats]:
-        """All columns by name, as :func:`diagnose` takes them.
+        """All columns by name.
 
         Columns of which nothing is known are left out. NaN follows where an input has no value at the last time.
         """

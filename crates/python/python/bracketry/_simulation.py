@@ -65,6 +65,15 @@ class Trajectory(Sampled):
     def _blocks(self) -> list[tuple[list[str], Floats]]:
         return [*super()._blocks(), (self.output_names, self.outputs)]
 
+    def measurements(self) -> dict[str, Floats]:
+        """Times, inputs and what sensors would give, by name: the outputs, or the states where the model has no outputs.
+
+        This is what :func:`diagnose` takes of a trajectory.
+        """
+        states = [] if self.output_names else self.state_names
+        kept = {"t", *self.input_names, *self.output_names, *states}
+        return {name: column for name, column in self.columns().items() if name in kept}
+
 
 def simulate(
     system: System,
