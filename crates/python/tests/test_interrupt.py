@@ -40,6 +40,9 @@ WORK = {
                    "y": np.cumsum(rng.normal(size=t.size)) * 1e-2}
         work = lambda: diagnose(s, columns)
     """,
+    "plate": """
+        work = lambda: bracketry.plate.run(1, model="area", seconds=5000.0, sample=0.02)
+    """,
 }
 
 

@@ -16,6 +16,7 @@ from ._native import BracketryError
 from ._result import fields_of, parsed, real
 from ._sampled import Sampled
 from ._tables import Floats, Table, real_array, table_text
+from ._text import number
 
 __all__ = ["Comparison", "Deviation", "PlateRun", "run"]
 
@@ -196,24 +197,27 @@ def run(
         raise BracketryError(f'motion is {motion!r}; it can be "formula" or "log"')
     if motion == "log" and compare is None:
         raise BracketryError('motion="log": there is no log; give one as `compare`')
-    number, scenario = _experiment(experiment)
+    chosen, scenario = _experiment(experiment)
     polygon = None if shape is None or isinstance(shape, str) else _vertices(shape)
-    options = {
-        "experiment": number,
+    numbers = {
         "omega": omega,
-        "model": model,
-        "shape": shape if isinstance(shape, str) else None,
         "thickness": thickness,
         "mass": mass,
         "mu": mu,
-        "friction": friction,
-        "start": None if start is None else _start(start),
         "seconds": seconds,
         "points": points,
         "dt": dt,
         "restitution": restitution,
-        "jumps": jumps,
         "sample": sample,
+    }
+    options = {
+        "experiment": chosen,
+        "model": model,
+        "shape": shape if isinstance(shape, str) else None,
+        "friction": friction,
+        "start": None if start is None else _start(start),
+        "jumps": jumps,
+        **{name: None if value is None else float(number(value, name)) for name, value in numbers.items()},
     }
     log = None if compare is None else table_text(compare, "compare")
     answer = _native.run_plate(options, scenario=scenario, polygon=polygon, log=log, driven_by_log=motion == "log")
