@@ -1,4 +1,10 @@
-//! Sessions at the command line that a document shows: commands, and the lines printed below them.
+//! What a document shows: blocks of a kind, and sessions at the command line, commands with the lines printed below them.
+
+/// The blocks of a kind.
+pub(crate) fn blocks(document: &str, kind: &str) -> Vec<String> {
+    let fence = format!("```{kind}\n");
+    document.split(&fence).skip(1).map(|part| part.split("```").next().unwrap().to_owned()).collect()
+}
 
 /// Commands and the lines shown below them; the blocks are fenced as `console`.
 pub(crate) fn sessions(document: &str) -> Vec<(Vec<String>, Vec<String>)> {
