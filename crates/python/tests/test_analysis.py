@@ -104,3 +104,11 @@ def test_the_report_is_the_text(models) -> None:
     assert str(analysis) == analysis.text
     assert analysis._repr_markdown_() == analysis.markdown
     assert "<pre>" in analysis._repr_html_()
+
+
+def test_a_point_without_names_is_the_origin() -> None:
+    system = System(states=["x", "v"], inputs=["u"], dynamics={"x": "v", "v": "u - sin(x)"})
+    assert analyze(system).at_point is None
+    origin = analyze(system, at={}).at_point
+    assert origin == analyze(system, at={"x": 0, "u": 0}).at_point
+    assert origin is not None and origin.linear_controllability_rank == 2

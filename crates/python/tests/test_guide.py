@@ -1,4 +1,4 @@
-"""Every block of Python in the guide runs, one after the other."""
+"""Every block of Python in the guide runs, one after the other, and so does that of the README."""
 
 import re
 
@@ -6,13 +6,23 @@ import pytest
 from conftest import ROOT
 
 
-def test_the_guide_runs(tmp_path, monkeypatch) -> None:
-    pytest.importorskip("sympy")
-    monkeypatch.chdir(tmp_path)
-    text = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+def run_blocks(document: str) -> int:
+    """Runs the blocks of Python in a document one after the other; gives their number."""
+    text = (ROOT / document).read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    assert len(blocks) >= 7
     names: dict = {"__name__": "guide"}
     for block in blocks:
         exec(compile(block, block.strip().partition("\n")[0], "exec"), names)
+    return len(blocks)
+
+
+def test_the_readme_runs(capsys) -> None:
+    assert run_blocks("README.md") == 1
+    assert "equilibrium" in capsys.readouterr().out
+
+
+def test_the_guide_runs(tmp_path, monkeypatch) -> None:
+    pytest.importorskip("sympy")
+    monkeypatch.chdir(tmp_path)
+    assert run_blocks("docs/python.md") >= 7
     assert (tmp_path / "growth.png").exists() and (tmp_path / "diagnosis.html").exists()

@@ -155,7 +155,8 @@ def analyze(
     system
         The model.
     at
-        Point of local statements in place of the model's, such as ``{"th": "pi/2"}``; what is not named is 0.
+        Point of local statements in place of the model's, such as ``{"th": "pi/2"}``; what is not named is 0, so that ``{}`` is
+        the origin.
     brackets
         Brackets to write out, such as ``"[g1,[f,g1]]"``.
     determines
@@ -167,7 +168,9 @@ def analyze(
         If no affine form is found, or for a point, bracket or function that cannot be read.
     """
     if isinstance(at, Mapping):
-        at = ", ".join(f"{name_of(k, 'at')}={expression(v, 'at')}" for k, v in at.items())
+        # Without any name it is the origin.
+        named = {name_of(k, "at"): v for k, v in at.items()} or {model_of(system).states[0]: 0}
+        at = ", ".join(f"{name}={expression(value, 'at')}" for name, value in named.items())
     functions = [expression(f, "determines") for f in listed(determines, "determines")]
     answer = _native.analyze(model_of(system), at, listed(brackets, "brackets"), functions)
     data = parsed(answer["json"])
