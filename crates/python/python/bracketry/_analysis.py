@@ -162,6 +162,10 @@ def analyze(
     determines
         Functions of states and parameters: do the outputs determine them while the parameters are unknown?
 
+    Returns
+    -------
+    Analysis
+
     Raises
     ------
     BracketryError
@@ -194,6 +198,10 @@ def analyze(
 
 def affinize(system: System) -> Affinization:
     """Makes a model affine in its inputs, by new inputs, feedback, integrators or new states.
+
+    Returns
+    -------
+    Affinization
 
     Raises
     ------

@@ -67,6 +67,10 @@ def control(
     seed
         Seed of the measurement noise in place of the problem's.
 
+    Returns
+    -------
+    ClosedLoop
+
     Raises
     ------
     BracketryError

@@ -186,6 +186,10 @@ def diagnose(
     threads
         Threads to work with, all of the machine if left out. Results do not depend on them.
 
+    Returns
+    -------
+    Diagnosis
+
     Raises
     ------
     BracketryError

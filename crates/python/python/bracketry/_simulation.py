@@ -118,6 +118,10 @@ def simulate(
     atol
         Absolute tolerance, 1e-11 if left out.
 
+    Returns
+    -------
+    Trajectory
+
     Raises
     ------
     BracketryError

@@ -47,6 +47,11 @@ def sweep(
     errors
         "keep" puts a :class:`BracketryError` in place of the result of a case that raised it.
 
+    Returns
+    -------
+    list
+        What the function gave, in the order of the cases.
+
     Raises
     ------
     BracketryError

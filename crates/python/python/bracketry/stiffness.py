@@ -184,6 +184,10 @@ def identify(data: Table, robot: str | PathLike[str], *, keep_outliers: bool = F
     keep_outliers
         Use all measurements as they are.
 
+    Returns
+    -------
+    Identification
+
     Raises
     ------
     BracketryError
@@ -225,6 +229,10 @@ def compensate(
         Stiffness of the process in N/m, in all directions or along x, y, z of the base: whether the loop
         through it is stable.
 
+    Returns
+    -------
+    Compensation
+
     Raises
     ------
     BracketryError
@@ -262,6 +270,10 @@ def choose_poses(candidates: Table, robot: str | PathLike[str], *, count: int = 
     count
         Measurements to choose.
 
+    Returns
+    -------
+    ChosenPoses
+
     Raises
     ------
     BracketryError
@@ -296,6 +308,10 @@ def weigh(readings: Table, robot: str | PathLike[str]) -> Weighing:
         A CSV file, a mapping of arrays or a DataFrame.
     robot
         A robot file with a sensor, or its text.
+
+    Returns
+    -------
+    Weighing
 
     Raises
     ------
