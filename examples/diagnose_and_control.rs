@@ -15,7 +15,7 @@ use anyhow::Context;
 use bracketry::diagnose::{Record, RecordSettings, Settings, diagnose};
 use bracketry::mpc::{ControlProblem, ControlRun, Plant};
 use bracketry::plate::{HiddenEffect, LogSettings, multisine, plate_log};
-use bracketry::plot::{Color, Dash, Drawing, Panel, Series, TimeSeries};
+use bracketry::plot::{Dash, Drawing, Panel, Role, Series, TimeSeries};
 use bracketry::system::System;
 use bracketry::{AreaLoopPlant, target_of};
 use clap::Parser;
@@ -44,6 +44,7 @@ struct Options {
 struct Move {
     /// Name of the model that planned it.
     model: &'static str,
+    role: Role,
     problem: ControlProblem,
     /// The states under the plan's inputs, played without looking.
     played: Vec<Vec<f64>>,
@@ -52,7 +53,7 @@ struct Move {
 
 impl Move {
     /// The reference move, half a second longer, to see that the object stays.
-    fn new(name: &'static str, model: &System, effect: HiddenEffect, settings: &LogSettings) -> anyhow::Result<Self> {
+    fn new((name, role): (&'static str, Role), model: &System, effect: HiddenEffect, settings: &LogSettings) -> anyhow::Result<Self> {
         let text = include_str!("../models/plate_move.toml");
         let mut problem = ControlProblem::parse("plate_move.toml", text, |_| Ok(model.clone()))?;
         problem.samples += 25;
@@ -69,7 +70,7 @@ impl Move {
             plant.step(*t, &mut x, u, problem.ocp.dt).map_err(anyhow::Error::from_boxed)?;
             played.push(x);
         }
-        Ok(Self { model: name, problem, played, run })
+        Ok(Self { model: name, role, problem, played, run })
     }
 
     /// Distance (mm) and turn (deg) that are left at the end of a way.
@@ -102,9 +103,10 @@ fn main() -> anyhow::Result<()> {
         let causes: Vec<String> = report.causes.iter().map(|c| c.name.to_string()).collect();
         let found = if causes.is_empty() { report.verdict.to_string() } else { causes.join(", ") };
         let mut moves = Vec::new();
-        let models = [("as given", Some(&nominal)), ("extended", report.evidence.model.as_ref().map(|m| &m.system))];
-        for (name, model) in models.into_iter().filter_map(|(name, model)| Some((name, model?))) {
-            let tried = Move::new(name, model, effect, &settings)?;
+        let extended = report.evidence.model.as_ref().map(|m| &m.system);
+        let models = [("as given", Role::Given, Some(&nominal)), ("extended", Role::Extended, extended)];
+        for (name, role, model) in models.into_iter().filter_map(|(name, role, model)| Some((name, role, model?))) {
+            let tried = Move::new((name, role), model, effect, &settings)?;
             let ([plan, plan_turn], [distance, turn]) =
                 (tried.missed(&tried.played), tried.missed(&tried.run.closed_loop.x));
             println!(
@@ -126,18 +128,16 @@ fn draw(kind: &str, moves: &[Move]) -> anyhow::Result<Drawing> {
     let mut chart =
         TimeSeries::new().title(format!("The reference move; hidden in the plant: {}", kind.replace('_', " ")));
     let targets = moves.first().map_or([0.0; 3], |m| target_of(&m.problem));
-    let axes = [("x, mm", 1e3), ("y, mm", 1e3), ("yaw, deg", 1f64.to_degrees())];
+    let axes = [("x [mm]", 1e3), ("y [mm]", 1e3), ("φ [°]", 1f64.to_degrees())];
     for (index, (label, scale)) in axes.into_iter().enumerate() {
         let mut panel = Panel::new(label).target(scale * targets[index]);
-        for (color, Move { model, played, run, .. }) in moves.iter().enumerate() {
+        for Move { model, role, played, run, .. } in moves {
             for (what, way, dash) in
-                [("plan alone", played, Dash::Dashed), ("closed loop", &run.closed_loop.x, Dash::Solid)]
+                [("plan alone", played, Dash::Dotted), ("closed loop", &run.closed_loop.x, role.dash())]
             {
                 let values: Vec<f64> = way.iter().map(|x| scale * x[index]).collect();
-                // One legend for all panels.
-                let name = if index == 0 { format!("model {model}, {what}") } else { String::new() };
-                let series = Series::new(name, run.closed_loop.t.clone(), values);
-                panel = panel.series(series.color(Color::series(color)).dash(dash));
+                let series = Series::new(format!("model {model}, {what}"), run.closed_loop.t.clone(), values);
+                panel = panel.series(series.role(*role).dash(dash));
             }
         }
         chart = chart.panel(panel);

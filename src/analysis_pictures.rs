@@ -12,7 +12,7 @@ const MOST_ROWS: usize = 60;
 const DRIFT: &str = "the drift f";
 const SWITCHING: &str = "a difference of drifts: switching";
 const SEVERAL: &str = "fields of several inputs";
-const UNNAMED: &str = "a bracket at the point";
+const UNNAMED: &str = "a direction at the point; its bracket is not named";
 const NEVER: &str = "in no bracket";
 
 impl Analysis {
@@ -22,7 +22,9 @@ impl Analysis {
         let mut chart = TileChart::new()
             .title(format!("Directions opened by brackets, {}", self.model))
             .category(DRIFT, Color::band(2));
-        for (i, u) in inputs.iter().enumerate().take(OWN_COLORS) {
+        // With many inputs they are one category.
+        let own = if inputs.len() > OWN_COLORS { 1 } else { inputs.len() };
+        for (i, u) in inputs.iter().enumerate().take(own) {
             let color = [Color::band(0), Color::band(1), Color::band(3)][i];
             chart = chart.category(field_of(&inputs, i, u), color);
         }
@@ -40,7 +42,7 @@ impl Analysis {
             chart = chart.grid(staircase(&mode_title(first, &report.modes), &first.dimensions, n, &inputs));
         }
         if let Some(s) = &report.switched {
-            chart = chart.grid(staircase("all modes together", &s.dimensions, n, &inputs));
+            chart = chart.grid(staircase("all modes together; f(k), g(k): fields in mode k", &s.dimensions, n, &inputs));
         }
         if let Some(s) = &report.smoothed {
             chart = chart.grid(staircase(&format!("smoothed, width {}", s.epsilon), &s.dimensions, n, &inputs));
@@ -113,7 +115,12 @@ fn staircase(title: &str, d: &Dimensions, n: usize, inputs: &[String]) -> TileGr
     for (k, &dimension) in d.growth.iter().enumerate() {
         for row in below..dimension {
             let name = d.basis.get(row).map_or("", String::as_str);
-            grid = grid.tile(k, n - 1 - row, category(name, inputs), name);
+            let label = match (name, k) {
+                ("", 0) => "a field".to_owned(),
+                ("", _) => format!("{} letters", k + 1),
+                _ => name.to_owned(),
+            };
+            grid = grid.tile(k, n - 1 - row, category(name, inputs), label);
         }
         below = dimension.max(below);
     }

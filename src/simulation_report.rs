@@ -12,7 +12,7 @@ use serde_json::{Map, Value};
 use crate::friction_bands::{friction_bands, friction_colors};
 use crate::{Run, SampledScenario, Scenario};
 
-/// A column that stays below this is drawn as zero.
+/// Rounding on a sticking surface, which is not worth an axis of its own.
 const ROUNDING: f64 = 1e-13;
 /// Plot panels of outputs are drawn up to this many.
 const MAX_OUTPUT_PANELS: usize = 6;
@@ -196,23 +196,33 @@ impl Run {
     /// [`PlotError`] for numbers that no axis holds.
     pub fn figure(&self, system: &System, scenario: &Scenario) -> Result<Drawing, PlotError> {
         let mut chart = friction_colors(TimeSeries::new()).title(system.name.clone());
-        // Rounding on a sticking surface is not worth an axis of its own.
-        let series = |k: usize, rows: &[Vec<f64>]| {
+        let panel = |label: String, k: usize, rows: &[Vec<f64>]| {
             let values: Vec<f64> = rows.iter().map(|r| r[k]).collect();
-            let drawn = if values.iter().all(|v| v.abs() < ROUNDING) { vec![0.0; values.len()] } else { values };
-            Series::new("", self.times.clone(), drawn)
+            Panel::new(label).rounding(ROUNDING).series(Series::new("", self.times.clone(), values))
+        };
+        // An output that is a state or an input has its name beside that one's, and no panel of its own.
+        let inputs = input_columns(system, scenario);
+        let drawn = |node: Node| {
+            let mut symbols = system.states.iter().chain(inputs.iter().map(|(k, _)| &system.inputs[*k]));
+            symbols.any(|s| node == Node::Sym(*s))
+        };
+        let (renamed, outputs): (Vec<_>, Vec<_>) =
+            output_columns(system).into_iter().partition(|(k, _)| drawn(system.pool.node(system.outputs[*k].1)));
+        let alias = |symbol| {
+            let same = renamed.iter().filter(|(k, _)| system.pool.node(system.outputs[*k].1) == Node::Sym(symbol));
+            same.fold(String::new(), |names, (_, name)| format!("{names} = {name}"))
         };
         for (k, name) in system.state_names().into_iter().enumerate() {
-            let panel = Panel::new(name.clone()).series(series(k, &self.states));
+            let panel = panel(format!("{name}{}", alias(system.states[k])), k, &self.states);
             chart = chart.panel(friction_bands(panel, &self.trajectory, &self.switches, &name));
         }
-        for (k, name) in input_columns(system, scenario) {
-            chart = chart.panel(Panel::new(format!("input {name}")).series(series(k, &self.inputs)));
+        for (k, name) in inputs {
+            let label = format!("input {name}{}", alias(system.inputs[k]));
+            chart = chart.panel(panel(label, k, &self.inputs));
         }
-        let outputs = output_columns(system);
         if outputs.len() <= MAX_OUTPUT_PANELS {
             for (k, name) in outputs {
-                chart = chart.panel(Panel::new(name).series(series(k, &self.outputs)));
+                chart = chart.panel(panel(name, k, &self.outputs));
             }
         }
         chart.draw()

@@ -1,13 +1,13 @@
 //! What was found, in pictures.
 
 use bracketry_diagnose::{Cause, ForceResidual, HeldOut, Place, Predicted, Report, ResidualAcceleration};
-use bracketry_plot::{BarChart, Color, Dash, IntervalChart, Panel, Series, TimeSeries, XyChart};
+use bracketry_plot::{BarChart, Color, IntervalChart, Panel, Role, Series, TimeSeries, XyChart};
 
 use super::Diagnosis;
 use crate::html::Figure;
 
-/// Names of the models in legends.
-const MODELS: [&str; 3] = ["as given", "refitted", "extended"];
+/// Names of the models in legends, and what they are.
+const MODELS: [(&str, Role); 3] = [("as given", Role::Given), ("refitted", Role::Refitted), ("extended", Role::Extended)];
 /// Measured columns that a figure has room for.
 const MOST_COLUMNS: usize = 4;
 /// Candidates that the ranking has room for.
@@ -24,9 +24,10 @@ const BINS: usize = 24;
 const FEWEST: usize = 5;
 
 /// What candidates are in the ranking.
-const NAMED: &str = "named";
-const RIVAL: &str = "cannot be told apart from a named one";
-const TRIED: &str = "tried";
+const NAMED: &str = "named as a cause, tried alone";
+const BESIDE: &str = "named as a cause, beside the other causes";
+const RIVAL: &str = "cannot be told apart from a cause, tried alone";
+const TRIED: &str = "not named, tried alone";
 /// Places that a figure has room for.
 const MOST_PLACES: usize = 12;
 
@@ -64,7 +65,8 @@ impl Diagnosis {
         let title = "What the equations of the refitted model miss over time";
         let mut chart = TimeSeries::new().title(title);
         for r in shown.iter().take(MOST_COLUMNS) {
-            let missing = Series::new("measured − modelled", r.times.clone(), r.values.clone()).color(Color::series(1));
+            let missing =
+                Series::new("measured − modelled", r.times.clone(), r.values.clone()).color(Role::Refitted.color());
             let panel = Panel::new(format!("missing in {0}′ [unit of {0}/s]", r.equation));
             chart = chart.panel(
                 panel
@@ -87,8 +89,15 @@ impl Diagnosis {
             return None;
         }
         let rivals: Vec<_> = self.report.causes.iter().flat_map(|c| &c.rivals).collect();
-        let mut chart = IntervalChart::new("share of the excess error that it takes away alone [%]")
-            .categories([NAMED, RIVAL, TRIED]);
+        let mut chart =
+            IntervalChart::new("excess error taken away [%]").categories([NAMED, BESIDE, RIVAL, TRIED]);
+        // One cause alone takes the same away beside the others.
+        let several = self.report.causes.len() > 1;
+        for c in self.report.causes.iter().filter(|_| several) {
+            if let Some(share) = c.share {
+                chart = chart.row(format!("{} in {}", c.name, c.equation).replace('_', " "), 100.0 * share, None, BESIDE);
+            }
+        }
         for c in candidates.iter().take(MOST_CANDIDATES) {
             let Some(share) = c.share else { continue };
             let rival = rivals.iter().any(|r| r.name == c.name && r.equation == c.equation && r.term == c.term);
@@ -107,8 +116,16 @@ impl Diagnosis {
         }
         Some(Figure {
             name: "candidates".to_owned(),
-            caption: "What was tried, each effect alone with all parameters refitted.".to_owned(),
-            drawing: chart.title("Candidates").draw(),
+            caption: format!(
+                "What was tried, each effect alone with all parameters refitted, and the interval of 95 %.{}",
+                if several {
+                    " Of several causes also what each takes away on held-out data from the model that has all the others: an effect \
+                     that is small or hidden alone may be large beside them."
+                } else {
+                    ""
+                }
+            ),
+            drawing: chart.title("How much of the error each cause explains").draw(),
         })
     }
 
@@ -118,11 +135,14 @@ impl Diagnosis {
         let names = gain.horizons_s.iter().map(|h| format!("{h} s"));
         let refitted = if gain.before == gain.as_given { None } else { Some(percent(&gain.before)) };
         let mut chart = BarChart::new("NRMSE [% of the column's standard deviation]", names)
-            .series(MODELS[0], percent(&gain.as_given));
+            
+            .series(MODELS[0].0, percent(&gain.as_given))
+            .role(MODELS[0].1);
         if let Some(refitted) = refitted {
-            chart = chart.series(MODELS[1], refitted);
+            chart = chart.series(MODELS[1].0, refitted).role(MODELS[1].1);
         }
-        let chart = chart.series(MODELS[2], percent(&gain.after)).category_label("prediction horizon");
+        let chart =
+            chart.series(MODELS[2].0, percent(&gain.after)).role(MODELS[2].1).category_label("prediction horizon");
         Some(Figure {
             name: "gain".to_owned(),
             caption: "Error of predictions on held-out data: the state is estimated from the past, then the model runs alone."
@@ -194,10 +214,10 @@ fn prediction(held_out: &HeldOut) -> Option<Figure> {
         let at = |f: &dyn Fn(usize) -> f64| known.iter().map(|&k| f(k)).collect::<Vec<f64>>();
         let t = at(&|k| times[k]);
         let line = |model: usize, y: Vec<f64>| {
-            let series = Series::new(MODELS[model], t.clone(), y).color(Color::series(model));
-            if model == 1 { series.dash(Dash::Dashed) } else { series }
+            let (name, role) = MODELS[model];
+            Series::new(name, t.clone(), y).role(role)
         };
-        let measured = Series::new("measured", t.clone(), at(&|k| m.values[p.start + k])).color(Color::INK);
+        let measured = Series::new("measured", t.clone(), at(&|k| m.values[p.start + k])).role(Role::Measured);
         let mut above = Panel::new(m.name.clone()).series(measured);
         let mut below = Panel::new(format!("{}: measured − predicted", m.name));
         for model in [1, 2] {
@@ -236,7 +256,7 @@ fn forces(held_out: &HeldOut) -> Vec<Figure> {
             };
             let mut panel = Panel::new(what);
             for (model, points) in [(1, &before), (2, &after)] {
-                let pale = Color::series(model).mix(Color(255, 255, 255), 0.65);
+                let pale = MODELS[model].1.color().mix(Color(255, 255, 255), 0.65);
                 let (x, y) = thinned(points);
                 panel = panel.series(Series::new("", x, y).points().color(pale));
             }
@@ -244,7 +264,8 @@ fn forces(held_out: &HeldOut) -> Vec<Figure> {
             for (model, points) in [(1, &before), (2, &after)] {
                 let (x, y) = means(points);
                 frame = frame.map(|range| y.iter().fold(range, |(low, high), v| (v.min(low), v.max(high))));
-                panel = panel.series(Series::new(format!("{}, mean", MODELS[model]), x, y).color(Color::series(model)));
+                let (name, role) = MODELS[model];
+                panel = panel.series(Series::new(format!("{name}, mean"), x, y).role(role));
             }
             if let Some((low, high)) = frame {
                 panel = panel.limits(low, high);

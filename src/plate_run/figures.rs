@@ -1,11 +1,15 @@
 //! Figures of an experiment on the plate.
 
-use bracketry_plot::{Color, Dash, Drawing, Panel, PlanView, PlotError, Pose, Scene, Series, TimeSeries, Trajectory};
+use bracketry_plot::{
+    Color, Dash, Drawing, Panel, PlanView, PlotError, Pose, Role, Scene, Series, TimeSeries, Trajectory,
+};
 
 use super::{PlateExperiment, PlateLog, PlateRow};
 use crate::outline;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Motions below this are rounding, in mm and degrees.
+const ROUNDING: f64 = 1e-9;
 
 impl PlateExperiment {
     /// Object, plate and contact against time.
@@ -58,7 +62,8 @@ fn targeted(ran: &PlateExperiment, panel: Panel, coordinate: usize, scale: f64) 
 fn motion(ran: &PlateExperiment) -> TimeSeries {
     let rows = &ran.run.rows;
     let panel = |label: &str, k: usize, scale: f64| {
-        targeted(ran, Panel::new(label).series(series("", rows, |r| scale * r.state[k])), k, scale)
+        let line = series("", rows, |r| scale * r.state[k]);
+        targeted(ran, Panel::new(label).rounding(ROUNDING).series(line), k, scale)
     };
     let plain = |label: &str, value: &dyn Fn(&PlateRow) -> f64| Panel::new(label).series(series("", rows, value));
     let mut chart = TimeSeries::new()
@@ -84,8 +89,9 @@ fn overlay(ran: &PlateExperiment, log: &PlateLog) -> TimeSeries {
             log.t.iter().zip(logged).filter(|(t, _)| (from..=to).contains(*t)).map(|(t, v)| (*t, scale * v)).collect();
         let (t, v): (Vec<f64>, Vec<f64>) = kept.into_iter().unzip();
         let panel = Panel::new(label)
-            .series(Series::new("log", t, v).color(Color::ORANGE))
+            .series(Series::new("log", t, v).role(Role::Measured))
             .series(series(ran.setup.model.name(), rows, |r| scale * r.state[k]).color(Color::BLUE).dash(Dash::Dashed))
+            .rounding(ROUNDING)
             .height(170.0);
         targeted(ran, panel, k, scale)
     };
@@ -103,7 +109,7 @@ fn plan_view(ran: &PlateExperiment) -> PlanView {
     let path = Trajectory::new(ran.setup.model.name(), times, column(0), column(1), column(2));
     let mut scene = Scene::new("", outline(&ran.setup.object.shape)).trajectory(path).target(ran.target());
     if let Some(log) = &ran.log {
-        scene = scene.trajectory(Trajectory::new("log", &*log.t, &*log.x, &*log.y, &*log.phi));
+        scene = scene.trajectory(Trajectory::new("log", &*log.t, &*log.x, &*log.y, &*log.phi).role(Role::Measured));
     }
-    PlanView::new().title(format!("{}, seen from above in the frame of the plate", ran.title())).scene(scene)
+    PlanView::new().labels("x on the plate [m]", "y on the plate [m]").title(format!("{}, seen from above", ran.title())).scene(scene)
 }

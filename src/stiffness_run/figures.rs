@@ -46,7 +46,7 @@ impl Identification {
                 if beyond { "left out as outlier (beyond the frame: at its edge)" } else { "left out as outlier" };
             let shown = outliers.iter().map(|(x, y)| (x.clamp(-wide, wide), y.clamp(-high, high)));
             let (x, y): (Vec<f64>, Vec<f64>) = shown.unzip();
-            panel = panel.series(Series::new(name, x, y).points().color(Color::GREY)).limits(-high, high);
+            panel = panel.series(Series::new(name, x, y).crosses().color(Color::INK)).limits(-high, high);
         }
         let title = format!("Translation of the tool point, {}: {}", self.robot, self.trusted);
         (!kept.is_empty()).then(|| XyChart::new("predicted [mm]", panel).title(title).draw())

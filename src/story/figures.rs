@@ -1,8 +1,8 @@
 //! The figures and animations of the story.
 
-use bracketry_plate::Shape;
+use bracketry_plate::{AreaOutcome, Shape};
 use bracketry_plot::{
-    Animation, Color, Dash, Drawing, Interval, Outline, Panel, PlanView, PlotError, Pose, Scene, Series, Snapshot,
+    Animation, Color, Dash, Drawing, Interval, Outline, Panel, PlanView, PlotError, Pose, Role, Scene, Series, Snapshot,
     TimeSeries, Trajectory,
 };
 
@@ -52,6 +52,16 @@ impl Columns {
     }
 }
 
+/// What becomes of the object where contact over its footprint ends, as a mark in figures has room for.
+fn end_of_contact(stopped: Option<&AreaOutcome>) -> Option<&'static str> {
+    match stopped? {
+        AreaOutcome::Finished => None,
+        AreaOutcome::Tipping { .. } => Some("tips"),
+        AreaOutcome::LiftOff { .. } => Some("lifts off"),
+        AreaOutcome::NotFinite { .. } => Some("state no longer finite"),
+    }
+}
+
 /// The contour of an object in pictures.
 pub fn outline(shape: &Shape) -> Outline {
     match *shape {
@@ -80,9 +90,9 @@ impl MoveOnEquations {
         let run = &together.run.closed_loop;
         let input = |k: usize| {
             let u: Vec<f64> = run.u.iter().map(|u| u[k]).collect();
-            Series::new("", run.t[..u.len()].to_vec(), u).step()
+            Series::new("", run.t[..u.len()].to_vec(), u).color(Role::Given.color()).step()
         };
-        let panel = |label: &str, k: usize, scale: f64| Panel::new(label).series(c.line("", k, scale));
+        let panel = |label: &str, k: usize, scale: f64| Panel::new(label).series(c.line("", k, scale).color(Role::Given.color()));
         let friction = |panel: Panel, switch: &str| {
             friction_bands(panel, &together.recording.trajectory, &together.switches, switch)
         };
@@ -114,8 +124,8 @@ impl MoveOnEquations {
         let steps = Columns::of_simulation(&self.two.trajectory, 5e-3);
         let panel = |label: &str, k: usize, scale: f64| {
             Panel::new(label)
-                .series(together.line("together (MPC)", k, scale))
-                .series(steps.line("two steps (published inputs)", k, scale).dash(Dash::Dashed))
+                .series(together.line("together (MPC)", k, scale).color(Role::Given.color()))
+                .series(steps.line("two steps (published inputs)", k, scale).color(Color::GREEN).dash(Dash::Dashed))
                 .target(target_of(&self.problem)[k] * scale)
         };
         let mut yaw = panel("φ [°]", 2, DEGREES);
@@ -138,14 +148,14 @@ impl MoveOnEquations {
 
     /// Seen from above, both ways side by side.
     fn plan_view(&self) -> PlanView {
-        let scene = |title: &str, name: &str, trajectory: &bracketry_sim::Trajectory| {
-            let path = Columns::of_simulation(trajectory, 5e-3).path(name);
+        let scene = |title: &str, name: &str, color: Color, trajectory: &bracketry_sim::Trajectory| {
+            let path = Columns::of_simulation(trajectory, 5e-3).path(name).color(color);
             Scene::new(title, outline(&self.shape)).trajectory(path).target(self.target())
         };
         PlanView::new()
-            .title("Seen from above, in the frame of the plate")
-            .scene(scene("Together", "MPC", &self.together.recording.trajectory))
-            .scene(scene("Two steps", "published inputs", &self.two.trajectory))
+            .title("Together and in two steps, seen from above in the frame of the plate")
+            .scene(scene("Together", "MPC", Role::Given.color(), &self.together.recording.trajectory))
+            .scene(scene("Two steps", "published inputs", Color::GREEN, &self.two.trajectory))
     }
 
     /// States at every millisecond.
@@ -183,28 +193,29 @@ impl Story {
             ),
             figure("plan_view", "Both ways seen from above; the object is drawn at intervals.", m.plan_view().draw()),
         ];
-        let on_plant = |moved: &MoveOnPlant, name: &str, title: &str| {
+        let on_plant = |moved: &MoveOnPlant, name: &str, title: &str, role: Role| {
             vec![
                 figure(
                     name,
                     "Closed loop and plan alone on the area-contact plant, beside what the controller's plan promised; the band is \
                      the tolerance of ± 2 mm and ± 2°.",
-                    against_plan(moved, title),
+                    against_plan(moved, title, role),
                 ),
                 figure(
                     &format!("{name}_plan_view"),
                     "The closed loop and the plan alone on the area-contact plant, seen from above.",
-                    self.plan_view(moved, title),
+                    self.plan_view(moved, &format!("{title}, seen from above"), role),
                 ),
             ]
         };
-        let third = on_plant(&self.as_published, "as_published", "The published model in control of the true plant");
+        let third =
+            on_plant(&self.as_published, "as_published", "The published model in control of the true plant", Role::Given);
         let mut fourth = self.diagnosis.figures();
         for f in &mut fourth {
             f.name = format!("diagnosis_{}", f.name);
         }
         let mut sixth = self.extended.as_ref().map_or_else(Vec::new, |moved| {
-            on_plant(moved, "extended", "The extended model in control of the true plant")
+            on_plant(moved, "extended", "The extended model in control of the true plant", Role::Extended)
         });
         if let Some(extended) = &self.extended {
             sixth.push(figure(
@@ -225,25 +236,37 @@ impl Story {
     /// [`PlotError`] for numbers that no axis holds.
     pub fn animations(&self) -> Result<Vec<StoryAnimation>, PlotError> {
         let mut moves = vec![
-            ("together", 2, "On the published equations", self.on_equations.states()),
-            ("as_published", 3, "On the true plant, with the published model", self.as_published.closed_loop.clone()),
+            ("together", 2, "On the published equations", self.animation(&self.on_equations.states(), None, Role::Given)),
+            (
+                "as_published",
+                3,
+                "On the true plant, with the published model",
+                self.animation_on_plant(&self.as_published, Role::Given),
+            ),
         ];
         if let Some(moved) = &self.extended {
-            moves.push(("extended", 6, "On the true plant, with the extended model", moved.closed_loop.clone()));
+            let animation = self.animation_on_plant(moved, Role::Extended);
+            moves.push(("extended", 6, "On the true plant, with the extended model", animation));
         }
         moves
             .into_iter()
-            .map(|(name, chapter, title, states)| {
-                let gif = self.animation(title, &states).gif()?;
+            .map(|(name, chapter, title, animation)| {
+                let gif = animation.title(title).gif()?;
                 Ok(StoryAnimation { name, chapter, title, gif })
             })
             .collect()
     }
 
-    fn animation(&self, title: &str, states: &[[f64; 10]]) -> Animation {
+    fn animation_on_plant(&self, moved: &MoveOnPlant, role: Role) -> Animation {
+        self.animation(&moved.closed_loop, end_of_contact(moved.stopped.as_ref()), role)
+    }
+
+    fn animation(&self, states: &[[f64; 10]], end: Option<&str>, role: Role) -> Animation {
         let target = self.on_equations.target();
         let reach = self.shape().rim(64).into_iter().map(|[x, y]| x.hypot(y)).fold(0.0, f64::max);
-        let snapshots = states.iter().enumerate().step_by(IMAGE).map(|(k, x)| Snapshot {
+        // The end belongs to it wherever it falls.
+        let shown = (0..states.len()).filter(|k| k % IMAGE == 0 || k + 1 == states.len());
+        let snapshots = shown.map(|k| (k, states[k])).map(|(k, x)| Snapshot {
             time: k as f64 * RESOLUTION,
             displacement: x[6],
             tilt: x[8],
@@ -252,25 +275,30 @@ impl Story {
             lean: 0.0,
             category: usize::from(x[3].hypot(x[4]) + reach * x[5].abs() > STICKS),
         });
-        Animation::new(outline(self.shape()), 0.005)
-            .title(title)
+        let animation = Animation::new(outline(self.shape()), 0.005)
+            .role(role)
             .target(target)
             .path(states.iter().enumerate().map(|(k, x)| (k as f64 * RESOLUTION, x[0], x[1])))
             .category("rests on the plate", Color::GREY)
             .category("slides", Color::ORANGE)
-            .snapshots(snapshots)
+            .snapshots(snapshots);
+        match end {
+            Some(what) => animation.end(format!("the object {what}")),
+            None => animation,
+        }
     }
 
-    fn plan_view(&self, moved: &MoveOnPlant, title: &str) -> Result<Drawing, PlotError> {
+    fn plan_view(&self, moved: &MoveOnPlant, title: &str, role: Role) -> Result<Drawing, PlotError> {
         let [x, y, phi] = target_of(&moved.problem);
-        let scene = |title: &str, states: &[[f64; 10]]| {
-            let path = Columns::of_states(states).path("");
+        let scene = |title: &str, states: &[[f64; 10]], stopped: Option<&AreaOutcome>| {
+            let mut path = Columns::of_states(states).path("").role(role);
+            path.end = end_of_contact(stopped).map(str::to_owned);
             Scene::new(title, outline(self.shape())).trajectory(path).target(Pose::new(x, y, phi))
         };
         PlanView::new()
             .title(title)
-            .scene(scene("Closed loop", &moved.closed_loop))
-            .scene(scene("Plan alone", &moved.plan_alone))
+            .scene(scene("Closed loop", &moved.closed_loop, moved.stopped.as_ref()))
+            .scene(scene("Plan alone", &moved.plan_alone, moved.plan_stopped.as_ref()))
             .draw()
     }
 }
@@ -295,30 +323,37 @@ fn pose_panels(moved: &MoveOnPlant, series: impl Fn(usize, f64) -> Vec<Series>) 
     axes.into_iter().enumerate().fold(TimeSeries::new(), |chart, (k, (label, scale, tolerance))| {
         let at = scale * target[k];
         let panel = Panel::new(label).target(at).target_band(at - tolerance, at + tolerance);
-        // One legend for all panels.
-        let named = k == 0;
-        let series = series(k, scale).into_iter().map(|s| if named { s } else { Series { name: String::new(), ..s } });
-        chart.panel(series.fold(panel, Panel::series))
+        chart.panel(series(k, scale).into_iter().fold(panel, Panel::series))
     })
 }
 
 /// The plan, what it does alone, and the closed loop.
-fn against_plan(moved: &MoveOnPlant, title: &str) -> Result<Drawing, PlotError> {
+fn against_plan(moved: &MoveOnPlant, title: &str, role: Role) -> Result<Drawing, PlotError> {
     let (closed, alone) = (Columns::of_states(&moved.closed_loop), Columns::of_states(&moved.plan_alone));
     let promised = |k: usize, scale: f64| {
         let plan = moved.run.plan.as_ref().map(|p| &p.trajectory)?;
         let t: Vec<f64> = (0..=plan.steps()).map(|i| i as f64 * moved.problem.ocp.dt).collect();
         let values: Vec<f64> = (0..=plan.steps()).map(|i| scale * plan.x(i)[k]).collect();
-        Some(Series::new("plan, as its model promises", t, values).color(Color::GREY))
+        Some(Series::new("plan, as its model promises", t, values).role(Role::Promised))
     };
     pose_panels(moved, |k, scale| {
         let mut all: Vec<Series> = promised(k, scale).into_iter().collect();
-        all.push(alone.line("plan alone, true plant", k, scale).color(Color::ORANGE).dash(Dash::Dashed));
-        all.push(closed.line("closed loop, true plant", k, scale).color(Color::BLUE));
+        let lines = [
+            (&alone, "plan alone, true plant", Dash::Dotted, &moved.plan_stopped),
+            (&closed, "closed loop, true plant", role.dash(), &moved.stopped),
+        ];
+        all.extend(lines.map(|(columns, name, dash, stopped)| {
+            ending(columns.line(name, k, scale).role(role).dash(dash), stopped.as_ref())
+        }));
         all
     })
     .title(title)
     .draw()
+}
+
+/// A line with a mark where contact over the footprint ended.
+fn ending(line: Series, stopped: Option<&AreaOutcome>) -> Series {
+    Series { end: end_of_contact(stopped).map(str::to_owned), ..line }
 }
 
 /// The closed loops with both models.
@@ -326,8 +361,8 @@ fn before_and_after(published: &MoveOnPlant, extended: &MoveOnPlant) -> Result<D
     let (before, after) = (Columns::of_states(&published.closed_loop), Columns::of_states(&extended.closed_loop));
     pose_panels(extended, |k, scale| {
         vec![
-            before.line("published model", k, scale).color(Color::VERMILLION).dash(Dash::Dashed),
-            after.line("extended model", k, scale).color(Color::BLUE),
+            ending(before.line("published model", k, scale).role(Role::Given), published.stopped.as_ref()),
+            ending(after.line("extended model", k, scale).role(Role::Extended), extended.stopped.as_ref()),
         ]
     })
     .title("Closed loop on the true plant, published and extended model")

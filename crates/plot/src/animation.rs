@@ -4,14 +4,14 @@ use std::path::Path;
 
 use crate::axes::{Axes, TICK_ROOM, Title, horizontal_scale, tick_width};
 use crate::canvas::{Align, Canvas, Dash, Look, Rect, Stroke, paint};
-use crate::color::Color;
+use crate::color::{Color, Role};
 use crate::decimate::{decimate, simplify};
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_increasing};
 use crate::gif_images::GifImages;
-use crate::legend::{Legend, Sample};
+use crate::legend::{Legend, Marker, Sample};
 use crate::panel::{COLUMN, TOLERANCE};
-use crate::plan_view::{Outline, Pose};
+use crate::motion::{Outline, Pose};
 use crate::stack::{BORDER, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, format_number, padded_range};
@@ -23,11 +23,12 @@ const PLAN_SHARE: f64 = 0.62;
 const TALLEST: f64 = 400.0;
 /// Smallest thickness of the object in the view from the side, in pixels.
 const THINNEST: f64 = 4.0;
+/// Hundredths of a second for which the last image stays, so that the end can be seen.
+const HOLD: u16 = 150;
 /// Snapshots from which the colours of the GIF are taken.
 const SAMPLE: usize = 8;
 
 const PLATE: Color = Color(240, 240, 240);
-const TRAIL: Color = Color::BLUE;
 
 /// The object and the plate at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,6 +79,8 @@ pub struct Animation {
     target: Option<Pose>,
     /// Time and place.
     path: Vec<(f64, f64, f64)>,
+    trail: Color,
+    end: Option<String>,
 }
 
 /// Ranges and scales that all images share.
@@ -102,6 +105,8 @@ impl Animation {
             snapshots: Vec::new(),
             target: None,
             path: Vec::new(),
+            trail: Color::BLUE,
+            end: None,
         }
     }
 
@@ -133,6 +138,20 @@ impl Animation {
         self
     }
 
+    /// Draws the path in the colour of a role.
+    #[must_use]
+    pub fn role(mut self, role: Role) -> Self {
+        self.trail = role.color();
+        self
+    }
+
+    /// Sets what happens at the end, such as `the object tips`: it stands beside the last time, and the object's place gets a cross.
+    #[must_use]
+    pub fn end(mut self, what: impl Into<String>) -> Self {
+        self.end = Some(what.into());
+        self
+    }
+
     /// Sets the pose to be reached.
     #[must_use]
     pub fn target(mut self, pose: Pose) -> Self {
@@ -149,7 +168,7 @@ impl Animation {
         self.draw(&self.layout(), index.min(self.snapshots.len() - 1))
     }
 
-    /// The GIF in real time (to a hundredth of a second per image), without end.
+    /// The GIF in real time (to a hundredth of a second per image), over and over; the last image stays for a while.
     ///
     /// # Errors
     /// As [`Self::image`].
@@ -164,10 +183,11 @@ impl Animation {
         let delay = (100.0 * step).round().clamp(2.0, 1000.0) as u16;
         let sampled = (0..SAMPLE.min(count)).map(|k| k * (count - 1) / SAMPLE.min(count).max(2).saturating_sub(1));
         let sample = sampled.map(|k| self.draw(&layout, k)?.pixmap(1)).collect::<Result<Vec<_>>>()?;
-        let mut images = GifImages::new(&sample, delay)?;
+        let mut images = GifImages::new(&sample)?;
         drop(sample);
         for k in 0..count {
-            images.push(&self.draw(&layout, k)?.pixmap(1)?)?;
+            let delay = if k + 1 == count { delay.saturating_add(HOLD) } else { delay };
+            images.push(&self.draw(&layout, k)?.pixmap(1)?, delay)?;
         }
         images.finish()
     }
@@ -239,7 +259,7 @@ impl Animation {
             self.categories.iter().enumerate().filter(|(k, _)| self.snapshots.iter().any(|s| s.category == *k));
         let mut entries: Vec<(Sample, String)> =
             occurring.map(|(_, (name, color))| (Sample::Patch(fill(*color)), name.clone())).collect();
-        entries.push((Sample::Line(Stroke::solid(TRAIL, 1.75), None), "path on the plate".to_owned()));
+        entries.push((Sample::Line(Stroke::solid(self.trail, 1.75), None), "path on the plate".to_owned()));
         entries.push((Sample::Heading(Color::INK), "heading".to_owned()));
         if self.target.is_some() {
             entries.push((Sample::Line(target_stroke(), None), "target".to_owned()));
@@ -271,7 +291,8 @@ impl Animation {
             layout.legend.draw(canvas, BORDER, legend_top)?;
             let bold = Look { bold: true, ..Look::PLAIN };
             let base = legend_top + layout.legend.height() + LINE;
-            canvas.text(&format!("t = {:.2} s", now.time), (layout.plan.rect.left, base), Align::Left, bold)?;
+            let end = self.end_at(index).map_or(String::new(), |what| format!(": {what}"));
+            canvas.text(&format!("t = {:.2} s{end}", now.time), (layout.plan.rect.left, base), Align::Left, bold)?;
             let over = layout.plan.rect.top - 6.0;
             let plan = format!(
                 "seen along the normal:  X = {} mm,  φ = {}°",
@@ -333,11 +354,20 @@ impl Animation {
         } else {
             self.path.iter().take_while(|p| p.0 <= now.time).map(|p| place((p.1, p.2))).collect()
         };
-        canvas.line(&simplify(&decimate(&trail, COLUMN), TOLERANCE), Stroke::solid(TRAIL, 1.75))?;
+        canvas.line(&simplify(&decimate(&trail, COLUMN), TOLERANCE), Stroke::solid(self.trail, 1.75))?;
         let tip = place(now.pose.place((nose, 0.0)));
         canvas.line(&[place((now.pose.x, now.pose.y)), tip], Stroke::solid(Color::INK, 1.5))?;
         canvas.disk(tip, 4.0, Color::INK)?;
-        canvas.disk(place((now.pose.x, now.pose.y)), 2.5, Color::INK)
+        let center = place((now.pose.x, now.pose.y));
+        match self.end_at(index) {
+            Some(_) => Marker::Cross.draw_rimmed(canvas, center),
+            None => canvas.disk(center, 2.5, Color::INK),
+        }
+    }
+
+    /// What happens at a snapshot: something at the last one only.
+    fn end_at(&self, index: usize) -> Option<&str> {
+        self.end.as_deref().filter(|_| index + 1 == self.snapshots.len())
     }
 
     /// The view along the axis: the plate as a line, the object on it as thick as it is (but to be seen).

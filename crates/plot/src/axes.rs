@@ -72,8 +72,6 @@ impl Axes {
             let base = self.page_y(*v) + CAP / 2.0 * SIZE;
             canvas.text(text, (r.left - TICK_GAP, base), Align::Right, Look::PLAIN)?;
         }
-        let factor_at = (r.left - TICK_GAP, r.top - 0.72 * SIZE);
-        canvas.text(&self.y.factor, factor_at, Align::Right, Look::PLAIN)?;
         let upright = Look { upright: true, ..Look::PLAIN };
         for (k, line) in label.iter().rev().enumerate() {
             let base = r.left - label_gap - 0.25 * SIZE - k as f64 * LINE;
@@ -90,7 +88,6 @@ impl Axes {
         for (v, text) in &self.x.ticks {
             canvas.text(text, (self.page_x(*v), base), Align::Center, Look::PLAIN)?;
         }
-        canvas.text(&self.x.factor, (r.right, base + LINE), Align::Right, Look::PLAIN)?;
         for (k, line) in label.iter().enumerate() {
             let at = (f64::midpoint(r.left, r.right), base + (k + 1) as f64 * LINE);
             canvas.text(line, at, Align::Center, Look::PLAIN)?;
@@ -105,9 +102,7 @@ fn grid() -> Stroke {
 
 /// Room that the tick labels of a vertical scale need left of the frame.
 pub(crate) fn tick_width(scale: &Scale) -> f64 {
-    let labels = scale.ticks.iter().map(|t| t.1.as_str());
-    let widest = labels.chain([scale.factor.as_str()]).map(|t| text::width(t, SIZE, false)).fold(0.0, f64::max);
-    widest + TICK_GAP
+    scale.ticks.iter().map(|t| text::width(&t.1, SIZE, false)).fold(0.0, f64::max) + TICK_GAP
 }
 
 /// The scale of a horizontal axis of `pixels` length with ticks `spacing` pixels apart, or farther where their labels

@@ -2,13 +2,13 @@
 
 use crate::axes::{Axes, Title, tick_width};
 use crate::canvas::{Align, Look, Rect, Stroke, paint};
-use crate::color::Color;
+use crate::color::{Color, Role};
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_lengths};
 use crate::legend::{Legend, Sample};
 use crate::stack::{BORDER, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
-use crate::ticks::{Scale, format_number, padded_range};
+use crate::ticks::{Scale, padded_range, three_digits};
 
 /// Height in pixels that names turned upright may take.
 const UPRIGHT_ROOM: f64 = 200.0;
@@ -37,6 +37,8 @@ pub struct BarChart {
     pub categories: Vec<String>,
     /// Name and values of each series, one value for each category.
     pub series: Vec<(String, Vec<f64>)>,
+    /// Colour of each series; `None` takes the next one of [`Color::series`].
+    pub colors: Vec<Option<Color>>,
 }
 
 impl BarChart {
@@ -48,6 +50,7 @@ impl BarChart {
             category_label: String::new(),
             categories: categories.into_iter().map(Into::into).collect(),
             series: Vec::new(),
+            colors: Vec::new(),
         }
     }
 
@@ -69,7 +72,21 @@ impl BarChart {
     #[must_use]
     pub fn series(mut self, name: impl Into<String>, values: impl Into<Vec<f64>>) -> Self {
         self.series.push((name.into(), values.into()));
+        self.colors.push(None);
         self
+    }
+
+    /// Gives the bars added last the colour of a role.
+    #[must_use]
+    pub fn role(mut self, role: Role) -> Self {
+        if let Some(last) = self.colors.last_mut() {
+            *last = Some(role.color());
+        }
+        self
+    }
+
+    fn color(&self, index: usize) -> Color {
+        self.colors.get(index).copied().flatten().unwrap_or_else(|| Color::series(index))
     }
 
     /// Draws the figure.
@@ -92,7 +109,7 @@ impl BarChart {
         let low = if self.series.iter().any(|s| s.1.iter().any(|v| *v < 0.0)) { low } else { 0.0 };
         let y = Scale::new(low, high, plot_height / 45.0, false);
 
-        let label = text::wrap_label(&self.value_label, plot_height);
+        let label = text::wrap_label(&y.label(&self.value_label), plot_height);
         let label_gap = tick_width(&y) + 8.0;
         let left = BORDER + label_gap + label.len() as f64 * SIZE * LEADING;
         let right = WIDTH - RIGHT;
@@ -111,12 +128,11 @@ impl BarChart {
         };
         let below = text::wrap(&self.category_label, right - left, SIZE, false, 3);
 
-        let entry = |(k, s): (usize, &(String, Vec<f64>))| (Sample::Patch(Color::series(k)), s.0.clone());
+        let entry = |(k, s): (usize, &(String, Vec<f64>))| (Sample::Bar(self.color(k), k), s.0.clone());
         let legend = Legend::new(self.series.iter().enumerate().map(entry).collect(), right - left);
         let title = Title::figure(&self.title, right - BORDER);
-        let factor_room = if y.factor.is_empty() { 0.0 } else { SIZE * LEADING + 4.0 };
         let legend_top = BORDER + title.height();
-        let top = legend_top + (legend.height() + 4.0).max(factor_room);
+        let top = legend_top + legend.height() + 4.0;
         let rect = Rect { left, top, right, bottom: top + plot_height };
         let height = rect.bottom + 0.5 * SIZE + names_room + below.len() as f64 * line + BORDER;
         let axes = Axes {
@@ -146,7 +162,7 @@ impl BarChart {
                         right: bar_left + 0.96 * bar,
                         bottom: end.max(zero),
                     };
-                    canvas.rect(body, Color::series(k))?;
+                    canvas.bar(body, self.color(k), k)?;
                     if label_bars {
                         let value = three_digits(values[g]);
                         let base = if values[g] < 0.0 { end + 0.95 * SIZE } else { end - 4.0 };
@@ -174,18 +190,4 @@ impl BarChart {
             axes.label_left(canvas, &label, label_gap)
         })
     }
-}
-
-/// `value` with up to three significant digits, whole numbers as they are.
-fn three_digits(value: f64) -> String {
-    let size = value.abs();
-    if size != 0.0 && !(1e-3..1e5).contains(&size) {
-        return format!("{value:.1e}").replace('-', "\u{2212}");
-    }
-    let decimals = if value == value.round() { 0 } else { (2 - size.log10().floor() as i32).max(0) as usize };
-    let text = format_number(value, decimals);
-    if decimals == 0 {
-        return text;
-    }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -57,7 +57,7 @@ impl Dash {
 }
 
 /// Colour, width in pixels and dashes of a line.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stroke {
     pub(crate) color: Color,
     pub(crate) width: f64,
@@ -214,17 +214,45 @@ impl Canvas<'_> {
 
     /// A grey rectangle with slanting lines: nothing is known there.
     pub(crate) fn hatch(&self, r: Rect) -> Result<()> {
-        const SPACING: f64 = 7.0;
         self.rect(r, Color(232, 232, 232))?;
-        let stroke = Stroke::solid(Color(150, 150, 150), 0.75);
-        // The lines x + y = k · SPACING run on from one rectangle to the next.
-        let first = ((r.left + r.top) / SPACING).ceil() as i64;
-        let last = ((r.right + r.bottom) / SPACING).floor() as i64;
+        self.slanting(r, 7.0, Stroke::solid(Color(150, 150, 150), 0.75))
+    }
+
+    /// The lines x + y = k · `spacing` inside a rectangle; they run on from one rectangle to the next.
+    fn slanting(&self, r: Rect, spacing: f64, stroke: Stroke) -> Result<()> {
+        let first = ((r.left + r.top) / spacing).ceil() as i64;
+        let last = ((r.right + r.bottom) / spacing).floor() as i64;
         (first..=last).try_for_each(|k| {
-            let sum = k as f64 * SPACING;
+            let sum = k as f64 * spacing;
             let (from, to) = ((sum - r.bottom).max(r.left), (sum - r.top).min(r.right));
             self.line(&[(from, sum - from), (to, sum - to)], stroke)
         })
+    }
+
+    /// A bar of series number `index`: full, with white slanting lines, with white level lines, and so on, so that neighbours are told
+    /// apart without their colours.
+    pub(crate) fn bar(&self, r: Rect, color: Color, index: usize) -> Result<()> {
+        const SPACING: f64 = 6.0;
+        self.rect(r, color)?;
+        let white = Stroke::solid(Color(255, 255, 255), 1.0);
+        match index % 3 {
+            1 => self.slanting(r, SPACING, white)?,
+            2 => {
+                let count = ((r.height() - 1.0) / SPACING).floor().max(0.0) as usize;
+                for k in 1..=count {
+                    let y = r.bottom - SPACING * k as f64;
+                    self.line(&[(r.left, y), (r.right, y)], white)?;
+                }
+            }
+            _ => {}
+        }
+        self.border(r, Stroke::solid(color, 1.0))
+    }
+
+    /// A triangle with its tip at `(x, y)`, upwards or downwards: something goes on beyond a frame there.
+    pub(crate) fn beyond(&self, (x, y): (f64, f64), upwards: bool, color: Color) -> Result<()> {
+        let down = if upwards { 9.0 } else { -9.0 };
+        self.polygon(&[(x, y), (x - 6.0, y + down), (x + 6.0, y + down)], color)
     }
 
     /// A small grey cross: nothing is known there.

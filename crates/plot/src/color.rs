@@ -1,4 +1,6 @@
-//! Colours that readers with any colour vision tell apart.
+//! Colours that readers with any colour vision tell apart, and what they stand for.
+
+use crate::canvas::Dash;
 
 /// An sRGB colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,12 +42,12 @@ impl Color {
         COLORS[index % COLORS.len()]
     }
 
-    /// The pale background of category number `index`.
+    /// The pale background of category number `index`; the first three differ in lightness too, for prints in grey.
     pub fn band(index: usize) -> Self {
         const COLORS: [Color; 6] = [
-            Color(219, 235, 247),
-            Color(253, 232, 213),
-            Color(228, 228, 228),
+            Color(226, 240, 250),
+            Color(251, 221, 193),
+            Color(206, 206, 206),
             Color(219, 240, 224),
             Color(241, 225, 237),
             Color(249, 243, 204),
@@ -66,5 +68,43 @@ impl Color {
         let pale = self.mix(Self(255, 255, 255), 0.68);
         let dark = self.mix(Self(0, 0, 0), 0.38);
         pale.mix(dark, s)
+    }
+}
+
+/// What a curve, a bar or a path stands for. It has one colour and one kind of line in all figures, so that nobody takes one model for
+/// another between two of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The model that was given, such as a published one.
+    Given,
+    /// The given model with its parameters fitted anew.
+    Refitted,
+    /// The given model with terms added.
+    Extended,
+    /// What was measured.
+    Measured,
+    /// What a model promises, before anything moves.
+    Promised,
+}
+
+impl Role {
+    /// Its colour.
+    pub fn color(self) -> Color {
+        match self {
+            Self::Given => Color::VERMILLION,
+            Self::Refitted => Color::PURPLE,
+            Self::Extended => Color::BLUE,
+            Self::Measured => Color::INK,
+            Self::Promised => Color::GREY,
+        }
+    }
+
+    /// Its kind of line, for prints in grey.
+    pub fn dash(self) -> Dash {
+        match self {
+            Self::Given => Dash::Dashed,
+            Self::Refitted => Dash::DashDot,
+            Self::Extended | Self::Measured | Self::Promised => Dash::Solid,
+        }
     }
 }

@@ -133,13 +133,13 @@ impl ColorScale {
     fn room(&self) -> f64 {
         let scale = self.ticks();
         let labels = scale.ticks.iter().map(|(v, text)| self.tick_label(*v, text));
-        let widest = labels.chain([scale.factor.clone()]).map(|t| text::width(&t, SIZE, false)).fold(0.0, f64::max);
+        let widest = labels.map(|t| text::width(&t, SIZE, false)).fold(0.0, f64::max);
         let label = if self.label.is_empty() { 0.0 } else { self.label_lines().len() as f64 * LINE + 4.0 };
         BAR_GAP + BAR + TICK_GAP + widest + label + BORDER
     }
 
     fn label_lines(&self) -> Vec<String> {
-        text::wrap_label(&self.label, HEIGHT)
+        text::wrap_label(&self.ticks().label(&self.label), HEIGHT)
     }
 
     fn draw(&self, canvas: &Canvas, frame: Rect) -> Result<()> {
@@ -163,8 +163,6 @@ impl ColorScale {
             canvas.text(&label, (bar.right + TICK_GAP, y + 0.365 * SIZE), Align::Left, Look::PLAIN)?;
         }
         canvas.border(bar, stroke)?;
-        canvas.text(&scale.factor, (bar.left, bar.top - 0.72 * SIZE), Align::Left, Look::PLAIN)?;
-        widest = widest.max(text::width(&scale.factor, SIZE, false) - BAR - TICK_GAP);
         let upright = Look { upright: true, ..Look::PLAIN };
         for (k, line) in self.label_lines().iter().enumerate() {
             let base = bar.right + TICK_GAP + widest + 4.0 + (k as f64 + 0.75) * LINE;
@@ -202,7 +200,7 @@ impl Field<'_> {
     }
 
     fn y_label(&self) -> Vec<String> {
-        text::wrap_label(&self.labels.y, HEIGHT)
+        text::wrap_label(&self.y_scale().label(&self.labels.y), HEIGHT)
     }
 
     /// Names of the marks, in the order in which they occur.
@@ -224,14 +222,12 @@ impl Field<'_> {
         let Rect { left, right, .. } = self.frame();
         let y = self.y_scale();
         let x = horizontal_scale(self.x, right - left, 85.0, false);
-        let x_label = text::wrap(&self.labels.x, right - left, SIZE, false, 3);
+        let x_label = text::wrap(&x.label(&self.labels.x), right - left, SIZE, false, 3);
         let title = Title::figure(&self.labels.title, WIDTH - BORDER - RIGHT);
         let names = self.mark_names();
         let marks = names.iter().enumerate().map(|(k, name)| (Sample::Mark(Marker::series(k)), (*name).to_owned()));
         let legend = Legend::new(self.entries.iter().cloned().chain(marks).collect(), WIDTH - left - BORDER);
-        let factors = !y.factor.is_empty() || self.scale.is_some_and(|s| !s.ticks().factor.is_empty());
-        let above = legend.height() + LEGEND_GAP + if factors { LINE } else { 0.0 };
-        let top = BORDER + title.height() + above;
+        let top = BORDER + title.height() + legend.height() + LEGEND_GAP;
         let rect = Rect { left, top, right, bottom: top + HEIGHT };
         let height = rect.bottom + TICK_ROOM + x_label.len().max(1) as f64 * LINE + BORDER;
         let axes = Axes { rect, x, y };

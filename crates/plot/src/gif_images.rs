@@ -24,14 +24,12 @@ pub(crate) struct GifImages {
     /// The image before, in palette entries.
     before: Vec<u8>,
     width: u16,
-    /// Hundredths of a second per image.
-    delay: u16,
 }
 
 impl GifImages {
     /// An endless loop of images like those of `sample`, from which the palette is taken: the most frequent colours
     /// that are not too much alike.
-    pub(crate) fn new(sample: &[Pixmap], delay: u16) -> Result<Self> {
+    pub(crate) fn new(sample: &[Pixmap]) -> Result<Self> {
         let Some(first) = sample.first() else {
             return Err(PlotError::NoContent { missing: "snapshot" });
         };
@@ -43,11 +41,11 @@ impl GifImages {
         table.resize(3 * (COLORS + 1), 0);
         let mut encoder = Encoder::new(Vec::new(), width, height, &table)?;
         encoder.set_repeat(Repeat::Infinite)?;
-        Ok(Self { encoder, palette, nearest: HashMap::new(), before: Vec::new(), width, delay })
+        Ok(Self { encoder, palette, nearest: HashMap::new(), before: Vec::new(), width })
     }
 
-    /// Adds the next image.
-    pub(crate) fn push(&mut self, image: &Pixmap) -> Result<()> {
+    /// Adds the next image, shown for `delay` hundredths of a second.
+    pub(crate) fn push(&mut self, image: &Pixmap, delay: u16) -> Result<()> {
         let (nearest, palette) = (&mut self.nearest, &self.palette);
         let entries: Vec<u8> =
             colors(image).map(|c| *nearest.entry(c).or_insert_with(|| closest(palette, c))).collect();
@@ -68,7 +66,7 @@ impl GifImages {
             buffer.extend(cells.map(|k| if changed(k) { entries[k] } else { UNCHANGED }));
         }
         self.encoder.write_frame(&Frame {
-            delay: self.delay,
+            delay,
             dispose: DisposalMethod::Keep,
             transparent: Some(UNCHANGED),
             left: left as u16,

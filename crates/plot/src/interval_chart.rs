@@ -129,7 +129,7 @@ impl IntervalChart {
         let entries = used.map(|(k, name)| (sample(k), (*name).to_owned())).collect();
         let legend = Legend::new(entries, right - BORDER);
         let title = Title::figure(&self.title, right - BORDER);
-        let label = text::wrap(&self.value_label, right - left, SIZE, false, 3);
+        let label = text::wrap(&x.label(&self.value_label), right - left, SIZE, false, 3);
         let legend_top = BORDER + title.height();
         let top = legend_top + legend.height() + LEGEND_GAP;
         let rect = Rect { left, top, right, bottom: top + ROW * self.rows.len() as f64 };

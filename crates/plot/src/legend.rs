@@ -20,6 +20,8 @@ pub(crate) enum Marker {
     Square,
     Triangle,
     Diamond,
+    /// Where something ends before its time.
+    Cross,
 }
 
 impl Marker {
@@ -37,7 +39,7 @@ impl Marker {
         self.draw_sized(canvas, at, 5.0, Color::INK)
     }
 
-    fn draw_sized(self, canvas: &Canvas, (x, y): (f64, f64), r: f64, color: Color) -> Result<()> {
+    pub(crate) fn draw_sized(self, canvas: &Canvas, (x, y): (f64, f64), r: f64, color: Color) -> Result<()> {
         match self {
             Self::Disk => canvas.disk((x, y), r, color),
             Self::Square => {
@@ -53,12 +55,17 @@ impl Marker {
                 let s = 1.25 * r;
                 canvas.polygon(&[(x - s, y), (x, y + s), (x + s, y), (x, y - s)], color)
             }
+            Self::Cross => {
+                let (s, stroke) = (r, Stroke::solid(color, 0.5 * r));
+                canvas.line(&[(x - s, y - s), (x + s, y + s)], stroke)?;
+                canvas.line(&[(x - s, y + s), (x + s, y - s)], stroke)
+            }
         }
     }
 }
 
 /// What stands before a name.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Sample {
     /// A line, perhaps with a marker on it.
     Line(Stroke, Option<Marker>),
@@ -66,8 +73,12 @@ pub(crate) enum Sample {
     Point(Marker, Color),
     /// A filled patch.
     Patch(Color),
-    /// A line going from pale to dark.
-    Ramp(Color),
+    /// The pattern of bar number so and so.
+    Bar(Color, usize),
+    /// A triangle that points out of a frame.
+    Beyond,
+    /// A line going from pale to dark, of this width.
+    Ramp(Color, f64),
     /// A dot.
     Dot(Color),
     /// A short line ending in a dot.
@@ -102,18 +113,22 @@ impl Sample {
                 }
             }
             Self::Point(marker, color) => marker.draw(canvas, (left + SAMPLE / 2.0, middle), color),
+            Self::Bar(color, index) => {
+                canvas.bar(Rect { left, top: middle - 6.0, right, bottom: middle + 6.0 }, color, index)
+            }
+            Self::Beyond => canvas.beyond((left + SAMPLE / 2.0, middle - 4.5), true, Color::INK),
             Self::Patch(color) => {
                 let patch = Rect { left, top: middle - 6.0, right, bottom: middle + 6.0 };
                 canvas.rect(patch, color)?;
                 canvas.border(patch, Stroke::solid(color.mix(Color::INK, 0.35), 0.5))
             }
-            Self::Ramp(color) => {
+            Self::Ramp(color, width) => {
                 let pieces = 7;
                 let at = |k: usize| left + SAMPLE * k as f64 / pieces as f64;
                 (0..pieces).try_for_each(|k| {
                     let shade = color.shade(k as f64 / (pieces - 1) as f64);
                     let piece = [(at(k), middle), (at(k + 1), middle)];
-                    canvas.line(&piece, Stroke::solid(shade, 4.0))
+                    canvas.line(&piece, Stroke::solid(shade, width))
                 })
             }
             Self::Dot(color) => canvas.disk((left + SAMPLE / 2.0, middle), 4.0, color),

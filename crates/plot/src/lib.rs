@@ -16,7 +16,7 @@
 //! | [`Animation`] | an object on a shaken and tilted plate, from above and from the side, as a GIF |
 //! | [`TileChart`] | [`TileGrid`]s of coloured, labelled tiles in named rows and columns |
 //!
-//! Lines with more points than the image has pixels are thinned so that no extreme is lost.
+//! What is the same thing in several figures, such as a model before and after, looks the same: [`Role`]. Lines with more points than the image has pixels are thinned so that no extreme is lost.
 
 mod animation;
 mod axes;
@@ -33,6 +33,7 @@ mod gif_images;
 mod heat_map;
 mod interval_chart;
 mod legend;
+mod motion;
 mod panel;
 mod plan_view;
 mod stack;
@@ -44,7 +45,7 @@ mod vector_field;
 pub use animation::{Animation, Snapshot};
 pub use bar_chart::BarChart;
 pub use canvas::Dash;
-pub use color::Color;
+pub use color::{Color, Role};
 pub use color_map::ColorMap;
 pub use drawing::{Drawing, Saved};
 pub use error::{PlotError, Result};
@@ -52,7 +53,8 @@ pub use field::Mark;
 pub use heat_map::{HeatMap, RegimeMap};
 pub use interval_chart::{Estimated, IntervalChart};
 pub use panel::{Interval, Level, Panel, Series};
-pub use plan_view::{Outline, PlanView, Pose, Scene, Trajectory};
+pub use motion::{Outline, Pose, Trajectory};
+pub use plan_view::{PlanView, Scene};
 pub use stack::{TimeSeries, XyChart};
 pub use tile_chart::{Tile, TileChart, TileGrid};
 pub use vector_field::{Arrow, VectorField};

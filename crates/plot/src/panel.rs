@@ -2,10 +2,11 @@
 
 use crate::axes::Axes;
 use crate::canvas::{Canvas, Dash, Rect, Stroke};
-use crate::color::Color;
+use crate::color::{Color, Role};
 use crate::decimate::{clip_to_strip, decimate, simplify};
 use crate::error::{Result, check_finite, check_interval, check_lengths};
 use crate::legend::{Marker, Sample};
+use crate::ticks::three_digits;
 
 /// Width of the columns by which long lines are thinned: one pixel of the PNG.
 pub(crate) const COLUMN: f64 = 0.5;
@@ -33,6 +34,10 @@ pub struct Series {
     pub markers: bool,
     /// Whether the points are joined by a line.
     pub line: bool,
+    /// Whether the markers are crosses: points that are put aside.
+    pub crosses: bool,
+    /// What happens at the last point, which gets a cross; none if it just ends.
+    pub end: Option<String>,
 }
 
 impl Series {
@@ -47,6 +52,8 @@ impl Series {
             step: false,
             markers: false,
             line: true,
+            crosses: false,
+            end: None,
         }
     }
 
@@ -61,6 +68,26 @@ impl Series {
     #[must_use]
     pub fn dash(mut self, dash: Dash) -> Self {
         self.dash = dash;
+        self
+    }
+
+    /// Sets colour and dashes to those of a role.
+    #[must_use]
+    pub fn role(self, role: Role) -> Self {
+        self.color(role.color()).dash(role.dash())
+    }
+
+    /// A cloud of crosses: points that are shown but put aside.
+    #[must_use]
+    pub fn crosses(mut self) -> Self {
+        self.crosses = true;
+        self.points()
+    }
+
+    /// Marks the last point with a cross, such as `tips` where a body tips and its line ends; the legend names it.
+    #[must_use]
+    pub fn end(mut self, what: impl Into<String>) -> Self {
+        self.end = Some(what.into());
         self
     }
 
@@ -85,6 +112,19 @@ impl Series {
         self
     }
 
+    /// Where the line leaves the range `(low, high)` for good, as a point on its end and whether that is the upper one; none if it ends
+    /// inside.
+    fn leaves(&self, (low, high): (f64, f64)) -> Option<((f64, f64), bool)> {
+        let inside = |v: f64| (low..=high).contains(&v);
+        let last = self.y.iter().rposition(|v| inside(*v)).filter(|_| self.line)?;
+        let (x, y, beyond) = (self.x[last], self.y[last], *self.y.get(last + 1)?);
+        let upwards = beyond > high;
+        let end = if upwards { high } else { low };
+        let next = self.x[last + 1];
+        let at = if self.step { next } else { x + (next - x) * (end - y) / (beyond - y) };
+        Some(((at, end), upwards))
+    }
+
     fn check(&self) -> Result<()> {
         check_lengths(&self.name, self.x.len(), self.y.len())?;
         check_finite(&self.name, &self.x)?;
@@ -101,7 +141,8 @@ impl Series {
     }
 
     fn marker(&self, index: usize) -> Option<Marker> {
-        self.markers.then(|| Marker::series(index))
+        let marker = if self.crosses { Marker::Cross } else { Marker::series(index) };
+        self.markers.then_some(marker)
     }
 }
 
@@ -158,6 +199,8 @@ pub struct Panel {
     pub intervals: Vec<Interval>,
     /// Range of the vertical axis; `None` fits it to the content.
     pub limits: Option<(f64, f64)>,
+    /// Differences below this are rounding: the vertical axis takes them for none.
+    pub rounding: f64,
     /// Height in figure pixels; `None` lets the figure choose.
     pub height: Option<f64>,
 }
@@ -173,6 +216,7 @@ impl Panel {
             target_band: None,
             intervals: Vec::new(),
             limits: None,
+            rounding: 0.0,
             height: None,
         }
     }
@@ -231,6 +275,13 @@ impl Panel {
         self
     }
 
+    /// Sets the size below which differences are rounding and get no axis of their own.
+    #[must_use]
+    pub fn rounding(mut self, size: f64) -> Self {
+        self.rounding = size;
+        self
+    }
+
     /// Sets the height in figure pixels (at least 60, at most 2000).
     #[must_use]
     pub fn height(mut self, pixels: f64) -> Self {
@@ -243,6 +294,7 @@ impl Panel {
         for level in self.targets.iter().chain(&self.bounds) {
             check_finite(&format!("{} of {}", level.name, self.label), &[level.value])?;
         }
+        check_finite(&format!("rounding of {}", self.label), &[self.rounding])?;
         check_finite(&format!("height of {}", self.label), self.height.as_slice())?;
         if let Some((low, high)) = self.target_band {
             check_interval(&format!("target band of {}", self.label), low, high)?;
@@ -258,7 +310,9 @@ impl Panel {
         let lines = self.series.iter().flat_map(|s| s.y.iter().copied());
         let levels = self.targets.iter().chain(&self.bounds).map(|l| l.value);
         let band = self.target_band.into_iter().flat_map(|(low, high)| [low, high]);
-        lines.chain(levels).chain(band)
+        let rounding = self.rounding;
+        let rounded = move |v: f64| if rounding > 0.0 { (v / rounding).round() * rounding } else { v };
+        lines.chain(levels).chain(band).map(rounded)
     }
 
     /// All abscissas that the horizontal axis should show.
@@ -267,7 +321,7 @@ impl Panel {
         lines.chain(self.intervals.iter().flat_map(|i| [i.start, i.end]))
     }
 
-    /// Legend of the lines.
+    /// Legend of the lines and of the marks on them.
     pub(crate) fn entries(&self) -> Vec<(Sample, String)> {
         let entry = |(k, s): (usize, &Series)| {
             let sample = match s.marker(k) {
@@ -276,7 +330,21 @@ impl Panel {
             };
             (sample, s.name.clone())
         };
-        self.series.iter().enumerate().map(entry).collect()
+        self.series.iter().enumerate().map(entry).chain(self.marks()).collect()
+    }
+
+    /// Names of the marks on the lines with their samples.
+    fn marks(&self) -> Vec<(Sample, String)> {
+        let ends = self.series.iter().filter_map(|s| s.end.clone());
+        let mut marks: Vec<_> = ends.map(|what| (Sample::Mark(Marker::Cross), what)).collect();
+        marks.dedup();
+        if let Some(limits) = self.limits {
+            for series in self.series.iter().filter(|s| s.leaves(limits).is_some()) {
+                let to = series.y.last().map_or(String::new(), |v| format!(" (ends at {})", three_digits(*v)));
+                marks.push((Sample::Beyond, format!("leaves the frame{to}")));
+            }
+        }
+        marks
     }
 
     /// Draws the lines, targets and bounds; `spread` is the distance in pixels by which the lines are set
@@ -317,6 +385,18 @@ impl Panel {
                 // Points of a line may be thinned by columns; those of a cloud have no order.
                 let marks = if series.line { decimate(&inside, COLUMN) } else { inside };
                 marks.into_iter().try_for_each(|p| marker.draw(canvas, p, stroke.color))?;
+            }
+            if let Some(((x, y), upwards)) = self.limits.and_then(|limits| series.leaves(limits)) {
+                canvas.beyond(place(x, y), upwards, stroke.color)?;
+            }
+        }
+        // Over all lines.
+        for (k, series) in self.series.iter().enumerate().filter(|(_, s)| s.end.is_some()) {
+            if let (Some(x), Some(y)) = (series.x.last(), series.y.last()) {
+                let at = (axes.page_x(*x) + (k as f64 - middle) * spread, axes.page_y(*y));
+                if (r.top..=r.bottom).contains(&at.1) {
+                    Marker::Cross.draw_rimmed(canvas, at)?;
+                }
             }
         }
         Ok(())

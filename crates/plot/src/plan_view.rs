@@ -5,145 +5,13 @@ use crate::canvas::{Canvas, Dash, Rect, Stroke, paint};
 use crate::color::Color;
 use crate::decimate::{decimate, simplify};
 use crate::drawing::Drawing;
-use crate::error::{PlotError, Result, check_finite, check_lengths};
-use crate::legend::{Legend, Sample};
+use crate::error::{PlotError, Result, check_finite};
+use crate::legend::{Legend, Marker, Sample};
+use crate::motion::{Outline, Pose, Trajectory};
 use crate::panel::{COLUMN, TOLERANCE};
 use crate::stack::{BORDER, LEGEND_GAP, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
-use crate::ticks::{Scale, format_number, padded_range};
-
-/// Position and orientation in the plane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    /// To the right.
-    pub x: f64,
-    /// Upwards.
-    pub y: f64,
-    /// Angle from x towards y, in radians.
-    pub phi: f64,
-}
-
-impl Pose {
-    /// The pose at `(x, y)`, turned by `phi` radians from x towards y.
-    pub fn new(x: f64, y: f64, phi: f64) -> Self {
-        Self { x, y, phi }
-    }
-
-    pub(crate) fn place(self, (u, v): (f64, f64)) -> (f64, f64) {
-        let (s, c) = self.phi.sin_cos();
-        (self.x + c * u - s * v, self.y + s * u + c * v)
-    }
-}
-
-/// The shape of the object in its own frame, the heading along the first axis.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Outline {
-    /// An ellipse with semi-axis `a` along the heading and `b` across.
-    Ellipse {
-        /// Along the heading.
-        a: f64,
-        /// Across.
-        b: f64,
-    },
-    /// A polygon through these points, closed by itself. Fewer than two points draw no outline.
-    Polygon(Vec<(f64, f64)>),
-}
-
-impl Outline {
-    /// The corners in the object's frame, the first one repeated at the end.
-    pub(crate) fn points(&self) -> Vec<(f64, f64)> {
-        match self {
-            Self::Ellipse { a, b } => (0..=96)
-                .map(|k| (f64::from(k) * std::f64::consts::TAU / 96.0).sin_cos())
-                .map(|(s, c)| (a * c, b * s))
-                .collect(),
-            Self::Polygon(points) => points.iter().chain(points.first()).copied().collect(),
-        }
-    }
-
-    /// Where the heading leaves the outline: the farthest crossing of the first axis.
-    pub(crate) fn nose(&self) -> f64 {
-        let crossing = |w: &[(f64, f64)]| {
-            let ((x0, y0), (x1, y1)) = (w[0], w[1]);
-            if y0 * y1 > 0.0 {
-                return 0.0;
-            }
-            if y0 == y1 { x0.max(x1) } else { x0 - y0 * (x1 - x0) / (y1 - y0) }
-        };
-        self.points().windows(2).map(crossing).fold(0.0, f64::max)
-    }
-}
-
-/// A recorded motion.
-#[derive(Debug, Clone)]
-pub struct Trajectory {
-    /// Name in the legend; may be empty.
-    pub name: String,
-    /// Times in seconds, not decreasing.
-    pub time: Vec<f64>,
-    /// Horizontal position at each time.
-    pub x: Vec<f64>,
-    /// Vertical position at each time.
-    pub y: Vec<f64>,
-    /// Orientation at each time, in radians from x towards y.
-    pub phi: Vec<f64>,
-}
-
-impl Trajectory {
-    /// A motion through `(x[i], y[i], phi[i])` at `time[i]`.
-    pub fn new(
-        name: impl Into<String>,
-        time: impl Into<Vec<f64>>,
-        x: impl Into<Vec<f64>>,
-        y: impl Into<Vec<f64>>,
-        phi: impl Into<Vec<f64>>,
-    ) -> Self {
-        Self { name: name.into(), time: time.into(), x: x.into(), y: y.into(), phi: phi.into() }
-    }
-
-    fn check(&self) -> Result<()> {
-        check_finite(&self.name, &self.time)?;
-        for column in [&self.x, &self.y, &self.phi] {
-            check_lengths(&self.name, self.time.len(), column.len())?;
-            check_finite(&self.name, column)?;
-        }
-        Ok(())
-    }
-
-    fn pose(&self, k: usize) -> Pose {
-        Pose::new(self.x[k], self.y[k], self.phi[k])
-    }
-
-    /// First and last time.
-    fn span(&self) -> Option<(f64, f64)> {
-        self.time.first().copied().zip(self.time.last().copied())
-    }
-
-    /// Fraction of the whole time at sample `k`.
-    fn fraction(&self, k: usize) -> f64 {
-        match self.span() {
-            Some((start, end)) if end > start => (self.time[k] - start) / (end - start),
-            _ => 1.0,
-        }
-    }
-
-    /// Samples nearest to `count + 1` times equally far apart.
-    fn stamps(&self, count: usize) -> Vec<usize> {
-        let Some((start, end)) = self.span() else {
-            return Vec::new();
-        };
-        let mut stamps: Vec<usize> = (0..=count)
-            .map(|k| {
-                let t = start + (end - start) * k as f64 / count.max(1) as f64;
-                let after = self.time.partition_point(|v| *v < t).min(self.time.len() - 1);
-                let before = after.saturating_sub(1);
-                if t - self.time[before] < self.time[after] - t { before } else { after }
-            })
-            .collect();
-        stamps.dedup();
-        stamps
-    }
-}
+use crate::ticks::{Scale, padded_range, short};
 
 /// One view: trajectories over each other, of one object.
 #[derive(Debug, Clone)]
@@ -202,6 +70,15 @@ impl Scene {
         paths.chain(outlines).collect()
     }
 
+    fn color(&self, index: usize) -> Color {
+        self.trajectories[index].color.unwrap_or_else(|| Color::series(index))
+    }
+
+    /// How much broader a motion is drawn than the last one, which lies over it and must not hide it.
+    fn breadth(&self, index: usize) -> f64 {
+        1.0 + 0.9 * (self.trajectories.len() - 1 - index).min(2) as f64
+    }
+
     /// Legend of the motions.
     fn entries(&self) -> Vec<(Sample, String)> {
         let entry = |(k, trajectory): (usize, &Trajectory)| {
@@ -211,7 +88,7 @@ impl Scene {
                 "" => times,
                 name => format!("{name}, {times}"),
             };
-            Some((Sample::Ramp(Color::series(k)), name))
+            Some((Sample::Ramp(self.color(k), 3.0 * self.breadth(k)), name))
         };
         self.trajectories.iter().enumerate().filter_map(entry).collect()
     }
@@ -220,43 +97,47 @@ impl Scene {
         let shape = self.outline.points();
         let nose = self.outline.nose();
         let rim = |pose: Pose| -> Vec<(f64, f64)> { shape.iter().map(|q| axes.page(pose.place(*q))).collect() };
-        let heading = |pose: Pose, color: Color, radius: f64| {
+        let heading = |pose: Pose, color: Color, radius: f64, marker: Marker| {
             let tip = axes.page(pose.place((nose, 0.0)));
             if nose > 0.0 {
                 canvas.line(&[axes.page(pose.place((0.82 * nose, 0.0))), tip], Stroke::solid(color, 1.5))?;
             }
-            canvas.disk(tip, radius, color)
+            marker.draw_sized(canvas, tip, radius, color)
         };
         for (k, trajectory) in self.trajectories.iter().enumerate() {
             let marks = trajectory.stamps(stamps);
             let last = marks.len().saturating_sub(1);
             for (i, sample) in marks.iter().enumerate() {
-                let color = Color::series(k).shade(trajectory.fraction(*sample));
+                let color = self.color(k).shade(trajectory.fraction(*sample));
                 let pose = trajectory.pose(*sample);
-                let width = if i == last { 2.25 } else { 1.0 };
+                let width = self.breadth(k) * if i == last { 2.25 } else { 1.0 };
                 if i > 0 {
                     canvas.line(&rim(pose), Stroke::solid(color, width))?;
-                    heading(pose, color, if i == last { 4.0 } else { 2.5 })?;
+                    heading(pose, color, if i == last { 4.0 } else { 2.5 }, Marker::series(k))?;
                 }
             }
             self.draw_path(canvas, axes, k)?;
             for sample in marks {
-                let color = Color::series(k).shade(trajectory.fraction(sample));
+                let color = self.color(k).shade(trajectory.fraction(sample));
                 canvas.disk(axes.page((trajectory.x[sample], trajectory.y[sample])), 2.5, color)?;
             }
         }
         for trajectory in self.trajectories.iter().filter(|t| !t.time.is_empty()) {
             let start = trajectory.pose(0);
             canvas.line(&rim(start), start_stroke())?;
-            heading(start, start_stroke().color, 4.0)?;
+            heading(start, start_stroke().color, 4.0, Marker::Disk)?;
         }
         if let Some(target) = self.target {
             canvas.line(&rim(target), target_stroke())?;
-            heading(target, target_stroke().color, 4.0)?;
+            heading(target, target_stroke().color, 4.0, Marker::Disk)?;
             let (x, y) = axes.page((target.x, target.y));
             let stroke = Stroke::solid(target_stroke().color, 1.5);
             canvas.line(&[(x - 6.0, y), (x + 6.0, y)], stroke)?;
             canvas.line(&[(x, y - 6.0), (x, y + 6.0)], stroke)?;
+        }
+        for trajectory in self.trajectories.iter().filter(|t| t.end.is_some() && !t.time.is_empty()) {
+            let end = trajectory.pose(trajectory.time.len() - 1);
+            Marker::Cross.draw_rimmed(canvas, axes.page((end.x, end.y)))?;
         }
         Ok(())
     }
@@ -271,19 +152,13 @@ impl Scene {
         for k in 1..trajectory.time.len() {
             if shade(k) != shade(start) || k + 1 == trajectory.time.len() {
                 let piece: Vec<_> = (start..=k).map(place).collect();
-                let color = Color::series(index).shade(trajectory.fraction(start));
-                canvas.line(&simplify(&decimate(&piece, COLUMN), TOLERANCE), Stroke::solid(color, 2.0))?;
+                let stroke = Stroke::solid(self.color(index).shade(trajectory.fraction(start)), 2.0 * self.breadth(index));
+                canvas.line(&simplify(&decimate(&piece, COLUMN), TOLERANCE), stroke)?;
                 start = k;
             }
         }
         Ok(())
     }
-}
-
-/// `value` with up to three decimals, without trailing zeros.
-fn short(value: f64) -> String {
-    let text = format_number(value, 3);
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn start_stroke() -> Stroke {
@@ -403,17 +278,26 @@ impl PlanView {
         let title = Title::figure(&self.title, WIDTH - BORDER - RIGHT);
         let titles: Vec<Title> = self.scenes.iter().map(|s| Title::plot(&s.title, width)).collect();
         let legends: Vec<Legend> = self.scenes.iter().map(|s| Legend::new(s.entries(), width)).collect();
-        let x_label = text::wrap(&self.x_label, width, SIZE, false, 2);
-        let y_label = text::wrap(&self.y_label, height, SIZE, false, 1);
+        let x_label = text::wrap(&x_scale.label(&self.x_label), width, SIZE, false, 2);
+        let y_label = text::wrap(&y_scale.label(&self.y_label), height, SIZE, false, 1);
         // Objects without extent have neither outline nor heading: dots mark where they start and should arrive.
         let shaped = self.scenes.iter().any(|s| s.outline.nose() > 0.0);
         let mark = |stroke: Stroke| if shaped { Sample::Line(stroke, None) } else { Sample::Dot(stroke.color) };
         let mut shared = Vec::new();
         if self.scenes.iter().any(|s| s.trajectories.iter().any(|t| !t.time.is_empty())) {
             shared.push((mark(start_stroke()), "start".to_owned()));
+            if shaped {
+                shared.push((Sample::Line(Stroke::solid(Color::INK, 2.25), None), "end".to_owned()));
+            }
         }
         if self.scenes.iter().any(|s| s.target.is_some()) {
             shared.push((mark(target_stroke()), "target".to_owned()));
+        }
+        let ends = self.scenes.iter().flat_map(|s| &s.trajectories).filter_map(|t| t.end.as_ref());
+        for what in ends {
+            if shared.iter().all(|(_, known)| known != what) {
+                shared.push((Sample::Mark(Marker::Cross), what.clone()));
+            }
         }
         if shaped && !shared.is_empty() {
             shared.push((Sample::Heading(Color::INK), "heading".to_owned()));

@@ -136,6 +136,8 @@ pub struct XyChart {
     pub panel: Panel,
     /// Whether both axes count things, see [`Self::integer`].
     pub integer: bool,
+    /// Whether the lines stand a few pixels beside each other, so that equal values do not hide one another.
+    pub beside: bool,
     /// Places on the horizontal axis that are labelled in place of round numbers; none for those.
     pub x_ticks: Vec<(f64, String)>,
 }
@@ -143,7 +145,7 @@ pub struct XyChart {
 impl XyChart {
     /// A chart of `panel` over the quantity named `x_label`.
     pub fn new(x_label: impl Into<String>, panel: Panel) -> Self {
-        Self { title: String::new(), x_label: x_label.into(), panel, integer: false, x_ticks: Vec::new() }
+        Self { title: String::new(), x_label: x_label.into(), panel, integer: false, beside: false, x_ticks: Vec::new() }
     }
 
     /// Labels places on the horizontal axis, such as 100 at 2 where it holds decimal logarithms.
@@ -160,12 +162,18 @@ impl XyChart {
         self
     }
 
-    /// Both axes count things, such as dimension over bracket length: ticks only at whole numbers, and the lines
-    /// a few pixels beside each other, so that equal values do not hide one another.
+    /// Sets the lines a few pixels beside each other, so that equal values do not hide one another.
+    #[must_use]
+    pub fn beside(mut self) -> Self {
+        self.beside = true;
+        self
+    }
+
+    /// Both axes count things, such as dimension over bracket length: ticks only at whole numbers, and [`Self::beside`].
     #[must_use]
     pub fn integer(mut self) -> Self {
         self.integer = true;
-        self
+        self.beside()
     }
 
     /// Draws the figure.
@@ -179,7 +187,7 @@ impl XyChart {
             x_ticks: &self.x_ticks,
             x_margin: 0.04,
             integer: self.integer,
-            spread: if self.integer { 6.0 } else { 0.0 },
+            spread: if self.beside { 6.0 } else { 0.0 },
             height: 340.0,
             panels: std::slice::from_ref(&self.panel),
             intervals: &[],
@@ -215,7 +223,10 @@ impl Layout<'_> {
         let scales: Vec<Scale> = self.panels.iter().zip(&heights).map(|(p, h)| self.y_scale(p, *h)).collect();
         let tick_room = scales.iter().map(tick_width).fold(0.0, f64::max);
         let labels: Vec<Vec<String>> =
-            self.panels.iter().zip(&heights).map(|(p, h)| text::wrap_label(&p.label, h + PANEL_GAP)).collect();
+            {
+            let whole = self.panels.iter().zip(&scales).map(|(p, scale)| scale.label(&p.label));
+            whole.zip(&heights).map(|(label, h)| text::wrap_label(&label, h + PANEL_GAP)).collect()
+        };
         let label_lines = labels.iter().map(Vec::len).max().unwrap_or(0);
         let label_gap = tick_room + 8.0;
         let left = BORDER + label_gap + label_lines as f64 * SIZE * LEADING;
@@ -226,27 +237,25 @@ impl Layout<'_> {
         let title = Title::figure(self.title, right - BORDER);
         // With one panel all names go into one legend.
         let alone = self.panels.len() == 1;
-        let mut shared = self.common_entries(&colors);
         let mut own: Vec<_> = self.panels.iter().map(Panel::entries).collect();
+        let mut shared = taken_out_of(&mut own);
+        shared.append(&mut self.common_entries(&colors));
         if let ([only], true) = (own.as_mut_slice(), alone) {
             only.append(&mut shared);
         }
         let common = Legend::new(shared, right - left);
         let legends: Vec<Legend> = own.into_iter().map(|e| Legend::new(e, right - left)).collect();
-        let x_label = text::wrap(self.x_label, right - left, SIZE, false, 3);
+        let x_label = text::wrap(&x.label(self.x_label), right - left, SIZE, false, 3);
 
         let mut top = BORDER + title.height();
         let common_top = top;
         top += common.height() + if common.height() > 0.0 { 6.0 } else { 0.0 };
         let mut tops = Vec::new();
-        for ((legend, scale), height) in legends.iter().zip(&scales).zip(&heights) {
-            // The axis' factor stands above the frame, in the legend's row.
-            let factor_room = if scale.factor.is_empty() { 0.0 } else { SIZE * LEADING + 4.0 };
-            let legend_room = match legend.height() {
+        for (legend, height) in legends.iter().zip(&heights) {
+            let above = match legend.height() {
                 0.0 => 0.0,
                 height => height + LEGEND_GAP,
             };
-            let above = legend_room.max(factor_room);
             tops.push(top + above);
             top += above + height + PANEL_GAP;
         }
@@ -334,6 +343,22 @@ impl Layout<'_> {
         entries.extend(colors.iter().map(patch));
         entries
     }
+}
+
+/// Takes what looks alike in several panels out of their legends, for one over all of them; what would look like something else in
+/// another panel stays.
+fn taken_out_of(own: &mut [Vec<(Sample, String)>]) -> Vec<(Sample, String)> {
+    let all: Vec<&(Sample, String)> = own.iter().flatten().filter(|entry| !entry.1.is_empty()).collect();
+    let mut shared: Vec<(Sample, String)> = Vec::new();
+    for entry in &all {
+        let several = all.iter().filter(|other| *other == entry).count() > 1;
+        let alone_of_its_look = all.iter().all(|other| (other.0 == entry.0) == (other.1 == entry.1));
+        if several && alone_of_its_look && !shared.contains(entry) {
+            shared.push((*entry).clone());
+        }
+    }
+    own.iter_mut().for_each(|entries| entries.retain(|entry| !shared.contains(entry)));
+    shared
 }
 
 fn shade(canvas: &Canvas, axes: &Axes, intervals: &[Interval], colors: &[(&str, Color)]) -> Result<()> {

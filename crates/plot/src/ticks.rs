@@ -9,7 +9,7 @@ pub(crate) struct Scale {
     pub(crate) high: f64,
     /// Tick positions in data coordinates with their labels.
     pub(crate) ticks: Vec<(f64, String)>,
-    /// A factor that the labels leave out, such as `×10⁻³`; empty for 1.
+    /// A factor that the labels leave out, such as `10⁻³`; empty for 1. [`Self::label`] says it.
     pub(crate) factor: String,
 }
 
@@ -31,8 +31,21 @@ impl Scale {
             .take_while(|v| *v <= high + 1e-6 * step)
             .map(|v| (v, format_number(v / unit, decimals)))
             .collect();
-        let factor = if exponent == 0 { String::new() } else { format!("×10{}", superscript(exponent)) };
+        let factor = if exponent == 0 { String::new() } else { format!("10{}", superscript(exponent)) };
         Self { low, high, ticks, factor }
+    }
+
+    /// The axis' label with the factor before its unit: `x [10⁻³ m]`.
+    pub(crate) fn label(&self, label: &str) -> String {
+        match (self.factor.as_str(), label.rfind('[').filter(|_| label.ends_with(']'))) {
+            ("", _) => label.to_owned(),
+            (factor, None) => format!("{label} [{factor}]").trim_start().to_owned(),
+            (factor, Some(at)) => {
+                let (name, unit) = (&label[..at], &label[at + 1..label.len() - 1]);
+                let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+                format!("{name}[{factor}{unit}]")
+            }
+        }
     }
 
     /// Position of `value` as a fraction of the axis.
@@ -55,6 +68,26 @@ pub(crate) fn format_number(value: f64, decimals: usize) -> String {
         Some(digits) => format!("\u{2212}{digits}"),
         None => text,
     }
+}
+
+/// `value` with up to three significant digits, whole numbers as they are.
+pub(crate) fn three_digits(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{value:.1e}").replace('-', "\u{2212}");
+    }
+    let decimals = if value == value.round() { 0 } else { (2 - size.log10().floor() as i32).max(0) as usize };
+    let text = format_number(value, decimals);
+    if decimals == 0 {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// `value` with up to three decimals, without trailing zeros.
+pub(crate) fn short(value: f64) -> String {
+    let text = format_number(value, 3);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn superscript(exponent: i32) -> String {
@@ -113,10 +146,14 @@ mod tests {
     #[test]
     fn extreme_magnitudes_get_a_factor() {
         let small = Scale::new(0.0, 2e-7, 4.0, false);
-        assert_eq!(small.factor, "×10⁻⁹");
+        assert_eq!(small.factor, "10⁻⁹");
+        assert_eq!(small.label("missing in v′ [m/s²]"), "missing in v′ [10⁻⁹ m/s²]");
+        assert_eq!(small.label("share [1]"), "share [10⁻⁹]");
+        assert_eq!(small.label("phi"), "phi [10⁻⁹]");
         assert_eq!(small.ticks[1].1, "50");
         let large = Scale::new(-1e300, 1e300, 4.0, false);
-        assert_eq!(large.factor, "×10³⁰⁰");
+        assert_eq!(large.factor, "10³⁰⁰");
+        assert_eq!(Scale::new(0.0, 1.0, 4.0, false).label("x [m]"), "x [m]");
         assert!(large.ticks.iter().all(|t| t.0.is_finite()));
     }
 

@@ -185,10 +185,13 @@ impl TileChart {
         let entries = used.iter().map(|(name, color)| (Sample::Patch(*color), name.clone())).collect();
         let legend = Legend::new(entries, WIDTH - RIGHT - BORDER);
         let title = Title::figure(&self.title, right - BORDER);
+        // All grids have columns of the same width, so that equal columns stand below each other.
+        let most = self.grids.iter().map(|g| g.columns.len()).max().unwrap_or(1);
+        let width = ((right - left) / most as f64).min(WIDEST);
         let mut placed = Vec::new();
         let mut top = BORDER + title.height() + legend.height() + GAP;
         for g in &self.grids {
-            let p = Placed::new(g, left, right, top);
+            let p = Placed::new(g, (left, right), width, top);
             top = p.bottom + GRID_GAP;
             placed.push(p);
         }
@@ -212,9 +215,8 @@ struct Placed<'a> {
 }
 
 impl<'a> Placed<'a> {
-    fn new(grid: &'a TileGrid, left: f64, right: f64, top: f64) -> Self {
+    fn new(grid: &'a TileGrid, (left, right): (f64, f64), width: f64, top: f64) -> Self {
         let title = text::wrap(&grid.title, right - left, SIZE, true, 2);
-        let width = ((right - left) / grid.columns.len() as f64).min(WIDEST);
         let columns: Vec<Vec<String>> =
             grid.columns.iter().map(|c| text::wrap(c, width - 4.0, SIZE, false, 3)).collect();
         let top = top + title.len() as f64 * LINE + if title.is_empty() { 0.0 } else { 4.0 };
