@@ -53,7 +53,12 @@ struct Move {
 
 impl Move {
     /// The reference move, half a second longer, to see that the object stays.
-    fn new((name, role): (&'static str, Role), model: &System, effect: HiddenEffect, settings: &LogSettings) -> anyhow::Result<Self> {
+    fn new(
+        (name, role): (&'static str, Role),
+        model: &System,
+        effect: HiddenEffect,
+        settings: &LogSettings,
+    ) -> anyhow::Result<Self> {
         let text = include_str!("../models/plate_move.toml");
         let mut problem = ControlProblem::parse("plate_move.toml", text, |_| Ok(model.clone()))?;
         problem.samples += 25;

@@ -42,7 +42,8 @@ impl Analysis {
             chart = chart.grid(staircase(&mode_title(first, &report.modes), &first.dimensions, n, &inputs));
         }
         if let Some(s) = &report.switched {
-            chart = chart.grid(staircase("all modes together; f(k), g(k): fields in mode k", &s.dimensions, n, &inputs));
+            chart =
+                chart.grid(staircase("all modes together; f(k), g(k): fields in mode k", &s.dimensions, n, &inputs));
         }
         if let Some(s) = &report.smoothed {
             chart = chart.grid(staircase(&format!("smoothed, width {}", s.epsilon), &s.dimensions, n, &inputs));

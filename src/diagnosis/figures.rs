@@ -7,7 +7,8 @@ use super::Diagnosis;
 use crate::html::Figure;
 
 /// Names of the models in legends, and what they are.
-const MODELS: [(&str, Role); 3] = [("as given", Role::Given), ("refitted", Role::Refitted), ("extended", Role::Extended)];
+const MODELS: [(&str, Role); 3] =
+    [("as given", Role::Given), ("refitted", Role::Refitted), ("extended", Role::Extended)];
 /// Measured columns that a figure has room for.
 const MOST_COLUMNS: usize = 4;
 /// Candidates that the ranking has room for.
@@ -89,13 +90,13 @@ impl Diagnosis {
             return None;
         }
         let rivals: Vec<_> = self.report.causes.iter().flat_map(|c| &c.rivals).collect();
-        let mut chart =
-            IntervalChart::new("excess error taken away [%]").categories([NAMED, BESIDE, RIVAL, TRIED]);
+        let mut chart = IntervalChart::new("excess error taken away [%]").categories([NAMED, BESIDE, RIVAL, TRIED]);
         // One cause alone takes the same away beside the others.
         let several = self.report.causes.len() > 1;
         for c in self.report.causes.iter().filter(|_| several) {
             if let Some(share) = c.share {
-                chart = chart.row(format!("{} in {}", c.name, c.equation).replace('_', " "), 100.0 * share, None, BESIDE);
+                chart =
+                    chart.row(format!("{} in {}", c.name, c.equation).replace('_', " "), 100.0 * share, None, BESIDE);
             }
         }
         for c in candidates.iter().take(MOST_CANDIDATES) {
@@ -135,7 +136,6 @@ impl Diagnosis {
         let names = gain.horizons_s.iter().map(|h| format!("{h} s"));
         let refitted = if gain.before == gain.as_given { None } else { Some(percent(&gain.before)) };
         let mut chart = BarChart::new("NRMSE [% of the column's standard deviation]", names)
-            
             .series(MODELS[0].0, percent(&gain.as_given))
             .role(MODELS[0].1);
         if let Some(refitted) = refitted {

@@ -109,7 +109,11 @@ fn plan_view(ran: &PlateExperiment) -> PlanView {
     let path = Trajectory::new(ran.setup.model.name(), times, column(0), column(1), column(2));
     let mut scene = Scene::new("", outline(&ran.setup.object.shape)).trajectory(path).target(ran.target());
     if let Some(log) = &ran.log {
-        scene = scene.trajectory(Trajectory::new("log", &*log.t, &*log.x, &*log.y, &*log.phi).role(Role::Measured));
+        // Not in the ink of start and target, which lie over it.
+        scene = scene.trajectory(Trajectory::new("log", &*log.t, &*log.x, &*log.y, &*log.phi).color(Color::ORANGE));
     }
-    PlanView::new().labels("x on the plate [m]", "y on the plate [m]").title(format!("{}, seen from above", ran.title())).scene(scene)
+    PlanView::new()
+        .labels("x on the plate [m]", "y on the plate [m]")
+        .title(format!("{}, seen from above", ran.title()))
+        .scene(scene)
 }

@@ -2,8 +2,8 @@
 
 use bracketry_plate::{AreaOutcome, Shape};
 use bracketry_plot::{
-    Animation, Color, Dash, Drawing, Interval, Outline, Panel, PlanView, PlotError, Pose, Role, Scene, Series, Snapshot,
-    TimeSeries, Trajectory,
+    Animation, Color, Dash, Drawing, Interval, Outline, Panel, PlanView, PlotError, Pose, Role, Scene, Series,
+    Snapshot, TimeSeries, Trajectory,
 };
 
 use super::{MoveOnEquations, MoveOnPlant, Story};
@@ -92,7 +92,9 @@ impl MoveOnEquations {
             let u: Vec<f64> = run.u.iter().map(|u| u[k]).collect();
             Series::new("", run.t[..u.len()].to_vec(), u).color(Role::Given.color()).step()
         };
-        let panel = |label: &str, k: usize, scale: f64| Panel::new(label).series(c.line("", k, scale).color(Role::Given.color()));
+        let panel = |label: &str, k: usize, scale: f64| {
+            Panel::new(label).series(c.line("", k, scale).color(Role::Given.color()))
+        };
         let friction = |panel: Panel, switch: &str| {
             friction_bands(panel, &together.recording.trajectory, &together.switches, switch)
         };
@@ -208,8 +210,12 @@ impl Story {
                 ),
             ]
         };
-        let third =
-            on_plant(&self.as_published, "as_published", "The published model in control of the true plant", Role::Given);
+        let third = on_plant(
+            &self.as_published,
+            "as_published",
+            "The published model in control of the true plant",
+            Role::Given,
+        );
         let mut fourth = self.diagnosis.figures();
         for f in &mut fourth {
             f.name = format!("diagnosis_{}", f.name);
@@ -236,7 +242,12 @@ impl Story {
     /// [`PlotError`] for numbers that no axis holds.
     pub fn animations(&self) -> Result<Vec<StoryAnimation>, PlotError> {
         let mut moves = vec![
-            ("together", 2, "On the published equations", self.animation(&self.on_equations.states(), None, Role::Given)),
+            (
+                "together",
+                2,
+                "On the published equations",
+                self.animation(&self.on_equations.states(), None, Role::Given),
+            ),
             (
                 "as_published",
                 3,

@@ -143,9 +143,9 @@ mod tests {
         let mut second = plain(200);
         second.pixels_mut()[3 * 20 + 7] = Color::from_rgba8(0, 0, 0, 255).premultiply().to_color_u8();
         let images = [plain(200), second.clone(), second];
-        let mut gif = GifImages::new(&images, 4).unwrap();
+        let mut gif = GifImages::new(&images).unwrap();
         for image in &images {
-            gif.push(image).unwrap();
+            gif.push(image, 4).unwrap();
         }
         let bytes = gif.finish().unwrap();
         let mut options = gif::DecodeOptions::new();

@@ -93,15 +93,7 @@ impl Trajectory {
         y: impl Into<Vec<f64>>,
         phi: impl Into<Vec<f64>>,
     ) -> Self {
-        Self {
-            name: name.into(),
-            time: time.into(),
-            x: x.into(),
-            y: y.into(),
-            phi: phi.into(),
-            color: None,
-            end: None,
-        }
+        Self { name: name.into(), time: time.into(), x: x.into(), y: y.into(), phi: phi.into(), color: None, end: None }
     }
 
     /// Sets the colour.

@@ -152,7 +152,8 @@ impl Scene {
         for k in 1..trajectory.time.len() {
             if shade(k) != shade(start) || k + 1 == trajectory.time.len() {
                 let piece: Vec<_> = (start..=k).map(place).collect();
-                let stroke = Stroke::solid(self.color(index).shade(trajectory.fraction(start)), 2.0 * self.breadth(index));
+                let stroke =
+                    Stroke::solid(self.color(index).shade(trajectory.fraction(start)), 2.0 * self.breadth(index));
                 canvas.line(&simplify(&decimate(&piece, COLUMN), TOLERANCE), stroke)?;
                 start = k;
             }

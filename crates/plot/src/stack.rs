@@ -145,7 +145,14 @@ pub struct XyChart {
 impl XyChart {
     /// A chart of `panel` over the quantity named `x_label`.
     pub fn new(x_label: impl Into<String>, panel: Panel) -> Self {
-        Self { title: String::new(), x_label: x_label.into(), panel, integer: false, beside: false, x_ticks: Vec::new() }
+        Self {
+            title: String::new(),
+            x_label: x_label.into(),
+            panel,
+            integer: false,
+            beside: false,
+            x_ticks: Vec::new(),
+        }
     }
 
     /// Labels places on the horizontal axis, such as 100 at 2 where it holds decimal logarithms.
@@ -222,8 +229,7 @@ impl Layout<'_> {
             self.panels.iter().map(|p| p.height.unwrap_or(self.height).clamp(60.0, 2000.0)).collect();
         let scales: Vec<Scale> = self.panels.iter().zip(&heights).map(|(p, h)| self.y_scale(p, *h)).collect();
         let tick_room = scales.iter().map(tick_width).fold(0.0, f64::max);
-        let labels: Vec<Vec<String>> =
-            {
+        let labels: Vec<Vec<String>> = {
             let whole = self.panels.iter().zip(&scales).map(|(p, scale)| scale.label(&p.label));
             whole.zip(&heights).map(|(label, h)| text::wrap_label(&label, h + PANEL_GAP)).collect()
         };

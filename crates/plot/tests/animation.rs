@@ -59,7 +59,7 @@ fn positive_tilt_raises_positive_y() {
 }
 
 #[test]
-fn the_gif_lasts_as_long_as_the_motion() {
+fn the_gif_lasts_as_long_as_the_motion_and_stays_at_its_end() {
     let snapshots = (0..7).map(|k| at(0.05 * f64::from(k), 0.0, 0.0, Pose::new(0.0, 0.0, 0.1 * f64::from(k))));
     let bytes = disk().snapshots(snapshots).gif().unwrap();
     let mut decoder = gif::DecodeOptions::new().read_info(bytes.as_slice()).unwrap();
@@ -69,7 +69,15 @@ fn the_gif_lasts_as_long_as_the_motion() {
         images += 1;
         hundredths += frame.delay;
     }
-    assert_eq!((images, hundredths), (7, 35));
+    assert_eq!((images, hundredths), (7, 35 + 150));
+}
+
+#[test]
+fn what_happens_at_the_end_is_said_there_only() {
+    let still = |time: f64| at(time, 0.0, 0.0, Pose::new(0.0, 0.0, 0.0));
+    let animation = disk().snapshots([still(0.0), still(0.1)]).end("the object tips");
+    let says = |index: usize| animation.image(index).unwrap().svg().contains("s: the object tips");
+    assert!(!says(0) && says(1));
 }
 
 #[test]

@@ -21,7 +21,13 @@ fn texts(drawing: &Drawing) -> Vec<(String, (f64, f64), String, f64, bool)> {
             let of = |key: &str| w[0].split_once(&format!(" {key}=\"")).unwrap().1.split('"').next().unwrap();
             let pixels = |key: &str| of(key).parse::<f64>().unwrap() / 40.0;
             let upright = w[0].contains("rotate(270");
-            (w[1].trim().to_owned(), (pixels("x"), pixels("y")), of("text-anchor").to_owned(), pixels("font-size"), upright)
+            (
+                w[1].trim().to_owned(),
+                (pixels("x"), pixels("y")),
+                of("text-anchor").to_owned(),
+                pixels("font-size"),
+                upright,
+            )
         })
         .collect()
 }
@@ -107,7 +113,8 @@ fn an_end_before_its_time_has_a_cross_and_a_name() {
 
 #[test]
 fn a_line_that_leaves_its_frame_says_where_it_ends() {
-    let chart = |high: f64| XyChart::new("t [s]", Panel::new("φ [°]").series(line("")).limits(0.0, high)).draw().unwrap();
+    let chart =
+        |high: f64| XyChart::new("t [s]", Panel::new("φ [°]").series(line("")).limits(0.0, high)).draw().unwrap();
     assert_eq!(says(&chart(2.0), "leaves the frame (ends at 3)"), 1);
     assert_eq!(says(&chart(3.0), "leaves the frame (ends at 3)"), 0);
 }
@@ -160,7 +167,9 @@ fn no_text_lies_over_another() {
         TileChart::new()
             .title("Directions")
             .category("given", Color::band(0))
-            .grid(TileGrid::new(["1", "2"], ["2", "1"]).title("one mode").tile(0, 1, "given", "f").row_label("dimension"))
+            .grid(
+                TileGrid::new(["1", "2"], ["2", "1"]).title("one mode").tile(0, 1, "given", "f").row_label("dimension"),
+            )
             .draw(),
     ];
     for (k, drawing) in drawings.into_iter().enumerate() {

@@ -194,7 +194,8 @@ fn over_counts(folder: &Path) -> Result<()> {
         errors.push(joints(count, false, Outliers::Keep, set_over_poses)?.0);
     }
     show("joint springs, 20 poses", &errors);
-    let chart = XyChart::new("number of measurements N", panel).beside()
+    let chart = XyChart::new("number of measurements N", panel)
+        .beside()
         .x_ticks(counts.iter().zip(x).map(|(count, x)| (x, count.to_string())))
         .title("Stiffness of a KR 125 from N noisy measurements: error of K");
     chart.draw()?.save(folder.join("stiffness_identification"))?;
