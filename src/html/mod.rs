@@ -21,7 +21,8 @@ th{border-bottom:1px solid #262626;font-weight:600}td{border-bottom:1px solid #e
 .cause h4{font-size:1rem;margin:.2rem 0}math{font-size:1.1em}mi[mathvariant]{padding:0 .12em}figure{margin:1.2rem 0;break-inside:avoid}\
 figure svg,figure img{max-width:100%;height:auto}figcaption{color:#555;font-size:.9rem}.wide{overflow-x:auto}\
 pre{background:#f5f5f5;padding:.8rem;overflow-x:auto;font-size:.75rem;white-space:pre-wrap}\
-@media (max-width:45rem){figure{overflow-x:auto}figure svg,figure img{max-width:none;width:44rem}\
+code{overflow-wrap:anywhere}\
+@media screen and (max-width:45rem){figure{overflow-x:auto}figure svg,figure img{max-width:none;width:44rem}\
 pre{white-space:pre}}\
 @media print{body{margin:0;max-width:none}h2{break-after:avoid}pre,table{break-inside:avoid}}";
 
