@@ -53,7 +53,7 @@ pub use field::Mark;
 pub use heat_map::{HeatMap, RegimeMap};
 pub use interval_chart::{Estimated, IntervalChart};
 pub use motion::{Outline, Pose, Trajectory};
-pub use panel::{Interval, Level, Panel, Series};
+pub use panel::{Interval, Level, Markers, Panel, Series};
 pub use plan_view::{PlanView, Scene};
 pub use stack::{TimeSeries, XyChart};
 pub use tile_chart::{Tile, TileChart, TileGrid};

@@ -15,6 +15,17 @@ pub(crate) const TOLERANCE: f64 = 0.05;
 const LINE_WIDTH: f64 = 1.75;
 pub(crate) const TARGET_BAND: Color = Color(214, 238, 226);
 
+/// What every point of a series is marked with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Markers {
+    /// Nothing.
+    None,
+    /// A shape of the series' own.
+    Own,
+    /// Crosses: points that are shown but put aside.
+    Crosses,
+}
+
 /// A named line: values over abscissas.
 #[derive(Debug, Clone)]
 pub struct Series {
@@ -30,12 +41,10 @@ pub struct Series {
     pub dash: Dash,
     /// Whether each value holds until the next abscissa, as a sampled input does.
     pub step: bool,
-    /// Whether every point gets a marker.
-    pub markers: bool,
+    /// The markers of the points.
+    pub markers: Markers,
     /// Whether the points are joined by a line.
     pub line: bool,
-    /// Whether the markers are crosses: points that are put aside.
-    pub crosses: bool,
     /// What happens at the last point, which gets a cross; none if it just ends.
     pub end: Option<String>,
 }
@@ -50,9 +59,8 @@ impl Series {
             color: None,
             dash: Dash::Solid,
             step: false,
-            markers: false,
+            markers: Markers::None,
             line: true,
-            crosses: false,
             end: None,
         }
     }
@@ -80,8 +88,8 @@ impl Series {
     /// A cloud of crosses: points that are shown but put aside.
     #[must_use]
     pub fn crosses(mut self) -> Self {
-        self.crosses = true;
-        self.points()
+        (self.markers, self.line) = (Markers::Crosses, false);
+        self
     }
 
     /// Marks the last point with a cross, such as `tips` where a body tips and its line ends; the legend names it.
@@ -101,14 +109,14 @@ impl Series {
     /// Marks every point.
     #[must_use]
     pub fn markers(mut self) -> Self {
-        self.markers = true;
+        self.markers = Markers::Own;
         self
     }
 
     /// Marks every point and draws no line: a cloud of points in any order.
     #[must_use]
     pub fn points(mut self) -> Self {
-        (self.markers, self.line) = (true, false);
+        (self.markers, self.line) = (Markers::Own, false);
         self
     }
 
@@ -141,8 +149,11 @@ impl Series {
     }
 
     fn marker(&self, index: usize) -> Option<Marker> {
-        let marker = if self.crosses { Marker::Cross } else { Marker::series(index) };
-        self.markers.then_some(marker)
+        match self.markers {
+            Markers::None => None,
+            Markers::Own => Some(Marker::series(index)),
+            Markers::Crosses => Some(Marker::Cross),
+        }
     }
 }
 

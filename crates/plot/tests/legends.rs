@@ -127,7 +127,7 @@ fn rounding_gets_no_axis_and_a_factor_stands_before_the_unit() {
     };
     assert_eq!(says(&tiny(Panel::new("y [mm]")), "y [10⁻¹⁸ mm]"), 1);
     let flat = tiny(Panel::new("y [mm]").rounding(1e-9));
-    assert_eq!([says(&flat, "y [mm]"), says(&flat, "1.0")], [1, 1]);
+    assert_eq!([says(&flat, "y [mm]"), says(&flat, "−1.0")], [1, 1]);
 }
 
 #[test]
