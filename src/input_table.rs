@@ -31,7 +31,10 @@ impl Scenario {
         doc.time_is_free(system)?;
         let Columns { columns, lines, header } = Columns::parse(&doc, |_| Entries::Finite)?;
         let Some(times) = columns.get("t") else {
-            return Err(doc.missing("there is no column `t`", "add a column t with the time in seconds"));
+            let message = format!("there is no column `t`; the columns are {}", header.join(", "));
+            return Err(
+                doc.missing(message, "add a column t with the time in seconds, or call the one that holds it t")
+            );
         };
         let mut inputs = Inputs::new();
         let mut ignored = Vec::new();
@@ -72,7 +75,9 @@ impl Scenario {
             let derivatives = system.input_derivatives.iter().map(|d| format!("der({},{})", names[d.input], d.order));
             let known: Vec<String> = names.iter().cloned().chain(derivatives).collect();
             let remedy = format!("name the columns after the inputs: {}", known.join(", "));
-            return Err(doc.missing("no column is called like an input of the model", remedy));
+            let message =
+                format!("no column is called like an input of the model; the columns are {}", header.join(", "));
+            return Err(doc.missing(message, remedy));
         }
         let (start, end) = (times[0], times[times.len() - 1]);
         if end <= start {

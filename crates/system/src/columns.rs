@@ -59,12 +59,15 @@ impl Columns {
             .headers()
             .map_err(|e| doc.missing(format!("the header cannot be read: {e}"), "start the table with column names"))?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
-        if let [only] = header.as_slice() {
-            let separators = [(';', "semicolons"), ('\t', "tabs")];
-            if let Some((_, what)) = separators.iter().find(|(separator, _)| only.contains(*separator)) {
-                let message = format!("the columns are separated by {what}");
-                return Err(doc.missing(message, "separate them by commas, and write decimal points: 0.5, not 0,5"));
-            }
+        if header.iter().all(String::is_empty) {
+            let message = "the table is empty: there is no header and no row";
+            return Err(doc.missing(message, "begin with a header such as t,u,x, and give a row of numbers per sample"));
+        }
+        if let [only] = header.as_slice()
+            && let Some(what) = other_separator(only, after)
+        {
+            let message = format!("the columns are separated by {what}");
+            return Err(doc.missing(message, "separate them by commas, and write decimal points: 0.5, not 0,5"));
         }
         if header.iter().all(|name| name.parse::<f64>().is_ok()) {
             let end = doc.text().len() - after.len();
@@ -88,7 +91,12 @@ impl Columns {
                     let entries = |n: u64| if n == 1 { "1 entry".to_owned() } else { format!("{n} entries") };
                     let message = format!("line {line} has {}, the header {}", entries(*len), entries(*expected_len));
                     let whole = line_span(doc.text(), line);
-                    doc.error(whole, message, "give every row as many entries as the header")
+                    let remedy = if *len == 2 * *expected_len {
+                        "give every row as many entries as the header; decimals are written with a point: 0.5, not 0,5"
+                    } else {
+                        "give every row as many entries as the header"
+                    };
+                    doc.error(whole, message, remedy)
                 }
                 _ => doc.missing(e.to_string(), "give every row as many entries as the header"),
             })?;
@@ -102,8 +110,18 @@ impl Columns {
                         columns[k].push(f64::NAN);
                     }
                     (kind, _) => {
-                        let message = format!("line {line}, column `{}`: `{field}` is not a finite number", header[k]);
+                        let column = match header[k].as_str() {
+                            "" => format!("column {} (without a name)", k + 1),
+                            name => format!("column `{name}`"),
+                        };
+                        let message = match field {
+                            "" => format!("line {line}, {column}: the entry is empty"),
+                            field => format!("line {line}, {column}: `{field}` is not a finite number"),
+                        };
                         let remedy = match kind {
+                            _ if header[k].is_empty() => {
+                                "name the column, or take away the comma at the end of the lines"
+                            }
                             Entries::MayBeLost => "correct the entry; one that was lost is left empty or called nan",
                             _ => "correct or remove the row",
                         };
@@ -111,6 +129,10 @@ impl Columns {
                     }
                 }
             }
+        }
+        if lines.is_empty() && header.iter().any(|name| name.contains(['\n', '\r'])) {
+            let message = "a quotation mark in the header is not closed";
+            return Err(doc.missing(message, "close it, or take it away: t,u,x"));
         }
         if lines.is_empty() {
             return Err(doc.missing("the table has no rows", "give at least two samples"));
@@ -140,6 +162,23 @@ impl Columns {
             None => Some((inner.trim(), 1)),
             Some((input, order)) => Some((input.trim(), order.trim().parse().ok()?)),
         }
+    }
+}
+
+/// What separates the columns of a table whose header, seen as one column, is `only`, if it is no comma.
+fn other_separator(only: &str, rows: &str) -> Option<&'static str> {
+    let first = rows.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or("");
+    let number = |entry: &str| entry.replace(',', ".").parse::<f64>().is_ok();
+    let blanks = || {
+        let names = only.split_whitespace().count();
+        names > 1 && first.split_whitespace().count() == names && first.split_whitespace().all(number)
+    };
+    match only {
+        _ if only.contains(';') => Some("semicolons"),
+        _ if only.contains('\t') => Some("tabs"),
+        _ if blanks() => Some("blanks"),
+        _ if only.contains('|') => Some("bars"),
+        _ => None,
     }
 }
 
