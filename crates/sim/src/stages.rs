@@ -44,7 +44,8 @@ impl<S: Switched> Stepper<S> {
             d1 = d1.max(v.abs() / scale(*x));
         }
         let h = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
-        h.clamp(10.0 * self.shortest(), 1e-2).min(remaining)
+        // Far from t = 0 even the shortest step is long.
+        h.min(1e-2).max(10.0 * self.shortest()).min(remaining)
     }
 
     /// The stages of a step of length `h`, its end, its continuous extension and its error; the errors of the
