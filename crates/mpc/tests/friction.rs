@@ -77,7 +77,7 @@ fn a_problem_file_asks_for_control_on_exact_friction() {
     let mut plant = common::ExactPlant::new(&problem.plant, &problem.x0);
     let report = problem.run(&mut plant).unwrap().report;
     assert!(report.closed_loop_cost <= 5.793, "{}", report.closed_loop_cost);
-    assert!((report.x_final["x"] - 2.0).abs() <= 0.005, "{:?}", report.x_final);
+    assert!((report.x_final.get("x").unwrap() - 2.0).abs() <= 0.005, "{:?}", report.x_final);
     // The minimum over one horizon on the closed-form flow (SciPy, L-BFGS-B).
     assert!((report.open_loop_cost - 5.751804).abs() < 5e-5, "{}", report.open_loop_cost);
     assert_eq!(report.status.solved, 40);

@@ -21,7 +21,7 @@ fn a_problem_file_reproduces_the_reference_cost() {
     assert!((report.closed_loop_cost / 2047.463 - 1.0).abs() < 1e-3, "{}", report.closed_loop_cost);
     assert_eq!((report.steps, report.status.solved), (100, 100));
     assert!(report.constraint_violation_max <= 0.0);
-    assert!(report.x_final["th"].abs() < 1e-2);
+    assert!(report.x_final.get("th").unwrap().abs() < 1e-2);
 }
 
 #[test]

@@ -13,7 +13,7 @@ mod solve;
 
 pub use conditions::RunConditions;
 pub use estimation::{Estimation, EstimatorKind};
-pub use report::{ControlReport, PlanReport};
+pub use report::{ControlReport, NamedValues, PlanReport};
 pub use run::ControlRun;
 
 use crate::error::MpcError;

@@ -7,9 +7,9 @@ use crate::error::MpcError;
 use crate::qp::QpStatus;
 use crate::sqp::SolveStatus;
 use crate::step::{FallbackReason, StepStatus};
-use bracketry_system::System;
-use serde::Serialize;
-use std::collections::BTreeMap;
+use bracketry_system::{System, counted, readable};
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// The plan that was made before the run.
@@ -25,6 +25,43 @@ pub struct PlanReport {
     pub seconds: f64,
 }
 
+/// Values of states by name, in the order of the model; as JSON one object.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NamedValues(Vec<(String, f64)>);
+
+impl NamedValues {
+    /// The value of a name.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.0.iter().find(|(known, _)| known == name).map(|(_, value)| *value)
+    }
+
+    /// Names and values, in order.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.0.iter().map(|(name, value)| (name.as_str(), *value))
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl FromIterator<(String, f64)> for NamedValues {
+    fn from_iter<I: IntoIterator<Item = (String, f64)>>(values: I) -> Self {
+        Self(values.into_iter().collect())
+    }
+}
+
+impl Serialize for NamedValues {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, value) in self.iter() {
+            map.serialize_entry(name, &value)?;
+        }
+        map.end()
+    }
+}
+
 /// Figures of a closed-loop run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ControlReport {
@@ -34,10 +71,10 @@ pub struct ControlReport {
     /// [`Method::Rti`](super::Method::Rti) after its initial programs, else the converged one. NaN where there is no such plan.
     pub open_loop_cost: f64,
     /// State at the end.
-    pub x_final: BTreeMap<String, f64>,
+    pub x_final: NamedValues,
     /// What is missing to every target at the end.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub miss: BTreeMap<String, f64>,
+    #[serde(skip_serializing_if = "NamedValues::is_empty")]
+    pub miss: NamedValues,
     /// Number of samples.
     pub steps: usize,
     /// Outcomes of the samples.
@@ -62,7 +99,8 @@ pub struct ControlReport {
 impl fmt::Display for ControlReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(p) = &self.plan {
-            writeln!(f, "plan           {}, {} quadratic programs in {:.2} s", p.status, p.programs, p.seconds)?;
+            let programs = counted(p.programs, "quadratic program", "quadratic programs");
+            writeln!(f, "plan           {}, {programs} in {:.2} s", p.status, p.seconds)?;
         }
         let (cost, predicted) = (readable(self.closed_loop_cost), readable(self.open_loop_cost));
         writeln!(f, "cost           {cost} in closed loop, {predicted} predicted")?;
@@ -81,11 +119,12 @@ impl fmt::Display for ControlReport {
             s.max,
             readable(self.period_ms)
         )?;
-        writeln!(f, "bounds         violated by at most {:.3e}", self.constraint_violation_max)?;
-        for (name, v) in &self.x_final {
-            write!(f, "final {name:<8} {v:>13.6e}")?;
+        writeln!(f, "bounds         violated by at most {}", readable(self.constraint_violation_max))?;
+        let width = self.x_final.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(8);
+        for (name, v) in self.x_final.iter() {
+            write!(f, "final {name:<width$} {}", readable(v))?;
             match self.miss.get(name) {
-                Some(e) => writeln!(f, "   misses its target by {e:.3e}")?,
+                Some(e) => writeln!(f, ", misses its target by {}", readable(e.abs()))?,
                 None => writeln!(f)?,
             }
         }
@@ -94,16 +133,6 @@ impl fmt::Display for ControlReport {
         }
         Ok(())
     }
-}
-
-/// Seven digits, with an exponent where a plain number would be long.
-fn readable(value: f64) -> String {
-    let size = value.abs();
-    if size != 0.0 && value.is_finite() && !(1e-4..1e7).contains(&size) {
-        return format!("{value:.6e}");
-    }
-    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
-    rounded.to_string()
 }
 
 /// What the controller is told of inputs that act later than they are commanded.
@@ -119,9 +148,10 @@ fn note_on_delays(problem: &ControlProblem) -> Option<String> {
     };
     let dt = problem.ocp.dt;
     Some(format!(
-        "the plant's inputs act up to {} s ({:.2} samples) later than commanded; the controller predicts over {told} samples of it",
+        "the plant's inputs act up to {} s ({:.2} samples) later than commanded; the controller predicts over {} of it",
         readable(plant),
-        plant / dt
+        plant / dt,
+        counted(told, "sample", "samples")
     ))
 }
 
