@@ -57,12 +57,14 @@ impl fmt::Display for Family {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "family of constant inputs: accessible dimension {}, strongly {}; the affine form with {} more state{} ",
-            self.accessible_dimension,
-            self.strongly_accessible_dimension,
-            self.integrators,
-            if self.integrators == 1 { "" } else { "s" },
+            "family of constant inputs: accessible dimension {}, strongly {}; the affine form",
+            self.accessible_dimension, self.strongly_accessible_dimension,
         )?;
+        match self.integrators {
+            0 => write!(f, " ")?,
+            1 => write!(f, " with 1 more state ")?,
+            n => write!(f, " with {n} more states ")?,
+        }
         match &self.agrees {
             Answer::Known(true) => write!(f, "agrees"),
             Answer::Known(false) => write!(f, "does NOT agree"),

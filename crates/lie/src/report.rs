@@ -36,6 +36,11 @@ pub struct Dimensions {
 }
 
 impl Dimensions {
+    /// Whether both are known.
+    fn decided(&self) -> bool {
+        self.accessible_dimension.known().is_some() && self.strongly_accessible_dimension.known().is_some()
+    }
+
     pub(crate) fn new(
         growth: Vec<usize>,
         accessible_dimension: Answer<usize>,
@@ -217,5 +222,22 @@ impl Report {
             .chain(self.smoothed.as_ref().map(|s| &s.dimensions))
             .chain(point)
             .any(|d| d.accessible_dimension.known().is_some() || d.strongly_accessible_dimension.known().is_some())
+    }
+
+    /// Whether every generic dimension is decided, in every mode and over all of them, and every bracket that was asked for is
+    /// formed. Other questions, as that for flat outputs, may be open.
+    pub fn dimensions_decided(&self) -> bool {
+        let generic = self.modes.iter().map(|m| &m.dimensions);
+        let decided = generic
+            .chain(self.switched.as_ref().map(|s| &s.dimensions))
+            .chain(self.smoothed.as_ref().map(|s| &s.dimensions))
+            .all(Dimensions::decided);
+        let brackets = self.modes.iter().flat_map(|m| &m.brackets.0).chain(&self.brackets.0);
+        decided && brackets.map(|(_, b)| b).all(|b| b.known().is_some())
+    }
+
+    /// The same of the dimensions at the point of the model; false without one.
+    pub fn point_decided(&self) -> bool {
+        self.at_point.as_ref().and_then(Answer::known).is_some_and(|p| p.dimensions.decided())
     }
 }

@@ -111,3 +111,13 @@ fn combinations_of_signs_are_not_claimed_to_occur() {
     assert!(text.starts_with("modes are combinations of signs; whether each occurs is not checked\n"), "{text}");
     assert!(text.contains("the same in 3 other modes\n"), "{text}");
 }
+
+/// Some dimensions are decided, those of the mode in which a denominator vanishes everywhere are not.
+#[test]
+fn all_dimensions_have_to_be_decided_for_all_to_count() {
+    let divided = "u/(sin(x)^2 + cos(x)^2 - sign(x))";
+    let r = analyse(&system(&["x"], &["u"], &[], &[divided], &[], None), &Options::default()).unwrap();
+    let known: Vec<bool> = r.modes.iter().map(|m| m.dimensions.accessible_dimension.known().is_some()).collect();
+    assert!(known.contains(&true) && known.contains(&false), "{r}");
+    assert!(r.decided() && !r.dimensions_decided() && !r.point_decided());
+}
