@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use bracketry_diagnose::{Gain, NamedCause, Report};
+use bracketry_diagnose::{Gain, NamedCause, Report, measured, probability, significant};
 
 use super::Diagnosis;
 use crate::html::{self, Figure, equations, escaped, formula, heading, paragraph, percent, table, verbatim};
@@ -52,6 +52,11 @@ impl Diagnosis {
     }
 }
 
+/// A probability without the sign of equality that it has in sentences.
+fn p_value(p: f64) -> String {
+    escaped(probability(p).trim_start_matches("= "))
+}
+
 fn of_cause(cause: &NamedCause) -> String {
     let title = cause.name.to_string().replace('_', " ");
     let mut out = format!(
@@ -64,7 +69,7 @@ fn of_cause(cause: &NamedCause) -> String {
         let _ = write!(out, "<li>{} = {}</li>", formula(name), escaped(&value.to_string()));
     }
     let _ = match cause.p_value {
-        Some(p) => write!(out, "<li>probability without the cause: {p:.1e}</li>"),
+        Some(p) => write!(out, "<li>probability without the cause: {}</li>", p_value(p)),
         None => write!(out, "<li>without the cause some of the data cannot be simulated</li>"),
     };
     if let Some(share) = cause.share {
@@ -128,12 +133,14 @@ fn tables(report: &Report, level: usize) -> String {
     }
     if !report.parameters.is_empty() {
         let rows = report.parameters.iter().map(|p| {
-            let interval = p.interval.map_or_else(String::new, |[a, b]| format!("{a:.5} … {b:.5}"));
+            let interval = p
+                .interval
+                .map_or_else(String::new, |[a, b]| format!("{} … {}", measured(a, p.std), measured(b, p.std)));
             vec![
                 formula(&p.name),
                 p.before.to_string(),
-                format!("{:.5}", p.after),
-                format!("{:.1e}", p.std),
+                measured(p.after, p.std),
+                significant(p.std, 2),
                 interval,
                 escaped(&p.unit),
             ]
@@ -151,7 +158,7 @@ fn tables(report: &Report, level: usize) -> String {
                 formula(&c.term),
                 c.share.map_or_else(String::new, percent),
                 c.interval.map_or_else(String::new, |[low, high]| format!("{} … {}", percent(low), percent(high))),
-                format!("{:.1e}", c.p_value),
+                p_value(c.p_value),
             ]
         });
         out += &heading(level, "What was tried, each alone");

@@ -7,10 +7,12 @@ use rustc_hash::FxHashMap;
 use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::library::{ModelNames, TIME_INPUT, apply_all, decimal, parameter};
+use crate::report::significant;
 use crate::study::{Estimate, Fit};
 
-/// Digits that a fitted value keeps below its standard deviation.
-const EXTRA_DIGITS: i32 = 3;
+/// Digits that a fitted value keeps below its standard deviation: enough for a simulation to stay the same where two values are
+/// known a thousand times better together than each alone.
+const EXTRA_DIGITS: i32 = 5;
 
 /// A model with fitted values, and what its equations cannot say.
 #[derive(Clone, Debug)]
@@ -22,8 +24,9 @@ pub struct ExtendedModel {
 }
 
 impl ExtendedModel {
-    /// The given model with the values and effects of a fit. Fitted values are rounded to a thousandth of their standard
-    /// deviation, which stands in the parameter's description; limits that a fitted value breaks are dropped.
+    /// The given model with the values and effects of a fit. Fitted values are rounded to a hundred-thousandth of their standard
+    /// deviation; it stands in the parameter's description, times `width`, the factor by which correlation of the residuals
+    /// widens it (1 for none). Limits that a fitted value breaks are dropped.
     ///
     /// A lag of an input `u` becomes a state `u_lagged` that the equations use in place of `u` (and its derivatives, by
     /// `τ u_lagged' = u − u_lagged`), the time a state with derivative 1, an offset of a measured column, or a tracked
@@ -32,7 +35,7 @@ impl ExtendedModel {
     ///
     /// # Errors
     /// [`DiagnoseError`] for an effect that does not fit the model.
-    pub fn new(system: &System, fit: &Fit) -> Result<Self, DiagnoseError> {
+    pub fn new(system: &System, fit: &Fit, width: f64) -> Result<Self, DiagnoseError> {
         let mut extended = Self { system: equations(system, &fit.effects, &fit.values)?, notes: Vec::new() };
         for effect in &fit.effects {
             match &effect.change {
@@ -45,7 +48,7 @@ impl ExtendedModel {
         }
         extended.time_as_state();
         for estimate in &fit.values {
-            describe(&mut extended.system, estimate);
+            describe(&mut extended.system, estimate, width);
         }
         if !fit.effects.is_empty() {
             extended.system.name = format!("{}_extended", system.name);
@@ -162,7 +165,7 @@ fn set_fitted(system: &mut System, estimate: &Estimate) {
 }
 
 /// Says in the description of a parameter that it was fitted; limits that it breaks are dropped.
-fn describe(system: &mut System, estimate: &Estimate) {
+fn describe(system: &mut System, estimate: &Estimate, width: f64) {
     let pool = &system.pool;
     let Some(p) = system.parameters.iter_mut().find(|p| pool.name(p.symbol) == estimate.name) else { return };
     if p.min.as_ref().is_some_and(|min| p.value < *min) {
@@ -171,7 +174,7 @@ fn describe(system: &mut System, estimate: &Estimate) {
     if p.max.as_ref().is_some_and(|max| p.value > *max) {
         p.max = None;
     }
-    let fitted = format!("fitted, std {:.1e}, before {}", estimate.std, estimate.nominal);
+    let fitted = format!("fitted, std {}, before {}", significant(estimate.widened(width), 2), estimate.nominal);
     p.about = Some(p.about.as_ref().map_or(fitted.clone(), |about| format!("{about} ({fitted})")));
 }
 

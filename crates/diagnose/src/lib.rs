@@ -26,7 +26,7 @@ pub use read::{
 pub use record::{Measured, Quantity, Record, Signal};
 pub use report::{
     Candidate, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration, Rival,
-    Value, Verdict,
+    Value, Verdict, measured, probability, significant,
 };
 pub use study::{
     Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, StudySettings, Window, WindowFit,

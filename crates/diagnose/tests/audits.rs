@@ -145,5 +145,5 @@ fn an_uneven_clock_and_gaps_are_said() {
     }
     let text = swing.warnings();
     assert!(text.contains("steps in time vary"), "{text}");
-    assert!(text.contains("1 gaps in time") && text.contains("t = 8.0"), "{text}");
+    assert!(text.contains("1 gap in time") && text.contains("t = 8.0"), "{text}");
 }

@@ -161,10 +161,48 @@ fn data_without_motion_say_nothing() {
         columns.insert("F".into(), vec![0.0; 800]);
         columns.insert("x".into(), values);
         let report = verdict(read(columns, None).unwrap(), &[]);
-        assert_eq!(report.verdict, Verdict::NothingFound, "{report}");
-        assert!(report.reason.contains("no motion"), "{report}");
+        assert_eq!(report.verdict, Verdict::Uninformative, "{report}");
+        assert!(report.reason.contains("no input moves: drive the device"), "{report}");
+        // Nothing that looks like a result.
+        assert!(report.parameters.is_empty() && report.candidates.is_empty() && report.excess.is_none(), "{report}");
     }
-    assert!(!verdict(RUN.record(), &[]).reason.contains("no motion"));
+    assert_ne!(verdict(RUN.record(), &[]).verdict, Verdict::Uninformative);
+}
+
+#[test]
+fn inputs_without_a_motion_point_at_the_sensors() {
+    let mut columns = Run { velocity: false, ..RUN }.columns();
+    columns.insert("x".into(), vec![0.2; 800]);
+    let report = verdict(read(columns, None).unwrap(), &[]);
+    assert_eq!(report.verdict, Verdict::Uninformative, "{report}");
+    assert!(report.reason.contains("a sensor is dead"), "{report}");
+}
+
+/// A spring that is let go tells its frequency and damping, not its mass.
+#[test]
+fn what_no_input_moves_has_no_interval() {
+    let mut columns = Run { velocity: false, ..RUN }.columns();
+    let mut random = StdRng::seed_from_u64(4);
+    let noise = Normal::new(0.0, 1e-5).unwrap();
+    let decay = |t: &f64| 0.1 * (-0.25 * t).exp() * (19.9375_f64.sqrt() * t).cos() + noise.sample(&mut random);
+    let x: Vec<f64> = columns["t"].iter().map(decay).collect();
+    columns.insert("x".into(), x);
+    columns.insert("F".into(), vec![0.0; 800]);
+    let report = verdict(read(columns, None).unwrap(), &[]);
+    assert!(!format!("{report}").contains("--hold"), "{report}");
+    let mass = report.parameters.iter().find(|p| p.name == "m").unwrap();
+    assert!(mass.interval.is_none() && notes(&report).contains("hardly tell"), "{report}");
+}
+
+#[test]
+fn values_that_cannot_be_squared_are_refused_with_their_place() {
+    for (column, factor) in [("x", 1e150), ("x", 1e-150), ("F", 1e150)] {
+        let mut columns = Run { velocity: false, ..RUN }.columns();
+        columns.get_mut(column).unwrap().iter_mut().for_each(|v| *v *= factor);
+        let message = read(columns, None).unwrap_err().to_string();
+        assert!(message.contains(&format!("column `{column}`: the largest value")), "{message}");
+        assert!(message.len() < 300, "{message}");
+    }
 }
 
 #[test]

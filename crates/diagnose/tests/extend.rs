@@ -54,7 +54,7 @@ fn extended(system: &System, study: &Study, effect: &Effect) -> (ExtendedModel, 
         });
     }
     let values = fit.values.iter().map(|e| (e.name.clone(), e.value)).collect();
-    (ExtendedModel::new(system, &fit).unwrap(), values)
+    (ExtendedModel::new(system, &fit, 1.0).unwrap(), values)
 }
 
 #[test]
@@ -119,11 +119,11 @@ fn a_fitted_value_beyond_its_limit_drops_the_limit_and_says_what_it_was() {
     let study = Study::new(&system, &[record], &StudySettings::default()).unwrap();
     let mut fit = study.nominal();
     (fit.values[0].value, fit.values[0].std) = (1.72345678, 0.01);
-    let text = ExtendedModel::new(&system, &fit).unwrap().to_toml().unwrap();
+    let text = ExtendedModel::new(&system, &fit, 3.0).unwrap().to_toml().unwrap();
     let back = System::parse("extended", &text).unwrap();
     let mass = &back.parameters[0];
     assert_eq!((mass.max.clone(), mass.unit.as_deref()), (None, Some("kg")));
-    assert!((mass.value.to_f64().value() - 1.72345678).abs() < 1e-5);
-    assert_eq!(mass.about.as_deref(), Some("fitted, std 1.0e-2, before 1.5"));
+    assert!((mass.value.to_f64().value() - 1.72345678).abs() < 1e-7);
+    assert_eq!(mass.about.as_deref(), Some("fitted, std 0.030, before 1.5"));
     assert_eq!(back.name, "axis");
 }

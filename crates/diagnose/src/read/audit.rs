@@ -3,11 +3,13 @@
 use std::fmt;
 
 use bracketry_sim::Hold;
+use bracketry_system::{counted, readable};
 use serde::Serialize;
 
 use super::clock::Clock;
 use super::noise::Noise;
 use crate::Signal;
+use crate::report::significant;
 
 /// Something about the data that may spoil a conclusion.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -97,7 +99,7 @@ impl ColumnAudit {
         let mut out = Vec::new();
         let mut warn = |message: String, remedy: &str| out.push(Warning { message, remedy: remedy.into() });
         if self.constant() {
-            let message = format!("`{name}` is {} throughout", self.min);
+            let message = format!("`{name}` is {} throughout", readable(self.min));
             let remedy = if self.input {
                 "what acts through it cannot be told from an offset; move it to find out"
             } else {
@@ -199,7 +201,8 @@ impl Audit {
         }
         if !clock.gaps.is_empty() {
             let at: Vec<String> = clock.gaps.iter().take(5).map(|k| format!("{}", times[*k])).collect();
-            let message = format!("{} gaps in time, the run goes on at t = {} s", clock.gaps.len(), at.join(", "));
+            let gaps = counted(clock.gaps.len(), "gap", "gaps");
+            let message = format!("{gaps} in time, the run goes on at t = {} s", at.join(", "));
             warn(message, "the parts are used, each with its own initial state");
         }
         if clock.step >= 1.0 {
@@ -225,19 +228,20 @@ impl Audit {
 
 impl fmt::Display for Audit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rate = 1.0 / self.step;
-        writeln!(f, "{}: {} samples over {:.4} s, {rate:.4} per second", self.name, self.samples, self.duration)?;
+        let samples = counted(self.samples, "sample", "samples");
+        let (duration, rate) = (readable(self.duration), readable(1.0 / self.step));
+        writeln!(f, "{}: {samples} over {duration} s, {rate} per second", self.name)?;
         let width = self.columns.iter().map(|c| c.name.chars().count()).max().unwrap_or(0);
         for c in &self.columns {
-            write!(f, "  {:width$}  from {:.4e} to {:.4e}, ", c.name, c.min, c.max)?;
+            write!(f, "  {:width$}  from {} to {}, ", c.name, significant(c.min, 5), significant(c.max, 5))?;
             match (c.noise, c.lines, c.bandwidth) {
-                (Some(noise), ..) => write!(f, "measured, noise {noise:.3e}")?,
+                (Some(noise), ..) => write!(f, "measured, noise {}", significant(noise, 4))?,
                 (_, _, Some(bandwidth)) => write!(f, "by a smoothing spline of bandwidth {bandwidth:.3} Hz")?,
                 (_, Some(true), _) => write!(f, "input, straight lines between samples")?,
                 _ => write!(f, "input, held between samples")?,
             }
             if let Some(q) = c.resolution {
-                write!(f, ", in steps of {q:.3e}")?;
+                write!(f, ", in steps of {}", significant(q, 4))?;
             }
             writeln!(f)?;
         }

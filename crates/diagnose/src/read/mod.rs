@@ -27,6 +27,9 @@ use roles::{Role, Roles};
 /// Largest share of lost entries of a measured column.
 const MOST_LOST: f64 = 0.5;
 
+/// Sizes of columns whose squares, and those of their noise, are numbers.
+const SIZES: std::ops::Range<f64> = 1e-100..1e100;
+
 /// How the columns of a table are meant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordSettings {
@@ -181,6 +184,22 @@ impl Record {
     }
 }
 
+/// Refuses a column that is too large or too small to be squared.
+fn check_size(origin: &Origin<'_>, column: &str, values: &[f64]) -> Result<(), FileError> {
+    let size = values.iter().map(|v| v.abs()).fold(0.0, f64::max);
+    if size == 0.0 || SIZES.contains(&size) {
+        return Ok(());
+    }
+    let row = values.iter().position(|v| v.abs() == size).unwrap_or(0);
+    let problem = format!("the largest value of the column, {size:e}, is beyond what can be reckoned with");
+    Err(origin.at(
+        row,
+        column,
+        &problem,
+        "correct the row, or give the column in a unit in which its values are near 1",
+    ))
+}
+
 /// The record of columns that all mean something, `t` among them.
 fn build(
     origin: &Origin<'_>,
@@ -196,6 +215,7 @@ fn build(
             let remedy = "an input must be known at all times: correct or remove the row";
             return Err(origin.at(row, &column, "not a finite number", remedy).into());
         }
+        check_size(origin, &column, values)?;
     }
     let mut measured = Vec::new();
     let mut audits = Vec::new();
@@ -210,6 +230,7 @@ fn build(
             let message = format!("column `{name}`: {lost} of {} values were lost", values.len());
             return Err(origin.whole(message, "remove the column, or the part of the run without it").into());
         }
+        check_size(origin, &name, &values)?;
         let noise = estimate_noise(&roles.times, &values);
         audits.push(ColumnAudit::measured(&name, &values, noise));
         measured.push(Measured { name, quantity, values, noise: noise.std });

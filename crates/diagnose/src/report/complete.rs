@@ -6,37 +6,70 @@ use crate::error::DiagnoseError;
 use crate::extend::ExtendedModel;
 use crate::gain::{Fitted, NO_FORCE, bootstrap, measure_gain};
 use crate::record::Record;
-use crate::study::{Fit, Study, StudySettings};
+use crate::study::{Estimate, Fit, Linearization, Study, StudySettings};
+
+/// The fits of a report, to all windows of the study.
+#[derive(Clone, Copy)]
+pub(crate) struct Fits<'a> {
+    /// The given model with its parameters refitted.
+    pub(crate) refitted: &'a Fit,
+    /// The model with the causes.
+    pub(crate) extended: &'a Fit,
+    /// The factor by which correlation of the residuals widens standard deviations.
+    pub(crate) width: f64,
+}
+
+/// An interval that is narrower than this part of the one that the standard deviation promises has no meaning: resampled windows
+/// that all say the same, wrongly, do not scatter.
+const NARROWEST: f64 = 0.125;
+/// Half the width of an interval of 95 % in standard deviations.
+const NORMAL: f64 = 1.96;
 
 impl Report {
-    /// Adds to a report with causes the intervals of its numbers, the extended model, and the gain; `refitted` and `extended` are
-    /// fits to all windows of the study. Other reports get the fits only.
+    /// Adds to a report with causes the intervals of its numbers, the extended model, and the gain. Other reports get the fits
+    /// and intervals only.
     pub(crate) fn complete(
         &mut self,
         study: &Study,
-        refitted: &Fit,
-        extended: &Fit,
+        fits: Fits<'_>,
         validate: &[Record],
         settings: &StudySettings,
         seed: u64,
     ) -> Result<(), DiagnoseError> {
+        let Fits { refitted, extended, width } = fits;
         let all: Vec<usize> = (0..study.windows().len()).collect();
         let at_extended = study.linearize(extended, &[], &all)?;
+        let hardly = hardly_told(extended, &at_extended, width);
+        let mut alike = Vec::new();
         if let Some(steps) = bootstrap(&at_extended, &extended.limited, seed) {
             for (j, (estimate, step)) in extended.values.iter().zip(steps).enumerate() {
                 // What the data do not tell keeps near the prior in every resample.
-                if let Some(step) = step.filter(|_| !extended.unidentified.contains(&j)) {
-                    self.set_interval(&estimate.name, step.map(|s| estimate.value + s));
+                let Some([low, high]) = step.filter(|_| !hardly.contains(&j)) else { continue };
+                if high - low < NARROWEST * 2.0 * NORMAL * estimate.widened(width) {
+                    alike.push(estimate.name.as_str());
+                } else {
+                    self.set_interval(&estimate.name, [low, high].map(|s| estimate.value + s));
                 }
             }
         }
         self.note_limits(refitted, extended);
+        let name = |&j: &usize| extended.values.get(j).map(|e| e.name.as_str());
+        let hardly: Vec<&str> = hardly.iter().filter_map(name).collect();
+        if !hardly.is_empty() {
+            self.notes.push(format!("the data hardly tell {}: no interval", hardly.join(", ")));
+        }
+        if !alike.is_empty() {
+            self.notes.push(format!(
+                "no interval of {}: the model misses all parts of the data in the same way, so that resampling them says nothing",
+                alike.join(", ")
+            ));
+        }
         self.evidence.refitted = Some(refitted.clone());
         if self.verdict != Verdict::CauseFound {
             return Ok(());
         }
         self.evidence.extended = Some(extended.clone());
-        let model = ExtendedModel::new(study.system(), extended)?;
+        let model = ExtendedModel::new(study.system(), extended, width)?;
         self.notes.extend(model.notes.iter().map(|note| format!("extended model: {note}")));
         self.evidence.model = Some(model);
         let at_refitted = study.linearize(refitted, &[], &all)?;
@@ -58,7 +91,7 @@ impl Report {
         Ok(())
     }
 
-    /// Says which numbers stopped at a limit and which the data do not tell: neither has an interval.
+    /// Says which numbers stopped at a limit: they have no interval.
     fn note_limits(&mut self, refitted: &Fit, extended: &Fit) {
         for (fit, which) in [(extended, ""), (refitted, " of the model without causes")] {
             if !which.is_empty() && extended.effects.is_empty() {
@@ -73,11 +106,6 @@ impl Report {
                 ));
             }
         }
-        let hardly: Vec<&str> =
-            extended.unidentified.iter().filter_map(|&j| extended.values.get(j)).map(|e| e.name.as_str()).collect();
-        if !hardly.is_empty() {
-            self.notes.push(format!("the data hardly tell {}: no interval", hardly.join(", ")));
-        }
     }
 
     fn set_interval(&mut self, name: &str, interval: [f64; 2]) {
@@ -88,4 +116,12 @@ impl Report {
             value.interval = Some(interval);
         }
     }
+}
+
+/// Places in the values of a fit that the data hardly tell: of which the standard deviation that is stated is more than half of the
+/// prior's.
+fn hardly_told(fit: &Fit, at: &Linearization, width: f64) -> Vec<usize> {
+    let prior = |j: usize| at.scales.get(j).zip(at.prior.get(j)).map_or(f64::INFINITY, |(s, p)| s / p.sqrt());
+    let vague = |(j, e): &(usize, &Estimate)| fit.unidentified.contains(j) || e.widened(width) > 0.5 * prior(*j);
+    fit.values.iter().enumerate().filter(vague).map(|(j, _)| j).collect()
 }

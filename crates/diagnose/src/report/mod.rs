@@ -11,7 +11,8 @@ use serde::Serialize;
 
 use crate::{Audit, Cause, ExtendedModel, Fit, HeldOut};
 
-pub(crate) use table::significant;
+pub(crate) use complete::Fits;
+pub use table::{measured, probability, significant};
 
 /// What a diagnosis ended with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -23,6 +24,8 @@ pub enum Verdict {
     NothingFound,
     /// The refitted model leaves over more than noise, and nothing that was tried explains it.
     Unexplained,
+    /// Nothing measured stands out of its noise: the data can tell neither for the model nor against it.
+    Uninformative,
 }
 
 /// A number with its uncertainty.

@@ -38,8 +38,11 @@ pub(super) fn short(value: f64) -> String {
 }
 
 /// `value` with so many significant digits.
-pub(crate) fn significant(value: f64, digits: i32) -> String {
-    if value == 0.0 || !value.is_finite() {
+pub fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
         return value.to_string();
     }
     let exponent = value.abs().log10().floor() as i32;
@@ -53,7 +56,7 @@ pub(crate) fn significant(value: f64, digits: i32) -> String {
 }
 
 /// `value` with as many digits as its standard deviation `std` makes worthwhile: two of `std`.
-pub(super) fn measured(value: f64, std: f64) -> String {
+pub fn measured(value: f64, std: f64) -> String {
     if !(std > 0.0 && std.is_finite()) || value == 0.0 {
         return significant(value, 4);
     }
@@ -67,6 +70,6 @@ pub(super) fn percent(share: f64) -> String {
 }
 
 /// `= p`, or a bound where the number means nothing any more.
-pub(super) fn probability(p: f64) -> String {
+pub fn probability(p: f64) -> String {
     if p < 1e-12 { "< 1e-12".to_owned() } else { format!("= {}", significant(p, 2)) }
 }

@@ -14,6 +14,7 @@ impl Display for Verdict {
             Verdict::CauseFound => "cause found",
             Verdict::NothingFound => "nothing found",
             Verdict::Unexplained => "unexplained",
+            Verdict::Uninformative => "the data cannot tell",
         })
     }
 }

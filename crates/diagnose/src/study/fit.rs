@@ -22,6 +22,13 @@ pub struct Estimate {
     pub std: f64,
 }
 
+impl Estimate {
+    /// The standard deviation that is stated of the estimate where correlation within windows widens it by a factor.
+    pub(crate) fn widened(&self, width: f64) -> f64 {
+        self.std * width
+    }
+}
+
 /// How a window is explained.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowFit {

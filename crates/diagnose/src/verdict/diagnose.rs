@@ -6,7 +6,7 @@ use bracketry_system::System;
 
 use super::held_out::{HeldOut, thinned};
 use super::hold::{half_a_sample, other_hold};
-use super::motion::still;
+use super::motion::{driven, still, uninformative};
 use super::noise::Scatter;
 use super::places::{Places, places};
 use super::proven::drop_unproven;
@@ -21,6 +21,7 @@ use super::validation::mispredicted;
 use super::{Settings, Stage, periods, scale, write};
 use crate::gain::NO_FORCE;
 use crate::library::{candidates, dictionary};
+use crate::report::Fits;
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
 /// Share of the excess over noise that named causes must explain where structure remains; with less the verdict is that the
@@ -95,14 +96,12 @@ pub fn diagnose(
     // What another model suggests may be in the library already.
     let more = settings.candidates.iter().filter(|c| library.iter().all(|known| known.change != c.change));
     library.extend(more.cloned().collect::<Vec<_>>());
-    let motionless = still(&records).1;
-    if motionless {
-        // What outliers alone would call for is no cause.
-        library.clear();
-    }
     let first = Study::new(system, &records, &settings.study)?;
     first.check_window()?;
     first.check_time_scale()?;
+    if still(&records).1 {
+        return Ok(Report { notes, ..uninformative(system, &records, begin) });
+    }
     let (shorter, weighed);
     let mut study = &first;
     let mut attempt = Attempt::new(study, None, &library, settings, progress)?;
@@ -131,9 +130,6 @@ pub fn diagnose(
     let named: Vec<usize> = (0..library.len()).collect();
     let Selection { mut chosen, mut scatter, mut tests, screened } = selection;
     let mut alarm = base.alarm.p_value.min(screened);
-    if motionless {
-        alarm = 1.0;
-    }
     let mut found = Vec::new();
     let mut refuted = None;
     if alarm < settings.significance {
@@ -165,7 +161,7 @@ pub fn diagnose(
             }
         }
     }
-    if let Some(better) = search.base().filter(|b| !motionless && b.square() < base.square()) {
+    if let Some(better) = search.base().filter(|b| b.square() < base.square()) {
         base = better.clone();
         alarm = base.alarm.p_value;
     }
@@ -214,10 +210,6 @@ fn written(
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
     let mut report = write::report(system, search, findings, settings, begin);
-    if still(search.study.records()).1 {
-        report.causes.clear();
-        report.verdict = Verdict::NothingFound;
-    }
     if report.verdict != Verdict::NothingFound {
         let Places { motion, regimes, over_time } = places(system, search.study.records(), &findings.base.fit)?;
         (report.places, report.regimes, report.residual_acceleration) = (motion, regimes, over_time);
@@ -226,15 +218,16 @@ fn written(
         }
     }
     progress(Stage::Gain);
-    let (refitted, extended) = (&findings.base.fit, &findings.chosen.fit);
-    report.complete(search.study, refitted, extended, validate, &settings.study, settings.seed)?;
+    let width = findings.scatter.width();
+    let fits = Fits { refitted: &findings.base.fit, extended: &findings.chosen.fit, width };
+    report.complete(search.study, fits, validate, &settings.study, settings.seed)?;
     report.withdraw_if_refuted();
     doubt(&mut report, system, search, findings, validate, settings)?;
     report.seconds = begin.elapsed().as_secs_f64();
     Ok(report)
 }
 
-/// Adds what speaks against the verdict: data without motion, inputs that go on otherwise between samples, other units, runs for
+/// Adds what speaks against the verdict: columns without motion, inputs that go on otherwise between samples, other units, runs for
 /// validation that are not predicted.
 fn doubt(
     report: &mut Report,
@@ -245,21 +238,16 @@ fn doubt(
     settings: &Settings,
 ) -> Result<(), DiagnoseError> {
     let records = search.study.records();
-    let (still, all) = still(records);
-    if all {
-        "the data hold no motion above the noise, which says nothing about the model".clone_into(&mut report.reason);
-        report
-            .notes
-            .push("no measured column stands out of its noise: record a run in which the device moves".to_owned());
-        return Ok(());
-    }
+    let (still, _) = still(records);
     if !still.is_empty() {
         report.notes.push(format!(
             "{} does not stand out of its noise and tells nothing: leave outliers empty, or remove the column",
             still.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
         ));
     }
+    // Inputs that never change go on in the same way either way; another fit would only find another minimum.
     if findings.ending != Ending::Quiet
+        && driven(records)
         && let Some(other) = other_hold(system, search, findings, settings)?
     {
         report.reason = format!("{}; but {}", report.reason, other.clause());

@@ -1,6 +1,11 @@
 //! Whether data hold any motion.
 
-use crate::{Measured, Record};
+use std::time::Instant;
+
+use bracketry_system::System;
+
+use crate::report::Evidence;
+use crate::{Measured, Record, Report, Verdict};
 
 /// A column holds motion if nine tenths of its values spread more than this many times as far as its noise alone would.
 const STANDS_OUT: f64 = 1.5;
@@ -19,6 +24,45 @@ pub(super) fn still(records: &[Record]) -> (Vec<String>, bool) {
     let all = names.len();
     names.retain(|name| !records.iter().flat_map(|r| &r.measured).any(|m| m.name == *name && moves(m)));
     (names.iter().map(|&n| n.to_owned()).collect(), names.len() == all)
+}
+
+/// Whether some input changes in some record.
+pub(super) fn driven(records: &[Record]) -> bool {
+    records.iter().flat_map(|r| &r.inputs).any(|signal| signal.values.windows(2).any(|w| w[0] != w[1]))
+}
+
+/// The report on records in which nothing moves: no fit, since it would only give the prior back, or what a dead sensor feigns.
+pub(super) fn uninformative(system: &System, records: &[Record], begin: Instant) -> Report {
+    let remedy = match (records.iter().any(|r| !r.inputs.is_empty()), driven(records)) {
+        (false, _) => "record a run that begins away from rest, long enough for a motion above the noise",
+        (true, false) => {
+            "no input moves: drive the device, above its friction and above the noise of its sensors, and record that"
+        }
+        (true, true) => {
+            "the inputs move, but nothing that was measured does: if the device did move, a sensor is dead, or the columns are not \
+             those of its motion; if not, drive it above its friction and above the noise"
+        }
+    };
+    Report {
+        model: system.name.clone(),
+        verdict: Verdict::Uninformative,
+        reason: format!(
+            "no measured column stands out of its noise, so that the data cannot tell whether the model is right; {remedy}"
+        ),
+        causes: Vec::new(),
+        places: Vec::new(),
+        regimes: Vec::new(),
+        residual_acceleration: Vec::new(),
+        gain: None,
+        parameters: Vec::new(),
+        extended_model: None,
+        excess: None,
+        candidates: Vec::new(),
+        notes: Vec::new(),
+        seconds: begin.elapsed().as_secs_f64(),
+        data: Vec::new(),
+        evidence: Evidence::default(),
+    }
 }
 
 /// Distance between the 5th and the 95th percentile of the values that are there.

@@ -26,6 +26,11 @@ impl Scatter {
         self.variance * self.inflation
     }
 
+    /// Factor by which the same correlation widens standard deviations that were computed for white residuals.
+    pub(crate) fn width(&self) -> f64 {
+        self.inflation.sqrt()
+    }
+
     /// Probability that `coefficients` useless coefficients gain at least `square` (Fisher's F).
     pub(crate) fn p_value(&self, square: f64, coefficients: usize) -> f64 {
         let k = coefficients.max(1) as f64;

@@ -54,7 +54,7 @@ pub(super) fn drop_unproven(
 
 /// Whether some amplitude of an effect exceeds its standard deviation so many `times`.
 fn sizeable(effect: &Effect, explanation: &Explanation, times: f64, scatter: &Scatter) -> bool {
-    let width = times * scatter.inflation.sqrt();
+    let width = times * scatter.width();
     effect.coefficients.iter().filter(|c| c.role == Role::Amplitude).any(|c| {
         let estimate = explanation.fit.values.iter().find(|e| e.name == c.name);
         estimate.is_some_and(|e| (e.value - c.nominal).abs() > width * e.std)

@@ -131,9 +131,10 @@ fn most(share: f64) -> String {
     if (0.995..1.0).contains(&share) { "more than 99.5 %".to_owned() } else { format!("{:.0} %", 100.0 * share) }
 }
 
-/// Estimate with the width that correlation within windows gives it.
-fn value(estimate: &Estimate, unit: &str, inflation: f64) -> Value {
-    Value { value: estimate.value, std: estimate.std * inflation.sqrt(), interval: None, unit: unit.to_owned() }
+/// Estimate with the width that correlation within windows gives it. A number without a dimension has no unit to be shown.
+fn value(estimate: &Estimate, unit: &str, width: f64) -> Value {
+    let unit = if unit == "1" { "" } else { unit };
+    Value { value: estimate.value, std: estimate.widened(width), interval: None, unit: unit.to_owned() }
 }
 
 fn refitted(system: &System, findings: &Findings) -> Vec<RefittedParameter> {
@@ -144,7 +145,7 @@ fn refitted(system: &System, findings: &Findings) -> Vec<RefittedParameter> {
         .map(|e| {
             let unit = system.parameters.iter().find(|p| system.symbol_name(p.symbol) == e.name);
             let unit = unit.and_then(|p| p.unit.clone()).unwrap_or_default();
-            let v = value(e, &unit, findings.scatter.inflation);
+            let v = value(e, &unit, findings.scatter.width());
             RefittedParameter {
                 name: e.name.clone(),
                 before: e.nominal,
@@ -231,9 +232,9 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
         .coefficients
         .iter()
         .zip(&estimates)
-        .map(|(c, e)| (c.name.clone(), value(e, &c.unit, findings.scatter.inflation)))
+        .map(|(c, e)| (c.name.clone(), value(e, &c.unit, findings.scatter.width())))
         .collect();
-    let (name, mut flags) = physical_name(&effect, &estimates, findings.scatter.inflation.sqrt());
+    let (name, mut flags) = physical_name(&effect, &estimates, findings.scatter.width());
     flags.extend(hold_delays(search, &effect, &estimates));
     flags.extend(chosen.stopped().map(|p| format!("{p} stopped at a limit: beyond it, this cause may not be needed")));
     let others: Vec<Rival> = rivals

@@ -114,7 +114,7 @@ class Diagnosis(Result):
     """What a model gets wrong in measured data: the cause by name, the extended model, the gain."""
 
     model: str
-    verdict: Literal["cause_found", "nothing_found", "unexplained"]
+    verdict: Literal["cause_found", "nothing_found", "unexplained", "uninformative"]
     #: Why, in a sentence.
     reason: str
     causes: list[Cause]
