@@ -6,7 +6,9 @@ use std::time::Instant;
 
 use bracketry_lie::{Answer, Dimensions, InputValues, Options, Report, Side, Stlc, Verdict};
 use bracketry_symbolic::Rational;
-use bracketry_system::{AffineError, Affinization, AtPoint, InputRange, Method, NewInput, Range, System};
+use bracketry_system::{
+    AffineError, Affinization, AtPoint, InputRange, Method, NewInput, Range, System, ZeroDenominator,
+};
 use serde::Serialize;
 
 use crate::affinization::AffinizationReport;
@@ -20,6 +22,9 @@ pub enum AnalysisError {
     /// The brackets could not be formed.
     #[error(transparent)]
     Lie(#[from] bracketry_lie::Error),
+    /// The equations divide by zero everywhere.
+    #[error(transparent)]
+    Denominator(#[from] ZeroDenominator),
     /// It is asked what the outputs determine of a model without outputs.
     #[error("there are no outputs that could determine `{function}`: add a table [outputs]")]
     NoOutputs {
@@ -73,6 +78,7 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     if let (Some(function), true) = (options.determined.first(), system.outputs.is_empty()) {
         return Err(AnalysisError::NoOutputs { function: function.clone() });
     }
+    system.check_denominators()?;
     let affinization = system.affinize()?;
     let mut options = options.clone();
     if affinization.method == Method::None {

@@ -3,7 +3,7 @@
 
 use bracketry_mpc::{ControlProblem, ControlRun, MpcError, Plant, PlantError, RungeKuttaPlant, SymbolicDynamics};
 use bracketry_sim::{Hold, InputError, Inputs, Model, Outcome, Samples, Settings, SimError, Simulation, simulate};
-use bracketry_system::System;
+use bracketry_system::{System, ZeroDenominator};
 
 /// A control problem that could not be run.
 #[derive(Debug, thiserror::Error)]
@@ -17,6 +17,9 @@ pub enum ControlError {
     /// The inputs do not fit the plant.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// The equations of the model or of the plant divide by zero everywhere.
+    #[error(transparent)]
+    Denominator(#[from] ZeroDenominator),
     /// The recording was refused.
     #[error(transparent)]
     Sim(#[from] SimError),
@@ -74,6 +77,8 @@ pub fn control(problem: &ControlProblem) -> Result<Controlled, ControlError> {
 /// # Errors
 /// As [`control`].
 pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)) -> Result<Controlled, ControlError> {
+    problem.system.check_denominators()?;
+    problem.plant.check_denominators()?;
     let mut plant_system = problem.plant.clone();
     // Delays act within a sample, which is for the simulator too.
     let delayed = plant_system.delay_values().iter().any(|d| *d != Some(0.0));

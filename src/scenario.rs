@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use bracketry_sim::{
-    InputError, Inputs, Model, Outcome, Settings, SimError, Simulation, StopReason, Switched, simulate,
-};
+use bracketry_sim::{InputError, Inputs, Model, Outcome, Settings, SimError, Simulation, simulate};
 use bracketry_symbolic::{ParseError, Rational};
-use bracketry_system::{Document, FileError, System, Value};
+use bracketry_system::{Document, FileError, System, Value, ZeroDenominator};
 
+use crate::Breakdown;
 use crate::point::Constants;
 
 /// A simulation to run: where it starts, what drives it, how long.
@@ -39,6 +38,9 @@ pub enum ScenarioError {
     /// The integrator was misused.
     #[error(transparent)]
     Sim(#[from] SimError),
+    /// The equations divide by zero everywhere.
+    #[error(transparent)]
+    Denominator(#[from] ZeroDenominator),
 }
 
 /// Most rows of a result.
@@ -151,6 +153,7 @@ impl Scenario {
         for (name, value) in &self.parameters {
             system.set_parameter(name, value.clone());
         }
+        system.check_denominators()?;
         let mut model = Model::new(&system, &self.inputs)?;
         let switches: Vec<String> = model.switch_names().map(str::to_owned).collect();
         let Simulation { trajectory, outcome, statistics } =
@@ -179,9 +182,9 @@ impl Scenario {
             })
             .collect();
         let impulses_left_out = model.impulses_left_out().to_vec();
-        let not_finite = match &outcome {
-            Outcome::Stopped { reason: StopReason::NonFinite, t, state } => first_not_finite(&mut model, *t, state),
-            _ => None,
+        let breakdown = match &outcome {
+            Outcome::Stopped { reason, t, state } => Breakdown::find(&system, &model, reason, *t, state),
+            Outcome::Finished => None,
         };
         Ok(Run {
             times,
@@ -193,7 +196,7 @@ impl Scenario {
             outcome,
             statistics,
             impulses_left_out,
-            not_finite: not_finite.map(|i| system.state_names()[i].clone()),
+            breakdown,
         })
     }
 }
@@ -220,17 +223,8 @@ pub struct Run {
     /// Input derivatives, by input and order, whose impulses are left out because the input's expression jumps or has
     /// kinks: what the model would do there is not simulated.
     pub impulses_left_out: Vec<(String, u32)>,
-    /// Where the simulation stopped at numbers that are not finite: the first state whose rate is none there.
-    pub not_finite: Option<String>,
-}
-
-/// The first state whose rate is not finite.
-fn first_not_finite(model: &mut Model, t: f64, x: &[f64]) -> Option<usize> {
-    let mut rate = vec![0.0; model.dim()];
-    model.enter_segment(t);
-    let signs = vec![0.0; model.arguments()];
-    model.rhs(t, x, &signs, &mut rate);
-    rate.iter().position(|v| !v.is_finite())
+    /// What the equations do where the simulation stopped before its end, as far as that was found.
+    pub breakdown: Option<Breakdown>,
 }
 
 /// What inputs of a scenario may be.

@@ -5,7 +5,7 @@ use std::fmt;
 use bracketry_plot::{Drawing, Panel, PlotError, Series, TimeSeries};
 use bracketry_sim::{Mode, Outcome};
 use bracketry_symbolic::Node;
-use bracketry_system::System;
+use bracketry_system::{System, counted, readable};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -68,10 +68,8 @@ impl SimulationReport {
         let stopped = match &run.outcome {
             Outcome::Finished => None,
             Outcome::Stopped { reason, t, .. } => {
-                let at = number(*t, |t| format!("{t:.6}"));
-                let state = run.not_finite.as_ref();
-                let state = state.map_or(String::new(), |n| format!("; the rate of `{n}` is not finite there"));
-                Some(format!("stopped at t = {at} s: {reason}{state}"))
+                let why = run.breakdown.as_ref().map_or_else(|| reason.to_string(), |b| format!("{b}"));
+                Some(format!("stopped at t = {} s: {why}", readable(*t)))
             }
         };
         Self {
@@ -97,9 +95,9 @@ impl fmt::Display for SimulationReport {
             f,
             "{}: {} s simulated in {}, {}",
             self.model,
-            number(self.t_final - self.t_start, |t| if t > 0.0 && t < 1e-6 { format!("{t:e}") } else { t.to_string() }),
-            count(self.steps, "step", "steps"),
-            count(self.events.len(), "change of mode", "changes of mode")
+            readable(self.t_final - self.t_start),
+            counted(self.steps, "step", "steps"),
+            counted(self.events.len(), "change of mode", "changes of mode")
         )?;
         for name in &self.inputs_at_zero {
             writeln!(f, "  nothing drives the input `{name}`: it is zero")?;
@@ -110,25 +108,16 @@ impl fmt::Display for SimulationReport {
         for name in &self.ignored_columns {
             writeln!(f, "  column `{name}` is no input that the model uses and was ignored")?;
         }
+        let width = self.x_final.keys().map(|name| name.chars().count()).max().unwrap_or(0).max(10);
         for (name, value) in &self.x_final {
             let value = value.as_f64().unwrap_or(f64::NAN);
-            writeln!(f, "  {name:>10} = {}", number(value, |v| format!("{v:.9}")))?;
+            writeln!(f, "  {name:>width$} = {}", readable(value))?;
         }
         match &self.stopped {
             Some(stopped) => writeln!(f, "{stopped}"),
             None => Ok(()),
         }
     }
-}
-
-/// `write`, but scientific notation for what has too many digits.
-fn number(v: f64, write: impl Fn(f64) -> String) -> String {
-    if v.abs() < 1e9 { write(v) } else { format!("{v:e}") }
-}
-
-/// A number of things, with their name in the singular or the plural.
-fn count(n: usize, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
 }
 
 /// A mode in a word.

@@ -121,7 +121,8 @@ fn a_solution_that_blows_up_ends_with_code_1_and_its_time() {
     let scenario = file(&dir, "s.toml", "duration = 2.0\n[x0]\nx = 1.0\n");
     let o = bracketry(&["simulate", &path, "--scenario", &scenario]);
     assert_eq!(code(&o), 1);
-    assert!(String::from_utf8_lossy(&o.stdout).contains("stopped at t = 1.0"));
+    let said = String::from_utf8_lossy(&o.stdout);
+    assert!(said.contains("stopped at t = 1 s: `x` runs away there"), "{said}");
 }
 
 #[test]

@@ -112,14 +112,14 @@ fn numbers_and_counts_are_readable() {
 }
 
 #[test]
-fn a_rate_that_is_no_number_is_named() {
+fn an_input_that_is_no_number_is_named() {
     let dir = scratch("rate");
     let slider = file(&dir, "slider.toml", SLIDER);
     let scenario = file(&dir, "s.toml", "duration = 1.0\n[inputs]\na = 'log(t - 3)'\n");
     let o = bracketry(&["simulate", &slider, "--scenario", &scenario]);
     let text = String::from_utf8_lossy(&o.stdout);
     assert_eq!(code(&o), 1);
-    assert!(text.contains("the rate of `v` is not finite"), "{text}");
+    assert!(text.contains("stopped at t = 0 s: the input `a` has no finite value"), "{text}");
 }
 
 #[test]
