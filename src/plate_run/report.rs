@@ -3,6 +3,7 @@
 use std::fmt;
 
 use bracketry_plate::{Friction, Shape};
+use bracketry_system::counted;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -168,6 +169,11 @@ fn two_digits(v: f64) -> String {
     if v >= 9.95 { format!("{v:.0}") } else { format!("{}", format!("{v:.1e}").parse::<f64>().unwrap_or(v)) }
 }
 
+/// A number that is printed with two decimals, without the sign that would be left of a small one: −0.00.
+fn without_sign(v: f64) -> f64 {
+    if v.abs() < 0.005 { 0.0 } else { v }
+}
+
 /// At most six significant digits.
 fn round(v: f64) -> f64 {
     format!("{v:.5e}").parse().unwrap_or(v)
@@ -204,14 +210,15 @@ impl fmt::Display for PlateReport {
         writeln!(
             f,
             "  final       x {:.2} mm, y {:.2} mm, φ {:.2}° at t = {:.3} s",
-            1e3 * l.x,
-            1e3 * l.y,
-            l.phi * DEGREES,
+            without_sign(1e3 * l.x),
+            without_sign(1e3 * l.y),
+            without_sign(l.phi * DEGREES),
             self.t_final
         )?;
         let d = &self.drift;
-        writeln!(f, "  moved       x {:+.2} mm, y {:+.2} mm, φ {:+.2}°", 1e3 * d.x, 1e3 * d.y, d.phi * DEGREES)?;
-        let events = self.events.map_or(String::new(), |n| format!("{n} events, "));
+        let moved = [1e3 * d.x, 1e3 * d.y, d.phi * DEGREES].map(without_sign);
+        writeln!(f, "  moved       x {:+.2} mm, y {:+.2} mm, φ {:+.2}°", moved[0], moved[1], moved[2])?;
+        let events = self.events.map_or(String::new(), |n| format!("{}, ", counted(n, "event", "events")));
         writeln!(
             f,
             "  contact     {events}{:.0} % sticking on average, normal force at least {:.3} N{}",
@@ -224,7 +231,7 @@ impl fmt::Display for PlateReport {
             }
         )?;
         if self.plate_jumps > 0 {
-            writeln!(f, "  plate       jumped {} times under the object", self.plate_jumps)?;
+            writeln!(f, "  plate       jumped {} under the object", counted(self.plate_jumps, "time", "times"))?;
         }
         if let Some(closure) = self.energy_closure {
             writeln!(

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use bracketry_stiffness::{Compensator, Fault, ForceSensor, RobotFile, Springs, Wrench};
+use bracketry_system::counted;
 use serde::Serialize;
 
 use super::{LoopGain, RobotLog, StiffnessRunError};
@@ -193,7 +194,8 @@ fn describe(fault: Fault, measured: &[f64]) -> String {
 impl fmt::Display for CompensatedLog {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let duration = self.samples as f64 * self.period_s;
-        writeln!(f, "{}: {} samples of {} s, {duration:.2} s", self.robot, self.samples, self.period_s)?;
+        let samples = counted(self.samples, "sample", "samples");
+        writeln!(f, "{}: {samples} of {} s, {duration:.2} s", self.robot, self.period_s)?;
         writeln!(f, "process force up to {:.1} N at the tool point, filtered", self.force_max_n)?;
         writeln!(
             f,
@@ -204,14 +206,11 @@ impl fmt::Display for CompensatedLog {
         let corrections: Vec<String> = self.correction_max.iter().map(|c| format!("{:.3}", 1e3 * c)).collect();
         writeln!(f, "largest correction of each joint [mrad, mm]: {}", corrections.join(", "))?;
         if self.limited > 0 {
-            writeln!(
-                f,
-                "limits acted at {} samples: raise correction_limit or rate_limit if this is wanted",
-                self.limited
-            )?;
+            let samples = counted(self.limited, "sample", "samples");
+            writeln!(f, "limits acted at {samples}: raise correction_limit or rate_limit if this is wanted")?;
         }
         for count in &self.faults {
-            writeln!(f, "held at {} samples: {}", count.samples, count.fault)?;
+            writeln!(f, "held at {}: {}", counted(count.samples, "sample", "samples"), count.fault)?;
         }
         if let Some(gain) = &self.loop_gain {
             write!(f, "{gain}")?;
