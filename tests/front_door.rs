@@ -10,7 +10,7 @@ use std::process::{Command, Output};
 use common::{bracketry, code, file, json, scratch};
 
 const COMMANDS: [&str; 10] =
-    ["analyze", "affinize", "simulate", "plate", "diagnose", "stiffness", "control", "new", "completions", "man"];
+    ["new", "analyze", "affinize", "simulate", "control", "diagnose", "plate", "stiffness", "completions", "man"];
 
 const SLIDER: &str = "states = ['x', 'velocity']\ninputs = ['a']\n[parameters]\nmu = 0.3\n\
                       [dynamics]\nx = 'velocity'\nvelocity = 'a - mu*9.81*sign(velocity)'\n";
@@ -27,8 +27,11 @@ fn within(dir: &Path, arguments: &[&str]) -> Output {
 fn every_command_has_help_with_examples() {
     let all = text(&bracketry(&["--help"]).stdout);
     assert!(all.contains("Exit codes:") && all.contains("Units:"), "{all}");
+    // In the order in which they are used.
+    let places =
+        COMMANDS.map(|command| all.find(&format!("\n  {command} ")).unwrap_or_else(|| panic!("{command} in {all}")));
+    assert!(places.is_sorted(), "{all}");
     for command in COMMANDS {
-        assert!(all.contains(&format!("\n  {command} ")), "{command} in {all}");
         let help = text(&bracketry(&[command, "--help"]).stdout);
         assert!(help.contains("Examples:") && help.contains(&format!("bracketry {command} ")), "{help}");
     }
@@ -95,7 +98,7 @@ fn manual_pages_exist_for_every_command() {
     let page = fs::read_to_string(dir.join("bracketry-stiffness-identify.1")).unwrap();
     assert_eq!(text(&bracketry(&["man", "stiffness", "identify"]).stdout), page);
     let o = bracketry(&["man", "analyse"]);
-    assert!(code(&o) == 2 && text(&o.stderr).contains("there are analyze, affinize"), "{}", text(&o.stderr));
+    assert!(code(&o) == 2 && text(&o.stderr).contains("there are new, analyze, affinize"), "{}", text(&o.stderr));
 }
 
 /// The same numbers whenever the test runs: sums of twelve uniform ones, of a linear congruential generator.
@@ -158,7 +161,8 @@ fn every_template_runs_through_analyze_simulate_control_and_diagnose() {
         // The commands that it names are those to type next.
         let shown = text(&written.stdout);
         let next: Vec<&str> = shown.lines().filter_map(|l| l.strip_prefix("  bracketry ")).collect();
-        assert_eq!(next.len(), 3, "{shown}");
+        assert_eq!(next.len(), 4, "{shown}");
+        assert!(next[3].starts_with("diagnose ") && next[3].contains("--hold linear"), "{shown}");
         for command in next {
             let o = within(&dir, &command.split(' ').collect::<Vec<_>>());
             assert_eq!(code(&o), 0, "{template}: {command}\n{}{}", text(&o.stdout), text(&o.stderr));
@@ -206,7 +210,11 @@ fn a_file_of_another_kind_is_answered_with_the_right_command() {
     file(&dir, "robot.toml", &fs::read_to_string(common::model("kr125.toml")).unwrap());
     file(&dir, "lost.toml", "model = 'bll.toml'\n[horizon]\nsteps = 3\ndt = 0.1\n");
     fs::create_dir(dir.join("empty")).unwrap();
-    let cases: [(&[&str], &[&str]); 16] = [
+    let robot_columns = "q1,q2,Fx,Fy,Fz,Mx,My,Mz";
+    file(&dir, "loads.csv", &format!("{robot_columns}\n1,1,1,1,1,1,1,1\n"));
+    file(&dir, "log.csv", &format!("t,{robot_columns}\n0,1,1,1,1,1,1,1,1\n"));
+    file(&dir, "displaced.csv", &format!("{robot_columns},dx,dy,dz,rx,ry,rz\n1,1,1,1,1,1,1,1,0,0,0,0,0,0\n"));
+    let cases: [(&[&str], &[&str]); 22] = [
         (
             &["analyze", "ball_problem.toml"],
             &["this is a problem file, not a model file", "`bracketry control ball_problem.toml`"],
@@ -222,7 +230,22 @@ fn a_file_of_another_kind_is_answered_with_the_right_command() {
         (&["simulate", "ball.toml", "--inputs", "ball_scenario.toml"], &["--scenario ball_scenario.toml"]),
         (&["diagnose", "ball.toml", "ball_scenario.toml"], &["not a table of samples", "column t"]),
         (&["diagnose", "run.csv", "ball.toml"], &["run.csv: this is a table of samples, not a model file"]),
-        (&["stiffness", "identify", "run.csv", "ball.toml"], &["not a robot file", "kr125"]),
+        (&["stiffness", "identify", "displaced.csv", "ball.toml"], &["not a robot file", "kr125"]),
+        (
+            &["stiffness", "identify", "run.csv", "robot.toml"],
+            &[
+                "this is a table of samples, not a table of a robot's displacements",
+                "`bracketry diagnose MODEL.toml run.csv`",
+            ],
+        ),
+        (
+            &["stiffness", "identify", "log.csv", "robot.toml"],
+            &["this is a log of a robot", "`bracketry stiffness compensate log.csv ROBOT.toml`"],
+        ),
+        (&["stiffness", "compensate", "displaced.csv", "robot.toml"], &["`bracketry stiffness identify displaced.csv"]),
+        (&["stiffness", "identify", "loads.csv", "robot.toml"], &["poses loads.csv", "weigh loads.csv", "dx, dy, dz"]),
+        (&["diagnose", "ball.toml", "displaced.csv"], &["`bracketry stiffness identify displaced.csv ROBOT.toml`"]),
+        (&["stiffness", "identify", "ball.toml", "robot.toml"], &["each of ball.toml and robot.toml ends in .toml"]),
         (&["plate", "ball.toml"], &["not a scenario of the plate", "experiment = 1"]),
         (&["analyze", "bal.toml"], &["there is no such file", "did you mean `ball.toml`?"]),
         (&["analyze", "ball"], &["did you mean `ball.toml`?"]),
@@ -242,7 +265,8 @@ fn a_file_of_another_kind_is_answered_with_the_right_command() {
     assert!(said(&dir, &["ball.toml"]).contains("`bracketry analyze ball.toml`"));
     assert!(said(&dir, &["analyse", "ball.toml"]).contains("'analyze'"));
     assert!(said(&dir, &["analyze", "ball.toml", "--jsn"]).contains("'--json'"));
-    assert!(said(&dir, &["simulate", "ball.toml"]).contains("--scenario"));
+    let nothing = said(&dir, &["simulate", "ball.toml"]);
+    assert!(nothing.contains("--scenario ball_scenario.toml") && nothing.contains("--inputs FILE.csv"), "{nothing}");
 }
 
 /// The place, the mark below the text, and the remedy.
@@ -316,8 +340,15 @@ fn errors_in_files_show_the_line_and_mark_the_text() {
             "t,b\n0,1\n1,1\n".into(),
             ["column.csv: no column is called like an input", "", "name the columns after the inputs: a"],
         ),
-        ("time.csv", "s,a\n0,1\n1,1\n".into(), ["time.csv: there is no column `t`", "", "add a column t"]),
-        ("semicolon.csv", "t;a\n0;1\n1;1\n".into(), ["separated by semicolons", "", "decimal points"]),
+        ("time.csv", "s,a\n0,1\n1,1\n".into(), ["there is no column `t`; the columns are s, a", "", "add a column t"]),
+        ("semicolon.csv", "t;a\n0,5;1\n1;1\n".into(), ["separated by semicolons", "", "decimal points"]),
+        ("tabs.csv", "t\ta\n0\t1\n1\t1\n".into(), ["separated by tabs", "", "by commas"]),
+        ("blanks.csv", "  t    a\n0.0  1.0\n1.0  1.0\n".into(), ["separated by blanks", "", "by commas"]),
+        ("decimal.csv", "t,a\n0,0,1,5\n1,0,1,5\n".into(), ["has 4 entries, the header 2", "^", "0.5, not 0,5"]),
+        ("comma.csv", "t,a,\n0,1,\n1,1,\n".into(), ["column 3 (without a name): the entry is empty", "", "take away"]),
+        ("quote.csv", "t,\"a\n0,1\n".into(), ["quotation mark in the header is not closed", "", "t,u,x"]),
+        ("none.csv", String::new(), ["none.csv: the table is empty", "", "begin with a header such as t,u,x"]),
+        ("blank_lines.csv", "\n \n# t,a\n".into(), ["blank_lines.csv: the table is empty", "", "a row of numbers"]),
         (
             "headless.csv",
             "0,1\n1,1\n".into(),
@@ -422,4 +453,136 @@ fn measurements_have_the_noise_that_is_asked_for() {
     assert!(refused("y").contains("x=0.001"));
     let alone = bracketry(&["simulate", &model, "--scenario", &scenario, "--noise", "y=0.1"]);
     assert!(code(&alone) == 2 && text(&alone.stderr).contains("--out"), "{}", text(&alone.stderr));
+}
+
+/// What `simulate` says of an equation that loses its value on the way.
+fn stopped(dir: &Path, v: &str, x0: &str, input: &str) -> (i32, String) {
+    file(
+        dir,
+        "m.toml",
+        &format!(
+            "states = ['x', 'v']\ninputs = ['u']\nparameters = {{ c = 0.1 }}\n[dynamics]\nx = 'v'\nv = '{v}'\n[point]\nx = '{x0}'\n"
+        ),
+    );
+    file(dir, "s.toml", &format!("duration = 5\n[inputs]\nu = '{input}'\n"));
+    let o = within(dir, &["simulate", "m.toml", "--scenario", "s.toml"]);
+    (code(&o), text(&o.stdout))
+}
+
+#[test]
+fn an_equation_without_a_value_is_named_with_the_part_that_has_none() {
+    let dir = scratch("no_value");
+    for (v, x0, parts) in [
+        ("-1 - sqrt(x)", "0.5", ["in the equation of `v`, `sqrt(x)` has no value where `x` is below 0", "max(x, 0)"]),
+        ("u*sqrt(x - 1)", "0.5", ["`sqrt(x - 1)` has no value where `x - 1` is below 0", "max(x - 1, 0)"]),
+        (
+            "-1 + c*log(x)",
+            "0.5",
+            ["in the equation of `v`, `log(x)` has no value where `x` is 0 or below", "holds beyond"],
+        ),
+        ("-1 + asin(x)", "0.5", ["`asin(x)` has no value where `x` is beyond -1 to 1", "holds beyond"]),
+        ("u/x", "0", ["in the equation of `v`, `x` stands in a denominator and is 0", "begin elsewhere"]),
+        ("-1 - c/x", "0.5", ["`v` runs away there", "or divides by what comes near 0"]),
+        ("exp(x)^2", "0.5", ["in the equation of `v`", "`exp(x)^2` grows beyond all numbers"]),
+    ] {
+        let (exit, report) = stopped(&dir, v, x0, "1");
+        assert!(exit == 1 && report.contains("stopped at t = "), "{v}: {report}");
+        for part in parts {
+            assert!(report.contains(part), "{v}: `{part}` in {report}");
+        }
+    }
+    let (exit, report) = stopped(&dir, "u", "0", "sqrt(1 - t)");
+    assert!(exit == 1 && report.contains("the input `u` has no finite value"), "{report}");
+    assert!(report.contains("stopped at t = 1 s"), "{report}");
+}
+
+#[test]
+fn a_parameter_that_makes_a_denominator_zero_is_named_by_every_command() {
+    let dir = scratch("zero_denominator");
+    file(
+        &dir,
+        "m.toml",
+        "states = ['x', 'v']\ninputs = ['u']\nparameters = { m = 0, k = 1 }\n[dynamics]\nx = 'v'\nv = '(u - k*x)/m'\n",
+    );
+    file(&dir, "s.toml", "duration = 1\n[inputs]\nu = '1'\n");
+    file(
+        &dir,
+        "p.toml",
+        "model = 'm.toml'\nhorizon = { steps = 5, dt = 0.1 }\ncost = { stage = 'x^2 + u^2' }\nrun = { steps = 3 }\n",
+    );
+    file(&dir, "run.csv", "t,u,x\n0,1,2\n1,1,2\n");
+    for arguments in [
+        &["analyze", "m.toml"][..],
+        &["simulate", "m.toml", "--scenario", "s.toml"],
+        &["control", "p.toml"],
+        &["diagnose", "m.toml", "run.csv"],
+    ] {
+        let message = said(&dir, arguments);
+        assert!(
+            message.contains("the denominator `m` in the equation of `v` is 0 with m = 0"),
+            "{arguments:?}: {message}"
+        );
+    }
+    // A scenario may give the value that counts.
+    file(&dir, "s.toml", "duration = 1\n[inputs]\nu = '1'\n[parameters]\nm = 2\n");
+    assert_eq!(code(&within(&dir, &["simulate", "m.toml", "--scenario", "s.toml"])), 0);
+}
+
+#[test]
+fn times_far_from_zero_are_simulated() {
+    let dir = scratch("far_times");
+    file(&dir, "m.toml", "states = ['x']\ninputs = ['u']\n[dynamics]\nx = 'u'\n");
+    // Milliseconds and nanoseconds since 1970, taken for seconds.
+    for t in [1.7e12, 1.7e18] {
+        file(&dir, "run.csv", &format!("t,u\n{t},2\n{},2\n{},2\n", t + 1e6, t + 2e6));
+        let v = json_of(&within(&dir, &["simulate", "m.toml", "--inputs", "run.csv", "--json"]));
+        assert!((v["x_final"]["x"].as_f64().unwrap() / 4e6 - 1.0).abs() < 1e-3, "{v}");
+    }
+}
+
+fn json_of(o: &Output) -> serde_json::Value {
+    assert_eq!(code(o), 0, "{}", text(&o.stderr));
+    serde_json::from_slice(&o.stdout).unwrap()
+}
+
+/// Every dimension counts that was asked for, not just some: here the generic ones are decided and those at the point are not.
+#[test]
+fn analyze_ends_with_1_where_a_dimension_is_undecided() {
+    let dir = scratch("undecided");
+    file(&dir, "m.toml", "states = ['x', 'y']\ninputs = ['u']\n[dynamics]\nx = 'u'\ny = 'x/y'\n");
+    assert_eq!(code(&within(&dir, &["analyze", "m.toml"])), 0);
+    let at = |point: &str| within(&dir, &["analyze", "m.toml", "--at", point]);
+    assert_eq!(code(&at("y=1")), 0);
+    let o = at("y=0");
+    assert!(code(&o) == 1 && text(&o.stdout).contains("unknown"), "{}", text(&o.stdout));
+    let help = text(&bracketry(&["analyze", "--help"]).stdout);
+    assert!(help.contains("0  every generic dimension is decided, and what --at"), "{help}");
+}
+
+#[test]
+fn data_that_cannot_tell_end_with_1_and_a_remedy() {
+    let dir = scratch("dead_data");
+    assert_eq!(code(&within(&dir, &["new", "ball"])), 0);
+    let rows = |u: fn(f64) -> f64, x: fn(f64) -> f64| {
+        let line = |k: u32| (f64::from(k) * 0.01, u(f64::from(k) * 0.01), x(f64::from(k) * 0.01));
+        let lines = (0..400).map(line).map(|(t, u, x)| format!("{t},{u},{x}"));
+        ["t,u,position".to_owned()].into_iter().chain(lines).collect::<Vec<_>>().join("\n")
+    };
+    let still: fn(f64) -> f64 = |_| 0.0;
+    let cases: [(fn(f64) -> f64, fn(f64) -> f64, &str); 3] = [
+        (still, still, "no input moves: drive the device"),
+        (|_| 1.0, |_| 0.3, "no input moves: drive the device"),
+        (|t| (3.0 * t).sin(), |_| 0.2, "a sensor is dead"),
+    ];
+    for (u, x, remedy) in cases {
+        file(&dir, "run.csv", &rows(u, x));
+        let o = within(&dir, &["diagnose", "ball.toml", "run.csv"]);
+        let report = text(&o.stdout);
+        assert!(code(&o) == 1 && report.contains("ball: the data cannot tell") && report.contains(remedy), "{report}");
+        assert!(!report.contains('±') && !report.contains("95 %"), "{report}");
+        let o = within(&dir, &["diagnose", "ball.toml", "run.csv", "--json", "--out", "out"]);
+        let found: serde_json::Value = serde_json::from_slice(&o.stdout).unwrap();
+        assert_eq!((found["verdict"].as_str(), &found["parameters"]), (Some("uninformative"), &serde_json::json!({})));
+        assert!(fs::read_to_string(dir.join("out/diagnosis.html")).unwrap().contains("the data cannot tell"));
+    }
 }

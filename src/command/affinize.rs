@@ -24,7 +24,7 @@ pub(crate) struct AffinizeArgs {
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
     /// Take the way with this number, as they are listed, in place of the one that adds the fewest states
-    #[arg(long, value_name = "K")]
+    #[arg(long, allow_negative_numbers = true, value_name = "K")]
     candidate: Option<usize>,
 }
 

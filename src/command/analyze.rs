@@ -38,6 +38,9 @@ pub(crate) struct AnalyzeArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
+    /// Point of local statements in place of the model's, such as x=0.1,th=pi/2; what is not named is 0
+    #[arg(long, value_name = "NAME=VALUE,…")]
+    at: Option<String>,
     /// Bracket to write out, such as "[g1,[f,g1]]": f is the drift, g1, g2 … or the names of the inputs their fields;
     /// may be given more than once
     #[arg(long = "bracket", value_name = "BRACKET")]
@@ -46,9 +49,6 @@ pub(crate) struct AnalyzeArgs {
     /// more than once
     #[arg(long, value_name = "EXPR")]
     determines: Vec<String>,
-    /// Point of local statements in place of the model's, such as x=0.1,th=pi/2; what is not named is 0
-    #[arg(long, value_name = "NAME=VALUE,…")]
-    at: Option<String>,
     /// What the report on standard output is written in
     #[arg(long, value_enum, default_value = "text", conflicts_with = "json")]
     format: Format,
@@ -91,7 +91,16 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
     if let (Some(dir), Format::Text) = (&output.out, format) {
         line(&format!("written to {}: {FILES}", dir.display()))?;
     }
-    Ok(if analysis.report.decided() { Outcome::Done } else { Outcome::Negative })
+    Ok(if answered(&analysis, args) { Outcome::Done } else { Outcome::Negative })
+}
+
+/// Whether every generic dimension is decided, and what was asked for besides.
+fn answered(analysis: &Analysis, args: &AnalyzeArgs) -> bool {
+    let report = &analysis.report;
+    let determined = report.observability.as_ref().is_some_and(|o| o.determined.is_some());
+    report.dimensions_decided()
+        && (args.at.is_none() || report.point_decided())
+        && (args.determines.is_empty() || determined)
 }
 
 /// What [`save`] writes.

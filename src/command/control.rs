@@ -23,7 +23,7 @@ pub(crate) struct ControlArgs {
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) problem: PathBuf,
     /// Seed of the measurement noise, in place of `seed` in [run]
-    #[arg(long, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N")]
     seed: Option<u64>,
 }
 

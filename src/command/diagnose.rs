@@ -18,9 +18,13 @@ use super::simulate::HoldArg;
 use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
-pub(crate) const EXAMPLES: [(&str, &str); 3] = [
+pub(crate) const EXAMPLES: [(&str, &str); 4] = [
     (
-        "With a second run that no fit sees",
+        "Inputs that are samples of a smooth signal, as a measured or simulated force",
+        "bracketry diagnose ball.toml run.csv --hold linear --out out",
+    ),
+    (
+        "Inputs as a digital controller holds them, and a second run that no fit sees",
         "bracketry diagnose models/emps.toml run.csv --validate second.csv --out out",
     ),
     ("Where columns have other names", "bracketry diagnose slider.toml log.csv --rename force=u,pos=x"),
@@ -36,30 +40,30 @@ pub(crate) struct DiagnoseArgs {
     /// Measured runs (CSV or NPZ): a column t in seconds, one per measured state or output, one per input
     #[arg(required = true, value_name = "DATA", value_hint = clap::ValueHint::FilePath)]
     data: Vec<PathBuf>,
-    /// Further runs that no fit sees, to measure the gain on
-    #[arg(long, value_name = "DATA", num_args = 1..)]
-    validate: Vec<PathBuf>,
-    /// How inputs go on between samples; without it they are held, and derivatives of inputs follow straight lines
-    #[arg(long, value_enum)]
-    hold: Option<HoldArg>,
-    /// Parameters that keep their values
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    fix: Vec<String>,
     /// Names of columns in the model, as force=u
     #[arg(long, value_name = "COLUMN=NAME,…", value_delimiter = ',', value_parser = renaming)]
     rename: Vec<(String, String)>,
+    /// How inputs go on between samples; without it they are held, and derivatives of inputs follow straight lines
+    #[arg(long, value_enum)]
+    hold: Option<HoldArg>,
+    /// Further runs that no fit sees, to measure the gain on
+    #[arg(long, value_name = "DATA", num_args = 1..)]
+    validate: Vec<PathBuf>,
+    /// Parameters that keep their values
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    fix: Vec<String>,
+    /// Length of the windows in seconds; chosen from the data without it
+    #[arg(long, allow_negative_numbers = true, value_name = "S")]
+    window: Option<f64>,
     /// Another model of the same system: terms of its equations that MODEL lacks become candidates
     #[arg(long, value_name = "MODEL2")]
     reference: Option<PathBuf>,
     /// Most causes that are named together
-    #[arg(long, value_name = "N", default_value_t = Settings::default().max_causes)]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = Settings::default().max_causes)]
     max_causes: usize,
     /// Seed of what is resampled
-    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = Settings::default().seed)]
     seed: u64,
-    /// Length of the windows in seconds; chosen from the data without it
-    #[arg(long, value_name = "S")]
-    window: Option<f64>,
 }
 
 impl DiagnoseArgs {
@@ -81,6 +85,7 @@ fn renaming(text: &str) -> Result<(String, String), String> {
 /// Reads, diagnoses, and writes what was found.
 pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let system = System::read(&args.model)?;
+    system.check_denominators().with_context(|| args.model.display().to_string())?;
     let reading = RecordSettings {
         hold: args.hold.map(|hold| match hold {
             HoldArg::Previous => Hold::Previous,
@@ -134,7 +139,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Ou
 fn outcome(report: &Report) -> Outcome {
     match report.verdict {
         Verdict::CauseFound | Verdict::NothingFound => Outcome::Done,
-        Verdict::Unexplained => Outcome::Negative,
+        Verdict::Unexplained | Verdict::Uninformative => Outcome::Negative,
     }
 }
 

@@ -10,7 +10,16 @@ pub(crate) enum FileKind {
     Model,
     Problem,
     Scenario,
+    /// Signals over time.
     Table,
+    /// A table that may be meant as any of these, with columns missing or misnamed.
+    OtherTable,
+    /// Displacements of a robot under loads, in poses.
+    Measurements,
+    /// Poses and loads of a robot.
+    Loads,
+    /// The same over time.
+    RobotLog,
     Robot,
     PlateScenario,
 }
@@ -30,7 +39,8 @@ impl FileKind {
             let header = text.lines().find(|l| !l.is_empty() && !l.starts_with('#'))?;
             let numbers = |line: &str| line.split(',').all(|f| f.trim().is_empty() || f.trim().parse::<f64>().is_ok());
             let row = text.lines().skip_while(|l| *l != header).nth(1)?;
-            return (header.contains(',') && !header.contains('=') && numbers(row)).then_some(Self::Table);
+            let table = header.contains(',') && !header.contains('=') && numbers(row);
+            return table.then(|| Self::of_columns(&header.split(',').map(str::trim).collect::<Vec<_>>()));
         };
         let has = |key: &str| table.contains_key(key);
         Some(if has("states") || has("dynamics") {
@@ -48,12 +58,43 @@ impl FileKind {
         })
     }
 
+    /// What a table is by the names of its columns.
+    fn of_columns(names: &[&str]) -> Self {
+        const WRENCH: [&str; 6] = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"];
+        let has = |list: &[&str]| list.iter().all(|name| names.contains(name));
+        let of_a_robot = |name: &&str| *name == "q1" || WRENCH.iter().any(|w| w.eq_ignore_ascii_case(name));
+        if !has(&["q1"]) || !has(&WRENCH) {
+            if has(&["t"]) && !names.iter().any(of_a_robot) { Self::Table } else { Self::OtherTable }
+        } else if has(&["t"]) {
+            Self::RobotLog
+        } else if has(&["dx", "dy", "dz"]) {
+            Self::Measurements
+        } else {
+            Self::Loads
+        }
+    }
+
+    /// Whether a file of this kind is clearly none of the kind that is wanted.
+    fn is_no(self, wanted: Self) -> bool {
+        match (self, wanted) {
+            // The command says itself which columns are missing.
+            (Self::OtherTable, Self::Table | Self::Measurements | Self::Loads | Self::RobotLog) => false,
+            // What has more columns will do.
+            (Self::Measurements | Self::RobotLog, Self::Loads) | (Self::RobotLog, Self::Table) => false,
+            (found, wanted) => found != wanted,
+        }
+    }
+
     fn name(self) -> &'static str {
         match self {
             Self::Model => "a model file",
             Self::Problem => "a problem file",
             Self::Scenario => "a scenario file",
             Self::Table => "a table of samples",
+            Self::OtherTable => "a table",
+            Self::Measurements => "a table of a robot's displacements under loads",
+            Self::Loads => "a table of a robot's poses and loads",
+            Self::RobotLog => "a log of a robot under load",
             Self::Robot => "a robot file",
             Self::PlateScenario => "a scenario of the plate",
         }
@@ -66,10 +107,19 @@ impl FileKind {
             Self::Model => format!("bracketry analyze {file}"),
             Self::Problem => format!("bracketry control {file}"),
             Self::Scenario => format!("bracketry simulate MODEL.toml --scenario {file}"),
-            Self::Table => {
+            Self::Table | Self::OtherTable => {
                 format!("bracketry simulate MODEL.toml --inputs {file}` or `bracketry diagnose MODEL.toml {file}")
             }
-            Self::Robot => format!("bracketry stiffness compensate LOG.csv {file}"),
+            Self::Measurements => format!("bracketry stiffness identify {file} ROBOT.toml"),
+            Self::Loads => {
+                format!("bracketry stiffness poses {file} ROBOT.toml` or `bracketry stiffness weigh {file} ROBOT.toml")
+            }
+            Self::RobotLog => format!("bracketry stiffness compensate {file} ROBOT.toml"),
+            Self::Robot => {
+                format!(
+                    "bracketry stiffness identify DATA.csv {file}` or `bracketry stiffness compensate LOG.csv {file}"
+                )
+            }
             Self::PlateScenario => format!("bracketry plate {file}"),
         }
     }
@@ -80,7 +130,24 @@ impl FileKind {
     }
 
     fn extension(self) -> &'static str {
-        if self == Self::Table { "csv" } else { "toml" }
+        match self {
+            Self::Table | Self::OtherTable | Self::Measurements | Self::Loads | Self::RobotLog => "csv",
+            _ => "toml",
+        }
+    }
+
+    /// Whether a file is of this kind.
+    fn is(self, path: &Path) -> bool {
+        Self::of(path) == Some(self)
+    }
+
+    /// A file of this kind in the folder of another whose name begins with that of the other.
+    pub(crate) fn beside(self, other: &Path) -> Option<PathBuf> {
+        let folder = other.parent().unwrap_or(Path::new(""));
+        let stem = other.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let names: Vec<String> = candidates(folder, self).into_iter().filter(|n| self.is(&folder.join(n))).collect();
+        let named_after = names.iter().find(|n| n.starts_with(&stem));
+        named_after.map(|name| folder.join(name))
     }
 
     /// How to come by a file of this kind.
@@ -91,9 +158,14 @@ impl FileKind {
             Self::Scenario => {
                 "a scenario file has `duration = 5.0`, [x0] and [inputs]; `bracketry new NAME` writes one"
             }
-            Self::Table => {
+            Self::Table | Self::OtherTable => {
                 "a table has a header with a column t and one column per input or output; `bracketry simulate --out DIR` writes one"
             }
+            Self::Measurements => {
+                "such a table has columns q1 … qn, Fx, Fy, Fz, Mx, My, Mz and dx, dy, dz, rx, ry, rz, a row per measurement"
+            }
+            Self::Loads => "such a table has columns q1 … qn and Fx, Fy, Fz, Mx, My, Mz, a row per pose",
+            Self::RobotLog => "such a log has columns t, q1 … qn and Fx, Fy, Fz, Mx, My, Mz",
             Self::Robot => "models/kr125.toml is a robot file",
             Self::PlateScenario => {
                 "a scenario of the plate has `experiment = 1` and the options of `bracketry plate` by name"
@@ -145,7 +217,7 @@ pub(crate) fn mistaken(files: &[Given]) -> Option<String> {
                 instead(path, *wanted)
             ));
         }
-        let found = FileKind::of(path).filter(|found| found != wanted)?;
+        let found = FileKind::of(path).filter(|found| found.is_no(*wanted))?;
         Some(format!(
             "{}{by}: this is {}, not {}\n   = {}; for this file: `{}`",
             path.display(),
@@ -175,8 +247,7 @@ fn candidates(folder: &Path, kind: FileKind) -> Vec<String> {
 const SHOWN: usize = 6;
 
 fn in_directory(path: &Path, wanted: FileKind) -> String {
-    let mut names: Vec<String> =
-        candidates(path, wanted).into_iter().filter(|n| FileKind::of(&path.join(n)) == Some(wanted)).collect();
+    let mut names: Vec<String> = candidates(path, wanted).into_iter().filter(|n| wanted.is(&path.join(n))).collect();
     if names.is_empty() {
         return format!("name a file; {}", wanted.how());
     }

@@ -52,7 +52,7 @@ pub(crate) struct Cli {
     #[command(flatten)]
     output: OutputArgs,
     /// Seed of the main job's experiments and noise
-    #[arg(long, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N")]
     seed: Option<u64>,
 }
 
@@ -61,25 +61,31 @@ const FIRST_STEPS: [(&str, &str); 5] = [
     ("What its inputs reach", "bracketry analyze ball.toml"),
     ("Simulate it", "bracketry simulate ball.toml --scenario ball_scenario.toml --out out"),
     ("Close the loop", "bracketry control ball_problem.toml --out out"),
-    ("Where measured data say that it is wrong", "bracketry diagnose ball.toml run.csv --out out"),
+    ("Where measured data say that it is wrong", "bracketry diagnose ball.toml run.csv --hold linear --out out"),
 ];
 
 /// Where results go.
 #[derive(Args, Clone)]
 pub(crate) struct OutputArgs {
     /// Print one JSON object instead of the human report
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = 1001)]
     pub(crate) json: bool,
     /// Folder for files and plots
-    #[arg(long, global = true, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
+    #[arg(long, global = true, display_order = 1000, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
     pub(crate) out: Option<PathBuf>,
 }
 
+/// In the order in which they are used, which is that of the help.
 #[derive(Subcommand)]
 enum Command {
+    /// Write a commented model of one's own, with a scenario and a problem beside it
+    #[command(after_help = examples(&new::EXAMPLES), after_long_help = guide(&new::EXAMPLES, &[EXIT_CODES]))]
+    New(new::NewArgs),
     /// Affine form, modes, ranks, brackets, and what no input influences
     #[command(after_help = examples(&analyze::EXAMPLES), after_long_help = guide(&analyze::EXAMPLES, &[(
-        "Exit codes", "0  everything decided\n1  a question is left undecided; the report says which and why\n2  bad input",
+        "Exit codes",
+        "0  every generic dimension is decided, and what --at, --bracket and --determines ask for\n\
+         1  one of these is undecided; the report says which and why (other questions may stay unknown)\n2  bad input",
     )]))]
     Analyze(analyze::AnalyzeArgs),
     /// Write the model in a form that is affine in its inputs
@@ -91,29 +97,28 @@ enum Command {
         UNITS,
     ]))]
     Simulate(simulate::SimulateArgs),
-    /// Run an experiment on the vibrating plate, on the model of your choice, beside a log if there is one
-    #[command(after_help = examples(&plate::EXAMPLES), after_long_help = guide(&plate::EXAMPLES, &[
-        EXIT_CODES, ("Units", "SI and radians; ω in units of π"),
-    ]))]
-    Plate(Box<plate::PlateArgs>),
-    /// From measured data to what the model gets wrong: the cause, the extended model, the gain
-    #[command(after_help = examples(&diagnose::EXAMPLES), after_long_help = guide(&diagnose::EXAMPLES, &[
-        ("Exit codes", "0  a cause is named, or nothing is wrong\n1  something is wrong, but nothing known explains it\n2  bad input"),
-        UNITS,
-    ]))]
-    Diagnose(Box<diagnose::DiagnoseArgs>),
-    /// Stiffness of a robot: identify it from measurements, compensate the deformation
-    #[command(subcommand, after_help = examples(&stiffness::EXAMPLES))]
-    Stiffness(StiffnessCommand),
     /// Close the loop of a problem file
     #[command(after_help = examples(&control::EXAMPLES), after_long_help = guide(&control::EXAMPLES, &[
         ("Exit codes", "0  the loop did what the problem asks\n1  it ran, but a target was missed, a sample had no solution or the plant ended\n2  bad input"),
         UNITS,
     ]))]
     Control(control::ControlArgs),
-    /// Write a commented model of one's own, with a scenario and a problem beside it
-    #[command(after_help = examples(&new::EXAMPLES), after_long_help = guide(&new::EXAMPLES, &[EXIT_CODES]))]
-    New(new::NewArgs),
+    /// From measured data to what the model gets wrong: the cause, the extended model, the gain
+    #[command(after_help = examples(&diagnose::EXAMPLES), after_long_help = guide(&diagnose::EXAMPLES, &[
+        ("Exit codes",
+            "0  a cause is named, or nothing is wrong\n\
+             1  something is wrong, but nothing known explains it; or the data cannot tell\n2  bad input"),
+        UNITS,
+    ]))]
+    Diagnose(Box<diagnose::DiagnoseArgs>),
+    /// Run an experiment on the vibrating plate, on the model of your choice, beside a log if there is one
+    #[command(after_help = examples(&plate::EXAMPLES), after_long_help = guide(&plate::EXAMPLES, &[
+        EXIT_CODES, ("Units", "SI and radians; ω in units of π"),
+    ]))]
+    Plate(Box<plate::PlateArgs>),
+    /// Stiffness of a robot: identify it from measurements, compensate the deformation
+    #[command(subcommand, after_help = examples(&stiffness::EXAMPLES))]
+    Stiffness(StiffnessCommand),
     /// Print the script that completes commands and options in a shell
     #[command(after_help = examples(&shell::COMPLETION_EXAMPLES))]
     Completions(shell::CompletionsArgs),

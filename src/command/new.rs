@@ -50,6 +50,17 @@ impl Template {
             Self::Tanks => files!("tanks"),
         }
     }
+
+    /// What its sensors measure, with noise of a thousandth or so of what they show, as `simulate --noise` takes it.
+    fn sensors(self) -> &'static str {
+        match self {
+            Self::Spring => "position=0.0005",
+            Self::Friction => "x=0.0005",
+            Self::Pendulum => "angle=0.001",
+            Self::Vehicle => "x=0.002,y=0.002",
+            Self::Tanks => "level=0.01",
+        }
+    }
 }
 
 /// Arguments of `new`. The folder of --out is the current one if it is absent.
@@ -81,10 +92,13 @@ pub(crate) fn run(args: &NewArgs, output: &OutputArgs) -> anyhow::Result<Outcome
         create(path, &text.replace(NAME, name))?;
     }
     let [model, scenario, problem] = [0, 1, 2].map(|k| files[k].display().to_string());
+    let sensors = args.template.sensors();
     let next = [
         format!("bracketry analyze {model}"),
-        format!("bracketry simulate {model} --scenario {scenario} --out out"),
+        format!("bracketry simulate {model} --scenario {scenario} --noise {sensors} --out out"),
         format!("bracketry control {problem} --out out"),
+        // The inputs of the scenarios are smooth.
+        format!("bracketry diagnose {model} out/measured.csv --hold linear --out out"),
     ];
     if output.json {
         print(&json(&object!({"model": model, "scenario": scenario, "problem": problem, "next": next}))?)?;

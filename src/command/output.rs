@@ -15,9 +15,7 @@ use super::style::warning;
 /// Writes to standard output at once. A reader that has gone away is an error like any other, not a panic.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes())?;
-    out.flush()?;
-    Ok(())
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
 }
 
 /// [`print`] with a line break at the end.
@@ -45,6 +43,11 @@ pub(crate) fn figure(drawing: Result<Drawing, PlotError>, stem: &Path) {
 
 /// Makes a folder with its parents.
 pub(crate) fn folder(path: &Path) -> anyhow::Result<()> {
+    anyhow::ensure!(
+        !path.is_file(),
+        "{}: is a file\n   = give a folder; it is made if it is not there",
+        path.display()
+    );
     fs::create_dir_all(path).with_context(|| format!("cannot create the folder {}", path.display()))
 }
 

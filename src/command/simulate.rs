@@ -41,8 +41,7 @@ pub(crate) struct SimulateArgs {
     #[arg(value_hint = clap::ValueHint::FilePath)]
     model: PathBuf,
     /// Scenario file (TOML): duration, x0, inputs as expressions in t
-    #[arg(long, value_name = "FILE", conflicts_with = "inputs", required_unless_present = "inputs",
-        value_hint = clap::ValueHint::FilePath)]
+    #[arg(long, value_name = "FILE", conflicts_with = "inputs", value_hint = clap::ValueHint::FilePath)]
     scenario: Option<PathBuf>,
     /// Table of inputs (CSV): a column t and one per input; der(X,2) for derivatives
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
@@ -55,7 +54,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "NAME=STD,…", value_delimiter = ',', value_parser = sensor, requires = "out")]
     noise: Vec<(String, f64)>,
     /// Seed of the noise
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "noise")]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = 0, requires = "noise")]
     seed: u64,
 }
 
@@ -89,10 +88,10 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
             };
             Scenario::from_csv(path, &system, hold)?
         }
-        (None, None) => anyhow::bail!("give --scenario FILE.toml or --inputs FILE.csv"),
+        (None, None) => anyhow::bail!(nothing_given(&args.model)),
     };
     let progress = spinner("simulating");
-    let run = given.scenario.run(&system, &Settings::default())?;
+    let run = given.scenario.run(&system, &Settings::default()).with_context(|| args.model.display().to_string())?;
     progress.finish_and_clear();
     let report = SimulationReport::new(&system, &given, &run);
     if let Some(dir) = &output.out {
@@ -119,6 +118,17 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
         }
     }
     Ok(if report.finished { Outcome::Done } else { Outcome::Negative })
+}
+
+/// What to give beside the model, with a scenario that lies beside it if there is one.
+fn nothing_given(model: &Path) -> String {
+    let scenario = FileKind::Scenario.beside(model);
+    let scenario = scenario.map_or_else(|| "FILE.toml".to_owned(), |path| path.display().to_string());
+    format!(
+        "{}: how long to simulate, from where and driven by what is not given\n   = add --scenario {scenario} (duration, x0, inputs as \
+         expressions in t), or --inputs FILE.csv (samples of the inputs); `bracketry new NAME` writes a scenario",
+        model.display()
+    )
 }
 
 fn write_files(dir: &Path, system: &System, scenario: &Scenario, run: &Run) -> anyhow::Result<()> {

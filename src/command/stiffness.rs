@@ -50,7 +50,7 @@ pub(crate) enum StiffnessCommand {
         #[command(flatten)]
         files: TableAndRobot,
         /// Measurements to choose
-        #[arg(long, default_value_t = 20)]
+        #[arg(long, allow_negative_numbers = true, default_value_t = 20)]
         count: usize,
     },
     /// What the force sensor carries, and its bias, from readings at rest
@@ -89,8 +89,12 @@ impl StiffnessCommand {
         | Self::Weigh { files }
         | Self::Compensate { files, .. }) = self;
         let sorted = files.sorted().ok();
-        let given =
-            sorted.map(|(table, robot)| [Given::new(table, FileKind::Table), Given::new(robot, FileKind::Robot)]);
+        let wanted = match self {
+            Self::Identify { .. } => FileKind::Measurements,
+            Self::Poses { .. } | Self::Weigh { .. } => FileKind::Loads,
+            Self::Compensate { .. } => FileKind::RobotLog,
+        };
+        let given = sorted.map(|(table, robot)| [Given::new(table, wanted), Given::new(robot, FileKind::Robot)]);
         given.into_iter().flatten().collect()
     }
 }
@@ -115,9 +119,10 @@ impl TableAndRobot {
             (false, true) => Ok((first, second)),
             (true, false) => Ok((second, first)),
             (both, _) => anyhow::bail!(
-                "{} of {} and {} a robot file (.toml); name a table and a robot file: DATA.csv ROBOT.toml",
-                if both { "each" } else { "none" },
+                "{} {} {} {} ends in .toml\n   = name a table and a robot file: DATA.csv ROBOT.toml",
+                if both { "each of" } else { "neither" },
                 first.display(),
+                if both { "and" } else { "nor" },
                 second.display()
             ),
         }
