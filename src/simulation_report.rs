@@ -68,7 +68,7 @@ impl SimulationReport {
         let stopped = match &run.outcome {
             Outcome::Finished => None,
             Outcome::Stopped { reason, t, .. } => {
-                let why = run.breakdown.as_ref().map_or_else(|| reason.to_string(), |b| format!("{b}"));
+                let why = run.breakdown.as_ref().map_or_else(|| reason.to_string(), ToString::to_string);
                 Some(format!("stopped at t = {} s: {why}", readable(*t)))
             }
         };

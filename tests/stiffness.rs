@@ -341,7 +341,7 @@ fn the_robot_file_may_come_first_or_last() {
     let (robot, log) = (model("kr125.toml"), file(&dir, "log.csv", &log(|_, _, v| v)));
     let either = [[&log, &robot], [&robot, &log]].map(|[a, b]| json(&["stiffness", "compensate", a, b, "--json"]));
     assert_eq!(either[0], either[1]);
-    for (files, said) in [([&log, &log], "none of"), ([&robot, &robot], "each of")] {
+    for (files, said) in [([&log, &log], "neither"), ([&robot, &robot], "each of")] {
         let o = bracketry(&["stiffness", "compensate", files[0], files[1]]);
         let message = String::from_utf8(o.stderr.clone()).unwrap();
         assert!(code(&o) == 2 && message.contains(said) && message.contains("DATA.csv ROBOT.toml"), "{message}");

@@ -77,10 +77,10 @@ impl FileKind {
     /// Whether a file of this kind is clearly none of the kind that is wanted.
     fn is_no(self, wanted: Self) -> bool {
         match (self, wanted) {
-            // The command says itself which columns are missing.
-            (Self::OtherTable, Self::Table | Self::Measurements | Self::Loads | Self::RobotLog) => false,
-            // What has more columns will do.
-            (Self::Measurements | Self::RobotLog, Self::Loads) | (Self::RobotLog, Self::Table) => false,
+            // Which columns are missing the command says itself; more of them than it takes will do.
+            (Self::OtherTable, Self::Table | Self::Measurements | Self::Loads | Self::RobotLog)
+            | (Self::Measurements | Self::RobotLog, Self::Loads)
+            | (Self::RobotLog, Self::Table) => false,
             (found, wanted) => found != wanted,
         }
     }
