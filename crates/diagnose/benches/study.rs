@@ -47,6 +47,7 @@ fn candidates(count: usize) -> Vec<Effect> {
                 max: f64::INFINITY,
                 trials: Vec::new(),
                 physical_sign: 0,
+                turned: None,
                 unit: String::new(),
                 about: String::new(),
             }],

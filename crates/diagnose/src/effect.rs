@@ -71,6 +71,8 @@ pub struct Coefficient {
     pub trials: Vec<f64>,
     /// +1 or −1 where physics wants (value − nominal) of that sign, 0 where both are possible.
     pub physical_sign: i8,
+    /// Value at which a term of the model that this coefficient scales has the opposite sign; `None` where it scales none.
+    pub turned: Option<f64>,
     /// Unit, as free text; may be empty.
     pub unit: String,
     /// What it is.

@@ -30,6 +30,7 @@ fn coefficient(name: &str) -> Coefficient {
         max: f64::INFINITY,
         trials: Vec::new(),
         physical_sign: 0,
+        turned: None,
         unit: "1/m".to_owned(),
         about: String::new(),
     }

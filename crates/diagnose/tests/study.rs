@@ -77,6 +77,7 @@ fn amplitude(name: &str, nominal: f64, scale: f64, min: f64) -> Coefficient {
         max: f64::INFINITY,
         trials: Vec::new(),
         physical_sign: 1,
+        turned: None,
         unit: String::new(),
         about: String::new(),
     }

@@ -39,6 +39,7 @@ pub(crate) fn amplitude(name: String, unit: impl Into<String>, about: impl Into<
         max: f64::INFINITY,
         trials: Vec::new(),
         physical_sign: 0,
+        turned: None,
         unit: unit.into(),
         about: about.into(),
     }

@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 
 use super::apply::ModelNames;
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
-use super::structure::{Coordinate, Kind};
+use super::structure::{Coordinate, Kind, is_constant};
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
 
@@ -166,45 +166,50 @@ impl Builder {
             && !self.system.pool.depends_on(self.system.dynamics[c.rate], rate)
     }
 
+    /// The level of dry friction of the contact that a body slides on, as the equation of one translation has it; where the load
+    /// changes in one of them, that one, for a body has one load. None where nothing depends on states or inputs.
+    fn changing_level(&self) -> Option<Expr> {
+        let levels = self.structure.translations().filter_map(|t| {
+            let friction = t.friction.as_ref()?;
+            friction.level.iter().find(|l| l.0 == t.rate).map(|l| l.1)
+        });
+        levels.into_iter().find(|&level| !is_constant(&self.system, level))
+    }
+
+    /// Friction of a sliding contact against the spin: shared with the slip, which makes it an ellipsoidal limit surface, viscous,
+    /// or Coulomb's. Dry friction is in proportion to the load.
     fn yaw_friction(&mut self, c: &Coordinate) -> Result<(), DiagnoseError> {
         let w = self.state(c.rate);
-        let slips: Vec<String> = self
-            .structure
-            .translations()
-            .filter(|t| t.has_dry_friction)
-            .map(|t| t.rate)
-            .collect::<Vec<_>>()
-            .into_iter()
-            .map(|r| self.state(r))
-            .collect();
+        let slips: Vec<String> =
+            self.structure.translations().filter(|t| t.has_dry_friction).map(|t| self.state(t.rate)).collect();
         let square = slips.iter().map(|v| format!("{v}^2")).collect::<Vec<_>>().join(" + ");
+        let (dry, units, per) = match self.changing_level() {
+            Some(level) => (vec![(c.rate, level)], ["1", "1/m"], ", per friction of the contact against its slip"),
+            None => (c.force.clone(), ["m/s^2", "rad/s^2"], ""),
+        };
 
         let k = self.name("spin", &w);
         let l = self.name("spin_radius", &w);
         let slip = slips.iter().filter_map(|v| self.data.extent(v)).fold(0.0, f64::max);
         let spin = self.data.extent(&w).unwrap_or(1.0);
         let radius = if slip > 0.0 { slip / spin } else { 0.1 };
-        let coefficient = Coefficient {
-            min: 0.0,
-            ..dissipation(
-                k.clone(),
-                c.unit(0, 0),
-                format!("dry friction of the contact against the spin {w}: its level where the body only spins"),
-            )
-        };
+        // The level where the body only spins is this over the radius: two numbers that data of a sliding body hardly tell apart.
+        let about = format!("dry friction of the contact against {w}/slip, the spin over the speed of the slip{per}");
+        let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), units[0], about) };
         let about = "spin times this length is the slip speed at which spinning and sliding share the friction equally";
-        let length = shape(l.clone(), log_grid(0.1 * radius, 10.0 * radius, 5), "m", about);
-        let law = format!("-{k}*{l}*{w}/sqrt({square} + {l}^2*{w}^2)");
-        self.along(Cause::YawFriction, c.rate, &c.force, &law, vec![coefficient, length])?;
+        // Far above this radius the law is Coulomb's, which is a candidate of its own.
+        let length = shape(l.clone(), log_grid(0.01 * radius, radius, 5), "m", about);
+        let law = format!("-{k}*{w}/sqrt({square} + {l}^2*{w}^2)");
+        self.along(Cause::YawFriction, c.rate, &dry, &law, vec![coefficient, length])?;
 
         let k = self.name("spin_viscous", &w);
         let coefficient = dissipation(k.clone(), c.unit(0, 1), format!("viscous friction against the spin {w}"));
         self.along(Cause::YawFriction, c.rate, &c.force, &format!("-{k}*{w}"), vec![coefficient])?;
 
         let k = self.name("spin_coulomb", &w);
-        let about = format!("Coulomb friction against the spin {w}");
-        let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), c.unit(0, 0), about) };
-        self.along(Cause::YawFriction, c.rate, &c.force, &format!("-{k}*sign({w})"), vec![coefficient])
+        let about = format!("Coulomb friction against the spin {w}{per}");
+        let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), units[1], about) };
+        self.along(Cause::YawFriction, c.rate, &dry, &format!("-{k}*sign({w})"), vec![coefficient])
     }
 
     /// Per-axis dry friction becomes friction against the direction of the slip.

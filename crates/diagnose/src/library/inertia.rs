@@ -4,9 +4,9 @@ use bracketry_symbolic::Expr;
 
 use super::builder::{Builder, amplitude};
 use super::probe::derivative_name;
-use super::structure::{Coordinate, Kind, is_angle};
+use super::structure::{Coordinate, Kind, is_angle, is_constant};
 use super::terms::physical_terms;
-use crate::effect::Cause;
+use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
 
 /// The rotation of a frame: its angle, rate and acceleration as texts.
@@ -76,7 +76,7 @@ impl Builder {
             let Some(level) = friction.level.iter().find(|l| l.0 == c.rate).map(|l| l.1) else { continue };
             let load = self.system.pool.diff(level, p);
             let load = self.system.pool.simplify(load);
-            let constant = super::structure::is_constant(&self.system, load);
+            let constant = is_constant(&self.system, load);
             loads.push((c, friction, p, load, constant));
         }
         let Some(changing) = loads.iter().find(|l| !l.4).map(|l| (l.2, l.3, self.state(l.0.rate))) else {
@@ -198,7 +198,7 @@ impl Builder {
                 let v = self.state(c.rate);
                 let k = self.name("scale", &v);
                 let about = format!("relative change of a term in the equation of {v}: 0 as it stands");
-                let coefficient = amplitude(k.clone(), "1", about);
+                let coefficient = Coefficient { turned: Some(-2.0), ..amplitude(k.clone(), "1", about) };
                 self.along(Cause::InertialCoupling, c.rate, &[(c.rate, term)], &k, vec![coefficient])?;
             }
         }

@@ -17,6 +17,7 @@ mod scale;
 mod score;
 mod search;
 mod select;
+mod turned;
 mod units;
 mod unnamed;
 mod validation;

@@ -160,13 +160,7 @@ impl<'a> Search<'a> {
             return known.clone();
         }
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
-        let mut begin = near.clone();
-        for (name, value) in start {
-            match begin.values.iter_mut().find(|e| e.name == *name) {
-                Some(estimate) => estimate.value = *value,
-                None => begin.values.push(Estimate { name: name.clone(), nominal: *value, value: *value, std: 0.0 }),
-            }
-        }
+        let begin = begun(near.clone(), start);
         let again = returned(&begin, &effects).and_then(|b| self.study.fit(&effects, &self.windows, Some(&b)).ok());
         let found = self
             .fit_from(&effects, begin, near, start)
@@ -182,7 +176,7 @@ impl<'a> Search<'a> {
     /// The explanation without one of its members. Where that costs far more than the member's amplitude can, the fit without it
     /// came from elsewhere and has stopped short: it is made again from here.
     pub(crate) fn without(&mut self, explanation: &Explanation, member: usize) -> Option<Explanation> {
-        let mut rest: Vec<usize> = explanation.members.iter().copied().filter(|&m| m != member).collect();
+        let rest: Vec<usize> = explanation.members.iter().copied().filter(|&m| m != member).collect();
         let found = self.explain(&rest, &explanation.fit, &[])?;
         let gained = found.square() - explanation.square();
         let unit = explanation.alarm.square / explanation.alarm.freedom;
@@ -191,16 +185,24 @@ impl<'a> Search<'a> {
         if gained < MARGIN || expected > DOUBTFUL || gained < STRAYED * expected {
             return Some(found);
         }
-        let effects: Vec<Effect> = rest.iter().map(|&m| self.candidates[m].clone()).collect();
-        let fit = self.study.fit(&effects, &self.windows, Some(&explanation.fit)).ok()?;
-        let again = self.judge(rest.clone(), fit);
-        if !self.comparable(&again) || again.square() >= found.square() {
-            return Some(found);
+        self.again(rest, &explanation.fit)
+    }
+
+    /// The exact fit of `members` begun from `begin`, or what is known of them already if that is better.
+    pub(crate) fn again(&mut self, mut members: Vec<usize>, begin: &Fit) -> Option<Explanation> {
+        let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
+        let fit = self.study.fit(&effects, &self.windows, Some(begin)).ok();
+        let found = fit.map(|fit| self.judge(members.clone(), fit)).filter(|e| self.comparable(e));
+        members.sort_unstable();
+        let known = self.known.get(&members).cloned().flatten();
+        match (found, known) {
+            (Some(found), known) if known.as_ref().is_none_or(|k| found.square() < k.square()) => {
+                self.around.remove(&members);
+                self.known.insert(members, Some(found.clone()));
+                Some(found)
+            }
+            (_, known) => known,
         }
-        rest.sort_unstable();
-        self.around.remove(&rest);
-        self.known.insert(rest, Some(again.clone()));
-        Some(again)
     }
 
     /// The model with nothing added, from the best fit of it so far.
@@ -379,6 +381,17 @@ impl<'a> Search<'a> {
 
 fn square(fit: &Fit) -> f64 {
     fit.windows.iter().map(|w| w.square).sum()
+}
+
+/// The fit with other values, or more of them, to begin from.
+pub(crate) fn begun(mut near: Fit, start: &[(String, f64)]) -> Fit {
+    for (name, value) in start {
+        match near.values.iter_mut().find(|e| e.name == *name) {
+            Some(estimate) => estimate.value = *value,
+            None => near.values.push(Estimate { name: name.clone(), nominal: *value, value: *value, std: 0.0 }),
+        }
+    }
+    near
 }
 
 /// The fit with parameters back at their nominal values that another explanation has driven far away from them; `None` if there are

@@ -95,6 +95,7 @@ fn attempts(
     for promise in promises.iter().take_while(|p| p.square >= NEAR * top).take(MOST_FITS) {
         tried.extend(add(search, current, promise));
     }
+    tried.extend(search.with_turned_terms(current));
     let reached = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())).unwrap_or(current).clone();
     if room >= 2 {
         let around = search.around(current, among)?;
