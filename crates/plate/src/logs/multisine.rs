@@ -16,14 +16,17 @@ const STROKE: f64 = 0.095;
 const TILT: f64 = 18.0;
 /// How far the object may move away from where it starts, in m.
 const REACH: f64 = 0.12;
-/// Motions that are tried.
-const TRIES: u64 = 200;
+/// Motions that are tried with the greatest displacement and tilt; each later one is smaller by a constant ratio.
+const FULL_TRIES: u64 = 150;
+/// Motions that are tried in all, and the part of the greatest motion that the last of them has.
+const TRIES: u64 = 250;
+const SMALLEST: f64 = 0.4;
 
 /// A multisine in displacement and tilt, of four frequencies each between 1.2 and 3.2 Hz with equal amplitudes of
 /// acceleration, random phases, faded in over half a second; at most 95 mm and 18°.
 ///
 /// Phases are drawn until the object as it is believed to be stays within 0.12 m of where it starts, on the plate and
-/// without tipping.
+/// without tipping; where the greatest motions carry it away again and again, smaller ones are tried.
 ///
 /// # Errors
 /// [`PlateError::NoMultisine`] if no such motion is found; [`PlateError`] for settings without meaning.
@@ -32,8 +35,10 @@ pub fn multisine(start: [f64; 6], duration: f64, settings: &LogSettings, seed: u
     let silent = LogSettings { position_noise: 0.0, angle_noise: 0.0, area, ..settings.clone() };
     for index in 0..TRIES {
         let mut random = Random::new(seed_of(seed, index));
-        let displacement = sines(&mut random, STROKE, duration)?;
-        let tilt = sines(&mut random, TILT.to_radians(), duration)?;
+        let smaller = index.saturating_sub(FULL_TRIES) as f64 / (TRIES - FULL_TRIES - 1) as f64;
+        let part = SMALLEST.powf(smaller);
+        let displacement = sines(&mut random, part * STROKE, duration)?;
+        let tilt = sines(&mut random, part * TILT.to_radians(), duration)?;
         let experiment = Experiment {
             name: "multisine".into(),
             coordinate: "x",
