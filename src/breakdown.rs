@@ -113,7 +113,7 @@ fn part_without_value(system: &System, state: usize, x: &[f64], inputs: &[f64]) 
     let symbols: Vec<Symbol> = system.arguments().into_iter().chain(parameters.clone().map(|p| p.symbol)).collect();
     let values = x.iter().chain(inputs).copied().chain(parameters.map(|p| p.value.to_f64().value()));
     let values: Vec<f64> = values.collect();
-    let tape = Tape::compile(&pool, &symbols, &parts).ok()?;
+    let tape = Tape::compile(pool, &symbols, &parts).ok()?;
     let mut results = vec![0.0; parts.len()];
     tape.eval(&values, &mut Vec::new(), &mut results);
     let value = |e: Expr| parts.binary_search(&e).map_or(f64::NAN, |k| results[k]);

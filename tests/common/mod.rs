@@ -3,6 +3,7 @@
 
 pub(crate) mod case_file;
 pub(crate) mod known_answers;
+pub(crate) mod robots;
 pub(crate) mod sessions;
 
 use std::fs;
@@ -41,4 +42,13 @@ pub(crate) fn file(dir: &Path, name: &str, text: &str) -> String {
     let path = dir.join(name);
     fs::write(&path, text).unwrap();
     path.to_str().unwrap().to_owned()
+}
+
+pub(crate) fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// The command, run in a folder.
+pub(crate) fn within(dir: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_bracketry")).args(arguments).current_dir(dir).output().unwrap()
 }

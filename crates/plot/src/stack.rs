@@ -363,7 +363,9 @@ fn taken_out_of(own: &mut [Vec<(Sample, String)>]) -> Vec<(Sample, String)> {
             shared.push((*entry).clone());
         }
     }
-    own.iter_mut().for_each(|entries| entries.retain(|entry| !shared.contains(entry)));
+    for entries in own {
+        entries.retain(|entry| !shared.contains(entry));
+    }
     shared
 }
 

@@ -12,8 +12,17 @@ fn line(name: &str) -> Series {
     Series::new(name, [0.0, 1.0, 2.0], [0.0, 1.0, 3.0])
 }
 
-/// Every text with its place in figure pixels, anchor, size and whether it stands upright.
-fn texts(drawing: &Drawing) -> Vec<(String, (f64, f64), String, f64, bool)> {
+/// A text of a drawing, in figure pixels.
+struct Text {
+    words: String,
+    x: f64,
+    y: f64,
+    anchor: String,
+    size: f64,
+    upright: bool,
+}
+
+fn texts(drawing: &Drawing) -> Vec<Text> {
     let lines: Vec<&str> = drawing.svg().lines().collect();
     let texts = lines.windows(2).filter(|w| w[0].starts_with("<text"));
     texts
@@ -21,26 +30,21 @@ fn texts(drawing: &Drawing) -> Vec<(String, (f64, f64), String, f64, bool)> {
             let of = |key: &str| w[0].split_once(&format!(" {key}=\"")).unwrap().1.split('"').next().unwrap();
             let pixels = |key: &str| of(key).parse::<f64>().unwrap() / 40.0;
             let upright = w[0].contains("rotate(270");
-            (
-                w[1].trim().to_owned(),
-                (pixels("x"), pixels("y")),
-                of("text-anchor").to_owned(),
-                pixels("font-size"),
-                upright,
-            )
+            let (words, anchor) = (w[1].trim().to_owned(), of("text-anchor").to_owned());
+            Text { words, x: pixels("x"), y: pixels("y"), anchor, size: pixels("font-size"), upright }
         })
         .collect()
 }
 
 fn says(drawing: &Drawing, text: &str) -> usize {
-    texts(drawing).iter().filter(|t| t.0 == text).count()
+    texts(drawing).iter().filter(|t| t.words == text).count()
 }
 
 /// Boxes of the texts, left, top, right, bottom: figures and capitals begin just below the place that the document names, and a
 /// character of the font is hardly narrower than 0.52 em on average.
 fn boxes(drawing: &Drawing) -> Vec<(String, [f64; 4])> {
-    let boxed = texts(drawing).into_iter().map(|(text, (x, y), anchor, size, upright)| {
-        let length = 0.52 * size * text.chars().filter(|c| *c != '\u{307}' && *c != '\u{308}').count() as f64;
+    let boxed = texts(drawing).into_iter().map(|Text { words, x, y, anchor, size, upright }| {
+        let length = 0.52 * size * words.chars().filter(|c| *c != '\u{307}' && *c != '\u{308}').count() as f64;
         let start = match anchor.as_str() {
             "middle" => -0.5 * length,
             "end" => -length,
@@ -51,7 +55,7 @@ fn boxes(drawing: &Drawing) -> Vec<(String, [f64; 4])> {
         } else {
             [x + start, y + 0.03 * size, x + start + length, y + 0.76 * size]
         };
-        (text, sides)
+        (words, sides)
     });
     boxed.collect()
 }
@@ -137,7 +141,7 @@ fn grids_of_tiles_have_columns_of_one_width() {
         TileGrid::new(names, ["a"]).tile(0, 0, "given", "f")
     };
     let drawing = TileChart::new().grid(grid(2)).grid(grid(6)).draw().unwrap();
-    let places: Vec<f64> = texts(&drawing).iter().filter(|t| t.0 == "column 2").map(|t| t.1.0).collect();
+    let places: Vec<f64> = texts(&drawing).iter().filter(|t| t.words == "column 2").map(|t| t.x).collect();
     assert_eq!(places.len(), 2);
     assert!((places[0] - places[1]).abs() < 1.0 / 40.0, "{places:?}");
 }
