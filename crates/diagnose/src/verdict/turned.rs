@@ -1,7 +1,7 @@
 //! Terms of the model that may have the opposite sign.
 
 use super::search::{Explanation, Search, begun};
-use crate::{Coefficient, Fit, Role};
+use crate::{Coefficient, Effect, Fit, Role};
 
 /// A term of which less than this part is left hides its sign: there is little for friction to resist.
 const LITTLE: f64 = 0.5;
@@ -11,49 +11,59 @@ impl Search<'_> {
     /// take the term out, and nothing is left then for friction to act on. Where an explanation has such a factor, these are the
     /// exact fits that begin with the term turned round and friction on the same equation.
     pub(crate) fn with_turned_terms(&mut self, current: &Explanation) -> Vec<Explanation> {
-        let hidden: Vec<(String, &Coefficient, f64)> = current
-            .members
-            .iter()
-            .flat_map(|&m| self.candidates[m].coefficients.iter().map(move |c| (m, c)))
-            .filter_map(|(m, c)| {
+        // Initial states were fitted to the term that is nearly gone.
+        let near = Fit { windows: Vec::new(), ..current.fit.clone() };
+        let mut fits = Vec::new();
+        for (equation, turned) in self.hidden(current) {
+            for candidate in 0..self.candidates.len() {
+                let effect = &self.candidates[candidate];
+                if current.members.contains(&candidate) || effect.equation != equation || !resists(effect) {
+                    continue;
+                }
+                for mut start in starts(effect) {
+                    start.push(turned.clone());
+                    let members = current.members.iter().copied().chain([candidate]).collect();
+                    fits.extend(self.again(members, &begun(near.clone(), &start)));
+                }
+            }
+        }
+        fits
+    }
+
+    /// Factors of an explanation that leave little of their term: the equation, name and value with the term turned round.
+    fn hidden(&self, explanation: &Explanation) -> Vec<(String, (String, f64))> {
+        let effects = explanation.members.iter().map(|&m| &self.candidates[m]);
+        let factors = effects.flat_map(|e| e.coefficients.iter().map(move |c| (e, c)));
+        factors
+            .filter_map(|(effect, c)| {
                 let turned = c.turned?;
-                let value = current.fit.values.iter().find(|e| e.name == c.name)?.value;
-                let middle = 0.5 * (c.nominal + turned);
-                ((value - middle).abs() < LITTLE * (turned - middle).abs())
-                    .then(|| (self.candidates[m].equation.clone(), c, turned))
-            })
-            .collect();
-        let begins: Vec<(usize, Vec<(String, f64)>)> = hidden
-            .iter()
-            .flat_map(|(equation, factor, turned)| {
-                let others = (0..self.candidates.len()).filter(|m| !current.members.contains(m));
-                others.filter(|&m| self.candidates[m].equation == *equation && self.resists(m)).map(|m| {
-                    let mut values = vec![(factor.name.clone(), *turned)];
-                    values.extend(self.candidates[m].coefficients.iter().map(|c| (c.name.clone(), first(c))));
-                    (m, values)
-                })
-            })
-            .collect();
-        begins
-            .into_iter()
-            .filter_map(|(member, values)| {
-                // Initial states were fitted to the term that is nearly gone.
-                let near = Fit { windows: Vec::new(), ..current.fit.clone() };
-                let members = current.members.iter().copied().chain([member]).collect();
-                self.again(members, &begun(near, &values))
+                let value = explanation.fit.values.iter().find(|e| e.name == c.name)?.value;
+                let gone = 0.5 * (c.nominal + turned);
+                ((value - gone).abs() < LITTLE * (turned - gone).abs())
+                    .then(|| (effect.equation.clone(), (c.name.clone(), turned)))
             })
             .collect()
     }
-
-    /// Whether all amplitudes of a candidate are of a dissipation.
-    fn resists(&self, candidate: usize) -> bool {
-        let amplitudes = self.candidates[candidate].coefficients.iter().filter(|c| c.role == Role::Amplitude);
-        let mut signs = amplitudes.map(|c| c.physical_sign).peekable();
-        signs.peek().is_some() && signs.all(|s| s == 1)
-    }
 }
 
-/// A first value of a coefficient.
-fn first(c: &Coefficient) -> f64 {
-    if c.role == Role::Amplitude { c.nominal + c.scale } else { c.nominal }
+/// Whether all amplitudes of an effect are of a dissipation.
+fn resists(effect: &Effect) -> bool {
+    let amplitudes = effect.coefficients.iter().filter(|c| c.role == Role::Amplitude);
+    let mut signs = amplitudes.map(|c| c.physical_sign).peekable();
+    signs.peek().is_some() && signs.all(|s| s == 1)
+}
+
+/// Where a fit of a dissipation may begin: typical amplitudes, shapes in the middle of what is tried and, since one start may lead
+/// nowhere, at its first value.
+fn starts(effect: &Effect) -> Vec<Vec<(String, f64)>> {
+    let with = |shape: fn(&Coefficient) -> f64| {
+        let value = |c: &Coefficient| if c.role == Role::Amplitude { c.nominal + c.scale } else { shape(c) };
+        effect.coefficients.iter().map(|c| (c.name.clone(), value(c))).collect::<Vec<_>>()
+    };
+    let mut starts = vec![with(|c| c.nominal)];
+    let other = with(|c| c.trials.first().copied().unwrap_or(c.nominal));
+    if other != starts[0] {
+        starts.push(other);
+    }
+    starts
 }
