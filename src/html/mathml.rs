@@ -167,13 +167,17 @@ impl Reader<'_> {
 /// `der(theta, 2)` as a letter with dots.
 fn derivative(words: &str) -> Option<String> {
     let (name, order) = words.strip_prefix("der(")?.strip_suffix(')')?.split_once(',')?;
-    let dots = ["˙", "¨", "⃛"].get(order.trim().parse::<usize>().ok()?.checked_sub(1)?)?;
+    let order = order.trim().parse::<usize>().ok()?.checked_sub(1)?;
     let letter = match LETTERS.iter().find(|(n, _)| *n == name) {
         Some((_, letter)) => letter.to_string(),
         None => escaped(name),
     };
-    // Not marked as an accent: without a mathematical font browsers set one into the letter.
-    Some(format!("<mover><mi>{letter}</mi><mo>{dots}</mo></mover>"))
+    if letter.chars().count() > 1 {
+        return Some(format!("<mover><mi>{letter}</mi><mo>{}</mo></mover>", ["˙", "¨", "⃛"].get(order)?));
+    }
+    // Dots of the letter's own: without a mathematical font browsers set those of a <mover> into the letter.
+    let dots = ['\u{307}', '\u{308}', '\u{20db}'].get(order)?;
+    Some(format!("<mi style=\"font-style:italic\">{letter}{dots}</mi>"))
 }
 
 /// A base with an index or an exponent; an exponent on an index makes both.
@@ -201,7 +205,8 @@ mod tests {
     #[test]
     fn derivatives_of_inputs_have_dots() {
         let set = math(r"\mathrm{der(theta, 2)}");
-        assert_eq!(set, "<math><mrow><mover><mi>θ</mi><mo>¨</mo></mover></mrow></math>");
+        assert_eq!(set, "<math><mrow><mi style=\"font-style:italic\">θ\u{308}</mi></mrow></math>");
+        assert!(math(r"\mathrm{der(load, 1)}").contains("<mover><mi>load</mi><mo>˙</mo></mover>"));
         assert!(math(r"\mathrm{der(x)}").contains("der(x)"));
     }
 
