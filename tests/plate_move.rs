@@ -35,6 +35,15 @@ fn position_and_orientation_arrive_together_and_stay() {
 }
 
 #[test]
+fn the_plate_keeps_pressing_on_the_object() {
+    let (problem, controlled) = reference();
+    assert_eq!(problem.ocp.path_constraints.len(), 1);
+    let (x, u) = (&controlled.run.closed_loop.x, &controlled.run.closed_loop.u);
+    let load = x.iter().zip(u).map(|(x, u)| G * x[8].cos() + x[1] * u[1]).fold(f64::INFINITY, f64::min);
+    assert!(load > 0.29 * G, "{load}");
+}
+
+#[test]
 fn every_bound_is_kept_between_the_samples_too() {
     let (problem, controlled) = reference();
     let a = Arrival::of(problem, controlled);
