@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from . import _native
-from ._result import Result, fields_of, parsed
+from ._result import Result, fields_of, parsed, result_of
 from ._system import System, model_of
 from ._text import expression, listed, name_of
 
@@ -181,12 +181,10 @@ def analyze(
     point = data.get("at_point")
     point = point if isinstance(point, dict) else None
     reach = {k: fields_of(Reach, data[k]) for k in ("switched", "smoothed") if k in data}
-    return fields_of(
+    return result_of(
         Analysis,
         data,
-        json=data,
-        text=answer["text"],
-        _figures=answer["figures"],
+        answer,
         affinization=_affinization(data["affinization"], answer["affine_model"]),
         modes=[fields_of(Mode, m) for m in data["modes"]],
         at_point=None if point is None else fields_of(AtPoint, point, stlc=fields_of(LocalControllability, point["stlc"])),

@@ -9,7 +9,7 @@ from typing import Any
 
 from . import _native
 from ._native import BracketryError
-from ._result import fields_of, parsed, real
+from ._result import parsed, real, result_of
 from ._sampled import Sampled
 from ._system import System, model_of
 from ._tables import Floats
@@ -96,12 +96,10 @@ def control(
     systems = {name: model_of(system, name) for name, system in named.items()}
     answer = _native.control(path=path, text=text, folder="", models=systems, seed=None if seed is None else whole(seed, "seed"))
     data = parsed(answer["json"])
-    return fields_of(
+    return result_of(
         ClosedLoop,
         data,
-        json=data,
-        text=answer["text"],
-        _figures=answer["figures"],
+        answer,
         closed_loop_cost=real(data["closed_loop_cost"]),
         open_loop_cost=real(data["open_loop_cost"]),
         constraint_violation_max=real(data["constraint_violation_max"]),

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from . import _native
 from ._native import BracketryError, Page
-from ._result import Result, fields_of, parsed
+from ._result import Result, fields_of, parsed, result_of
 from ._simulation import Hold, Trajectory
 from ._system import System, model_of
 from ._tables import Floats, Table, columns_of, path_of
@@ -211,12 +211,10 @@ def diagnose(
     found = parsed(answer["json"])
     gain = found.get("gain")
     extended = answer["extended_model"]
-    return fields_of(
+    return result_of(
         Diagnosis,
         found,
-        json=found,
-        text=answer["text"],
-        _figures=answer["figures"],
+        answer,
         _page=answer["page"],
         causes=[_cause(c) for c in found["causes"]],
         where=[fields_of(Place, p) for p in found["where"]],

@@ -26,6 +26,11 @@ def fields_of(cls: type[T], data: Mapping[str, Any], **made: Any) -> T:
     return cls(**{**{k: v for k, v in data.items() if k in names}, **made})
 
 
+def result_of(cls: type[R], data: Mapping[str, Any], answer: Mapping[str, Any], **made: Any) -> R:
+    """A result from the native module's answer, whose JSON has been parsed into `data`: report, figures, and fields as `fields_of`."""
+    return fields_of(cls, data, json=data, text=answer["text"], _figures=answer["figures"], **made)
+
+
 def real(value: float | None) -> float:
     """A number of JSON, which knows no NaN and writes null."""
     return float("nan") if value is None else float(value)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from . import _native
 from ._native import BracketryError
-from ._result import fields_of, parsed, real
+from ._result import parsed, real, result_of
 from ._sampled import Sampled
 from ._system import System, model_of
 from ._tables import Floats, columns_of, floats, path_of
@@ -220,12 +220,10 @@ def _run(
         **native,
     )
     data = parsed(answer["json"])
-    return fields_of(
+    return result_of(
         Trajectory,
         data,
-        json=data,
-        text=answer["text"],
-        _figures=answer["figures"],
+        answer,
         t=answer["t"],
         states=answer["states"],
         inputs=answer["inputs"],

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from . import _native
 from ._native import BracketryError
-from ._result import fields_of, parsed, real
+from ._result import fields_of, parsed, real, result_of
 from ._sampled import Sampled
 from ._tables import Floats, Table, real_array, table_text
 from ._text import number
@@ -222,12 +222,10 @@ def run(
     log = None if compare is None else table_text(compare, "compare")
     answer = _native.run_plate(options, scenario=scenario, polygon=polygon, log=log, driven_by_log=motion == "log")
     data = parsed(answer["json"])
-    return fields_of(
+    return result_of(
         PlateRun,
         data,
-        json=data,
-        text=answer["text"],
-        _figures=answer["figures"],
+        answer,
         stick_share=real(data["stick_share"]),
         least_normal_force=real(data["least_normal_force"]),
         comparison=None if data["comparison"] is None else _comparison(data["comparison"]),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from . import _native
 from ._native import BracketryError
-from ._result import Result, fields_of, parsed
+from ._result import Result, parsed, result_of
 from ._tables import Floats, Table, path_of, real_array, table_text
 from ._text import whole
 
@@ -199,12 +199,10 @@ def identify(data: Table, robot: str | PathLike[str], *, keep_outliers: bool = F
         name: None if found.get(name) is None else np.array(found[name], dtype=float)
         for name in ("compliance", "compliance_interval", "stiffness", "stiffness_interval")
     }
-    return fields_of(
+    return result_of(
         Identification,
         found,
-        json=found,
-        text=answer["text"],
-        _figures=answer["figures"],
+        answer,
         identified_robot=answer["identified_robot"],
         **matrices,
     )
@@ -245,12 +243,10 @@ def compensate(
         k: answer[k]
         for k in ("t", "corrected", "correction", "wrench", "displacement", "held", "limited")
     }
-    return fields_of(
+    return result_of(
         Compensation,
         data,
-        json=data,
-        text=answer["text"],
-        _figures=answer["figures"],
+        answer,
         samples_limited=data["limited"],
         **arrays,
     )
@@ -285,12 +281,10 @@ def choose_poses(candidates: Table, robot: str | PathLike[str], *, count: int = 
     expected = {
         k: Expectation(dict(zip(names, data[k]["errors"], strict=True)), data[k]["condition"]) for k in ("chosen", "all")
     }
-    return fields_of(
+    return result_of(
         ChosenPoses,
         data,
-        json=data,
-        text=answer["text"],
-        _figures=answer["figures"],
+        answer,
         identifies_all=answer["identifies_all"],
         rows=answer["rows"],
         **expected,
@@ -324,12 +318,10 @@ def weigh(readings: Table, robot: str | PathLike[str]) -> Weighing:
         k: np.array(data[k], dtype=float) for k in ("centre", "centre_deviation", "bias", "bias_deviation", "residual")
     }
     mass, mass_deviation = data["mass"]
-    return fields_of(
+    return result_of(
         Weighing,
         data,
-        json=data,
-        text=answer["text"],
-        _figures=answer["figures"],
+        answer,
         mass=mass,
         mass_deviation=mass_deviation,
         toml=answer["toml"],
