@@ -196,7 +196,7 @@ impl Level {
 /// One plot: lines over a common horizontal axis, with targets, bounds and shaded intervals.
 #[derive(Debug, Clone)]
 pub struct Panel {
-    /// Label of the vertical axis, with its unit.
+    /// Label of the vertical axis, with its unit in brackets at the end.
     pub label: String,
     /// The lines.
     pub series: Vec<Series>,
@@ -351,11 +351,20 @@ impl Panel {
         marks.dedup();
         if let Some(limits) = self.limits {
             for series in self.series.iter().filter(|s| s.leaves(limits).is_some()) {
-                let to = series.y.last().map_or(String::new(), |v| format!(" (ends at {})", three_digits(*v)));
+                let to = series
+                    .y
+                    .last()
+                    .map_or(String::new(), |v| format!(" (ends at {}{})", three_digits(*v), self.unit()));
                 marks.push((Sample::Beyond, format!("leaves the frame{to}")));
             }
         }
         marks
+    }
+
+    /// The unit that the label ends with in brackets, as it is written behind a number.
+    fn unit(&self) -> String {
+        let unit = self.label.strip_suffix(']').and_then(|l| l.rsplit_once('[')).map_or("", |(_, unit)| unit);
+        if unit.is_empty() || unit == "°" { unit.to_owned() } else { format!(" {unit}") }
     }
 
     /// Draws the lines, targets and bounds; `spread` is the distance in pixels by which the lines are set
