@@ -93,10 +93,11 @@ impl Diagnosis {
         let mut chart = IntervalChart::new("excess error taken away [%]").categories([NAMED, BESIDE, RIVAL, TRIED]);
         // One cause alone takes the same away beside the others.
         let several = self.report.causes.len() > 1;
-        for c in self.report.causes.iter().filter(|_| several) {
+        let causes = &self.report.causes;
+        for c in causes.iter().filter(|_| several) {
             if let Some(share) = c.share {
-                chart =
-                    chart.row(format!("{} in {}", c.name, c.equation).replace('_', " "), 100.0 * share, None, BESIDE);
+                let alike = causes.iter().filter(|o| o.name == c.name && o.equation == c.equation).count() > 1;
+                chart = chart.row(row_name(c.name, &c.equation, &c.term, alike), 100.0 * share, None, BESIDE);
             }
         }
         for c in candidates.iter().take(MOST_CANDIDATES) {
@@ -111,9 +112,12 @@ impl Diagnosis {
             };
             let alike = c.name == Cause::UnknownTerm
                 || candidates.iter().filter(|o| o.name == c.name && o.equation == c.equation).count() > 1;
-            let term = if alike { format!(": {}", brief(&c.term)) } else { String::new() };
-            let name = format!("{} in {}{term}", c.name.to_string().replace('_', " "), c.equation);
-            chart = chart.row(name, 100.0 * share, c.interval.map(|[a, b]| (100.0 * a, 100.0 * b)), category);
+            chart = chart.row(
+                row_name(c.name, &c.equation, &c.term, alike),
+                100.0 * share,
+                c.interval.map(|[a, b]| (100.0 * a, 100.0 * b)),
+                category,
+            );
         }
         Some(Figure {
             name: "candidates".to_owned(),
@@ -159,7 +163,11 @@ fn of_places(places: &[Place], name: &str, title: &str) -> Option<Figure> {
     }
     let several = places.iter().any(|p| p.equation != places[0].equation);
     let places = &places[..places.len().min(MOST_PLACES)];
-    let label = |p: &Place| if several { format!("{}: {}", p.equation, p.regime) } else { p.regime.clone() };
+    let label = |p: &Place| {
+        // Below a bar there is no room for the speed up to which a reversal counts as one.
+        let regime = p.regime.split_once(", |").map_or(p.regime.as_str(), |(name, _)| name);
+        if several { format!("{}: {regime}", p.equation) } else { regime.to_owned() }
+    };
     let shares: Vec<f64> = places.iter().map(|p| 100.0 * p.share).collect();
     let mut chart = BarChart::new("share [%]", places.iter().map(label)).series("of the excess error", shares);
     if let Some(times) = places.iter().map(|p| p.time.map(|t| 100.0 * t)).collect::<Option<Vec<f64>>>() {
@@ -174,6 +182,12 @@ fn of_places(places: &[Place], name: &str, title: &str) -> Option<Figure> {
         ),
         drawing: chart.title(title).draw(),
     })
+}
+
+/// Name of a row of the ranking, with the term where others are called alike.
+fn row_name(cause: Cause, equation: &str, term: &str, alike: bool) -> String {
+    let term = if alike { format!(": {}", brief(term)) } else { String::new() };
+    format!("{} in {equation}{term}", cause.to_string().replace('_', " "))
 }
 
 /// A term as short as a row of a chart has room for.
@@ -256,9 +270,10 @@ fn forces(held_out: &HeldOut) -> Vec<Figure> {
             };
             let mut panel = Panel::new(what);
             for (model, points) in [(1, &before), (2, &after)] {
-                let pale = MODELS[model].1.color().mix(Color(255, 255, 255), 0.65);
+                let (name, role) = MODELS[model];
+                let pale = role.color().mix(Color(255, 255, 255), 0.65);
                 let (x, y) = thinned(points);
-                panel = panel.series(Series::new("", x, y).points().color(pale));
+                panel = panel.series(Series::new(format!("{name}, samples"), x, y).points().color(pale));
             }
             let mut frame = bulk(&before, &after);
             for (model, points) in [(1, &before), (2, &after)] {
