@@ -227,6 +227,7 @@ fn mistakes_are_named_with_their_place() {
     for (line, message, place) in [
         ("noise = { z = 1 }", "`z` is not measured", "p.toml:16:11"),
         ("faults = [{ lost = true }]", "the fault has no `at`", "p.toml:16:11"),
+        ("faults = [{ at = 5, until = 2, lost = true }]", "ends at 2 before it begins at 5", "p.toml:16:11"),
         ("faults = [{ at = 3 }]", "nothing goes wrong", "p.toml:16:11"),
         ("delay = -1", "whole number", "p.toml:16:9"),
     ] {

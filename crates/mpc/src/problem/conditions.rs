@@ -157,7 +157,14 @@ impl Reader<'_> {
         }
         let at = self.whole(fault, "at", 0)?;
         let until = self.whole(fault, "until", at)?;
-        let range = at..until.max(at) + 1;
+        if until < at {
+            let remedy = format!("`until` is the last sample of the fault: {at} or more");
+            return Err(self
+                .doc
+                .error(entry.span(), format!("the fault ends at {until} before it begins at {at}"), remedy)
+                .into());
+        }
+        let range = at..until + 1;
         let before = faults.len();
         if self.boolean(fault, "lost", false)? {
             faults.push((range.clone(), Fault::LostSample));
