@@ -28,6 +28,10 @@ pub struct FileError {
     pub source_line: String,
 }
 
+/// Most characters of the offending text, and of its line, in a message.
+const MOST_FOUND: usize = 80;
+const MOST_SHOWN: usize = 200;
+
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.line == 0 {
@@ -35,13 +39,14 @@ impl fmt::Display for FileError {
         }
         write!(f, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)?;
         if !self.found.is_empty() {
-            write!(f, " near `{}`", self.found)?;
+            let dots = if self.found.chars().nth(MOST_FOUND).is_some() { "…" } else { "" };
+            write!(f, " near `{}{dots}`", self.found.chars().take(MOST_FOUND).collect::<String>())?;
         }
-        let width = self.found.chars().count().max(1);
-        let shown: String = self.source_line.chars().take(200).collect();
-        if self.column <= 200 {
+        let width = self.found.chars().take(MOST_SHOWN).count().max(1);
+        let shown: String = self.source_line.chars().take(MOST_SHOWN).collect();
+        if self.column <= MOST_SHOWN {
             let blank = " ".repeat(self.column - 1);
-            let marks = "^".repeat(width.min(200));
+            let marks = "^".repeat(width);
             write!(f, "\n   | {shown}\n   | {blank}{marks}")?;
         }
         write!(f, "\n   = {}", self.remedy)

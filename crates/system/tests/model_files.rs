@@ -280,3 +280,15 @@ fn a_model_may_call_something_t_and_says_so() {
     assert_eq!(kind("states = ['x']\n[parameters]\nt = 1\n[dynamics]\nx = 't'"), Some("parameter"));
     assert_eq!(kind("states = ['x']\ninputs = ['u']\n[dynamics]\nx = 'u'"), None);
 }
+
+#[test]
+fn a_message_stays_short_whatever_it_speaks_of() {
+    let long = "x".repeat(100_000);
+    let text = format!("states = [\"{long}\", \"{long}\"]\ninputs = []\n[dynamics]\n{long} = 1\n");
+    let message = System::parse("long.toml", &text).unwrap_err().to_string();
+    assert!(
+        message.contains("long.toml:1:") && message.chars().count() < 1000,
+        "{} characters",
+        message.chars().count()
+    );
+}
