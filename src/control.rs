@@ -5,6 +5,8 @@ use bracketry_mpc::{ControlProblem, ControlRun, MpcError, Plant, PlantError, Run
 use bracketry_sim::{Hold, InputError, Inputs, Model, Outcome, Samples, Settings, SimError, Simulation, simulate};
 use bracketry_system::{System, ZeroDenominator};
 
+use crate::Breakdown;
+
 /// A control problem that could not be run.
 #[derive(Debug, thiserror::Error)]
 pub enum ControlError {
@@ -26,7 +28,10 @@ pub enum ControlError {
 }
 
 /// A system with set-valued friction as the plant of a control loop.
-pub struct ExactPlant(bracketry_sim::Plant);
+pub struct ExactPlant {
+    plant: bracketry_sim::Plant,
+    system: System,
+}
 
 impl ExactPlant {
     /// The system at time 0 in state `x0`.
@@ -34,21 +39,26 @@ impl ExactPlant {
     /// # Errors
     /// If the system cannot be compiled or the state does not fit.
     pub fn new(system: &System, x0: &[f64]) -> Result<Self, bracketry_sim::PlantError> {
-        bracketry_sim::Plant::new(system, x0, &Settings::default()).map(Self)
+        let plant = bracketry_sim::Plant::new(system, x0, &Settings::default())?;
+        Ok(Self { plant, system: system.clone() })
     }
 }
 
 impl Plant for ExactPlant {
     fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
-        if self.0.state() != x {
-            self.0.set_state(x)?;
+        if self.plant.state() != x {
+            self.plant.set_state(x)?;
         }
-        match self.0.step(u, dt)? {
+        match self.plant.step(u, dt)? {
             Outcome::Finished => {
-                x.copy_from_slice(self.0.state());
+                x.copy_from_slice(self.plant.state());
                 Ok(())
             }
-            Outcome::Stopped { reason, t, .. } => Err(format!("{reason} at t = {t} s").into()),
+            Outcome::Stopped { reason, t, state } => {
+                let breakdown = Breakdown::find(&self.system, self.plant.model(), &reason, t, &state);
+                let why = breakdown.map_or_else(|| reason.to_string(), |b| b.to_string());
+                Err(format!("{why} (t = {t} s)").into())
+            }
         }
     }
 }

@@ -59,6 +59,9 @@ pub struct SimulationReport {
     /// Inputs that these are derivatives of.
     #[serde(skip)]
     jumping: Vec<String>,
+    /// Inputs that leave their range, as sentences.
+    #[serde(skip)]
+    beyond: Vec<String>,
 }
 
 impl SimulationReport {
@@ -85,6 +88,7 @@ impl SimulationReport {
             inputs_at_zero: given.held_at_zero.clone(),
             impulses_left_out: run.impulses_left_out.iter().map(|(n, order)| format!("der({n},{order})")).collect(),
             jumping: run.impulses_left_out.iter().map(|(n, _)| n.clone()).collect(),
+            beyond: beyond_ranges(system, run),
         }
     }
 }
@@ -105,6 +109,9 @@ impl fmt::Display for SimulationReport {
         for (input, derivative) in self.jumping.iter().zip(&self.impulses_left_out) {
             writeln!(f, "  warning: `{input}` jumps or has kinks: impulses of {derivative} are left out")?;
         }
+        for sentence in &self.beyond {
+            writeln!(f, "  warning: {sentence}")?;
+        }
         for name in &self.ignored_columns {
             writeln!(f, "  column `{name}` is no input that the model uses and was ignored")?;
         }
@@ -118,6 +125,29 @@ impl fmt::Display for SimulationReport {
             None => Ok(()),
         }
     }
+}
+
+/// What the model says an input cannot do, and it does.
+fn beyond_ranges(system: &System, run: &Run) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for range in &system.input_ranges {
+        let Some(k) = system.inputs.iter().position(|i| *i == range.input) else { continue };
+        let values = run.inputs.iter().map(|u| u[k]);
+        let bounds = [(&range.min, "below", -1.0), (&range.max, "above", 1.0)];
+        for (bound, side, sign) in bounds.iter().filter_map(|(b, side, sign)| Some((b.as_ref()?, side, sign))) {
+            let bound = bound.to_f64().value();
+            let farthest = values.clone().max_by(|a, b| (sign * a).total_cmp(&(sign * b)));
+            if let Some(farthest) = farthest.filter(|v| sign * (v - bound) > ROUNDING * bound.abs().max(1.0)) {
+                sentences.push(format!(
+                    "`{}` goes to {}, {side} the {} of its range in the model",
+                    system.symbol_name(range.input),
+                    readable(farthest),
+                    readable(bound)
+                ));
+            }
+        }
+    }
+    sentences
 }
 
 /// A mode in a word.

@@ -79,3 +79,29 @@ fn the_figures_of_a_run_have_the_agreed_names() {
     assert_eq!(v["status"]["reasons"]["cost"], 10, "{v}");
     assert!(v["notes"][0].as_str().unwrap().contains("the stage cost is not finite at sample 0"), "{v}");
 }
+
+#[test]
+fn a_loop_that_breaks_down_says_where_and_names_what_it_wrote() {
+    let dir = scratch("control_breakdown");
+    let problem = |plant: &str, x0: f64| {
+        file(&dir, "model.toml", "states = ['x']\ninputs = ['u']\ndynamics = { x = 'x + u' }\n");
+        file(&dir, "plant.toml", &format!("states = ['x']\ninputs = ['u']\ndynamics = {{ x = '{plant}' }}\n"));
+        let text = format!(
+            "model = 'model.toml'\nplant = 'plant.toml'\nhorizon = {{ steps = 10, dt = 0.1 }}\ncost = {{ stage = 'x^2 + u^2' }}\n\
+             constraints = {{ u = {{ min = -1, max = 1 }} }}\nrun = {{ x0 = {{ x = {x0} }}, steps = 20 }}\n"
+        );
+        let out = dir.join("out");
+        let _ = fs::remove_dir_all(&out);
+        let o = bracketry(&["control", &file(&dir, "problem.toml", &text), "--out", out.to_str().unwrap()]);
+        assert_eq!(code(&o), 1);
+        let said = [o.stdout, o.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
+        (said, out)
+    };
+    // The state grows beyond all numbers: no figure holds it.
+    let (said, out) = problem("x^2 + u", 5.0);
+    assert!(said.contains("written to") && !said.contains("closed_loop.png"), "{said}");
+    assert!(said.contains("no figure") && !out.join("closed_loop.png").exists(), "{said}");
+    // A plant with dry friction ends where its equation has no value.
+    let (said, _) = problem("u/x - 0.1*sign(x)", 0.0);
+    assert!(said.contains("in the equation of `x`"), "{said}");
+}

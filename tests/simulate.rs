@@ -5,7 +5,7 @@ mod common;
 
 use std::fs;
 
-use common::{bracketry, code, file, json, model, scratch};
+use common::{bracketry, code, file, json, model, scratch, text};
 
 const SLIDER: &str = "states = ['x', 'v']\ninputs = ['a']\n[parameters]\nmu = 0.3\ng = 9.81\n\
                       [dynamics]\nx = 'v'\nv = 'a - mu*g*sign(v)'\n";
@@ -85,6 +85,36 @@ fn outputs_of_the_model_are_columns() {
     let v = 2.943 / 2.0;
     assert!((middle[4] - 2.0 * v).abs() < 1e-9 && (middle[5] - v * v / 2.0).abs() < 1e-9, "{middle:?}");
     assert!(fs::read_to_string(out.join("trajectory.svg")).unwrap().contains("energy"));
+}
+
+#[test]
+fn an_input_beyond_its_range_is_said() {
+    let dir = scratch("ranges");
+    let model = file(&dir, "m.toml", &format!("{SLIDER}[ranges]\na = {{ min = 0, max = 2 }}\n"));
+    let said = |a: &str| {
+        let scenario = file(&dir, "s.toml", &format!("duration = 1.0\nsample = 0.01\n[inputs]\na = '{a}'\n"));
+        text(&bracketry(&["simulate", &model, "--scenario", &scenario]).stdout)
+    };
+    let rope = said("3*t - 1");
+    assert!(rope.contains("`a` goes to -1, below the 0 of its range"), "{rope}");
+    assert!(!rope.contains("above"), "{rope}");
+    assert!(said("3*t").contains("`a` goes to 3, above the 2 of its range"));
+    assert!(!said("2*t").contains("warning"));
+}
+
+#[test]
+fn an_output_that_is_a_state_shares_its_panel() {
+    let dir = scratch("shared_panels");
+    let scenario = file(&dir, "s.toml", "duration = 1.0\n[x0]\nv = 2.943\n");
+    // Both labels end in the output's name; only the one that is no state has it to itself.
+    for (output, label) in [("'x'", "x = camera"), ("'2*x'", "camera")] {
+        let model = file(&dir, "m.toml", &format!("{SLIDER}[outputs]\ncamera = {output}\n"));
+        let out = dir.join("out");
+        json(&["simulate", &model, "--scenario", &scenario, "--json", "--out", out.to_str().unwrap()]);
+        let figure = fs::read_to_string(out.join("trajectory.svg")).unwrap();
+        let labels: Vec<&str> = figure.lines().map(str::trim).filter(|l| l.ends_with("camera")).collect();
+        assert_eq!(labels, [label], "{output}");
+    }
 }
 
 #[test]

@@ -47,20 +47,21 @@ pub(crate) fn run(args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Out
         other => other?,
     };
     let report = &controlled.run.report;
+    let mut drawn = false;
     if let Some(dir) = &output.out {
         folder(dir)?;
         write(&dir.join("control.json"), &json(report)?)?;
-        write_files(dir, &problem, &controlled)?;
+        drawn = write_files(dir, &problem, &controlled)?;
     }
     if output.json {
         print(&json(report)?)?;
     } else {
         print(&report.to_string())?;
         match &output.out {
-            Some(dir) => line(&format!(
-                "written to {}: control.json, closed_loop.csv, closed_loop.svg, closed_loop.png",
-                dir.display()
-            ))?,
+            Some(dir) => {
+                let figure = if drawn { ", closed_loop.svg, closed_loop.png" } else { "" };
+                line(&format!("written to {}: control.json, closed_loop.csv{figure}", dir.display()))?;
+            }
             None => line("(--out DIR writes trajectory and plots)")?,
         }
     }
@@ -72,7 +73,8 @@ fn rounded(t: f64) -> f64 {
     format!("{t:.12e}").parse().unwrap_or(t)
 }
 
-fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) -> anyhow::Result<()> {
+/// The table and the figure; says whether there is a figure.
+fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) -> anyhow::Result<bool> {
     let run = &controlled.run.closed_loop;
     let (states, inputs) = (problem.plant.state_names(), problem.plant.input_names());
     let estimated = problem.estimation.is_some();
@@ -92,6 +94,5 @@ fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) ->
         .collect();
     csv(&dir.join("closed_loop.csv"), &header, rows.iter().map(Vec::as_slice))?;
 
-    figure(controlled.figure(problem), &dir.join("closed_loop"));
-    Ok(())
+    Ok(figure(controlled.figure(problem), &dir.join("closed_loop")))
 }

@@ -33,12 +33,14 @@ pub(crate) fn spinner(message: &str) -> ProgressBar {
     bar
 }
 
-/// Saves a figure as SVG and PNG. One that cannot be drawn (numbers too large for an axis) is said to be missing; the
-/// results beside it are worth keeping.
-pub(crate) fn figure(drawing: Result<Drawing, PlotError>, stem: &Path) {
-    if let Err(e) = drawing.and_then(|d| d.save(stem).map(|_| ())) {
+/// Saves a figure as SVG and PNG; says whether there is one. One that cannot be drawn (numbers too large for an axis) is said to be
+/// missing; the results beside it are worth keeping.
+pub(crate) fn figure(drawing: Result<Drawing, PlotError>, stem: &Path) -> bool {
+    let saved = drawing.and_then(|d| d.save(stem).map(|_| ()));
+    if let Err(e) = &saved {
         warning(&format!("no figure {}: {e}", stem.display()));
     }
+    saved.is_ok()
 }
 
 /// Makes a folder with its parents.

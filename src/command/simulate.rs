@@ -94,9 +94,10 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
     let run = given.scenario.run(&system, &Settings::default()).with_context(|| args.model.display().to_string())?;
     progress.finish_and_clear();
     let report = SimulationReport::new(&system, &given, &run);
+    let mut drawn = false;
     if let Some(dir) = &output.out {
         folder(dir)?;
-        write_files(dir, &system, &given.scenario, &run)?;
+        drawn = write_files(dir, &system, &given.scenario, &run)?;
         if !args.noise.is_empty() {
             let columns = run.measured(&system, &args.noise, args.seed).context("--noise")?;
             let header: Vec<String> = ["t".to_owned()].into_iter().chain(columns.iter().map(|c| c.0.clone())).collect();
@@ -111,8 +112,8 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
         print(&report.to_string())?;
         if let Some(dir) = &output.out {
             let measured = if args.noise.is_empty() { "" } else { ", measured.csv" };
-            let files = "trajectory.csv, events.csv, trajectory.svg, trajectory.png";
-            line(&format!("written to {}: {files}{measured}", dir.display()))?;
+            let figure = if drawn { ", trajectory.svg, trajectory.png" } else { "" };
+            line(&format!("written to {}: trajectory.csv, events.csv{figure}{measured}", dir.display()))?;
         } else {
             line("(--out DIR writes trajectory, events and plots)")?;
         }
@@ -131,7 +132,8 @@ fn nothing_given(model: &Path) -> String {
     )
 }
 
-fn write_files(dir: &Path, system: &System, scenario: &Scenario, run: &Run) -> anyhow::Result<()> {
+/// The tables and the figure; says whether there is a figure.
+fn write_files(dir: &Path, system: &System, scenario: &Scenario, run: &Run) -> anyhow::Result<bool> {
     let (header, rows) = run.table(system, scenario);
     csv(&dir.join("trajectory.csv"), &header, rows.iter().map(Vec::as_slice))?;
     let events_path = dir.join("events.csv");
@@ -142,6 +144,5 @@ fn write_files(dir: &Path, system: &System, scenario: &Scenario, run: &Run) -> a
         events.write_record([&e.t.to_string(), &e.switch, e.from, e.to])?;
     }
     events.flush()?;
-    figure(run.figure(system, scenario), &dir.join("trajectory"));
-    Ok(())
+    Ok(figure(run.figure(system, scenario), &dir.join("trajectory")))
 }

@@ -155,7 +155,7 @@ impl PlateOptions {
             "omega" => self.the_omega().map(|_| ()),
             "model" => self.the_model().map(|_| ()),
             "shape" => self.the_shape().map(|_| ()),
-            "mu" => at_least_zero("mu", self.mu, "1"),
+            "mu" => at_least_zero("mu", self.mu, ""),
             "friction" => self.the_friction().map(|_| ()),
             "start" => self.the_start().map(|_| ()),
             "jumps" => self.the_jumps().map(|_| ()),
@@ -397,11 +397,16 @@ fn number(text: &str) -> Result<f64, Problem> {
     }
 }
 
+/// ` of kg` and the like, nothing for a pure number.
+fn of_unit(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" of {unit}") }
+}
+
 fn positive(name: &str, value: Option<f64>, unit: &str) -> Result<(), Problem> {
     match value {
         Some(v) if !(v.is_finite() && v > 0.0) => Err(problem(
             format!("{name} = {v} must be positive"),
-            format!("give a number (unit {unit}) greater than zero"),
+            format!("give a number{} greater than zero", of_unit(unit)),
         )),
         _ => Ok(()),
     }
@@ -421,7 +426,7 @@ fn at_least_zero(name: &str, value: Option<f64>, unit: &str) -> Result<(), Probl
     match value {
         Some(v) if !(v.is_finite() && v >= 0.0) => Err(problem(
             format!("{name} = {v} must not be negative"),
-            format!("give a number (unit {unit}), 0 or greater"),
+            format!("give a number{}, 0 or greater", of_unit(unit)),
         )),
         _ => Ok(()),
     }

@@ -64,6 +64,11 @@ impl Plant {
         self.stepper.time()
     }
 
+    /// The compiled equations, with the inputs that are held.
+    pub fn model(&self) -> &Model {
+        self.stepper.system()
+    }
+
     /// Current state.
     pub fn state(&self) -> &[f64] {
         self.stepper.state()
