@@ -9,12 +9,14 @@ const LITTLE: f64 = 0.5;
 impl Search<'_> {
     /// A term of the wrong sign and friction that is missing hide each other: without friction the best that a factor can do is to
     /// take the term out, and nothing is left then for friction to act on. Where an explanation has such a factor, these are the
-    /// exact fits that begin with the term turned round and friction on the same equation.
+    /// exact fits that begin with the term turned round and friction on the same equation. Where that cannot be simulated in all
+    /// windows, a cause that was taken for what the two do stands in the way: each of the others is left out then.
     pub(crate) fn with_turned_terms(&mut self, current: &Explanation) -> Vec<Explanation> {
         // Initial states were fitted to the term that is nearly gone.
         let near = Fit { windows: Vec::new(), ..current.fit.clone() };
         let mut fits = Vec::new();
-        for (equation, turned) in self.hidden(current) {
+        for (factor, turned) in self.hidden(current) {
+            let equation = self.candidates[factor].equation.clone();
             for candidate in 0..self.candidates.len() {
                 let effect = &self.candidates[candidate];
                 if current.members.contains(&candidate) || effect.equation != equation || !resists(effect) {
@@ -22,28 +24,48 @@ impl Search<'_> {
                 }
                 for mut start in starts(effect) {
                     start.push(turned.clone());
-                    let members = current.members.iter().copied().chain([candidate]).collect();
-                    fits.extend(self.again(members, &begun(near.clone(), &start)));
+                    let members: Vec<usize> = current.members.iter().copied().chain([candidate]).collect();
+                    let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
+                    let first = self.study.fit(&effects, &self.windows, Some(&begun(near.clone(), &start)));
+                    let Ok(first) = first else { continue };
+                    let begin = with_windows_of(first, &current.fit);
+                    if let Some(found) = self.again(members.clone(), &begin) {
+                        fits.push(found);
+                        continue;
+                    }
+                    for &other in current.members.iter().filter(|&&m| m != factor) {
+                        let rest = members.iter().copied().filter(|&m| m != other).collect();
+                        fits.extend(self.again(rest, &begin));
+                    }
                 }
             }
         }
         fits
     }
 
-    /// Factors of an explanation that leave little of their term: the equation, name and value with the term turned round.
-    fn hidden(&self, explanation: &Explanation) -> Vec<(String, (String, f64))> {
-        let effects = explanation.members.iter().map(|&m| &self.candidates[m]);
-        let factors = effects.flat_map(|e| e.coefficients.iter().map(move |c| (e, c)));
+    /// Factors of an explanation that leave little of their term: the member, its name and its value with the term turned round.
+    fn hidden(&self, explanation: &Explanation) -> Vec<(usize, (String, f64))> {
+        let members = explanation.members.iter();
+        let factors = members.flat_map(|&m| self.candidates[m].coefficients.iter().map(move |c| (m, c)));
         factors
-            .filter_map(|(effect, c)| {
+            .filter_map(|(member, c)| {
                 let turned = c.turned?;
                 let value = explanation.fit.values.iter().find(|e| e.name == c.name)?.value;
                 let gone = 0.5 * (c.nominal + turned);
-                ((value - gone).abs() < LITTLE * (turned - gone).abs())
-                    .then(|| (effect.equation.clone(), (c.name.clone(), turned)))
+                ((value - gone).abs() < LITTLE * (turned - gone).abs()).then(|| (member, (c.name.clone(), turned)))
             })
             .collect()
     }
+}
+
+/// The fit with the windows of another one where its own could not be simulated from the guess of their initial state.
+fn with_windows_of(mut fit: Fit, other: &Fit) -> Fit {
+    for window in fit.windows.iter_mut().filter(|w| w.failure.is_some()) {
+        if let Some(known) = other.windows.iter().find(|w| w.window == window.window) {
+            *window = known.clone();
+        }
+    }
+    fit
 }
 
 /// Whether all amplitudes of an effect are of a dissipation.
