@@ -8,7 +8,7 @@ mod integrate;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-use bracketry_diagnose::{DiagnoseError, Record, RecordSettings, Report, Settings, Verdict, diagnose};
+use bracketry_diagnose::{Cause, DiagnoseError, Record, RecordSettings, Report, Settings, Verdict, diagnose};
 use bracketry_sim::Hold;
 use bracketry_system::System;
 use rand::rngs::StdRng;
@@ -41,12 +41,16 @@ struct Run {
     held: bool,
     /// Whether the velocity was measured.
     velocity: bool,
+    /// Standard deviation of the noise over the size of the column.
+    noise: f64,
+    /// Quadratic drag, which the model lacks, kg/m.
+    drag: f64,
 }
 
-const RUN: Run = Run { seed: 1, mass: 1.03, held: true, velocity: true };
+const RUN: Run = Run { seed: 1, mass: 1.03, held: true, velocity: true, noise: 0.01, drag: 0.0 };
 
 impl Run {
-    /// Eight seconds of `m x'' = F − 20 x − 0.5 x'` by Runge–Kutta steps of fourth order; 1 % noise.
+    /// Eight seconds of `m x'' = F − 20 x − 0.5 x' − drag |x'| x'` by Runge–Kutta steps of fourth order.
     fn columns(self) -> BTreeMap<String, Vec<f64>> {
         let mut random = StdRng::seed_from_u64(self.seed);
         let lines: Vec<(f64, f64)> =
@@ -63,7 +67,9 @@ impl Run {
             let h = STEP / SUB as f64;
             for i in 0..SUB {
                 let at = |share: f64| if self.held { force(t) } else { force(t + (i as f64 + share) * h) };
-                let rate = |x: &[f64; 2], share: f64| [x[1], (at(share) - 20.0 * x[0] - 0.5 * x[1]) / self.mass];
+                let rate = |x: &[f64; 2], share: f64| {
+                    [x[1], (at(share) - 20.0 * x[0] - (0.5 + self.drag * x[1].abs()) * x[1]) / self.mass]
+                };
                 [x, v] = integrate::step(rate, &[x, v], h);
             }
         }
@@ -73,7 +79,7 @@ impl Run {
         for name in ["x", "v"] {
             let Some(values) = columns.get_mut(name) else { continue };
             let size = (values.iter().map(|v| v * v).sum::<f64>() / samples as f64).sqrt();
-            let noise = Normal::new(0.0, 0.01 * size).unwrap();
+            let noise = Normal::new(0.0, self.noise * size).unwrap();
             for v in values.iter_mut() {
                 *v += noise.sample(&mut random);
             }
@@ -124,6 +130,24 @@ fn a_held_input_that_is_read_as_straight_lines_is_told_from_a_delay() {
     for cause in &report.causes {
         assert!(cause.flags.iter().any(|f| f.contains("half the sampling time")), "{report}");
     }
+}
+
+#[test]
+fn data_without_noise_show_what_is_missing_and_nothing_else() {
+    let smooth = Run { held: false, noise: 0.0, ..RUN };
+    let straight = |run: Run| verdict(read(run.columns(), Some(Hold::Linear)).unwrap(), &[]);
+    let right = straight(smooth);
+    assert_eq!(right.verdict, Verdict::NothingFound, "{right}");
+    assert!(notes(&right).contains("smooth curves"), "{right}");
+    let dragged = straight(Run { drag: 0.3, ..smooth });
+    let named: Vec<Cause> = dragged.causes.iter().map(|c| c.name).collect();
+    assert_eq!(named, [Cause::QuadraticDrag], "{dragged}");
+    let (_, drag) = &dragged.causes[0].parameters[0];
+    assert!((drag.value - 0.3).abs() < 1e-4, "{dragged}");
+    // Beside noise, what lines cut off at the bends does not matter.
+    let noisy = straight(Run { held: false, ..RUN });
+    assert_eq!(noisy.verdict, Verdict::NothingFound, "{noisy}");
+    assert!(!notes(&noisy).contains("smooth curves"), "{noisy}");
 }
 
 #[test]

@@ -132,6 +132,16 @@ fn a_column_whose_name_another_gets_may_be_called_anything() {
 }
 
 #[test]
+fn a_quantity_may_stand_there_twice_with_the_same_numbers() {
+    let model = SLIDER.replace("power = ", "q = \"x\", power = ");
+    let (record, _) = read("same.csv", "t,F,x,q\n0,1,2,2\n1,1,3,3\n", &model, &RecordSettings::default()).unwrap();
+    assert_eq!(record.measured.len(), 1);
+    let other = read("other.csv", "t,F,x,q\n0,1,2,2\n1,1,3,4\n", &model, &RecordSettings::default());
+    let message = other.unwrap_err().to_string();
+    assert!(message.contains("different numbers") && message.contains("remove one"), "{message}");
+}
+
+#[test]
 fn an_input_that_no_equation_uses_needs_no_column() {
     let (record, _) = read("unused.csv", "t,x,\"der(X,2)\"\n0,1,5\n1,1,6\n", CART, &RecordSettings::default()).unwrap();
     assert_eq!(record.inputs.len(), 2);

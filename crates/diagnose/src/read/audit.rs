@@ -236,6 +236,10 @@ impl fmt::Display for Audit {
             write!(f, "  {:width$}  from {} to {}, ", c.name, significant(c.min, 5), significant(c.max, 5))?;
             match (c.noise, c.lines, c.bandwidth) {
                 (Some(noise), ..) => write!(f, "measured, noise {}", significant(noise, 4))?,
+                // Beyond half the sampling rate nothing is smoothed away.
+                (_, _, Some(bandwidth)) if 2.0 * bandwidth * self.step >= 1.0 => {
+                    write!(f, "by a spline through the samples")?;
+                }
                 (_, _, Some(bandwidth)) => write!(f, "by a smoothing spline of bandwidth {bandwidth:.3} Hz")?,
                 (_, Some(true), _) => write!(f, "input, straight lines between samples")?,
                 _ => write!(f, "input, held between samples")?,

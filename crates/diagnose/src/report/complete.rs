@@ -48,7 +48,9 @@ impl Report {
                 if high - low < NARROWEST * 2.0 * NORMAL * estimate.widened(width) {
                     alike.push(estimate.name.as_str());
                 } else {
-                    self.set_interval(&estimate.name, [low, high].map(|s| estimate.value + s));
+                    let (min, max) = allowed(extended, &estimate.name);
+                    let interval = [low, high].map(|s| (estimate.value + s).max(min).min(max));
+                    self.set_interval(&estimate.name, interval);
                 }
             }
         }
@@ -116,6 +118,12 @@ impl Report {
             value.interval = Some(interval);
         }
     }
+}
+
+/// Least and largest value that the mathematics allows a coefficient of an effect; all numbers for a parameter of the model.
+fn allowed(fit: &Fit, name: &str) -> (f64, f64) {
+    let coefficient = fit.effects.iter().flat_map(|e| &e.coefficients).find(|c| c.name == name);
+    coefficient.map_or((f64::NEG_INFINITY, f64::INFINITY), |c| (c.min, c.max))
 }
 
 /// Places in the values of a fit that the data hardly tell: of which the standard deviation that is stated is more than half of the

@@ -7,6 +7,10 @@ use crate::WindowFit;
 /// Fewest samples of a column in a window for which low and high frequencies can be told apart.
 const FEWEST: usize = 12;
 
+/// Least standard deviation of the noise, relative to the estimate from the column itself. Smaller residuals, of data without noise,
+/// may be the inexactness of the simulation.
+const FINEST: f64 = 0.05;
+
 /// What is left over after a fit, against noise.
 ///
 /// Each window's residual is expanded in cosines (orthonormal, DCT-II). White noise gives all of them the same variance;
@@ -44,8 +48,8 @@ impl Alarm {
         for (column, noise) in noise.iter_mut().enumerate() {
             let own = spectra.iter().filter(|s| s.0 == column).map(|s| &s.1);
             let (sum, count) = own.fold((0.0, 0), |(sum, count), s| (sum + s.high, count + s.high_count));
-            if count > 0 && sum > 0.0 {
-                *noise = sum / count as f64;
+            if count > 0 {
+                *noise = (sum / count as f64).max(FINEST * FINEST);
             }
             reference += count as f64;
         }

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use bracketry_system::System;
 
+use super::curves::{curved, curved_where_better};
 use super::held_out::{HeldOut, thinned};
 use super::hold::{half_a_sample, other_hold};
 use super::motion::{driven, still, uninformative};
@@ -90,8 +91,21 @@ pub fn diagnose(
         let name = "the number of causes that are named together (--max-causes)";
         return Err(DiagnoseError::Setting { name, value: 0.0, requirement: "at least 1" });
     }
+    investigated(system, distinct(records, validate), true, settings, begin, progress)
+}
+
+/// The diagnosis of records of which each is there once. Where inputs go on along straight `lines` between their samples and curves
+/// leave over much less, it begins anew with these.
+fn investigated(
+    system: &System,
+    data: Distinct,
+    lines: bool,
+    settings: &Settings,
+    begin: Instant,
+    progress: &mut dyn FnMut(Stage),
+) -> Result<Report, DiagnoseError> {
     progress(Stage::Refit);
-    let Distinct { mut records, mut validate, mut notes } = distinct(records, validate);
+    let Distinct { mut records, mut validate, mut notes } = data;
     let mut library = candidates(system, &records)?;
     // What another model suggests may be in the library already.
     let more = settings.candidates.iter().filter(|c| library.iter().all(|known| known.change != c.change));
@@ -115,7 +129,6 @@ pub fn diagnose(
         study = &weighed;
         attempt = Attempt::new(study, None, &library, settings, progress)?;
     }
-    let (records, validate) = (records.as_slice(), validate.as_slice());
     let structured = attempt.selection.chosen.alarm.p_value < settings.significance
         && !attempt.selection.chosen.exhausts(&attempt.base);
     if structured && settings.study.window.is_none() {
@@ -127,6 +140,12 @@ pub fn diagnose(
         }
     }
     let Attempt { mut search, mut base, selection } = attempt;
+    if lines && let Some((better, note)) = curved_where_better(system, search.study, &selection.chosen, settings)? {
+        notes.push(note);
+        let data = Distinct { records: better, validate: curved(system, &validate), notes };
+        return investigated(system, data, false, settings, begin, progress);
+    }
+    let (records, validate) = (records.as_slice(), validate.as_slice());
     let named: Vec<usize> = (0..library.len()).collect();
     let Selection { mut chosen, mut scatter, mut tests, screened } = selection;
     let mut alarm = base.alarm.p_value.min(screened);

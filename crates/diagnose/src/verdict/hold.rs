@@ -53,11 +53,14 @@ pub(super) fn other_hold(
     Ok((noise || stays <= WORTH_A_WORD).then_some(OtherHold { hold, stays, noise }))
 }
 
-/// The records with the other hold of all inputs but those whose derivatives the model uses, which are motions; `None` if
-/// there are none.
+/// All inputs, by index, but those whose derivatives the model uses, which are motions.
+pub(super) fn free_inputs(system: &System) -> Vec<usize> {
+    (0..system.inputs.len()).filter(|&i| system.input_derivatives.iter().all(|d| d.input != i)).collect()
+}
+
+/// The records with the other hold of all free inputs; `None` if there are none.
 fn turned(system: &System, records: &[Record]) -> Option<(Vec<Record>, Hold)> {
-    let free: Vec<usize> =
-        (0..system.inputs.len()).filter(|&i| system.input_derivatives.iter().all(|d| d.input != i)).collect();
+    let free = free_inputs(system);
     let hold = match records.first()?.inputs.get(*free.first()?)?.hold {
         Hold::Previous => Hold::Linear,
         Hold::Linear => Hold::Previous,

@@ -1,6 +1,7 @@
 //! From records to the verdict: alarm, screening, selection, rivals, names.
 
 mod alarm;
+mod curves;
 mod diagnose;
 mod held_out;
 mod hold;

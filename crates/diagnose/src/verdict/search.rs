@@ -167,7 +167,7 @@ impl<'a> Search<'a> {
             .into_iter()
             .chain(again)
             .map(|fit| self.judge(members.to_vec(), fit))
-            .filter(|e| self.comparable(e) && self.biases_within_range(e))
+            .filter(|e| self.admissible(e))
             .min_by(|a, b| a.square().total_cmp(&b.square()));
         self.known.insert(key, found.clone());
         found
@@ -192,7 +192,7 @@ impl<'a> Search<'a> {
     pub(crate) fn again(&mut self, mut members: Vec<usize>, begin: &Fit) -> Option<Explanation> {
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
         let fit = self.study.fit(&effects, &self.windows, Some(begin)).ok();
-        let found = fit.map(|fit| self.judge(members.clone(), fit)).filter(|e| self.comparable(e));
+        let found = fit.map(|fit| self.judge(members.clone(), fit)).filter(|e| self.admissible(e));
         members.sort_unstable();
         let known = self.known.get(&members).cloned().flatten();
         match (found, known) {
@@ -231,6 +231,10 @@ impl<'a> Search<'a> {
             }
         }
         best
+    }
+
+    fn admissible(&self, explanation: &Explanation) -> bool {
+        self.comparable(explanation) && self.biases_within_range(explanation)
     }
 
     /// Whether the fit covers the windows that the model without effects covers.

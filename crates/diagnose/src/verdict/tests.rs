@@ -48,6 +48,16 @@ fn a_slow_residual_below_the_noise_rings() {
     assert!((loud.excess() - 240.0).abs() < 120.0, "{}", loud.excess());
 }
 
+#[test]
+fn what_a_simulation_is_inexact_by_does_not_ring() {
+    let mut rng = StdRng::seed_from_u64(7);
+    let rings = |level: f64, rng: &mut StdRng| {
+        Alarm::of(&windows(rng, 0.0, |i| level * (i as f64 / 40.0).sin()), 0, 0).p_value < 0.01
+    };
+    assert!(!rings(0.0, &mut rng) && !rings(0.03, &mut rng));
+    assert!(rings(0.3, &mut rng));
+}
+
 /// A linear problem: two parameters, three candidates of one column each.
 fn problem(rng: &mut StdRng, truth: &DVector<f64>, size: f64) -> (Linearization, DMatrix<f64>, DVector<f64>) {
     let (count, rows, columns) = (25, 12, 5);
