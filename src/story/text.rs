@@ -150,7 +150,7 @@ pub(super) fn of_ranks(diagnosis: &Diagnosis) -> String {
             let (before, after) = (&ranks.before, &ranks.after);
             format!(
                 "{ranks}\nWhile no direction of friction changes, the inputs of the published model reach a set of dimension {} of {}\n\
-                 over time, those of the extended model one of dimension {} of {}.\n",
+                 at each time, those of the extended model one of dimension {} of {}.\n",
                 before.least_in_a_mode, before.states, after.least_in_a_mode, after.states
             )
         }
