@@ -1,5 +1,6 @@
 //! TOML documents whose errors name file, line, column, the offending text and the remedy.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
@@ -28,19 +29,28 @@ pub struct FileError {
     pub source_line: String,
 }
 
-/// Most characters of the offending text, and of its line, in a message.
+/// Most characters of the offending text, of its line, and of what is said of it: names may be as long as a file.
 const MOST_FOUND: usize = 80;
 const MOST_SHOWN: usize = 200;
+const MOST_SAID: usize = 1000;
+
+/// The first characters of a text, with an ellipsis where there are more.
+fn shortened(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
+        None => Cow::Borrowed(text),
+    }
+}
 
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.line == 0 {
             return write!(f, "{}: {}\n   = {}", self.file, self.message, self.remedy);
         }
-        write!(f, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)?;
+        let message = shortened(&self.message, MOST_SAID);
+        write!(f, "{}:{}:{}: {message}", self.file, self.line, self.column)?;
         if !self.found.is_empty() {
-            let dots = if self.found.chars().nth(MOST_FOUND).is_some() { "…" } else { "" };
-            write!(f, " near `{}{dots}`", self.found.chars().take(MOST_FOUND).collect::<String>())?;
+            write!(f, " near `{}`", shortened(&self.found, MOST_FOUND))?;
         }
         let width = self.found.chars().take(MOST_SHOWN).count().max(1);
         let shown: String = self.source_line.chars().take(MOST_SHOWN).collect();
@@ -49,7 +59,7 @@ impl fmt::Display for FileError {
             let marks = "^".repeat(width);
             write!(f, "\n   | {shown}\n   | {blank}{marks}")?;
         }
-        write!(f, "\n   = {}", self.remedy)
+        write!(f, "\n   = {}", shortened(&self.remedy, MOST_SAID))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::record::{Measured, Quantity, Record};
 use bracketry_sim::{Model, Outcome, Settings, Stepper};
 
 /// The tolerance of the simulation, relative to the noise of the column with least noise for its size.
-const BELOW_NOISE: f64 = 0.02;
+const BELOW_NOISE: f64 = 0.1;
 /// The least and the largest tolerance.
 const TOLERANCES: (f64, f64) = (1e-10, 1e-6);
 
@@ -76,7 +76,7 @@ pub(super) struct Runner<'a> {
     pub(super) weights: Vec<f64>,
 }
 
-/// A relative tolerance of the simulation that is far below the noise of every column.
+/// A relative tolerance of the simulation below the noise of every column.
 fn tolerance(record: &Record, noise: &[f64]) -> f64 {
     let ratio = |(m, noise): (&Measured, &f64)| {
         let size = m.values.iter().filter(|v| v.is_finite()).fold(0.0, |size: f64, v| size.max(v.abs()));

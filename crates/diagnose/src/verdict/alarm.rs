@@ -9,7 +9,7 @@ const FEWEST: usize = 12;
 
 /// Least standard deviation of the noise, relative to the estimate from the column itself. Smaller residuals, of data without noise,
 /// may be the inexactness of the simulation.
-const FINEST: f64 = 0.05;
+const FINEST: f64 = 0.2;
 
 /// What is left over after a fit, against noise.
 ///
