@@ -56,8 +56,7 @@ impl Names for Constants {
     }
 }
 
-/// Reads a point such as `x=0.1, th=pi/2`. States and inputs that are not named have their value in the `[point]` of the model, 0 where
-/// it has none.
+/// Reads a point such as `x=0.1, th=pi/2`. States and inputs that are not named are 0, as in the `[point]` of a model file.
 ///
 /// ```
 /// use bracketry::system::System;
@@ -65,16 +64,13 @@ impl Names for Constants {
 /// let point = bracketry::point(&mut s, "th=pi/2").unwrap();
 /// s.point = Some(point);
 /// assert_eq!(s.point_values().unwrap().0[1], std::f64::consts::FRAC_PI_2);
-/// s.point = Some(bracketry::point(&mut s, "x=1").unwrap());
-/// assert_eq!(s.point_values().unwrap().0, [1.0, std::f64::consts::FRAC_PI_2]);
 /// ```
 ///
 /// # Errors
 /// [`PointError`] with what to write instead.
 pub fn point(system: &mut System, text: &str) -> Result<Point, PointError> {
     let zero = system.pool.int(0);
-    let origin = || Point { states: vec![zero; system.states.len()], inputs: vec![zero; system.inputs.len()] };
-    let mut point = system.point.clone().unwrap_or_else(origin);
+    let mut point = Point { states: vec![zero; system.states.len()], inputs: vec![zero; system.inputs.len()] };
     let mut given: Vec<&str> = Vec::new();
     for entry in entries(text) {
         let Some((name, value)) = entry.split_once('=') else {

@@ -38,7 +38,7 @@ pub(crate) struct AnalyzeArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
-    /// Point of local statements in place of the model's, such as x=0.1,th=pi/2; what is not named stays as in [point], 0 without one
+    /// Point of local statements in place of the model's, such as x=0.1,th=pi/2; what is not named is 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
     /// Bracket to write out, such as "[g1,[f,g1]]": f is the drift, g1, g2 … or the names of the inputs their fields;
