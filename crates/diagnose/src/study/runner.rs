@@ -7,13 +7,8 @@ use super::tracked::TrackedPoint;
 use super::window::{Window, stretches};
 use crate::effect::Path;
 use crate::error::DiagnoseError;
-use crate::record::{Measured, Quantity, Record};
+use crate::record::{Quantity, Record};
 use bracketry_sim::{Model, Outcome, Settings, Stepper};
-
-/// The tolerance of the simulation, relative to the noise of the column with least noise for its size.
-const BELOW_NOISE: f64 = 0.1;
-/// The least and the largest tolerance.
-const TOLERANCES: (f64, f64) = (1e-10, 1e-6);
 
 /// Why a window cannot be simulated.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,16 +71,6 @@ pub(super) struct Runner<'a> {
     pub(super) weights: Vec<f64>,
 }
 
-/// A relative tolerance of the simulation below the noise of every column.
-fn tolerance(record: &Record, noise: &[f64]) -> f64 {
-    let ratio = |(m, noise): (&Measured, &f64)| {
-        let size = m.values.iter().filter(|v| v.is_finite()).fold(0.0, |size: f64, v| size.max(v.abs()));
-        noise / size
-    };
-    let least = record.measured.iter().zip(noise).map(ratio).fold(f64::INFINITY, f64::min);
-    (BELOW_NOISE * least).clamp(TOLERANCES.0, TOLERANCES.1)
-}
-
 impl<'a> Runner<'a> {
     pub(super) fn new(
         records: &'a [Record],
@@ -110,9 +95,8 @@ impl<'a> Runner<'a> {
         }
         let model = compiled.models[window.record].clone();
         let t0 = record.times[window.from];
-        let tolerance = tolerance(record, noise);
-        // A window that takes this many steps per sample is not worth its time.
-        let mut settings = Settings::default().with_tolerance(tolerance, 1e-2 * tolerance);
+        // The tolerance is far below any noise; a window that takes this many steps per sample is not worth its time.
+        let mut settings = Settings::default().with_tolerance(1e-6, 1e-8);
         settings.max_steps = 10_000;
         settings.stop = compiled.stop.clone();
         let stepper = Stepper::new(model, t0, &vec![0.0; n], &settings)?;
