@@ -9,8 +9,15 @@ use crate::{Mode, Switched};
 pub(crate) enum Piece {
     /// A step of length `h` with its middle at `t`; from `first` on: the state in the middle, the signs there.
     Step { t: f64, h: f64, first: usize, modes: usize },
-    /// An event; from `first` on: the jump of the field, and the gradient of σ over its rate.
-    Jump { first: usize },
+    /// An event at which σ reaches zero at this rate; from `first` on: the jump of the field, and the gradient of σ.
+    Jump { first: usize, rate: f64 },
+}
+
+/// The gradient of a switching function that reaches zero, its rate, and the field before its mode changes.
+pub(crate) struct BeforeJump {
+    gradient: Vec<f64>,
+    rate: f64,
+    field: Vec<f64>,
 }
 
 /// What a simulation leaves behind of its way: steps and events, see [`Stepper::follow`].
@@ -67,29 +74,29 @@ impl<S: Switched> Stepper<S> {
         path.modes.extend_from_slice(&self.modes);
     }
 
-    /// The gradient of a switching function that reaches zero now, over its rate, and the field, by the modes until now.
-    pub(crate) fn before_jump(&self, switch: usize) -> Option<(Vec<f64>, Vec<f64>)> {
+    /// What is known of the jump of the field before the modes change, where `switch` reaches zero now.
+    pub(crate) fn before_jump(&self, switch: usize) -> Option<BeforeJump> {
         self.path.as_ref()?;
         let n = self.x.len();
         let part = self.multipliers.parts[switch].clone();
         let weight = |c: usize| if part.len() > 1 { self.signs[0][c] } else { 1.0 };
         let rate: f64 = part.clone().map(|c| weight(c) * self.multipliers.rate(c, &self.k[0])).sum();
-        let row = (0..n)
-            .map(|j| part.clone().map(|c| weight(c) * self.multipliers.gradient[c * n + j]).sum::<f64>() / rate)
+        let gradient = (0..n)
+            .map(|j| part.clone().map(|c| weight(c) * self.multipliers.gradient[c * n + j]).sum::<f64>())
             .collect();
-        Some((row, self.k[0].clone()))
+        Some(BeforeJump { gradient, rate, field: self.k[0].clone() })
     }
 
     /// Records an event whose modes have been settled.
-    pub(crate) fn record_jump(&mut self, before: Option<(Vec<f64>, Vec<f64>)>) {
-        let Some((row, field)) = before else { return };
+    pub(crate) fn record_jump(&mut self, before: Option<BeforeJump>) {
+        let Some(BeforeJump { gradient, rate, field }) = before else { return };
         if !self.first_stage() {
             return;
         }
         let Some(path) = &mut self.path else { return };
         let first = path.numbers.len();
-        path.pieces.push(Piece::Jump { first });
+        path.pieces.push(Piece::Jump { first, rate });
         path.numbers.extend(self.k[0].iter().zip(&field).map(|(after, before)| after - before));
-        path.numbers.extend(row);
+        path.numbers.extend(gradient);
     }
 }

@@ -5,8 +5,8 @@ use crate::multipliers::{Multipliers, norm};
 use crate::path::Path;
 use crate::resolve::{ZeroSet, resolve};
 use crate::stages::{Attempt, SIGN_RESOLUTION};
-use crate::trajectory::{Trajectory, Transition};
-use crate::{Mode, Outcome, Settings, SimError, Statistics, StopReason, Switched};
+use crate::trajectory::Trajectory;
+use crate::{Mode, ModeChange, Outcome, Settings, SimError, Statistics, StopReason, Switched};
 use std::collections::VecDeque;
 
 /// A re-entrant integrator: keeps time, state, modes and step length from one call to the next.
@@ -307,7 +307,7 @@ impl<S: Switched> Stepper<S> {
         if let Some(trajectory) = trajectory {
             for (switch, (&from, &to)) in before.iter().zip(&self.modes).enumerate() {
                 if from != to {
-                    trajectory.push_transition(Transition { t: self.t, switch, from, to });
+                    trajectory.push_mode_change(ModeChange { t: self.t, switch, from, to });
                 }
             }
         }

@@ -1,14 +1,12 @@
 //! The way of a simulation as a chain of linear maps: what small changes of the state and of the field lead to.
 //!
 //! Along a step the change `X` of the state obeys `X' = A X + b` with `A = ∂f/∂x` for the modes of the step, unit vectors that slide
-//! turning with σ, and sticking signs answering so that `σ̇_K` stays zero. At an event where `σ` reaches zero at the rate
-//! `σ̇`, `X` jumps by `(f⁺ − f⁻) ∇σ·X/σ̇` (Leine, Nijmeijer, *Dynamics and Bifurcations of Non-Smooth Mechanical Systems*, 2004,
-//! ch. 7). The steps are the integrator's own, taken by the implicit midpoint rule.
+//! turning with σ, and sticking signs answering so that `σ̇_K` stays zero. At an event `X` jumps by the [`Saltation`] matrix. The steps are the integrator's own, taken by the implicit midpoint rule.
 
 use crate::elimination::eliminate;
 use crate::multipliers::norm;
 use crate::path::{Path, Piece};
-use crate::{Mode, Model, Switched};
+use crate::{Mode, Model, Saltation, Switched};
 
 /// Pivots below this part of the largest entry are none.
 const SINGULAR: f64 = 1e-12;
@@ -91,11 +89,9 @@ impl Model {
         let mut maps = Maps::new(self, n, k);
         for piece in &path.pieces {
             match *piece {
-                Piece::Jump { first } => {
-                    let (jump, row) = path.numbers[first..first + 2 * n].split_at(n);
-                    for (j, r) in row.iter().enumerate() {
-                        tangent.transition.extend((0..n).map(|i| f64::from(u8::from(i == j)) + jump[i] * r));
-                    }
+                Piece::Jump { first, rate } => {
+                    let (jump, gradient) = path.numbers[first..first + 2 * n].split_at(n);
+                    tangent.transition.extend(Saltation { jump, gradient, rate }.matrix());
                     tangent.response.resize(tangent.response.len() + n * n, 0.0);
                     tangent.by_number.resize(tangent.by_number.len() + n * numbers, 0.0);
                 }

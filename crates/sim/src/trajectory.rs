@@ -1,169 +1,6 @@
-//! The outcome of a simulation: states at any time, transitions, modes.
+//! The states of a simulation at any time, and its modes.
 
-use serde::{Deserialize, Serialize};
-
-/// The mode of one switch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Mode {
-    /// `σ > 0`, `s = +1`.
-    Positive,
-    /// `σ < 0`, `s = −1`.
-    Negative,
-    /// A unit vector with `σ ≠ 0`, `s = σ/|σ|`.
-    Sliding,
-    /// `σ = 0` stays so, by an `s` in `[−1, 1]`, or in the unit ball.
-    Sticking,
-}
-
-impl Mode {
-    /// `+1`, `−1`, and 0 for sticking and for unit vectors.
-    pub fn sign(self) -> f64 {
-        match self {
-            Mode::Positive => 1.0,
-            Mode::Negative => -1.0,
-            Mode::Sliding | Mode::Sticking => 0.0,
-        }
-    }
-
-    /// The other sign; others stay.
-    pub(crate) fn opposite(self) -> Self {
-        match self {
-            Mode::Positive => Mode::Negative,
-            Mode::Negative => Mode::Positive,
-            other => other,
-        }
-    }
-
-    pub(crate) fn of_sign(sign: f64) -> Self {
-        if sign < 0.0 { Mode::Negative } else { Mode::Positive }
-    }
-}
-
-/// A change of mode.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Transition {
-    /// Time in seconds.
-    pub t: f64,
-    /// Index of the switch.
-    pub switch: usize,
-    /// Mode before.
-    pub from: Mode,
-    /// Mode after.
-    pub to: Mode,
-}
-
-/// A time interval during which a switch keeps its mode.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ModeInterval {
-    /// Start in seconds.
-    pub from: f64,
-    /// End in seconds.
-    pub to: f64,
-    /// The mode.
-    pub mode: Mode,
-}
-
-/// Why a simulation ended early.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum StopReason {
-    /// A state, its derivative, a switching function or the end time is not a finite number.
-    NonFinite,
-    /// The step became shorter than the resolution of time: the solution blows up, or is too stiff.
-    StepTooSmall,
-    /// More than `limit` events within `window` seconds.
-    TooManyEvents {
-        /// The cap on events.
-        limit: usize,
-        /// The window in seconds.
-        window: f64,
-    },
-    /// More than `limit` steps.
-    TooManySteps {
-        /// The cap on steps.
-        limit: usize,
-    },
-    /// No combination of sliding and sticking is consistent for the switches in the list, whose functions vanish together.
-    NoConsistentMode {
-        /// The switches.
-        switches: Vec<usize>,
-    },
-    /// More switching functions vanish together than can be enumerated, and the active-set search found no mode.
-    TooManySimultaneous {
-        /// How many vanish.
-        count: usize,
-        /// The cap.
-        limit: usize,
-    },
-    /// The system left what its model covers, such as a contact that opens.
-    Departed {
-        /// What happened.
-        what: String,
-    },
-    /// The system announced a segment that does not end after it begins.
-    EmptySegment,
-    /// The flag of the settings was raised.
-    Asked,
-}
-
-impl std::fmt::Display for StopReason {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Departed { what } => write!(f, "{what}"),
-            Self::NonFinite => {
-                write!(f, "a state, its derivative, a switching function or the end time is not a finite number")
-            }
-            Self::StepTooSmall => write!(f, "the step became too small (blow-up or stiffness)"),
-            Self::TooManyEvents { limit, window } => {
-                write!(f, "more than {limit} events within {window} s (chattering)")
-            }
-            Self::TooManySteps { limit } => write!(f, "more than {limit} steps"),
-            Self::NoConsistentMode { switches } => {
-                write!(f, "no combination of sliding and sticking is consistent for the switches {switches:?}")
-            }
-            Self::TooManySimultaneous { count, limit } => {
-                write!(f, "{count} switching functions vanish together, more than the {limit} that are enumerated")
-            }
-            Self::Asked => write!(f, "it was asked to stop"),
-            Self::EmptySegment => write!(f, "an input segment does not end after it begins"),
-        }
-    }
-}
-
-/// How a simulation ended.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum Outcome {
-    /// It reached the end time.
-    Finished,
-    /// It stopped before.
-    Stopped {
-        /// Why.
-        reason: StopReason,
-        /// When, in seconds.
-        t: f64,
-        /// The last valid state.
-        state: Vec<f64>,
-    },
-}
-
-impl Outcome {
-    /// Whether the end time was reached.
-    pub fn is_finished(&self) -> bool {
-        matches!(self, Outcome::Finished)
-    }
-}
-
-/// Counts of work done.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Statistics {
-    /// Accepted steps.
-    pub steps: usize,
-    /// Rejected steps.
-    pub rejected: usize,
-    /// Located events.
-    pub events: usize,
-    /// Evaluations of the right-hand side.
-    pub rhs: usize,
-}
+use crate::modes::{Mode, ModeChange, ModeInterval};
 
 /// One step's continuous extension.
 #[derive(Debug, Clone)]
@@ -188,7 +25,7 @@ pub struct Trajectory {
     coefficients: Vec<f64>,
     /// Signs and directions at the nodes of implicit steps, where they cannot be told from the states.
     directions: Vec<f64>,
-    transitions: Vec<Transition>,
+    transitions: Vec<ModeChange>,
 }
 
 impl Trajectory {
@@ -241,8 +78,8 @@ impl Trajectory {
         self.final_state.copy_from_slice(x);
     }
 
-    pub(crate) fn push_transition(&mut self, transition: Transition) {
-        self.transitions.push(transition);
+    pub(crate) fn push_mode_change(&mut self, change: ModeChange) {
+        self.transitions.push(change);
     }
 
     /// The modes of all switches at the start.
@@ -300,7 +137,7 @@ impl Trajectory {
     }
 
     /// The changes of mode, in order of time.
-    pub fn transitions(&self) -> &[Transition] {
+    pub fn transitions(&self) -> &[ModeChange] {
         &self.transitions
     }
 
