@@ -6,8 +6,8 @@ use bracketry_symbolic::{Expr, Names, Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
 
 use crate::candidate::{Candidate, Method};
-use crate::document::{Document, FileError, Table};
 use crate::system::{InputDelay, System};
+use bracketry_files::{Document, FileError, Table};
 
 /// The parameters alone.
 struct Parameters(FxHashMap<String, Symbol>);

@@ -3,8 +3,6 @@
 mod affine;
 mod augment;
 mod candidate;
-mod columns;
-mod document;
 mod feedback;
 mod hull;
 mod input_change;
@@ -29,10 +27,9 @@ mod unit_vector;
 mod zero_denominator;
 
 pub use affine::{AffineError, AffineForm, Affinization};
+pub use bracketry_files::{Columns, Document, Entries, FileError, Table, Value};
 pub use bracketry_symbolic as symbolic;
 pub use candidate::{AtPoint, Candidate, Method, NewInput, NewState};
-pub use columns::{Columns, Entries};
-pub use document::{Document, FileError, Table, Value};
 pub use model_file::RESERVED;
 pub use model_text::WriteError;
 pub use range::{Bound, Range};

@@ -6,10 +6,10 @@ use std::path::Path;
 use bracketry_symbolic::{Expr, Names, Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
 
-use crate::document::{Document, FileError, Table, Value};
 use crate::input_delay::read_input_delays;
 use crate::static_level::read_static_levels;
 use crate::system::{InputDerivative, InputRange, Parameter, Point, System};
+use bracketry_files::{Document, FileError, Table, Value};
 
 /// Names that a model may not declare.
 pub const RESERVED: [&str; 20] = [

@@ -3,9 +3,9 @@
 use bracketry_symbolic::{Expr, Names, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
-use crate::document::{Document, FileError, Table};
 use crate::switching::{SwitchKind, SwitchedForm};
 use crate::system::{StaticLevel, System};
+use bracketry_files::{Document, FileError, Table};
 
 /// Names that are known already, and the derivatives of inputs that the equations use.
 struct Known<'a> {

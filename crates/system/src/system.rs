@@ -1,5 +1,6 @@
 //! A control system x' = f(x, u, u', …; p) with outputs and a point of interest.
 
+use bracketry_files::{Document, FileError};
 use bracketry_symbolic::{CompileError, Expr, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
@@ -142,6 +143,20 @@ impl System {
             .into_iter()
             .find(|(_, list)| named(list))
             .map(|(kind, _)| kind)
+    }
+
+    /// Refuses a model that calls something `t`, for a document in which `t` is time.
+    ///
+    /// # Errors
+    /// [`FileError`] that names the kind.
+    pub fn leaves_time_free(&self, document: &Document) -> Result<(), FileError> {
+        match self.declares_time() {
+            None => Ok(()),
+            Some(kind) => Err(document.missing(
+                format!("the model calls a {kind} `t`, which is time here"),
+                format!("rename the {kind} in the model"),
+            )),
+        }
     }
 
     /// Gives a parameter another value; false if there is none of that name.

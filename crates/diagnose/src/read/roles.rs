@@ -66,7 +66,7 @@ impl Roles {
         ignored: &[String],
         system: &System,
     ) -> Result<Self, FileError> {
-        bracketry_system::Document::new(origin.name, "").time_is_free(system)?;
+        system.leaves_time_free(&bracketry_system::Document::new(origin.name, ""))?;
         let found: Vec<&str> = columns.keys().chain(ignored).map(String::as_str).collect();
         let found = found.join(", ");
         let names = system.input_names();

@@ -153,7 +153,7 @@ impl ControlProblem {
             return Err(doc.missing("no model is named", "add `model = \"model.toml\"` at the top").into());
         };
         let mut system = with_own_inputs(models(&model)?)?;
-        doc.time_is_free(&system)?;
+        system.leaves_time_free(&doc)?;
         let original = system.clone();
         Reader { doc, system: &original }.fixed_parameters(&table, &mut system)?;
         let mut plant = match doc.string(&table, "plant")? {

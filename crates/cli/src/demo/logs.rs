@@ -1,0 +1,75 @@
+//! What a laboratory would record of the true plant.
+
+use bracketry::diagnose::{Audit, DiagnoseError, Record, RecordSettings};
+use bracketry::plate::{
+    AreaOutcome, Experiment, HiddenEffect, PlateError, PlateKinematics, PlateLog, multisine, plate_log,
+};
+use bracketry::system::System;
+
+use super::{MoveOnPlant, StorySettings};
+use bracketry::report::RESOLUTION;
+
+/// Where identification runs start: x, y (m), at rest.
+const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
+/// Experiment 3 moves from here to y = 0 (m), and takes so long (s) at most.
+const START_Y: f64 = -0.03;
+const LONGEST_THIRD: f64 = 5.0;
+
+/// The log of the move itself, of a multisine, of experiments 1 and 3, and, last, of a second multisine to measure the gain on.
+///
+/// # Errors
+/// [`PlateError`] for settings without meaning, or where no multisine keeps the object on the plate.
+pub fn record_logs(moved: &MoveOnPlant, settings: &StorySettings) -> Result<Vec<PlateLog>, PlateError> {
+    let (plant, seconds, seed) = (&settings.plant, settings.seconds, settings.seed);
+    // Noise of each log, and the multisine of the held-out one, are drawn apart.
+    let (noise, other) = (|k: u64| seed.wrapping_mul(4).wrapping_add(k), !seed);
+    let run = |experiment: &Experiment, start: [f64; 6], seconds: f64, noise: u64| {
+        plate_log(experiment, start, seconds, &HiddenEffect::None, plant, noise)
+    };
+    let third = [START[0], START_Y, 0.0, 0.0, 0.0, 0.0];
+    let mut logs = vec![
+        of_move(moved, settings, noise(0)),
+        run(&multisine(START, seconds, plant, seed)?, START, seconds, noise(1))?,
+        run(&Experiment::orientation(), START, seconds, noise(2))?,
+        run(&Experiment::translation_y(), third, seconds.min(LONGEST_THIRD), noise(3))?,
+        run(&multisine(START, seconds, plant, other)?, START, seconds, other)?,
+    ];
+    let names = ["closed loop", "multisine", "experiment 1", "experiment 3", "multisine, held out"];
+    for (log, name) in logs.iter_mut().zip(names) {
+        name.clone_into(&mut log.name);
+    }
+    Ok(logs)
+}
+
+/// The closed loop as the camera saw it.
+fn of_move(moved: &MoveOnPlant, settings: &StorySettings, seed: u64) -> PlateLog {
+    let every = (1.0 / (settings.plant.rate * RESOLUTION)).round().max(1.0) as usize;
+    let inputs = &moved.run.closed_loop;
+    let rows = moved.closed_loop.iter().enumerate().step_by(every).map(|(k, x)| {
+        let t = k as f64 * RESOLUTION;
+        let sample = inputs.t.partition_point(|&s| s <= t + 1e-9).clamp(1, inputs.u.len().max(1)) - 1;
+        let u = inputs.u.get(sample).map_or([0.0; 2], |u| [u[0], u[1]]);
+        let plate = PlateKinematics {
+            displacement: x[6],
+            velocity: x[7],
+            acceleration: u[0],
+            tilt: x[8],
+            tilt_rate: x[9],
+            tilt_acceleration: u[1],
+        };
+        (t, ([x[0], x[1], x[2]], plate))
+    });
+    let (times, moved_and_told): (Vec<f64>, Vec<_>) = rows.unzip();
+    let (poses, commands): (Vec<[f64; 3]>, Vec<PlateKinematics>) = moved_and_told.into_iter().unzip();
+    let outcome = moved.stopped.unwrap_or(AreaOutcome::Finished);
+    PlateLog::measured("closed loop", times, &poses, &commands, outcome, &settings.plant, seed)
+}
+
+/// The logs as records of the model's diagnosis, with what was noticed about them.
+pub(super) fn records(logs: &[PlateLog], model: &System) -> Result<(Vec<Record>, Vec<Audit>), DiagnoseError> {
+    let read = |log: &PlateLog| {
+        Record::from_columns(&log.name, log.times.clone(), log.by_name(), model, &RecordSettings::default())
+    };
+    let read: Result<Vec<(Record, Audit)>, DiagnoseError> = logs.iter().map(read).collect();
+    Ok(read?.into_iter().unzip())
+}

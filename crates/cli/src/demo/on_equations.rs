@@ -1,0 +1,83 @@
+//! Position and orientation together on the published equations, beside the published way of one after the other.
+
+use bracketry::mpc::{ControlProblem, SolveTimes, Timings};
+use bracketry::plate::{AmplitudeStep, Experiment, Shape, TwoStep, published, two_step};
+use bracketry::sim::Settings;
+
+use super::{StoryError, StoryEvent, StorySettings};
+use bracketry::report::{Arrival, plate_move};
+use bracketry::report::{Controlled, control};
+
+/// Longest time of one stage of the two-step way (s).
+const STAGE_LIMIT: f64 = 30.0;
+
+/// The reference move on the exact stick–slip plant of the published equations.
+#[derive(Clone)]
+pub struct MoveOnEquations {
+    /// The object.
+    pub shape: Shape,
+    /// What was to be done.
+    pub problem: ControlProblem,
+    /// The closed loop.
+    pub together: Controlled,
+    /// What it achieved.
+    pub arrival: Arrival,
+    /// The published inputs on the same plant: orientation, then x, then y.
+    pub two: TwoStep,
+}
+
+impl MoveOnEquations {
+    /// Runs both ways.
+    pub(super) fn run(
+        shape: &Shape,
+        settings: &StorySettings,
+        watch: &mut dyn FnMut(StoryEvent<'_>),
+    ) -> Result<Self, StoryError> {
+        let mut problem = plate_move(shape, settings.plant.mu)?;
+        // Afterwards everything has to stay where it is.
+        problem.samples += settings.rest_samples;
+        watch(StoryEvent::Working("plan, then closed loop on exact stick–slip friction"));
+        let together = control(&problem)?;
+        watch(StoryEvent::Working("the published two-step way on the same plant"));
+        let two = published_way(shape, settings.plant.mu, &problem)?;
+        let arrival = Arrival::of(&problem, &together);
+        Ok(Self { shape: shape.clone(), problem, together, arrival, two })
+    }
+
+    /// When the last stage of the published way was stopped (s), if every stage met its target.
+    pub fn two_step_time(&self) -> Option<f64> {
+        self.two.stages.iter().all(|s| s.met).then(|| self.two.stages.last().map_or(0.0, |s| s.to))
+    }
+
+    /// Errors of x (m), y (m) and yaw (deg) at the end of the two-step way, whose stages go yaw, x, y.
+    pub fn two_step_errors(&self) -> [Option<f64>; 3] {
+        let error = |i: usize| self.two.final_errors.get(i).copied();
+        [error(1), error(2), error(0).map(f64::to_degrees)]
+    }
+
+    /// Medians of linearisation, quadratic program and rest over the solved samples (ms).
+    pub fn step_split(&self) -> [f64; 3] {
+        let of = |f: fn(&Timings) -> f64| {
+            let solved = self.together.run.closed_loop.steps.iter().map(|s| &s.timings).filter(|t| t.total() > 0.0);
+            SolveTimes::of(&solved.map(f).collect::<Vec<_>>()).median
+        };
+        [of(|t| t.linearise), of(|t| t.qp), of(|t| t.rest)]
+    }
+
+    /// Sampling periods in which a program was solved over the time that this took.
+    pub fn real_time_factor(&self) -> f64 {
+        let steps = &self.together.run.closed_loop.steps;
+        let times: Vec<f64> = steps.iter().map(|s| s.timings.total()).filter(|t| *t > 0.0).collect();
+        times.len() as f64 * self.problem.ocp.dt / times.iter().sum::<f64>()
+    }
+}
+
+/// First orientation, then x, then y, with the published inputs. The published torque turns clockwise, so the tilt of
+/// experiment 1 is turned round to aim at +90°.
+fn published_way(shape: &Shape, mu: f64, problem: &ControlProblem) -> Result<TwoStep, StoryError> {
+    let along_x = Experiment::translation_x(3).with_amplitude_step(AmplitudeStep::Smooth);
+    let stages = [Experiment::orientation().with_reversed_tilt(), along_x, Experiment::translation_y()];
+    // x, y, phi, vx, vy, w: the affine model's states without those of the plate.
+    let start = &problem.x0[..6];
+    Ok(two_step(&published(shape, mu)?, &stages, start, STAGE_LIMIT, &Settings::default())?)
+}

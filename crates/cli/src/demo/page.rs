@@ -1,0 +1,71 @@
+//! The story as one page that needs nothing else.
+
+use std::fmt::Write as _;
+
+use super::figures::StoryAnimation;
+use super::{Story, text};
+use bracketry::report::html::{self, equations, escaped, heading, paragraph, table, verbatim};
+
+/// What each chapter does, in a sentence.
+const OPENINGS: [&str; 6] = [
+    "The published model of the vibrating plate, taken as it is printed: an object on a plate that shakes along x and tilts about the \
+     same axis. It is not affine in its two inputs; made affine, Lie brackets say what the inputs reach.",
+    "A model-predictive controller plans the move of position and orientation together and corrects it every 20 ms. Its plant here \
+     is the published model's own equations, with set-valued dry friction: sliding and sticking are located as events.",
+    "The true plant is the contact of the whole footprint: each point of it carries its share of the load and slides or sticks in \
+     its own direction. The controller still predicts with the published model.",
+    "A laboratory would record what happened, and shake the plate some more: logs at 200 Hz of the commanded motion and the \
+     measured pose, with noise. The diagnosis sees these columns and the published model, nothing else. The last log is held out: no fit sees it.",
+    "The terms that the diagnosis added are in the equations now, so the same analysis says what they change.",
+    "The extended model goes back into the same controller, on the same plant.",
+];
+
+impl Story {
+    /// The story as an HTML page with figures, tables, formulas and these animations; it needs no network and no other file.
+    pub fn page(&self, animations: &[StoryAnimation]) -> String {
+        let mut body = heading(1, "The vibrating plate: from published equations to a controller that works");
+        let _ = writeln!(body, "<p class=\"verdict\">{}</p>", escaped(&self.verdict()));
+        body += &paragraph("On the true plant, with either model as the controller's prediction:");
+        body += &self.table();
+        let figures = self.chapters();
+        let contents = [
+            self.first(),
+            verbatim(&self.on_equations.to_string()),
+            verbatim(&self.as_published.to_string()),
+            verbatim(&text::of_logs(&self.logs)) + &self.diagnosis.section(&figures[3], 3),
+            verbatim(&text::of_ranks(&self.diagnosis)),
+            self.extended.as_ref().map_or_else(
+                || paragraph("There is no extended model."),
+                |moved| verbatim(&moved.to_string()) + &self.table(),
+            ),
+        ];
+        let titles = [text::FIRST, text::SECOND, text::THIRD, text::FOURTH, text::FIFTH, text::SIXTH];
+        for (k, content) in contents.into_iter().enumerate() {
+            body += &heading(2, titles[k].trim_end());
+            body += &paragraph(OPENINGS[k]);
+            body += &content;
+            for film in animations.iter().filter(|a| a.chapter == k + 1) {
+                body += &html::animation(&film.gif, &format!("{}, in real time.", film.title));
+            }
+            if k != 3 {
+                body += &html::figures(&figures[k]);
+            }
+        }
+        html::page("The vibrating plate", &body)
+    }
+
+    fn first(&self) -> String {
+        let affine = &self.analysis.affinization.model;
+        heading(3, "The published equations")
+            + &equations(&self.published)
+            + &heading(3, "Affine in its inputs")
+            + &equations(affine)
+            + &heading(3, "What the inputs reach")
+            + &verbatim(&self.analysis.to_string())
+    }
+
+    fn table(&self) -> String {
+        let rows = self.comparison().into_iter().map(|row| row.map(|cell| escaped(&cell)).to_vec());
+        table(&["", "published model", "extended model"], rows)
+    }
+}

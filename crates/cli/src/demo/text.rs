@@ -1,0 +1,243 @@
+//! The story in words.
+
+use std::fmt::{self, Write as _};
+
+use bracketry::plate::{AreaOutcome, PlateLog};
+
+use super::{MoveOnEquations, MoveOnPlant, Story};
+use bracketry::report::Diagnosis;
+
+pub(super) const FIRST: &str = "1. From the published equations to what the inputs reach\n";
+pub(super) const SECOND: &str = "2. Position and orientation together, on the published equations\n";
+pub(super) const THIRD: &str = "3. The same controller on the true plant\n";
+pub(super) const FOURTH: &str = "4. What the published model gets wrong\n";
+pub(super) const FIFTH: &str = "5. What the extended model changes in what the inputs reach\n";
+pub(super) const SIXTH: &str = "6. The extended model in control of the true plant\n";
+
+impl fmt::Display for MoveOnEquations {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seconds = |t: Option<f64>| t.map_or("not reached".to_owned(), |t| format!("{t:.2} s"));
+        let value = |v: Option<f64>, unit: &str| v.map_or("–".to_owned(), |v| format!("{v:+.2} {unit}"));
+        let (a, [x, y, phi]) = (&self.arrival, self.two_step_errors());
+        let mm = |v: Option<f64>| value(v.map(|v| 1e3 * v), "mm");
+        let spin = |v: f64| value(Some(v), "°/s");
+        let rows = [
+            [String::new(), "together (MPC)".to_owned(), "two steps".to_owned()],
+            ["time to target".to_owned(), seconds(a.settled_s), seconds(self.two_step_time())],
+            ["error in x".to_owned(), mm(Some(a.x_m)), mm(x)],
+            ["error in y".to_owned(), mm(Some(a.y_m)), mm(y)],
+            ["error in yaw".to_owned(), value(Some(a.phi_deg), "°"), value(phi, "°")],
+            ["remaining spin".to_owned(), spin(a.spin_deg_s), spin(self.two.remaining_spin.to_degrees())],
+        ];
+        let report = &self.together.run.report;
+        if let Some(p) = &report.plan {
+            writeln!(f, "plan: {} after {} quadratic programs in {:.2} s\n", p.status, p.programs, p.seconds)?;
+        }
+        writeln!(f, "On the same plant with exact set-valued friction, errors at the end:\n")?;
+        for r in rows {
+            writeln!(f, "  {:<16} {:>16} {:>16}", r[0], r[1], r[2])?;
+        }
+        writeln!(f)?;
+        for s in &self.two.stages {
+            let verdict = if s.met { "met" } else { "not met" };
+            writeln!(f, "  two steps: experiment {} from {:.2} s to {:.2} s, target {verdict}", s.name, s.from, s.to)?;
+        }
+        if self.two.remaining_spin.abs() > 2f64.to_radians() {
+            writeln!(
+                f,
+                "  The published model has no yaw friction: once turned, the object goes on spinning while it is moved,\n  \
+                 so the two-step time counts stages that met their targets, not a yaw that stays there."
+            )?;
+        }
+        writeln!(
+            f,
+            "  The published inputs keep no bounds on stroke, tilt or accelerations, and the plate is taken to stop and\n  \
+             level at once between stages."
+        )?;
+        let [linearise, qp, rest] = self.step_split();
+        let (t, c) = (&report.solve_ms, &report.status);
+        writeln!(
+            f,
+            "\n  bounds between samples: stroke exceeded by {:.3} mm, tilt by {:.4}° at most",
+            1e3 * a.stroke_excess_m,
+            a.tilt_excess_deg
+        )?;
+        writeln!(
+            f,
+            "  control step: median {:.2} ms, 99 % below {:.2} ms, sampling period {:.0} ms; {:.1} × real time\n  \
+             of which, medians: linearise {linearise:.2} ms, quadratic program {qp:.2} ms, rest {rest:.2} ms",
+            t.median,
+            t.p99,
+            report.period_ms,
+            self.real_time_factor()
+        )?;
+        writeln!(
+            f,
+            "  samples: {} solved, {} inaccurate, {} infeasible, {} fallback, {} at rest after the plan",
+            c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
+        )
+    }
+}
+
+impl fmt::Display for MoveOnPlant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "Predicting with the {}, on the plant with contact over the whole footprint, errors at the end:\n",
+            self.model
+        )?;
+        writeln!(f, "  {:<16} {:>16} {:>16}", "", "closed loop", "plan alone")?;
+        let (a, p) = (&self.arrival, &self.plan_arrival);
+        let mut row = |what: &str, closed: f64, alone: f64, unit: &str| {
+            writeln!(f, "  {what:<16} {:>16} {:>16}", format!("{closed:+.2} {unit}"), format!("{alone:+.2} {unit}"))
+        };
+        row("error in x", 1e3 * a.x_m, 1e3 * p.x_m, "mm")?;
+        row("error in y", 1e3 * a.y_m, 1e3 * p.y_m, "mm")?;
+        row("error in yaw", a.phi_deg, p.phi_deg, "°")?;
+        row("remaining spin", a.spin_deg_s, p.spin_deg_s, "°/s")?;
+        let c = &self.run.report.status;
+        let plan = self.run.report.plan.as_ref();
+        if let Some(plan) = plan {
+            writeln!(
+                f,
+                "\n  plan: {} after {} quadratic programs in {:.2} s",
+                plan.status, plan.programs, plan.seconds
+            )?;
+        }
+        writeln!(
+            f,
+            "  samples: {} solved, {} inaccurate, {} infeasible, {} fallback, {} at rest after the plan",
+            c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
+        )?;
+        writeln!(f, "  The controller is given the exact state of the plant at every sample.")?;
+        for (what, stopped) in [("closed loop", &self.stopped), ("plan alone", &self.plan_stopped)] {
+            if let Some(reason) = stopped.as_ref().map(ended) {
+                writeln!(f, "  The {what} ends early: {reason}. Its errors are those at that time.")?;
+            }
+        }
+        match a.settled_s.filter(|_| self.reached()) {
+            Some(t) => writeln!(f, "  Reached: within ± 2 mm and ± 2° of the target from {t:.2} s on."),
+            None => {
+                writeln!(f, "  Not reached: the object does not come to rest within ± 2 mm and ± 2° of its target.")
+            }
+        }
+    }
+}
+
+/// How contact ended, in words.
+fn ended(outcome: &AreaOutcome) -> String {
+    match outcome {
+        AreaOutcome::Tipping { t, .. } => format!("at {t:.2} s the object begins to tip over its rim"),
+        other => other.to_string(),
+    }
+}
+
+/// What was recorded.
+pub(super) fn of_logs(logs: &[PlateLog]) -> String {
+    let mut out =
+        "Logs of the true plant, the pose of the object with noise and the commanded motion of the plate:\n".to_owned();
+    for log in logs {
+        let end = log.times.last().copied().unwrap_or(0.0);
+        let _ = writeln!(out, "  {:<20} {end:.2} s, {} samples, {}", log.name, log.times.len(), ended(&log.outcome));
+    }
+    out
+}
+
+/// What the extended model reaches.
+pub(super) fn of_ranks(diagnosis: &Diagnosis) -> String {
+    match (&diagnosis.ranks, &diagnosis.report.evidence.model) {
+        (Some(ranks), _) => {
+            let (before, after) = (&ranks.before, &ranks.after);
+            format!(
+                "{ranks}\nWhile no direction of friction changes, the inputs of the published model reach a set of dimension {} of {}\n\
+                 at each time, those of the extended model one of dimension {} of {}.\n",
+                before.least_in_a_mode, before.states, after.least_in_a_mode, after.states
+            )
+        }
+        (None, Some(_)) => "One of the two models cannot be analysed.\n".to_owned(),
+        (None, None) => "Nothing was found, so there is no extended model.\n".to_owned(),
+    }
+}
+
+impl Story {
+    /// How many times smaller the multi-step error on held-out data is with the extended than with the published model as it
+    /// stands, by horizon (s).
+    pub fn gain(&self) -> Vec<(f64, f64)> {
+        let Some(gain) = &self.diagnosis.report.gain else { return Vec::new() };
+        let pairs = gain.as_given.iter().zip(&gain.after);
+        gain.horizons_s.iter().copied().zip(pairs.map(|(before, after)| before / after)).collect()
+    }
+
+    /// Whether the story ends as it should: the published model fails on the true plant, the extended one reaches the target.
+    pub fn succeeded(&self) -> bool {
+        self.on_equations.arrival.settled_s.is_some()
+            && !self.as_published.reached()
+            && self.extended.as_ref().is_some_and(MoveOnPlant::reached)
+    }
+
+    /// The outcome in two sentences.
+    pub(super) fn verdict(&self) -> String {
+        let first = if self.as_published.reached() {
+            "The controller of the published model reaches its target on the true plant too."
+        } else {
+            "The controller of the published model reaches its target on its own equations and misses it on the true plant."
+        };
+        let causes: Vec<String> =
+            self.diagnosis.report.causes.iter().map(|c| format!("{} in {}", c.name, c.equation)).collect();
+        let second = match &self.extended {
+            None => "The diagnosis of the logs names no cause.".to_owned(),
+            Some(moved) => {
+                let reached = if moved.reached() { "reaches it" } else { "misses it as well" };
+                format!("The diagnosis names {}; the model extended by them {reached}.", causes.join(", "))
+            }
+        };
+        format!("{first} {second}")
+    }
+
+    /// What comes of it.
+    pub(super) fn ending(&self) -> String {
+        let mut out = String::new();
+        if let Some(moved) = &self.extended {
+            let _ = writeln!(out, "{moved}");
+        }
+        let _ = writeln!(out, "{}\n", self.verdict());
+        out += "On the true plant:\n\n";
+        let _ = writeln!(out, "  {:<34} {:>16} {:>16}", "", "published model", "extended model");
+        for [what, published, extended] in self.comparison() {
+            let _ = writeln!(out, "  {what:<34} {published:>16} {extended:>16}");
+        }
+        out
+    }
+
+    /// Rows of the last table: what, published model, extended model.
+    pub(super) fn comparison(&self) -> Vec<[String; 3]> {
+        let mut rows = Vec::new();
+        if let Some(gain) = &self.diagnosis.report.gain {
+            for (k, horizon) in gain.horizons_s.iter().enumerate() {
+                let percent = |v: f64| format!("{:.1} %", 100.0 * v);
+                let what = format!("prediction error {horizon} s ahead");
+                rows.push([what, percent(gain.as_given[k]), percent(gain.after[k])]);
+            }
+        }
+        let of = |value: &dyn Fn(&MoveOnPlant) -> String| {
+            [value(&self.as_published), self.extended.as_ref().map_or("–".to_owned(), value)]
+        };
+        let mut push =
+            |what: &str, [published, extended]: [String; 2]| rows.push([what.to_owned(), published, extended]);
+        push("closed loop: error in x", of(&|m| format!("{:+.2} mm", 1e3 * m.arrival.x_m)));
+        push("closed loop: error in y", of(&|m| format!("{:+.2} mm", 1e3 * m.arrival.y_m)));
+        push("closed loop: error in yaw", of(&|m| format!("{:+.2}°", m.arrival.phi_deg)));
+        push("plan alone: error in x", of(&|m| format!("{:+.2} mm", 1e3 * m.plan_arrival.x_m)));
+        push("plan alone: error in y", of(&|m| format!("{:+.2} mm", 1e3 * m.plan_arrival.y_m)));
+        push("plan alone: error in yaw", of(&|m| format!("{:+.2}°", m.plan_arrival.phi_deg)));
+        push(
+            "within ± 2 mm, ± 2° from",
+            of(&|m| match m.arrival.settled_s {
+                Some(t) if m.reached() => format!("{t:.2} s"),
+                _ if m.stopped.is_some() => "contact ends".to_owned(),
+                _ => "not reached".to_owned(),
+            }),
+        );
+        rows
+    }
+}

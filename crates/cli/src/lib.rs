@@ -1,0 +1,3 @@
+//! The demonstration behind the command `bracketry`, as a library for its tests.
+
+pub mod demo;

@@ -1,0 +1,186 @@
+//! The report as one page that needs nothing else: text, tables, formulas and figures.
+
+use std::fmt::Write as _;
+
+use bracketry_diagnose::{Gain, NamedCause, Report, measured, probability, significant};
+
+use super::Diagnosis;
+use crate::html::{self, Figure, equations, escaped, formula, heading, paragraph, percent, table, verbatim};
+
+impl Diagnosis {
+    /// The report as an HTML page with the given figures in it; it needs no network and no other file.
+    pub fn page(&self, figures: &[Figure]) -> String {
+        let report = &self.report;
+        let title = format!("{}: {}", report.model, report.verdict);
+        html::page(&title, &(heading(1, &report.model) + &self.section(figures, 2)))
+    }
+
+    /// The same as a part of a page, with headings from this level on.
+    pub fn section(&self, figures: &[Figure], level: usize) -> String {
+        let report = &self.report;
+        let mut out =
+            format!("<p class=\"verdict\"><strong>{}</strong>: {}.</p>\n", report.verdict, escaped(&report.reason));
+        for cause in &report.causes {
+            out += &of_cause(cause);
+        }
+        if let Some(gain) = &report.gain {
+            out += &of_gain(gain, level);
+        }
+        let pictures = html::figures(figures);
+        if !pictures.is_empty() {
+            out += &(heading(level, "Figures") + &pictures);
+        }
+        out += &tables(report, level);
+        out += &self.model(level);
+        out + &data(report, level)
+    }
+
+    /// The equations of the extended model, what they change in the analysis, and the model file.
+    fn model(&self, level: usize) -> String {
+        let Some(model) = &self.report.evidence.model else { return String::new() };
+        let mut out = heading(level, "The extended model") + &equations(&model.system);
+        for note in &model.notes {
+            out += &paragraph(&format!("{note}."));
+        }
+        if let Ok(text) = model.to_toml() {
+            out += &(paragraph("As a model file:") + &verbatim(&text));
+        }
+        if let Some(ranks) = &self.ranks {
+            out += &verbatim(&ranks.to_string());
+        }
+        out
+    }
+}
+
+/// A probability without the sign of equality that it has in sentences.
+fn p_value(p: f64) -> String {
+    escaped(probability(p).trim_start_matches("= "))
+}
+
+fn of_cause(cause: &NamedCause) -> String {
+    let title = cause.name.to_string().replace('_', " ");
+    let mut out = format!(
+        "<div class=\"cause\"><h4>{} in the equation of {}</h4>\n<p>{}</p>\n<ul>",
+        escaped(&title),
+        formula(&cause.equation),
+        formula(&cause.term)
+    );
+    for (name, value) in &cause.parameters {
+        let _ = write!(out, "<li>{} = {}</li>", formula(name), escaped(&value.to_string()));
+    }
+    let _ = match cause.p_value {
+        Some(p) => write!(out, "<li>probability without the cause: {}</li>", p_value(p)),
+        None => write!(out, "<li>without the cause some of the data cannot be simulated</li>"),
+    };
+    if let Some(share) = cause.share {
+        let _ = write!(out, "<li>without it {} of the excess error would remain</li>", percent(share));
+    }
+    for flag in &cause.flags {
+        let _ = write!(out, "<li>caution: {}</li>", escaped(flag));
+    }
+    out += "</ul>\n";
+    if !cause.rivals.is_empty() {
+        out += "<p>This experiment cannot tell it from:</p><ul>";
+        for rival in &cause.rivals {
+            let name = rival.name.to_string().replace('_', " ");
+            let _ = write!(
+                out,
+                "<li>{} in {}: {} ({})</li>",
+                escaped(&name),
+                formula(&rival.equation),
+                formula(&rival.term),
+                escaped(&rival.why)
+            );
+        }
+        out += "</ul>";
+    }
+    if !cause.separating_experiment.is_empty() {
+        let _ = write!(out, "<p>To tell them apart: {}</p>", escaped(&cause.separating_experiment));
+    }
+    out + "</div>\n"
+}
+
+fn of_gain(gain: &Gain, level: usize) -> String {
+    let data = if gain.held_out { "held-out data" } else { "the data of the fit" };
+    let rows = (0..gain.horizons_s.len()).map(|k| {
+        vec![
+            format!("{} s", gain.horizons_s[k]),
+            percent(gain.as_given[k]),
+            percent(gain.before[k]),
+            percent(gain.after[k]),
+            gain.predictions[k].to_string(),
+        ]
+    });
+    let mut out = heading(level, &format!("Gain on {data}"))
+        + &paragraph(&gain.metric)
+        + &table(&["horizon", "as given", "refitted", "extended", "predictions"], rows);
+    if let (Some(before), Some(after)) = (gain.equation_error_before, gain.equation_error_after) {
+        let (before, after) = (percent(before), percent(after));
+        out += &paragraph(&format!("Force error relative to the applied force: {before} before, {after} after."));
+    }
+    out
+}
+
+fn tables(report: &Report, level: usize) -> String {
+    let mut out = String::new();
+    if !report.places.is_empty() {
+        let rows = report.places.iter().chain(&report.regimes).map(|p| {
+            let time = p.time.map_or_else(String::new, percent);
+            vec![formula(&p.equation), escaped(&p.regime), percent(p.share), time]
+        });
+        out += &heading(level, "Where the refitted model is wrong");
+        out += &table(&["equation", "when", "share of the excess error", "share of the time"], rows);
+    }
+    if !report.parameters.is_empty() {
+        let rows = report.parameters.iter().map(|p| {
+            let interval = p
+                .interval
+                .map_or_else(String::new, |[a, b]| format!("{} … {}", measured(a, p.std), measured(b, p.std)));
+            vec![
+                formula(&p.name),
+                p.before.to_string(),
+                measured(p.after, p.std),
+                significant(p.std, 2),
+                interval,
+                escaped(&p.unit),
+            ]
+        });
+        out += &heading(level, "Parameters, refitted");
+        out += &table(&["parameter", "before", "after", "std", "95 %", "unit"], rows);
+    }
+    if !report.candidates.is_empty() {
+        let rows = report.candidates.iter().map(|c| {
+            let mark = if c.chosen { "named" } else { "" };
+            vec![
+                mark.to_owned(),
+                escaped(&c.name.to_string().replace('_', " ")),
+                formula(&c.equation),
+                formula(&c.term),
+                c.share.map_or_else(String::new, percent),
+                c.interval.map_or_else(String::new, |[low, high]| format!("{} … {}", percent(low), percent(high))),
+                p_value(c.p_value),
+            ]
+        });
+        out += &heading(level, "What was tried, each alone");
+        out += &table(&["", "candidate", "in", "term", "explains", "95 %", "p"], rows);
+    }
+    out
+}
+
+fn data(report: &Report, level: usize) -> String {
+    let mut out = String::new();
+    if !report.data.is_empty() {
+        out += &heading(level, "Data");
+        for audit in &report.data {
+            out += &verbatim(&audit.to_string());
+        }
+    }
+    if !report.notes.is_empty() {
+        out += &(heading(level, "Notes") + "<ul>");
+        for note in &report.notes {
+            let _ = write!(out, "<li>{}</li>", escaped(note));
+        }
+        out += "</ul>\n";
+    }
+    out
+}

@@ -1,0 +1,77 @@
+//! The section on what the outputs tell.
+
+use bracketry_lie::{Answer, Direction, Named};
+
+use super::blocks::{Block, Line, code, math, text};
+use super::formulas::{printed, symbol};
+use super::sections::{item, section};
+use crate::Analysis;
+
+/// Observability, identifiability and the symmetries that stand in their way.
+pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
+    let Some(o) = &a.report.observability else { return };
+    section(out, "Observability");
+    let states = a.original.states.len();
+    let name = "rank of the observability codistribution";
+    let mut items = vec![match &o.rank {
+        Answer::Known(r) => item(name, format!("{r} of {states}")),
+        Answer::Unknown(why) => item(name, format!("unknown ({why})")),
+    }];
+    if !o.unobservable.is_empty() {
+        let mut line = vec![text("not determined by the outputs: ")];
+        line.extend(names(&o.unobservable));
+        items.push(line);
+    }
+    items.extend(o.unobservable_directions.iter().map(|d| direction("no output changes along ", d)));
+    let told = |list: &Option<Named<bool>>, yes: bool| -> Vec<String> {
+        list.iter().flat_map(|m| &m.0).filter(|(_, v)| *v == yes).map(|(n, _)| n.clone()).collect()
+    };
+    for (list, yes, words) in [
+        (&o.identifiable, true, "identifiable parameters: "),
+        (&o.identifiable, false, "parameters that are not identifiable: "),
+        (&o.identifiable_states, false, "states that are not determined while parameters are unknown: "),
+        (&o.identifiable_without_inputs, false, "not identifiable while all inputs are zero: "),
+        (&o.determined, true, "determined, while parameters are unknown: "),
+        (&o.determined, false, "not determined, while parameters are unknown: "),
+    ] {
+        let found = told(list, yes);
+        if !found.is_empty() {
+            let mut line = vec![text(words)];
+            line.extend(names(&found));
+            items.push(line);
+        }
+    }
+    items.extend(
+        o.unidentifiable_directions.iter().map(|d| direction("with unknown parameters no output changes along ", d)),
+    );
+    if let Some(fix) = o.fix_to_identify.as_ref().filter(|f| !f.is_empty()) {
+        let mut line = vec![text("all parameters are identifiable given ")];
+        line.extend(names(fix));
+        items.push(line);
+    }
+    if let Some(why) = &o.reason {
+        items.push(vec![text(why.clone())]);
+    }
+    out.push(Block::List(items));
+}
+
+/// Names or formulas with commas between them.
+fn names(list: &[String]) -> Line {
+    let mut line = Vec::new();
+    for (k, name) in list.iter().enumerate() {
+        if k > 0 {
+            line.push(text(", "));
+        }
+        let plain = name.chars().all(|c| c.is_alphanumeric() || c == '_');
+        line.push(math(if plain { symbol(name) } else { printed(name) }));
+    }
+    line
+}
+
+fn direction(words: &str, d: &Direction) -> Line {
+    let mut line = vec![text(words), code(d.field.clone())];
+    if let Some(symmetry) = &d.symmetry {
+        line.push(text(format!(" ({symmetry})")));
+    }
+    line
+}
