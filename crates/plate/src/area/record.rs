@@ -1,7 +1,7 @@
 //! What a simulation with area contact records.
 
+use super::pressure::Support;
 use crate::Course;
-use crate::pressure::Support;
 use bracketry_sim::Slip;
 
 /// One step.
@@ -70,7 +70,7 @@ pub struct EnergyBalance {
 }
 
 impl EnergyBalance {
-    pub(super) fn begin(kinetic: f64) -> Self {
+    pub(super) fn start(kinetic: f64) -> Self {
         Self { begin: kinetic, kinetic, ..Self::default() }
     }
 

@@ -1,7 +1,7 @@
 //! One implicit stage: velocity, pressure and friction that agree with each other.
 
-use super::AreaSettings;
-use crate::pressure::{Footprint, Load, Support};
+use super::pressure::{Footprint, Load, Support};
+use super::settings::AreaSettings;
 use crate::{Friction, Object, PlateError, PlateKinematics, Terms};
 use bracketry_sim::{FrictionPoints, FrictionSolver, Slip};
 use nalgebra::{Matrix3, Vector3};

@@ -46,10 +46,10 @@ pub struct AveragedController {
     /// Sum and number of the poses seen in this cycle.
     sum: [f64; 3],
     count: usize,
-    /// What bursts do besides the way of the map.
+    /// What bursts do besides the displacement of the map.
     bias: [f64; 3],
     /// Where the last burst should have led.
-    foretold: Option<[f64; 3]>,
+    predicted: Option<[f64; 3]>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,7 +81,7 @@ impl AveragedController {
             sum: [0.0; 3],
             count: 0,
             bias: [0.0; 3],
-            foretold: None,
+            predicted: None,
         }
     }
 
@@ -95,8 +95,8 @@ impl AveragedController {
     fn best(&self, drifts: &Drifts, pose: [f64; 3], time: f64) -> ([f64; 3], f64) {
         let error = pose_error(pose, self.target);
         let left = |shares: [f64; 3]| {
-            let way = drifts.at(shares);
-            let [x, y, phi]: [f64; 3] = std::array::from_fn(|i| error[i] + time * way[i]);
+            let drift = drifts.at(shares);
+            let [x, y, phi]: [f64; 3] = std::array::from_fn(|i| error[i] + time * drift[i]);
             (x * x + y * y + (LEVER * phi).powi(2)).sqrt()
         };
         let mut best = ([0.0; 3], left([0.0; 3]));
@@ -104,8 +104,8 @@ impl AveragedController {
         let mut step = 1.0;
         while step > 1e-3 {
             let from = best.0;
-            for way in 0..27 {
-                let sign = |place: usize| (way / place % 3) as f64 - 1.0;
+            for direction in 0..27 {
+                let sign = |place: usize| (direction / place % 3) as f64 - 1.0;
                 let shares = [0, 1, 2].map(|i| (from[i] + step * sign(3usize.pow(i as u32))).clamp(-1.0, 1.0));
                 let value = left(shares);
                 if value < best.1 {
@@ -131,8 +131,8 @@ impl AveragedController {
         let still = Cycle::default();
         let (phase, next) = match self.phase {
             Phase::Look => {
-                if let Some(foretold) = self.foretold.take() {
-                    (0..3).for_each(|i| self.bias[i] += LEARNING * (pose[i] - foretold[i]));
+                if let Some(predicted) = self.predicted.take() {
+                    (0..3).for_each(|i| self.bias[i] += LEARNING * (pose[i] - predicted[i]));
                 }
                 let error = pose_error(pose, self.target);
                 let close =
@@ -142,8 +142,8 @@ impl AveragedController {
                 } else {
                     let (burst, left) = self.best_burst(pose);
                     if left < RESIDUAL {
-                        let way = self.map.burst(burst, pose[1], pose[2]);
-                        self.foretold = Some(std::array::from_fn(|i| pose[i] + way[i] + self.bias[i]));
+                        let displacement = self.map.burst(burst, pose[1], pose[2]);
+                        self.predicted = Some(std::array::from_fn(|i| pose[i] + displacement[i] + self.bias[i]));
                         (Phase::Burst, Cycle::drifting(burst))
                     } else {
                         let velocity = self.map.drifts(Quantity::Velocity, pose[1], pose[2]);
@@ -159,7 +159,7 @@ impl AveragedController {
                 });
                 // The mean pose is that of the middle of the last cycle, in which the drift went over from one to the other.
                 let here: [f64; 3] = std::array::from_fn(|i| pose[i] + CYCLE * (0.125 * before[i] + 0.375 * now[i]));
-                // Ebbing away takes half a cycle's way more.
+                // Ebbing away takes half a cycle's displacement more.
                 let end: [f64; 3] = std::array::from_fn(|i| here[i] + 0.5 * CYCLE * now[i]);
                 if self.best_burst(end).1 < RESIDUAL {
                     (Phase::Ebb, still)

@@ -1,4 +1,4 @@
-//! Shaking the plate periodically, with three numbers that say which way the object drifts.
+//! Shaking the plate periodically, with three numbers that set the direction in which the object drifts.
 
 use crate::{Harmonic, PeriodicMotion, PlateKinematics};
 use std::f64::consts::{PI, TAU};
@@ -52,7 +52,7 @@ impl Cycle {
         [self.shake, self.asymmetry, self.slope, self.swing]
     }
 
-    /// The plate `t` seconds after the begin of a cycle in which the motion goes over from `before` to `self`, smoothly and
+    /// The plate `t` seconds after the start of a cycle in which the motion goes over from `before` to `self`, smoothly and
     /// over the whole cycle: with plate and rates continuous from one cycle to the next, and at rest where nothing shakes.
     pub fn after(&self, before: &Self, t: f64) -> PlateKinematics {
         let s = (t / CYCLE).clamp(0.0, 1.0);

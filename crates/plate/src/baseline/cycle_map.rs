@@ -1,4 +1,4 @@
-//! Mean velocities of an object over cycles of the plate and its ways in single bursts, tabulated over cycle and place.
+//! Mean velocities of an object over cycles of the plate and its displacements in single bursts, tabulated over cycle and place.
 
 use super::cycle::{CYCLE, Cycle};
 use crate::{
@@ -33,15 +33,15 @@ impl Default for CycleGrid {
     }
 }
 
-/// What full shaking with a drift does to an object: its mean velocity while it goes on ([`mean_velocity`]), and its way in a
+/// What full shaking with a drift does to an object: its mean velocity while it goes on ([`mean_velocity`]), and its displacement in a
 /// burst, which begins and ends with plate and object at rest: one cycle of swelling and one of ebbing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleMap {
     y: Vec<f64>,
     /// Angle after which the shape repeats.
-    turn: f64,
+    symmetry_angle: f64,
     yaws: usize,
-    /// Mean velocity and way of a burst for each cycle, yaw and y, y varying fastest.
+    /// Mean velocity and displacement of a burst for each cycle, yaw and y, y varying fastest.
     nodes: Vec<[[f64; 3]; 2]>,
 }
 
@@ -73,7 +73,7 @@ impl CycleMap {
         }
         let contact = AreaContact::new(object, &Friction::Coulomb { mu }, &grid.area)?;
         let plant = AreaPlant::new(contact.clone())?;
-        let turn = match object.shape {
+        let symmetry_angle = match object.shape {
             Shape::Polygon { .. } => TAU,
             _ => PI,
         };
@@ -81,7 +81,9 @@ impl CycleMap {
         let mut cases = Vec::new();
         for cycle in 0..CYCLES {
             for yaw in 0..yaws {
-                cases.extend(grid.y.iter().map(|&y| (cycle_of(cycle), [0.0, y, turn * yaw as f64 / yaws as f64])));
+                cases.extend(
+                    grid.y.iter().map(|&y| (cycle_of(cycle), [0.0, y, symmetry_angle * yaw as f64 / yaws as f64])),
+                );
             }
         }
         let run = |&(cycle, place): &(Cycle, [f64; 3])| {
@@ -91,7 +93,7 @@ impl CycleMap {
         };
         let results: Option<Vec<_>> = sweep(&cases, run, progress).into_iter().collect();
         let nodes = results.ok_or(PlateError::Cancelled)?.into_iter().collect::<Result<_, PlateError>>()?;
-        Ok(Self { y: grid.y.clone(), turn, yaws, nodes })
+        Ok(Self { y: grid.y.clone(), symmetry_angle, yaws, nodes })
     }
 
     /// Number of nodes that a map has.
@@ -109,7 +111,7 @@ impl CycleMap {
         self.drifts(Quantity::Velocity, y, phi).at(drift)
     }
 
-    /// Way in x, y (m) and phi (rad) of a burst; see [`CycleMap::velocity`].
+    /// Displacement in x, y (m) and phi (rad) of a burst; see [`CycleMap::velocity`].
     pub fn burst(&self, drift: [f64; 3], y: f64, phi: f64) -> [f64; 3] {
         self.drifts(Quantity::Burst, y, phi).at(drift)
     }
@@ -117,7 +119,7 @@ impl CycleMap {
     /// All drifts at a place.
     pub(super) fn drifts(&self, quantity: Quantity, y: f64, phi: f64) -> Drifts {
         let (row, up) = between(&self.y, y);
-        let place = (phi / self.turn).rem_euclid(1.0) * self.yaws as f64;
+        let place = (phi / self.symmetry_angle).rem_euclid(1.0) * self.yaws as f64;
         let (column, along) = ((place as usize) % self.yaws, place.fract());
         let rows = self.y.len();
         let node = |cycle: usize, column: usize, row: usize| {
@@ -175,7 +177,7 @@ fn cycle_of(index: usize) -> Cycle {
     Cycle::drifting([LEVELS[index / 9], LEVELS[index / 3 % 3], LEVELS[index % 3]])
 }
 
-/// Way of a burst from rest at a place.
+/// Displacement of a burst from rest at a place.
 fn burst(contact: &AreaContact, cycle: &Cycle, place: [f64; 3]) -> Result<[f64; 3], PlateError> {
     let mut contact = contact.clone();
     let [x, y, phi] = place;

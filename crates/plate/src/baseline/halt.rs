@@ -3,7 +3,7 @@
 use crate::{Command, PlateKinematics};
 use std::collections::VecDeque;
 
-/// Commands on their way to the plate.
+/// Commands that have been given and do not act yet.
 #[derive(Debug, Clone)]
 pub(super) struct Pipeline {
     pending: VecDeque<Command>,
@@ -11,24 +11,17 @@ pub(super) struct Pipeline {
 }
 
 impl Pipeline {
-    /// A way of `delay` samples.
+    /// A delay of `delay` samples.
     pub(super) fn new(delay: usize, period: f64) -> Self {
         Self { pending: std::iter::repeat_n(Command::default(), delay).collect(), period }
     }
 
     /// The plate at the instant from which on the next command will act.
     pub(super) fn predict(&self, now: &PlateKinematics) -> PlateKinematics {
-        self.pending.iter().fold(*now, |plate, command| {
-            let held = PlateKinematics {
-                acceleration: command.displacement_acceleration,
-                tilt_acceleration: command.tilt_acceleration,
-                ..plate
-            };
-            held.after(self.period)
-        })
+        self.pending.iter().fold(*now, |plate, command| command.applied_to(&plate).after(self.period))
     }
 
-    /// Sends a command on its way.
+    /// Gives a command.
     pub(super) fn send(&mut self, command: Command) -> Command {
         self.pending.push_back(command);
         self.pending.pop_front();

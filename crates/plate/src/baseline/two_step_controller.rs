@@ -1,4 +1,4 @@
-//! The published two-step way as a feedback controller.
+//! The published two-step method as a feedback controller.
 
 use super::halt::{Pipeline, halt};
 use crate::{
@@ -61,7 +61,7 @@ struct Stage {
     sample: u32,
     /// Number of the period.
     period: u32,
-    /// Sign of the error at its begin.
+    /// Sign of the error at its start.
     side: f64,
 }
 

@@ -4,8 +4,9 @@ use nalgebra::Vector3;
 
 use super::contact::{Contact, ContactSolver};
 use super::events::{BodyEvent, BodyEventKind};
+use super::frame::RigidState;
+use super::settings::BodySettings;
 use super::solid::Solid;
-use super::{BodySettings, RigidState};
 use crate::{Friction, Object, PlateError, PlateMotion};
 
 /// Gap in lengths of the body below which a point touches.

@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use super::body_on_plate::{BodyOnPlate, LARGEST_TURN, TOUCHING};
 use super::contact::{Contact, Impulses, normal_row};
 use super::events::BodyEventKind;
+use super::frame::{PlateFrame, RigidState};
 use super::locate::locate;
-use super::{PlateFrame, RigidState};
 use crate::{PlateError, PlateMotion};
 
 /// Share of a point of the rim in the load of a face that lies flat, all of the footprint having the share 1.
@@ -194,8 +194,8 @@ impl BodyOnPlate {
         let (after, done) = self.impulses(&before, &free, 0.0)?;
         let half = 0.5 * dt;
         let shift = (after.velocity - free.velocity) * half;
-        let turn = (after.angular_velocity - free.angular_velocity) * half;
-        let moved = after.displaced(&shift, &turn);
+        let rotation = (after.angular_velocity - free.angular_velocity) * half;
+        let moved = after.displaced(&shift, &rotation);
         Ok(Stepped { state: self.closed_up(moved), impulse: done.normal })
     }
 
@@ -219,8 +219,8 @@ impl BodyOnPlate {
             let Some(factor) = matrix.cholesky() else { return state };
             let move_by = factor.solve(&right) * length;
             let shift = move_by.fixed_rows::<3>(0).into_owned();
-            let turn = move_by.fixed_rows::<3>(3) / length;
-            state = state.displaced(&shift, &turn);
+            let rotation = move_by.fixed_rows::<3>(3) / length;
+            state = state.displaced(&shift, &rotation);
         }
         state
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::RigidState;
+use super::frame::RigidState;
 
 /// Largest rotation in one step of the rotation, in rad. With it the sixth-order method errs by less than 1e-12 a step.
 const LARGEST_ROTATION: f64 = 0.1;
@@ -83,8 +83,8 @@ fn rotate(
     let third = (h * 10.0 / 3.0) * (a3 - 2.0 * a2 + a1);
     let c1 = first.cross(&second);
     let c2 = -first.cross(&(2.0 * third + c1)) / 60.0;
-    let turn = first + third / 12.0 + (-20.0 * first - third + c1).cross(&(second + c2)) / 240.0;
-    (next, orientation * UnitQuaternion::from_scaled_axis(-turn))
+    let rotation = first + third / 12.0 + (-20.0 * first - third + c1).cross(&(second + c2)) / 240.0;
+    (next, orientation * UnitQuaternion::from_scaled_axis(-rotation))
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use super::body_on_plate::{BodyOnPlate, LARGEST_TURN};
 use super::flight::fly;
+use super::frame::{PlateFrame, RigidState};
 use super::locate::locate;
-use super::{PlateFrame, RigidState};
 use crate::PlateMotion;
 
 impl BodyOnPlate {

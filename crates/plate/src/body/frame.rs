@@ -33,9 +33,9 @@ impl RigidState {
         Isometry3::from_parts(self.position.into(), self.orientation)
     }
 
-    /// Moved by `shift` and turned by the rotation vector `turn`, velocities unchanged.
-    pub(super) fn displaced(&self, shift: &Vector3<f64>, turn: &Vector3<f64>) -> Self {
-        let mut orientation = UnitQuaternion::from_scaled_axis(*turn) * self.orientation;
+    /// Moved by `shift` and rotated by the rotation vector `rotation`, velocities unchanged.
+    pub(super) fn displaced(&self, shift: &Vector3<f64>, rotation: &Vector3<f64>) -> Self {
+        let mut orientation = UnitQuaternion::from_scaled_axis(*rotation) * self.orientation;
         orientation.renormalize();
         Self { position: self.position + shift, orientation, ..*self }
     }
@@ -47,7 +47,7 @@ impl RigidState {
     }
 }
 
-/// The frame fixed to the plate at one instant: origin `(X, 0, 0)`, axes turned by `θ` about the world's x axis.
+/// The frame fixed to the plate at one instant: origin `(X, 0, 0)`, axes rotated by `θ` about the world's x axis.
 #[derive(Debug, Clone, Copy)]
 pub struct PlateFrame {
     origin: Vector3<f64>,

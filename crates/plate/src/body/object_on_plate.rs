@@ -1,4 +1,4 @@
-//! An object on the plate in whatever way it moves: flat, tipping, in flight, landing.
+//! An object on the plate however it moves: flat, tipping, in flight, landing.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,7 +6,8 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::body_on_plate::{BodyOnPlate, BodyStop};
 use super::events::{BodyEvent, BodyEventKind};
-use super::{BodySettings, PlateFrame, RigidState};
+use super::frame::{PlateFrame, RigidState};
+use super::settings::BodySettings;
 use crate::{AreaContact, AreaOutcome, AreaSettings, Friction, Object, PlateError, PlateMotion, Shape};
 
 /// Steps in contact for which a body that lies flat without being able to stay so is simulated on.
@@ -81,7 +82,7 @@ impl ObjectOnPlate {
             return Err(PlateError::GravityDiffers { area: area.gravity, body: body.gravity });
         }
         let lower = AreaContact::new(object, friction, area)?;
-        let upper = AreaContact::new(&turned_over(object)?, friction, area)?;
+        let upper = AreaContact::new(&flipped(object)?, friction, area)?;
         Ok(Self {
             object: object.clone(),
             faces: [lower, upper],
@@ -263,8 +264,8 @@ fn yaw(state: &RigidState) -> f64 {
     axis.y.atan2(axis.x)
 }
 
-/// The object turned about its own x axis.
-fn turned_over(object: &Object) -> Result<Object, PlateError> {
+/// The object rotated by half a turn about its own x axis.
+fn flipped(object: &Object) -> Result<Object, PlateError> {
     let shape = match &object.shape {
         Shape::Polygon { vertices } => {
             let mirrored: Vec<[f64; 2]> = vertices.iter().map(|v| [v[0], -v[1]]).collect();

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::RigidState;
+use super::frame::RigidState;
 use crate::{Object, PlateError, Quadrature, Shape};
 
 /// Points on the rim of a round face. The ring always has one of them at the lowest point of the rim.

@@ -4,8 +4,9 @@
 //! simulation for each of several coefficients gives the motion as a function of it (a multiple-model estimator,
 //! Magill 1965, with the coefficient continuous), and an extended Kalman filter estimates coefficient and offset.
 
+use super::interface::Command;
 use super::replay::Replay;
-use super::{Command, PoseSettings};
+use super::settings::PoseSettings;
 use crate::{Object, PlateError, PlateKinematics};
 use nalgebra::{Matrix4, Vector4};
 

@@ -1,6 +1,7 @@
 //! The optimal control problem of a move from rest to rest.
 
-use super::{PlateLimits, RoundedContact};
+use super::limits::PlateLimits;
+use super::rounded_contact::RoundedContact;
 use crate::{GRAVITY, Object, PlateError, Shape};
 use bracketry_mpc::{
     Bounds, CostFunction, CostKind, MpcError, Ocp, PathConstraint, Softness, Substeps, TerminalTarget, VectorFunction,

@@ -1,9 +1,9 @@
 //! Plans of moves from rest to rest.
 
-use super::Command;
+use super::interface::Command;
 use super::move_problem::MoveProblem;
 use super::oscillation::Oscillation;
-use super::replay::{Replay, moved};
+use super::replay::Replay;
 use crate::{PlateError, PlateKinematics};
 use bracketry_mpc::{Dynamics, QpSettings, Rti, RtiSettings, Sqp, SqpSettings, Trajectory};
 use std::time::Instant;
@@ -52,8 +52,8 @@ pub(super) struct Plan {
     pub(super) seconds: f64,
 }
 
-/// The largest of the errors, each in units of what is good enough.
-pub(super) fn badness(miss: &[f64; 3]) -> f64 {
+/// Cost of a miss: the largest of its errors, each in units of what is good enough.
+pub(super) fn cost(miss: &[f64; 3]) -> f64 {
     let worst = miss.iter().zip(GOOD).fold(0.0f64, |worst, (e, good)| worst.max(e.abs() / good));
     if miss.iter().all(|e| e.is_finite()) { worst } else { f64::INFINITY }
 }
@@ -93,9 +93,9 @@ impl Planner {
             for swing in SWINGS {
                 let attempt = self.attempt(start, target, mu, (duration / dt).ceil() as usize, swing)?;
                 programs += attempt.programs;
-                let found = badness(&attempt.miss);
+                let found = cost(&attempt.miss);
                 least = least.min(found);
-                if best.as_ref().is_none_or(|b| found < badness(&b.miss)) {
+                if best.as_ref().is_none_or(|b| found < cost(&b.miss)) {
                     best = Some(attempt);
                 }
                 if found < 1.0 {
@@ -157,19 +157,19 @@ impl Planner {
         let miss = self.replayed(start, &first.trajectory, mu, target)?;
         let mut best = Plan { trajectory: first.trajectory, aim: target, miss, programs: 0, seconds: 0.0 };
         // What the optimiser misses by itself no shift of the aim brings back.
-        if badness(&first.miss) > 3.0 {
+        if cost(&first.miss) > 3.0 {
             return Ok(best);
         }
         for _ in 0..AIMS {
-            if badness(&best.miss) < 1.0 {
+            if cost(&best.miss) < 1.0 {
                 break;
             }
             let aim: [f64; 3] = std::array::from_fn(|i| best.aim[i] - best.miss[i]);
-            let again = self.refined(start, aim, mu, &best.trajectory, 15)?;
-            let miss = self.replayed(start, &again.trajectory, mu, target)?;
-            best.programs += again.programs;
-            if badness(&miss) < badness(&best.miss) {
-                best = Plan { trajectory: again.trajectory, aim, miss, ..best };
+            let refined = self.refined(start, aim, mu, &best.trajectory, 15)?;
+            let miss = self.replayed(start, &refined.trajectory, mu, target)?;
+            best.programs += refined.programs;
+            if cost(&miss) < cost(&best.miss) {
+                best = Plan { trajectory: refined.trajectory, aim, miss, ..best };
             } else {
                 break;
             }
@@ -211,7 +211,7 @@ impl Planner {
         time_limit: f64,
     ) -> Result<Option<Rti>, PlateError> {
         let miss = self.replayed(state, trajectory, mu, target)?;
-        if badness(&miss) < 1.0 {
+        if cost(&miss) < 1.0 {
             return Ok(None);
         }
         let mut dynamics = self.problem.feedback_dynamics(mu);
@@ -233,7 +233,7 @@ impl Planner {
         Ok(Some(rti))
     }
 
-    /// What a trajectory's inputs miss with exact friction.
+    /// What the inputs of a trajectory miss with exact friction.
     fn replayed(
         &self,
         start: &[f64; 10],
@@ -255,7 +255,7 @@ impl Planner {
             let u = trajectory.u(k);
             let command = Command { displacement_acceleration: u[0], tilt_acceleration: u[1] };
             object.advance(&plate, command, dt)?;
-            plate = moved(&plate, command, dt);
+            plate = command.applied_to(&plate).after(dt);
         }
         for _ in 0..10 {
             let still = PlateKinematics { displacement: plate.displacement, ..PlateKinematics::default() };

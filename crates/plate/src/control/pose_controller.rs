@@ -1,11 +1,11 @@
 //! Position and orientation of the object at the same time, from any start to any target.
 
 use super::friction_bank::FrictionBank;
+use super::interface::{Command, Measurement, PlateController};
 use super::move_problem::MoveProblem;
-use super::planner::{Plan, Planner, badness};
-use super::replay::{Replay, moved};
+use super::planner::{Plan, Planner, cost};
+use super::replay::Replay;
 use super::settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
-use super::{Command, Measurement, PlateController};
 use crate::{Object, PlateError, PlateKinematics};
 use bracketry_mpc::{Rti, StepStatus, Trajectory};
 use std::collections::VecDeque;
@@ -18,7 +18,7 @@ const MARGIN: f64 = 0.05;
 const INTERVAL: usize = 2;
 /// Intervals left at which the rest of a plan is played out.
 const PLAYED_OUT: usize = 1;
-/// Badness of the predicted end above which a move is made longer, intervals added at a time, and most of them.
+/// Cost of the predicted end above which a move is made longer, intervals added at a time, and most of them.
 const LATE: f64 = 8.0;
 const EXTENSION: usize = 2;
 const MOST_EXTENSION: usize = 20;
@@ -132,7 +132,7 @@ impl PoseController {
         }
         let start = [state[0], state[1], state[2], 0.0, 0.0, 0.0, self.plate.displacement, 0.0, 0.0, 0.0];
         let plan = self.planner.plan(&start, self.target, mu)?;
-        let Some(plan) = plan.filter(|p| badness(&p.miss) < PROGRESS * badness(&error)) else {
+        let Some(plan) = plan.filter(|p| cost(&p.miss) < PROGRESS * cost(&error)) else {
             self.report.status = PoseStatus::Unreachable { miss: error };
             self.phase = Phase::Done;
             return Ok(());
@@ -181,7 +181,7 @@ impl PoseController {
             object.set_state(state)?;
             for &command in &self.queue {
                 object.advance(&plate, command, self.settings.period)?;
-                plate = moved(&plate, command, self.settings.period);
+                plate = command.applied_to(&plate).after(self.settings.period);
             }
             state = object.state();
         }
@@ -204,7 +204,7 @@ impl PoseController {
                 under_way.trajectory = rti.trajectory().clone();
                 let end = under_way.trajectory.x(under_way.trajectory.steps());
                 let miss = std::array::from_fn(|i| end[i] - rti.ocp().targets[i].value);
-                under_way.late = if badness(&miss) > LATE { under_way.late + 1 } else { 0 };
+                under_way.late = if cost(&miss) > LATE { under_way.late + 1 } else { 0 };
             } else {
                 self.report.unsolved += 1;
             }

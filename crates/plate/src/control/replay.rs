@@ -1,25 +1,12 @@
 //! The object with exact friction on a plate that is moved by constant accelerations over each period.
 
-use super::Command;
+use super::interface::Command;
 use crate::{AreaContact, AreaSettings, Friction, Object, PlateError, PlateKinematics};
 
 /// Time step of replays in s.
 const STEP: f64 = 4e-3;
 /// Contact points of replays.
 const POINTS: usize = 16;
-
-/// The plate after `time` seconds under a command.
-pub(super) fn moved(plate: &PlateKinematics, command: Command, time: f64) -> PlateKinematics {
-    let (a, b) = (command.displacement_acceleration, command.tilt_acceleration);
-    PlateKinematics {
-        displacement: plate.displacement + time * (plate.velocity + 0.5 * time * a),
-        velocity: plate.velocity + time * a,
-        acceleration: a,
-        tilt: plate.tilt + time * (plate.tilt_rate + 0.5 * time * b),
-        tilt_rate: plate.tilt_rate + time * b,
-        tilt_acceleration: b,
-    }
-}
 
 /// An object with set-valued friction, advanced from sample to sample.
 #[derive(Debug, Clone)]
@@ -58,7 +45,8 @@ impl Replay {
             return Ok(());
         }
         let start = self.contact.time();
-        let mut motion = |t: f64| moved(plate, command, t - start);
+        let plate = command.applied_to(plate);
+        let mut motion = |t: f64| plate.after(t - start);
         let outcome = self.contact.advance(&mut motion, start + period)?;
         if !outcome.is_finished() {
             let [x, y, phi, ..] = self.contact.state();

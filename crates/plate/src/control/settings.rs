@@ -1,6 +1,6 @@
 //! Settings of the pose controller and what it tells about its work.
 
-use super::PlateLimits;
+use super::limits::PlateLimits;
 
 /// Settings of [`super::PoseController`].
 #[derive(Debug, Clone, PartialEq)]

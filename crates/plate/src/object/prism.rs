@@ -1,6 +1,7 @@
 //! The object on the plate.
 
-use crate::{PlateError, Shape};
+use super::shape::Shape;
+use crate::PlateError;
 use serde::{Deserialize, Serialize};
 
 /// A uniform right prism that lies on the plate: the shape of its base, the height of its centre of mass, its mass.

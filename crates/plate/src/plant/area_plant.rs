@@ -1,7 +1,7 @@
 //! Area contact as a plant of experiments.
 
-use super::{AreaContact, AreaOutcome, AreaRecord};
-use crate::{Drive, ExpressionMotion, Plant, PlateError};
+use super::interface::Plant;
+use crate::{AreaContact, AreaOutcome, AreaRecord, Drive, ExpressionMotion, PlateError};
 use bracketry_sim::{Outcome, StopReason};
 
 /// A flat object with area contact on a plate whose motion is given by expressions.

@@ -75,10 +75,10 @@ impl Body {
         }
         let [x, y, z, roll, pitch, phi] = coordinates.map(|s| pool.sym(s));
         let (displacement, theta) = (pool.sym(plate[0]), pool.sym(plate[3]));
-        let tilt = turn(&mut pool, 0, theta);
+        let tilt = rotation(&mut pool, 0, theta);
         let mut attitude = tilt;
         for (axis, angle) in [(2, phi), (1, pitch), (0, roll)] {
-            let factor = turn(&mut pool, axis, angle);
+            let factor = rotation(&mut pool, axis, angle);
             attitude = product(&mut pool, &attitude, &factor);
         }
         let mut centre = apply(&mut pool, &tilt, [x, y, z]);
@@ -286,7 +286,7 @@ fn cosine_and_sine(pool: &mut Pool) -> (Expr, Expr) {
 }
 
 /// Rotation about a coordinate axis.
-fn turn(pool: &mut Pool, axis: usize, angle: Expr) -> Matrix {
+fn rotation(pool: &mut Pool, axis: usize, angle: Expr) -> Matrix {
     let (c, s) = (pool.call(Func::Cos, angle), pool.call(Func::Sin, angle));
     let mut matrix = [[pool.int(0); 3]; 3];
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -1,86 +1,17 @@
 //! Point contact with coupled dry friction, from first principles.
 
-use crate::parameters::{set_not_negative, set_positive};
+use super::parameters::{set_not_negative, set_positive};
+use super::terms::Terms;
 use crate::{Friction, Object, PlateError};
 use bracketry_system::symbolic::{Expr, Func, Rational};
 use bracketry_system::{StaticLevel, System};
 use rustc_hash::FxHashMap;
 
-const COULOMB: &str = include_str!("../models/plate_point.toml");
-const STATIC_LEVEL: &str = include_str!("../models/plate_point_static_level.toml");
-const STRIBECK: &str = include_str!("../models/plate_point_stribeck.toml");
-const ANISOTROPIC: &str = include_str!("../models/plate_point_anisotropic.toml");
-const VISCOUS: &str = include_str!("../models/plate_point_viscous.toml");
-
-/// Which terms a model of the plate has. All are on by default; each off leaves its equation without that term.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "terms are independent of each other")]
-pub struct Terms {
-    /// `y θ'²` in `y''`.
-    pub centrifugal: bool,
-    /// `y θ''` in the load.
-    pub euler: bool,
-    /// `2 y' θ'` in the load.
-    pub coriolis: bool,
-    /// `h θ''` in `y''` and `h θ'²` in the load.
-    pub thickness: bool,
-    /// Friction against the slip; without, against each component of the slip on its own, by its sign, and against the
-    /// spin with the mean second moment.
-    pub coupled: bool,
-    /// Friction along x follows the load; without, it is that of the load `g`.
-    pub load_along_x: bool,
-    /// `Sxy θ'²` in the yaw.
-    pub gyroscopic: bool,
-    /// Torque of the friction along y, `−μ Sxy θ'' e_y`; of the reduced model only.
-    pub torque_across: bool,
-    /// Friction against the spin; of the reduced model only.
-    pub yaw_friction: bool,
-}
-
-impl Default for Terms {
-    fn default() -> Self {
-        Self {
-            centrifugal: true,
-            euler: true,
-            coriolis: true,
-            thickness: true,
-            coupled: true,
-            load_along_x: true,
-            gyroscopic: true,
-            torque_across: true,
-            yaw_friction: true,
-        }
-    }
-}
-
-impl Terms {
-    /// The terms of the published model: of these only `y θ''` in the load.
-    pub const PUBLISHED: Terms = Terms {
-        centrifugal: false,
-        euler: true,
-        coriolis: false,
-        thickness: false,
-        coupled: false,
-        load_along_x: false,
-        gyroscopic: false,
-        torque_across: false,
-        yaw_friction: false,
-    };
-
-    /// The names of the terms in the model files, but for `coupled`, which is no factor.
-    fn factors(self) -> [(&'static str, bool); 8] {
-        [
-            ("centrifugal", self.centrifugal),
-            ("euler", self.euler),
-            ("coriolis", self.coriolis),
-            ("thickness", self.thickness),
-            ("load_along_x", self.load_along_x),
-            ("gyroscopic", self.gyroscopic),
-            ("torque_across", self.torque_across),
-            ("yaw_friction", self.yaw_friction),
-        ]
-    }
-}
+const COULOMB: &str = include_str!("../../models/plate_point.toml");
+const STATIC_LEVEL: &str = include_str!("../../models/plate_point_static_level.toml");
+const STRIBECK: &str = include_str!("../../models/plate_point_stribeck.toml");
+const ANISOTROPIC: &str = include_str!("../../models/plate_point_anisotropic.toml");
+const VISCOUS: &str = include_str!("../../models/plate_point_viscous.toml");
 
 /// The first-principles model of an object that touches the plate in one point under its centre of mass:
 ///
@@ -138,7 +69,7 @@ pub fn first_principles(object: &Object, friction: &Friction, terms: Terms) -> R
 }
 
 /// A model file with the second moments and the height of the object and the terms that are factors.
-pub(crate) fn with_terms(file: &str, text: &str, object: &Object, terms: Terms) -> Result<System, PlateError> {
+pub(super) fn with_terms(file: &str, text: &str, object: &Object, terms: Terms) -> Result<System, PlateError> {
     object.validate()?;
     let angle = object.shape.principal_angle();
     if angle != 0.0 {
@@ -156,7 +87,7 @@ pub(crate) fn with_terms(file: &str, text: &str, object: &Object, terms: Terms) 
 }
 
 /// Takes friction against each component of the slip on its own: `sign(vx)`, `sign(vy)` in the place of the direction.
-pub(crate) fn act_per_axis(system: &mut System) {
+pub(super) fn act_per_axis(system: &mut System) {
     let defined: FxHashMap<String, Expr> = system.definitions.iter().cloned().collect();
     let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
     for (direction, component) in [("ex", "vx"), ("ey", "vy")] {

@@ -1,6 +1,8 @@
 //! Maps of an experiment over two quantities: time to target, drift, run-off.
 
-use crate::{Course, Experiment, Plant, PlateError, sweep};
+use super::protocol::Experiment;
+use super::sweep::sweep;
+use crate::{Course, Plant, PlateError};
 use bracketry_sim::Outcome;
 use std::ops::ControlFlow;
 
@@ -21,7 +23,7 @@ impl Default for Limits {
 /// What a run comes to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
-    /// First time at which 98 % of the way was covered, in seconds.
+    /// First time at which 98 % of the distance was covered, in seconds.
     pub reached: Option<f64>,
     /// End of the period in which the object went beyond the limits; the run ends there.
     pub run_off: Option<f64>,

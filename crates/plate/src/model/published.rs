@@ -1,11 +1,11 @@
 //! The published model of the plate.
 
-use crate::parameters::set_positive;
+use super::parameters::set_positive;
 use crate::{PlateError, Shape};
 use bracketry_system::System;
 
-const ELLIPSE: &str = include_str!("../models/plate_published.toml");
-const DISK: &str = include_str!("../models/plate_published_disk.toml");
+const ELLIPSE: &str = include_str!("../../models/plate_published.toml");
+const DISK: &str = include_str!("../../models/plate_published_disk.toml");
 
 /// The published model for a shape and a friction coefficient:
 ///

@@ -5,7 +5,7 @@ use bracketry_system::System;
 use bracketry_system::symbolic::{Pool, Rational};
 
 /// Sets a parameter that must be positive to the shortest decimal that reads as `value`, exactly.
-pub(crate) fn set_positive(system: &mut System, name: &'static str, value: f64) -> Result<(), PlateError> {
+pub(super) fn set_positive(system: &mut System, name: &'static str, value: f64) -> Result<(), PlateError> {
     let bad = PlateError::BadNumber { name, value };
     if !(value.is_finite() && value > 0.0) {
         return Err(bad);
@@ -15,7 +15,7 @@ pub(crate) fn set_positive(system: &mut System, name: &'static str, value: f64) 
 }
 
 /// Sets a parameter that must not be negative, as [`set_positive`] does.
-pub(crate) fn set_not_negative(system: &mut System, name: &'static str, value: f64) -> Result<(), PlateError> {
+pub(super) fn set_not_negative(system: &mut System, name: &'static str, value: f64) -> Result<(), PlateError> {
     let bad = PlateError::NegativeNumber { name, value };
     if !(value.is_finite() && value >= 0.0) {
         return Err(bad);

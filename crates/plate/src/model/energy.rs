@@ -1,6 +1,7 @@
 //! Energy of an object on the plate and the power that the plate feeds into it.
 
-use crate::{PlateError, flat_contact};
+use super::derivation::flat_contact;
+use crate::PlateError;
 use bracketry_system::System;
 
 /// Stored energy and the power of the contact forces, as expressions in the names of a model, its definitions included. Both

@@ -1,8 +1,8 @@
 //! Shapes of the object on the plate.
 
-use crate::polygon::Vertices;
-use crate::quadrature::{self, Quadrature};
-use crate::{PlateError, ShapeError};
+use super::polygon::{ShapeError, Vertices};
+use super::quadrature::{self, Quadrature};
+use crate::PlateError;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 

@@ -1,15 +1,17 @@
-//! The published two-step way: first the orientation, then the position, one coordinate after the other.
+//! The published two-step method: first the orientation, then the position, one coordinate after the other.
 
-use crate::experiment::{HeldAmplitude, six};
+use super::held_amplitude::HeldAmplitude;
+use super::protocol::Experiment;
+use super::run::six;
 use crate::plant::crossing;
-use crate::{Course, Drive, Experiment, ModelPlant, Plant, PlateError};
+use crate::{Course, Drive, ModelPlant, Plant, PlateError};
 use bracketry_sim::{Outcome, Settings, Trajectory};
 use bracketry_system::System;
 
 /// Time after the last stage in which what slides comes to rest, in seconds.
 const SETTLING: f64 = 1.0;
 
-/// One stage of the two-step way.
+/// One stage of the two-step method.
 #[derive(Debug, Clone)]
 pub struct Stage {
     /// Name of its experiment.
@@ -22,7 +24,7 @@ pub struct Stage {
     pub met: bool,
 }
 
-/// What the two-step way achieved.
+/// What the two-step method achieved.
 #[derive(Debug, Clone)]
 pub struct TwoStep<C = Trajectory> {
     /// The stages, in order.
@@ -70,16 +72,16 @@ pub fn two_step_on<P: Plant>(
     for experiment in experiments {
         let index = experiment.index()?;
         let (from, last, mut met) = (plant.time(), plant.time() + limit, false);
-        let mut held = HeldAmplitude::begin(experiment, plant)?;
-        let way = (experiment.target - plant.state()[index]).signum();
+        let mut held = HeldAmplitude::start(experiment, plant)?;
+        let direction = (experiment.target - plant.state()[index]).signum();
         let mut period = 0u32;
         while outcome.is_finished() && !met && plant.time() < last {
-            held.renew(plant)?;
+            held.update(plant)?;
             period += 1;
             let start = plant.clone();
             let end = (from + f64::from(period) * experiment.period).min(last);
             let (mut piece, mut ended) = plant.record(end)?;
-            if let Some(t) = crossing(&piece, index, experiment.target, way) {
+            if let Some(t) = crossing(&piece, index, experiment.target, direction) {
                 *plant = start;
                 (piece, ended) = plant.record(t)?;
                 met = true;

@@ -1,63 +1,10 @@
 //! Cycle-averaged velocities of an object under periodic plate motions.
 
+use super::sweep::sweep;
 use crate::plant::least_load;
-use crate::{Drive, Plant, PlateError, sweep};
+use crate::{PeriodicMotion, Plant, PlateError};
 use bracketry_sim::Outcome;
-use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
-
-/// One harmonic of a periodic motion: `amplitude · sin(k·2πf t + phase)`, `k` its place in the list, from 1.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Harmonic {
-    /// Amplitude in m or rad.
-    pub amplitude: f64,
-    /// Phase in rad.
-    #[serde(default)]
-    pub phase: f64,
-}
-
-/// A periodic plate motion: Fourier series of the displacement and of the tilt.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PeriodicMotion {
-    /// Frequency in Hz.
-    pub frequency: f64,
-    /// Harmonics of the displacement, the first at `frequency`.
-    #[serde(default)]
-    pub displacement: Vec<Harmonic>,
-    /// Harmonics of the tilt.
-    #[serde(default)]
-    pub tilt: Vec<Harmonic>,
-    /// Mean tilt in rad.
-    #[serde(default)]
-    pub mean_tilt: f64,
-}
-
-impl PeriodicMotion {
-    /// The motion as expressions of `t`.
-    ///
-    /// # Errors
-    /// [`PlateError::BadNumber`] for a frequency that is not positive, [`PlateError::BadMotionNumber`] for other numbers
-    /// that are not finite.
-    pub fn drive(&self) -> Result<Drive, PlateError> {
-        if !(self.frequency.is_finite() && self.frequency > 0.0) {
-            return Err(PlateError::BadNumber { name: "frequency", value: self.frequency });
-        }
-        let all = self.displacement.iter().chain(&self.tilt).flat_map(|h| [h.amplitude, h.phase]);
-        if let Some(value) = all.chain([self.mean_tilt]).find(|value| !value.is_finite()) {
-            return Err(PlateError::BadMotionNumber { name: "harmonic".into(), value });
-        }
-        let series = |harmonics: &[Harmonic], mean: f64| {
-            harmonics.iter().enumerate().fold(format!("({mean})"), |sum, (k, h)| {
-                format!("{sum} + ({})*sin({}*pi*f*t + ({}))", h.amplitude, 2 * (k + 1), h.phase)
-            })
-        };
-        Ok(Drive {
-            displacement: series(&self.displacement, 0.0),
-            tilt: series(&self.tilt, self.mean_tilt),
-            numbers: vec![("f".into(), self.frequency)],
-        })
-    }
-}
 
 /// When a mean velocity counts as established.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,7 +41,7 @@ pub struct MeanVelocity {
 ///
 /// Definition: let `P(v)` be the velocities `(x', y', phi')` after one period of the motion that begins at the place with the
 /// velocities `v`. The object starts at rest, `v = 0`; after each period it is put back to the place and keeps its velocities,
-/// `v ← P(v)`, until they repeat within the tolerance. The mean velocity is the way of that last period divided by its length.
+/// `v ← P(v)`, until they repeat within the tolerance. The mean velocity is the displacement over that last period divided by its length.
 /// The clock is put back as well, so that an object that never slips has the mean velocity zero exactly.
 ///
 /// # Errors

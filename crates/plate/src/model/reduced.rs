@@ -1,11 +1,12 @@
 //! The reduced yaw-friction equations of an object on the plate.
 
-use crate::first_principles::{act_per_axis, with_terms};
-use crate::parameters::set_not_negative;
-use crate::{Object, PlateError, Terms};
+use super::first_principles::{act_per_axis, with_terms};
+use super::parameters::set_not_negative;
+use super::terms::Terms;
+use crate::{Object, PlateError};
 use bracketry_system::System;
 
-const REDUCED: &str = include_str!("../models/plate_reduced.toml");
+const REDUCED: &str = include_str!("../../models/plate_reduced.toml");
 
 /// The area contact reduced to an ordinary differential equation: the motion of the centre of mass as in
 /// [`first_principles`](crate::first_principles) with Coulomb friction, and the yaw torque that the pressure and the spin give:
