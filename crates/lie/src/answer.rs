@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-/// What an analysis found out. Serialised as the value, or as the string `"unknown"`; reports
+/// What an analysis found out. Serialized as the value, or as the string `"unknown"`; reports
 /// carry the reason beside it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Answer<T> {

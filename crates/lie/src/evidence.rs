@@ -4,7 +4,6 @@ use bracketry_symbolic::{Certificate, Samples, Undecided};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use crate::error;
 use crate::residues::{Fp, PRIME};
 
 /// The decisions of an analysis, with the probability that any of them is wrong.
@@ -42,11 +41,11 @@ impl Evidence {
     /// Allows for the elimination of a matrix at three points before it is made.
     ///
     /// # Errors
-    /// [`error::Undecided::TooMany`] where the products of all eliminations become too many.
-    pub(crate) fn allow_elimination(&mut self, rows: usize, columns: usize) -> Result<(), error::Undecided> {
+    /// [`crate::undecided::Undecided::TooMany`] where the products of all eliminations become too many.
+    pub(crate) fn allow_elimination(&mut self, rows: usize, columns: usize) -> Result<(), crate::undecided::Undecided> {
         let products = 3.0 * rows as f64 * rows.min(columns) as f64 * columns as f64;
         if self.products + products > MAX_PRODUCTS {
-            return Err(error::Undecided::TooMany { products: MAX_PRODUCTS });
+            return Err(crate::undecided::Undecided::TooMany { products: MAX_PRODUCTS });
         }
         self.products += products;
         Ok(())

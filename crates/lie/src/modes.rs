@@ -1,161 +1,79 @@
-//! Modes of the linearisation that no input reaches.
+//! The fields of each mode of a system that switches.
 
-use std::fmt;
+use bracketry_symbolic::{Bindings, Expr, ZeroTest};
+use bracketry_system::System;
+use rustc_hash::FxHashMap;
 
-use bracketry_symbolic::{Expr, Pool, Rational};
-use serde::Serialize;
+use crate::algebra::field::{Field, VectorFields};
+use crate::error::Error;
+use crate::undecided::Undecided;
 
-use crate::answer::Answer;
-use crate::linear::{Linearisation, uncontrollable_block};
-use crate::local::Frame;
-use crate::residues::{Echelon, Fp};
-
-/// An eigenvalue of the linearisation x' = A x + B u that no input reaches: rank [A − λ, B] < n
-/// (Popov–Belevitch–Hautus).
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Mode {
-    /// Real part.
-    pub re: f64,
-    /// Imaginary part.
-    pub im: f64,
-    /// How often it occurs among the uncontrollable eigenvalues.
-    pub multiplicity: usize,
-    /// Combinations w·x of the states (deviations from the point) with (w·x)' = λ w·x to first
-    /// order whatever the inputs; known, and the eigenvalue exact, where λ and w are rational.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub combinations: Vec<String>,
+/// The fields that hold while all switching functions keep their signs.
+#[derive(Clone)]
+pub struct ModeFields {
+    /// Switching functions and their signs, ±1; none for a smooth system.
+    pub signs: Vec<(String, i8)>,
+    /// Drift and input fields, parameters bound to their values.
+    pub fields: VectorFields,
 }
 
-impl fmt::Display for Mode {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.6}", self.re)?;
-        if self.im != 0.0 {
-            write!(f, "{:+.6}i", self.im)?;
-        }
-        if self.multiplicity > 1 {
-            write!(f, " ({} times)", self.multiplicity)?;
-        }
-        if !self.combinations.is_empty() {
-            write!(f, " along {}", self.combinations.join(", "))?;
-        }
-        Ok(())
+/// The fields of every mode of a system that is affine in its inputs, all in its pool.
+///
+/// # Errors
+/// [`Error::NotAffine`], also for a switching function that depends on an input;
+/// [`Error::NoStates`], [`Error::Modes`], [`Error::Undecided`].
+pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
+    if !system.input_derivatives.is_empty() {
+        return Err(Error::NotAffine { equation: "a derivative of an input".to_owned() });
     }
-}
-
-/// Largest denominator of an eigenvalue that is tried as a rational number.
-const MAX_DENOMINATOR: i64 = 10_000;
-/// Largest numerator and denominator in a combination.
-const BOUND: u64 = 1 << 24;
-
-/// The uncontrollable eigenvalues. `rank` is the exact dimension of the controllable subspace and
-/// their number is n − `rank`; the eigenvalues are found in floating point, and those nearer than
-/// its accuracy (relative 1e-15 to the power 1/(n − `rank`)) are counted as one, at their mean. A
-/// rational eigenvalue with small denominator is confirmed exactly.
-pub(crate) fn uncontrollable_modes(
-    pool: &mut Pool,
-    frame: &Frame,
-    linearisation: &Linearisation,
-    rank: usize,
-) -> Answer<Vec<Mode>> {
-    let n = frame.fields.states.len();
-    if rank == n {
-        return Answer::Known(Vec::new());
+    let form = system.switched_form();
+    let pool = &mut system.pool;
+    let surfaces: Vec<Expr> = form.switches.iter().map(|s| s.surface).collect();
+    if let Some(s) = form.switches.iter().find(|s| system.inputs.iter().any(|&u| pool.depends_on(s.surface, u))) {
+        return Err(Error::NotAffine { equation: format!("the switching function {}", s.name) });
     }
-    let (block, tolerance) = match uncontrollable_block(pool, frame, rank) {
-        Ok(found) => found,
-        Err(why) => return Answer::Unknown(why.to_owned()),
-    };
-    let eigenvalues: Vec<(f64, f64)> = block.complex_eigenvalues().iter().map(|z| (z.re, z.im)).collect();
-    let mut clusters: Vec<Vec<(f64, f64)>> = Vec::new();
-    for z in eigenvalues {
-        let near = |c: &&mut Vec<(f64, f64)>| c.iter().any(|w| (w.0 - z.0).hypot(w.1 - z.1) <= tolerance);
-        match clusters.iter_mut().find(near) {
-            Some(c) => c.push(z),
-            None => clusters.push(vec![z]),
-        }
+    if surfaces.len() > bracketry_system::MAX_ENUMERATED_SWITCHES {
+        return Err(Error::Modes { switches: surfaces.len() });
     }
-    let mut modes: Vec<Mode> = Vec::new();
-    for cluster in clusters {
-        let k = cluster.len() as f64;
-        let re = cluster.iter().map(|z| z.0).sum::<f64>() / k;
-        let im = cluster.iter().map(|z| z.1).sum::<f64>() / k;
-        let mut mode = Mode {
-            re: tidy(re, tolerance),
-            im: tidy(im, tolerance),
-            multiplicity: cluster.len(),
-            combinations: Vec::new(),
-        };
-        if mode.im == 0.0
-            && let Some((p, q)) = rational_near(re, tolerance)
-        {
-            let combinations = left_eigenvectors(pool, frame, linearisation, (p, q));
-            if !combinations.is_empty() {
-                mode.re = p as f64 / q as f64;
-                mode.combinations = combinations;
+    let zero = pool.int(0);
+    let no_input: FxHashMap<Expr, Expr> = system.inputs.iter().map(|&u| (pool.sym(u), zero)).collect();
+    let drift = pool.substitute_all(&form.dynamics, &no_input);
+    let mut controls = Vec::new();
+    for &u in &system.inputs {
+        let column: Field = form.dynamics.iter().map(|&e| pool.diff(e, u)).collect();
+        for (i, &d) in column.iter().enumerate() {
+            for &v in &system.inputs {
+                let second = pool.diff(d, v);
+                match pool.zero_test(second, &Bindings::new()) {
+                    ZeroTest::Zero(_) => {}
+                    ZeroTest::NonZero => {
+                        let equation = format!("the derivative of {}", pool.name(system.states[i]));
+                        return Err(Error::NotAffine { equation });
+                    }
+                    ZeroTest::Unknown(why) => return Err(Undecided::from(why).into()),
+                }
             }
         }
-        modes.push(mode);
+        controls.push(pool.substitute_all(&column, &no_input));
     }
-    modes.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
-    Answer::Known(modes)
-}
-
-fn tidy(x: f64, tolerance: f64) -> f64 {
-    if x.abs() <= tolerance { 0.0 } else { x }
-}
-
-/// The rational number with the smallest denominator within `tolerance`, by continued fractions.
-fn rational_near(x: f64, tolerance: f64) -> Option<(i64, i64)> {
-    let (mut p0, mut q0, mut p1, mut q1) = (0i64, 1i64, 1i64, 0i64);
-    let mut rest = x;
-    for _ in 0..20 {
-        let whole = rest.floor();
-        if whole.abs() > 1e9 {
-            return None;
-        }
-        let a = whole as i64;
-        let (p, q) = (a.checked_mul(p1)?.checked_add(p0)?, a.checked_mul(q1)?.checked_add(q0)?);
-        if q > MAX_DENOMINATOR {
-            return None;
-        }
-        if (p as f64 / q as f64 - x).abs() <= tolerance {
-            return Some((p, q));
-        }
-        (p0, q0, p1, q1) = (p1, q1, p, q);
-        rest = 1.0 / (rest - whole);
+    let mut bindings = Bindings::new();
+    for p in &system.parameters {
+        bindings.bind(p.symbol, p.value.clone());
     }
-    None
-}
-
-/// A basis of {w : wᵀA = λ wᵀ, wᵀB = 0} as text; empty if it is trivial or not of small rationals.
-fn left_eigenvectors(pool: &mut Pool, frame: &Frame, linearisation: &Linearisation, value: (i64, i64)) -> Vec<String> {
-    let n = frame.fields.states.len();
-    let Some(inverse) = Fp::from_i64(value.1).inv() else { return Vec::new() };
-    let lambda = Fp::from_i64(value.0) * inverse;
-    let mut rows: Vec<Vec<Fp>> = (0..n)
-        .map(|j| (0..n).map(|i| linearisation.a[i][j] - if i == j { lambda } else { Fp::ZERO }).collect())
-        .collect();
-    rows.extend(linearisation.b.iter().cloned());
-    let kernel = Echelon::new(&rows, n).nullspace();
-    let rational: Option<Vec<Vec<Rational>>> =
-        kernel.iter().map(|w| w.iter().map(|x| x.to_rational(BOUND)).collect()).collect();
-    let states = frame.fields.states.clone();
-    rational
-        .unwrap_or_default()
-        .into_iter()
-        .map(|w| {
-            let terms: Vec<Expr> = states
-                .iter()
-                .zip(w)
-                .map(|(&s, c)| {
-                    let s = pool.sym(s);
-                    let c = pool.rational(c);
-                    pool.mul(c, s)
-                })
-                .collect();
-            let sum = pool.sum(terms);
-            let sum = pool.simplify(sum);
-            pool.text(sum)
-        })
-        .collect()
+    let k = form.switches.len();
+    let mut modes = Vec::with_capacity(1 << k);
+    for bits in 0..1usize << k {
+        let signs: Vec<i8> = (0..k).map(|i| if bits >> (k - 1 - i) & 1 == 0 { 1 } else { -1 }).collect();
+        let values: FxHashMap<Expr, Expr> =
+            form.switches.iter().zip(&signs).map(|(s, &v)| (pool.sym(s.sign), pool.int(i64::from(v)))).collect();
+        let fields = VectorFields::new(
+            system.states.clone(),
+            pool.substitute_all(&drift, &values),
+            controls.iter().map(|g| pool.substitute_all(g, &values)).collect(),
+            bindings.clone(),
+        )?;
+        let signs = form.switches.iter().map(|s| s.name.clone()).zip(signs).collect();
+        modes.push(ModeFields { signs, fields });
+    }
+    Ok(modes)
 }

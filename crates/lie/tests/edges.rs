@@ -158,7 +158,7 @@ fn the_longest_growth_of_trailers_is_found() {
 
 #[test]
 fn many_inputs_are_not_permuted_forever() {
-    // Nine integrators and one product that no linearisation reaches.
+    // Nine integrators and one product that no linearization reaches.
     let names: Vec<String> = (0..9).map(|i| format!("v{i}")).chain(["z".to_owned()]).collect();
     let inputs: Vec<String> = (0..9).map(|i| format!("u{i}")).collect();
     let mut dynamics = inputs.clone();

@@ -1,4 +1,4 @@
-//! Relative degree, decoupling matrix, zero dynamics and static feedback linearisation of systems from textbooks.
+//! Relative degree, decoupling matrix, zero dynamics and static feedback linearization of systems from textbooks.
 #![allow(clippy::unwrap_used)]
 
 mod common;
@@ -168,7 +168,7 @@ fn field_controlled_dc_motor() {
     let z = zero_dynamics(&c);
     assert_eq!((z.states.join(", "), z.equations.join(", ")), ("x2".to_owned(), "k - b*x2".to_owned()));
     assert_eq!(z.minimum_phase, Answer::Known(true));
-    // h = t x2² + c x3² linearises.
+    // h = t x2² + c x3² linearizes.
     let l = linearization(&c);
     assert_eq!(l.dims, [1, 2, 3]);
     assert_eq!(l.linearizing_outputs, ["c*x3^2 + t*x2^2"]);

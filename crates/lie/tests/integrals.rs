@@ -151,7 +151,7 @@ fn what_has_no_closed_form_is_counted() {
     assert!(found.missing > 0);
 }
 
-/// Marino & Spong's arm with an elastic joint: the link angle linearises it.
+/// Marino & Spong's arm with an elastic joint: the link angle linearizes it.
 #[test]
 fn the_linearising_output_of_a_flexible_joint() {
     let mut s = system(

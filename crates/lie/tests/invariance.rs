@@ -17,9 +17,9 @@ const SYSTEMS: &[(&[&str], &[&str], &[&str])] = &[
     (&["x", "y", "th"], &["u", "w"], &["u*cos(th)", "u*sin(th)", "w"]),
     // Angular velocities of a rigid body with two torques.
     (&["p", "q", "r"], &["u", "w"], &["q*r + u", "-2*p*r + w", "3*p*q"]),
-    // Controllable linearisation, not linearisable.
+    // Controllable linearization, not linearizable.
     (&["a", "b", "c"], &["u"], &["b + c^2", "c", "u"]),
-    // Linearisable.
+    // Linearizable.
     (&["a", "b"], &["u"], &["sin(b)", "-a^2 + u"]),
     // Accessible, and the square of the first state moves the second one way only.
     (&["a", "b"], &["u"], &["u", "a^2"]),

@@ -6,7 +6,7 @@ mod common;
 use bracketry_lie::{Answer, Direction, Error, Evidence, Named, ObservabilityReport, Options, analyse, observe};
 use common::{ratio, system};
 
-/// Analyses `x' = dynamics` with generic-looking values of the parameters.
+/// Analyzes `x' = dynamics` with generic-looking values of the parameters.
 fn report_on(
     states: &str,
     inputs: &str,

@@ -1,0 +1,16 @@
+//! The algebra of vector fields: brackets, bases, distributions and their integrals.
+
+pub(crate) mod annihilator;
+pub(crate) mod closure;
+pub(crate) mod field;
+pub(crate) mod hall;
+pub(crate) mod integrals;
+pub(crate) mod involutive;
+pub(crate) mod lie_algebra;
+pub(crate) mod matrix;
+pub(crate) mod merge;
+pub(crate) mod naming;
+pub(crate) mod rational;
+pub(crate) mod reduce;
+pub(crate) mod span;
+pub(crate) mod word;

@@ -1,0 +1,110 @@
+//! Which brackets of the generators stand behind a basis that was simplified on the way.
+
+use bracketry_symbolic::{Bindings, Pool};
+
+use crate::algebra::field::Field;
+use crate::algebra::word::Word;
+use crate::evidence::Evidence;
+use crate::residues::{Echelon, Fp, PRIME};
+
+/// Seed and number of the points that are tried.
+const SEED: u64 = 0x6272_6163_6b65_7406;
+const POINTS: usize = 3;
+
+/// What one round of a closure worked with.
+pub(crate) struct Round {
+    /// z: with Δ_{k−1} they span Δ_k.
+    pub(crate) fresh: Vec<Field>,
+    /// (m, l, [G_m, z_l]), without those that are plainly zero.
+    pub(crate) brackets: Vec<(usize, usize, Field)>,
+}
+
+/// How a closure was found.
+pub(crate) struct History {
+    /// X: the generators, the first of them independent and spanning Δ_0.
+    pub(crate) generators: Vec<Field>,
+    /// Their words.
+    pub(crate) words: Vec<Word>,
+    /// G: fields of which the X are combinations, modulo Δ_0 those that are not in Δ_0 themselves.
+    pub(crate) simplified: Vec<Field>,
+    pub(crate) rounds: Vec<Round>,
+}
+
+impl History {
+    /// Words, in order of the rounds, whose brackets are a basis.
+    ///
+    /// With X_i = Σ α_im G_m and words w_j ≡ Σ β_jl z_l modulo Δ_{k−1}, over the field of functions,
+    /// [X_i, w_j] ≡ Σ α_im β_jl [G_m, z_l] modulo Δ_k. The right-hand side is known at a random point, where the
+    /// words of the next round are chosen greedily and their own β solved for.
+    ///
+    /// What is independent at one point is so at almost all. None if the point is not generic enough
+    /// or the fields have no values together.
+    pub(crate) fn name(&self, pool: &mut Pool, bindings: &Bindings, evidence: &mut Evidence) -> Option<Vec<Word>> {
+        let n = self.generators.first()?.len();
+        let brackets = || self.rounds.iter().flat_map(|r| r.fresh.iter().chain(r.brackets.iter().map(|b| &b.2)));
+        let fields = || self.generators.iter().chain(&self.simplified).chain(brackets());
+        evidence.allow_elimination(fields().count(), n).ok()?;
+        let roots: Vec<_> = fields().flatten().copied().collect();
+        let samples = pool.sample_in::<PRIME>(&roots, bindings, POINTS, SEED).ok()?;
+        if samples.ambiguous_signs > 0 {
+            return None;
+        }
+        samples.values.iter().find_map(|values| self.name_at(&mut values.chunks(n)))
+    }
+
+    fn name_at<'a>(&self, values: &mut impl Iterator<Item = &'a [Fp]>) -> Option<Vec<Word>> {
+        let generators: Vec<&[Fp]> = values.take(self.generators.len()).collect();
+        let simplified: Vec<&[Fp]> = values.take(self.simplified.len()).collect();
+        let alpha: Vec<Vec<Fp>> =
+            generators.iter().map(|x| coordinates(&Echelon::empty(x.len()), &simplified, x)).collect::<Option<_>>()?;
+        let mut names = Vec::new();
+        let mut span = Echelon::empty(generators.first()?.len());
+        // The words of this round with their values modulo Δ_{k−1}.
+        let first = self.rounds.first()?.fresh.len();
+        let mut words: Vec<(Word, Vec<Fp>)> =
+            self.words.iter().zip(&generators).take(first).map(|(w, x)| (w.clone(), x.to_vec())).collect();
+        for round in &self.rounds {
+            let fresh: Vec<&[Fp]> = values.take(round.fresh.len()).collect();
+            if words.len() != fresh.len() {
+                return None;
+            }
+            let beta: Vec<Vec<Fp>> = words.iter().map(|(_, w)| coordinates(&span, &fresh, w)).collect::<Option<_>>()?;
+            for z in &fresh {
+                span.insert(z.to_vec());
+            }
+            let brackets: Vec<&[Fp]> = values.take(round.brackets.len()).collect();
+            names.extend(words.iter().map(|w| w.0.clone()));
+            let mut grown = span.clone();
+            let mut next = Vec::new();
+            for (x, alpha) in self.words.iter().zip(&alpha) {
+                for ((w, _), beta) in words.iter().zip(&beta) {
+                    let mut value = vec![Fp::ZERO; generators[0].len()];
+                    for ((m, l, _), z) in round.brackets.iter().zip(&brackets) {
+                        let c = alpha[*m] * beta[*l];
+                        value.iter_mut().zip(*z).for_each(|(v, &z)| *v += c * z);
+                    }
+                    if grown.insert(value.clone()) {
+                        next.push((Word::bracket(x.clone(), w.clone()), value));
+                    }
+                }
+            }
+            words = next;
+        }
+        words.is_empty().then_some(names)
+    }
+}
+
+/// c with `vector` = Σ c_l `basis`_l modulo `span`, if there is one.
+fn coordinates(span: &Echelon, basis: &[&[Fp]], vector: &[Fp]) -> Option<Vec<Fp>> {
+    let tagged = |v: &[Fp], tag: Option<usize>| -> Vec<Fp> {
+        let tags = (0..basis.len()).map(|l| if Some(l) == tag { Fp::ONE } else { Fp::ZERO });
+        span.reduce(v.to_vec()).into_iter().chain(tags).collect()
+    };
+    let mut echelon = Echelon::empty(vector.len() + basis.len());
+    for (l, z) in basis.iter().enumerate() {
+        echelon.insert(tagged(z, Some(l)));
+    }
+    let rest = echelon.reduce(tagged(vector, None));
+    let (left, right) = rest.split_at(vector.len());
+    left.iter().all(|x| *x == Fp::ZERO).then(|| right.iter().map(|c| -*c).collect())
+}

@@ -1,0 +1,108 @@
+//! Generic accessibility: dimensions at almost every point.
+
+use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, ZeroTest};
+
+use crate::algebra::field::{Field, VectorFields, bracket, is_plain_zero};
+use crate::algebra::word::Word;
+use crate::budget::check_growth;
+use crate::evidence::Evidence;
+use crate::undecided::Undecided;
+
+/// Fields with the words that they come from.
+#[derive(Clone, Default)]
+pub(crate) struct Spanning {
+    pub(crate) fields: Vec<Field>,
+    pub(crate) words: Vec<Word>,
+}
+
+impl Spanning {
+    pub(crate) fn push(&mut self, field: Field, word: Word) {
+        self.fields.push(field);
+        self.words.push(word);
+    }
+
+    /// A maximal set that is independent at a generic point, greedily from the first.
+    pub(crate) fn independent(
+        self,
+        pool: &mut Pool,
+        bindings: &Bindings,
+        evidence: &mut Evidence,
+    ) -> Result<Self, Undecided> {
+        let mut kept = Self::default();
+        for i in independent_rows(pool, &self.fields, bindings, evidence)? {
+            kept.push(self.fields[i].clone(), self.words[i].clone());
+        }
+        Ok(kept)
+    }
+}
+
+/// A maximal set of fields that are independent at a generic point, greedily from the first.
+pub(crate) fn independent(
+    pool: &mut Pool,
+    fields: &[Field],
+    bindings: &Bindings,
+    evidence: &mut Evidence,
+) -> Result<Vec<Field>, Undecided> {
+    let rows = independent_rows(pool, fields, bindings, evidence)?;
+    Ok(rows.into_iter().map(|i| fields[i].clone()).collect())
+}
+
+/// The numbers of these fields.
+pub(crate) fn independent_rows(
+    pool: &mut Pool,
+    fields: &[Field],
+    bindings: &Bindings,
+    evidence: &mut Evidence,
+) -> Result<Vec<usize>, Undecided> {
+    let numbers: Vec<usize> = (0..fields.len()).filter(|&i| !is_plain_zero(pool, &fields[i])).collect();
+    if numbers.is_empty() {
+        return Ok(numbers);
+    }
+    let rows: Vec<Field> = numbers.iter().map(|&i| fields[i].clone()).collect();
+    evidence.allow_elimination(rows.len(), rows[0].len())?;
+    let rank = pool.rank(&rows, bindings)?;
+    evidence.add(&rank.certificate);
+    Ok(rank.independent.iter().map(|&i| numbers[i]).collect())
+}
+
+/// Whether the brackets of `basis` (independent fields) stay in its span, at a generic point.
+/// Those among its first `old` fields are known to.
+pub(crate) fn involutive(
+    pool: &mut Pool,
+    states: &[Symbol],
+    basis: &[Field],
+    old: usize,
+    bindings: &Bindings,
+    evidence: &mut Evidence,
+) -> Result<bool, Undecided> {
+    if basis.len() == states.len() {
+        return Ok(true);
+    }
+    let first_node = pool.len();
+    let mut all = basis.to_vec();
+    for (i, a) in basis.iter().enumerate().skip(old) {
+        for b in &basis[..i] {
+            check_growth(pool, first_node, [a, b], 1)?;
+            let z = bracket(pool, states, a, b);
+            all.push(z);
+        }
+    }
+    Ok(independent(pool, &all, bindings, evidence)?.len() == basis.len())
+}
+
+impl VectorFields {
+    /// Whether a function is zero everywhere.
+    pub(crate) fn vanishes(&self, pool: &mut Pool, e: Expr, evidence: &mut Evidence) -> Result<bool, Undecided> {
+        if pool.number(e).is_some() {
+            return Ok(pool.is_zero(e));
+        }
+        match pool.zero_test(e, &self.bindings) {
+            ZeroTest::Zero(certificate) => {
+                evidence.add(&certificate);
+                Ok(true)
+            }
+            ZeroTest::NonZero => Ok(false),
+            ZeroTest::Unknown(why) => Err(why.into()),
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Brockett's necessary condition for stabilization by continuous state feedback.
+
+use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
+use rustc_hash::FxHashMap;
+
+use crate::answer::Answer;
+use crate::controllability::linearization::Linearization;
+use crate::controllability::local::Frame;
+use crate::controllability::sign::{NearOrigin, Sign};
+use crate::evidence::Evidence;
+use crate::residues::Echelon;
+use crate::undecided::Undecided;
+
+/// Most sets of variables that are tried.
+const MAX_SETS: usize = 2000;
+/// Most variables in such a set.
+const MAX_SIZE: usize = 6;
+
+/// Whether the image of (x, u) ↦ f(x) + Σ u_i g_i(x) near the equilibrium covers a neighborhood of
+/// 0, which stabilization by continuous feedback of the state needs (Brockett 1983, theorem 1 (iii)).
+///
+/// - [A B] of full rank: true (the map is a submersion there).
+/// - Components R with invertible Jacobian in as many of the variables (x, u) that vanish where
+///   these variables rest at their values: then R = 0 only there. Where another component
+///   vanishes too, or keeps one sign, the vectors along it (or against that sign) are not in the
+///   image: false.
+/// - No drift, constant rank of the input fields below n: false (Brockett's corollary).
+pub(crate) fn brockett_condition(
+    pool: &mut Pool,
+    frame: &Frame,
+    linearization: &Linearization,
+    evidence: &mut Evidence,
+) -> Answer<bool> {
+    match decide(pool, frame, linearization, evidence) {
+        Ok(Some(holds)) => Answer::Known(holds),
+        Ok(None) => Answer::Unknown("neither a submersion nor seen to miss a direction".to_owned()),
+        Err(why) => Answer::Unknown(why.to_string()),
+    }
+}
+
+fn decide(
+    pool: &mut Pool,
+    frame: &Frame,
+    linearization: &Linearization,
+    evidence: &mut Evidence,
+) -> Result<Option<bool>, Undecided> {
+    let fields = &frame.fields;
+    let (n, m) = (fields.states.len(), fields.controls.len());
+    // Columns of [A B].
+    let mut span = Echelon::new(&linearization.b, n);
+    for j in 0..n {
+        span.insert(linearization.a.iter().map(|row| row[j]).collect());
+    }
+    if span.rank() == n {
+        return Ok(Some(true));
+    }
+    if fields.drift.iter().all(|&e| pool.is_zero(e)) && m > 0 {
+        let generic = pool.rank(&fields.controls, &fields.bindings)?;
+        evidence.add(&generic.certificate);
+        if generic.rank < n && Echelon::new(&linearization.b, n).rank() == generic.rank {
+            return Ok(Some(false));
+        }
+    }
+    // F as a function of deviations from the point, one symbol for each state and input.
+    let (mut variables, offsets) = frame.deviations(pool);
+    let mut image = pool.substitute_all(&fields.drift, &offsets);
+    for (i, g) in fields.controls.iter().enumerate() {
+        let u = pool.symbol(&format!("offset of input {i}"));
+        variables.push(u);
+        let u = pool.sym(u);
+        for (e, c) in image.iter_mut().zip(pool.substitute_all(g, &offsets)) {
+            let term = pool.mul(u, c);
+            *e = pool.add(*e, term);
+        }
+    }
+    let jacobian: Vec<Vec<_>> = (0..n)
+        .map(|i| {
+            let row = linearization.a[i].iter().copied();
+            row.chain(linearization.b.iter().map(|b| b[i])).collect()
+        })
+        .collect();
+    let near = NearOrigin { frame, variables: variables.clone() };
+    let zero = pool.int(0);
+    let mut tried = 0;
+    for size in 0..=MAX_SIZE.min(n - 1) {
+        for set in subsets(n + m, size) {
+            tried += 1;
+            if tried > MAX_SETS {
+                return Ok(None);
+            }
+            let at_rest: FxHashMap<Expr, Expr> = set.iter().map(|&i| (pool.sym(variables[i]), zero)).collect();
+            let rest = pool.substitute_all(&image, &at_rest);
+            let vanishing: Vec<usize> = (0..n).filter(|&i| vanishes(pool, rest[i], &fields.bindings)).collect();
+            if vanishing.len() < size {
+                continue;
+            }
+            let rows: Vec<Vec<_>> = vanishing.iter().map(|&i| set.iter().map(|&j| jacobian[i][j]).collect()).collect();
+            if Echelon::new(&rows, n).rank() < size {
+                continue;
+            }
+            if vanishing.len() > size {
+                return Ok(Some(false));
+            }
+            for i in (0..n).filter(|i| !vanishing.contains(i)) {
+                if near.sign(pool, rest[i]) != Sign::Unknown {
+                    return Ok(Some(false));
+                }
+            }
+        }
+    }
+    Ok(None)
+}
+
+fn vanishes(pool: &mut Pool, e: Expr, bindings: &Bindings) -> bool {
+    pool.is_zero(e) || matches!(pool.zero_test(e, bindings), ZeroTest::Zero(_))
+}
+
+/// All subsets of 0 … n − 1 with `size` elements.
+fn subsets(n: usize, size: usize) -> impl Iterator<Item = Vec<usize>> {
+    let mut next: Option<Vec<usize>> = (size <= n).then(|| (0..size).collect());
+    std::iter::from_fn(move || {
+        let now = next.clone()?;
+        next = (0..size).rev().find(|&i| now[i] < n - size + i).map(|i| {
+            let mut s = now.clone();
+            s[i] += 1;
+            for j in i + 1..size {
+                s[j] = s[j - 1] + 1;
+            }
+            s
+        });
+        Some(now)
+    })
+}

@@ -1,0 +1,182 @@
+//! Inputs in which the bad brackets of second order cancel.
+
+use bracketry_symbolic::{Expr, Pool, Rational};
+use nalgebra::{DMatrix, DVector};
+
+use crate::algebra::field::{Field, bracket};
+use crate::controllability::linearization::Linearization;
+use crate::controllability::local::Frame;
+use crate::controllability::sign::definite;
+use crate::controllability::sussmann::Inputs;
+use crate::evidence::Evidence;
+use crate::residues::{Echelon, Fp};
+use crate::undecided::Undecided;
+
+/// Largest numerator and denominator of the numbers that are used.
+const BOUND: u64 = 1 << 24;
+/// Denominators of the coefficients that are chosen.
+const GRID: f64 = 64.0;
+/// Rounds of alternating projections.
+const ROUNDS: usize = 500;
+/// Most inputs.
+const MAX_INPUTS: usize = 6;
+
+/// Inputs v, u = L·diag(√s)·v, for which Σ_i [h_i, [f, h_i]](x0) lies in the span of the values of
+/// ad_f^k g_i and [g_i, g_j], with their fields as text; `None` if none are found.
+///
+/// STLC is not changed by linear changes of the inputs, but which brackets are bad is. With
+/// S = L diag(s) Lᵀ the sum is Σ S_ij [g_i, [f, g_j]]; a positive definite S for which it lies in
+/// the span exists just when no combination of those brackets across the span is semidefinite
+/// (compare the second-order conditions of Bianchini and Stefani, Hirschorn and Lewis, Basto-Gonçalves). S is found
+/// by alternating projections, rounded, and the conditions are then tested exactly.
+pub(crate) fn cancelling(
+    pool: &mut Pool,
+    frame: &Frame,
+    evidence: &mut Evidence,
+) -> Result<Option<(Inputs, Vec<String>)>, Undecided> {
+    let (states, drift, g) = (&frame.fields.states, &frame.fields.drift, &frame.fields.controls);
+    let (n, m) = (states.len(), g.len());
+    if m > MAX_INPUTS {
+        return Ok(None);
+    }
+    let mut span = Linearization::at(pool, frame, evidence)?.controllable();
+    let mut pairs = Vec::new();
+    let mut commutators: Vec<Field> = Vec::new();
+    let mut forms: Vec<Field> = Vec::new();
+    for i in 0..m {
+        let derived = bracket(pool, states, drift, &g[i]);
+        for j in 0..=i {
+            pairs.push((i, j));
+            forms.push(bracket(pool, states, &g[j], &derived));
+            commutators.push(bracket(pool, states, &g[i], &g[j]));
+        }
+    }
+    for c in frame.evaluate(pool, &commutators, evidence)? {
+        span.insert(c);
+    }
+    // Up to the span, [g_i, [f, g_j]] is symmetric only where [f, [g_i, g_j]] is in it.
+    let values = frame.evaluate(pool, &forms, evidence)?;
+    let reduced: Vec<Vec<Fp>> = values.into_iter().map(|v| span.reduce(v)).collect();
+    let conditions: Vec<Vec<Fp>> = (0..n)
+        .map(|c| {
+            let twice = |&(i, j): &(usize, usize)| if i == j { Fp::ONE } else { Fp::new(2) };
+            pairs.iter().zip(&reduced).map(|(p, v)| twice(p) * v[c]).collect()
+        })
+        .collect();
+    let conditions = Echelon::new(&conditions, pairs.len());
+    if conditions.rank() == 0 {
+        return Ok(None);
+    }
+    let Some(free) = rational_rows(&conditions.nullspace()) else { return Ok(None) };
+    if free.is_empty() {
+        return Ok(None);
+    }
+    let matrix = |c: &DVector<f64>| {
+        let mut s = DMatrix::zeros(m, m);
+        for (row, &weight) in free.iter().zip(c.iter()) {
+            for (&(i, j), x) in pairs.iter().zip(row) {
+                let x = weight * x.to_f64().value();
+                s[(i, j)] += x;
+                if i != j {
+                    s[(j, i)] += x;
+                }
+            }
+        }
+        s
+    };
+    let columns: Vec<DVector<f64>> = (0..free.len())
+        .map(|k| {
+            let mut unit = DVector::zeros(free.len());
+            unit[k] = 1.0;
+            DVector::from_column_slice(matrix(&unit).as_slice())
+        })
+        .collect();
+    let solver = DMatrix::from_columns(&columns).svd(true, true);
+    let mut target = DMatrix::identity(m, m);
+    let mut found = None;
+    for _ in 0..ROUNDS {
+        let Ok(c) = solver.solve(&DVector::from_column_slice(target.as_slice()), 1e-12) else { return Ok(None) };
+        let c = c.map(|x: f64| (x * GRID).round() / GRID);
+        let s = matrix(&c);
+        if definite(&s) == Some(true) {
+            found = Some(c);
+            break;
+        }
+        let mut eigen = s.symmetric_eigen();
+        eigen.eigenvalues.apply(|l| *l = l.max(0.2));
+        target = eigen.recompose();
+    }
+    let Some(c) = found else { return Ok(None) };
+    let Some((l, s)) = factor(&pairs, &free, &c, m) else { return Ok(None) };
+    let mut scales = Vec::new();
+    for x in &s {
+        let Some(x) = Fp::from_rational(x) else { return Ok(None) };
+        scales.push(x);
+    }
+    let mut fields = Vec::new();
+    let mut names = Vec::new();
+    for j in 0..m {
+        let coefficients: Vec<Expr> = (0..m).map(|i| pool.rational(l[i][j].clone())).collect();
+        let field: Field = (0..n)
+            .map(|k| {
+                let terms: Vec<Expr> = coefficients.iter().zip(g).map(|(&c, g)| pool.mul(c, g[k])).collect();
+                pool.sum(terms)
+            })
+            .collect();
+        fields.push(field);
+        let terms: Vec<String> = (0..m)
+            .filter(|&i| l[i][j] != Rational::ZERO)
+            .map(|i| if l[i][j] == Rational::ONE { format!("g{}", i + 1) } else { format!("{}*g{}", l[i][j], i + 1) })
+            .collect();
+        let sum = terms.join(" + ").replace("+ -", "- ");
+        let root = if s[j] == Rational::ONE { String::new() } else { format!("sqrt({})*", s[j]) };
+        names.push(if root.is_empty() { sum } else { format!("{root}({sum})") });
+    }
+    Ok(Some((Inputs { fields, scales }, names)))
+}
+
+fn rational_rows(rows: &[Vec<Fp>]) -> Option<Vec<Vec<Rational>>> {
+    rows.iter().map(|r| r.iter().map(|x| x.to_rational(BOUND)).collect()).collect()
+}
+
+/// L with unit diagonal and s > 0 with S = L diag(s) Lᵀ, for S = Σ c_k S_k.
+fn factor(
+    pairs: &[(usize, usize)],
+    free: &[Vec<Rational>],
+    c: &DVector<f64>,
+    m: usize,
+) -> Option<(Vec<Vec<Rational>>, Vec<Rational>)> {
+    let zero = Rational::ZERO;
+    let mut matrix = vec![vec![zero.clone(); m]; m];
+    for (row, &weight) in free.iter().zip(c.iter()) {
+        let weight = Rational::from((weight * GRID).round() as i64) / Rational::from(GRID as i64);
+        for (&(i, j), x) in pairs.iter().zip(row) {
+            let x = &weight * x;
+            matrix[i][j] += &x;
+            if i != j {
+                matrix[j][i] += x;
+            }
+        }
+    }
+    let mut l = vec![vec![zero.clone(); m]; m];
+    let mut s: Vec<Rational> = Vec::new();
+    for j in 0..m {
+        let mut pivot = matrix[j][j].clone();
+        for k in 0..j {
+            pivot -= &l[j][k] * &l[j][k] * &s[k];
+        }
+        if pivot <= zero {
+            return None;
+        }
+        l[j][j] = Rational::ONE;
+        for i in j + 1..m {
+            let mut x = matrix[i][j].clone();
+            for k in 0..j {
+                x -= &l[i][k] * &l[j][k] * &s[k];
+            }
+            l[i][j] = x / &pivot;
+        }
+        s.push(pivot);
+    }
+    Some((l, s))
+}

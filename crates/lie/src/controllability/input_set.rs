@@ -1,0 +1,45 @@
+//! The inputs of a system with the values that they take.
+
+use bracketry_symbolic::{Expr, Pool};
+
+use crate::controllability::input_values::{InputValues, Side};
+use crate::controllability::local::Frame;
+
+/// The inputs in their order, with their names, the values that they take and the sides to which
+/// they are said to move from their values at the point.
+pub(crate) struct InputSet<'a> {
+    pub(crate) names: &'a [String],
+    pub(crate) values: Vec<Option<InputValues>>,
+    pub(crate) one_sided: Vec<Option<Side>>,
+}
+
+/// Nearer than this, relative to its size, a value counts as the end of its range.
+const AT_END: f64 = 1e-9;
+
+impl InputSet<'_> {
+    /// The sides to which the inputs can move from `inputs`; `None` where these are outside of
+    /// the ranges or have no numerical values.
+    pub(crate) fn sides(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> Option<Vec<Option<Side>>> {
+        if self.values.iter().all(|v| !matches!(v, Some(InputValues::Between(..)))) {
+            return Some(self.one_sided.clone());
+        }
+        let numbers = frame.numbers(pool, inputs)?;
+        let mut sides = Vec::new();
+        for ((values, said), u) in self.values.iter().zip(&self.one_sided).zip(numbers) {
+            let side = match *values {
+                Some(InputValues::Between(lower, upper)) => {
+                    let close = AT_END * (1.0 + u.abs());
+                    match ((u - lower).abs() <= close, (u - upper).abs() <= close) {
+                        (true, false) => Some(Side::Above),
+                        (false, true) => Some(Side::Below),
+                        (false, false) if lower < u && u < upper => None,
+                        _ => return None,
+                    }
+                }
+                Some(InputValues::Unknown) | None => *said,
+            };
+            sides.push(side);
+        }
+        Some(sides)
+    }
+}

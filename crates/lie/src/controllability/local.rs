@@ -1,0 +1,442 @@
+//! Accessibility at a given point, where pruning by functional dependence is not allowed.
+
+use std::ops::Range;
+
+use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, Tape};
+use rustc_hash::FxHashMap;
+
+use crate::algebra::closure::Closure;
+use crate::algebra::field::{Field, VectorFields, bracket, is_plain_zero, subtract};
+use crate::answer::Answer;
+use crate::error::Error;
+use crate::evidence::Evidence;
+use crate::options::Limits;
+use crate::residues::{Echelon, Fp, PRIME};
+use crate::undecided::Undecided;
+
+/// Dimensions at a point.
+#[derive(Clone, Debug)]
+pub struct LocalAccessibility {
+    /// Entry k: dimension at the point of the span of all brackets of length ≤ k + 1 of {f, g_1 … g_m}.
+    /// Unlike generically it can stand still and grow again; what follows the last growth is cut
+    /// after one repetition.
+    pub growth: Vec<usize>,
+    /// Dimension of the accessibility algebra at the point.
+    pub dimension: Answer<usize>,
+    /// As `growth`, for brackets that contain at least one g.
+    pub strong_growth: Vec<usize>,
+    /// Dimension of the strong accessibility algebra at the point.
+    pub strong_dimension: Answer<usize>,
+}
+
+/// A system around a point: the drift includes the constant inputs there.
+pub(crate) struct Frame {
+    pub(crate) fields: VectorFields,
+    /// Parameters and those coordinates of the point that are rational.
+    values: Bindings,
+    /// Coordinates of the point that are other constants, such as π/2.
+    replaced: FxHashMap<Expr, Expr>,
+    /// The point, as expressions.
+    point: Vec<Expr>,
+    /// f and the g_i without the inputs at the point: the generators that words are made of.
+    generators: Vec<Field>,
+}
+
+/// Seed of the samples that decide linear dependence over the constants.
+const CONSTANTS_SEED: u64 = 0x6272_6163_6b65_7401;
+/// Seed of the evaluation at a point (random only for transcendental constants and unbound parameters).
+const POINT_SEED: u64 = 0x6272_6163_6b65_7402;
+
+impl Frame {
+    pub(crate) fn new(
+        pool: &mut Pool,
+        system: &VectorFields,
+        states: &[Expr],
+        inputs: &[Expr],
+    ) -> Result<Frame, Error> {
+        if states.len() != system.states.len() {
+            return Err(Error::Dimension { expected: system.states.len(), found: states.len() });
+        }
+        if inputs.len() != system.controls.len() {
+            return Err(Error::Inputs { expected: system.controls.len(), found: inputs.len() });
+        }
+        let mut fields = system.clone();
+        for (g, &u) in system.controls.iter().zip(inputs) {
+            for (f, &gi) in fields.drift.iter_mut().zip(g) {
+                let p = pool.mul(u, gi);
+                *f = pool.add(*f, p);
+            }
+        }
+        let mut values = system.bindings.clone();
+        let mut replaced = FxHashMap::default();
+        for (&s, &v) in system.states.iter().zip(states) {
+            if let Some(number) = pool.number(v) {
+                values.bind(s, number.clone());
+            } else {
+                let x = pool.sym(s);
+                replaced.insert(x, v);
+            }
+        }
+        Ok(Frame { fields, values, replaced, point: states.to_vec(), generators: system.generators() })
+    }
+
+    /// Values of the fields at the point, modulo the prime.
+    pub(crate) fn evaluate(
+        &self,
+        pool: &mut Pool,
+        fields: &[Field],
+        evidence: &mut Evidence,
+    ) -> Result<Vec<Vec<Fp>>, Undecided> {
+        let n = self.fields.states.len();
+        let mut roots: Vec<Expr> = fields.concat();
+        if !self.replaced.is_empty() {
+            roots = pool.substitute_all(&roots, &self.replaced);
+        }
+        let samples = pool.sample_in::<PRIME>(&roots, &self.values, 1, POINT_SEED)?;
+        evidence.add_rank(&samples, n)?;
+        Ok(samples.values[0].chunks(n).map(<[Fp]>::to_vec).collect())
+    }
+
+    /// A symbol for the deviation of each state from the point, and what replaces each state by point and deviation.
+    pub(crate) fn deviations(&self, pool: &mut Pool) -> (Vec<Symbol>, FxHashMap<Expr, Expr>) {
+        let mut symbols = Vec::new();
+        let mut moved: FxHashMap<Expr, Expr> = FxHashMap::default();
+        for (&s, &v) in self.fields.states.iter().zip(&self.point) {
+            let deviation = pool.symbol(&format!("offset of {}", pool.name(s)));
+            symbols.push(deviation);
+            let deviation = pool.sym(deviation);
+            let sum = pool.add(v, deviation);
+            moved.insert(pool.sym(s), sum);
+        }
+        (symbols, moved)
+    }
+
+    pub(crate) fn rank(&self, pool: &mut Pool, fields: &[Field], evidence: &mut Evidence) -> Result<usize, Undecided> {
+        Ok(Echelon::new(&self.evaluate(pool, fields, evidence)?, self.fields.states.len()).rank())
+    }
+
+    /// Values of everything in `roots` that has one: coordinates of the point and parameters.
+    pub(crate) fn constants(&self, pool: &mut Pool, roots: &[Expr]) -> FxHashMap<Expr, Expr> {
+        let mut at = self.replaced.clone();
+        for s in pool.symbols_of(roots) {
+            if let Some(v) = self.values.get(s).cloned() {
+                let x = pool.sym(s);
+                let v = pool.rational(v);
+                at.insert(x, v);
+            }
+        }
+        at
+    }
+
+    /// `e` with parameters and coordinates of the point replaced by their values.
+    pub(crate) fn constants_in(&self, pool: &mut Pool, e: Expr) -> Expr {
+        // Twice, because coordinates of the point may be expressions of parameters.
+        (0..2).fold(e, |e, _| {
+            let at = self.constants(pool, &[e]);
+            pool.substitute(e, &at)
+        })
+    }
+
+    /// Numerical values at the point; `None` if a symbol has no value or a value is not finite.
+    pub(crate) fn numbers(&self, pool: &mut Pool, roots: &[Expr]) -> Option<Vec<f64>> {
+        let mut roots = roots.to_vec();
+        for _ in 0..2 {
+            let at = self.constants(pool, &roots);
+            roots = pool.substitute_all(&roots, &at);
+        }
+        let tape = Tape::compile(pool, &[], &roots).ok()?;
+        let mut values = vec![0.0; tape.n_outputs()];
+        tape.eval(&[], &mut Vec::new(), &mut values);
+        values.iter().all(|v| v.is_finite()).then_some(values)
+    }
+
+    /// The point, one expression per state.
+    pub(crate) fn point(&self) -> &[Expr] {
+        &self.point
+    }
+
+    /// Whether f + Σ u_i g_i vanishes at the point.
+    pub(crate) fn is_equilibrium(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<bool, Undecided> {
+        let drift = [self.fields.drift.clone()];
+        Ok(self.rank(pool, &drift, evidence)? == 0)
+    }
+
+    /// Whether the affine subspace through the point along the values of `directions` there
+    /// (and of the drift, if `moving`) is invariant under all inputs, so that the dimension
+    /// found at the point is final.
+    ///
+    /// Without `moving`: every generator is tangent to V = x0 + span Y(x0), hence so are all
+    /// brackets. With it the same in the space with time added: V = {x0 + t f(x0) + span Y(x0)},
+    /// generators (f, 1) and (g, 0); then the strong algebra at the point lies in span Y(x0).
+    fn is_invariant(
+        &self,
+        pool: &mut Pool,
+        directions: &[Field],
+        moving: bool,
+        evidence: &mut Evidence,
+    ) -> Result<bool, Undecided> {
+        let at: FxHashMap<Expr, Expr> =
+            self.fields.states.iter().zip(&self.point).map(|(&s, &v)| (pool.sym(s), v)).collect();
+        let fixed: Vec<Field> = directions.iter().map(|y| pool.substitute_all(y, &at)).collect();
+        let drift = pool.substitute_all(&self.fields.drift, &at);
+        let mut along: Vec<(Symbol, Field)> = Vec::new();
+        for (i, y) in fixed.iter().enumerate() {
+            along.push((pool.symbol(&format!("along {i}")), y.clone()));
+        }
+        if moving {
+            along.push((pool.symbol("along t"), drift.clone()));
+        }
+        let mut to: FxHashMap<Expr, Expr> = FxHashMap::default();
+        for (i, &s) in self.fields.states.iter().enumerate() {
+            let mut x = self.point[i];
+            for (c, y) in &along {
+                let c = pool.sym(*c);
+                let step = pool.mul(c, y[i]);
+                x = pool.add(x, step);
+            }
+            let s = pool.sym(s);
+            to.insert(s, x);
+        }
+        let mut rows = fixed;
+        let expected = rows.len();
+        let mut generators = self.fields.controls.clone();
+        generators.push(self.fields.drift.clone());
+        for (i, g) in generators.iter().enumerate() {
+            let mut on_v = pool.substitute_all(g, &to);
+            if moving && i + 1 == generators.len() {
+                on_v = subtract(pool, &on_v, &drift);
+            }
+            rows.push(on_v);
+        }
+        let rank = pool.rank(&rows, &self.fields.bindings)?;
+        evidence.add(&rank.certificate);
+        Ok(rank.rank == expected)
+    }
+}
+
+/// Fields that are linearly independent over the constants, grown by brackets.
+#[derive(Default)]
+pub(crate) struct Words {
+    /// Right-normed brackets.
+    pub(crate) kept: Vec<Field>,
+    /// Those that were kept last.
+    pub(crate) fresh: Range<usize>,
+}
+
+impl Words {
+    /// Keeps of `candidates` a maximal set that is independent, over the constants, of itself and what is kept.
+    ///
+    /// k functions are dependent over the constants just when their values at k random points,
+    /// written one after the other, are: each point takes one dimension off the combinations
+    /// that vanish at all points so far, until only those that vanish everywhere are left. A bracket that is a constant
+    /// combination of kept ones adds nothing, nor do its own brackets. (A transcendental or
+    /// unbound constant counts as a function here, which keeps more than necessary.)
+    pub(crate) fn extend(
+        &mut self,
+        pool: &mut Pool,
+        bindings: &Bindings,
+        candidates: Vec<Field>,
+        evidence: &mut Evidence,
+    ) -> Result<(), Undecided> {
+        let start = self.kept.len();
+        let mut all = self.kept.clone();
+        for c in candidates {
+            if !is_plain_zero(pool, &c) && !all.contains(&c) {
+                all.push(c);
+            }
+        }
+        if all.len() > start {
+            let n = all[0].len();
+            let certain = all.len() + 1;
+            // Independence at fewer points is independence; only dependence needs them all.
+            for points in [(all.len() / n + 2).min(certain), certain] {
+                let samples = pool.sample_in::<PRIME>(&all.concat(), bindings, points, CONSTANTS_SEED)?;
+                let mut echelon = Echelon::empty(points * n);
+                let row = |i: usize| samples.values.iter().flat_map(move |v| v[i * n..(i + 1) * n].iter().copied());
+                let independent: Vec<bool> = (0..all.len()).map(|i| echelon.insert(row(i).collect())).collect();
+                if echelon.rank() == all.len() || points == certain {
+                    evidence.add_rank(&samples, all.len())?;
+                    let new = all.into_iter().zip(independent).skip(start);
+                    self.kept.extend(new.filter_map(|(field, keep)| keep.then_some(field)));
+                    break;
+                }
+            }
+        }
+        self.fresh = start..self.kept.len();
+        Ok(())
+    }
+}
+
+/// Ends a list after one repetition of its last dimension, or at once where that is full.
+fn end_after_last_growth(growth: &mut Vec<usize>, full: usize, proven: bool) {
+    let last = growth.last().copied().unwrap_or(0);
+    let reached = growth.iter().position(|&d| d == last).unwrap_or(0);
+    growth.truncate(if last == full { reached + 1 } else { reached + 2 });
+    if proven && last < full && growth.len() == reached + 1 {
+        growth.push(last);
+    }
+}
+
+impl VectorFields {
+    /// Dimensions of the accessibility algebra and of its strong part at the point `states`
+    /// with constant `inputs` there (expressions without symbols other than parameters).
+    ///
+    /// All right-normed brackets are formed, less those that are constant combinations of
+    /// others. An answer is given when it is proven: the dimension is full or the generic
+    /// one, the algebra is finite-dimensional and complete, or an affine subspace of that
+    /// dimension through the point is invariant. Otherwise it is unknown.
+    ///
+    /// # Errors
+    /// [`Error::Dimension`], [`Error::Inputs`] for a point of the wrong size,
+    /// [`Error::Undecided`] if the fields cannot be evaluated exactly at the point.
+    pub fn at_point(
+        &self,
+        pool: &mut Pool,
+        states: &[Expr],
+        inputs: &[Expr],
+        limits: &Limits,
+        evidence: &mut Evidence,
+    ) -> Result<LocalAccessibility, Error> {
+        let frame = Frame::new(pool, self, states, inputs)?;
+        let generic = self.accessibility(pool, evidence)?;
+        let generic_strong = self.strong_accessibility(pool, evidence)?;
+        Ok(frame.accessibility(pool, &generic, &generic_strong, limits, evidence)?)
+    }
+}
+
+impl Frame {
+    pub(crate) fn accessibility(
+        &self,
+        pool: &mut Pool,
+        generic: &Closure,
+        generic_strong: &Closure,
+        limits: &Limits,
+        evidence: &mut Evidence,
+    ) -> Result<LocalAccessibility, Undecided> {
+        let n = self.fields.states.len();
+        // No level can exceed its generic dimension. Where the generic basis stays independent,
+        // every level attains it, and no other bracket needs to be formed.
+        if let Some(all) = self.attained(pool, generic, generic_strong, evidence)? {
+            return Ok(LocalAccessibility {
+                growth: all.growth.clone(),
+                dimension: Answer::Known(all.dimension()),
+                strong_growth: generic_strong.growth.clone(),
+                strong_dimension: Answer::Known(generic_strong.dimension()),
+            });
+        }
+        let (generic, generic_strong) = (generic.dimension(), generic_strong.dimension());
+        let first_node = pool.len();
+        let bindings = &self.fields.bindings;
+        let mut words = Words::default();
+        words.extend(pool, bindings, self.fields.controls.clone(), evidence)?;
+        let mut generators = words.kept.clone();
+        if !is_plain_zero(pool, &self.fields.drift) {
+            generators.push(self.fields.drift.clone());
+        }
+        let (mut growth, mut strong_growth) = (Vec::new(), Vec::new());
+        let (mut dimension, mut strong_dimension) = (None, None);
+        let mut length = 1;
+        let unknown = loop {
+            let mut values = self.evaluate(pool, &words.kept, evidence)?;
+            let strong = Echelon::new(&values, n).rank();
+            values.extend(self.evaluate(pool, std::slice::from_ref(&self.fields.drift), evidence)?);
+            let all = Echelon::new(&values, n).rank();
+            let stalled = growth.last() == Some(&all) && strong_growth.last() == Some(&strong);
+            growth.push(all);
+            strong_growth.push(strong);
+            let closed = words.fresh.is_empty();
+            if closed || all == generic {
+                dimension = Some(all);
+            }
+            if closed || strong == generic_strong {
+                strong_dimension = Some(strong);
+            }
+            if (dimension.is_none() || strong_dimension.is_none()) && stalled {
+                let basis = self.basis_at_point(pool, &words.kept, evidence)?;
+                if dimension.is_none() {
+                    let mut directions = basis.clone();
+                    if all > strong {
+                        directions.push(self.fields.drift.clone());
+                    }
+                    dimension = self.is_invariant(pool, &directions, false, evidence)?.then_some(all);
+                }
+                if dimension == Some(strong) || self.is_invariant(pool, &basis, true, evidence)? {
+                    strong_dimension = Some(strong);
+                }
+            }
+            if dimension.is_some() && strong_dimension.is_some() {
+                break String::new();
+            }
+            if length >= limits.length {
+                break format!("brackets longer than {length} were not formed");
+            }
+            if words.kept.len() > limits.brackets {
+                break format!("brackets longer than {length} were not formed: they are too many");
+            }
+            let mut candidates = Vec::new();
+            for (x, i) in generators.iter().flat_map(|x| words.fresh.clone().map(move |i| (x, i))) {
+                if pool.len() - first_node > limits.nodes {
+                    break;
+                }
+                candidates.push(bracket(pool, &self.fields.states, x, &words.kept[i]));
+            }
+            if pool.len() - first_node > limits.nodes {
+                break format!("brackets longer than {length} were not formed: they are too large");
+            }
+            words.extend(pool, bindings, candidates, evidence)?;
+            length += 1;
+        };
+        let answer = |found: Option<usize>, list: &[usize]| match found {
+            Some(d) => Answer::Known(d),
+            None => Answer::Unknown(format!(
+                "at least {} (the generic dimension bounds it above): {unknown}",
+                list.last().copied().unwrap_or(0)
+            )),
+        };
+        let dimension = answer(dimension, &growth);
+        let strong_dimension = answer(strong_dimension, &strong_growth);
+        end_after_last_growth(&mut growth, n, dimension.known().is_some());
+        end_after_last_growth(&mut strong_growth, n, strong_dimension.known().is_some());
+        Ok(LocalAccessibility { growth, dimension, strong_growth, strong_dimension })
+    }
+
+    /// The closure of whose brackets all are independent at the point, if the strong ones are:
+    /// the strong one itself at an equilibrium, as every bracket but the drift contains a g.
+    fn attained<'a>(
+        &self,
+        pool: &mut Pool,
+        generic: &'a Closure,
+        generic_strong: &'a Closure,
+        evidence: &mut Evidence,
+    ) -> Result<Option<&'a Closure>, Undecided> {
+        if !self.is_attained(pool, generic_strong, evidence)? {
+            return Ok(None);
+        }
+        if self.is_equilibrium(pool, evidence)? {
+            return Ok(Some(generic_strong));
+        }
+        Ok(self.is_attained(pool, generic, evidence)?.then_some(generic))
+    }
+
+    /// Whether the brackets behind the generic dimension are independent at the point, as far as they can be formed.
+    fn is_attained(&self, pool: &mut Pool, closure: &Closure, evidence: &mut Evidence) -> Result<bool, Undecided> {
+        let (states, bindings) = (&self.fields.states, &self.fields.bindings);
+        match closure.brackets(pool, states, &self.generators, bindings, evidence) {
+            Ok(fields) => Ok(self.rank(pool, &fields, evidence)? == closure.dimension()),
+            Err(Undecided::TooLarge { .. }) => Ok(false),
+            Err(why) => Err(why),
+        }
+    }
+
+    /// Fields whose values at the point are a basis of the span of all values there.
+    fn basis_at_point(
+        &self,
+        pool: &mut Pool,
+        fields: &[Field],
+        evidence: &mut Evidence,
+    ) -> Result<Vec<Field>, Undecided> {
+        let values = self.evaluate(pool, fields, evidence)?;
+        let mut echelon = Echelon::empty(self.fields.states.len());
+        Ok(fields.iter().zip(values).filter_map(|(f, v)| echelon.insert(v).then(|| f.clone())).collect())
+    }
+}

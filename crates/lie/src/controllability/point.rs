@@ -1,0 +1,243 @@
+//! Statements at the point of a model.
+
+use bracketry_symbolic::{Bindings, Expr, Pool, Rational, ZeroTest};
+use bracketry_system::{Point, System};
+use rustc_hash::FxHashMap;
+use serde::Serialize;
+
+use crate::algebra::field::VectorFields;
+use crate::answer::Answer;
+use crate::budget::release;
+use crate::controllability::accessibility::Reach;
+use crate::controllability::brockett::brockett_condition;
+use crate::controllability::input_set::InputSet;
+use crate::controllability::linearization::{Linearization, uncontrollable_modes_decay};
+use crate::controllability::local::Frame;
+use crate::controllability::one_sided::{balanced, one_sided};
+use crate::controllability::stlc::{Stlc, Verdict, decide};
+use crate::controllability::uncontrollable::{Mode, uncontrollable_modes};
+use crate::dimensions::Dimensions;
+use crate::error::Error;
+use crate::evidence::Evidence;
+use crate::modes::ModeFields;
+use crate::options::Options;
+use crate::undecided::Undecided;
+
+/// What governs the motion at a point.
+pub(crate) enum Regime {
+    /// The mode with this index: no switching function vanishes.
+    Mode(usize),
+    /// The switching functions and unit vectors that vanish.
+    Switching(Vec<String>),
+}
+
+/// The regime that holds at `point`.
+pub(crate) fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -> Result<Regime, Error> {
+    let form = system.set_valued_form();
+    let switches = form.signs();
+    let mut at: FxHashMap<Expr, Expr> = FxHashMap::default();
+    for (&s, &v) in system.states.iter().zip(&point.states) {
+        let s = system.pool.sym(s);
+        at.insert(s, v);
+    }
+    for p in &system.parameters {
+        let s = system.pool.sym(p.symbol);
+        let v = system.pool.rational(p.value.clone());
+        at.insert(s, v);
+    }
+    let mut signs: Vec<i8> = Vec::new();
+    let mut vanishing: Vec<String> = Vec::new();
+    for s in switches {
+        for (t, &v) in switches.iter().zip(&signs) {
+            let inner = system.pool.sym(t.sign);
+            let v = system.pool.int(i64::from(v));
+            at.insert(inner, v);
+        }
+        let value = system.pool.substitute(s.surface, &at);
+        match system.pool.zero_test(value, &Bindings::new()) {
+            ZeroTest::Zero(_) => vanishing.push(s.name.clone()),
+            ZeroTest::Unknown(why) if vanishing.is_empty() => return Err(Undecided::from(why).into()),
+            ZeroTest::Unknown(_) | ZeroTest::NonZero => {}
+        }
+        // One that vanishes is enough to leave the modes, and has no sign for those that contain it.
+        if !vanishing.is_empty() {
+            continue;
+        }
+        let Some(number) = system.value(value).filter(|v| *v != 0.0) else {
+            return Err(Error::NoValue { what: s.name.clone() });
+        };
+        signs.push(if number > 0.0 { 1 } else { -1 });
+    }
+    for vector in &form.unit_vectors {
+        let components = &form.switches[vector.switches.clone()];
+        let values: Vec<Expr> = components.iter().map(|s| system.pool.substitute(s.surface, &at)).collect();
+        if values.into_iter().all(|v| matches!(system.pool.zero_test(v, &Bindings::new()), ZeroTest::Zero(_))) {
+            vanishing.push(format!("({})", vector.name));
+        }
+    }
+    if !vanishing.is_empty() {
+        return Ok(Regime::Switching(vanishing));
+    }
+    let mode = modes.iter().position(|m| m.signs.iter().map(|s| s.1).eq(signs.iter().copied()));
+    Ok(mode.map_or(Regime::Switching(vanishing), Regime::Mode))
+}
+
+/// Says that the statements at a point are those of the smoothed model.
+pub(crate) fn of_smoothed(report: PointReport, vanishing: Vec<String>, epsilon: &Rational) -> PointReport {
+    let say = |reason: &str| {
+        format!(
+            "of the smoothed model: {reason}; exact dry friction may hold the state where the inputs do not overcome it"
+        )
+    };
+    PointReport {
+        of: Subject::Smoothed,
+        epsilon: Some(epsilon.to_f64().value()),
+        vanishing,
+        stabilizable_reason: report.stabilizable_reason.map(|r| say(&r)),
+        stlc: Stlc { reason: say(&report.stlc.reason), ..report.stlc },
+        ..report
+    }
+}
+
+/// Whether the drift is linear (with a constant part) and the input fields are constant, seen from the expressions.
+fn is_linear(pool: &mut Pool, fields: &VectorFields) -> bool {
+    let mut entries = pool.jacobian(&fields.drift, &fields.states).concat();
+    entries.extend(fields.controls.concat());
+    pool.symbols_of(&entries).iter().all(|s| !fields.states.contains(s))
+}
+
+/// All statements at a point, made of the fields of one mode or of the smoothed model.
+pub(crate) fn point_report(
+    pool: &mut Pool,
+    fields: &VectorFields,
+    names: &[String],
+    reach: &Reach,
+    point: &Point,
+    options: &Options,
+    evidence: &mut Evidence,
+) -> Result<PointReport, Error> {
+    let n = fields.states.len();
+    let frame = Frame::new(pool, fields, &point.states, &point.inputs)?;
+    let equilibrium = frame.is_equilibrium(pool, evidence)?;
+    let all = reach.all.as_ref().map_err(Clone::clone)?;
+    let strong = reach.strong.as_ref().map_err(Clone::clone)?;
+    let before = pool.len();
+    let local = frame.accessibility(pool, all, strong, &options.limits, evidence)?;
+    release(pool, before, &mut []);
+    let linearization = if equilibrium { Some(Linearization::at(pool, &frame, evidence)?) } else { None };
+    let limits = &options.limits;
+    let before = pool.len();
+    let stlc = match &local.dimension {
+        // The dimension at a point is no larger than the generic one.
+        Answer::Unknown(_) if all.dimension() < n => Stlc::not_accessible(all.dimension(), n),
+        dimension => decide(pool, &frame, dimension, linearization.as_ref(), limits, evidence),
+    };
+    release(pool, before, &mut []);
+    let values = names.iter().map(|n| options.ranges.iter().find(|r| r.0 == *n).map(|r| r.1)).collect();
+    let said = names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
+    let set = InputSet { names, values, one_sided: said };
+    let around = if !equilibrium && stlc.verdict == Verdict::Inconclusive {
+        balanced(pool, fields, &set, &point.states, &local.dimension, limits, evidence)?
+    } else {
+        None
+    };
+    let stlc = match (around, set.sides(pool, &frame, &point.inputs)) {
+        (Some(around), _) => around,
+        (None, Some(sides)) => one_sided(pool, &frame, &sides, stlc, limits, evidence)?,
+        (None, None) if stlc.verdict == Verdict::No => stlc,
+        (None, None) => Stlc::inconclusive("the inputs at the point are not seen to lie in their ranges"),
+    };
+    let rank = linearization.as_ref().map(|l| l.controllable().rank());
+    let stabilizable = rank.map(|rank| match uncontrollable_modes_decay(pool, &frame, rank) {
+        Answer::Known(true) if rank == n => (Answer::Known(true), "the linearisation is controllable"),
+        Answer::Known(true) => (Answer::Known(true), "the uncontrollable modes of the linearisation decay"),
+        Answer::Known(false) if is_linear(pool, fields) => {
+            (Answer::Known(false), "the linearisation has an unstable uncontrollable mode")
+        }
+        // Feedback with kinks, other values of the inputs at the point, or time may do what smooth feedback cannot.
+        Answer::Known(false) => (
+            Answer::Unknown(
+                "the linearisation has an unstable uncontrollable mode: no continuously differentiable feedback that \
+                 keeps the inputs of the point there stabilises"
+                    .to_owned(),
+            ),
+            "",
+        ),
+        // Coron 1995: the sufficient conditions for STLC used here give stabilization by
+        // continuous, periodic feedback in any dimension but 2 and 3; without drift (Coron 1992) in all.
+        Answer::Unknown(_)
+            if stlc.verdict == Verdict::Yes && (n != 2 && n != 3 || fields.drift.iter().all(|&e| pool.is_zero(e))) =>
+        {
+            (Answer::Known(true), "by continuous time-periodic feedback, from small-time controllability (Coron)")
+        }
+        unknown @ Answer::Unknown(_) => (unknown, ""),
+    });
+    let stabilizable_reason = stabilizable.as_ref().map(|(a, why)| a.reason().map_or((*why).to_owned(), str::to_owned));
+    Ok(PointReport {
+        of: Subject::Model,
+        epsilon: None,
+        vanishing: Vec::new(),
+        equilibrium: Answer::Known(equilibrium),
+        dimensions: Dimensions::new(local.growth, local.dimension, local.strong_growth, local.strong_dimension),
+        linear_controllability_rank: rank,
+        stabilizable: stabilizable.map(|s| s.0),
+        stabilizable_reason,
+        uncontrollable_modes: linearization
+            .as_ref()
+            .zip(rank)
+            .map(|(l, rank)| uncontrollable_modes(pool, &frame, l, rank)),
+        brockett_condition: linearization.as_ref().map(|l| brockett_condition(pool, &frame, l, evidence)),
+        stlc,
+        relative_degree_defined: None,
+    })
+}
+
+/// Which equations a statement speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Subject {
+    /// The model as it stands.
+    Model,
+    /// The model with every switching function replaced by a smooth one.
+    Smoothed,
+}
+
+/// What holds at the point of the model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PointReport {
+    /// Whether the statements are of the model or, where switching functions vanish at the
+    /// point, of the smoothed model. Exact dry friction may hold a state that smoothed friction lets go.
+    pub of: Subject,
+    /// Width of the smoothing; absent if the statements are of the model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub epsilon: Option<f64>,
+    /// Switching functions that vanish at the point; absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub vanishing: Vec<String>,
+    /// Whether the state rests there under the inputs given with the point.
+    pub equilibrium: Answer<bool>,
+    /// Dimensions at the point.
+    #[serde(flatten)]
+    pub dimensions: Dimensions,
+    /// Rank of the Kalman matrix; absent if the point is no equilibrium.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linear_controllability_rank: Option<usize>,
+    /// Whether feedback can make the equilibrium asymptotically stable; absent if the point is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stabilizable: Option<Answer<bool>>,
+    /// What `stabilizable` rests on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stabilizable_reason: Option<String>,
+    /// Eigenvalues of the linearization that no input reaches; absent if the point is no equilibrium.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncontrollable_modes: Option<Answer<Vec<Mode>>>,
+    /// Brockett's necessary condition for stabilization by continuous state feedback; absent if
+    /// the point is no equilibrium.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub brockett_condition: Option<Answer<bool>>,
+    /// Small-time local controllability.
+    pub stlc: Stlc,
+    /// Whether the outputs have a vector relative degree at the point; absent for a model without inputs or outputs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relative_degree_defined: Option<Answer<bool>>,
+}

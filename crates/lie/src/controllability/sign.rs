@@ -1,0 +1,267 @@
+//! The sign that an expression keeps near a point.
+
+use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol, ZeroTest};
+use nalgebra::DMatrix;
+use rustc_hash::FxHashMap;
+
+use crate::controllability::local::Frame;
+
+/// The sign of a function in a neighborhood of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sign {
+    Zero,
+    Positive,
+    Negative,
+    NonNegative,
+    NonPositive,
+    Unknown,
+}
+
+impl Sign {
+    pub(crate) fn opposite(self) -> Sign {
+        match self {
+            Sign::Positive => Sign::Negative,
+            Sign::Negative => Sign::Positive,
+            Sign::NonNegative => Sign::NonPositive,
+            Sign::NonPositive => Sign::NonNegative,
+            same => same,
+        }
+    }
+
+    pub(crate) fn at_least_zero(self) -> bool {
+        matches!(self, Sign::Zero | Sign::Positive | Sign::NonNegative)
+    }
+
+    fn plus(self, other: Sign) -> Sign {
+        if self == Sign::Zero {
+            other
+        } else if other == Sign::Zero {
+            self
+        } else if self.at_least_zero() && other.at_least_zero() {
+            if self == Sign::Positive || other == Sign::Positive { Sign::Positive } else { Sign::NonNegative }
+        } else if self.opposite().at_least_zero() && other.opposite().at_least_zero() {
+            self.opposite().plus(other.opposite()).opposite()
+        } else {
+            Sign::Unknown
+        }
+    }
+
+    fn times(self, other: Sign) -> Sign {
+        match (self, other) {
+            (Sign::Zero, _) | (_, Sign::Zero) => Sign::Zero,
+            (Sign::Unknown, _) | (_, Sign::Unknown) => Sign::Unknown,
+            (Sign::Positive, s) | (s, Sign::Positive) => s,
+            (Sign::Negative, s) | (s, Sign::Negative) => s.opposite(),
+            (a, b) if a == b => Sign::NonNegative,
+            _ => Sign::NonPositive,
+        }
+    }
+}
+
+/// Values nearer to zero than this are not taken for nonzero.
+const CLEAR: f64 = 1e-9;
+/// Larger expressions, written out as trees, are not looked at.
+const MAX_TREE: f64 = 2_000.0;
+/// Deeper expressions are not looked into.
+const MAX_DEPTH: usize = 60;
+
+/// Signs near the origin of the `variables`; other symbols are parameters.
+pub(crate) struct NearOrigin<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) variables: Vec<Symbol>,
+}
+
+impl NearOrigin<'_> {
+    /// The sign of `e` near the origin, where it can be seen from its factors and terms, also of its
+    /// expanded form, or from its second derivatives.
+    pub(crate) fn sign(&self, pool: &mut Pool, e: Expr) -> Sign {
+        if pool.tree_size(e) > MAX_TREE {
+            return Sign::Unknown;
+        }
+        match self.look(pool, e, 0) {
+            Sign::Unknown => {
+                let expanded = pool.expand(e);
+                if expanded == e || pool.tree_size(expanded) > MAX_TREE {
+                    Sign::Unknown
+                } else {
+                    self.look(pool, expanded, 0)
+                }
+            }
+            seen => seen,
+        }
+    }
+
+    fn value(&self, pool: &mut Pool, e: Expr) -> Option<f64> {
+        let zero = pool.int(0);
+        let origin: FxHashMap<Expr, Expr> = self.variables.iter().map(|&s| (pool.sym(s), zero)).collect();
+        let at = pool.substitute(e, &origin);
+        self.frame.numbers(pool, &[at]).map(|v| v[0])
+    }
+
+    fn look(&self, pool: &mut Pool, e: Expr, depth: usize) -> Sign {
+        if pool.is_zero(e) {
+            return Sign::Zero;
+        }
+        if depth > MAX_DEPTH {
+            return Sign::Unknown;
+        }
+        match self.value(pool, e) {
+            Some(v) if v > CLEAR => return Sign::Positive,
+            Some(v) if v < -CLEAR => return Sign::Negative,
+            Some(_) => {}
+            None => return Sign::Unknown,
+        }
+        let seen = match pool.node(e) {
+            Node::Num(_) => match pool.number(e) {
+                Some(r) if *r > Rational::ZERO => Sign::Positive,
+                Some(r) if *r < Rational::ZERO => Sign::Negative,
+                _ => Sign::Unknown,
+            },
+            Node::Add(..) => {
+                let mut terms = Vec::new();
+                flatten(pool, e, &mut terms, |n| if let Node::Add(a, b) = n { Some((a, b)) } else { None });
+                let mut total = Sign::Zero;
+                for t in terms {
+                    let s = self.look(pool, t, depth + 1);
+                    total = total.plus(s);
+                    if total == Sign::Unknown {
+                        break;
+                    }
+                }
+                total
+            }
+            Node::Mul(..) => self.product(pool, e, depth),
+            Node::Pow(base, exponent) => self.power(pool, base, exponent, depth),
+            Node::Call(f, a) => match f {
+                Func::Abs | Func::Cosh => Sign::NonNegative,
+                Func::Exp => Sign::Positive,
+                // Increasing through the origin.
+                Func::Sin | Func::Tan | Func::Asin | Func::Atan | Func::Sinh | Func::Tanh => {
+                    if self.vanishes_at_origin(pool, a) { self.look(pool, a, depth + 1) } else { Sign::Unknown }
+                }
+                _ => Sign::Unknown,
+            },
+            Node::Pi | Node::Sym(_) | Node::Call2(..) => Sign::Unknown,
+        };
+        if seen == Sign::Unknown && depth == 0 { self.extremum(pool, e) } else { seen }
+    }
+
+    fn vanishes_at_origin(&self, pool: &mut Pool, e: Expr) -> bool {
+        let zero = pool.int(0);
+        let origin: FxHashMap<Expr, Expr> = self.variables.iter().map(|&s| (pool.sym(s), zero)).collect();
+        let at = pool.substitute(e, &origin);
+        let at = self.frame.constants_in(pool, at);
+        matches!(pool.zero_test(at, &Bindings::new()), ZeroTest::Zero(_))
+    }
+
+    fn product(&self, pool: &mut Pool, e: Expr, depth: usize) -> Sign {
+        let mut factors = Vec::new();
+        flatten(pool, e, &mut factors, |n| if let Node::Mul(a, b) = n { Some((a, b)) } else { None });
+        // Equal bases with integer powers are counted together.
+        let mut bases: Vec<(Expr, i64)> = Vec::new();
+        let mut sign = Sign::Positive;
+        for factor in factors {
+            let (base, k) = match pool.node(factor) {
+                Node::Pow(b, k) => match pool.integer(k) {
+                    Some(k) if k > 0 => (b, k),
+                    _ => (factor, 1),
+                },
+                _ => (factor, 1),
+            };
+            match bases.iter_mut().find(|(b, _)| *b == base) {
+                Some((_, n)) => *n += k,
+                None => bases.push((base, k)),
+            }
+        }
+        for (base, k) in bases {
+            let of_factor = if k % 2 == 0 { self.even(pool, base) } else { self.look(pool, base, depth + 1) };
+            sign = sign.times(of_factor);
+        }
+        sign
+    }
+
+    fn even(&self, pool: &mut Pool, base: Expr) -> Sign {
+        match self.value(pool, base) {
+            Some(v) if v.abs() > CLEAR => Sign::Positive,
+            _ => Sign::NonNegative,
+        }
+    }
+
+    fn power(&self, pool: &mut Pool, base: Expr, exponent: Expr, depth: usize) -> Sign {
+        match pool.integer(exponent) {
+            Some(k) if k > 0 && k % 2 == 0 => Sign::NonNegative,
+            Some(k) if k > 0 => self.look(pool, base, depth + 1),
+            _ => Sign::Unknown,
+        }
+    }
+
+    /// An extremum with value 0: the gradient vanishes and the second derivatives by the
+    /// variables that occur are definite, or constant and semidefinite.
+    fn extremum(&self, pool: &mut Pool, e: Expr) -> Sign {
+        let smooth = |n: Node| !matches!(n, Node::Call(Func::Abs | Func::Sign, _) | Node::Call2(..));
+        if !pool.reachable(&[e]).into_iter().all(|n| smooth(pool.node(n))) {
+            return Sign::Unknown;
+        }
+        let used: Vec<Symbol> = pool.symbols_of(&[e]).into_iter().filter(|s| self.variables.contains(s)).collect();
+        let gradient = pool.gradient(e, &used);
+        if used.is_empty()
+            || used.len() > 8
+            || !std::iter::once(&e).chain(&gradient).all(|&d| self.vanishes_at_origin(pool, d))
+        {
+            return Sign::Unknown;
+        }
+        let zero = pool.int(0);
+        let origin: FxHashMap<Expr, Expr> = self.variables.iter().map(|&s| (pool.sym(s), zero)).collect();
+        let second = pool.jacobian(&gradient, &used).concat();
+        let constant = !second.iter().any(|&e| used.iter().any(|&s| pool.depends_on(e, s)));
+        let second = pool.substitute_all(&second, &origin);
+        let Some(values) = self.frame.numbers(pool, &second) else { return Sign::Unknown };
+        let matrix = DMatrix::from_row_slice(used.len(), used.len(), &values);
+        match definite(&matrix) {
+            Some(true) => return Sign::NonNegative,
+            Some(false) => return Sign::NonPositive,
+            None if !constant => return Sign::Unknown,
+            None => {}
+        }
+        // A quadratic function may also be semidefinite, with as many clear eigenvalues as its exact rank.
+        let at: Vec<Expr> = second.into_iter().map(|e| self.frame.constants_in(pool, e)).collect();
+        let rows: Vec<Vec<Expr>> = at.chunks(used.len()).map(<[Expr]>::to_vec).collect();
+        let Ok(rank) = pool.rank(&rows, &Bindings::new()) else { return Sign::Unknown };
+        let eigenvalues = matrix.symmetric_eigenvalues();
+        let clear = CONDITION * eigenvalues.amax();
+        let rising = eigenvalues.iter().filter(|l| **l > clear).count();
+        let falling = eigenvalues.iter().filter(|l| **l < -clear).count();
+        match (rising == rank.rank, falling == rank.rank) {
+            (true, false) => Sign::NonNegative,
+            (false, true) => Sign::NonPositive,
+            _ => Sign::Unknown,
+        }
+    }
+}
+
+/// Smallest quotient of eigenvalues of a matrix that counts as definite.
+const CONDITION: f64 = 1e-7;
+
+/// Whether a symmetric matrix is positive (true) or negative (false) definite.
+pub(crate) fn definite(q: &DMatrix<f64>) -> Option<bool> {
+    let values = ((q + q.transpose()) * 0.5).symmetric_eigenvalues();
+    let (least, most) = (values.min(), values.max());
+    let clear = CONDITION * least.abs().max(most.abs());
+    if least > clear {
+        Some(true)
+    } else if most < -clear {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+fn flatten(pool: &Pool, e: Expr, out: &mut Vec<Expr>, split: fn(Node) -> Option<(Expr, Expr)>) {
+    match split(pool.node(e)) {
+        Some((a, b)) => {
+            flatten(pool, a, out, split);
+            flatten(pool, b, out, split);
+        }
+        None => out.push(e),
+    }
+}

@@ -1,0 +1,261 @@
+//! Small-time local controllability at an equilibrium: sufficient and necessary conditions.
+
+use std::fmt;
+
+use bracketry_symbolic::Pool;
+use serde::Serialize;
+
+use crate::algebra::field::is_plain_zero;
+use crate::answer::Answer;
+use crate::controllability::cancelling::cancelling;
+use crate::controllability::linearization::Linearization;
+use crate::controllability::local::Frame;
+use crate::controllability::necessary::{definite_form, half_space, stefani};
+use crate::controllability::sussmann::{Brackets, Inputs, Obstruction, Outcome, choices, shortened};
+use crate::evidence::Evidence;
+use crate::options::Limits;
+use crate::residues::Echelon;
+use crate::undecided::Undecided;
+
+/// Whether the inputs reach a full neighborhood in arbitrarily short time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// A sufficient condition holds.
+    Yes,
+    /// A necessary condition fails.
+    No,
+    /// Neither is known.
+    Inconclusive,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Verdict::Yes => "yes",
+            Verdict::No => "no",
+            Verdict::Inconclusive => "inconclusive",
+        })
+    }
+}
+
+/// What Sussmann's general sufficient condition says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum GeneralCondition {
+    /// It holds for some weights.
+    Holds,
+    /// For all weights that were tried a bad bracket is not neutralized.
+    Obstructed,
+    /// For some weights the brackets became too many or too large.
+    Unknown,
+}
+
+/// Small-time local controllability (STLC) with inputs around their values at the point.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Stlc {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The condition that holds or fails.
+    pub reason: String,
+    /// Weights, of the drift and then of the inputs (one number if they are all equal), for which
+    /// Sussmann's condition holds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weights: Option<Vec<u32>>,
+    /// What Sussmann's condition says; absent where a simpler test decides first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub general_condition: Option<GeneralCondition>,
+    /// Weights that were tried.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub weights_tried: Vec<Vec<u32>>,
+    /// The first bad bracket that is not neutralized, for the first of the weights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub obstruction: Option<Obstruction>,
+}
+
+impl Stlc {
+    pub(crate) fn new(verdict: Verdict, reason: impl Into<String>) -> Self {
+        Stlc {
+            verdict,
+            reason: reason.into(),
+            weights: None,
+            general_condition: None,
+            weights_tried: Vec::new(),
+            obstruction: None,
+        }
+    }
+
+    /// With the weights for which Sussmann's condition holds.
+    fn holding(self, weights: Vec<u32>) -> Self {
+        Stlc { weights: Some(weights), general_condition: Some(GeneralCondition::Holds), ..self }
+    }
+
+    /// No verdict, for a reason that lies outside of the brackets.
+    pub fn inconclusive(reason: impl Into<String>) -> Self {
+        Stlc::new(Verdict::Inconclusive, reason)
+    }
+
+    /// The orbit is a manifold of lower dimension (Nagano–Sussmann).
+    pub(crate) fn not_accessible(dimension: usize, states: usize) -> Self {
+        let reason = format!("the accessibility algebra has dimension {dimension} < {states} at the point");
+        Stlc::new(Verdict::No, reason)
+    }
+}
+
+/// Decides STLC with free inputs as far as the conditions below go.
+///
+/// - not an equilibrium and f(x0) outside span g(x0): no (bounded inputs cannot hold the state);
+/// - dimension at x0 not full: no (the orbit is a lower-dimensional manifold, Nagano–Sussmann);
+/// - controllable linearization: yes;
+/// - no drift and full dimension: yes (Chow–Rashevskii);
+/// - an invariant half-space: no (see [`half_space`]);
+/// - Sussmann's general condition, also after a change of the inputs: yes;
+/// - one input: no where Stefani's necessary condition fails (see [`stefani`]);
+/// - a definite second-order form: no (see [`definite_form`]).
+pub(crate) fn decide(
+    pool: &mut Pool,
+    frame: &Frame,
+    dimension: &Answer<usize>,
+    linearization: Option<&Linearization>,
+    limits: &Limits,
+    evidence: &mut Evidence,
+) -> Stlc {
+    attempt(pool, frame, dimension, linearization, limits, evidence)
+        .unwrap_or_else(|why| Stlc::inconclusive(why.to_string()))
+}
+
+/// Most new nodes that the weights of a condition may take that is known to hold.
+const FEW_NODES: usize = 5_000;
+
+fn attempt(
+    pool: &mut Pool,
+    frame: &Frame,
+    dimension: &Answer<usize>,
+    linearization: Option<&Linearization>,
+    limits: &Limits,
+    evidence: &mut Evidence,
+) -> Result<Stlc, Undecided> {
+    let n = frame.fields.states.len();
+    let Some(linearization) = linearization else {
+        let mut span = Echelon::new(&frame.evaluate(pool, &frame.fields.controls, evidence)?, n);
+        let drift = frame.evaluate(pool, std::slice::from_ref(&frame.fields.drift), evidence)?;
+        return Ok(if drift.into_iter().any(|f| span.insert(f)) {
+            Stlc::new(Verdict::No, "the drift does not vanish at the point and no input balances it")
+        } else {
+            Stlc::inconclusive("the point is no equilibrium for the inputs given with it")
+        });
+    };
+    match dimension {
+        Answer::Known(d) if *d < n => {
+            return Ok(Stlc::not_accessible(*d, n));
+        }
+        _ => {}
+    }
+    let controllable = linearization.controllable();
+    let inputs = frame.fields.controls.len();
+    if controllable.rank() == n {
+        // Equal weights if few brackets show it; else brackets with one input, which span all,
+        // weigh less than those with two.
+        let few = Limits { nodes: limits.nodes.min(FEW_NODES), ..*limits };
+        let mut brackets = Brackets::new(pool, frame, Inputs::given(frame), &few);
+        let equal = vec![1; inputs + 1];
+        let holds = matches!(brackets.test(pool, &equal, evidence), Ok(Outcome::Holds));
+        let weights = if holds { vec![1, 1] } else { vec![1, linearization.index() as u32] };
+        return Ok(Stlc::new(Verdict::Yes, "the linearisation is controllable").holding(weights));
+    }
+    if let Some(reason) = half_space(pool, frame, &vec![None; inputs], evidence)? {
+        let mut stlc = Stlc::new(Verdict::No, reason);
+        if dimension.known().is_some() {
+            let general = general(pool, frame, limits, evidence)?;
+            stlc.general_condition = general.general_condition;
+            stlc.weights_tried = general.weights_tried;
+            stlc.obstruction = general.obstruction;
+        }
+        return Ok(stlc);
+    }
+    if let Answer::Unknown(why) = dimension {
+        return Ok(Stlc::inconclusive(format!("the accessible dimension is not decided: {why}")));
+    }
+    if is_plain_zero(pool, &frame.fields.drift) {
+        // No bracket with f is left to be neutralized.
+        return Ok(Stlc::new(Verdict::Yes, "no drift and full dimension (Chow–Rashevskii)").holding(vec![1, 1]));
+    }
+    let mut stlc = general(pool, frame, limits, evidence)?;
+    if stlc.verdict == Verdict::Yes {
+        return Ok(stlc);
+    }
+    if let [g] = frame.fields.controls.as_slice()
+        && let Some(k) = stefani(pool, frame, g, &controllable, limits, evidence)?
+    {
+        stlc.verdict = Verdict::No;
+        stlc.reason = format!(
+            "ad_g^{k} f at the point is no combination of brackets with fewer factors g (Stefani's necessary condition)"
+        );
+        return Ok(stlc);
+    }
+    if let Some(k) = definite_form(pool, frame, evidence)? {
+        stlc.verdict = Verdict::No;
+        let d = if k == 0 { "the inputs".to_owned() } else { format!("the inputs and their first {k} brackets") };
+        stlc.reason =
+            format!("second-order brackets of {d} with f are definite across all that the linearisation reaches");
+    }
+    Ok(stlc)
+}
+
+/// Sussmann's condition for all weights that are tried, and where inputs can be chosen so that
+/// their bad brackets of second order cancel, also for those.
+fn general(pool: &mut Pool, frame: &Frame, limits: &Limits, evidence: &mut Evidence) -> Result<Stlc, Undecided> {
+    let m = frame.fields.controls.len();
+    let given = search(pool, frame, Inputs::given(frame), limits, evidence)?;
+    if given.verdict == Verdict::Yes || m < 2 {
+        return Ok(given);
+    }
+    if let Some((inputs, names)) = cancelling(pool, frame, evidence)? {
+        let changed = search(pool, frame, inputs, limits, evidence)?;
+        if changed.verdict == Verdict::Yes {
+            let reason = format!("{} for the inputs along {}", changed.reason, names.join(", "));
+            return Ok(Stlc { reason, ..changed });
+        }
+    }
+    Ok(given)
+}
+
+fn search(
+    pool: &mut Pool,
+    frame: &Frame,
+    inputs: Inputs,
+    limits: &Limits,
+    evidence: &mut Evidence,
+) -> Result<Stlc, Undecided> {
+    let m = inputs.fields.len();
+    let mut brackets = Brackets::new(pool, frame, inputs, limits);
+    let mut stlc = Stlc::inconclusive("");
+    let mut open = false;
+    for weights in choices(m) {
+        stlc.weights_tried.push(shortened(&weights));
+        match brackets.test(pool, &weights, evidence)? {
+            Outcome::Holds => {
+                let weights = shortened(&weights);
+                let reason = format!("Sussmann's condition holds with weights {weights:?} of drift and inputs");
+                let holds = Stlc::new(Verdict::Yes, reason).holding(weights);
+                return Ok(Stlc { weights_tried: stlc.weights_tried, ..holds });
+            }
+            Outcome::Obstructed(o) => {
+                stlc.obstruction.get_or_insert(o);
+            }
+            Outcome::TooLarge => open = true,
+        }
+    }
+    stlc.general_condition = Some(if open { GeneralCondition::Unknown } else { GeneralCondition::Obstructed });
+    stlc.reason = match &stlc.obstruction {
+        Some(o) => format!(
+            "the bad bracket {} is not neutralised with weights {:?}, nor are others with {} further choices of weights{}",
+            o.bracket,
+            o.weights,
+            stlc.weights_tried.len() - 1,
+            if open { ", of which some take too many brackets" } else { "" }
+        ),
+        None => "the brackets that Sussmann's condition asks for are too many".to_owned(),
+    };
+    Ok(stlc)
+}

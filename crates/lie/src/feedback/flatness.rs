@@ -1,0 +1,458 @@
+//! Differential flatness: proofs and disproofs, and flat outputs.
+
+use bracketry_symbolic::{Expr, Func, Node, Pool, Symbol};
+
+use crate::algebra::field::{Field, VectorFields, bracket, is_plain_zero};
+use crate::algebra::integrals::search::{integrals, integrals_of_involutive};
+use crate::algebra::involutive::involutive_closure;
+use crate::algebra::matrix::{generic_rank, reduced};
+use crate::algebra::rational::readable::tidy;
+use crate::algebra::span::{independent, involutive};
+use crate::budget::check_size;
+use crate::evidence::Evidence;
+use crate::feedback::extension::{DynamicExtension, ExtensionLimits, subsets};
+use crate::feedback::static_linearization::LinearizationFlag;
+use crate::undecided::Undecided;
+
+/// Whether a system is flat near a generic point (Fliess, Lévine, Martin and Rouchon 1995).
+#[derive(Clone, Debug)]
+pub(crate) struct Flatness {
+    /// The verdict; `None` if neither was proven.
+    pub(crate) flat: Option<bool>,
+    /// Flat outputs, if they were found; verified by `extension` or by linearization.
+    pub(crate) outputs: Vec<Expr>,
+    /// The dynamic feedback that linearizes the system by these outputs; `None` if they were not
+    /// found, or none is needed.
+    pub(crate) extension: Option<DynamicExtension>,
+    /// What the verdict rests on.
+    pub(crate) reason: String,
+}
+
+/// Most tuples of outputs for which the dynamic extension algorithm is run.
+const MAX_TUPLES: usize = 30;
+/// Most new nodes of the pool for one of them.
+const MAX_TUPLE_NODES: usize = 6_000;
+/// Most new nodes in the whole search.
+const MAX_SEARCH_NODES: usize = 30_000;
+/// Most integrators in front of one input in the search for a linearizable prolongation.
+const MAX_PROLONGATION: usize = 3;
+/// Most integrators together: the derivatives grow with their number.
+pub(crate) const MAX_INTEGRATORS: usize = 5;
+
+/// What is known of a system before its flatness is asked for.
+pub(crate) struct Known<'a> {
+    /// Names of the inputs.
+    pub(crate) inputs: &'a [Symbol],
+    /// Functions to try first: the outputs and definitions of the model.
+    pub(crate) functions: &'a [Expr],
+    /// How many of `functions` are outputs of the model.
+    pub(crate) outputs: usize,
+    /// Dimension of the strong accessibility distribution.
+    pub(crate) strong_dimension: Option<usize>,
+    pub(crate) flag: &'a LinearizationFlag,
+    /// The dynamic extension for the outputs of the model, if there is one.
+    pub(crate) extension: Option<&'a DynamicExtension>,
+}
+
+impl Flatness {
+    fn no(reason: &str) -> Self {
+        Flatness { flat: Some(false), outputs: Vec::new(), extension: None, reason: reason.to_owned() }
+    }
+
+    fn yes(reason: String) -> Self {
+        Flatness { flat: Some(true), outputs: Vec::new(), extension: None, reason }
+    }
+
+    fn by_extension(extension: DynamicExtension, outputs: Vec<Expr>, reason: String) -> Self {
+        let needed = extension.integrators.iter().any(|&k| k > 0);
+        Flatness { flat: Some(true), outputs, extension: needed.then_some(extension), reason }
+    }
+}
+
+impl VectorFields {
+    /// Decides on flatness as far as the criteria here go. The input fields must be independent.
+    pub(crate) fn flatness(
+        &self,
+        pool: &mut Pool,
+        known: &Known<'_>,
+        evidence: &mut Evidence,
+    ) -> Result<Flatness, Undecided> {
+        let (n, m) = (self.states.len(), self.controls.len());
+        if known.strong_dimension.is_some_and(|d| d < n) {
+            return Ok(Flatness::no("not strongly accessible: some function of the state no input influences"));
+        }
+        if known.flag.linearizable() {
+            let reason = "linearisable by static feedback".to_owned();
+            let found = self.linearizing_outputs(pool, known.flag, known.functions, evidence)?;
+            let outputs = found.map_or(Vec::new(), |f| f.functions);
+            return Ok(Flatness { outputs, ..Flatness::yes(reason) });
+        }
+        if m == 1 {
+            return Ok(Flatness::no(
+                "a system with one input is flat only if it is linearisable by static feedback (Charlet, Lévine and Marino 1989)",
+            ));
+        }
+        let mut search = Search { system: self, known, first: pool.len(), tuples: 0 };
+        let driftless = is_plain_zero(pool, &self.drift);
+        let accessible = known.strong_dimension == Some(n);
+        let mut proven = None;
+        if driftless && m == 2 {
+            match search.two_inputs_without_drift(pool, evidence)? {
+                Some(found) if found.flat == Some(false) => return Ok(found),
+                found => proven = found,
+            }
+        } else if accessible && n == m + 1 {
+            proven = Some(Flatness::yes(
+                "accessible with one input less than states (Charlet, Lévine and Marino 1989)".to_owned(),
+            ));
+        } else if accessible && driftless && n == m + 2 {
+            proven = Some(Flatness::yes(
+                "accessible without drift, with two inputs less than states (Martin and Rouchon 1995)".to_owned(),
+            ));
+        }
+        if proven.as_ref().is_some_and(|p| !p.outputs.is_empty()) {
+            return Ok(proven.unwrap_or_else(|| Flatness::yes(String::new())));
+        }
+        let found = search.outputs(pool, evidence);
+        if let Ok(Some(found)) = found {
+            let reason = proven.map_or(found.reason.clone(), |p| p.reason);
+            return Ok(Flatness { reason, ..found });
+        }
+        if let Some(proven) = proven {
+            return Ok(proven);
+        }
+        if let Some(found) = search.prolongation(pool, evidence) {
+            return Ok(found);
+        }
+        let reason = match found {
+            Err(why) => why.to_string(),
+            Ok(_) => "no flat outputs were found among the functions tried, and no criterion excludes them".to_owned(),
+        };
+        Ok(Flatness { flat: None, outputs: Vec::new(), extension: None, reason })
+    }
+
+    /// The system with `count` integrators in front of one input.
+    fn prolonged(&self, pool: &mut Pool, input: usize, count: usize) -> VectorFields {
+        let mut system = self.clone();
+        let (zero, one) = (pool.int(0), pool.int(1));
+        for k in 0..count {
+            let state = pool.symbol(&format!("integral {k} of input {input}"));
+            let z = pool.sym(state);
+            let g = std::mem::take(&mut system.controls[input]);
+            for (f, &h) in system.drift.iter_mut().zip(&g) {
+                let term = pool.mul(z, h);
+                *f = pool.add(*f, term);
+            }
+            system.states.push(state);
+            let n = system.states.len();
+            system.drift.push(zero);
+            system.controls[input] = vec![zero; n];
+            system.controls[input][n - 1] = one;
+            for field in &mut system.controls {
+                field.resize(n, zero);
+            }
+        }
+        system
+    }
+}
+
+struct Search<'a> {
+    system: &'a VectorFields,
+    known: &'a Known<'a>,
+    first: usize,
+    tuples: usize,
+}
+
+impl Search<'_> {
+    fn exhausted(&self, pool: &Pool) -> bool {
+        self.tuples >= MAX_TUPLES || pool.len() > self.first + MAX_SEARCH_NODES
+    }
+
+    /// Runs the dynamic extension algorithm for a tuple of outputs.
+    fn attempt(
+        &mut self,
+        pool: &mut Pool,
+        outputs: &[Expr],
+        evidence: &mut Evidence,
+    ) -> Result<Option<DynamicExtension>, Undecided> {
+        let rows: Vec<Field> = outputs.iter().map(|&h| pool.gradient(h, &self.system.states)).collect();
+        if generic_rank(pool, &rows, &self.system.bindings, evidence)? < outputs.len() {
+            return Ok(None);
+        }
+        if let Some(known) = self.known.extension.filter(|_| outputs == &self.known.functions[..self.known.outputs]) {
+            return Ok(Some(known.clone()).filter(DynamicExtension::linearizes));
+        }
+        self.tuples += 1;
+        let limits =
+            ExtensionLimits { integrators: MAX_INTEGRATORS.min(self.system.states.len()), nodes: MAX_TUPLE_NODES };
+        match self.system.dynamic_extension(pool, outputs, self.known.inputs, limits, evidence) {
+            Ok(found) => Ok(found.filter(DynamicExtension::linearizes)),
+            // Too large an expression says nothing about other outputs.
+            Err(Undecided::TooLarge { .. }) => Ok(None),
+            Err(why) => Err(why),
+        }
+    }
+
+    /// Flat outputs among functions of the state.
+    fn outputs(&mut self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Option<Flatness>, Undecided> {
+        let m = self.system.controls.len();
+        let model = &self.known.functions[..self.known.outputs];
+        let reason = |what: &str| format!("dynamic feedback linearises the system by {what}");
+        if model.len() == m
+            && let Some(found) = self.attempt(pool, model, evidence)?
+        {
+            return Ok(Some(Flatness::by_extension(found, model.to_vec(), reason("the outputs of the model"))));
+        }
+        if let Some(found) = self.integrals(pool, evidence)? {
+            return Ok(Some(found));
+        }
+        let mut candidates = self.known.functions.to_vec();
+        for h in self.states_by_degree(pool, evidence)? {
+            if !candidates.contains(&h) {
+                candidates.push(h);
+            }
+        }
+        let indices: Vec<usize> = (0..candidates.len().min(12)).collect();
+        for tuple in subsets(&indices, m) {
+            if self.exhausted(pool) {
+                break;
+            }
+            let outputs: Vec<Expr> = tuple.iter().map(|&i| candidates[i]).collect();
+            if outputs == model {
+                continue;
+            }
+            if let Some(found) = self.attempt(pool, &outputs, evidence)? {
+                return Ok(Some(Flatness::by_extension(found, outputs, reason("these functions"))));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Sine and cosine of every state that occurs within one, alone or in a sum of angles.
+    fn circular_functions(&self, pool: &mut Pool) -> Vec<Expr> {
+        let mut roots = self.system.controls.concat();
+        roots.extend(&self.system.drift);
+        let mut list = Vec::new();
+        for e in pool.reachable(&roots) {
+            let Node::Call(Func::Sin | Func::Cos | Func::Tan, a) = pool.node(e) else { continue };
+            for s in pool.symbols_of(&[a]) {
+                if self.system.states.contains(&s) {
+                    let x = pool.sym(s);
+                    for f in [pool.sin(x), pool.cos(x)] {
+                        if !list.contains(&f) {
+                            list.push(f);
+                        }
+                    }
+                }
+            }
+        }
+        list
+    }
+
+    /// The states, those first that the inputs reach last.
+    fn states_by_degree(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Vec<Expr>, Undecided> {
+        let states: Vec<Expr> = self.system.states.iter().map(|&s| pool.sym(s)).collect();
+        let degrees = self.system.relative_degree(pool, &states, evidence)?.degrees;
+        let mut order: Vec<usize> = (0..states.len()).filter(|&i| degrees[i].is_some()).collect();
+        order.sort_by_key(|&i| std::cmp::Reverse(degrees[i]));
+        Ok(order.into_iter().map(|i| states[i]).collect())
+    }
+
+    /// Functions that the inputs of a subset reach late: integrals of the closure of all input
+    /// fields with `ad_f^k g_i`, i in the subset. The one that leaves as many functions as there are inputs.
+    fn integrals(&mut self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Option<Flatness>, Undecided> {
+        let (n, m) = (self.system.states.len(), self.system.controls.len());
+        if is_plain_zero(pool, &self.system.drift) || n <= m {
+            return Ok(None);
+        }
+        let all: Vec<usize> = (0..m).collect();
+        for size in 0..m {
+            for subset in subsets(&all, size) {
+                let mut span = self.system.controls.clone();
+                let mut last: Vec<Field> = subset.iter().map(|&i| self.system.controls[i].clone()).collect();
+                for _ in 0..n {
+                    if self.exhausted(pool) {
+                        return Ok(None);
+                    }
+                    let closure =
+                        involutive_closure(pool, &self.system.states, &span, &self.system.bindings, evidence)?;
+                    let left = n - closure.dimension();
+                    if left == m {
+                        let mut known = self.known.functions.to_vec();
+                        known.extend(self.circular_functions(pool));
+                        let (basis, bindings) = (&closure.basis, &self.system.bindings);
+                        let found =
+                            integrals_of_involutive(pool, &self.system.states, basis, &known, bindings, evidence)?;
+                        let outputs: Vec<Expr> = found.functions.iter().map(|&h| tidy(pool, h)).collect();
+                        if outputs.len() == m
+                            && let Some(extension) = self.attempt(pool, &outputs, evidence)?
+                        {
+                            let reason = "dynamic feedback linearises the system by these functions".to_owned();
+                            return Ok(Some(Flatness::by_extension(extension, outputs, reason)));
+                        }
+                    }
+                    if left <= m || last.is_empty() {
+                        break;
+                    }
+                    for y in &mut last {
+                        *y = bracket(pool, &self.system.states, &self.system.drift, y);
+                    }
+                    let before = span.len();
+                    span.extend(last.iter().cloned());
+                    span = independent(pool, &span, &self.system.bindings, evidence)?;
+                    if span.len() == before {
+                        break;
+                    }
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Martin and Rouchon 1994: x' = u1 g1 + u2 g2 is flat near a generic point just when the
+    /// derived flag E_{k+1} = E_k + [E_k, E_k] has dimensions 2, 3, 4, …, n. Outputs φ1, φ2 are then flat
+    /// just when their common kernel lies in E_{n−3} (Li and Respondek 2012).
+    fn two_inputs_without_drift(
+        &mut self,
+        pool: &mut Pool,
+        evidence: &mut Evidence,
+    ) -> Result<Option<Flatness>, Undecided> {
+        let system = self.system;
+        let (n, states, bindings) = (system.states.len(), &system.states, &system.bindings);
+        let flag = involutive_closure(pool, states, &system.controls, bindings, evidence)?;
+        let list: Vec<String> = flag.growth.iter().map(ToString::to_string).collect();
+        let dimensions = format!("the derived flag of the two inputs has dimensions {}", list.join(", "));
+        if flag.growth.iter().copied().ne(2..=n) {
+            let reason = format!("{dimensions}, which do not grow by one up to {n} (Martin and Rouchon 1994)");
+            return Ok(Some(Flatness::no(&reason)));
+        }
+        let mut found = Flatness::yes(format!("{dimensions} (Martin and Rouchon 1994)"));
+        if n < 3 {
+            return Ok(Some(found));
+        }
+        let corank_one = &flag.basis[..n - 1];
+        let mut candidates = self.known.functions.to_vec();
+        for &s in states {
+            let x = pool.sym(s);
+            if !candidates.contains(&x) {
+                candidates.push(x);
+            }
+        }
+        let all: Vec<usize> = (0..candidates.len()).collect();
+        for pair in subsets(&all, 2) {
+            let pair: Vec<Expr> = pair.into_iter().map(|i| candidates[i]).collect();
+            if self.kernel_within(pool, &pair, corank_one, evidence)? {
+                found.outputs = pair;
+                break;
+            }
+        }
+        if found.outputs.is_empty() {
+            let corank_one = reduced(pool, corank_one, bindings, evidence)?;
+            for &h in &candidates {
+                if let Some(pair) = self.completed(pool, h, &corank_one, evidence)? {
+                    found.outputs = pair;
+                    break;
+                }
+            }
+        }
+        // Flat outputs of a chain need an integrator for every state but two.
+        if !found.outputs.is_empty()
+            && n - 2 <= MAX_INTEGRATORS
+            && let Some(extension) = self.attempt(pool, &found.outputs.clone(), evidence)?
+        {
+            found.extension = Some(extension);
+        }
+        Ok(Some(found))
+    }
+
+    /// Whether two functions with independent differentials have a common kernel inside a
+    /// distribution with one dimension less than the space: their derivatives along it have rank one.
+    fn kernel_within(
+        &self,
+        pool: &mut Pool,
+        pair: &[Expr],
+        distribution: &[Field],
+        evidence: &mut Evidence,
+    ) -> Result<bool, Undecided> {
+        let system = self.system;
+        let gradients: Vec<Field> = pair.iter().map(|&h| pool.gradient(h, &system.states)).collect();
+        if generic_rank(pool, &gradients, &system.bindings, evidence)? < 2 {
+            return Ok(false);
+        }
+        let along: Vec<Vec<Expr>> = pair
+            .iter()
+            .map(|&h| distribution.iter().map(|y| pool.lie_derivative(h, &system.states, y)).collect())
+            .collect();
+        Ok(generic_rank(pool, &along, &system.bindings, evidence)? == 1)
+    }
+
+    /// `h` with a second function, if the fields of the distribution along which h is constant have two integrals.
+    fn completed(
+        &self,
+        pool: &mut Pool,
+        h: Expr,
+        distribution: &[Field],
+        evidence: &mut Evidence,
+    ) -> Result<Option<Vec<Expr>>, Undecided> {
+        check_size(pool, self.first)?;
+        let system = self.system;
+        let slopes: Vec<Expr> = distribution.iter().map(|y| pool.lie_derivative(h, &system.states, y)).collect();
+        let mut pivot = None;
+        for (i, &s) in slopes.iter().enumerate() {
+            if !system.vanishes(pool, s, evidence)? {
+                pivot = Some(i);
+                break;
+            }
+        }
+        let Some(p) = pivot else { return Ok(None) };
+        let mut kernel = Vec::new();
+        for (i, y) in distribution.iter().enumerate().filter(|x| x.0 != p) {
+            let share = pool.div(slopes[i], slopes[p]);
+            let field: Field = y
+                .iter()
+                .zip(&distribution[p])
+                .map(|(&a, &b)| {
+                    let term = pool.mul(share, b);
+                    let e = pool.sub(a, term);
+                    tidy(pool, e)
+                })
+                .collect();
+            kernel.push(field);
+        }
+        if !involutive(pool, &system.states, &kernel, 0, &system.bindings, evidence)? {
+            return Ok(None);
+        }
+        let mut known = vec![h];
+        known.extend(self.known.functions);
+        known.extend(self.circular_functions(pool));
+        let found = integrals(pool, &system.states, &kernel, &known, &system.bindings, evidence)?;
+        for &second in &found.functions {
+            let pair = [h, tidy(pool, second)];
+            if self.kernel_within(pool, &pair, distribution, evidence)? {
+                return Ok(Some(pair.to_vec()));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether the system becomes linearizable by static feedback with integrators in front of one input.
+    fn prolongation(&self, pool: &mut Pool, evidence: &mut Evidence) -> Option<Flatness> {
+        for count in 1..=MAX_PROLONGATION {
+            for input in 0..self.system.controls.len() {
+                if pool.len() > self.first + MAX_SEARCH_NODES {
+                    return None;
+                }
+                let extended = self.system.prolonged(pool, input, count);
+                let Ok(flag) = extended.linearization_flag(pool, evidence) else { continue };
+                if flag.linearizable() {
+                    let name = pool.name(self.known.inputs[input]).to_owned();
+                    let integrators =
+                        if count == 1 { "an integrator".to_owned() } else { format!("{count} integrators") };
+                    let reason = format!("linearisable by static feedback after {integrators} in front of {name}");
+                    return Some(Flatness::yes(reason));
+                }
+            }
+        }
+        None
+    }
+}

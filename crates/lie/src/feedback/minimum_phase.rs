@@ -1,0 +1,162 @@
+//! Stability of the zero dynamics.
+
+use bracketry_symbolic::{Expr, Pool, Symbol, Tape};
+use nalgebra::DMatrix;
+
+use crate::algebra::field::VectorFields;
+use crate::answer::Answer;
+use crate::evidence::Evidence;
+use crate::feedback::zero_dynamics::{Set, ZeroDynamics};
+
+/// Whether the zero dynamics are asymptotically stable at an equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MinimumPhase {
+    /// The verdict.
+    pub holds: Answer<bool>,
+    /// What it rests on; absent for an unknown verdict, which has its own reason.
+    pub reason: Option<String>,
+    /// Eigenvalues of the linearization, real and imaginary parts; empty if there is no equilibrium or no coordinate.
+    pub eigenvalues: Vec<(f64, f64)>,
+}
+
+impl ZeroDynamics {
+    /// Whether the equilibrium at `point` (one constant expression per state of `fields`) is
+    /// asymptotically stable on the set.
+    pub fn minimum_phase(
+        &self,
+        pool: &mut Pool,
+        fields: &VectorFields,
+        point: &[Expr],
+        evidence: &mut Evidence,
+    ) -> MinimumPhase {
+        let decided = |holds: bool, reason: String, eigenvalues| MinimumPhase {
+            holds: Answer::Known(holds),
+            reason: Some(reason),
+            eigenvalues,
+        };
+        let open = |reason: &str| MinimumPhase {
+            holds: Answer::Unknown(reason.to_owned()),
+            reason: None,
+            eigenvalues: Vec::new(),
+        };
+        if self.states.is_empty() {
+            return decided(true, "no motion is left".to_owned(), Vec::new());
+        }
+        if self.inputs.iter().any(Option::is_none) {
+            return open("the outputs leave inputs free, which may stabilise what is left");
+        }
+        let mut conditions = self.equations.clone();
+        for &(s, value) in &self.solved {
+            let x = pool.sym(s);
+            conditions.push(pool.sub(x, value));
+        }
+        let set = Set {
+            fields,
+            point: fields.states.iter().copied().zip(point.iter().copied()).collect(),
+            free: self.states.clone(),
+            solved: Vec::new(),
+            nonzero: Vec::new(),
+            pivots: Vec::new(),
+        };
+        for c in conditions {
+            match set.vanishes_at_point(pool, c, evidence) {
+                Some(true) => {}
+                Some(false) => return open("the point is not an equilibrium of the zero dynamics"),
+                None => return open("whether the point is an equilibrium of the zero dynamics is not decided"),
+            }
+        }
+        let mut divergence = pool.int(0);
+        for (&z, &e) in self.states.iter().zip(&self.equations) {
+            let d = pool.diff(e, z);
+            divergence = pool.add(divergence, d);
+        }
+        if fields.vanishes(pool, divergence, evidence) == Ok(true) && self.states.len() > 1 {
+            // Liouville: an attracting equilibrium would make volumes shrink.
+            let eigenvalues = self.eigenvalues(pool, &set).unwrap_or_default();
+            return decided(
+                false,
+                "the zero dynamics preserve volume, so no equilibrium attracts".to_owned(),
+                eigenvalues,
+            );
+        }
+        if let &[z] = self.states.as_slice() {
+            return self.scalar(pool, &set, z, evidence);
+        }
+        let Some(eigenvalues) = self.eigenvalues(pool, &set) else {
+            return open("the linearisation of the zero dynamics has no numerical value");
+        };
+        let k = self.states.len();
+        let size = eigenvalues.iter().map(|z| z.0.hypot(z.1)).fold(f64::MIN_POSITIVE, f64::max);
+        // An eigenvalue of multiplicity k moves by the k-th root of a perturbation.
+        let tolerance = 10.0 * size * (k as f64 * f64::EPSILON).powf(1.0 / k as f64);
+        let worst = eigenvalues.iter().map(|z| z.0).fold(f64::NEG_INFINITY, f64::max);
+        if worst < -tolerance {
+            decided(true, "the eigenvalues of the zero dynamics have negative real parts".to_owned(), eigenvalues)
+        } else if worst > tolerance {
+            decided(false, "the zero dynamics have an eigenvalue with positive real part".to_owned(), eigenvalues)
+        } else {
+            let reason = "the zero dynamics have eigenvalues on, or too near, the imaginary axis".to_owned();
+            MinimumPhase { holds: Answer::Unknown(reason), reason: None, eigenvalues }
+        }
+    }
+
+    /// Eigenvalues of the linearization at the point of `set`, real and imaginary parts.
+    fn eigenvalues(&self, pool: &mut Pool, set: &Set<'_>) -> Option<Vec<(f64, f64)>> {
+        let rows = pool.jacobian(&self.equations, &self.states).concat();
+        let values = set.numbers(pool, &rows)?;
+        let a = DMatrix::from_row_slice(self.states.len(), self.states.len(), &values);
+        Some(a.complex_eigenvalues().iter().map(|z| (z.re, z.im)).collect())
+    }
+
+    /// z' = F(z): the first derivative of F that does not vanish decides.
+    fn scalar(&self, pool: &mut Pool, set: &Set<'_>, z: Symbol, evidence: &mut Evidence) -> MinimumPhase {
+        const MAX_ORDER: usize = 7;
+        let mut d = self.equations[0];
+        let mut eigenvalues = Vec::new();
+        if pool.is_zero(d) {
+            let reason = "every point of the zero dynamics is at rest".to_owned();
+            return MinimumPhase { holds: Answer::Known(false), reason: Some(reason), eigenvalues: vec![(0.0, 0.0)] };
+        }
+        for order in 1..=MAX_ORDER {
+            d = pool.diff(d, z);
+            let vanishes = set.vanishes_at_point(pool, d, evidence);
+            let value = if vanishes == Some(true) { Some(0.0) } else { set.numbers(pool, &[d]).map(|v| v[0]) };
+            let Some(value) = value.filter(|_| vanishes.is_some()) else { break };
+            if order == 1 {
+                eigenvalues.push((value, 0.0));
+            }
+            if value != 0.0 {
+                let stable = order % 2 == 1 && value < 0.0;
+                let name = pool.name(z);
+                let reason = match (order, stable) {
+                    (1, true) => "the eigenvalue of the zero dynamics is negative".to_owned(),
+                    (1, false) => "the eigenvalue of the zero dynamics is positive".to_owned(),
+                    _ => format!("the zero dynamics begin with a multiple of {name}^{order}"),
+                };
+                return MinimumPhase { holds: Answer::Known(stable), reason: Some(reason), eigenvalues };
+            }
+        }
+        let reason = "the derivatives of the zero dynamics at the point do not decide".to_owned();
+        MinimumPhase { holds: Answer::Unknown(reason), reason: None, eigenvalues }
+    }
+}
+
+impl Set<'_> {
+    /// Values at the point, parameters at theirs; `None` if one has none or is not finite.
+    fn numbers(&self, pool: &mut Pool, list: &[Expr]) -> Option<Vec<f64>> {
+        let (bindings, mut map) = self.at_point(pool);
+        let mut roots = pool.substitute_all(list, &map);
+        map.clear();
+        for s in pool.symbols_of(&roots) {
+            if let Some(v) = bindings.get(s).cloned() {
+                let x = pool.sym(s);
+                map.insert(x, pool.rational(v));
+            }
+        }
+        roots = pool.substitute_all(&roots, &map);
+        let tape = Tape::compile(pool, &[], &roots).ok()?;
+        let mut values = vec![0.0; tape.n_outputs()];
+        tape.eval(&[], &mut Vec::new(), &mut values);
+        values.iter().all(|v| v.is_finite()).then_some(values)
+    }
+}

@@ -1,0 +1,12 @@
+//! What feedback can do: relative degrees, linearization, flatness, zero dynamics.
+
+pub(crate) mod extension;
+pub(crate) mod flatness;
+pub(crate) mod flatness_report;
+pub(crate) mod input_output;
+pub(crate) mod minimum_phase;
+pub(crate) mod outputs;
+pub(crate) mod relative_degree;
+pub(crate) mod report;
+pub(crate) mod static_linearization;
+pub(crate) mod zero_dynamics;

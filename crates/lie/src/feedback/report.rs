@@ -1,0 +1,199 @@
+//! The parts of the report that are about control: outputs, linearization, flatness.
+
+use std::fmt;
+
+use bracketry_symbolic::Expr;
+use bracketry_system::System;
+use serde::Serialize;
+
+use crate::algebra::field::VectorFields;
+use crate::evidence::Evidence;
+use crate::feedback::flatness_report::{
+    ExtensionReport, FlatnessReport, extension_of_outputs, extension_report, flatness_report,
+};
+use crate::feedback::input_output::{InputOutputReport, input_output};
+use crate::feedback::outputs::{fed_through, fresh_symbols, named_functions};
+use crate::feedback::relative_degree::RelativeDegree;
+use crate::feedback::static_linearization::{LinearizationFlag, LinearizingOutputs};
+use crate::function::shown;
+use crate::named::Named;
+use crate::text::{assignments, readable};
+use crate::undecided::Undecided;
+
+/// What feedback can do with the system; every part is absent where it does not apply.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ControlReport {
+    /// Relative degrees and zero dynamics; absent without inputs or outputs, or if an output depends on an input directly.
+    #[serde(flatten)]
+    pub input_output: Option<InputOutputReport>,
+    /// Linearization by static feedback.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feedback_linearization: Option<LinearizationReport>,
+    /// Integrators that give the outputs of the model a vector relative degree; absent where they
+    /// have one already or never get one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dynamic_extension: Option<ExtensionReport>,
+    /// Differential flatness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flatness: Option<FlatnessReport>,
+}
+
+/// The distributions `D_i = span{ad_f^k g_j, k ≤ i}` and, for a linearizable system, its linear form.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LinearizationReport {
+    /// dim D_0, dim D_1, … until the dimension is full or repeats.
+    pub dims: Vec<usize>,
+    /// Whether D_i is involutive; the list may end after the first that is not.
+    pub involutive: Vec<bool>,
+    /// Lengths of the chains of integrators, for a linearizable system.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub controllability_indices: Vec<usize>,
+    /// Functions whose relative degrees are the controllability indices, if they were found.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub linearizing_outputs: Vec<String>,
+    /// The linearizing coordinates: each output with its derivatives.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub coordinates: Vec<Vec<String>>,
+    /// The feedback that makes the last derivatives equal to the new inputs v1, v2, …
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feedback: Option<Named<String>>,
+    /// Where this feedback is not defined; `none` if it is seen to be defined everywhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub singular_set: Option<String>,
+    /// Why something is missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// Relative degrees, linearization and flatness of a smooth system with the given fields.
+pub(crate) fn control_report(
+    system: &mut System,
+    fields: &VectorFields,
+    flag: &Result<LinearizationFlag, Undecided>,
+    strong_dimension: Option<usize>,
+    first: usize,
+    evidence: &mut Evidence,
+) -> (ControlReport, Option<RelativeDegree>) {
+    if fields.controls.is_empty() {
+        return (ControlReport::default(), None);
+    }
+    let references = fresh_symbols(&mut system.pool, "v", fields.controls.len());
+    let (input_output, degree) = if system.outputs.is_empty() || fed_through(system) {
+        (None, None)
+    } else {
+        let (report, degree) = input_output(system, fields, &references, first, evidence);
+        (Some(report), degree)
+    };
+    let feedback_linearization =
+        flag.as_ref().ok().map(|flag| linearization(system, fields, flag, &references, evidence));
+    let extension = match &degree {
+        Some(d) if !d.is_vector() && d.degrees.len() == fields.controls.len() => {
+            extension_of_outputs(system, fields, first, evidence)
+        }
+        _ => None,
+    };
+    let dynamic_extension = extension.as_ref().map(|e| extension_report(system, e));
+    let flatness = Some(flatness_report(system, fields, flag, strong_dimension, extension.as_ref(), first, evidence));
+    (ControlReport { input_output, feedback_linearization, dynamic_extension, flatness }, degree)
+}
+
+fn linearization(
+    system: &mut System,
+    fields: &VectorFields,
+    flag: &LinearizationFlag,
+    references: &[Expr],
+    evidence: &mut Evidence,
+) -> LinearizationReport {
+    let mut report = LinearizationReport {
+        dims: flag.dims.clone(),
+        involutive: flag.involutive.clone(),
+        controllability_indices: Vec::new(),
+        linearizing_outputs: Vec::new(),
+        coordinates: Vec::new(),
+        feedback: None,
+        singular_set: None,
+        reason: None,
+    };
+    if !flag.linearizable() {
+        return report;
+    }
+    report.controllability_indices = flag.controllability_indices();
+    match outputs_of(system, fields, flag, evidence) {
+        Ok(Some(found)) => {
+            let pool = &mut system.pool;
+            let text = |pool: &_, list: &[Expr]| -> Vec<String> { list.iter().map(|&e| shown(pool, e)).collect() };
+            report.linearizing_outputs = text(pool, &found.functions);
+            report.coordinates = found.degrees.derivatives.iter().map(|list| text(pool, list)).collect();
+            let names = system.inputs.iter().map(|&u| pool.name(u).to_owned()).collect::<Vec<_>>();
+            report.feedback = found
+                .degrees
+                .feedback(pool, references)
+                .map(|list| Named(names.into_iter().zip(text(pool, &list)).collect()));
+            report.singular_set = found.degrees.singular_set(pool, fields);
+        }
+        Ok(None) => report.reason = Some("the linearising outputs were not found in closed form".to_owned()),
+        Err(why) => report.reason = Some(why.to_string()),
+    }
+    report
+}
+
+fn outputs_of(
+    system: &mut System,
+    fields: &VectorFields,
+    flag: &LinearizationFlag,
+    evidence: &mut Evidence,
+) -> Result<Option<LinearizingOutputs>, Undecided> {
+    let preferred = named_functions(system);
+    fields.linearizing_outputs(&mut system.pool, flag, &preferred, evidence)
+}
+
+impl fmt::Display for ControlReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(r) = &self.input_output {
+            write!(f, "{r}")?;
+        }
+        let of_flat_outputs = self.flatness.as_ref().and_then(|r| r.dynamic_extension.as_ref());
+        if let Some(r) = &self.dynamic_extension
+            && of_flat_outputs != Some(&r.integrators)
+        {
+            write!(f, "{r}")?;
+        }
+        if let Some(r) = &self.feedback_linearization {
+            write!(f, "{r}")?;
+        }
+        if let Some(r) = &self.flatness {
+            write!(f, "{r}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for LinearizationReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let dims: Vec<String> = self
+            .dims
+            .iter()
+            .enumerate()
+            .map(|(i, d)| match self.involutive.get(i) {
+                Some(false) => format!("{d} (not involutive)"),
+                _ => d.to_string(),
+            })
+            .collect();
+        writeln!(f, "linearisation by static feedback")?;
+        writeln!(f, "  {:<22} {}", "dimensions of D_i", dims.join(", "))?;
+        for (i, (h, list)) in self.linearizing_outputs.iter().zip(&self.coordinates).enumerate() {
+            let label = if i == 0 { "linearising outputs" } else { "" };
+            writeln!(f, "  {label:<22} {} (chain of {})", readable(h), list.len())?;
+        }
+        if let Some(feedback) = &self.feedback {
+            writeln!(f, "  {:<22} {}", "linearising feedback", readable(&assignments(feedback, "")))?;
+        }
+        if let Some(set) = self.singular_set.as_ref().filter(|s| *s != "none") {
+            writeln!(f, "  {:<22} {}", "which fails where", readable(set))?;
+        }
+        if let Some(why) = &self.reason {
+            writeln!(f, "  {why}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,244 @@
+//! Exact linearization by static state feedback.
+
+use bracketry_symbolic::{Expr, Pool};
+
+use crate::algebra::field::{Field, VectorFields, bracket};
+use crate::algebra::integrals::search::integrals_of_involutive;
+use crate::algebra::matrix::generic_rank;
+use crate::algebra::merge::merge_equal;
+use crate::algebra::rational::readable::tidy;
+use crate::algebra::span::{independent, involutive};
+use crate::budget::check_growth;
+use crate::evidence::Evidence;
+use crate::feedback::relative_degree::RelativeDegree;
+use crate::undecided::Undecided;
+
+/// The distributions `D_i = span{ad_f^k g_j, k ≤ i}` at a generic point.
+#[derive(Clone, Debug)]
+pub struct LinearizationFlag {
+    /// dim D_0, dim D_1, … until the dimension is full or repeats (the repeated value is kept).
+    pub dims: Vec<usize>,
+    /// Whether D_i is involutive.
+    pub involutive: Vec<bool>,
+    /// Fields of which the first `dims[i]` span D_i if all distributions before are involutive.
+    pub basis: Vec<Field>,
+    states: usize,
+}
+
+impl LinearizationFlag {
+    /// Whether static feedback and a change of coordinates make the system linear and
+    /// controllable near a generic point.
+    ///
+    /// Jakubczyk–Respondek 1980, Hunt–Su–Meyer 1983: D_0 … D_{n−2} are involutive and dim D_{n−1} = n.
+    pub fn linearizable(&self) -> bool {
+        self.dims.last() == Some(&self.states) && self.involutive.iter().all(|&i| i)
+    }
+
+    /// Lengths of the chains of integrators that a linearizable system is equivalent to, longest
+    /// first: κ_j is the number of i with dim D_i − dim D_{i−1} ≥ j.
+    pub fn controllability_indices(&self) -> Vec<usize> {
+        let steps: Vec<usize> = self.dims.iter().scan(0, |before, &d| Some(d - std::mem::replace(before, d))).collect();
+        let inputs = steps.first().copied().unwrap_or(0);
+        (1..=inputs).map(|j| steps.iter().filter(|&&s| s >= j).count()).collect()
+    }
+}
+
+impl VectorFields {
+    /// Dimensions and involutivity of the distributions that decide on static feedback linearization.
+    ///
+    /// # Errors
+    /// [`Undecided`] if a function cannot be evaluated exactly, or grows too large before the
+    /// question of linearisability is settled.
+    pub fn linearization_flag(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<LinearizationFlag, Undecided> {
+        let n = self.states.len();
+        let basis = independent(pool, &self.controls, &self.bindings, evidence)?;
+        let mut flag = LinearizationFlag { dims: vec![basis.len()], involutive: Vec::new(), basis, states: n };
+        let first = pool.len();
+        loop {
+            match self.next_distribution(pool, &mut flag, first, evidence) {
+                Ok(true) => {}
+                Ok(false) => return Ok(flag),
+                // Once a distribution is not involutive the rest of the list decides nothing.
+                Err(_) if flag.involutive.contains(&false) => return Ok(flag),
+                Err(why) => return Err(why),
+            }
+        }
+    }
+
+    /// Decides on the involutivity of the last distribution of `flag` and appends the next one; false at the end.
+    fn next_distribution(
+        &self,
+        pool: &mut Pool,
+        flag: &mut LinearizationFlag,
+        first: usize,
+        evidence: &mut Evidence,
+    ) -> Result<bool, Undecided> {
+        let last = flag.dims.len() - 1;
+        let known = flag.basis.len();
+        let before = if last == 0 { 0 } else { flag.dims[last - 1] };
+        // Brackets of older fields lie in D_{i−1} where that is involutive.
+        let old = if flag.involutive.last() == Some(&true) { before } else { 0 };
+        if flag.involutive.len() == last {
+            flag.involutive.push(involutive(pool, &self.states, &flag.basis, old, &self.bindings, evidence)?);
+        }
+        if known == self.states.len() || known == before {
+            return Ok(false);
+        }
+        // [f, aY] = a[f, Y] + (f·a)Y, and [f, D_{i−1}] ⊂ D_i: the new fields suffice.
+        let mut all = flag.basis.clone();
+        for y in &flag.basis[before..] {
+            check_growth(pool, first, [&self.drift, y], 1)?;
+            all.push(bracket(pool, &self.states, &self.drift, y));
+        }
+        let mut basis = independent(pool, &all, &self.bindings, evidence)?;
+        if let Ok(merged) = merge_equal(pool, &basis, &self.bindings, evidence) {
+            basis = merged;
+        }
+        eliminate_units(pool, &mut basis);
+        flag.dims.push(basis.len());
+        flag.basis = basis;
+        Ok(true)
+    }
+
+    /// Whether x' = f + Σ u_i g_i can be made linear and controllable near a generic point by
+    /// a change of coordinates and static state feedback; see [`LinearizationFlag::linearizable`].
+    ///
+    /// # Errors
+    /// [`Undecided`] if a function in the fields cannot be evaluated exactly.
+    pub fn static_feedback_linearizable(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<bool, Undecided> {
+        Ok(self.linearization_flag(pool, evidence)?.linearizable())
+    }
+
+    /// Outputs with vector relative degree (κ_1, …, κ_m), Σ κ_j = n, for a linearizable system
+    /// (Isidori 1995, thm. 5.2.3), each tested exactly; `None` if they were not found in closed form.
+    ///
+    /// `preferred` functions are tried first, then the states, then functions that are constant
+    /// along the distributions of `flag`. The input fields must be independent.
+    ///
+    /// # Errors
+    /// [`Undecided`] if a function cannot be evaluated exactly.
+    pub fn linearizing_outputs(
+        &self,
+        pool: &mut Pool,
+        flag: &LinearizationFlag,
+        preferred: &[Expr],
+        evidence: &mut Evidence,
+    ) -> Result<Option<LinearizingOutputs>, Undecided> {
+        let indices = flag.controllability_indices();
+        if !flag.linearizable() || indices.len() != self.controls.len() {
+            return Ok(None);
+        }
+        let mut simple = preferred.to_vec();
+        for &s in &self.states {
+            let x = pool.sym(s);
+            if !simple.contains(&x) {
+                simple.push(x);
+            }
+        }
+        let mut chosen: Vec<Expr> = Vec::new();
+        let mut lengths: Vec<usize> = Vec::new();
+        for &length in &indices {
+            let along = if length >= 2 { &flag.basis[..flag.dims[length - 2]] } else { &[] };
+            let mut candidates = Vec::new();
+            for &h in &simple {
+                if self.constant_along(pool, h, along, evidence)? {
+                    candidates.push(h);
+                }
+            }
+            let mut next = self.first_independent(pool, &chosen, &lengths, length, &candidates, evidence)?;
+            if next.is_none() && !along.is_empty() {
+                let integrals =
+                    integrals_of_involutive(pool, &self.states, along, preferred, &self.bindings, evidence)?;
+                next = self.first_independent(pool, &chosen, &lengths, length, &integrals.functions, evidence)?;
+            }
+            let Some(h) = next else { return Ok(None) };
+            chosen.push(tidy(pool, h));
+            lengths.push(length);
+        }
+        let degrees = self.relative_degree(pool, &chosen, evidence)?;
+        let found: Option<Vec<usize>> = degrees.degrees.iter().copied().collect();
+        if degrees.is_vector() && found.is_some_and(|d| d == indices) {
+            Ok(Some(LinearizingOutputs { functions: chosen, degrees }))
+        } else {
+            Ok(None)
+        }
+    }
+
+    /// Whether the derivatives of `h` along all of `fields` vanish.
+    pub(crate) fn constant_along(
+        &self,
+        pool: &mut Pool,
+        h: Expr,
+        fields: &[Field],
+        evidence: &mut Evidence,
+    ) -> Result<bool, Undecided> {
+        for y in fields {
+            let e = pool.lie_derivative(h, &self.states, y);
+            if !self.vanishes(pool, e, evidence)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// The first of `candidates` whose differential is independent of those of
+    /// `L_f^k h_j`, k ≤ κ_j − `length`, of the functions `chosen` with κ_j in `lengths`.
+    fn first_independent(
+        &self,
+        pool: &mut Pool,
+        chosen: &[Expr],
+        lengths: &[usize],
+        length: usize,
+        candidates: &[Expr],
+        evidence: &mut Evidence,
+    ) -> Result<Option<Expr>, Undecided> {
+        let first = pool.len();
+        let mut rows = Vec::new();
+        for (&h, &k) in chosen.iter().zip(lengths) {
+            let mut h = h;
+            for step in 0..=k - length {
+                if step > 0 {
+                    check_growth(pool, first, [&[h], &[]], self.states.len())?;
+                    h = pool.lie_derivative(h, &self.states, &self.drift);
+                }
+                rows.push(pool.gradient(h, &self.states));
+            }
+        }
+        for &h in candidates {
+            let mut all = rows.clone();
+            all.push(pool.gradient(h, &self.states));
+            if generic_rank(pool, &all, &self.bindings, evidence)? == all.len() {
+                return Ok(Some(h));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// Outputs that linearize a system together with their derivatives.
+#[derive(Clone, Debug)]
+pub struct LinearizingOutputs {
+    /// The outputs, those with the longest chains first.
+    pub functions: Vec<Expr>,
+    /// Their relative degrees, which add up to the number of states. The derivatives are the
+    /// linearizing coordinates, [`RelativeDegree::feedback`] the linearizing feedback.
+    pub degrees: RelativeDegree,
+}
+
+/// Makes independent fields simpler without a change of the distributions that the first ones
+/// span: a field with one component that is not plainly zero becomes the unit field, and no
+/// later field keeps that component.
+fn eliminate_units(pool: &mut Pool, fields: &mut [Field]) {
+    let (zero, one) = (pool.int(0), pool.int(1));
+    let mut units: Vec<usize> = Vec::new();
+    for field in fields {
+        for &i in &units {
+            field[i] = zero;
+        }
+        let mut nonzero = (0..field.len()).filter(|&i| field[i] != zero);
+        if let (Some(i), None) = (nonzero.next(), nonzero.next()) {
+            field[i] = one;
+            units.push(i);
+        }
+    }
+}

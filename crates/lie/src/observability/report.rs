@@ -1,0 +1,351 @@
+//! The report on what the outputs tell: observability, identifiability and the symmetries that stand in their way.
+
+use std::fmt;
+
+use bracketry_symbolic::{Expr, Pool, Symbol, closest_name};
+use bracketry_system::System;
+use rustc_hash::FxHashMap;
+use serde::Serialize;
+
+use crate::algebra::field::{Field, VectorFields};
+use crate::answer::Answer;
+use crate::error::Error;
+use crate::evidence::Evidence;
+use crate::modes::mode_fields;
+use crate::named::Named;
+use crate::observability::codistribution::Observability;
+use crate::observability::symmetry::{operator_text, symmetry_name};
+use crate::options::Options;
+use crate::undecided::Undecided;
+
+/// A vector field along which no output changes, whatever the inputs.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Direction {
+    /// The field as a differential operator, such as `-y ∂x + x ∂y + ∂th`.
+    pub field: String,
+    /// What its flow does, if that has a name: a translation, a scaling or a rotation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub symmetry: Option<String>,
+}
+
+/// What the outputs determine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ObservabilityReport {
+    /// Generic rank of the observability codistribution, parameters known.
+    pub rank: Answer<usize>,
+    /// States whose value the outputs do not determine, parameters known.
+    pub unobservable: Vec<String>,
+    /// Independent fields on the states along which no output changes, parameters known.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unobservable_directions: Vec<Direction>,
+    /// For each parameter, whether the outputs determine it while no other parameter and no state is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub identifiable: Option<Named<bool>>,
+    /// For each state, whether the outputs determine it while no parameter is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub identifiable_states: Option<Named<bool>>,
+    /// `identifiable` while all inputs are held at zero; absent without inputs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub identifiable_without_inputs: Option<Named<bool>>,
+    /// Rank for states and parameters together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rank_with_parameters: Option<usize>,
+    /// Independent fields on states and parameters along which no output changes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unidentifiable_directions: Vec<Direction>,
+    /// A smallest set of parameters that, once known, makes all others identifiable; absent if all are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fix_to_identify: Option<Vec<String>>,
+    /// Functions asked for, and whether the outputs determine them while no parameter is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub determined: Option<Named<bool>>,
+    /// Why something is unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// What the outputs of a system tell about its states and parameters, while the inputs are known
+/// and vary freely. The system need not be affine in its inputs. `sign` is smoothed.
+///
+/// A system that is not affine is taken together with its inputs and their derivatives as known
+/// functions of time: x' = f(x, u), u' = v with a free v.
+///
+/// `None` if there are no outputs.
+///
+/// # Errors
+/// [`Error::Function`] for a function asked for that cannot be read; [`Error::NoStates`]. What
+/// an exact test cannot decide becomes an unknown of the report instead.
+pub fn observe(
+    system: &System,
+    options: &Options,
+    evidence: &mut Evidence,
+) -> Result<Option<ObservabilityReport>, Error> {
+    let mut system = system.clone();
+    let asked = read_functions(&mut system, &options.determined)?;
+    if system.outputs.is_empty() {
+        return Ok(None);
+    }
+    if !system.switched_form().switches.is_empty() {
+        let width = system.pool.rational(options.epsilon.clone());
+        system = system.smoothed(width);
+    }
+    let (fields, known) = match mode_fields(&mut system) {
+        Ok(mut modes) if modes.len() == 1 => (modes.remove(0).fields, Vec::new()),
+        Ok(_) | Err(Error::NotAffine { .. }) => with_inputs_as_states(&mut system)?,
+        Err(other) => return Err(other),
+    };
+    Ok(Some(report(&mut system, &fields, &known, &asked, evidence)))
+}
+
+/// The functions of states and parameters with these texts; definitions and outputs may be used by name.
+pub(crate) fn read_functions(system: &mut System, texts: &[String]) -> Result<Vec<(String, Expr)>, Error> {
+    let mut named: FxHashMap<Expr, Expr> = FxHashMap::default();
+    for (name, e) in system.definitions.iter().chain(&system.outputs) {
+        if !(system.states.iter().any(|&s| system.pool.name(s) == name)) {
+            let symbol = system.pool.var(name);
+            named.insert(symbol, *e);
+        }
+    }
+    let mut list = Vec::with_capacity(texts.len());
+    for text in texts {
+        let fault = |problem: String| Error::Function { text: text.clone(), problem };
+        let read = system.pool.parse(text).map_err(|e| fault(e.to_string()))?;
+        let e = system.pool.substitute(read, &named);
+        for s in system.pool.symbols_of(&[e]) {
+            if system.states.contains(&s) || system.parameters.iter().any(|p| p.symbol == s) {
+                continue;
+            }
+            let name = system.pool.name(s);
+            let names = system.states.iter().copied().chain(system.parameters.iter().map(|p| p.symbol));
+            let closest = closest_name(name, names.map(|s| system.pool.name(s)));
+            let remedy = closest.map(|c| format!("; did you mean `{c}`?")).unwrap_or_default();
+            return Err(fault(format!("`{name}` is neither a state nor a parameter{remedy}")));
+        }
+        list.push((text.trim().to_owned(), e));
+    }
+    Ok(list)
+}
+
+/// The system extended by its inputs and their derivatives as states, the highest of which vary freely.
+fn with_inputs_as_states(system: &mut System) -> Result<(VectorFields, Vec<Symbol>), Error> {
+    let mut states = system.states.clone();
+    let mut drift = system.dynamics.clone();
+    let mut known = Vec::new();
+    let mut free = Vec::new();
+    for (i, &u) in system.inputs.iter().enumerate() {
+        let mut jet = vec![u];
+        let orders = system.input_derivatives.iter().filter(|d| d.input == i);
+        for order in 1..=orders.clone().map(|d| d.order).max().unwrap_or(0) {
+            let present = orders.clone().find(|d| d.order == order).map(|d| d.symbol);
+            let name = format!("der({}, {order})", system.pool.name(u));
+            jet.push(present.unwrap_or_else(|| system.pool.symbol(&name)));
+        }
+        for next in &jet[1..] {
+            drift.push(system.pool.sym(*next));
+        }
+        drift.push(system.pool.int(0));
+        known.extend(&jet);
+        states.extend(jet);
+        free.push(states.len() - 1);
+    }
+    let (zero, one) = (system.pool.int(0), system.pool.int(1));
+    let controls: Vec<Field> =
+        free.iter().map(|&k| (0..states.len()).map(|j| if j == k { one } else { zero }).collect()).collect();
+    let mut bindings = bracketry_symbolic::Bindings::new();
+    for p in &system.parameters {
+        bindings.bind(p.symbol, p.value.clone());
+    }
+    Ok((VectorFields::new(states, drift, controls, bindings)?, known))
+}
+
+/// `fields` are those of `system`, of which the states `known` are known functions of time.
+pub(crate) fn report(
+    system: &mut System,
+    fields: &VectorFields,
+    known: &[Symbol],
+    asked: &[(String, Expr)],
+    evidence: &mut Evidence,
+) -> ObservabilityReport {
+    let outputs: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
+    let parameters: Vec<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
+    let mut report = ObservabilityReport {
+        rank: Answer::Known(0),
+        unobservable: Vec::new(),
+        unobservable_directions: Vec::new(),
+        identifiable: None,
+        identifiable_states: None,
+        identifiable_without_inputs: None,
+        rank_with_parameters: None,
+        unidentifiable_directions: Vec::new(),
+        fix_to_identify: None,
+        determined: None,
+        reason: None,
+    };
+    let pool = &mut system.pool;
+    if let Err(why) = report.states(pool, fields, &outputs, known, evidence) {
+        report.rank = Answer::Unknown(why.to_string());
+        report.reason = Some(why.to_string());
+    }
+    if !parameters.is_empty() || !asked.is_empty() {
+        let found = report.parameters(pool, fields, &outputs, known, &parameters, asked, evidence);
+        if let Err(why) = found {
+            report.reason.get_or_insert(why.to_string());
+        }
+    }
+    let driven = !fields.controls.is_empty() || !known.is_empty();
+    if driven && !parameters.is_empty() {
+        report.identifiable_without_inputs = without_inputs(pool, fields, known, &outputs, &parameters, evidence).ok();
+    }
+    report
+}
+
+impl ObservabilityReport {
+    /// What is known of the states while the parameters are.
+    fn states(
+        &mut self,
+        pool: &mut Pool,
+        fields: &VectorFields,
+        outputs: &[Expr],
+        known: &[Symbol],
+        evidence: &mut Evidence,
+    ) -> Result<(), Undecided> {
+        let o = fields.observability_given(pool, outputs, &[], known, evidence)?;
+        self.rank = Answer::Known(o.rank());
+        let yes = o.determined_variables(pool, evidence)?;
+        self.unobservable =
+            o.variables.iter().zip(&yes).filter(|v| !v.1).map(|(&s, _)| pool.name(s).to_owned()).collect();
+        self.unobservable_directions = directions(pool, &o, evidence);
+        Ok(())
+    }
+
+    /// What is known of states and parameters together.
+    #[expect(clippy::too_many_arguments, reason = "one question")]
+    fn parameters(
+        &mut self,
+        pool: &mut Pool,
+        fields: &VectorFields,
+        outputs: &[Expr],
+        known: &[Symbol],
+        parameters: &[Symbol],
+        asked: &[(String, Expr)],
+        evidence: &mut Evidence,
+    ) -> Result<(), Undecided> {
+        let o = fields.observability_given(pool, outputs, parameters, known, evidence)?;
+        let mut states = named_answers(pool, &o, evidence)?;
+        let identifiable = states.split_off(states.len() - parameters.len());
+        if !asked.is_empty() {
+            let mut answers = Vec::with_capacity(asked.len());
+            for (text, e) in asked {
+                answers.push((text.clone(), o.determines(pool, *e, evidence)?));
+            }
+            self.determined = Some(Named(answers));
+        }
+        if parameters.is_empty() {
+            return Ok(());
+        }
+        self.rank_with_parameters = Some(o.rank());
+        if identifiable.iter().any(|p| !p.1) {
+            let fix = o.fix_to_determine(pool, parameters, evidence)?;
+            self.fix_to_identify = fix.map(|list| list.iter().map(|&s| pool.name(s).to_owned()).collect());
+        }
+        self.identifiable = Some(Named(identifiable));
+        self.identifiable_states = Some(Named(states));
+        self.unidentifiable_directions = directions(pool, &o, evidence);
+        Ok(())
+    }
+}
+
+/// The identifiability of the parameters with all inputs at zero.
+fn without_inputs(
+    pool: &mut Pool,
+    fields: &VectorFields,
+    known: &[Symbol],
+    outputs: &[Expr],
+    parameters: &[Symbol],
+    evidence: &mut Evidence,
+) -> Result<Named<bool>, Undecided> {
+    let zero = pool.int(0);
+    let rest: FxHashMap<Expr, Expr> = known.iter().map(|&u| (pool.sym(u), zero)).collect();
+    let kept: Vec<usize> = (0..fields.states.len()).filter(|&i| !known.contains(&fields.states[i])).collect();
+    let drift: Field = kept.iter().map(|&i| fields.drift[i]).collect();
+    let still = VectorFields {
+        states: kept.iter().map(|&i| fields.states[i]).collect(),
+        drift: pool.substitute_all(&drift, &rest),
+        controls: Vec::new(),
+        bindings: fields.bindings.clone(),
+    };
+    let outputs = pool.substitute_all(outputs, &rest);
+    let o = still.observability(pool, &outputs, parameters, evidence)?;
+    let mut answers = named_answers(pool, &o, evidence)?;
+    Ok(Named(answers.split_off(still.states.len())))
+}
+
+fn named_answers(
+    pool: &mut Pool,
+    o: &Observability,
+    evidence: &mut Evidence,
+) -> Result<Vec<(String, bool)>, Undecided> {
+    let yes = o.determined_variables(pool, evidence)?;
+    Ok(o.variables.iter().map(|&s| pool.name(s).to_owned()).zip(yes).collect())
+}
+
+/// None where the fields cannot be found.
+fn directions(pool: &mut Pool, o: &Observability, evidence: &mut Evidence) -> Vec<Direction> {
+    let fields = o.unobservable_directions(pool, evidence).unwrap_or_default();
+    fields
+        .iter()
+        .map(|field| Direction {
+            field: operator_text(pool, &o.variables, field),
+            symmetry: symmetry_name(pool, &o.variables, field),
+        })
+        .collect()
+}
+
+impl ObservabilityReport {
+    /// Writes the report, naming the model that it is `of`.
+    pub(crate) fn write(&self, f: &mut fmt::Formatter<'_>, of: &str) -> fmt::Result {
+        writeln!(f, "{of}observability rank: {}", self.rank)?;
+        if !self.unobservable.is_empty() {
+            writeln!(f, "  not determined by the outputs: {}", self.unobservable.join(", "))?;
+        }
+        for d in &self.unobservable_directions {
+            writeln!(f, "  no output changes along {d}")?;
+        }
+        for (name, yes) in self.identifiable.iter().flat_map(|m| &m.0) {
+            writeln!(f, "  parameter {name}: {}", if *yes { "identifiable" } else { "not identifiable" })?;
+        }
+        let hidden = |list: &Option<Named<bool>>| -> Vec<String> {
+            list.iter().flat_map(|m| &m.0).filter(|v| !v.1).map(|v| v.0.clone()).collect()
+        };
+        let states = hidden(&self.identifiable_states);
+        if !states.is_empty() {
+            writeln!(f, "  states not determined while parameters are unknown: {}", states.join(", "))?;
+        }
+        if self.identifiable_without_inputs != self.identifiable {
+            let names = hidden(&self.identifiable_without_inputs);
+            if !names.is_empty() {
+                writeln!(f, "  with all inputs at zero not identifiable: {}", names.join(", "))?;
+            }
+        }
+        for d in self.unidentifiable_directions.iter().filter(|d| !self.unobservable_directions.contains(d)) {
+            writeln!(f, "  with unknown parameters no output changes along {d}")?;
+        }
+        if let Some(fix) = &self.fix_to_identify {
+            writeln!(f, "  all parameters are identifiable given {}", fix.join(", "))?;
+        }
+        for (text, yes) in self.determined.iter().flat_map(|m| &m.0) {
+            writeln!(f, "  {text}: {}", if *yes { "determined" } else { "not determined" })?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Direction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.field)?;
+        if let Some(s) = &self.symmetry {
+            write!(f, " ({s})")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,52 @@
+//! Choices of an analysis.
+
+use bracketry_symbolic::Rational;
+
+use crate::controllability::input_values::{InputValues, Side};
+
+/// Choices of an analysis.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Width of the tanh that replaces `sign` in the smoothed model.
+    pub epsilon: Rational,
+    /// How far brackets are formed at the point.
+    pub limits: Limits,
+    /// Brackets to be told, such as `[g1,[f,g1]]`; an input field also goes by the name of its input.
+    pub brackets: Vec<String>,
+    /// Functions of states and parameters of which it is asked whether the outputs determine them.
+    pub determined: Vec<String>,
+    /// Inputs, by name, that can move from their value at the point to one side only.
+    pub one_sided: Vec<(String, Side)>,
+    /// The values that inputs take, by name, for local controllability; all others take all real numbers.
+    pub ranges: Vec<(String, InputValues)>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            epsilon: Rational::ONE / Rational::from(100),
+            limits: Limits::default(),
+            brackets: Vec::new(),
+            determined: Vec::new(),
+            one_sided: Vec::new(),
+            ranges: Vec::new(),
+        }
+    }
+}
+
+/// How far brackets are formed at a point before the answer is "unknown".
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Longest bracket, in letters.
+    pub length: usize,
+    /// Most brackets that are kept.
+    pub brackets: usize,
+    /// Most new nodes in the pool.
+    pub nodes: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Limits { length: 12, brackets: 400, nodes: 200_000 }
+    }
+}
