@@ -1,7 +1,8 @@
 //! Model-predictive control, timed; see `control.py` for the others. Wall-clock seconds, medians over the samples.
 
 use bracketry::mpc::{
-    ClosedLoop, ControlProblem, Method, Plant, Rti, RtiSettings, RungeKuttaPlant, Step, SymbolicDynamics, Trajectory,
+    ClosedLoop, ControlProblem, Convergence, Feedback, Method, Plant, Rti, RtiSettings, RungeKuttaPlant, Step,
+    SymbolicDynamics, Trajectory,
 };
 use bracketry::system::System;
 use serde_json::{Value, json};
@@ -47,7 +48,8 @@ fn real_time_iteration(problem: &ControlProblem, start: Trajectory, goal: &[f64]
         bracketry::mpc::Dynamics::set_smoothing(model.as_mut(), width);
     }
     let mut plant = RungeKuttaPlant::new(model, 2);
-    for _ in 1..problem.initial_iterations {
+    let Method::Rti { initial_iterations, .. } = problem.method else { panic!("a problem of real-time iteration") };
+    for _ in 1..initial_iterations {
         rti.feedback(&problem.x0).expect("a state of the right length");
     }
     let rows = |t: &Trajectory| -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
@@ -74,7 +76,7 @@ fn pendulum() -> Value {
     let mut problem = problem(PENDULUM, &model);
     let start = Trajectory::constant(problem.ocp.steps, &problem.x0, &[0.0]);
     let (rti, programs) = real_time_iteration(&problem, start, &[0.0; 4]);
-    problem.method = Method::Sqp;
+    problem.method = Method::Sqp { convergence: Convergence::default(), first: Feedback::default() };
     let mut plant = RungeKuttaPlant::new(dynamics(&problem), problem.plant_substeps);
     let run = problem.run(&mut plant).expect("a loop that runs");
     let ClosedLoop { x, u, steps, cost, .. } = run.closed_loop;

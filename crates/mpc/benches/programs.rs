@@ -4,8 +4,8 @@
 //! of several runs of the loop.
 
 use bracketry_mpc::{
-    Backend, ControlProblem, Dynamics, Plant, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Step, SymbolicDynamics,
-    Trajectory,
+    Backend, ControlProblem, Dynamics, Method, Plant, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Step,
+    SymbolicDynamics, Trajectory,
 };
 use bracketry_system::System;
 
@@ -41,7 +41,8 @@ fn closed_loop(problem: &ControlProblem, qp: QpSettings) -> (Vec<Step>, f64) {
     let settings = RtiSettings { smoothing: problem.smoothing.last().copied(), qp, ..RtiSettings::default() };
     let mut rti = Rti::new(dynamics(problem), problem.ocp.clone(), start(problem), settings).expect("a controller");
     let mut plant = RungeKuttaPlant::new(dynamics(problem), 2);
-    for _ in 1..problem.initial_iterations {
+    let Method::Rti { initial_iterations, .. } = problem.method else { panic!("a problem of real-time iteration") };
+    for _ in 1..initial_iterations {
         rti.feedback(&problem.x0).expect("a state of the right length");
     }
     let (mut x, mut steps, mut effort) = (problem.x0.clone(), Vec::new(), 0.0);

@@ -4,8 +4,8 @@
 #![allow(clippy::print_stdout, clippy::format_push_string)]
 
 use bracketry_mpc::{
-    Bounds, ControlProblem, CostFunction, CostKind, Hessian, Integrator, MpcError, Ocp, Softness, SolveStatus, Sqp,
-    SqpSettings, Substeps, SymbolicDynamics, Trajectory,
+    Bounds, ControlProblem, CostFunction, CostKind, Hessian, Integrator, Method, MpcError, Ocp, Softness, SolveStatus,
+    Sqp, SqpSettings, Substeps, SymbolicDynamics, Trajectory,
 };
 use bracketry_system::System;
 use std::f64::consts::PI;
@@ -251,7 +251,9 @@ fn plate(starts: usize, hessian: Hessian, random: &mut Uniform) -> Result<Vec<Ou
     let mut outcomes = Vec::new();
     for _ in 0..starts {
         let mut p = ControlProblem::read(path)?;
-        p.hessian = hessian;
+        if let Method::Plan { convergence, .. } = &mut p.method {
+            convergence.hessian = hessian;
+        }
         for i in 0..3 {
             let reach = [0.1, 0.1, PI][i];
             p.x0[i] = reach * (2.0 * random.next() - 1.0);

@@ -94,8 +94,8 @@ pub use nonsmooth::{FrictionMode, ModeChange, StickSlipController, StickSlipSett
 pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
 pub use policy::{Brake, FailurePolicy};
 pub use problem::{
-    ControlProblem, ControlReport, ControlRun, Estimation, EstimatorKind, Method, NamedValues, PlanReport,
-    ProblemError, RunConditions,
+    ControlProblem, ControlReport, ControlRun, Convergence, Estimation, EstimatorKind, Feedback, Method, NamedValues,
+    PlanReport, ProblemError, RunConditions,
 };
 pub use qp::{Backend, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};

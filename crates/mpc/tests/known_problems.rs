@@ -4,7 +4,9 @@
 
 mod common;
 
-use bracketry_mpc::{ControlProblem, ControlReport, Method, Plant, RungeKuttaPlant, SymbolicDynamics};
+use bracketry_mpc::{
+    ControlProblem, ControlReport, Convergence, Feedback, Method, Plant, RungeKuttaPlant, SymbolicDynamics,
+};
 use common::ExactPlant;
 
 fn run(name: &str) -> ControlReport {
@@ -89,7 +91,7 @@ fn cart_pole_with_friction() {
 #[test]
 fn cart_pole_with_smoothed_friction_in_the_controller() {
     let mut problem = ControlProblem::read(common::model_path("cart_pole_friction_swing_up.toml")).unwrap();
-    problem.method = Method::Sqp;
+    problem.method = Method::Sqp { convergence: Convergence::default(), first: Feedback::default() };
     let cost = run_problem(&problem).closed_loop_cost;
     assert!((cost / 2062.145902 - 1.0).abs() < 1e-3, "{cost}");
 }

@@ -5,6 +5,7 @@ mod constraints;
 mod cost;
 mod estimation;
 mod horizon;
+mod method;
 mod reader;
 mod report;
 mod run;
@@ -13,31 +14,18 @@ mod solve;
 
 pub use conditions::RunConditions;
 pub use estimation::{Estimation, EstimatorKind};
+pub use method::{Convergence, Feedback, Method};
 pub use report::{ControlReport, NamedValues, PlanReport};
 pub use run::ControlRun;
 
 use crate::error::MpcError;
 use crate::ocp::Ocp;
 use crate::policy::FailurePolicy;
-use crate::qp::Backend;
-use crate::sqp::Hessian;
+use crate::qp::QpSettings;
 use bracketry_symbolic::StopFlag;
 use bracketry_system::{AffineError, Document, FileError, System};
 use reader::{KEYS, Reader};
 use std::path::Path;
-
-/// How the closed loop is controlled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// One quadratic program per sample, receding horizon.
-    Rti,
-    /// To convergence at every sample, receding horizon.
-    Sqp,
-    /// A plan solved to convergence first, then one quadratic program per sample on what is left of the horizon.
-    Plan,
-    /// As [`Method::Sqp`], on the exact stick–slip flow in place of smoothed friction.
-    StickSlip,
-}
 
 /// A problem file that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -69,34 +57,12 @@ pub struct ControlProblem {
     pub plant: System,
     /// Horizon, cost, constraints and targets.
     pub ocp: Ocp,
-    /// How the loop is closed.
+    /// How the loop is closed, with the settings of that method.
     pub method: Method,
-    /// Programs solved before the first input is applied (method `rti`).
-    pub initial_iterations: usize,
-    /// Largest number of programs per sample (method `rti`).
-    pub iterations: usize,
-    /// Largest number of programs of a converged solution, at each smoothing width.
-    pub max_iterations: usize,
-    /// Tolerance of a converged solution.
-    pub tolerance: f64,
-    /// Second derivatives of the programs of a converged solution (methods `sqp` and `plan`).
-    pub hessian: Hessian,
-    /// Tolerance of the quadratic programs.
-    pub qp_tolerance: f64,
-    /// Form in which the quadratic programs are solved.
-    pub backend: Backend,
-    /// Weight, per unit of scale, of violated hard bounds.
-    pub hard_weight: f64,
+    /// Settings of the quadratic programs.
+    pub qp: QpSettings,
     /// Widths that replace `sign` in the controller's model, from wide to narrow; the loop uses the last.
     pub smoothing: Vec<f64>,
-    /// Fraction by which the plan's bounds are tightened, to leave the feedback room (method `plan`).
-    pub margin: f64,
-    /// Weight of the proximal term in the loop.
-    pub proximal: f64,
-    /// Whether steps in the loop are checked against the merit function.
-    pub guarded: bool,
-    /// Largest time of a sample, s (method `rti`).
-    pub time_limit: f64,
     /// What is applied when a sample has no solution.
     pub policy: FailurePolicy,
     /// Input of rest; when empty, the one closest to zero within the bounds.

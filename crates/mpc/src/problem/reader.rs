@@ -1,10 +1,8 @@
 //! The tables of a problem file, one by one.
 
-use super::{ControlProblem, Method, ProblemError};
+use super::{ControlProblem, ProblemError};
 use crate::ocp::{Ocp, Substeps};
-use crate::policy::FailurePolicy;
-use crate::qp::{Backend, QpSettings};
-use crate::sqp::Hessian;
+use crate::qp::QpSettings;
 use bracketry_symbolic::{Expr, Names, Pool, StopFlag, Tape};
 use bracketry_system::{Document, FileError, System, Table, Value};
 use std::ops::Range;
@@ -101,24 +99,17 @@ impl Reader<'_> {
         let measured = estimation.as_ref().map_or_else(|| system.state_names(), |e| e.names.clone());
         let conditions = self.conditions(run, &measured)?;
         let (Substeps::Fixed(substeps) | Substeps::AtLeast(substeps)) = ocp.substeps;
-        let mut problem = ControlProblem {
-            method: Method::Rti,
-            initial_iterations: 1,
-            iterations: 1,
-            max_iterations: 100,
-            tolerance: 1e-8,
-            hessian: Hessian::default(),
-            qp_tolerance: 1e-8,
-            backend: Backend::default(),
-            // The multiplier of a bound cannot well exceed what the whole horizon costs.
-            hard_weight: (10.0 * dt * level).max(QpSettings::default().hard_weight),
-            smoothing: Vec::new(),
-            margin: 0.0,
-            proximal: 0.0,
-            guarded: false,
-            time_limit: f64::INFINITY,
-            policy: FailurePolicy::default(),
-            rest_input: Vec::new(),
+        // The multiplier of a bound cannot well exceed what the whole horizon costs.
+        let hard_weight = (10.0 * dt * level).max(QpSettings::default().hard_weight);
+        let empty = Table::new();
+        let solve = self.doc.sub_table(table, "solve")?.unwrap_or(&empty);
+        let solve = self.solve(solve, hard_weight, &ocp.input_bounds)?;
+        Ok(ControlProblem {
+            method: solve.method,
+            qp: solve.qp,
+            smoothing: solve.smoothing,
+            policy: solve.policy,
+            rest_input: solve.rest_input,
             live,
             guess,
             x0: start.x0,
@@ -130,10 +121,7 @@ impl Reader<'_> {
             system: system.clone(),
             plant,
             ocp,
-        };
-        let empty = Table::new();
-        self.solve(self.doc.sub_table(table, "solve")?.unwrap_or(&empty), &mut problem)?;
-        Ok(problem)
+        })
     }
 
     pub(super) fn required<'t, 'i>(&self, table: &'t Table<'i>, key: &str, remedy: &str) -> Parsed<&'t Table<'i>> {

@@ -1,7 +1,7 @@
 //! A control problem run from start to end, and what is to be said about it.
 
 use super::report::{ControlReport, PlanReport, notes};
-use super::{ControlProblem, Estimation, Method, RunConditions};
+use super::{ControlProblem, Convergence, Estimation, Feedback, Method, RunConditions};
 use crate::closed_loop::{ClosedLoop, LoopSettings, MeasurementFunction, Plant, run_closed_loop};
 use crate::controller::{Controller, SqpController};
 use crate::delay::DelayCompensated;
@@ -10,7 +10,6 @@ use crate::error::{MpcError, check_flag};
 use crate::estimation::Estimator;
 use crate::nonsmooth::{StickSlipController, StickSlipSettings};
 use crate::ocp::Ocp;
-use crate::qp::QpSettings;
 use crate::rti::{Horizon, Rti, RtiSettings};
 use crate::sqp::{Solution, SolveStatus, Sqp, SqpSettings};
 use crate::step::StepStatus;
@@ -45,23 +44,15 @@ impl ControlProblem {
         SymbolicDynamics::with_live_parameters(&self.system, &live).map(Box::new)
     }
 
-    fn qp(&self) -> QpSettings {
-        QpSettings {
-            tolerance: self.qp_tolerance,
-            backend: self.backend,
-            hard_weight: self.hard_weight,
-            ..QpSettings::default()
-        }
-    }
-
     fn sqp_settings(&self) -> SqpSettings {
+        let Convergence { max_iterations, tolerance, defect_tolerance, hessian } = self.method.convergence();
         SqpSettings {
-            max_iterations: self.max_iterations,
-            tolerance: self.tolerance,
-            defect_tolerance: if self.method == Method::Plan { 1e-3 } else { 1e-6 },
+            max_iterations,
+            tolerance,
+            defect_tolerance,
+            hessian,
             smoothing: self.smoothing.clone(),
-            hessian: self.hessian,
-            qp: self.qp(),
+            qp: self.qp,
             stop: self.stop.clone(),
             ..SqpSettings::default()
         }
@@ -72,36 +63,33 @@ impl ControlProblem {
     /// # Errors
     /// If the pieces of the problem do not fit together; how the solution process ends is a status.
     pub fn plan(&self) -> Result<Solution, MpcError> {
-        let ocp = self.ocp.tightened(self.margin);
+        let ocp = self.ocp.tightened(self.method.margin());
         let mut sqp = Sqp::new(self.dynamics()?, ocp, self.sqp_settings())?;
         let guess = sqp.guess(&self.x0, &self.guess)?;
         sqp.solve(&self.x0, &guess)
     }
 
     /// Real-time iteration along `trajectory`.
-    fn rti(&self, ocp: Ocp, trajectory: Trajectory, horizon: Horizon) -> Result<Rti, MpcError> {
+    fn rti(&self, feedback: Feedback, ocp: Ocp, trajectory: Trajectory, horizon: Horizon) -> Result<Rti, MpcError> {
+        let Feedback { iterations, proximal, guarded, time_limit } = feedback;
         let settings = RtiSettings {
             horizon,
             smoothing: self.smoothing.last().copied(),
-            proximal: self.proximal,
-            guarded: self.guarded,
+            proximal,
+            guarded,
             rest_input: self.rest_input.clone(),
             policy: self.policy.clone(),
-            iterations: self.iterations,
-            time_limit: self.time_limit,
-            qp: self.qp(),
+            iterations,
+            time_limit,
+            qp: self.qp,
             ..RtiSettings::default()
         };
         Rti::new(self.dynamics()?, ocp, trajectory, settings)
     }
 
-    /// The controller that keeps to a plan: real-time iteration on what is left of the horizon.
-    ///
-    /// # Errors
-    /// If the plan does not fit the problem.
-    pub fn tracker(&self, plan: &Solution) -> Result<Rti, MpcError> {
-        let ocp = self.ocp.tightened(LOOP_SHARE * self.margin);
-        self.rti(ocp, plan.trajectory.clone(), Horizon::Shrinking { min_steps: MIN_STEPS })
+    /// As [`ControlProblem::rti`], on the receding horizon.
+    fn receding(&self, feedback: Feedback, trajectory: Trajectory) -> Result<Rti, MpcError> {
+        self.rti(feedback, self.ocp.clone(), trajectory, Horizon::Receding)
     }
 
     /// The guess, at rest in the initial state.
@@ -120,68 +108,73 @@ impl ControlProblem {
     }
 
     /// Cost of the plan after the first sample's programs along `trajectory`; NaN where they have no solution.
-    fn first_predicted_cost(&self, trajectory: &Trajectory) -> Result<f64, MpcError> {
+    fn first_predicted_cost(&self, feedback: Feedback, trajectory: &Trajectory) -> Result<f64, MpcError> {
         let mut ocp = self.ocp.clone();
-        let mut rti = self.rti(self.ocp.clone(), trajectory.clone(), Horizon::Receding)?;
+        let mut rti = self.receding(feedback, trajectory.clone())?;
         let planned = !matches!(rti.feedback(&self.x0)?.status, StepStatus::Fallback(_));
         Ok(if planned { ocp.cost(0, rti.trajectory()) } else { f64::NAN })
     }
 
     /// The controller at its start.
     fn controller(&self) -> Result<Prepared, MpcError> {
-        let mut ocp = self.ocp.clone();
-        Ok(match self.method {
-            Method::Plan => {
+        match self.method {
+            Method::Plan { margin, feedback, .. } => {
                 let plan = self.plan()?;
+                let ocp = self.ocp.tightened(LOOP_SHARE * margin);
+                let horizon = Horizon::Shrinking { min_steps: MIN_STEPS };
+                let tracker = self.rti(feedback, ocp, plan.trajectory.clone(), horizon)?;
                 let cost = plan.cost;
-                (Box::new(self.tracker(&plan)?), Some(plan), cost)
+                Ok((Box::new(tracker), Some(plan), cost))
             }
-            Method::Rti => {
-                let mut rti = self.rti(self.ocp.clone(), self.start(), Horizon::Receding)?;
-                for _ in 1..self.initial_iterations {
+            Method::Rti { initial_iterations, feedback } => {
+                let mut rti = self.receding(feedback, self.start())?;
+                for _ in 1..initial_iterations {
                     check_flag(&self.stop)?;
                     rti.feedback(&self.x0)?;
                 }
-                let cost = self.first_predicted_cost(rti.trajectory())?;
-                (Box::new(rti), None, cost)
+                let cost = self.first_predicted_cost(feedback, rti.trajectory())?;
+                Ok((Box::new(rti), None, cost))
             }
-            Method::Sqp => {
+            Method::Sqp { first, .. } => {
                 let mut sqp = Sqp::new(self.dynamics()?, self.ocp.clone(), self.sqp_settings())?;
-                let mut first = sqp.solve(&self.x0, &self.start())?;
-                if !self.system.clone().set_valued_form().switches.is_empty() {
-                    // Whole steps often find a better solution through states that a merit function forbids.
-                    let mut rti = self.rti(self.ocp.clone(), self.start(), Horizon::Receding)?;
-                    for _ in 0..WHOLE_STEPS {
-                        check_flag(&self.stop)?;
-                        rti.feedback(&self.x0)?;
-                    }
-                    let second = sqp.solve(&self.x0, rti.trajectory())?;
-                    let better = first.status != SolveStatus::Converged || second.cost < first.cost;
-                    if second.status == SolveStatus::Converged && better {
-                        first = second;
-                    }
-                }
-                let cost = first.cost;
-                let controller = SqpController::new(sqp, first.trajectory)
+                let solution = self.first_solution(&mut sqp, first)?;
+                let controller = SqpController::new(sqp, solution.trajectory)
                     .with_failure_policy(self.policy.clone(), &self.rest_input)?;
-                (Box::new(controller), None, cost)
+                Ok((Box::new(controller), None, solution.cost))
             }
-            Method::StickSlip => {
+            Method::StickSlip { iterations } => {
                 let settings = StickSlipSettings {
-                    iterations: self.iterations.max(self.max_iterations),
+                    iterations,
                     smoothing: self.smoothing.clone(),
                     live_parameters: self.live.clone(),
                     failure: self.policy.clone(),
                     rest_input: self.rest_input.clone(),
-                    qp: self.qp(),
+                    qp: self.qp,
                     stop: self.stop.clone(),
                     ..StickSlipSettings::default()
                 };
                 let mut controller = StickSlipController::new(&self.system, self.ocp.clone(), self.start(), settings)?;
-                let cost = ocp.cost(0, controller.plan_from(&self.x0)?);
-                (Box::new(controller), None, cost)
+                let cost = self.ocp.clone().cost(0, controller.plan_from(&self.x0)?);
+                Ok((Box::new(controller), None, cost))
             }
-        })
+        }
+    }
+
+    /// The first converged solution. With smoothed friction, whole steps often find a better one through states that a merit
+    /// function forbids.
+    fn first_solution(&self, sqp: &mut Sqp, whole_steps: Feedback) -> Result<Solution, MpcError> {
+        let guarded = sqp.solve(&self.x0, &self.start())?;
+        if self.system.clone().set_valued_form().switches.is_empty() {
+            return Ok(guarded);
+        }
+        let mut rti = self.receding(whole_steps, self.start())?;
+        for _ in 0..WHOLE_STEPS {
+            check_flag(&self.stop)?;
+            rti.feedback(&self.x0)?;
+        }
+        let whole = sqp.solve(&self.x0, rti.trajectory())?;
+        let better = guarded.status != SolveStatus::Converged || whole.cost < guarded.cost;
+        Ok(if whole.status == SolveStatus::Converged && better { whole } else { guarded })
     }
 
     /// Samples, rounded, by which the inputs of the controller's model act later than they are commanded.

@@ -1,9 +1,9 @@
 //! How a problem file wants to be solved.
 
+use super::method::{Convergence, Feedback, Method};
 use super::reader::{Parsed, Reader};
-use super::{ControlProblem, Method};
 use crate::policy::{Brake, FailurePolicy};
-use crate::qp::Backend;
+use crate::qp::{Backend, QpSettings};
 use crate::sqp::Hessian;
 use bracketry_system::{Table, Value};
 
@@ -28,52 +28,88 @@ const KEYS: [&str; 18] = [
     "rest",
 ];
 
+/// What the table `[solve]` says.
+pub(super) struct Solve {
+    pub(super) method: Method,
+    pub(super) qp: QpSettings,
+    pub(super) smoothing: Vec<f64>,
+    pub(super) policy: FailurePolicy,
+    pub(super) rest_input: Vec<f64>,
+}
+
+/// Names of the methods.
+#[derive(Clone, Copy, PartialEq)]
+enum Name {
+    Rti,
+    Sqp,
+    Plan,
+    StickSlip,
+}
+
 impl Reader<'_> {
-    /// The table `[solve]`.
-    pub(super) fn solve(&self, solve: &Table<'_>, problem: &mut ControlProblem) -> Parsed<()> {
+    /// The table `[solve]`. Every key is checked, also where the method does not use it.
+    pub(super) fn solve(&self, solve: &Table<'_>, hard_weight: f64, input_bounds: &[(f64, f64)]) -> Parsed<Solve> {
         self.doc.only_keys(solve, &KEYS, "[solve]")?;
-        let method = self.method(solve)?;
-        let planned = method == Method::Plan;
-        problem.method = method;
-        problem.initial_iterations = self.count(solve, "initial_iterations", Some(problem.initial_iterations))?;
-        problem.iterations = self.count(solve, "iterations", Some(1))?;
-        problem.max_iterations = self.count(solve, "max_iterations", Some(100))?;
-        problem.tolerance = self.positive(solve, "tolerance", Some(if planned { 1e-2 } else { 1e-8 }))?;
-        problem.hessian = self.hessian(solve, method)?;
-        problem.qp_tolerance = self.positive(solve, "qp_tolerance", Some(1e-8))?;
-        problem.smoothing = self.smoothing(solve, problem.method)?;
-        problem.margin = self.not_negative(solve, "margin", if planned { 0.05 } else { 0.0 })?;
-        problem.proximal = self.not_negative(solve, "proximal", if planned { 0.5 } else { 0.0 })?;
-        problem.guarded = self.boolean(solve, "guarded", planned)?;
-        problem.backend = self.backend(solve)?;
-        problem.time_limit = self.positive(solve, "time_limit", Some(f64::INFINITY))?;
-        if let Some(v) = solve.get("time_limit").filter(|_| matches!(method, Method::Sqp | Method::StickSlip)) {
+        let name = self.method(solve)?;
+        let planned = name == Name::Plan;
+        let initial_iterations = self.count(solve, "initial_iterations", Some(1))?;
+        let mut feedback = Feedback { iterations: self.count(solve, "iterations", Some(1))?, ..Feedback::default() };
+        let convergence = Convergence {
+            max_iterations: self.count(solve, "max_iterations", Some(100))?,
+            tolerance: self.positive(solve, "tolerance", Some(if planned { 1e-2 } else { 1e-8 }))?,
+            defect_tolerance: if planned { 1e-3 } else { 1e-6 },
+            hessian: self.hessian(solve, name)?,
+        };
+        let tolerance = self.positive(solve, "qp_tolerance", Some(1e-8))?;
+        let smoothing = self.smoothing(solve, name)?;
+        let margin = self.not_negative(solve, "margin", if planned { 0.05 } else { 0.0 })?;
+        feedback.proximal = self.not_negative(solve, "proximal", if planned { 0.5 } else { 0.0 })?;
+        feedback.guarded = self.boolean(solve, "guarded", planned)?;
+        let backend = self.backend(solve)?;
+        feedback.time_limit = self.positive(solve, "time_limit", Some(f64::INFINITY))?;
+        if let Some(v) = solve.get("time_limit").filter(|_| matches!(name, Name::Sqp | Name::StickSlip)) {
             let message = "`time_limit` is one of the methods \"rti\" and \"plan\"";
             return Err(self.doc.error(v.span(), message, "lower max_iterations instead, or change the method").into());
         }
-        if let Some(t) = self.doc.sub_table(solve, "rest")? {
-            problem.rest_input = problem.ocp.input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
-            for (key, v) in t {
-                let j = self.input(key.get_ref(), key.span())?;
-                let value = self.constant(v, key.get_ref())?;
-                let (min, max) = problem.ocp.input_bounds[j];
-                if !(min..=max).contains(&value) {
-                    let message = format!("`{}` at rest is outside of its bounds", key.get_ref());
-                    return Err(self.doc.error(v.span(), message, format!("choose from {min} to {max}")).into());
+        Ok(Solve {
+            method: match name {
+                Name::Rti => Method::Rti { initial_iterations, feedback },
+                Name::Sqp => Method::Sqp { convergence, first: feedback },
+                Name::Plan => Method::Plan { convergence, margin, feedback },
+                Name::StickSlip => {
+                    Method::StickSlip { iterations: feedback.iterations.max(convergence.max_iterations) }
                 }
-                problem.rest_input[j] = value;
-            }
-        }
-        problem.policy = self.policy(solve)?;
-        Ok(())
+            },
+            qp: QpSettings { backend, tolerance, hard_weight, ..QpSettings::default() },
+            smoothing,
+            rest_input: self.rest(solve, input_bounds)?,
+            policy: self.policy(solve)?,
+        })
     }
 
-    fn method(&self, solve: &Table<'_>) -> Parsed<Method> {
+    /// The input of rest; empty where the file has none.
+    fn rest(&self, solve: &Table<'_>, input_bounds: &[(f64, f64)]) -> Parsed<Vec<f64>> {
+        let Some(t) = self.doc.sub_table(solve, "rest")? else { return Ok(Vec::new()) };
+        let mut rest: Vec<f64> = input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
+        for (key, v) in t {
+            let j = self.input(key.get_ref(), key.span())?;
+            let value = self.constant(v, key.get_ref())?;
+            let (min, max) = input_bounds[j];
+            if !(min..=max).contains(&value) {
+                let message = format!("`{}` at rest is outside of its bounds", key.get_ref());
+                return Err(self.doc.error(v.span(), message, format!("choose from {min} to {max}")).into());
+            }
+            rest[j] = value;
+        }
+        Ok(rest)
+    }
+
+    fn method(&self, solve: &Table<'_>) -> Parsed<Name> {
         match (self.doc.string(solve, "method")?.as_deref(), solve.get("method")) {
-            (None | Some("rti"), _) | (_, None) => Ok(Method::Rti),
-            (Some("sqp"), _) => Ok(Method::Sqp),
-            (Some("plan"), _) => Ok(Method::Plan),
-            (Some("stick-slip"), _) => Ok(Method::StickSlip),
+            (None | Some("rti"), _) | (_, None) => Ok(Name::Rti),
+            (Some("sqp"), _) => Ok(Name::Sqp),
+            (Some("plan"), _) => Ok(Name::Plan),
+            (Some("stick-slip"), _) => Ok(Name::StickSlip),
             (Some(other), Some(v)) => {
                 let message = format!("there is no method `{other}`");
                 let remedy = "write \"rti\", \"sqp\", \"plan\" or \"stick-slip\"";
@@ -83,10 +119,10 @@ impl Reader<'_> {
     }
 
     /// The second derivatives of the programs of a converged solution.
-    fn hessian(&self, solve: &Table<'_>, method: Method) -> Parsed<Hessian> {
+    fn hessian(&self, solve: &Table<'_>, method: Name) -> Parsed<Hessian> {
         match (self.doc.string(solve, "hessian")?.as_deref(), solve.get("hessian")) {
             (None | Some("gauss-newton"), _) | (_, None) => Ok(Hessian::GaussNewton),
-            (Some("exact"), _) if matches!(method, Method::Sqp | Method::Plan) => Ok(Hessian::Exact),
+            (Some("exact"), _) if matches!(method, Name::Sqp | Name::Plan) => Ok(Hessian::Exact),
             (Some("exact"), Some(v)) => {
                 let message = "this method does not use the exact Hessian";
                 Err(self.doc.error(v.span(), message, "write method = \"sqp\" or \"plan\", or remove it").into())
@@ -169,12 +205,12 @@ impl Reader<'_> {
         Ok(list)
     }
 
-    fn smoothing(&self, solve: &Table<'_>, method: Method) -> Parsed<Vec<f64>> {
+    fn smoothing(&self, solve: &Table<'_>, method: Name) -> Parsed<Vec<f64>> {
         let Some(v) = solve.get("smoothing") else {
             return Ok(match method {
-                Method::Plan => vec![0.1, 0.03, 0.01, 0.003],
-                Method::StickSlip => vec![0.1, 0.01],
-                Method::Rti | Method::Sqp => vec![0.01],
+                Name::Plan => vec![0.1, 0.03, 0.01, 0.003],
+                Name::StickSlip => vec![0.1, 0.01],
+                Name::Rti | Name::Sqp => vec![0.01],
             });
         };
         let mut widths = Vec::new();
