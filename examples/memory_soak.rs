@@ -1,7 +1,7 @@
 //! Does analysing many systems in one process take ever more memory?
 //!
 //! `cargo run --release --example memory_soak [SYSTEMS] [STEM]` analyses random systems, by default 1000, notes the
-//! resident memory after each (Linux), and writes STEM.csv, STEM.svg and STEM.png, by default docs/memory.
+//! resident memory after each (Linux), and writes STEM.csv, STEM.svg and STEM.png, by default docs/records/memory.
 #![allow(clippy::print_stdout)]
 
 use std::fmt::Write as _;
@@ -95,7 +95,7 @@ fn slope(x: &[f64], y: &[f64]) -> f64 {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let systems: usize = arguments.next().map_or(Ok(1000), |t| t.parse())?;
-    let stem = arguments.next().unwrap_or("docs/memory".to_owned());
+    let stem = arguments.next().unwrap_or("docs/records/memory".to_owned());
     let mut random = Random(1);
     let (mut at, mut memory, mut decided) = (Vec::new(), Vec::new(), 0);
     let mut csv = String::from("system,resident_bytes\n");

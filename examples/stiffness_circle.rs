@@ -1,4 +1,4 @@
-//! Mills a circle of radius 35 mm with a robot that bends, without and with compensation: the tables and figures of `docs/stiffness.md`.
+//! Mills a circle of radius 35 mm with a robot that bends, without and with compensation: the tables and figures of `docs/records/stiffness_circle.md`.
 //!
 //! `cargo run --release --example stiffness_circle [DIR]`
 #![allow(clippy::print_stdout)]

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Compares speed with other systems and writes the tables in docs/speed.md.
+"""Compares speed with other systems and writes the tables in docs/records/speed.md.
 
     python3 benches/peers/run.py [--only algebra|simulation|control]
 
 makes a virtual environment in target/peers, installs the others from PyPI, builds our side in release mode, runs
-everything one after the other on one core and replaces what stands between the marks in docs/speed.md: algebra with
+everything one after the other on one core and replaces what stands between the marks in docs/records/speed.md: algebra with
 SymPy, SymEngine and CasADi (its C code is built with cc), simulation with SciPy and MuJoCo, control with CasADi's solvers and
 do-mpc. `--python FILE` uses an
 interpreter that has them already.
@@ -197,8 +197,8 @@ def control_table(us, them):
 
 
 def replace(name, text):
-    """Writes `text` between the marks of the table `name` in docs/speed.md."""
-    document = ROOT / "docs" / "speed.md"
+    """Writes `text` between the marks of the table `name` in docs/records/speed.md."""
+    document = ROOT / "docs" / "records" / "speed.md"
     begin, end = (f"<!-- {which} of the measured table: {name} -->" for which in ("begin", "end"))
     before, rest = document.read_text().split(begin)
     _, after = rest.split(end)

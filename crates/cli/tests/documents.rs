@@ -14,8 +14,9 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// All Markdown files of the repository's documentation with their text.
 fn documents() -> Vec<(PathBuf, String)> {
     let root = Path::new(ROOT);
-    let listed = fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
-    let files = listed.chain(["README.md", "CHANGELOG.md"].map(|name| root.join(name)));
+    let listed = ["docs", "docs/records"].into_iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap());
+    let listed = listed.map(|entry| entry.unwrap().path());
+    let files = listed.chain(["README.md", "CHANGELOG.md", "CONTRIBUTING.md"].map(|name| root.join(name)));
     let files = files.filter(|path| path.extension().is_some_and(|e| e == "md"));
     files.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
 }
@@ -39,9 +40,11 @@ fn anchors(text: &str) -> BTreeSet<String> {
 
 #[test]
 fn every_document_is_listed() {
-    let index = fs::read_to_string(format!("{ROOT}/docs/README.md")).unwrap();
-    for (path, _) in documents().iter().filter(|(path, _)| path.parent().is_some_and(|dir| dir.ends_with("docs"))) {
-        let name = path.file_name().unwrap().to_str().unwrap();
+    let docs = Path::new(ROOT).join("docs");
+    let index = fs::read_to_string(docs.join("README.md")).unwrap();
+    for (path, _) in documents() {
+        let Ok(name) = path.strip_prefix(&docs) else { continue };
+        let name = name.to_str().unwrap();
         assert!(name == "README.md" || index.contains(&format!("]({name})")), "{name}");
     }
 }

@@ -1,4 +1,4 @@
-//! Runs the published experiments on the published model and prints the tables of `docs/plate_experiments.md`:
+//! Runs the published experiments on the published model and prints the tables of `docs/records/plate_experiments.md`:
 //! `cargo run --release -p bracketry-plate --example plate_experiments`
 #![allow(clippy::print_stdout)]
 

@@ -1,4 +1,4 @@
-//! Sweeps the published experiments over friction and frequency on several models and draws the maps of `docs/plate.md`:
+//! Sweeps the published experiments over friction and frequency on several models and draws the maps of `docs/records/plate_terms.md`:
 //! `cargo run --release -p bracketry-plate --example plate_maps [FOLDER]`
 #![allow(clippy::print_stdout, dead_code)]
 

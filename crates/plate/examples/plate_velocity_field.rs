@@ -1,4 +1,4 @@
-//! Draws cycle-averaged velocity fields of periodic plate motions for `docs/plate.md`:
+//! Draws cycle-averaged velocity fields of periodic plate motions for `docs/records/plate_terms.md`:
 //! `cargo run --release -p bracketry-plate --example plate_velocity_field [FOLDER]`
 #![allow(clippy::print_stdout, dead_code)]
 

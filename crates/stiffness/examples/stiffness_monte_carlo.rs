@@ -1,5 +1,5 @@
 //! How well each estimator finds the stiffness of a KUKA KR 125 from noisy measurements; tables and a figure of
-//! `docs/stiffness_identification.md`: `cargo run --release -p bracketry-stiffness --example stiffness_monte_carlo -- docs/figures`.
+//! `docs/records/stiffness_identification.md`: `cargo run --release -p bracketry-stiffness --example stiffness_monte_carlo -- docs/figures`.
 #![allow(clippy::print_stdout)]
 
 #[path = "../tests/kr125/mod.rs"]

@@ -1,4 +1,4 @@
-//! Runs random trials of the plate's controllers on the area-contact plant and draws the figures of `docs/plate_control.md`:
+//! Runs random trials of the plate's controllers on the area-contact plant and draws the figures of `docs/records/plate_control.md`:
 //! `cargo run --release -p bracketry-plate --example plate_control -- --trials 200 --case robust`
 #![allow(clippy::print_stdout)]
 
