@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 
 /// Binding strength, weakest first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Strength {
+pub(crate) enum Strength {
     Sum,
     Product,
     Power,
