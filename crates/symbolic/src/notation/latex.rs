@@ -1,5 +1,7 @@
 //! Formulas in LaTeX.
 
+use std::fmt::Write as _;
+
 use super::name::{begins_with_digit, greek, is_single, spelled};
 use super::tree::{Fence, Joint, Notation, Relation};
 
@@ -7,7 +9,7 @@ impl Notation {
     /// The formula in LaTeX, to be put between `$`.
     pub fn latex(&self) -> String {
         let mut out = String::new();
-        write(self, &mut out);
+        set(self, &mut out);
         out
     }
 
@@ -20,10 +22,10 @@ impl Notation {
     }
 }
 
-fn write(formula: &Notation, out: &mut String) {
+fn set(formula: &Notation, out: &mut String) {
     match formula {
         Notation::Number(digits) => out.push_str(digits),
-        Notation::Symbol(name) => write(&spelled(name), out),
+        Notation::Symbol(name) => set(&spelled(name), out),
         Notation::Letters(name) => match greek(name) {
             Some(_) => out.extend(["\\", name]),
             None if is_single(name) => out.push_str(name),
@@ -40,18 +42,18 @@ fn write(formula: &Notation, out: &mut String) {
             '…' => out.push_str("\\dots"),
             _ => out.push(*c),
         },
-        Notation::Row(parts) => parts.iter().for_each(|p| write(p, out)),
+        Notation::Row(parts) => parts.iter().for_each(|p| set(p, out)),
         Notation::Sum(terms) => {
             for (i, term) in terms.iter().enumerate() {
                 match (i, term) {
-                    (0, _) => write(term, out),
+                    (0, _) => set(term, out),
                     (_, Notation::Negative(size)) => {
                         out.push_str(" - ");
-                        write(size, out);
+                        set(size, out);
                     }
                     _ => {
                         out.push_str(" + ");
-                        write(term, out);
+                        set(term, out);
                     }
                 }
             }
@@ -62,12 +64,12 @@ fn write(formula: &Notation, out: &mut String) {
                     // Two numbers side by side would read as one.
                     out.push_str(if begins_with_digit(factor) { " \\cdot " } else { " " });
                 }
-                write(factor, out);
+                set(factor, out);
             }
         }
         Notation::Negative(size) => {
             out.push('-');
-            write(size, out);
+            set(size, out);
         }
         Notation::Fraction(two) => {
             out.push_str("\\frac");
@@ -79,13 +81,13 @@ fn write(formula: &Notation, out: &mut String) {
             if matches!(two[0], Notation::Dotted(_, 3..) | Notation::Superscript(_)) {
                 group(&two[0], out);
             } else {
-                write(&two[0], out);
+                set(&two[0], out);
             }
             out.push('^');
             group(&two[1], out);
         }
         Notation::Subscript(two) => {
-            write(&two[0], out);
+            set(&two[0], out);
             out.push('_');
             group(&two[1], out);
         }
@@ -101,7 +103,7 @@ fn write(formula: &Notation, out: &mut String) {
             });
             group(inside, out);
             if *order > 2 {
-                out.push_str(&format!("^{{({order})}}"));
+                let _ = write!(out, "^{{({order})}}");
             }
         }
         Notation::Fenced(fence, inside) => {
@@ -113,14 +115,14 @@ fn write(formula: &Notation, out: &mut String) {
                 Fence::Angles => ("\\langle", "\\rangle"),
             };
             out.push_str(open);
-            write(inside, out);
+            set(inside, out);
             out.push_str(close);
         }
         Notation::List(joint, items) => joined(items, between(*joint), out),
         Notation::Relation(two, relation) => {
-            write(&two[0], out);
+            set(&two[0], out);
             out.extend([" ", sign(*relation), " "]);
-            write(&two[1], out);
+            set(&two[1], out);
         }
         Notation::Matrix(rows) => {
             out.push_str("\\begin{pmatrix}");
@@ -136,13 +138,13 @@ fn write(formula: &Notation, out: &mut String) {
 fn joined(items: &[Notation], between: &str, out: &mut String) {
     for (i, item) in items.iter().enumerate() {
         out.push_str(if i > 0 { between } else { "" });
-        write(item, out);
+        set(item, out);
     }
 }
 
 fn group(formula: &Notation, out: &mut String) {
     out.push('{');
-    write(formula, out);
+    set(formula, out);
     out.push('}');
 }
 

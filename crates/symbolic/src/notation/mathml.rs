@@ -9,8 +9,8 @@ impl Notation {
     /// ```
     /// # use bracketry_symbolic::Pool;
     /// let mut p = Pool::new();
-    /// let e = p.parse("x/2^k").unwrap();
-    /// assert_eq!(p.notation(e).mathml(), "<math><mfrac><mi>x</mi><msup><mn>2</mn><mi>k</mi></msup></mfrac></math>");
+    /// let e = p.parse("x/y^2").unwrap();
+    /// assert_eq!(p.notation(e).mathml(), "<math><mfrac><mi>x</mi><msup><mi>y</mi><mn>2</mn></msup></mfrac></math>");
     /// ```
     pub fn mathml(&self) -> String {
         format!("<math>{}</math>", set(self))
@@ -40,10 +40,10 @@ fn set(formula: &Notation) -> String {
             dot + &set(factor)
         })),
         Notation::Negative(size) => row([operator("−"), set(size)]),
-        Notation::Fraction(two) => pair("mfrac", two),
+        Notation::Fraction(two) => element("mfrac", [set(&two[0]), set(&two[1])]),
         Notation::Superscript(two) => superscript(&two[0], &two[1]),
-        Notation::Subscript(two) => pair("msub", two),
-        Notation::Root(inside) => format!("<msqrt>{}</msqrt>", set(inside)),
+        Notation::Subscript(two) => element("msub", [set(&two[0]), set(&two[1])]),
+        Notation::Root(inside) => element("msqrt", [set(inside)]),
         Notation::Dotted(inside, order) => dotted(inside, *order),
         Notation::Fenced(fence, inside) => {
             let (open, close) = match fence {
@@ -61,19 +61,19 @@ fn set(formula: &Notation) -> String {
         }
         Notation::Relation(two, relation) => row([set(&two[0]), operator(sign(*relation)), set(&two[1])]),
         Notation::Matrix(rows) => {
-            let cells = |r: &Vec<Notation>| r.iter().map(|e| format!("<mtd>{}</mtd>", set(e))).collect::<String>();
-            let rows: String = rows.iter().map(|r| format!("<mtr>{}</mtr>", cells(r))).collect();
-            row([operator("("), format!("<mtable>{rows}</mtable>"), operator(")")])
+            let cell = |e: &Notation| element("mtd", [set(e)]);
+            let table = element("mtable", rows.iter().map(|r| element("mtr", r.iter().map(cell))));
+            row([operator("("), table, operator(")")])
         }
     }
 }
 
-fn row(parts: impl IntoIterator<Item = String>) -> String {
-    format!("<mrow>{}</mrow>", parts.into_iter().collect::<String>())
+fn element(tag: &str, parts: impl IntoIterator<Item = String>) -> String {
+    format!("<{tag}>{}</{tag}>", parts.into_iter().collect::<String>())
 }
 
-fn pair(tag: &str, two: &[Notation; 2]) -> String {
-    format!("<{tag}>{}{}</{tag}>", set(&two[0]), set(&two[1]))
+fn row(parts: impl IntoIterator<Item = String>) -> String {
+    element("mrow", parts)
 }
 
 fn operator(sign: &str) -> String {
@@ -112,8 +112,8 @@ fn superscript(base: &Notation, exponent: &Notation) -> String {
         _ => base.clone(),
     };
     match spelled {
-        Notation::Subscript(two) => format!("<msubsup>{}{}{}</msubsup>", set(&two[0]), set(&two[1]), set(exponent)),
-        _ => format!("<msup>{}{}</msup>", set(base), set(exponent)),
+        Notation::Subscript(two) => element("msubsup", [set(&two[0]), set(&two[1]), set(exponent)]),
+        _ => element("msup", [set(base), set(exponent)]),
     }
 }
 
@@ -127,7 +127,7 @@ fn dotted(formula: &Notation, order: u32) -> String {
     };
     match formula {
         Notation::Symbol(name) => dotted(&spelled(name), order),
-        Notation::Subscript(two) => format!("<msub>{}{}</msub>", dotted(&two[0], order), set(&two[1])),
+        Notation::Subscript(two) => element("msub", [dotted(&two[0], order), set(&two[1])]),
         // Dots of the letter's own: without a mathematical font browsers set those of a <mover> into the letter.
         Notation::Letters(name) if greek(name).is_some() || is_single(name) => letters(name, mark),
         _ => format!("<mover accent=\"true\">{}<mo>{dots}</mo></mover>", set(formula)),

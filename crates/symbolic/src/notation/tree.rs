@@ -110,7 +110,7 @@ impl Notation {
     }
 
     /// A number as it is displayed.
-    pub fn number(value: impl ToString) -> Self {
+    pub fn number(value: impl std::fmt::Display + Copy) -> Self {
         let text = value.to_string();
         match text.strip_prefix('-') {
             Some(size) => Notation::Negative(Box::new(Notation::Number(size.to_owned()))),
@@ -196,7 +196,7 @@ impl Notation {
             | Notation::Subscript(two)
             | Notation::Relation(two, _) => each(&mut two[..]),
             Notation::Negative(one) | Notation::Root(one) | Notation::Dotted(one, _) | Notation::Fenced(_, one) => {
-                one.replace_symbols(replacement)
+                one.replace_symbols(replacement);
             }
             Notation::Matrix(rows) => rows.iter_mut().for_each(|r| each(r)),
         }
