@@ -1,6 +1,6 @@
 //! Energy balance and invariants along a trajectory.
 
-use crate::multipliers::Multipliers;
+use crate::friction::Filippov;
 use crate::{InputError, Inputs, Model, Switched, Trajectory};
 use bracketry_symbolic::{Expr, Names, Pool};
 use bracketry_system::{InputDerivative, System};
@@ -124,7 +124,7 @@ impl Balance {
             inputs: system.input_names(),
             derivatives: system.input_derivatives.clone(),
         };
-        let time = system.pool.symbol(crate::drive::TIME);
+        let time = system.pool.symbol(crate::model::TIME);
         let live: Vec<String> = inputs.live.iter().map(|(name, _)| name.clone()).collect();
         let live: Vec<_> = live.iter().map(|name| system.pool.symbol(name)).collect();
         scope.names.insert("t".to_owned(), system.pool.sym(time));
@@ -153,9 +153,9 @@ impl Balance {
     /// Keeps account along a trajectory of the same system with the same inputs: the work by Gauss–Legendre quadrature of
     /// the power on every step, none of which contains an event.
     pub fn of(&mut self, trajectory: &Trajectory) -> Account {
-        let mut multipliers = Multipliers::new(&self.model);
-        let mut modes = trajectory.initial_modes().to_vec();
-        let mut transitions = trajectory.transitions().iter().peekable();
+        let mut step = Step { field: Filippov::new(self.model.clone()), trajectory };
+        step.field.modes.copy_from_slice(trajectory.initial_modes());
+        let mut changes = trajectory.transitions().iter().peekable();
         let times: Vec<f64> = trajectory.times().collect();
         let count = self.measures - 2;
         let mut account = Account {
@@ -172,13 +172,12 @@ impl Balance {
         for (i, &t) in times.iter().enumerate() {
             let end = times.get(i + 1).copied();
             if end.is_some() {
-                self.model.enter_segment(t);
+                step.field.system.enter_segment(t);
             }
-            while let Some(transition) = transitions.next_if(|e| e.t <= t) {
-                modes[transition.switch] = transition.to;
+            while let Some(change) = changes.next_if(|e| e.t <= t) {
+                step.field.modes[change.switch] = change.to;
             }
-            multipliers.set_modes(&modes);
-            let mut step = Step { model: &mut self.model, multipliers: &mut multipliers, trajectory };
+            step.field.apply_modes();
             step.measure(t, &mut values);
             account.stored.push(values[0]);
             account.work.push(work);
@@ -215,8 +214,7 @@ impl Balance {
 
 /// Measures within one step.
 struct Step<'a> {
-    model: &'a mut Model,
-    multipliers: &'a mut Multipliers,
+    field: Filippov<Model>,
     trajectory: &'a Trajectory,
 }
 
@@ -224,11 +222,12 @@ impl Step<'_> {
     fn measure(&mut self, t: f64, values: &mut [f64]) {
         let (mut x, mut dx) = (vec![0.0; self.trajectory.dim()], vec![0.0; self.trajectory.dim()]);
         self.trajectory.sample_into(t, &mut x);
-        let mut directions = vec![0.0; self.multipliers.s.len()];
-        let kept = self.trajectory.directions_into(t, &mut directions);
-        self.multipliers.hold(kept.then_some(&directions[..]));
-        self.multipliers.field(self.model, t, &x, &mut dx);
-        self.model.measure(t, &x, &self.multipliers.s, values);
+        self.field.release_directions();
+        if let Some(directions) = self.trajectory.directions(t, self.field.s.len()) {
+            self.field.set_directions(&directions);
+        }
+        self.field.evaluate((t, &x), &mut dx);
+        self.field.system.measure(t, &x, &self.field.s, values);
     }
 
     /// The integrals of the power and of its size over a step, by the rule on `parts` equal parts.

@@ -10,47 +10,30 @@
 //! [`Model`] compiles a [`bracketry_system::System`] with [`Inputs`]; [`simulate`] runs it; [`Stepper`] and [`Plant`] do so
 //! piece by piece, as in a control loop.
 
-mod affine;
-mod arrival;
 mod balance;
 mod contact;
-mod drive;
-mod elimination;
 mod events;
-mod implicit;
-mod impulses;
-mod inputs;
+mod friction;
+mod integrate;
 mod model;
-mod modes;
-mod multipliers;
-mod onset;
 mod outcome;
-mod path;
 mod plant;
-mod resolve;
-mod saltation;
+mod sensitivity;
 mod settings;
 mod simulate;
-mod stages;
 mod stepper;
-mod switch_expressions;
 mod switched;
-mod tableau;
-mod tangent;
 mod trajectory;
 
 pub use balance::{Account, Balance};
 pub use contact::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Slip};
-pub use inputs::{Hold, InputError, Inputs, Samples};
-pub use model::Model;
-pub use modes::{Mode, ModeChange, ModeInterval};
+pub use friction::{Mode, ModeChange, ModeInterval};
+pub use model::{Hold, InputError, Inputs, Model, Samples};
 pub use outcome::{Outcome, Statistics, StopReason};
-pub use path::Path;
 pub use plant::{Plant, PlantError};
-pub use saltation::Saltation;
+pub use sensitivity::{Path, Saltation, Tangent};
 pub use settings::{Settings, SimError};
 pub use simulate::{Simulation, simulate};
 pub use stepper::Stepper;
 pub use switched::{Closures, Coupled, Switched};
-pub use tangent::Tangent;
 pub use trajectory::Trajectory;

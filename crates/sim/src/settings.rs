@@ -65,6 +65,11 @@ impl Settings {
         self
     }
 
+    /// Error allowed in a state of this size.
+    pub(crate) fn scale(&self, size: f64) -> f64 {
+        self.atol + self.rtol * size
+    }
+
     /// Checks that every field has a meaning.
     pub(crate) fn check(&self) -> Result<(), SimError> {
         let positive = |name, value: f64| {

@@ -1,13 +1,16 @@
-//! The integrator: adaptive Dormand–Prince steps between events, breaks and mode changes.
+//! The integrator: steps between events, breaks and mode changes.
 
-use crate::arrival::Approach;
-use crate::multipliers::{Multipliers, norm};
-use crate::path::Path;
-use crate::resolve::{ZeroSet, resolve};
-use crate::stages::{Attempt, SIGN_RESOLUTION};
+use crate::Switched;
+use crate::events::{Guard, Locator, Scan, gap_at_end};
+use crate::friction::{Filippov, Mode, ModeChange, SIMULTANEOUS, ZeroSet, resolve};
+use crate::integrate::{Approach, Attempt, Step, Stiffness, attempt};
+use crate::outcome::{Outcome, Statistics, StopReason};
+use crate::sensitivity::{FieldBefore, Path};
+use crate::settings::{Settings, SimError};
 use crate::trajectory::Trajectory;
-use crate::{Mode, ModeChange, Outcome, Settings, SimError, Statistics, StopReason, Switched};
-use std::collections::VecDeque;
+
+/// Steps shorter than this part of the time to go need not resolve the signs: where a load vanishes they jump.
+const SIGN_RESOLUTION: f64 = 1e-7;
 
 /// A re-entrant integrator: keeps time, state, modes and step length from one call to the next.
 ///
@@ -28,42 +31,19 @@ use std::collections::VecDeque;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Stepper<S> {
-    pub(crate) system: S,
-    pub(crate) settings: Settings,
-    pub(crate) t: f64,
-    pub(crate) x: Vec<f64>,
-    pub(crate) modes: Vec<Mode>,
-    /// Switches that have just left zero: their sign is known although `σ` is still rounding.
-    pub(crate) departing: Vec<bool>,
-    pub(crate) h: f64,
+    settings: Settings,
+    field: Filippov<S>,
+    step: Step,
+    /// Length of the next step to try; 0 where nothing is known of it.
+    h: f64,
     segment_end: f64,
-    /// Whether the step under way is implicit.
-    pub(crate) implicit: bool,
-    /// The influence of sliding directions on their own σ̇, and the step at which it was measured.
-    pub(crate) influence_size: f64,
-    pub(crate) influence_at: Option<usize>,
-    /// Least |σ| of the sliding unit vectors at the current point.
-    pub(crate) nearest: f64,
-    pub(crate) first_stage_known: bool,
-    pub(crate) multipliers: Multipliers,
-    pub(crate) k: [Vec<f64>; 7],
-    pub(crate) signs: [Vec<f64>; 7],
-    pub(crate) stage: Vec<f64>,
-    pub(crate) end: Vec<f64>,
-    pub(crate) end_velocity: Vec<f64>,
-    pub(crate) coefficients: Vec<f64>,
-    pub(crate) sigma: Vec<f64>,
-    pub(crate) zero: ZeroSet,
-    pub(crate) gaps: Vec<f64>,
-    pub(crate) samples: Vec<f64>,
-    pub(crate) rates: [Vec<f64>; 2],
-    pub(crate) noise: Vec<f64>,
-    /// Modes that could not be kept for any time at the current instant.
-    pub(crate) failed: Vec<Vec<Mode>>,
-    pub(crate) recent: VecDeque<f64>,
-    pub(crate) stalled: usize,
-    pub(crate) statistics: Statistics,
-    pub(crate) path: Option<Path>,
+    stiffness: Stiffness,
+    locator: Locator,
+    zero: ZeroSet,
+    guard: Guard,
+    statistics: Statistics,
+    trajectory: Option<Trajectory>,
+    path: Option<Path>,
 }
 
 impl<S: Switched> Stepper<S> {
@@ -73,47 +53,21 @@ impl<S: Switched> Stepper<S> {
     /// [`SimError`] for a state of the wrong length, a time that is not finite, or settings without meaning.
     pub fn new(system: S, t: f64, x: &[f64], settings: &Settings) -> Result<Self, SimError> {
         settings.check()?;
-        let (n, switches) = (system.dim(), system.switches());
-        let multipliers = Multipliers::new(&system);
-        let k = multipliers.s.len();
-        if x.len() != n {
-            return Err(SimError::WrongLength { what: "the state", expected: n, found: x.len() });
-        }
-        if !t.is_finite() {
-            return Err(SimError::BadTimeSpan { from: t, to: t });
-        }
+        check_start(t, x, system.dim())?;
+        let field = Filippov::new(system);
         let mut stepper = Self {
-            system,
             settings: settings.clone(),
-            t,
-            x: x.to_vec(),
-            modes: vec![Mode::Sticking; switches],
-            departing: vec![false; switches],
+            step: Step::new(t, x, field.s.len()),
             h: 0.0,
             segment_end: f64::NEG_INFINITY,
-            implicit: false,
-            influence_size: 0.0,
-            influence_at: None,
-            nearest: f64::INFINITY,
-            first_stage_known: false,
-            multipliers,
-            k: std::array::from_fn(|_| vec![0.0; n]),
-            signs: std::array::from_fn(|_| vec![0.0; k]),
-            stage: vec![0.0; n],
-            end: vec![0.0; n],
-            end_velocity: vec![0.0; n],
-            coefficients: vec![0.0; 5 * n],
-            sigma: vec![0.0; k],
+            stiffness: Stiffness::new(),
+            locator: Locator::new(x.len(), field.modes.len()),
             zero: ZeroSet::default(),
-            gaps: vec![0.0; switches],
-            samples: vec![0.0; 5 * switches],
-            rates: std::array::from_fn(|_| vec![0.0; switches]),
-            noise: vec![0.0; switches],
-            failed: Vec::new(),
-            recent: VecDeque::new(),
-            stalled: 0,
+            guard: Guard::default(),
             statistics: Statistics::default(),
+            trajectory: None,
             path: None,
+            field,
         };
         stepper.guess_modes();
         Ok(stepper)
@@ -121,32 +75,32 @@ impl<S: Switched> Stepper<S> {
 
     /// Current time in seconds.
     pub fn time(&self) -> f64 {
-        self.t
+        self.step.t
     }
 
     /// Current state.
     pub fn state(&self) -> &[f64] {
-        &self.x
+        &self.step.x
     }
 
     /// Current modes, one per switch.
     pub fn modes(&self) -> &[Mode] {
-        &self.modes
+        &self.field.modes
     }
 
     /// The system.
     pub fn system(&self) -> &S {
-        &self.system
+        &self.field.system
     }
 
     /// The system, to change its inputs or parameters; the modes are made consistent at the next call of `advance`.
     pub fn system_mut(&mut self) -> &mut S {
-        &mut self.system
+        &mut self.field.system
     }
 
     /// Work done so far.
     pub fn statistics(&self) -> Statistics {
-        Statistics { rhs: self.multipliers.evaluations, ..self.statistics }
+        Statistics { rhs: self.field.forces.evaluations, ..self.statistics }
     }
 
     /// Puts the system into another state at another time; the modes follow from the switching functions there.
@@ -154,255 +108,197 @@ impl<S: Switched> Stepper<S> {
     /// # Errors
     /// [`SimError`] for a state of the wrong length or a time that is not finite.
     pub fn set_state(&mut self, t: f64, x: &[f64]) -> Result<(), SimError> {
-        if x.len() != self.x.len() {
-            return Err(SimError::WrongLength { what: "the state", expected: self.x.len(), found: x.len() });
-        }
-        if !t.is_finite() {
-            return Err(SimError::BadTimeSpan { from: t, to: t });
-        }
-        self.t = t;
-        self.x.copy_from_slice(x);
-        self.recent.clear();
+        check_start(t, x, self.step.x.len())?;
+        self.step.t = t;
+        self.step.x.copy_from_slice(x);
+        self.guard.forget_events();
         self.guess_modes();
         Ok(())
     }
 
     /// Modes by the signs of the switching functions alone; `restart` decides those that vanish.
     fn guess_modes(&mut self) {
-        self.segment_end = self.system.enter_segment(self.t);
-        self.system.switching(self.t, &self.x, &mut self.sigma);
-        for i in 0..self.modes.len() {
-            self.departing[i] = false;
-            self.modes[i] = self.mode_of(i, norm(&self.sigma[self.multipliers.parts[i].clone()]) == 0.0);
-        }
-        self.first_stage_known = false;
+        self.segment_end = self.field.system.enter_segment(self.step.t);
+        self.field.guess_modes(self.step.t, &self.step.x);
+        self.step.started = false;
         self.h = 0.0;
-    }
-
-    /// The mode of a switch by its σ (the last evaluated), which vanishes or not.
-    fn mode_of(&self, switch: usize, vanishes: bool) -> Mode {
-        match self.multipliers.parts[switch].start {
-            _ if vanishes => Mode::Sticking,
-            _ if self.multipliers.is_vector(switch) => Mode::Sliding,
-            first => Mode::of_sign(self.sigma[first]),
-        }
     }
 
     /// Integrates to `t_end`; does nothing if that lies in the past, and stops at once if it is not finite.
     pub fn advance(&mut self, t_end: f64) -> Outcome {
-        self.run(t_end, None)
-    }
-
-    /// Integrates to `t_end` and records the way.
-    ///
-    /// # Errors
-    /// [`SimError::BadTimeSpan`] if `t_end` is not finite, or lies before the current time.
-    pub fn record(&mut self, t_end: f64) -> Result<(Trajectory, Outcome), SimError> {
-        if !t_end.is_finite() || t_end < self.t {
-            return Err(SimError::BadTimeSpan { from: self.t, to: t_end });
-        }
-        let mut trajectory = Trajectory::new(self.t, &self.x, &self.modes);
-        let outcome = self.run(t_end, Some(&mut trajectory));
-        trajectory.finish(self.t, &self.x);
-        Ok((trajectory, outcome))
-    }
-
-    fn run(&mut self, t_end: f64, mut trajectory: Option<&mut Trajectory>) -> Outcome {
-        match self.run_segments(t_end, &mut trajectory) {
+        match self.run_segments(t_end) {
             Ok(()) => Outcome::Finished,
             Err(reason) => {
                 // Other inputs may lead on from here, with a step length of their own.
                 self.h = 0.0;
-                self.stalled = 0;
-                self.failed.clear();
-                self.multipliers.reset();
-                Outcome::Stopped { reason, t: self.t, state: self.x.clone() }
+                self.guard.go_on();
+                self.field.reset();
+                Outcome::Stopped { reason, t: self.step.t, state: self.step.x.clone() }
             }
         }
     }
 
-    fn run_segments(&mut self, t_end: f64, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StopReason> {
+    /// Integrates to `t_end` and records the trajectory.
+    ///
+    /// # Errors
+    /// [`SimError::BadTimeSpan`] if `t_end` is not finite, or lies before the current time.
+    pub fn record(&mut self, t_end: f64) -> Result<(Trajectory, Outcome), SimError> {
+        if !t_end.is_finite() || t_end < self.step.t {
+            return Err(SimError::BadTimeSpan { from: self.step.t, to: t_end });
+        }
+        let start = Trajectory::new(self.step.t, &self.step.x, &self.field.modes);
+        self.trajectory = Some(start.clone());
+        let outcome = self.advance(t_end);
+        let mut trajectory = self.trajectory.take().unwrap_or(start);
+        trajectory.finish(self.step.t, &self.step.x);
+        Ok((trajectory, outcome))
+    }
+
+    /// Records the path from here on, in place of what `path` holds.
+    pub fn follow(&mut self, mut path: Path) {
+        path.clear();
+        self.path = Some(path);
+    }
+
+    /// The number of pieces since [`Stepper::follow`].
+    pub fn followed(&self) -> usize {
+        self.path.as_ref().map_or(0, Path::len)
+    }
+
+    /// The path since [`Stepper::follow`], which ends.
+    pub fn take_path(&mut self) -> Path {
+        self.path.take().unwrap_or_default()
+    }
+
+    fn attempts(&self) -> usize {
+        self.statistics.steps + self.statistics.rejected
+    }
+
+    fn run_segments(&mut self, t_end: f64) -> Result<(), StopReason> {
         if !t_end.is_finite() {
             return Err(StopReason::NonFinite);
         }
-        self.restart(trajectory)?;
-        let first = self.statistics.steps + self.statistics.rejected;
-        while self.t < t_end {
+        self.restart()?;
+        let first = self.attempts();
+        while self.step.t < t_end {
             if self.settings.stop.is_raised() {
                 return Err(StopReason::Asked);
             }
-            if self.t >= self.segment_end {
-                self.restart(trajectory)?;
+            if self.step.t >= self.segment_end {
+                self.restart()?;
             }
-            if self.statistics.steps + self.statistics.rejected - first >= self.settings.max_steps {
+            if self.attempts() - first >= self.settings.max_steps {
                 return Err(StopReason::TooManySteps { limit: self.settings.max_steps });
             }
-            self.step(t_end.min(self.segment_end), trajectory)?;
+            self.go_on(t_end.min(self.segment_end))?;
         }
         Ok(())
     }
 
-    /// Enters the segment that begins now, and makes the modes consistent with it.
-    fn restart(&mut self, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StopReason> {
-        self.segment_end = self.system.enter_segment(self.t);
-        if self.segment_end.is_nan() || self.segment_end <= self.t {
+    /// Enters the segment that starts now, and makes the modes consistent with it.
+    fn restart(&mut self) -> Result<(), StopReason> {
+        let (t, x) = (self.step.t, &self.step.x);
+        self.segment_end = self.field.system.enter_segment(t);
+        if self.segment_end.is_nan() || self.segment_end <= t {
             return Err(StopReason::EmptySegment);
         }
-        if !self.x.iter().all(|v| v.is_finite()) {
+        if !x.iter().all(|v| v.is_finite()) {
             return Err(StopReason::NonFinite);
         }
-        self.first_stage_known = false;
-        self.failed.clear();
-        let switches = self.modes.len();
-        if switches == 0 {
+        self.step.started = false;
+        self.guard.failed.clear();
+        if self.field.modes.is_empty() {
             return Ok(());
         }
-        self.system.switching(self.t, &self.x, &mut self.sigma);
-        if !self.sigma.iter().all(|v| v.is_finite()) {
+        let before = self.field.modes.clone();
+        if !self.zero.at_start(&mut self.field, (t, x), self.settings.atol) {
             return Err(StopReason::NonFinite);
         }
-        let before = self.modes.clone();
-        self.multipliers.gradients(&mut self.system, self.t, &self.x);
-        self.zero.clear();
-        for i in 0..switches {
-            let part = self.multipliers.parts[i].clone();
-            let size = self.rounding(i);
-            let tiny = if part.len() > 1 { self.arrival_size(i) } else { self.negligible(i) };
-            let sigma = norm(&self.sigma[part]);
-            match self.modes[i] {
-                Mode::Sticking if sigma <= 1e5 * size + tiny => {
-                    self.zero.push(i, self.multipliers.sliding_mode(i), false);
-                }
-                sliding if sliding != Mode::Sticking && (self.departing[i] || sigma <= tiny) => {
-                    self.zero.push(i, sliding, false);
-                }
-                _ => self.modes[i] = self.mode_of(i, false),
-            }
-        }
-        self.settle(&before, trajectory)
+        self.settle(&before)
     }
 
-    /// Gives the zero set consistent modes, projects what sticks, logs what changed.
-    pub(crate) fn settle(
-        &mut self,
-        before: &[Mode],
-        trajectory: &mut Option<&mut Trajectory>,
-    ) -> Result<(), StopReason> {
-        resolve(
-            &mut self.system,
-            &mut self.multipliers,
-            (self.t, &self.x),
-            (&self.zero, &self.failed),
-            self.settings.max_zero_set,
-            &mut self.modes,
-            &mut self.stage,
-        )
-        .map_err(|reason| if self.rate_is_finite() { reason } else { StopReason::NonFinite })?;
-        self.departing.fill(false);
-        self.influence_at = None;
-        for &i in &self.zero.switches {
-            self.departing[i] = self.modes[i] != Mode::Sticking;
+    /// Gives the zero set consistent modes, projects what sticks, logs what changed since the modes `before`.
+    fn settle(&mut self, before: &[Mode]) -> Result<(), StopReason> {
+        let Self { field, step, zero, guard, settings, .. } = self;
+        let (t, x) = (step.t, &mut step.x);
+        resolve(field, (t, &*x), zero, &guard.failed, settings.max_zero_set)
+            .map_err(|reason| if field.is_finite(t, x) { reason } else { StopReason::NonFinite })?;
+        self.stiffness.forget();
+        field.departing.fill(false);
+        for entry in &zero.entries {
+            field.departing[entry.switch] = field.modes[entry.switch] != Mode::Sticking;
         }
-        self.multipliers.project(&mut self.system, self.t, &mut self.x, &mut self.sigma);
-        if let Some(trajectory) = trajectory {
-            for (switch, (&from, &to)) in before.iter().zip(&self.modes).enumerate() {
+        field.project(t, x);
+        if let Some(trajectory) = &mut self.trajectory {
+            for (switch, (&from, &to)) in before.iter().zip(&field.modes).enumerate() {
                 if from != to {
-                    trajectory.push_mode_change(ModeChange { t: self.t, switch, from, to });
+                    trajectory.push_mode_change(ModeChange { t, switch, from, to });
                 }
             }
         }
-        self.first_stage_known = false;
+        step.started = false;
         Ok(())
-    }
-
-    /// Whether the right-hand side at the current point, with some signs, is finite; where it is not, no mode fits.
-    fn rate_is_finite(&mut self) -> bool {
-        let mut signs = vec![0.0; self.multipliers.s.len()];
-        for (part, mode) in self.multipliers.parts.iter().zip(&self.modes) {
-            signs[part.start] = mode.sign();
-        }
-        self.system.rhs(self.t, &self.x, &signs, &mut self.stage);
-        self.stage.iter().all(|v| v.is_finite())
-    }
-
-    /// The shortest step that the resolution of time allows.
-    pub(crate) fn shortest(&self) -> f64 {
-        4.0 * f64::EPSILON * self.t.abs().max(1e-3)
     }
 
     /// One accepted step, or one event, not beyond `limit`.
-    fn step(&mut self, limit: f64, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StopReason> {
-        let remaining = limit - self.t;
-        if remaining <= self.shortest() {
-            self.t = limit;
+    fn go_on(&mut self, limit: f64) -> Result<(), StopReason> {
+        let remaining = limit - self.step.t;
+        if remaining <= self.step.shortest() {
+            self.step.t = limit;
             return Ok(());
         }
-        if !self.first_stage_known && !self.first_stage() {
-            return self.unsolvable(trajectory);
+        if !self.step.started && !self.step.start(&mut self.field) {
+            return self.change_unsolvable();
         }
-        if !self.k[0].iter().all(|v| v.is_finite()) {
+        if !self.step.k[0].iter().all(|v| v.is_finite()) {
             return Err(StopReason::NonFinite);
         }
         if self.h == 0.0 {
-            self.h = self.first_step(remaining);
+            self.h = self.step.first_length(&self.settings, remaining);
         }
-        let longest = match self.approach(remaining) {
+        let times = (remaining, self.settings.atol);
+        let longest = match self.stiffness.approach(&mut self.field, &self.step, times, &mut self.h) {
             Approach::None => self.settings.max_step,
             Approach::Within(longest) => self.settings.max_step.min(longest),
-            Approach::Arrives { switch, after } => return self.arrive(switch, after, trajectory),
+            Approach::Arrives { switch, after } => return self.arrive(switch, after),
         };
-        let mut rejected = false;
+        let mut most = 8.0;
         loop {
-            let mut h = self.h.min(longest);
-            if h >= remaining * 0.999 {
-                h = remaining;
-            } else if h > 0.5 * remaining {
-                h = 0.5 * remaining;
-            }
-            if h < self.shortest() && h < remaining {
-                return Err(StopReason::StepTooSmall);
-            }
-            self.implicit = self.is_stiff(h);
-            let attempt = self.attempt(h, h > SIGN_RESOLUTION * remaining);
-            let error = match attempt {
+            let h = self.length(remaining, longest)?;
+            let error = match self.attempt(h, h > SIGN_RESOLUTION * remaining) {
                 Attempt::Error(error) if error <= 1.0 => error,
-                other => {
+                failed => {
                     self.statistics.rejected += 1;
-                    rejected = true;
-                    self.h = match other {
+                    most = 1.0;
+                    self.h = match failed {
                         Attempt::Error(error) => h * (0.9 * error.powf(self.exponent())).clamp(0.1, 0.9),
                         _ => 0.25 * h,
                     };
-                    if self.h < self.shortest() {
-                        return match other {
-                            Attempt::Unsolvable => self.unsolvable(trajectory),
-                            Attempt::NonFinite => Err(StopReason::NonFinite),
-                            Attempt::Error(_) => Err(StopReason::StepTooSmall),
-                        };
-                    }
-                    continue;
-                }
-            };
-            if !self.modes.is_empty() {
-                match self.scan(h) {
-                    crate::events::Scan::Clear => {}
-                    crate::events::Scan::Unresolved => {
-                        self.statistics.rejected += 1;
-                        rejected = true;
-                        self.h = 0.5 * h;
+                    if self.h >= self.step.shortest() {
                         continue;
                     }
-                    crate::events::Scan::Event { theta, switch } => {
-                        return self.event(theta, h, switch, trajectory);
-                    }
+                    return match failed {
+                        Attempt::Unsolvable => self.change_unsolvable(),
+                        Attempt::NonFinite => Err(StopReason::NonFinite),
+                        Attempt::Error(_) => Err(StopReason::StepTooSmall),
+                    };
                 }
+            };
+            match self.scan(h) {
+                Scan::Clear => {}
+                Scan::Unresolved => {
+                    self.statistics.rejected += 1;
+                    most = 1.0;
+                    self.h = 0.5 * h;
+                    continue;
+                }
+                Scan::Event { theta, switch } => return self.meet(theta, h, switch),
             }
+            self.accept(h);
             let at_limit = h == remaining;
-            self.accept(h, trajectory);
             if at_limit {
-                self.t = limit;
+                self.step.t = limit;
             }
-            let most = if rejected { 1.0 } else { 8.0 };
             // A step cut short by its limit says nothing against the length before.
             if !(at_limit && self.h >= most * h) {
                 let growth = (0.9 * error.max(1e-10).powf(self.exponent())).clamp(0.2, most);
@@ -412,41 +308,147 @@ impl<S: Switched> Stepper<S> {
         }
     }
 
+    /// The length to try, such that no sliver of the remaining time is left, and its method.
+    fn length(&mut self, remaining: f64, longest: f64) -> Result<f64, StopReason> {
+        let mut h = self.h.min(longest);
+        if h >= remaining * 0.999 {
+            h = remaining;
+        } else if h > 0.5 * remaining {
+            h = 0.5 * remaining;
+        }
+        if h < self.step.shortest() && h < remaining {
+            return Err(StopReason::StepTooSmall);
+        }
+        let attempts = self.attempts();
+        self.step.implicit = self.stiffness.is_stiff(&mut self.field, &self.step, h, attempts);
+        Ok(h)
+    }
+
     /// By which power of its error a step's length changes: the error estimates are of order 5 and 4.
     fn exponent(&self) -> f64 {
-        if self.implicit { -0.25 } else { -0.2 }
+        if self.step.implicit { -0.25 } else { -0.2 }
     }
 
-    /// The sticking signs have no solution at the current point: the modes cannot be kept, others are sought.
-    pub(crate) fn unsolvable(&mut self, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StopReason> {
-        self.zero.clear();
-        for (i, mode) in self.modes.iter().enumerate() {
-            if *mode == Mode::Sticking || *mode == Mode::Sliding && self.departing[i] {
-                self.zero.push(i, self.multipliers.sliding_mode(i), false);
+    fn attempt(&mut self, h: f64, control_signs: bool) -> Attempt {
+        attempt(&mut self.step, &mut self.field, h, &self.settings, control_signs)
+    }
+
+    /// As [`Stepper::attempt`] without error control, as for the step to an event; whether it has a solution.
+    fn reaches(&mut self, h: f64) -> bool {
+        matches!(self.attempt(h, false), Attempt::Error(_))
+    }
+
+    fn scan(&mut self, h: f64) -> Scan {
+        if self.field.modes.is_empty() {
+            return Scan::Clear;
+        }
+        self.locator.scan(&mut self.field, &self.step, h, self.settings.atol)
+    }
+
+    /// Takes over the attempted step.
+    fn accept(&mut self, h: f64) {
+        if let Some(trajectory) = &mut self.trajectory {
+            trajectory.push(&self.step, h);
+        }
+        if let Some(path) = &mut self.path {
+            path.push_step(&self.step, h, &self.field.modes);
+        }
+        self.step.accept(&mut self.field, h);
+        self.statistics.steps += 1;
+        self.guard.go_on();
+    }
+
+    /// Steps to the event of `switch` at fraction `theta` of the step `h`, and changes the modes there.
+    fn meet(&mut self, theta: f64, h: f64, switch: usize) -> Result<(), StopReason> {
+        let breaks = self.field.modes[switch] == Mode::Sticking;
+        let shortest = self.step.shortest();
+        if theta * h <= shortest {
+            self.guard.failed.push(self.field.modes.clone());
+            return self.change_modes(switch, breaks);
+        }
+        let secant = self.locator.secant(&mut self.field, &self.step, (theta, h), switch);
+        let resolution = 0.01 * SIMULTANEOUS * self.step.t.abs().max(1.0);
+        let mut length = theta * h;
+        let mut solved = self.reaches(length);
+        for _ in 0..3 {
+            if !solved {
+                break;
             }
+            let (gap, slope) = gap_at_end(&mut self.field, &self.step, length, switch, secant);
+            let correction = -gap / slope;
+            let next = length + correction;
+            if !(slope < 0.0 && correction.abs() < 1e-2 * h && next > shortest) || correction.abs() <= resolution {
+                break;
+            }
+            length = next;
+            solved = self.reaches(length);
         }
-        let before = self.modes.clone();
-        self.failed.push(self.modes.clone());
-        self.count_event()?;
-        self.h = self.h.max(1e3 * self.shortest());
-        self.settle(&before, trajectory)
+        if solved {
+            self.accept(length);
+            return self.change_modes(switch, breaks);
+        }
+        // The field ends before the event: approach it by shorter steps.
+        self.h = 0.5 * length;
+        if self.h > shortest { Ok(()) } else { self.change_unsolvable() }
     }
 
-    /// Counts an event at the current time against chattering.
-    pub(crate) fn count_event(&mut self) -> Result<(), StopReason> {
-        self.statistics.events += 1;
-        self.stalled += 1;
-        if self.stalled > 8 + 9 * self.modes.len() {
-            return Err(StopReason::NoConsistentMode { switches: self.zero.switches.clone() });
+    /// The last step of a unit vector to zero, in its present direction, and what follows.
+    fn arrive(&mut self, switch: usize, after: f64) -> Result<(), StopReason> {
+        if after > self.step.shortest() {
+            let Self { field, step, settings, .. } = self;
+            let near = |&i: &usize| field.surfaces.size(i) <= field.surfaces.arrival_size(i, &step.x, settings.atol);
+            let near: Vec<usize> = field.in_mode(Mode::Sliding).filter(near).collect();
+            field.hold_directions(near);
+            step.implicit = false;
+            let solved = self.reaches(after);
+            self.field.release_directions();
+            if !solved {
+                return Err(StopReason::NonFinite);
+            }
+            self.accept(after);
         }
-        let (limit, window) = (self.settings.max_events, self.settings.event_window);
-        self.recent.push_back(self.t);
-        if self.recent.len() > limit
-            && let Some(first) = self.recent.pop_front()
-            && self.t - first <= window
+        self.change_modes(switch, false)
+    }
+
+    /// Changes the modes at the event of `switch`, which `breaks` loose or reaches zero.
+    fn change_modes(&mut self, switch: usize, breaks: bool) -> Result<(), StopReason> {
+        let Step { t, x, k, signs, .. } = &self.step;
+        self.zero.at_event(&mut self.field, (*t, x), (&k[0], &signs[0]), (switch, breaks), self.settings.atol);
+        self.count_event()?;
+        let modes = self.field.modes.clone();
+        // What breaks loose does so without a jump of the field.
+        let follows = self.path.is_some() && !breaks;
+        let before = follows.then(|| FieldBefore::new(&self.field, &self.step, switch));
+        self.settle(&modes)?;
+        if let (Some(path), Some(before)) = (&mut self.path, before)
+            && self.step.start(&mut self.field)
         {
-            return Err(StopReason::TooManyEvents { limit, window });
+            path.push_jump(&before, &self.step.k[0]);
         }
         Ok(())
     }
+
+    /// The sticking signs have no solution at the current point: the modes cannot be kept, others are sought.
+    fn change_unsolvable(&mut self) -> Result<(), StopReason> {
+        self.zero.of_unsolvable(&self.field);
+        let before = self.field.modes.clone();
+        self.guard.failed.push(before.clone());
+        self.count_event()?;
+        self.h = self.h.max(1e3 * self.step.shortest());
+        self.settle(&before)
+    }
+
+    /// Counts an event at the current time against chattering.
+    fn count_event(&mut self) -> Result<(), StopReason> {
+        self.statistics.events += 1;
+        self.guard.count(self.step.t, self.field.modes.len(), &self.zero, &self.settings)
+    }
+}
+
+/// Checks time and state of a start of a system with `n` states.
+fn check_start(t: f64, x: &[f64], n: usize) -> Result<(), SimError> {
+    if x.len() != n {
+        return Err(SimError::WrongLength { what: "the state", expected: n, found: x.len() });
+    }
+    if t.is_finite() { Ok(()) } else { Err(SimError::BadTimeSpan { from: t, to: t }) }
 }

@@ -1,6 +1,7 @@
 //! The states of a simulation at any time, and its modes.
 
-use crate::modes::{Mode, ModeChange, ModeInterval};
+use crate::friction::{Mode, ModeChange, ModeInterval};
+use crate::integrate::{Step, interpolate, node_weights};
 
 /// One step's continuous extension.
 #[derive(Debug, Clone)]
@@ -44,32 +45,26 @@ impl Trajectory {
         }
     }
 
-    pub(crate) fn push(&mut self, t: f64, h: f64, coefficients: &[f64], end_state: &[f64]) {
-        self.pieces.push(Piece { t, h, directions: None });
-        self.coefficients.extend_from_slice(coefficients);
-        self.end = t + h;
-        self.final_state.copy_from_slice(end_state);
+    /// Appends the attempted step of length `h`.
+    pub(crate) fn push(&mut self, step: &Step, h: f64) {
+        let nodes = step.implicit_signs();
+        let directions = nodes.is_some().then_some(self.directions.len());
+        self.pieces.push(Piece { t: step.t, h, directions });
+        nodes.into_iter().flatten().for_each(|node| self.directions.extend_from_slice(node));
+        self.coefficients.extend_from_slice(&step.coefficients);
+        self.end = step.t + h;
+        self.final_state.copy_from_slice(&step.end);
     }
 
-    /// Keeps the directions at the nodes of the last step.
-    pub(crate) fn keep_directions<'a>(&mut self, nodes: impl Iterator<Item = &'a Vec<f64>>) {
-        if let Some(piece) = self.pieces.last_mut() {
-            piece.directions = Some(self.directions.len());
-            nodes.for_each(|node| self.directions.extend_from_slice(node));
-        }
-    }
-
-    /// Writes the signs and directions at `t`, interpolated but not of unit length; false if they are not kept there.
-    pub(crate) fn directions_into(&self, t: f64, s: &mut [f64]) -> bool {
-        let Some(index) = self.pieces.partition_point(|piece| piece.t <= t).checked_sub(1) else { return false };
-        let piece = &self.pieces[index];
-        let Some(first) = piece.directions else { return false };
-        let weights = crate::implicit::node_weights(((t - piece.t) / piece.h).min(1.0));
-        s.fill(0.0);
-        for (weight, node) in weights.iter().zip(self.directions[first..].chunks(s.len())) {
+    /// The `k` signs and directions at `t`, interpolated but not of unit length; none where they are not kept.
+    pub(crate) fn directions(&self, t: f64, k: usize) -> Option<Vec<f64>> {
+        let piece = &self.pieces[self.pieces.partition_point(|piece| piece.t <= t).checked_sub(1)?];
+        let weights = node_weights(((t - piece.t) / piece.h).min(1.0));
+        let mut s = vec![0.0; k];
+        for (weight, node) in weights.iter().zip(self.directions[piece.directions?..].chunks(k)) {
             s.iter_mut().zip(node).for_each(|(s, v)| *s += weight * v);
         }
-        true
+        Some(s)
     }
 
     /// The time and state at which the integrator stands, with what sticks projected.
@@ -180,13 +175,5 @@ impl Trajectory {
         self.transitions.extend_from_slice(&later.transitions);
         self.end = later.end;
         self.final_state.copy_from_slice(&later.final_state);
-    }
-}
-
-/// The continuous extension at `theta ∈ [0, 1]` of a step with the five coefficient vectors `r` (Hairer's `rcont`).
-pub(crate) fn interpolate(r: &[f64], n: usize, theta: f64, x: &mut [f64]) {
-    let rest = 1.0 - theta;
-    for j in 0..n {
-        x[j] = r[j] + theta * (r[n + j] + rest * (r[2 * n + j] + theta * (r[3 * n + j] + rest * r[4 * n + j])));
     }
 }

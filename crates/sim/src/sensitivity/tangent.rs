@@ -3,10 +3,12 @@
 //! Along a step the change `X` of the state obeys `X' = A X + b` with `A = ∂f/∂x` for the modes of the step, unit vectors that slide
 //! turning with σ, and sticking signs answering so that `σ̇_K` stays zero. At an event `X` jumps by the [`Saltation`] matrix. The steps are the integrator's own, taken by the implicit midpoint rule.
 
-use crate::elimination::eliminate;
-use crate::multipliers::norm;
-use crate::path::{Path, Piece};
-use crate::{Mode, Model, Saltation, Switched};
+use super::path::{Path, Piece};
+use super::saltation::Saltation;
+use crate::Switched;
+use crate::friction::{Mode, Surfaces, eliminate, norm};
+use crate::model::Model;
+use std::ops::Range;
 
 /// Pivots below this part of the largest entry are none.
 const SINGULAR: f64 = 1e-12;
@@ -86,7 +88,7 @@ impl Model {
         tangent.by_number.clear();
         let mut derivatives = vec![0.0; n * (n + k + numbers) + k * numbers];
         let moving = self.surfaces_move();
-        let mut maps = Maps::new(self, n, k);
+        let mut maps = Maps::new(self);
         for piece in &path.pieces {
             match *piece {
                 Piece::Jump { first, rate } => {
@@ -110,9 +112,12 @@ impl Model {
                     let from = tangent.by_number.len();
                     tangent.by_number.extend_from_slice(by_number);
                     if moving {
-                        let by_sign = &field[n * n..];
-                        for (part, _) in maps.parts.iter().zip(modes).filter(|(_, m)| **m == Mode::Sliding) {
-                            turn_with(part, (s, &maps.sigma), by_sign, moved, &mut tangent.by_number[from..]);
+                        let surfaces = &maps.surfaces;
+                        for (part, _) in surfaces.parts.iter().zip(modes).filter(|(_, m)| **m == Mode::Sliding) {
+                            let by_number = tangent.by_number[from..].chunks_exact_mut(n);
+                            for (moved, out) in moved.chunks_exact(k).zip(by_number) {
+                                turn(part, (s, &surfaces.sigma), |c| moved[c], &field[n * n..], out);
+                            }
                         }
                     }
                 }
@@ -132,12 +137,10 @@ impl Model {
         if other.dim() != n {
             return false;
         }
-        let own = Maps::new(self, n, k).parts;
-        let others = Maps::new(other, n, other.arguments()).parts;
+        let (mut own, others) = (Surfaces::new(self), Surfaces::new(other).parts);
         let place = |name: &str| other.switch_names().position(|theirs| theirs == name);
         let known: Vec<Option<usize>> = self.switch_names().map(place).collect();
         let mut signs = vec![0.0; k];
-        let mut sigma = vec![0.0; k];
         let mut derivatives = vec![0.0; n * (k + numbers) + k * numbers];
         let moving = self.surfaces_move();
         let size = n * numbers;
@@ -148,9 +151,10 @@ impl Model {
             let (x, rest) = path.numbers[first..].split_at(n);
             self.enter_segment(t);
             if moving || known.contains(&None) {
-                self.switching(t, x, &mut sigma);
+                own.evaluate(self, t, x);
             }
-            for (part, known) in own.iter().zip(&known) {
+            let sigma = &own.sigma;
+            for (part, known) in own.parts.iter().zip(&known) {
                 match known.map(|i| others[i].clone()) {
                     Some(theirs) if theirs.len() == part.len() => {
                         signs[part.clone()].copy_from_slice(&rest[theirs]);
@@ -168,8 +172,10 @@ impl Model {
             let (field, moved) = rest.split_at(size);
             out.copy_from_slice(field);
             if moving {
-                for part in own.iter().filter(|p| p.len() > 1) {
-                    turn_with(part, (&signs, &sigma), by_sign, moved, out);
+                for part in own.parts.iter().filter(|part| part.len() > 1) {
+                    for (moved, out) in moved.chunks_exact(k).zip(out.chunks_exact_mut(n)) {
+                        turn(part, (&signs, sigma), |c| moved[c], by_sign, out);
+                    }
                 }
             }
         }
@@ -201,39 +207,10 @@ impl Model {
     }
 }
 
-/// Adds to the field's derivatives what comes from unit vectors whose σ a number moves: `∂f/∂s (I − s sᵀ)/|σ| ∂σ/∂p`.
-fn turn_with(
-    part: &std::ops::Range<usize>,
-    (s, sigma): (&[f64], &[f64]),
-    by_sign: &[f64],
-    moved: &[f64],
-    by_number: &mut [f64],
-) {
-    let size = norm(&sigma[part.clone()]);
-    let k = sigma.len();
-    if size == 0.0 || k == 0 {
-        return;
-    }
-    let n = by_sign.len() / k;
-    for (moved, out) in moved.chunks_exact(k).zip(by_number.chunks_exact_mut(n)) {
-        let along: f64 = part.clone().map(|c| s[c] * moved[c]).sum();
-        for c in part.clone() {
-            let turned = (moved[c] - s[c] * along) / size;
-            for (out, f) in out.iter_mut().zip(&by_sign[c * n..(c + 1) * n]) {
-                *out += f * turned;
-            }
-        }
-    }
-}
-
 /// The maps of one step, `n × n` by columns.
 struct Maps {
     n: usize,
-    parts: Vec<std::ops::Range<usize>>,
-    sigma: Vec<f64>,
-    /// By component of σ, `n` each.
-    gradient: Vec<f64>,
-    partial_t: Vec<f64>,
+    surfaces: Surfaces,
     /// `∂f/∂x`.
     a: Vec<f64>,
     /// Keeps `σ̇_K`: `I − F (G F)⁻¹ G`.
@@ -243,22 +220,12 @@ struct Maps {
 }
 
 impl Maps {
-    fn new(model: &Model, n: usize, k: usize) -> Self {
-        let mut first = 0;
-        let parts = (0..model.switches())
-            .map(|i| {
-                let part = first..first + model.components(i);
-                first = part.end;
-                part
-            })
-            .collect();
+    fn new(model: &Model) -> Self {
+        let n = model.dim();
         let square = || vec![0.0; n * n];
         Self {
             n,
-            parts,
-            sigma: vec![0.0; k],
-            gradient: vec![0.0; n * k],
-            partial_t: vec![0.0; k],
+            surfaces: Surfaces::new(model),
             a: square(),
             projection: square(),
             transition: square(),
@@ -277,82 +244,65 @@ impl Maps {
         let n = self.n;
         let (by_state, by_sign) = field.split_at(n * n);
         self.a.copy_from_slice(by_state);
-        let vectors = (0..modes.len()).any(|i| modes[i] == Mode::Sliding);
+        let vectors = modes.contains(&Mode::Sliding);
         let sticks = modes.contains(&Mode::Sticking);
         if vectors || sticks {
-            model.switching_gradient(t, x, &mut self.gradient, &mut self.partial_t);
+            self.surfaces.differentiate(model, t, x);
         }
         if vectors {
-            model.switching(t, x, &mut self.sigma);
-            self.turn(s, modes, by_sign);
+            self.surfaces.evaluate(model, t, x);
+            for (part, _) in self.surfaces.parts.iter().zip(modes).filter(|(_, m)| **m == Mode::Sliding) {
+                for (j, a) in self.a.chunks_exact_mut(n).enumerate() {
+                    turn(part, (s, &self.surfaces.sigma), |c| self.surfaces.gradient(c)[j], by_sign, a);
+                }
+            }
         }
         if sticks {
             if !self.stick(modes, by_sign) {
                 return false;
             }
-            let a = product(&self.projection, &self.a, n);
-            self.a.copy_from_slice(&a);
+            self.a = product(&self.projection, &self.a, n);
         }
-        // (I − h/2 A) X⁺ = (I + h/2 A) X + h b, with what sticks taken off X and b.
-        let identity = |i: usize, j: usize| f64::from(u8::from(i == j));
+        // (I − h/2 A) X⁺ = (I + h/2 A) X + h b, with what sticks taken off X and b; by rows.
         let mut matrix = vec![0.0; n * n];
         let mut right = vec![0.0; 2 * n * n];
-        for j in 0..n {
-            for i in 0..n {
-                matrix[j * n + i] = identity(i, j) - 0.5 * h * self.a[j * n + i];
-                right[j * n + i] = identity(i, j) + 0.5 * h * self.a[j * n + i];
-                right[n * n + j * n + i] = h * identity(i, j);
+        for i in 0..n {
+            for j in 0..n {
+                let (identity, a) = (f64::from(u8::from(i == j)), 0.5 * h * self.a[j * n + i]);
+                matrix[i * n + j] = identity - a;
+                right[2 * n * i + j] = identity + a;
+                right[2 * n * i + n + j] = h * identity;
             }
         }
-        if !solve(&mut matrix, &mut right, n) {
+        let size = matrix.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        if !eliminate(&mut matrix, &mut right, n, SINGULAR * size) {
             return false;
         }
-        let (transition, response) = right.split_at(n * n);
+        let columns = |first: usize| (0..n * n).map(|at| right[2 * n * (at % n) + first + at / n]).collect();
+        (self.transition, self.response) = (columns(0), columns(n));
         if sticks {
-            self.transition = product(transition, &self.projection, n);
-            self.response = product(response, &self.projection, n);
-        } else {
-            self.transition.copy_from_slice(transition);
-            self.response.copy_from_slice(response);
+            self.transition = product(&self.transition, &self.projection, n);
+            self.response = product(&self.response, &self.projection, n);
         }
         true
-    }
-
-    /// Unit vectors that slide turn with σ: `δs = (I − s sᵀ)/|σ| ∇σ δx`.
-    fn turn(&mut self, s: &[f64], modes: &[Mode], by_sign: &[f64]) {
-        let n = self.n;
-        for (part, _) in self.parts.iter().zip(modes).filter(|(_, m)| **m == Mode::Sliding) {
-            let size = norm(&self.sigma[part.clone()]);
-            if size == 0.0 {
-                continue;
-            }
-            for j in 0..n {
-                let along: f64 = part.clone().map(|c| s[c] * self.gradient[c * n + j]).sum();
-                for c in part.clone() {
-                    let turned = (self.gradient[c * n + j] - s[c] * along) / size;
-                    for i in 0..n {
-                        self.a[j * n + i] += by_sign[c * n + i] * turned;
-                    }
-                }
-            }
-        }
     }
 
     /// The projection for the components that stick; false where they do not determine each other.
     fn stick(&mut self, modes: &[Mode], by_sign: &[f64]) -> bool {
         let n = self.n;
+        let parts = self.surfaces.parts.iter().zip(modes);
         let sticking: Vec<usize> =
-            self.parts.iter().zip(modes).filter(|(_, m)| **m == Mode::Sticking).flat_map(|(p, _)| p.clone()).collect();
+            parts.filter(|(_, m)| **m == Mode::Sticking).flat_map(|(part, _)| part.clone()).collect();
         let m = sticking.len();
-        let row = |c: usize| &self.gradient[c * n..(c + 1) * n];
         let column = |c: usize| &by_sign[c * n..(c + 1) * n];
         let mut matrix = vec![0.0; m * m];
         let mut right = vec![0.0; m * n];
         for (a, &c) in sticking.iter().enumerate() {
+            let row = self.surfaces.gradient(c);
             for (b, &d) in sticking.iter().enumerate() {
-                matrix[a * m + b] = row(c).iter().zip(column(d)).map(|(g, f)| g * f).sum();
+                matrix[a * m + b] = row.iter().zip(column(d)).map(|(g, f)| g * f).sum();
             }
-            right[a * n..(a + 1) * n].copy_from_slice(row(c));
+            right[a * n..(a + 1) * n].copy_from_slice(row);
         }
         let size = matrix.iter().fold(0.0f64, |size, v| size.max(v.abs()));
         if !eliminate(&mut matrix, &mut right, m, SINGULAR * size) {
@@ -368,6 +318,28 @@ impl Maps {
     }
 }
 
+/// Adds to a derivative `out` of the field what comes from a unit vector that turns with its σ, which has the derivative `moved`:
+/// `∂f/∂s (I − s sᵀ)/|σ| ∂σ`.
+fn turn(
+    part: &Range<usize>,
+    (s, sigma): (&[f64], &[f64]),
+    moved: impl Fn(usize) -> f64,
+    by_sign: &[f64],
+    out: &mut [f64],
+) {
+    let (n, size) = (out.len(), norm(&sigma[part.clone()]));
+    if size == 0.0 {
+        return;
+    }
+    let along: f64 = part.clone().map(|c| s[c] * moved(c)).sum();
+    for c in part.clone() {
+        let change = (moved(c) - s[c] * along) / size;
+        for (out, f) in out.iter_mut().zip(&by_sign[c * n..(c + 1) * n]) {
+            *out += f * change;
+        }
+    }
+}
+
 /// `A B` of `n × n` matrices by columns.
 fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
     let mut out = vec![0.0; n * n];
@@ -375,37 +347,4 @@ fn product(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
         accumulate(a, column, out);
     }
     out
-}
-
-/// Gaussian elimination with row pivots, `n × n` by columns; columns of `right` become solutions. False if it is singular.
-fn solve(matrix: &mut [f64], right: &mut [f64], n: usize) -> bool {
-    let size = matrix.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    for k in 0..n {
-        let largest = |p: &usize, q: &usize| matrix[k * n + *p].abs().total_cmp(&matrix[k * n + *q].abs());
-        let pivot = (k..n).max_by(largest).unwrap_or(k);
-        let value = matrix[k * n + pivot];
-        if !(value.abs() > SINGULAR * size && value.is_finite()) {
-            return false;
-        }
-        if pivot != k {
-            (0..n).for_each(|c| matrix.swap(c * n + k, c * n + pivot));
-            right.chunks_exact_mut(n).for_each(|c| c.swap(k, pivot));
-        }
-        for r in k + 1..n {
-            let factor = matrix[k * n + r] / value;
-            if factor != 0.0 {
-                for c in k + 1..n {
-                    matrix[c * n + r] -= factor * matrix[c * n + k];
-                }
-                right.chunks_exact_mut(n).for_each(|c| c[r] -= factor * c[k]);
-            }
-        }
-    }
-    for column in right.chunks_exact_mut(n) {
-        for k in (0..n).rev() {
-            let known: f64 = (k + 1..n).map(|c| matrix[c * n + k] * column[c]).sum();
-            column[k] = (column[k] - known) / matrix[k * n + k];
-        }
-    }
-    true
 }

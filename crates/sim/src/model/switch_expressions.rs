@@ -1,7 +1,7 @@
 //! The expressions of a switched system that are compiled: its switches, their surfaces and gradients, derivatives of the field.
 
-use crate::drive::{Driven, Source};
-use crate::inputs::InputError;
+use super::drive::{Driven, Source};
+use super::inputs::InputError;
 use bracketry_symbolic::{Expr, Func, Func2, Rational, Symbol};
 use bracketry_system::{Switch, SwitchKind, SwitchedForm, System};
 use rustc_hash::FxHashMap;

@@ -1,8 +1,7 @@
 //! Substituting the inputs of a system by what drives them.
 
-use crate::Hold;
-use crate::impulses::jumps;
-use crate::inputs::{Drive, InputError, Inputs, Samples};
+use super::impulses::jumps;
+use super::inputs::{Drive, Hold, InputError, Inputs, Samples};
 use bracketry_symbolic::{Expr, Names, Pool, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;

@@ -1,12 +1,12 @@
 //! A control system compiled for simulation.
 
-use crate::Switched;
-use crate::drive::{Driven, Source, drive};
-use crate::inputs::{InputError, Inputs, Samples};
-use crate::switch_expressions::{
+use super::drive::{Driven, Source, drive};
+use super::inputs::{Hold, InputError, Inputs, Samples};
+use super::switch_expressions::{
     Differentiate, ModelSwitch, derivatives, model_switches, plain_surfaces, surface_gradients,
     with_derivatives_by_signs, without_set_values,
 };
+use crate::Switched;
 use bracketry_symbolic::{Expr, Symbol, Tape};
 use bracketry_system::System;
 
@@ -488,7 +488,7 @@ impl Switched for Model {
 /// Slots whose value follows straight lines, and their tables.
 fn moving(sources: &[Source], tables: &[Samples]) -> Vec<(usize, usize)> {
     let of = |(slot, source): (usize, &Source)| match source {
-        Source::Value(table) if tables[*table].hold == crate::Hold::Linear => Some((slot, *table)),
+        Source::Value(table) if tables[*table].hold == Hold::Linear => Some((slot, *table)),
         _ => None,
     };
     sources.iter().enumerate().filter_map(of).collect()

@@ -1,0 +1,264 @@
+//! The forces that hold what sticks: the signs `s_K` for which `σ̇_K(t, x, s) = 0`.
+//!
+//! `σ̇_i = ∂σ_i/∂t + ∇σ_i · f(t, x, s)`. In every mechanical system with dry friction `f` is affine in `s`: one evaluation and
+//! one small linear solve. For others, Broyden's update keeps the inverse Jacobian of Newton's method from one evaluation to
+//! the next.
+
+use super::elimination::{eliminate, is_idle};
+use super::surfaces::Surfaces;
+use crate::Switched;
+use nalgebra::DMatrix;
+
+/// Residual of `σ̇_i = 0`, relative to the influence of the signs on it.
+const RESIDUAL: f64 = 1e-14;
+/// Rounding of one sum of products.
+const ROUNDING: f64 = 4e-15;
+/// Pivots below this part of the largest entry mean redundant switches.
+const SINGULAR: f64 = 1e-10;
+
+/// Solver of the sticking signs.
+#[derive(Debug, Clone)]
+pub(crate) struct Forces {
+    /// The components that stick, in order.
+    pub(crate) sticking: Vec<usize>,
+    /// Row sums of `|∂σ̇_K/∂s_K|`.
+    influence: Vec<f64>,
+    /// Inverse of `∂σ̇_K/∂s_K`; absent until it is needed.
+    inverse: Option<DMatrix<f64>>,
+    residual: Vec<f64>,
+    previous: Vec<f64>,
+    delta: Vec<f64>,
+    image: Vec<f64>,
+    row: Vec<f64>,
+    velocity: Vec<f64>,
+    /// `∂f/∂s` by columns, and `∂σ̇_K/∂s_K` by rows, of systems that are affine in their signs.
+    by_sign: Vec<f64>,
+    matrix: Vec<f64>,
+    /// Evaluations of the right-hand side.
+    pub(crate) evaluations: usize,
+}
+
+impl Forces {
+    /// For `n` states and `k` components of switches.
+    pub(crate) fn new(n: usize, k: usize) -> Self {
+        let row = || vec![0.0; k];
+        Self {
+            sticking: Vec::with_capacity(k),
+            influence: row(),
+            inverse: None,
+            residual: row(),
+            previous: row(),
+            delta: row(),
+            image: row(),
+            row: row(),
+            velocity: vec![0.0; n],
+            by_sign: vec![0.0; n * k],
+            matrix: vec![0.0; k * k],
+            evaluations: 0,
+        }
+    }
+
+    /// Takes over the components that stick; forgets the Jacobian if they are others.
+    pub(crate) fn hold(&mut self, components: impl Iterator<Item = usize> + Clone) {
+        if !self.sticking.iter().copied().eq(components.clone()) {
+            self.sticking = components.collect();
+            self.inverse = None;
+        }
+    }
+
+    /// Forgets the Jacobian, which may not be finite.
+    pub(crate) fn forget(&mut self) {
+        self.inverse = None;
+    }
+
+    /// Largest influence of the sticking signs on their `σ̇`.
+    pub(crate) fn largest_influence(&self) -> f64 {
+        self.influence[..self.sticking.len()].iter().fold(0.0f64, |m, v| m.max(*v))
+    }
+
+    /// Solves for the sticking signs in `s` at a point, by the gradients of this point, and writes `f(t, x, s)`; false if there is
+    /// no solution.
+    pub(crate) fn solve(
+        &mut self,
+        system: &mut impl Switched,
+        surfaces: &Surfaces,
+        (t, x): (f64, &[f64]),
+        s: &mut [f64],
+        dx: &mut [f64],
+    ) -> bool {
+        if self.solve_affine(system, surfaces, (t, x), s, dx) {
+            return true;
+        }
+        if self.inverse.is_none() {
+            self.differentiate(system, surfaces, (t, x), s, dx);
+        }
+        for attempt in 0..2 {
+            if self.newton(system, surfaces, (t, x), s, dx) {
+                return true;
+            }
+            if attempt == 0 {
+                if !s.iter().all(|s| s.is_finite()) {
+                    self.sticking.iter().for_each(|&i| s[i] = 0.0);
+                }
+                self.differentiate(system, surfaces, (t, x), s, dx);
+            }
+        }
+        false
+    }
+
+    /// False if the system is not affine in its signs, or if they do not determine each other: then nothing is changed but `dx`.
+    fn solve_affine(
+        &mut self,
+        system: &mut impl Switched,
+        surfaces: &Surfaces,
+        (t, x): (f64, &[f64]),
+        s: &mut [f64],
+        dx: &mut [f64],
+    ) -> bool {
+        if !system.affine(t, x, s, dx, &mut self.by_sign) {
+            return false;
+        }
+        self.evaluations += 1;
+        let (m, n) = (self.sticking.len(), dx.len());
+        let mut size = 0.0f64;
+        for (a, &i) in self.sticking.iter().enumerate() {
+            let mut influence = 0.0;
+            for (b, &j) in self.sticking.iter().enumerate() {
+                let column = &self.by_sign[j * n..(j + 1) * n];
+                let entry: f64 = surfaces.gradient(i).iter().zip(column).map(|(g, v)| g * v).sum();
+                self.matrix[a * m + b] = entry;
+                influence += entry.abs();
+            }
+            self.influence[a] = influence;
+            size = size.max(influence);
+            self.delta[a] = -surfaces.rate(i, dx);
+        }
+        if !eliminate(&mut self.matrix[..m * m], &mut self.delta[..m], m, SINGULAR * size) {
+            return false;
+        }
+        for (a, &j) in self.sticking.iter().enumerate() {
+            if is_idle(&self.matrix, m, a) {
+                // A component that moves nothing takes no part of what the others may resist.
+                self.delta[a] = -s[j];
+            }
+            s[j] += self.delta[a];
+            for (d, v) in dx.iter_mut().zip(&self.by_sign[j * n..(j + 1) * n]) {
+                *d += self.delta[a] * v;
+            }
+        }
+        true
+    }
+
+    /// Newton's iteration with Broyden's update of the inverse Jacobian.
+    fn newton(
+        &mut self,
+        system: &mut impl Switched,
+        surfaces: &Surfaces,
+        (t, x): (f64, &[f64]),
+        s: &mut [f64],
+        dx: &mut [f64],
+    ) -> bool {
+        let m = self.sticking.len();
+        for iteration in 0..=3 + 2 * m {
+            system.rhs(t, x, s, dx);
+            self.evaluations += 1;
+            let mut converged = true;
+            for (a, &i) in self.sticking.iter().enumerate() {
+                let r = surfaces.rate(i, dx);
+                let scale = ROUNDING * surfaces.rate_scale(i, dx) + RESIDUAL * self.influence[a];
+                converged &= r.abs() <= scale;
+                self.residual[a] = r;
+            }
+            if converged {
+                return true;
+            }
+            if !self.residual[..m].iter().all(|r| r.is_finite()) {
+                return false;
+            }
+            if iteration > 0 {
+                self.broyden();
+            }
+            let Some(inverse) = &self.inverse else {
+                return false;
+            };
+            for (a, &i) in self.sticking.iter().enumerate() {
+                self.delta[a] = (0..m).map(|b| -inverse[(a, b)] * self.residual[b]).sum();
+                s[i] += self.delta[a];
+            }
+            self.previous[..m].copy_from_slice(&self.residual[..m]);
+        }
+        false
+    }
+
+    /// Broyden's update of the inverse Jacobian (Sherman–Morrison form) for the last change `Δ` of the signs and `y` of
+    /// the residual: `H += (Δ − H y) Δᵀ H / (Δᵀ H y)`.
+    fn broyden(&mut self) {
+        let m = self.sticking.len();
+        let Some(inverse) = &mut self.inverse else {
+            return;
+        };
+        for b in 0..m {
+            self.previous[b] = self.residual[b] - self.previous[b];
+        }
+        for a in 0..m {
+            self.image[a] = (0..m).map(|b| inverse[(a, b)] * self.previous[b]).sum();
+        }
+        let denominator: f64 = (0..m).map(|a| self.delta[a] * self.image[a]).sum();
+        let norm: f64 = (0..m).map(|a| self.delta[a] * self.delta[a]).sum();
+        if denominator.abs() <= 1e-3 * norm {
+            return;
+        }
+        for b in 0..m {
+            self.row[b] = (0..m).map(|a| self.delta[a] * inverse[(a, b)]).sum();
+        }
+        for a in 0..m {
+            let gain = (self.delta[a] - self.image[a]) / denominator;
+            for b in 0..m {
+                inverse[(a, b)] += gain * self.row[b];
+            }
+        }
+    }
+
+    /// The Jacobian `∂σ̇_K/∂s_K` by differences of unit length (exact where `f` is affine in `s`), and its
+    /// (pseudo-)inverse: redundant switching functions share their force.
+    fn differentiate(
+        &mut self,
+        system: &mut impl Switched,
+        surfaces: &Surfaces,
+        (t, x): (f64, &[f64]),
+        s: &mut [f64],
+        dx: &mut [f64],
+    ) {
+        let m = self.sticking.len();
+        system.rhs(t, x, s, dx);
+        self.evaluations += 1 + m;
+        let mut jacobian = DMatrix::zeros(m, m);
+        for (b, &j) in self.sticking.iter().enumerate() {
+            let before = s[j];
+            let step = if before > 0.0 { -1.0 } else { 1.0 };
+            s[j] = before + step;
+            system.rhs(t, x, s, &mut self.velocity);
+            s[j] = before;
+            for (a, &i) in self.sticking.iter().enumerate() {
+                let change = self.velocity.iter().zip(&*dx).map(|(v, d)| v - d);
+                let difference: f64 = surfaces.gradient(i).iter().zip(change).map(|(g, c)| g * c).sum();
+                jacobian[(a, b)] = difference / step;
+            }
+        }
+        for a in 0..m {
+            self.influence[a] = jacobian.row(a).iter().map(|v: &f64| v.abs()).sum();
+        }
+        self.inverse = None;
+        if jacobian.iter().all(|v| v.is_finite()) {
+            let size = jacobian.amax();
+            self.inverse = match jacobian.clone().try_inverse() {
+                Some(inverse) if inverse.amax() * size < 1e12 => Some(inverse),
+                _ => {
+                    // Signs without influence are arbitrary: take the smallest.
+                    self.sticking.iter().for_each(|&i| s[i] = 0.0);
+                    jacobian.pseudo_inverse(1e-12 * size).ok()
+                }
+            };
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! The next modes of the switching functions that vanish together.
+
+use super::departure::depart;
+use super::filippov::Filippov;
+use super::modes::Mode;
+use super::zero_set::ZeroSet;
+use crate::Switched;
+use crate::outcome::StopReason;
+
+/// Finds consistent modes for the zero set at `(t, x)`; the other modes stay.
+///
+/// All `3^|Z|` combinations are tried, those with most sticking switches first, then those which agree with the
+/// direction of motion; first with switches that truly leave (`σ̇ ≠ 0`), then with those which leave tangentially. Modes in
+/// `failed` have been tried at this instant and could not be kept. Of more than `limit` switches an active set is sought.
+pub(crate) fn resolve<S: Switched>(
+    field: &mut Filippov<S>,
+    point: (f64, &[f64]),
+    zero: &ZeroSet,
+    failed: &[Vec<Mode>],
+    limit: usize,
+) -> Result<(), StopReason> {
+    let z = zero.entries.len();
+    if z == 0 {
+        field.apply_modes();
+        return Ok(());
+    }
+    let mut dx = vec![0.0; point.1.len()];
+    if z > limit {
+        return active_set(field, point, zero, limit, &mut dx);
+    }
+    let mut order: Vec<(u32, u32, u32)> = (0..3u32.pow(z as u32))
+        .map(|code| {
+            let digits = (0..z as u32).map(|a| code / 3u32.pow(a) % 3);
+            let (sliding, opposite) = digits.fold((0, 0), |(n, m), d| (n + u32::from(d > 0), m + u32::from(d == 2)));
+            (sliding, opposite, code)
+        })
+        .collect();
+    order.sort_unstable();
+    // A switch known to be loose sticks again only if nothing else is consistent.
+    for (strict, restick) in [(true, false), (false, false), (true, true), (false, true)] {
+        for &(_, _, code) in &order {
+            let mut remaining = code;
+            let mut allowed = true;
+            for entry in &zero.entries {
+                let mode = match remaining % 3 {
+                    0 => Mode::Sticking,
+                    1 => entry.preferred,
+                    _ => entry.preferred.opposite(),
+                };
+                allowed &= remaining % 3 != 2 || mode != entry.preferred;
+                if mode == Mode::Sticking {
+                    allowed &= field.system.sticks(entry.switch) && (restick || !entry.loose);
+                }
+                field.modes[entry.switch] = mode;
+                remaining /= 3;
+            }
+            allowed &= !failed.contains(&field.modes);
+            if allowed && is_consistent(field, point, zero, strict, &mut dx) {
+                return Ok(());
+            }
+        }
+    }
+    Err(StopReason::NoConsistentMode { switches: zero.switches() })
+}
+
+/// For zero sets too large to enumerate: starts with all sticking, lets go what needs more than the full sign, and
+/// holds what would slide against its own direction.
+fn active_set<S: Switched>(
+    field: &mut Filippov<S>,
+    point: (f64, &[f64]),
+    zero: &ZeroSet,
+    limit: usize,
+    dx: &mut [f64],
+) -> Result<(), StopReason> {
+    let z = zero.entries.len();
+    for entry in &zero.entries {
+        let slides = entry.loose || !field.system.sticks(entry.switch);
+        field.modes[entry.switch] = if slides { entry.preferred } else { Mode::Sticking };
+    }
+    for _ in 0..=2 * z {
+        if is_consistent(field, point, zero, false, dx) {
+            return Ok(());
+        }
+        let mut changed = false;
+        for i in zero.entries.iter().map(|entry| entry.switch) {
+            let rate = |c: usize| field.surfaces.rate(c, dx);
+            let next = match field.modes[i] {
+                Mode::Sticking if field.is_overloaded(i) => field.sliding_mode(i),
+                Mode::Sliding if field.radial_rate(i, dx) < 0.0 => Mode::Sticking,
+                sliding if sliding.sign() * rate(field.surfaces.parts[i].start) < 0.0 => {
+                    if field.system.sticks(i) {
+                        Mode::Sticking
+                    } else {
+                        sliding.opposite()
+                    }
+                }
+                same => same,
+            };
+            changed |= next != field.modes[i];
+            field.modes[i] = next;
+        }
+        if !changed {
+            break;
+        }
+    }
+    Err(StopReason::TooManySimultaneous { count: z, limit })
+}
+
+/// Solves at a point for the present modes and tells whether they are consistent there: sticking signs within
+/// `[−1, 1]` and directions in the unit ball, sliding switches of the zero set moving off to their own side
+/// (`strict`) or not to the other.
+fn is_consistent<S: Switched>(
+    field: &mut Filippov<S>,
+    (t, x): (f64, &[f64]),
+    zero: &ZeroSet,
+    strict: bool,
+    dx: &mut [f64],
+) -> bool {
+    field.apply_modes();
+    let switches = zero.entries.iter().map(|entry| entry.switch);
+    let leaving: Vec<usize> = switches.clone().filter(|&i| field.modes[i] == Mode::Sliding).collect();
+    field.hold_directions(leaving.iter().copied());
+    let solved = if leaving.is_empty() { field.evaluate((t, x), dx) } else { depart(field, (t, x), &leaving, dx) };
+    field.release_directions();
+    if !solved {
+        return false;
+    }
+    if field.forces.sticking.is_empty() {
+        field.surfaces.differentiate(&mut field.system, t, x);
+    }
+    // What hangs on a sticking switch has the rounding of its force as rate.
+    let rounding = 1e-12 * field.forces.largest_influence();
+    let surfaces = &field.surfaces;
+    switches.into_iter().all(|i| {
+        let part = surfaces.parts[i].clone();
+        let slack = || {
+            let (rates, spread) = part.clone().fold((0.0f64, 0.0f64), |(r, s), c| {
+                (r.max(surfaces.rate_scale(c, dx)), s.max(surfaces.spread(c, rounding)))
+            });
+            1e-9 * rates + spread
+        };
+        let away = match field.modes[i] {
+            Mode::Sticking => return !field.is_overloaded(i),
+            Mode::Sliding => field.radial_rate(i, dx),
+            sliding => sliding.sign() * surfaces.rate(part.start, dx),
+        };
+        if strict { away > 0.0 } else { away >= -slack() }
+    })
+}

@@ -1,0 +1,111 @@
+//! The switches whose functions vanish together.
+
+use super::filippov::Filippov;
+use super::modes::Mode;
+use crate::Switched;
+
+/// Events closer than this (times the time, from 1 s on) are one.
+pub(crate) const SIMULTANEOUS: f64 = 1e-12;
+
+/// A switch whose function vanishes, with what is known of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Zero {
+    pub(crate) switch: usize,
+    /// The sliding mode to try first: the side to which it passes or breaks loose.
+    pub(crate) preferred: Mode,
+    /// Whether sticking is known to have ended.
+    pub(crate) loose: bool,
+}
+
+/// All of them at one instant.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ZeroSet {
+    pub(crate) entries: Vec<Zero>,
+}
+
+impl ZeroSet {
+    pub(crate) fn switches(&self) -> Vec<usize> {
+        self.entries.iter().map(|entry| entry.switch).collect()
+    }
+
+    fn push(&mut self, switch: usize, preferred: Mode, loose: bool) {
+        self.entries.push(Zero { switch, preferred, loose });
+    }
+
+    /// At the start of a segment at `(t, x)`: what sticks and has not moved off, what is leaving, and what is within rounding.
+    /// All others get the mode of their σ. `atol` is the absolute tolerance of the states. False where σ is not finite.
+    pub(crate) fn at_start<S: Switched>(&mut self, field: &mut Filippov<S>, (t, x): (f64, &[f64]), atol: f64) -> bool {
+        field.surfaces.evaluate(&mut field.system, t, x);
+        if !field.surfaces.sigma.iter().all(|v| v.is_finite()) {
+            return false;
+        }
+        field.surfaces.differentiate(&mut field.system, t, x);
+        self.entries.clear();
+        for i in 0..field.modes.len() {
+            let surfaces = &field.surfaces;
+            let tiny =
+                if surfaces.is_vector(i) { surfaces.arrival_size(i, x, atol) } else { surfaces.negligible(i, x, atol) };
+            let sigma = surfaces.size(i);
+            match field.modes[i] {
+                Mode::Sticking if sigma <= 1e5 * surfaces.rounding(i, x) + tiny => {
+                    self.push(i, field.sliding_mode(i), false);
+                }
+                sliding if sliding != Mode::Sticking && (field.departing[i] || sigma <= tiny) => {
+                    self.push(i, sliding, false);
+                }
+                _ => field.modes[i] = field.mode_of(i, false),
+            }
+        }
+        true
+    }
+
+    /// At an event of `switch` at `(t, x)`, with the field `dx` and the signs there: this one, which `breaks` loose or reaches
+    /// zero, those that stick, and those within the resolution of time from zero.
+    pub(crate) fn at_event<S: Switched>(
+        &mut self,
+        field: &mut Filippov<S>,
+        (t, x): (f64, &[f64]),
+        (dx, signs): (&[f64], &[f64]),
+        (switch, breaks): (usize, bool),
+        atol: f64,
+    ) {
+        self.entries.clear();
+        field.surfaces.differentiate(&mut field.system, t, x);
+        field.surfaces.evaluate(&mut field.system, t, x);
+        field.s.copy_from_slice(signs);
+        let window = SIMULTANEOUS * t.abs().max(1.0);
+        let surfaces = &field.surfaces;
+        for (i, &mode) in field.modes.iter().enumerate() {
+            match mode {
+                Mode::Sticking => {
+                    let loose = i == switch && breaks || field.is_overloaded(i);
+                    self.push(i, field.sliding_mode(i), loose);
+                }
+                Mode::Sliding => {
+                    if i == switch || surfaces.size(i) <= surfaces.arrival_size(i, x, atol) {
+                        self.push(i, mode, false);
+                    }
+                }
+                sliding => {
+                    let c = surfaces.parts[i].start;
+                    let rate = sliding.sign() * surfaces.rate(c, dx);
+                    let here = surfaces.sigma[c].abs() <= surfaces.negligible(i, x, atol) + rate.abs() * window;
+                    if i == switch || here {
+                        let passes = i == switch || rate < 0.0;
+                        self.push(i, if passes { sliding.opposite() } else { sliding }, false);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where the present modes have no solution: what sticks, and what is leaving.
+    pub(crate) fn of_unsolvable<S: Switched>(&mut self, field: &Filippov<S>) {
+        self.entries.clear();
+        for (i, mode) in field.modes.iter().enumerate() {
+            if *mode == Mode::Sticking || *mode == Mode::Sliding && field.departing[i] {
+                self.push(i, field.sliding_mode(i), false);
+            }
+        }
+    }
+}
