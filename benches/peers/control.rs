@@ -23,7 +23,7 @@ fn median(steps: &[Step], of: impl Fn(&Step) -> f64) -> f64 {
 
 fn times(steps: &[Step]) -> Value {
     json!({
-        "linearise": median(steps, |s| s.timings.linearise),
+        "linearise": median(steps, |s| s.timings.linearize),
         "program": median(steps, |s| s.timings.qp),
         "rest": median(steps, |s| s.timings.rest),
         "total": median(steps, |s| s.timings.total()),

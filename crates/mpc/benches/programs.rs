@@ -71,7 +71,7 @@ fn row(problem: &ControlProblem, name: &str, qp: QpSettings) {
         |of: fn(&Step) -> f64| runs.iter().map(|(steps, _)| 1e6 * median(steps, of)).fold(f64::INFINITY, f64::min);
     println!(
         "| {name:32} | {:8.1} | {:8.1} | {:6.1} | {effort:.6} |",
-        micro(|s| s.timings.linearise),
+        micro(|s| s.timings.linearize),
         micro(|s| s.timings.qp),
         micro(|s| s.timings.rest),
     );

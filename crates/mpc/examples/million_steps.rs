@@ -113,7 +113,7 @@ fn watch(
 fn outcomes(c: &Counts) -> String {
     let (r, s) = (&c.reasons, &c.sources);
     format!(
-        "solved {}, inaccurate {}, infeasible {}; fallback {} (lost sample {}, not a number {}, linearisation {}, time limit \
+        "solved {}, inaccurate {}, infeasible {}; fallback {} (lost sample {}, not a number {}, linearization {}, time limit \
          {}, solver limit {}, solver failed {}); inputs from programs {}, plan {}, brake {}, rest {}",
         c.solved,
         c.inaccurate,
@@ -121,7 +121,7 @@ fn outcomes(c: &Counts) -> String {
         c.fallback,
         r.lost_sample,
         r.measurement,
-        r.linearisation,
+        r.linearization,
         r.time_limit,
         r.qp_limit,
         r.qp_failed,

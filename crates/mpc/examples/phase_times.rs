@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     let pendulum = ControlProblem::read(format!("{models}cart_pole_swing_up.toml"))?;
     let kinds = [
-        ("pendulum", Preparation::Linearise),
+        ("pendulum", Preparation::Linearize),
         ("pendulum, one program ahead", Preparation::Ahead { programs: 1 }),
         ("pendulum, one program ahead and tangent", Preparation::AheadTangential { programs: 1 }),
     ];

@@ -66,7 +66,7 @@ pub enum MpcError {
     },
     /// The inputs cannot bring every state to rest.
     #[error("the linearised system is not stabilisable: add an input, or leave out the states that no input reaches")]
-    NotStabilisable,
+    NotStabilizable,
     /// A motion that does not decay costs nothing.
     #[error("a motion that does not decay costs nothing: give every state that does not decay by itself a cost")]
     NotDetectable,

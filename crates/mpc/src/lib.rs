@@ -10,7 +10,7 @@
 //!
 //! over a [`Dynamics`], whose flow F is that of an [`Integrator`] (Runge–Kutta or collocation) with exact sensitivities; path,
 //! norm and terminal constraints, move blocks and live parameters are fields of [`Ocp`] too. [`Sqp`] solves it to convergence
-//! from any guess, globalised by a filter, and where the dynamics contain `sign` (dry friction) by continuation in the smoothing
+//! from any guess, globalized by a filter, and where the dynamics contain `sign` (dry friction) by continuation in the smoothing
 //! width. [`Rti`] is the real-time iteration: one quadratic program per sample. [`StickSlipController`] solves on the exact
 //! stick–slip flow. [`run_closed_loop`] puts a [`Controller`] and a [`Plant`] together, with delay ([`DelayCompensated`]),
 //! noise, [`Fault`]s and a [`FailurePolicy`]; [`ControlProblem`] reads all of it from a file.
@@ -45,42 +45,30 @@
 //! reason; an error is misuse.
 
 mod closed_loop;
-mod constraint;
 mod controller;
-mod convexify;
-mod cost;
-mod counts;
-mod delay;
+mod dense;
 mod dynamics;
 mod error;
 mod estimation;
-mod faults;
-mod filter;
-mod filter_method;
-mod hessian;
+mod exact_friction;
 mod integrator;
-mod nonsmooth;
 mod ocp;
-mod policy;
 mod problem;
+mod problem_file;
 mod qp;
 mod riccati;
 mod rti;
-mod shooting;
 mod sqp;
-mod step;
 mod trajectory;
 mod transcription;
 
 pub use closed_loop::{
-    ClosedLoop, FaultFunction, LoopSettings, MeasurementFunction, NoiseFunction, Plant, RungeKuttaPlant, Sample,
-    SampledLoop, run_closed_loop,
+    ClosedLoop, Counts, DelayCompensated, Fault, FaultFunction, LoopSettings, MeasurementFunction, NoiseFunction,
+    PhaseTimes, Plant, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop, SolveTimes, SourceCounts, run_closed_loop,
 };
-pub use constraint::{NormConstraint, PathConstraint, TerminalSet, VectorFunction};
-pub use controller::{Controller, SqpController};
-pub use cost::{CostFunction, CostKind};
-pub use counts::{Counts, PhaseTimes, ReasonCounts, SolveTimes, SourceCounts};
-pub use delay::DelayCompensated;
+pub use controller::{
+    Brake, Controller, FailurePolicy, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings,
+};
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::{MpcError, PlantError};
 pub use estimation::{
@@ -88,11 +76,12 @@ pub use estimation::{
     ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings, OffsetFree, Outliers, SteadyTarget,
     TargetCalculator, TargetStatus,
 };
-pub use faults::{Fault, StepLimits};
+pub use exact_friction::{StickSlipController, StickSlipSettings};
 pub use integrator::Integrator;
-pub use nonsmooth::{FrictionMode, ModeChange, StickSlipController, StickSlipSettings};
-pub use ocp::{Bounds, Ocp, Softness, Substeps, TerminalTarget};
-pub use policy::{Brake, FailurePolicy};
+pub use ocp::{
+    Bounds, CostFunction, CostKind, NormConstraint, Ocp, PathConstraint, Softness, Substeps, TerminalSet,
+    TerminalTarget, VectorFunction,
+};
 pub use problem::{
     ControlProblem, ControlReport, ControlRun, Convergence, Estimation, EstimatorKind, Feedback, Method, NamedValues,
     PlanReport, ProblemError, RunConditions,
@@ -100,7 +89,6 @@ pub use problem::{
 pub use qp::{Backend, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};
 pub use rti::{Horizon, Preparation, Rti, RtiSettings};
-pub use shooting::Linearisation;
-pub use sqp::{Hessian, Iteration, Solution, SolveStatus, Sqp, SqpSettings};
-pub use step::{FallbackReason, InputSource, Step, StepStatus, Timings};
+pub use sqp::{Hessian, Iteration, Solution, SolveStatus, Sqp, SqpController, SqpSettings};
 pub use trajectory::Trajectory;
+pub use transcription::Linearization;

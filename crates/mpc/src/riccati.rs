@@ -1,10 +1,10 @@
 //! The infinite horizon as a terminal cost: the discrete algebraic Riccati equation at a steady state.
 
-use crate::cost::CostFunction;
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
-use crate::ocp::Ocp;
-use crate::shooting::Shooter;
+use crate::integrator::Interval;
+use crate::ocp::{CostFunction, CostPoint, Ocp};
+use crate::transcription::Shooter;
 use bracketry_symbolic::{Expr, Pool, Rational};
 use nalgebra::{DMatrix, DVector};
 
@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 1e-14;
 /// Size of the doubled closed loop at which it counts as stable.
 const STABLE: f64 = 1e-6;
 
-/// The stabilising solution of the Riccati equation and its gain.
+/// The stabilizing solution of the Riccati equation and its gain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Riccati {
     /// P, the cost-to-go xᵀPx; symmetric, n rows of n.
@@ -39,7 +39,7 @@ pub struct Riccati {
 /// ```
 ///
 /// # Errors
-/// [`MpcError::NotStabilisable`] if the inputs cannot bring the state to rest, [`MpcError::NotDetectable`] if a motion that does
+/// [`MpcError::NotStabilizable`] if the inputs cannot bring the state to rest, [`MpcError::NotDetectable`] if a motion that does
 /// not decay costs nothing, [`MpcError::Value`] if R is not positive definite, [`MpcError::Length`] for matrices of other sizes.
 pub fn dare(
     a: &DMatrix<f64>,
@@ -72,25 +72,25 @@ pub fn dare(
     let mut h = symmetric(&(q - s * &cross));
     let identity = DMatrix::identity(n, n);
     for _ in 0..MAX_DOUBLINGS {
-        let Some(inverse) = (&identity + &g * &h).try_inverse() else { return Err(MpcError::NotStabilisable) };
+        let Some(inverse) = (&identity + &g * &h).try_inverse() else { return Err(MpcError::NotStabilizable) };
         let step = &inverse * &closed;
         let rise = closed.transpose() * &h * &step;
         g = symmetric(&(&g + &closed * &inverse * &g * closed.transpose()));
         closed = &closed * step;
         h = symmetric(&(&h + &rise));
         if h.iter().chain(closed.iter()).any(|v| !v.is_finite()) {
-            return Err(MpcError::NotStabilisable);
+            return Err(MpcError::NotStabilizable);
         }
         if rise.norm() <= TOLERANCE * h.norm() && closed.norm() < STABLE {
             let weight = r + b.transpose() * &h * b;
             let right = b.transpose() * &h * a + s.transpose();
-            let Some(gain) = weight.lu().solve(&right) else { return Err(MpcError::NotStabilisable) };
+            let Some(gain) = weight.lu().solve(&right) else { return Err(MpcError::NotStabilizable) };
             return Ok(Riccati { cost_to_go: h, gain });
         }
     }
     // The cost-to-go of a state that cannot be brought to rest grows without bound; else a motion costs nothing.
     let bounded = h.norm() <= 1e12 * (q.norm() + s.norm() + r.norm());
-    Err(if bounded { MpcError::NotDetectable } else { MpcError::NotStabilisable })
+    Err(if bounded { MpcError::NotDetectable } else { MpcError::NotStabilizable })
 }
 
 fn symmetric(m: &DMatrix<f64>) -> DMatrix<f64> {
@@ -102,7 +102,7 @@ fn symmetric(m: &DMatrix<f64>) -> DMatrix<f64> {
 pub struct InfiniteHorizon {
     /// Cost-to-go and gain.
     pub riccati: Riccati,
-    /// The steady state c that minimises the stage cost, for the first references.
+    /// The steady state c that minimizes the stage cost, for the first references.
     pub state: Vec<f64>,
     /// Its input.
     pub input: Vec<f64>,
@@ -111,7 +111,7 @@ pub struct InfiniteHorizon {
 impl Ocp {
     /// The problem with the infinite horizon as its terminal cost: (x − c)ᵀP(x − c) + λᵀ(x − c), where P solves the Riccati
     /// equation of dynamics and stage cost at the steady state (`state`, `input`), per interval, c is the steady state that
-    /// minimises the stage cost and λ the multiplier of being steady there, zero where the stage cost has its minimum.
+    /// minimizes the stage cost and λ the multiplier of being steady there, zero where the stage cost has its minimum.
     ///
     /// c and λ are found by one Newton step from the given point, and follow the references of the stage cost: exactly, for a
     /// linear system with a quadratic cost; for others, give the best steady state itself.
@@ -131,21 +131,11 @@ impl Ocp {
         let Some(mut stage) = self.stage.clone() else { return Err(MpcError::NoStageCost) };
         let mut end = state.to_vec();
         let mut jacobian = vec![0.0; n * (n + m)];
-        let substeps = match self.substeps {
-            crate::ocp::Substeps::Fixed(s) | crate::ocp::Substeps::AtLeast(s) => s,
-        };
+        let interval = Interval { t: 0.0, dt: self.dt, substeps: self.substeps.least(), u: input };
         if let Some(row) = self.parameters.first() {
             dynamics.set_parameters(row);
         }
-        Shooter::new(dynamics, self.integrator).advance_with_sensitivity(
-            dynamics,
-            0.0,
-            &mut end,
-            input,
-            self.dt,
-            substeps,
-            &mut jacobian,
-        );
+        Shooter::new(dynamics, self.integrator).advance_with_sensitivity(dynamics, interval, &mut end, &mut jacobian);
         for (index, (e, x)) in end.iter().zip(state).enumerate() {
             let moved = (e - x).abs() / self.state_scale[index];
             if moved.is_nan() || moved > STEADY * (1.0 + x.abs()) {
@@ -158,7 +148,7 @@ impl Ocp {
         let (dt, pattern) = (self.dt, stage.hessian_pattern().to_vec());
         let mut derivatives = |r: &[f64]| {
             let (mut gradient, mut values) = (vec![0.0; n + m], vec![0.0; pattern.len()]);
-            stage.add_derivatives(state, input, 0.0, r, dt, &mut gradient, &mut values);
+            stage.add_derivatives(CostPoint { x: state, u: input, t: 0.0, r }, dt, &mut gradient, &mut values);
             (DVector::from_vec(gradient), values)
         };
         let mut hessian = DMatrix::zeros(n + m, n + m);
@@ -200,15 +190,15 @@ impl Ocp {
             slopes.push(respond(&(derivatives(&shifted(0.5)).0 - derivatives(&shifted(-0.5)).0))?);
         }
         let mut best = state.iter().chain(input).zip(shift.iter()).map(|(z, d)| z + d);
-        let centre: Vec<f64> = best.by_ref().take(n).collect();
+        let center: Vec<f64> = best.by_ref().take(n).collect();
         let rest: Vec<f64> = best.collect();
         let tilt: Vec<f64> = shift.iter().skip(n + m).copied().collect();
         let slope = |i: usize, k: usize| slopes[k][i];
         let tilting = |i: usize, k: usize| slopes[k][n + m + i];
-        let at = Affine { at: &centre, slope: &slope };
+        let at = Affine { at: &center, slope: &slope };
         let tilt = Affine { at: &tilt, slope: &tilting };
         self.terminal = Some(cost_to_go(&riccati.cost_to_go, &at, &tilt, &references)?);
-        Ok((self, InfiniteHorizon { riccati, state: centre, input: rest }))
+        Ok((self, InfiniteHorizon { riccati, state: center, input: rest }))
     }
 
     /// Largest level α of the set (x − c)ᵀP(x − c) ≤ α in which the input u_c − K(x − c) keeps its bounds and the states
@@ -245,15 +235,15 @@ struct Affine<'a> {
     slope: &'a dyn Fn(usize, usize) -> f64,
 }
 
-/// (x − c)ᵀP(x − c) + λᵀ(x − c) with centre c and slope λ.
+/// (x − c)ᵀP(x − c) + λᵀ(x − c) with center c and slope λ.
 fn cost_to_go(
     p: &DMatrix<f64>,
-    centre: &Affine<'_>,
+    center: &Affine<'_>,
     tilt: &Affine<'_>,
     references: &[f64],
 ) -> Result<CostFunction, MpcError> {
     let mut pool = Pool::new();
-    let states: Vec<_> = (0..centre.at.len()).map(|i| pool.symbol(&format!("x{i}"))).collect();
+    let states: Vec<_> = (0..center.at.len()).map(|i| pool.symbol(&format!("x{i}"))).collect();
     let names: Vec<_> = (0..references.len()).map(|k| pool.symbol(&format!("r{k}"))).collect();
     let time = pool.symbol("t");
     let number = |pool: &mut Pool, v: f64| match Rational::try_from(v) {
@@ -273,7 +263,7 @@ fn cost_to_go(
     };
     let mut errors = Vec::new();
     for (i, &x) in states.iter().enumerate() {
-        let c = following(&mut pool, centre, i)?;
+        let c = following(&mut pool, center, i)?;
         let x = pool.sym(x);
         errors.push(pool.sub(x, c));
     }

@@ -65,7 +65,7 @@ fn the_solution_ahead_is_the_converged_one_for_the_predicted_state() {
 
 #[test]
 fn the_tangential_predictor_is_the_derivative_of_the_converged_solution() {
-    let (_, predicted) = before_the_second_sample(Preparation::Linearise);
+    let (_, predicted) = before_the_second_sample(Preparation::Linearize);
     let base = converged(&predicted);
     assert!(base.abs() < 5.9, "the first input is free to move: {base}");
     for i in 0..4 {

@@ -76,11 +76,11 @@ fn a_limit_that_depends_on_the_input_is_a_friction_cone() {
 
 #[test]
 fn the_terminal_set_is_entered_at_its_nearest_point() {
-    // Least effort to a disk of radius 0.5 about (1, −1): straight towards its centre, with constant velocity.
+    // Least effort to a disk of radius 0.5 about (1, −1): straight towards its center, with constant velocity.
     let system = point();
     let mut ocp = problem(&system, 5, "u^2 + v^2");
     let matrix = vec![vec![1.0, 0.0], vec![0.0, 1.0]];
-    ocp.terminal_set = Some(TerminalSet { matrix, centre: vec![1.0, -1.0], level: 0.25, softness: Softness::Hard });
+    ocp.terminal_set = Some(TerminalSet { matrix, center: vec![1.0, -1.0], level: 0.25, softness: Softness::Hard });
     for backend in FORMS {
         let s = solve(&system, &ocp, backend, [4.0, 3.0]);
         assert_eq!(s.status, SolveStatus::Converged);
@@ -95,7 +95,7 @@ fn a_terminal_set_without_weight_in_a_direction_leaves_it_free() {
     let system = point();
     let mut ocp = problem(&system, 5, "u^2 + v^2");
     let matrix = vec![vec![4.0, 0.0], vec![0.0, 0.0]];
-    ocp.terminal_set = Some(TerminalSet { matrix, centre: vec![1.0, 9.0], level: 1.0, softness: Softness::Hard });
+    ocp.terminal_set = Some(TerminalSet { matrix, center: vec![1.0, 9.0], level: 1.0, softness: Softness::Hard });
     let s = solve(&system, &ocp, Backend::Sparse, [4.0, 3.0]);
     assert_relative_eq!(s.trajectory.x(5)[0], 1.5, epsilon = 1e-6);
     assert_relative_eq!(s.trajectory.x(5)[1], 3.0, epsilon = 1e-6);
@@ -227,7 +227,7 @@ fn what_contradicts_the_model_is_refused() {
     };
     let set = |matrix: [[f64; 2]; 2], level: f64| {
         let matrix = matrix.iter().map(|r| r.to_vec()).collect();
-        Some(TerminalSet { matrix, centre: vec![0.0; 2], level, softness: Softness::Hard })
+        Some(TerminalSet { matrix, center: vec![0.0; 2], level, softness: Softness::Hard })
     };
     let cases: Vec<(String, &str)> = vec![
         (refused(&|o| o.move_blocks = vec![1, 2]), "the sum of the move blocks has length 3, expected 4"),

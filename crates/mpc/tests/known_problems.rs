@@ -1,4 +1,4 @@
-//! Closed-loop costs of the problem files in `models/`, against those that CasADi with IPOPT gives for the same discretised
+//! Closed-loop costs of the problem files in `models/`, against those that CasADi with IPOPT gives for the same discretized
 //! problems: `python benches/peers/control_references.py` prints them.
 #![allow(clippy::unwrap_used)]
 

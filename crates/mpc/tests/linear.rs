@@ -33,7 +33,7 @@ fn regulator(steps: usize) -> (System, Ocp) {
     (system, ocp)
 }
 
-/// Exact discretisation of the double integrator: the Runge–Kutta method is exact on it.
+/// Exact discretization of the double integrator: the Runge–Kutta method is exact on it.
 fn discrete() -> (Matrix2<f64>, Vector2<f64>) {
     (Matrix2::new(1.0, DT, 0.0, 1.0), Vector2::new(DT * DT / 2.0, DT))
 }
@@ -201,7 +201,7 @@ fn dynamics_that_are_not_a_number_give_a_status() {
     assert_eq!(sqp.solve(&[-1.0], &guess).unwrap().status, SolveStatus::NotANumber);
     let mut rti = Rti::new(dynamics(&system), ocp, guess, RtiSettings::default()).unwrap();
     let step = rti.feedback(&[-1.0]).unwrap();
-    assert_eq!(step.status, StepStatus::Fallback(FallbackReason::Linearisation));
+    assert_eq!(step.status, StepStatus::Fallback(FallbackReason::Linearization));
 }
 
 #[test]

@@ -112,7 +112,7 @@ fn controller(random: &mut Random, system: &System, ocp: &Ocp) -> Box<dyn Contro
         preparation: match random.below(4) {
             0 => Preparation::Ahead { programs: 2 },
             1 => Preparation::AheadTangential { programs: 1 },
-            _ => Preparation::Linearise,
+            _ => Preparation::Linearize,
         },
         time_limit: if random.chance(0.2) { 1e-4 } else { f64::INFINITY },
         ..RtiSettings::default()

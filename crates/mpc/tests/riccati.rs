@@ -13,7 +13,7 @@ fn zeros(n: usize, m: usize) -> DMatrix<f64> {
 }
 
 #[test]
-fn the_solution_satisfies_the_equation_and_stabilises() {
+fn the_solution_satisfies_the_equation_and_stabilizes() {
     let a = dmatrix![1.1, 0.3, 0.0; -0.2, 0.9, 0.5; 0.0, 0.1, 1.2];
     let b = dmatrix![0.0, 1.0; 0.5, 0.0; 1.0, 0.2];
     let q = dmatrix![2.0, 0.3, 0.0; 0.3, 1.0, 0.1; 0.0, 0.1, 0.5];
@@ -44,8 +44,8 @@ fn what_has_no_solution_is_an_error_with_its_reason() {
     let one = dmatrix![1.0];
     let solve =
         |a: f64, b: f64, q: f64, r: f64| dare(&dmatrix![a], &dmatrix![b], &dmatrix![q], &dmatrix![r], &zeros(1, 1));
-    assert!(matches!(solve(1.5, 0.0, 1.0, 1.0), Err(MpcError::NotStabilisable)));
-    assert!(matches!(solve(1.0, 0.0, 1.0, 1.0), Err(MpcError::NotStabilisable)));
+    assert!(matches!(solve(1.5, 0.0, 1.0, 1.0), Err(MpcError::NotStabilizable)));
+    assert!(matches!(solve(1.0, 0.0, 1.0, 1.0), Err(MpcError::NotStabilizable)));
     assert!(matches!(solve(1.0, 1.0, 0.0, 1.0), Err(MpcError::NotDetectable)));
     assert!(matches!(solve(1.0, 1.0, 1.0, 0.0), Err(MpcError::Value { .. })));
     assert!(matches!(solve(f64::NAN, 1.0, 1.0, 1.0), Err(MpcError::Value { .. })));
@@ -131,7 +131,7 @@ fn a_cost_that_is_least_elsewhere_moves_the_centre_and_tilts_the_cost_to_go() {
         let solution = sqp.solve(&[0.5], &Trajectory::constant(steps, &[0.5], &[0.0])).unwrap();
         solution.trajectory.u(0)[0]
     };
-    // Bellman's principle: the length of the horizon makes no difference, nor does the point of linearisation.
+    // Bellman's principle: the length of the horizon makes no difference, nor does the point of linearization.
     let long = first_input(200, 0.0);
     for (steps, point) in [(1, 0.0), (3, 0.0), (3, 1.5)] {
         assert_relative_eq!(first_input(steps, point), long, epsilon = 1e-5);

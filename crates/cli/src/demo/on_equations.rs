@@ -61,7 +61,7 @@ impl MoveOnEquations {
             let solved = self.together.run.closed_loop.steps.iter().map(|s| &s.timings).filter(|t| t.total() > 0.0);
             SolveTimes::of(&solved.map(f).collect::<Vec<_>>()).median
         };
-        [of(|t| t.linearise), of(|t| t.qp), of(|t| t.rest)]
+        [of(|t| t.linearize), of(|t| t.qp), of(|t| t.rest)]
     }
 
     /// Sampling periods in which a program was solved over the time that this took.

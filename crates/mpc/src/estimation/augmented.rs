@@ -3,9 +3,9 @@
 use super::problem::{DisturbanceChannel, EstimationProblem};
 use crate::dynamics::{Dynamics, SymbolicDynamics};
 use crate::error::MpcError;
+use crate::integrator::Interval;
 use crate::ocp::Substeps;
-use crate::shooting::Shooter;
-use crate::transcription::STABLE_STEP;
+use crate::transcription::{STABLE_STEP, Shooter};
 use bracketry_native::{Function, Workspace};
 use bracketry_symbolic::{Expr, Names, Pool, Rational, Symbol, Tape};
 use bracketry_system::{Parameter, SwitchKind, SwitchedForm, System};
@@ -14,9 +14,9 @@ use nalgebra::{DMatrix, DVector};
 /// Size of a smoothed sign below which friction is taken to stick.
 const STUCK: f64 = 0.95;
 
-/// One interval: its end and the derivatives of the end with respect to the start and to the standardised noise.
+/// One interval: its end and the derivatives of the end with respect to the start and to the standardized noise.
 #[derive(Clone, Debug)]
-pub(crate) struct Interval {
+pub(crate) struct LinearizedInterval {
     pub(crate) end: DVector<f64>,
     /// ∂F/∂x.
     pub(crate) f: DMatrix<f64>,
@@ -32,7 +32,7 @@ struct Friction {
     holds: Vec<bool>,
 }
 
-/// Augmented state z = (x, p, d), known inputs u, standardised noise w.
+/// Augmented state z = (x, p, d), known inputs u, standardized noise w.
 pub(crate) struct Augmented {
     /// Number of model states.
     pub(crate) states: usize,
@@ -171,6 +171,19 @@ impl Equations {
     }
 }
 
+impl EstimationProblem {
+    /// The model for a controller, with the estimated parameters and then the disturbances as live parameters:
+    /// [`Controller::set_parameters`](crate::Controller::set_parameters) gives it the estimates.
+    ///
+    /// # Errors
+    /// If the problem contradicts itself or names something that the model does not have.
+    pub fn controller_dynamics(&self) -> Result<SymbolicDynamics, MpcError> {
+        let (system, _) = Augmented::disturbed(self)?;
+        let names = self.live_parameters();
+        SymbolicDynamics::with_live_parameters(&system, &names.iter().map(String::as_str).collect::<Vec<_>>())
+    }
+}
+
 impl Augmented {
     /// The augmented equations without process noise, and the measured outputs.
     pub(crate) fn symbolic(problem: &EstimationProblem) -> Result<(System, Vec<Expr>), MpcError> {
@@ -289,10 +302,10 @@ impl Augmented {
         hidden
     }
 
-    /// The flow over one interval with its derivatives; `w` is standardised noise. Parameters that stay hidden throughout
+    /// The flow over one interval with its derivatives; `w` is standardized noise. Parameters that stay hidden throughout
     /// neither act nor walk: the creep of smoothed friction, which depends on them, does not exist. Without `hide` nothing
     /// is taken to be hidden.
-    pub(crate) fn interval(&mut self, t: f64, z: &[f64], u: &[f64], w: &[f64], hide: bool) -> Interval {
+    pub(crate) fn interval(&mut self, t: f64, z: &[f64], u: &[f64], w: &[f64], hide: bool) -> LinearizedInterval {
         let (n, m) = (self.size(), self.inputs);
         let columns = n + m + self.noise.len();
         self.inputs_and_noise[..m].copy_from_slice(u);
@@ -301,15 +314,8 @@ impl Augmented {
         }
         let mut end = z.to_vec();
         let substeps = self.substeps(t, z);
-        self.shooter.advance_with_sensitivity(
-            &mut self.dynamics,
-            t,
-            &mut end,
-            &self.inputs_and_noise,
-            self.dt,
-            substeps,
-            &mut self.jacobian,
-        );
+        let interval = Interval { t, dt: self.dt, substeps, u: &self.inputs_and_noise };
+        self.shooter.advance_with_sensitivity(&mut self.dynamics, interval, &mut end, &mut self.jacobian);
         let before = self.stuck(t, z, u);
         let after = self.stuck(t + self.dt, &end, u);
         let stuck: Vec<bool> = before.iter().zip(&after).map(|(a, b)| hide && *a && *b).collect();
@@ -323,15 +329,15 @@ impl Augmented {
             let (state, std) = self.noise[k];
             if hidden[state] { 0.0 } else { entry(i, n + m + k) * std }
         });
-        Interval { end: DVector::from_vec(end), f, g, hidden }
+        LinearizedInterval { end: DVector::from_vec(end), f, g, hidden }
     }
 
     /// What smoothed friction holds creeps with a speed proportional to the width: extrapolation to the width 0.
     fn take_out_creep(&mut self, t: f64, z: &[f64], substeps: usize, end: &mut [f64]) {
         let mut half = z.to_vec();
         self.dynamics.set_smoothing(self.width / 2.0);
-        let dynamics = &mut self.dynamics;
-        self.shooter.advance(dynamics, t, &mut half, &self.inputs_and_noise, self.dt, 2 * substeps);
+        let interval = Interval { t, dt: self.dt, substeps: 2 * substeps, u: &self.inputs_and_noise };
+        self.shooter.advance(&mut self.dynamics, interval, &mut half);
         self.dynamics.set_smoothing(self.width);
         end.iter_mut().zip(half).for_each(|(whole, half)| *whole = 2.0 * half - *whole);
     }

@@ -12,7 +12,7 @@ pub enum EstimateStatus {
     },
     /// Every output was lost: the model's prediction.
     Predicted,
-    /// The optimiser gave no usable answer: the update of the extended Kalman filter instead.
+    /// The optimizer gave no usable answer: the update of the extended Kalman filter instead.
     Fallback,
     /// The numbers left the finite range; the estimator went back to its prior knowledge, at the last finite estimate.
     Restarted,
@@ -27,7 +27,7 @@ pub struct Estimate {
     pub parameters: Vec<f64>,
     /// The disturbances, in the order of [`EstimationProblem::disturbances`](crate::EstimationProblem).
     pub disturbance: Vec<f64>,
-    /// Standard deviations of states, parameters and disturbances, one after the other, as the linearisation gives them.
+    /// Standard deviations of states, parameters and disturbances, one after the other, as the linearization gives them.
     pub std: Vec<f64>,
     /// How it came about.
     pub status: EstimateStatus,

@@ -106,7 +106,7 @@ impl ExtendedKalman {
                 continue;
             }
             let row = c.row(i).into_owned();
-            // The residual of the linearisation at the prediction, moved along with the outputs before this one.
+            // The residual of the linearization at the prediction, moved along with the outputs before this one.
             let r = residual[i] - (&row * (&self.z - &predicted))[(0, 0)];
             let noise = self.model.sensors[i].0;
             absorb(&mut self.z, &mut self.p, &row, r, noise, self.outliers, frozen);

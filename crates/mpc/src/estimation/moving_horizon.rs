@@ -1,15 +1,14 @@
 //! Moving-horizon estimation.
 
-use super::augmented::{Augmented, Interval};
+use super::augmented::{Augmented, LinearizedInterval};
 use super::estimate::{Estimate, EstimateStatus, Estimator};
 use super::kalman::{ExtendedKalman, absorb, check_input, estimate, prior};
 use super::problem::{EstimationProblem, Outliers};
-use crate::cost::CostFunction;
 use crate::error::{MpcError, check_length};
-use crate::ocp::{Bounds, Ocp, Softness};
+use crate::ocp::{Bounds, CostFunction, Ocp, Softness};
 use crate::qp::{Qp, QpSettings};
-use crate::shooting::Linearisation;
 use crate::trajectory::Trajectory;
+use crate::transcription::Linearization;
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
@@ -30,13 +29,13 @@ impl Default for MovingHorizonSettings {
     }
 }
 
-/// Standardised noise beyond this is taken to be impossible.
+/// Standardized noise beyond this is taken to be impossible.
 const UNHEARD_OF: f64 = 1e3;
 
 /// A grid point of the horizon and the interval that follows it.
 struct Node {
     z: DVector<f64>,
-    /// Standardised noise of the interval that follows.
+    /// Standardized noise of the interval that follows.
     w: Vec<f64>,
     /// Input over the interval that follows; empty at the last node.
     u: Vec<f64>,
@@ -54,7 +53,7 @@ struct Node {
 /// ```
 ///
 /// with states, parameters and disturbances in z. The prior (z̄, L Lᵀ) follows the horizon by the update of the extended Kalman
-/// filter, linearised on the trajectory that the horizon has found. On a linear model without bounds this is the Kalman
+/// filter, linearized on the trajectory that the horizon has found. On a linear model without bounds this is the Kalman
 /// filter.
 ///
 /// The program is the controller's: the prior is let in by a few intervals before the horizon in which nothing moves but by
@@ -76,7 +75,7 @@ pub struct MovingHorizon {
     ocp: Ocp,
     qp: Qp,
     trajectory: Trajectory,
-    lin: Linearisation,
+    lin: Linearization,
     /// Intervals that let in the prior.
     entries: usize,
     /// Columns per interval: noise, or a part of ζ.
@@ -119,10 +118,10 @@ impl MovingHorizon {
         let node = Node { z: mean.clone(), w: Vec::new(), u: Vec::new(), y: Vec::new(), hide: true };
         Ok(Self {
             trajectory: Trajectory::constant(steps, mean.as_slice(), &vec![0.0; columns]),
-            lin: Linearisation {
+            lin: Linearization {
                 end: vec![0.0; steps * n],
                 jacobian: vec![0.0; steps * n * (n + columns)],
-                ..Linearisation::default()
+                ..Linearization::default()
             },
             hidden_before: vec![false; n],
             nodes: VecDeque::from([node]),
@@ -193,7 +192,7 @@ impl MovingHorizon {
         let intervals = self.nodes.len() - 1;
         let first = steps - intervals;
         let t0 = self.start_time();
-        let mut flows: Vec<Interval> = Vec::with_capacity(intervals);
+        let mut flows: Vec<LinearizedInterval> = Vec::with_capacity(intervals);
         for (k, node) in self.nodes.iter().take(intervals).enumerate() {
             let t = t0 + k as f64 * self.dt;
             flows.push(self.head.model.interval(t, node.z.as_slice(), &node.u, &node.w, node.hide));
@@ -345,7 +344,7 @@ impl Estimator for MovingHorizon {
     }
 }
 
-/// Stage and terminal cost: squared standardised noise, and weighted squares of the residuals.
+/// Stage and terminal cost: squared standardized noise, and weighted squares of the residuals.
 fn costs(problem: &EstimationProblem, n: usize, columns: usize) -> Result<(CostFunction, CostFunction), MpcError> {
     let (mut system, outputs) = Augmented::symbolic(problem)?;
     let outputs = system.with_values(&outputs);

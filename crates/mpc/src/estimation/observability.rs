@@ -12,7 +12,7 @@ const SHARE: f64 = 1e-3;
 
 impl EstimationProblem {
     /// Checks that states, parameters and disturbances can all be told from the measured outputs near the state `x` with the
-    /// input `u`: the observability matrix (C; CF; CF²; …) of the linearised flow has full rank. Every quantity counts in
+    /// input `u`: the observability matrix (C; CF; CF²; …) of the linearized flow has full rank. Every quantity counts in
     /// units of its initial standard deviation, where it has one. With dry friction choose a state that slides.
     ///
     /// # Errors

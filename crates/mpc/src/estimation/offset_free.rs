@@ -3,12 +3,10 @@
 use super::augmented::Augmented;
 use super::problem::EstimationProblem;
 use super::targets::{SteadyTarget, TargetCalculator, TargetStatus};
-use crate::controller::Controller;
+use crate::controller::{Controller, Step, StepLimits};
 use crate::error::{MpcError, check_length};
-use crate::faults::StepLimits;
 use crate::ocp::Ocp;
 use crate::rti::Rti;
-use crate::step::Step;
 
 /// Gives a controller the steady state and input that belong to a reference under the estimated disturbance, and keeps its
 /// hands still where friction holds the state within a dead band of the reference.

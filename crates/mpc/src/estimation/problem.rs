@@ -1,7 +1,5 @@
 //! The estimation problem as data.
 
-use super::augmented::Augmented;
-use crate::dynamics::SymbolicDynamics;
 use crate::error::{MpcError, check_length};
 use crate::integrator::Integrator;
 use crate::ocp::Substeps;
@@ -184,17 +182,6 @@ impl EstimationProblem {
             number("Huber's threshold", threshold, threshold > 0.0, "give a number of standard deviations")?;
         }
         Ok(())
-    }
-
-    /// The model for a controller, with the estimated parameters and then the disturbances as live parameters:
-    /// [`Controller::set_parameters`](crate::Controller::set_parameters) gives it the estimates.
-    ///
-    /// # Errors
-    /// If the problem contradicts itself or names something that the model does not have.
-    pub fn controller_dynamics(&self) -> Result<SymbolicDynamics, MpcError> {
-        let (system, _) = Augmented::disturbed(self)?;
-        let names = self.live_parameters();
-        SymbolicDynamics::with_live_parameters(&system, &names.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
     /// Names of the estimated parameters, then of the disturbances.

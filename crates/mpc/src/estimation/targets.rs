@@ -2,10 +2,9 @@
 
 use super::augmented::Augmented;
 use super::problem::EstimationProblem;
-use crate::cost::CostFunction;
 use crate::dynamics::SymbolicDynamics;
 use crate::error::{MpcError, check_length};
-use crate::ocp::{Ocp, TerminalTarget};
+use crate::ocp::{CostFunction, Ocp, TerminalTarget};
 use crate::sqp::{SolveStatus, Sqp, SqpSettings};
 use crate::trajectory::Trajectory;
 use bracketry_symbolic::Rational;

@@ -3,9 +3,11 @@
 //! Newton's method with the exact Jacobian, damped, starts from Z = 0. The sensitivities come
 //! from the implicit function theorem at its solution: (I − h A⊗J) dZ = h A⊗(J S + \[0 B\]).
 
-use super::linear::Factors;
+use super::interval::Interval;
+use super::one_step::{OneStepMethod, set_identity};
 use super::stages::Stages;
 use super::tableau::Tableau;
+use crate::dense::Factors;
 use crate::dynamics::Dynamics;
 
 /// Newton iterations after which a step has failed.
@@ -22,6 +24,7 @@ const SHORTEST: f64 = 1e-3;
 pub(crate) struct Collocation {
     n: usize,
     m: usize,
+    pattern: Vec<(usize, usize)>,
     tableau: Tableau,
     /// b A⁻¹: the end state is x + Σ d_i Z_i.
     end: Vec<f64>,
@@ -47,7 +50,7 @@ impl Collocation {
         let a = factors.matrix(s);
         a.copy_from_slice(&tableau.a);
         let mut end = tableau.b.clone();
-        if factors.factorise() {
+        if factors.factorize() {
             factors.solve_transposed(&mut end);
         }
         let (rows, block) = (s * n, s * n * (n + m));
@@ -61,6 +64,7 @@ impl Collocation {
             correction: vec![0.0; rows],
             field: vec![0.0; rows],
             jacobian: vec![0.0; s * pattern.len()],
+            pattern: pattern.to_vec(),
             point: vec![0.0; n],
             factors,
             dz: vec![0.0; block],
@@ -69,19 +73,12 @@ impl Collocation {
             tableau,
         }
     }
+}
 
-    /// Advances `x` over `steps` steps of length h; false when Newton's method fails, `x` then is no number.
-    pub(crate) fn advance(
-        &mut self,
-        dynamics: &mut dyn Dynamics,
-        t: f64,
-        x: &mut [f64],
-        u: &[f64],
-        h: f64,
-        steps: usize,
-    ) -> bool {
-        for step in 0..steps {
-            if !self.solve(dynamics, t + step as f64 * h, x, u, h) {
+impl OneStepMethod for Collocation {
+    fn advance(&mut self, dynamics: &mut dyn Dynamics, interval: Interval<'_>, x: &mut [f64]) -> bool {
+        for time in interval.times() {
+            if !self.solve(dynamics, time, x, interval.u, interval.step()) {
                 x.fill(f64::NAN);
                 return false;
             }
@@ -90,35 +87,26 @@ impl Collocation {
         true
     }
 
-    /// As [`Collocation::advance`], and the derivative of the end state with respect to (x, u) into `jacobian`; the stages
-    /// are noted where somebody wants them.
-    #[allow(clippy::too_many_arguments)]
-    pub(crate) fn advance_with_sensitivity(
+    fn advance_with_sensitivity(
         &mut self,
         dynamics: &mut dyn Dynamics,
-        t: f64,
+        interval: Interval<'_>,
         x: &mut [f64],
-        u: &[f64],
-        h: f64,
-        steps: usize,
         jacobian: &mut [f64],
         mut stages: Option<&mut Stages>,
     ) -> bool {
         let (n, w) = (self.n, self.n + self.m);
-        self.s.fill(0.0);
-        for i in 0..n {
-            self.s[i * w + i] = 1.0;
-        }
-        for step in 0..steps {
-            let time = t + step as f64 * h;
-            if !(self.solve(dynamics, time, x, u, h) && self.linearise(dynamics, time, x, u, h)) {
+        let (h, u) = (interval.step(), interval.u);
+        set_identity(&mut self.s, w);
+        for time in interval.times() {
+            if !(self.solve(dynamics, time, x, u, h) && self.linearize(dynamics, time, x, u, h)) {
                 x.fill(f64::NAN);
                 jacobian.fill(f64::NAN);
                 return false;
             }
-            self.stage_sensitivities(dynamics.jacobian_pattern(), h);
+            self.stage_sensitivities(h);
             if let Some(stages) = &mut stages {
-                self.note(time, x, h, dynamics.jacobian_pattern().len(), stages);
+                self.note(time, x, h, stages);
             }
             for (q, d) in self.end.iter().enumerate() {
                 for e in 0..n * w {
@@ -131,26 +119,14 @@ impl Collocation {
         true
     }
 
-    fn note(&mut self, time: f64, x: &[f64], h: f64, entries: usize, stages: &mut Stages) {
-        let (n, block) = (self.n, self.n * (self.n + self.m));
-        for (q, c) in self.tableau.c.iter().enumerate() {
-            for i in 0..n {
-                self.point[i] = x[i] + self.z[q * n + i];
-            }
-            let sensitivity = self.s.iter().zip(&self.dz[q * block..(q + 1) * block]).map(|(s, d)| s + d);
-            stages.push(time + c * h, &self.point, &self.jacobian[q * entries..(q + 1) * entries], sensitivity);
-        }
-    }
-
-    /// The adjoints of the field at the stages from that of the end state, `lambda`, which becomes that of the start: with
-    /// (I − h A⊗J)ᵀ w = d⊗λ they are h Σ_p a_pq w_p.
-    pub(crate) fn adjoints(&mut self, pattern: &[(usize, usize)], h: f64, stages: &mut Stages, lambda: &mut [f64]) {
+    /// With (I − h A⊗J)ᵀ w = d⊗λ they are h Σ_p a_pq w_p.
+    fn adjoints(&mut self, h: f64, stages: &mut Stages, lambda: &mut [f64]) {
         let (n, s) = (self.n, self.tableau.stages());
         stages.weights.resize(stages.times.len() * n, 0.0);
         for step in (0..stages.times.len() / s).rev() {
             let block = self.jacobian.len();
             self.jacobian.copy_from_slice(&stages.jacobians[step * block..(step + 1) * block]);
-            self.factorise(pattern, h);
+            self.factorize(h);
             for (p, d) in self.end.iter().enumerate() {
                 for i in 0..n {
                     self.residual[p * n + i] = d * lambda[i];
@@ -163,8 +139,21 @@ impl Collocation {
                     let sum: f64 = (0..s).map(|p| self.tableau.a[p * s + q] * self.residual[p * n + i]).sum();
                     stages.weights[at * n + i] = h * sum;
                 }
-                stages.add_transposed(pattern, at, lambda);
+                stages.add_transposed(&self.pattern, at, lambda);
             }
+        }
+    }
+}
+
+impl Collocation {
+    fn note(&mut self, time: f64, x: &[f64], h: f64, stages: &mut Stages) {
+        let (n, block, entries) = (self.n, self.n * (self.n + self.m), self.pattern.len());
+        for (q, c) in self.tableau.c.iter().enumerate() {
+            for i in 0..n {
+                self.point[i] = x[i] + self.z[q * n + i];
+            }
+            let sensitivity = self.s.iter().zip(&self.dz[q * block..(q + 1) * block]).map(|(s, d)| s + d);
+            stages.push(time + c * h, &self.point, &self.jacobian[q * entries..(q + 1) * entries], sensitivity);
         }
     }
 
@@ -185,7 +174,7 @@ impl Collocation {
         self.z.fill(0.0);
         let mut last = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
-            if !self.linearise(dynamics, t, x, u, h) {
+            if !self.linearize(dynamics, t, x, u, h) {
                 return false;
             }
             self.residual(h);
@@ -248,7 +237,7 @@ impl Collocation {
     }
 
     /// Jacobians at the stages and the factors of I − h A⊗J.
-    fn linearise(&mut self, dynamics: &mut dyn Dynamics, t: f64, x: &[f64], u: &[f64], h: f64) -> bool {
+    fn linearize(&mut self, dynamics: &mut dyn Dynamics, t: f64, x: &[f64], u: &[f64], h: f64) -> bool {
         let (n, s) = (self.n, self.tableau.stages());
         let entries = dynamics.jacobian_pattern().len();
         for q in 0..s {
@@ -263,19 +252,19 @@ impl Collocation {
                 &mut self.jacobian[q * entries..(q + 1) * entries],
             );
         }
-        self.factorise(dynamics.jacobian_pattern(), h)
+        self.factorize(h)
     }
 
     /// The factors of I − h A⊗J from the Jacobians at the stages.
-    fn factorise(&mut self, pattern: &[(usize, usize)], h: f64) -> bool {
-        let (n, s, entries) = (self.n, self.tableau.stages(), pattern.len());
+    fn factorize(&mut self, h: f64) -> bool {
+        let (n, s, entries) = (self.n, self.tableau.stages(), self.pattern.len());
         let size = s * n;
         let matrix = self.factors.matrix(size);
         matrix.fill(0.0);
         for i in 0..size {
             matrix[i * size + i] = 1.0;
         }
-        for (e, &(i, j)) in pattern.iter().enumerate() {
+        for (e, &(i, j)) in self.pattern.iter().enumerate() {
             if j < n {
                 for p in 0..s {
                     for q in 0..s {
@@ -285,17 +274,17 @@ impl Collocation {
                 }
             }
         }
-        self.factors.factorise()
+        self.factors.factorize()
     }
 
     /// dZ from the sensitivities S at the start of the step.
-    fn stage_sensitivities(&mut self, pattern: &[(usize, usize)], h: f64) {
+    fn stage_sensitivities(&mut self, h: f64) {
         let (n, w, s) = (self.n, self.n + self.m, self.tableau.stages());
         self.ds.fill(0.0);
         for q in 0..s {
             let block = &mut self.ds[q * n * w..(q + 1) * n * w];
-            for (e, &(i, j)) in pattern.iter().enumerate() {
-                let v = self.jacobian[q * pattern.len() + e];
+            for (e, &(i, j)) in self.pattern.iter().enumerate() {
+                let v = self.jacobian[q * self.pattern.len() + e];
                 if j < n {
                     for c in 0..w {
                         block[i * w + c] += v * self.s[j * w + c];

@@ -3,6 +3,8 @@
 //! It is differentiated as it stands, so the sensitivities are those of the numbers it returns:
 //! S_{i+1} = S_i + h/6 (D_1 + 2 D_2 + 2 D_3 + D_4), D_j = A_j T_j + [0 B_j].
 
+use super::interval::Interval;
+use super::one_step::{OneStepMethod, set_identity};
 use super::stages::Stages;
 use crate::dynamics::Dynamics;
 
@@ -49,19 +51,12 @@ impl ExplicitRungeKutta {
             pattern: pattern.to_vec(),
         }
     }
+}
 
-    /// Advances `x` over `substeps` steps of length h.
-    pub(crate) fn advance(
-        &mut self,
-        dynamics: &mut dyn Dynamics,
-        t: f64,
-        x: &mut [f64],
-        u: &[f64],
-        h: f64,
-        substeps: usize,
-    ) {
-        for step in 0..substeps {
-            let time = t + step as f64 * h;
+impl OneStepMethod for ExplicitRungeKutta {
+    fn advance(&mut self, dynamics: &mut dyn Dynamics, interval: Interval<'_>, x: &mut [f64]) -> bool {
+        let (h, u) = (interval.step(), interval.u);
+        for time in interval.times() {
             for q in 0..4 {
                 let c = FRACTION[q] * h;
                 for i in 0..self.n {
@@ -73,29 +68,21 @@ impl ExplicitRungeKutta {
                 x[i] += h * (0..4).map(|q| WEIGHT[q] * self.k[q][i]).sum::<f64>();
             }
         }
+        true
     }
 
-    /// As [`ExplicitRungeKutta::advance`], and the derivative of the end state with respect to (x, u) into `jacobian`; the
-    /// stages are noted where somebody wants them.
-    #[allow(clippy::too_many_arguments)]
-    pub(crate) fn advance_with_sensitivity(
+    fn advance_with_sensitivity(
         &mut self,
         dynamics: &mut dyn Dynamics,
-        t: f64,
+        interval: Interval<'_>,
         x: &mut [f64],
-        u: &[f64],
-        h: f64,
-        substeps: usize,
         jacobian: &mut [f64],
         mut stages: Option<&mut Stages>,
-    ) {
+    ) -> bool {
         let (n, w) = (self.n, self.n + self.m);
-        self.s.fill(0.0);
-        for i in 0..n {
-            self.s[i * w + i] = 1.0;
-        }
-        for step in 0..substeps {
-            let time = t + step as f64 * h;
+        let (h, u) = (interval.step(), interval.u);
+        set_identity(&mut self.s, w);
+        for time in interval.times() {
             for q in 0..4 {
                 let c = FRACTION[q] * h;
                 if q == 0 {
@@ -135,10 +122,10 @@ impl ExplicitRungeKutta {
             }
         }
         jacobian.copy_from_slice(&self.s);
+        true
     }
 
-    /// The adjoints of the field at the stages from that of the end state, `lambda`, which becomes that of the start.
-    pub(crate) fn adjoints(&mut self, h: f64, stages: &mut Stages, lambda: &mut [f64]) {
+    fn adjoints(&mut self, h: f64, stages: &mut Stages, lambda: &mut [f64]) {
         let n = self.n;
         stages.weights.resize(stages.times.len() * n, 0.0);
         for step in (0..stages.times.len() / 4).rev() {

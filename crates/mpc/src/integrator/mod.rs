@@ -1,8 +1,10 @@
-//! One-step methods that carry a state over an interval, with exact sensitivities.
+//! One-step methods that advance a state over an interval, with exact sensitivities.
 
 mod collocation;
 mod explicit;
-mod linear;
+mod interval;
+mod method;
+mod one_step;
 mod stages;
 mod tableau;
 #[cfg(test)]
@@ -10,55 +12,8 @@ mod tests;
 
 pub(crate) use collocation::Collocation;
 pub(crate) use explicit::ExplicitRungeKutta;
-pub(crate) use linear::Factors;
+pub(crate) use interval::Interval;
+pub use method::Integrator;
+pub(crate) use one_step::OneStepMethod;
 pub(crate) use stages::Stages;
 pub(crate) use tableau::Tableau;
-
-use crate::error::MpcError;
-
-/// The method that carries the state over an interval.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Integrator {
-    /// The classical explicit Runge–Kutta method of order 4.
-    #[default]
-    Rk4,
-    /// Collocation at the Gauss–Legendre points: implicit, order 2·stages, A-stable, symplectic.
-    GaussLegendre {
-        /// Number of collocation points, 1 to 4.
-        stages: usize,
-    },
-    /// Collocation at the right Radau points: implicit, order 2·stages − 1, L-stable; for stiff dynamics.
-    RadauIIA {
-        /// Number of collocation points, 1 to 4 (1 is the implicit Euler method).
-        stages: usize,
-    },
-}
-
-impl Integrator {
-    /// Order of convergence.
-    pub fn order(self) -> usize {
-        match self {
-            Self::Rk4 => 4,
-            Self::GaussLegendre { stages } => 2 * stages,
-            Self::RadauIIA { stages } => 2 * stages - 1,
-        }
-    }
-
-    /// Whether a step solves equations, so that stiffness does not limit its length.
-    pub fn is_implicit(self) -> bool {
-        self != Self::Rk4
-    }
-
-    pub(crate) fn check(self) -> Result<(), MpcError> {
-        match self {
-            Self::GaussLegendre { stages } | Self::RadauIIA { stages } if !(1..=4).contains(&stages) => {
-                Err(MpcError::Value {
-                    what: "the number of stages of the integrator".into(),
-                    value: stages as f64,
-                    remedy: "give 1, 2, 3 or 4",
-                })
-            }
-            _ => Ok(()),
-        }
-    }
-}

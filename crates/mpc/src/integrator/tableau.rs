@@ -1,7 +1,7 @@
 //! Coefficients of Runge–Kutta methods. Those of collocation follow from the nodes alone: a_ij = ∫₀^{c_i} ℓ_j, b_j = ∫₀¹ ℓ_j with the
 //! Lagrange polynomials ℓ_j (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.5).
 
-use super::Integrator;
+use super::method::Integrator;
 use nalgebra::DMatrix;
 
 /// X_i = x + h Σ_j a_ij f(t + c_j h, X_j), x₁ = x + h Σ_j b_j f(t + c_j h, X_j).

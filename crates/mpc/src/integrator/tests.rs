@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use super::Integrator::{self, GaussLegendre, RadauIIA, Rk4};
+use super::Interval;
 use crate::dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
-use crate::shooting::Shooter;
+use crate::transcription::Shooter;
 use approx::assert_relative_eq;
 use bracketry_system::System;
 
@@ -25,7 +26,7 @@ fn symbolic(text: &str) -> SymbolicDynamics {
 /// State at `end` after `steps` steps from time 0.
 fn flow(d: &mut dyn Dynamics, integrator: Integrator, x: &[f64], u: &[f64], end: f64, steps: usize) -> Vec<f64> {
     let mut x = x.to_vec();
-    Shooter::new(d, integrator).advance(d, 0.0, &mut x, u, end, steps);
+    Shooter::new(d, integrator).advance(d, Interval { t: 0.0, dt: end, substeps: steps, u }, &mut x);
     x
 }
 
@@ -59,7 +60,8 @@ fn sensitivities_are_the_derivatives_of_the_implicit_flow() {
     for method in IMPLICIT {
         let mut jacobian = vec![0.0; 15];
         let mut x = z0[..3].to_vec();
-        Shooter::new(&d, method).advance_with_sensitivity(&mut d, 0.0, &mut x, &z0[3..], 0.3, 2, &mut jacobian);
+        let interval = Interval { t: 0.0, dt: 0.3, substeps: 2, u: &z0[3..] };
+        Shooter::new(&d, method).advance_with_sensitivity(&mut d, interval, &mut x, &mut jacobian);
         assert_eq!(x, flow(&mut d, method, &z0[..3], &z0[3..], 0.3, 2));
         let h = 1e-5;
         for j in 0..5 {
@@ -130,7 +132,7 @@ fn equations_without_a_solution_are_a_failure_and_no_hang() {
     let mut d = symbolic("states = [\"x\"]\ninputs = [\"u\"]\ndynamics = { x = \"1 + x^2 + u\" }");
     let mut shooter = Shooter::new(&d, RadauIIA { stages: 1 });
     let mut x = [1.0];
-    shooter.advance(&mut d, 0.0, &mut x, &[0.0], 2.0, 1);
+    shooter.advance(&mut d, Interval { t: 0.0, dt: 2.0, substeps: 1, u: &[0.0] }, &mut x);
     assert!(x[0].is_nan());
     assert!(shooter.take_failure());
     assert!(!shooter.take_failure());
@@ -150,10 +152,12 @@ fn curvature_is_the_derivative_of_the_sensitivities() {
     for method in IMPLICIT.into_iter().chain([Rk4]) {
         let mut shooter = Shooter::new(&d, method);
         let mut hessian = vec![0.0; 25];
-        shooter.curvature(&mut d, 0.2, &z0[..3], &z0[3..], 0.3, 2, &mut lambda.clone(), &field, &mut hessian);
+        let interval = Interval { t: 0.2, dt: 0.3, substeps: 2, u: &z0[3..] };
+        shooter.curvature(&mut d, interval, &z0[..3], &mut lambda.clone(), &field, &mut hessian);
         let mut gradient = |z: [f64; 5]| {
             let (mut x, mut jacobian) = (z[..3].to_vec(), vec![0.0; 15]);
-            shooter.advance_with_sensitivity(&mut d, 0.2, &mut x, &z[3..], 0.3, 2, &mut jacobian);
+            let interval = Interval { t: 0.2, dt: 0.3, substeps: 2, u: &z[3..] };
+            shooter.advance_with_sensitivity(&mut d, interval, &mut x, &mut jacobian);
             [0, 1, 2, 3, 4].map(|j| (0..3).map(|i| lambda[i] * jacobian[i * 5 + j]).sum::<f64>())
         };
         let h = 1e-5;

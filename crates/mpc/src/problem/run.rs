@@ -1,18 +1,20 @@
 //! A control problem run from start to end, and what is to be said about it.
 
-use super::report::{ControlReport, PlanReport, notes};
-use super::{ControlProblem, Convergence, Estimation, Feedback, Method, RunConditions};
-use crate::closed_loop::{ClosedLoop, LoopSettings, MeasurementFunction, Plant, run_closed_loop};
-use crate::controller::{Controller, SqpController};
-use crate::delay::DelayCompensated;
+use super::conditions::RunConditions;
+use super::control_problem::ControlProblem;
+use super::estimation::Estimation;
+use super::method::{Convergence, Feedback, Method};
+use super::notes::notes;
+use super::report::{ControlReport, PlanReport};
+use crate::closed_loop::{ClosedLoop, DelayCompensated, LoopSettings, MeasurementFunction, Plant, run_closed_loop};
+use crate::controller::{Controller, StepStatus};
 use crate::dynamics::SymbolicDynamics;
 use crate::error::{MpcError, check_flag};
 use crate::estimation::Estimator;
-use crate::nonsmooth::{StickSlipController, StickSlipSettings};
+use crate::exact_friction::{StickSlipController, StickSlipSettings};
 use crate::ocp::Ocp;
 use crate::rti::{Horizon, Rti, RtiSettings};
-use crate::sqp::{Solution, SolveStatus, Sqp, SqpSettings};
-use crate::step::StepStatus;
+use crate::sqp::{Solution, SolveStatus, Sqp, SqpController, SqpSettings};
 use crate::trajectory::Trajectory;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};

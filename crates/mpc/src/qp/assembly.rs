@@ -1,11 +1,8 @@
 //! Layout of the stage program: which variables, rows and places there are.
 
-use super::curvature::{StageBlocks, block_places};
-use super::program::StageProgram;
+use super::exact_hessian::{StageBlocks, block_places};
+use super::program::{NOWHERE, StageProgram};
 use crate::ocp::{Ocp, Softness};
-
-/// An entry that stands nowhere: x_0 does not change.
-pub(super) const NOWHERE: usize = usize::MAX;
 
 /// A bound of one variable: row, whether it is the upper one.
 pub(super) struct BoundRow {

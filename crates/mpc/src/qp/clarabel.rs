@@ -1,8 +1,8 @@
 //! Clarabel on the program with any of its states eliminated.
 
+use super::backend::{QpBackend, QpSettings, QpStatus, StageSolution};
+use super::condensing::Condensing;
 use super::program::StageProgram;
-use super::substitution::Substitution;
-use super::{QpBackend, QpSettings, QpStatus, StageSolution};
 use crate::error::MpcError;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::SupportedConeT::{NonnegativeConeT, SecondOrderConeT, ZeroConeT};
@@ -39,7 +39,7 @@ impl QpSettings {
 
 /// The solver with the matrices of the program as it sees it.
 pub(super) struct Clarabel {
-    substitution: Substitution,
+    condensing: Condensing,
     settings: QpSettings,
     p: CscMatrix<f64>,
     a: CscMatrix<f64>,
@@ -62,15 +62,15 @@ impl Clarabel {
     }
 
     fn new(program: &StageProgram, settings: QpSettings, eliminate: impl Fn(usize, usize) -> bool) -> Self {
-        let (substitution, p, a) = Substitution::new(program, eliminate);
-        let mut cones = vec![ZeroConeT(substitution.equalities()), NonnegativeConeT(program.nonnegative)];
+        let (condensing, p, a) = Condensing::new(program, eliminate);
+        let mut cones = vec![ZeroConeT(condensing.equalities()), NonnegativeConeT(program.nonnegative)];
         cones.extend(program.second_order.iter().map(|&d| SecondOrderConeT(d)));
         let (q, b) = (vec![0.0; p.n], vec![0.0; a.m]);
-        Self { substitution, settings, p, a, q, b, cones, solver: None }
+        Self { condensing, settings, p, a, q, b, cones, solver: None }
     }
 
     fn gather(&mut self) {
-        self.substitution.gather(&mut self.p.nzval, &mut self.q, &mut self.a.nzval, &mut self.b);
+        self.condensing.gather(&mut self.p.nzval, &mut self.q, &mut self.a.nzval, &mut self.b);
     }
 
     /// A solver with the present numbers; `None` if it refuses the structure, which would be a defect of this module.
@@ -79,7 +79,7 @@ impl Clarabel {
     }
 
     /// Factor of the objective within the solver, whose tolerances remain those of the objective as it is: a steep one would
-    /// let the regularisation of the linear systems vanish.
+    /// let the regularization of the linear systems vanish.
     fn objective_factor(&self) -> f64 {
         // The diagonal entry is the last of its column.
         let diagonal = self.p.colptr[1..].iter().map(|&end| self.p.nzval[end - 1]);
@@ -89,12 +89,12 @@ impl Clarabel {
 
 impl QpBackend for Clarabel {
     fn load(&mut self, program: &StageProgram, flow: &[f64]) {
-        self.substitution.load(program, flow);
+        self.condensing.load(program, flow);
         self.gather();
     }
 
     fn load_first(&mut self, program: &StageProgram, flow: &[f64]) {
-        self.substitution.load_first(program, flow);
+        self.condensing.load_first(program, flow);
         self.gather();
     }
 
@@ -140,7 +140,7 @@ impl QpBackend for Clarabel {
         }
         let Some(solver) = again.as_ref().or(self.solver.as_ref()) else { return Ok(QpStatus::Failed) };
         let (x, z) = (&solver.solution.x, &solver.solution.z);
-        self.substitution.recover(x, z, &mut solution.z, &mut solution.multipliers, program.states);
+        self.condensing.recover(x, z, &mut solution.z, &mut solution.multipliers, program.states);
         let whole = finite(&solution.z);
         Ok(if status.is_usable() && !whole { QpStatus::Failed } else { status })
     }

@@ -1,12 +1,13 @@
 //! Filling the stage program from the problem.
 
-use super::assembly::{Assembly, NOWHERE};
-use crate::ocp::Ocp;
-use crate::shooting::Linearisation;
+use super::assembly::Assembly;
+use super::program::NOWHERE;
+use crate::ocp::{CostPoint, Ocp};
 use crate::trajectory::Trajectory;
+use crate::transcription::Linearization;
 
 /// Smallest curvature of any variable, in units of its size and of the objective: keeps the program strictly convex.
-const REGULARISATION: f64 = 1e-9;
+const REGULARIZATION: f64 = 1e-9;
 
 /// Smallest unit of the objective.
 const SMALLEST_OBJECTIVE: f64 = 1e-12;
@@ -28,9 +29,9 @@ impl Assembly {
         p.objective_scale = if size > 0.0 { size.clamp(SMALLEST_OBJECTIVE, 1.0) } else { 1.0 };
     }
 
-    fn regularise(&mut self, v: usize) {
+    fn regularize(&mut self, v: usize) {
         let p = &mut self.program;
-        p.hessian[v] += REGULARISATION * p.objective_scale / p.scale[v].powi(2);
+        p.hessian[v] += REGULARIZATION * p.objective_scale / p.scale[v].powi(2);
     }
 
     /// Fills in every number; see [`Qp::assemble`](super::Qp::assemble).
@@ -39,7 +40,7 @@ impl Assembly {
         ocp: &mut Ocp,
         k0: usize,
         trajectory: &Trajectory,
-        lin: &Linearisation,
+        lin: &Linearization,
         proximal: f64,
         hard: f64,
     ) {
@@ -56,13 +57,12 @@ impl Assembly {
         }
         self.add_end_cost(ocp, k0, trajectory);
         self.fill_flow(trajectory, lin, 0..steps);
-        if let Some(mut blocks) = self.blocks.take() {
-            self.use_exact_hessian(&mut blocks, ocp, lin);
-            self.blocks = Some(blocks);
+        if let Some(blocks) = &mut self.blocks {
+            blocks.use_exact_hessian(&mut self.program, &self.terminal_slots, ocp, lin);
         }
         self.choose_objective_scale();
         for v in 0..self.program.variables() {
-            self.regularise(v);
+            self.regularize(v);
         }
         self.fill_bounds(ocp, trajectory);
         self.fill_constraints(ocp, k0, trajectory, 0..self.path.len(), 0..self.norm.len());
@@ -71,7 +71,7 @@ impl Assembly {
             let x = trajectory.x(steps);
             for (i, w) in rows.root.iter().enumerate() {
                 self.program.right[rows.row + 1 + i] =
-                    w.iter().zip(x).zip(&set.centre).map(|((w, x), c)| w * (x - c)).sum();
+                    w.iter().zip(x).zip(&set.center).map(|((w, x), c)| w * (x - c)).sum();
             }
         }
     }
@@ -82,7 +82,7 @@ impl Assembly {
         ocp: &mut Ocp,
         k0: usize,
         trajectory: &Trajectory,
-        lin: &Linearisation,
+        lin: &Linearization,
         proximal: f64,
     ) {
         let p = &mut self.program;
@@ -96,7 +96,7 @@ impl Assembly {
         }
         self.add_stage_cost(ocp, k0, 0, trajectory, lin);
         for j in 0..self.program.inputs {
-            self.regularise(self.program.input(0, j));
+            self.regularize(self.program.input(0, j));
         }
         self.fill_flow(trajectory, lin, 0..1);
         for i in 0..self.path.len() {
@@ -119,7 +119,7 @@ impl Assembly {
         k0: usize,
         trial: &Trajectory,
         ends: &[f64],
-        lin: &Linearisation,
+        lin: &Linearization,
         z: &[f64],
     ) {
         let n = self.program.states;
@@ -171,7 +171,7 @@ impl Assembly {
         }
     }
 
-    fn add_stage_cost(&mut self, ocp: &mut Ocp, k0: usize, k: usize, trajectory: &Trajectory, lin: &Linearisation) {
+    fn add_stage_cost(&mut self, ocp: &mut Ocp, k0: usize, k: usize, trajectory: &Trajectory, lin: &Linearization) {
         let w = self.program.states + self.program.inputs;
         let Some(mut cost) = ocp.stage.take() else {
             if let Some(blocks) = &mut self.blocks {
@@ -185,7 +185,7 @@ impl Assembly {
         let r = &ocp.reference(k0 + k)[..cost.references()];
         let t = (k0 + k) as f64 * ocp.dt;
         let (x, u) = (trajectory.x(k), trajectory.u(k));
-        cost.add_derivatives(x, u, t, r, ocp.dt, &mut self.gradient, &mut self.hessian);
+        cost.add_derivatives(CostPoint { x, u, t, r }, ocp.dt, &mut self.gradient, &mut self.hessian);
         for (v, g) in self.gradient.iter().enumerate() {
             if let Some(variable) = self.program.variable(k, v) {
                 self.program.gradient[variable] += g;
@@ -210,7 +210,8 @@ impl Assembly {
             self.hessian.resize(cost.hessian_pattern().len(), 0.0);
             let r = &ocp.reference(k0 + steps)[..cost.references()];
             let t = (k0 + steps) as f64 * ocp.dt;
-            cost.add_derivatives(trajectory.x(steps), &[], t, r, 1.0, &mut self.gradient[..n], &mut self.hessian);
+            let at = CostPoint { x: trajectory.x(steps), u: &[], t, r };
+            cost.add_derivatives(at, 1.0, &mut self.gradient[..n], &mut self.hessian);
             for i in 0..n {
                 let variable = self.program.state(steps, i);
                 self.program.gradient[variable] += self.gradient[i];
@@ -228,7 +229,7 @@ impl Assembly {
         }
     }
 
-    fn fill_flow(&mut self, trajectory: &Trajectory, lin: &Linearisation, intervals: std::ops::Range<usize>) {
+    fn fill_flow(&mut self, trajectory: &Trajectory, lin: &Linearization, intervals: std::ops::Range<usize>) {
         let p = &mut self.program;
         let (n, m) = (p.states, p.inputs);
         for k in intervals {
@@ -259,7 +260,7 @@ impl Assembly {
         }
     }
 
-    /// Linearises the path constraints and norm constraints of the given numbers.
+    /// Linearizes the path constraints and norm constraints of the given numbers.
     fn fill_constraints(
         &mut self,
         ocp: &mut Ocp,

@@ -1,5 +1,8 @@
 //! The quadratic program stage by stage, before anything is eliminated and in no solver's format.
 
+/// An entry that stands nowhere: x_0 does not change.
+pub(super) const NOWHERE: usize = usize::MAX;
+
 /// The quadratic program of one iteration.
 ///
 /// Variables are the changes dx_k (1 ≤ k ≤ N; dx_0 = 0) and du_k (0 ≤ k < N), and slacks s:

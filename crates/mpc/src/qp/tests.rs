@@ -1,9 +1,10 @@
 #![allow(clippy::unwrap_used)]
-use super::substitution::Substitution;
+use super::condensing::Condensing;
 use super::*;
-use crate::constraint::{NormConstraint, PathConstraint, TerminalSet, VectorFunction};
-use crate::cost::{CostFunction, CostKind};
-use crate::ocp::{Bounds, Softness, TerminalTarget};
+use crate::ocp::{
+    Bounds, CostFunction, CostKind, NormConstraint, PathConstraint, Softness, TerminalSet, TerminalTarget,
+    VectorFunction,
+};
 use ::clarabel::algebra::CscMatrix;
 use approx::assert_relative_eq;
 use bracketry_system::System;
@@ -63,15 +64,15 @@ fn everything() -> Ocp {
     ];
     ocp.terminal_set = Some(TerminalSet {
         matrix: vec![vec![2.0, 0.5, 0.0], vec![0.5, 1.0, 0.0], vec![0.0, 0.0, 0.0]],
-        centre: vec![0.1, 0.0, 5.0],
+        center: vec![0.1, 0.0, 5.0],
         level: 0.04,
         softness: SOFT,
     });
     ocp
 }
 
-/// A point and a stable linearisation at it, drawn at random within the flow's pattern.
-fn random_point(seed: u64) -> (Trajectory, Linearisation, Vec<bool>) {
+/// A point and a stable linearization at it, drawn at random within the flow's pattern.
+fn random_point(seed: u64) -> (Trajectory, Linearization, Vec<bool>) {
     let mut random = Random(seed);
     let x: Vec<Vec<f64>> = (0..=STEPS).map(|_| random.vector(3, 0.8)).collect();
     let u: Vec<Vec<f64>> = (0..STEPS).map(|_| random.vector(2, 0.5)).collect();
@@ -82,7 +83,7 @@ fn random_point(seed: u64) -> (Trajectory, Linearisation, Vec<bool>) {
         *v = 0.0 * i as f64;
     }
     let end = random.vector(STEPS * 3, 0.8);
-    (Trajectory::from_rows(&x, &u).unwrap(), Linearisation { end, jacobian, ..Linearisation::default() }, closure)
+    (Trajectory::from_rows(&x, &u).unwrap(), Linearization { end, jacobian, ..Linearization::default() }, closure)
 }
 
 fn settings(backend: Backend, tolerance: f64) -> QpSettings {
@@ -141,7 +142,7 @@ fn elimination_keeps_objective_and_constraints_of_every_step_that_obeys_the_dyna
             let mut assembly = Assembly::new(&ocp, STEPS, &closure, false);
             assembly.fill(&mut ocp, 2, &trajectory, &lin, 0.1, 1e4);
             let program = &assembly.program;
-            let (mut substitution, mut p, mut a) = Substitution::new(program, rule);
+            let (mut substitution, mut p, mut a) = Condensing::new(program, rule);
             substitution.load(program, &lin.jacobian);
             let (mut q, mut b) = (vec![0.0; p.n], vec![0.0; a.m]);
             substitution.gather(&mut p.nzval, &mut q, &mut a.nzval, &mut b);

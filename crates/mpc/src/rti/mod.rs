@@ -1,30 +1,29 @@
 //! Real-time iteration: one quadratic program per sample.
 //!
-//! Preparation, before the measurement: linearise along the shifted trajectory and fill the program. Feedback, after it:
-//! linearise the first interval at the measured state, solve, apply the first input. A sample without a solution gets the
+//! Preparation, before the measurement: linearize along the shifted trajectory and fill the program. Feedback, after it:
+//! linearize the first interval at the measured state, solve, apply the first input. A sample without a solution gets the
 //! input of the [`FailurePolicy`].
 
-mod ahead;
+mod advanced_step;
 mod settings;
-mod tangent;
+mod tangential_predictor;
 
 pub use settings::{Horizon, Preparation, RtiSettings};
 
+use crate::controller::{
+    Controller, Failures, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings, rest_input,
+};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
-use crate::faults::StepLimits;
 use crate::ocp::{Bounds, Ocp};
-use crate::policy::{Failures, rest_input};
 use crate::qp::{Qp, QpStatus};
-use crate::shooting::Linearisation;
-use crate::step::{FallbackReason, InputSource, Step, StepStatus, Timings};
 use crate::trajectory::Trajectory;
-use crate::transcription::Transcription;
+use crate::transcription::{Linearization, Transcription};
 use std::time::Instant;
-use tangent::{Tangent, first_hessian};
+use tangential_predictor::{Tangent, first_hessian};
 
 /// Violation of a hard bound, in units of its state's scale, above which a sample counts as infeasible. A trajectory that
-/// is linearised once per sample misses its bounds by a little.
+/// is linearized once per sample misses its bounds by a little.
 const HARD_TOLERANCE: f64 = 1e-3;
 /// Largest change, in units of state scales and input trusts, after which further iterations of a sample change nothing.
 const SETTLED: f64 = 1e-7;
@@ -36,7 +35,7 @@ pub struct Rti {
     problem: Transcription,
     settings: RtiSettings,
     qp: Qp,
-    lin: Linearisation,
+    lin: Linearization,
     trajectory: Trajectory,
     /// Trajectory at work in the feedback; a failed one leaves the plan as it is.
     work: Trajectory,
@@ -48,7 +47,7 @@ pub struct Rti {
     prepared: bool,
     /// Time taken by the preparation, s.
     prepare_seconds: f64,
-    /// The trajectory is no good to linearise along.
+    /// The trajectory is no good to linearize along.
     lost: bool,
     /// Gains and status of a program solved ahead.
     tangent: Option<(Tangent, StepStatus)>,
@@ -90,7 +89,7 @@ impl Rti {
             problem,
             settings,
             qp,
-            lin: Linearisation::default(),
+            lin: Linearization::default(),
             work: trajectory.clone(),
             trial: trajectory.clone(),
             trajectory,
@@ -223,7 +222,7 @@ impl Rti {
         }
         self.tangent = None;
         let ahead = match self.settings.preparation {
-            Preparation::Linearise => None,
+            Preparation::Linearize => None,
             Preparation::Ahead { programs } | Preparation::AheadTangential { programs } => {
                 self.solve_ahead(programs, start)?
             }
@@ -241,10 +240,10 @@ impl Rti {
         Ok(())
     }
 
-    /// Linearises along the trajectory and fills the program.
+    /// Linearizes along the trajectory and fills the program.
     fn fill(&mut self) {
         let (k0, steps) = (self.problem.k0, self.trajectory.steps());
-        self.problem.linearise(&self.trajectory, 0, steps, &mut self.lin);
+        self.problem.linearize(&self.trajectory, 0, steps, &mut self.lin);
         self.qp.assemble(&mut self.problem.ocp, k0, &self.trajectory, &self.lin, self.settings.proximal);
     }
 
@@ -266,7 +265,7 @@ impl Rti {
         self.prepare()?;
         self.prepared = false;
         let start = Instant::now();
-        let mut timings = Timings { linearise: self.prepare_seconds, ..Timings::default() };
+        let mut timings = Timings { linearize: self.prepare_seconds, ..Timings::default() };
         let mut source = InputSource::Program;
         let result = match FallbackReason::of_measurement(x) {
             Some(reason) => Err(reason),
@@ -292,7 +291,7 @@ impl Rti {
                 self.step.source = self.failures.decide(&self.trajectory, bounds, &mut self.step.u);
                 self.lost = match reason {
                     FallbackReason::LostSample | FallbackReason::Measurement => false,
-                    FallbackReason::Linearisation | FallbackReason::Cost | FallbackReason::Qp(QpStatus::Failed) => true,
+                    FallbackReason::Linearization | FallbackReason::Cost | FallbackReason::Qp(QpStatus::Failed) => true,
                     FallbackReason::TimeLimit | FallbackReason::Qp(_) => self.failures.in_a_row() >= PATIENCE,
                 };
             }
@@ -322,10 +321,10 @@ impl Rti {
                 break;
             }
             if iteration == 0 {
-                self.problem.linearise(&self.work, 0, 1, &mut self.lin);
+                self.problem.linearize(&self.work, 0, 1, &mut self.lin);
                 self.qp.update_first_interval(&mut self.problem.ocp, k0, &self.work, &self.lin);
             } else {
-                self.problem.linearise(&self.work, 0, self.work.steps(), &mut self.lin);
+                self.problem.linearize(&self.work, 0, self.work.steps(), &mut self.lin);
                 self.qp.assemble(&mut self.problem.ocp, k0, &self.work, &self.lin, lambda);
             }
             let ready = start.elapsed().as_secs_f64();
@@ -340,7 +339,7 @@ impl Rti {
             let solved = match status {
                 QpStatus::Solved | QpStatus::Relaxed => Ok(StepStatus::Solved),
                 QpStatus::Inaccurate => Ok(StepStatus::Inaccurate),
-                QpStatus::NotANumber => Err(FallbackReason::Linearisation),
+                QpStatus::NotANumber => Err(FallbackReason::Linearization),
                 QpStatus::Limit if now >= budget => Err(FallbackReason::TimeLimit),
                 s => Err(FallbackReason::Qp(s)),
             };
@@ -357,7 +356,7 @@ impl Rti {
             last = start.elapsed().as_secs_f64() - began;
         }
         let outcome = match outcome {
-            Ok(_) if !self.work.is_finite() => Err(FallbackReason::Linearisation),
+            Ok(_) if !self.work.is_finite() => Err(FallbackReason::Linearization),
             Ok(_) if !self.problem.ocp.cost(k0, &self.work).is_finite() => Err(FallbackReason::Cost),
             Ok(_) if self.problem.ocp.hard_violation(self.problem.k0, &self.work) > HARD_TOLERANCE => {
                 Ok(StepStatus::Infeasible)
@@ -441,5 +440,25 @@ impl Rti {
                 self.trajectory.x_mut(k).copy_from_slice(&self.failures.x);
             }
         }
+    }
+}
+
+impl Controller for Rti {
+    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+        let step = self.feedback(x)?.clone();
+        self.shift();
+        Ok(step)
+    }
+    fn ocp(&self) -> &Ocp {
+        Rti::ocp(self)
+    }
+    fn set_start(&mut self, k0: usize) {
+        Rti::set_start(self, k0);
+    }
+    fn limit_next_step(&mut self, limits: StepLimits) {
+        Rti::limit_next_step(self, limits);
+    }
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        Rti::set_parameters(self, parameters)
     }
 }

@@ -1,8 +1,8 @@
 //! Settings of the real-time iteration.
 
+use crate::controller::FailurePolicy;
 use crate::error::MpcError;
 use crate::ocp::Ocp;
-use crate::policy::FailurePolicy;
 use crate::qp::QpSettings;
 
 /// What happens to the horizon from sample to sample.
@@ -21,9 +21,9 @@ pub enum Horizon {
 /// What is done before the measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preparation {
-    /// Linearisation along the shifted trajectory.
-    Linearise,
-    /// The advanced step: programs for the state that the model predicts, then linearisation along their solution. The
+    /// Linearization along the shifted trajectory.
+    Linearize,
+    /// The advanced step: programs for the state that the model predicts, then linearization along their solution. The
     /// measurement is answered by one more program.
     Ahead {
         /// Number of programs, at least 1; fewer when they settle, or when the time limit comes first.
@@ -58,7 +58,7 @@ pub struct RtiSettings {
     /// Largest number of programs per sample, at least 1. Those after the first are solved only while the step still changes
     /// something and, under a time limit, while the time left is enough for one more like the last.
     pub iterations: usize,
-    /// Time of a sample, s, preparation included: what linearising leaves of it is the time limit of the program, and a
+    /// Time of a sample, s, preparation included: what linearizing leaves of it is the time limit of the program, and a
     /// sample without a solution by then falls to the failure policy.
     pub time_limit: f64,
     /// Settings of the quadratic programs.
@@ -70,7 +70,7 @@ impl Default for RtiSettings {
         Self {
             horizon: Horizon::Receding,
             smoothing: None,
-            preparation: Preparation::Linearise,
+            preparation: Preparation::Linearize,
             proximal: 0.0,
             guarded: false,
             rest_input: Vec::new(),

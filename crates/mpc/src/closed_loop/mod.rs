@@ -1,0 +1,15 @@
+//! Controller and plant together, with delay, noise, faults and counted outcomes.
+
+mod counts;
+mod delay_compensation;
+mod faults;
+mod plant;
+mod sampled_loop;
+
+pub use counts::{Counts, PhaseTimes, ReasonCounts, SolveTimes, SourceCounts};
+pub use delay_compensation::DelayCompensated;
+pub use faults::Fault;
+pub use plant::{Plant, RungeKuttaPlant};
+pub use sampled_loop::{
+    ClosedLoop, FaultFunction, LoopSettings, MeasurementFunction, NoiseFunction, Sample, SampledLoop, run_closed_loop,
+};

@@ -1,0 +1,10 @@
+//! What answers measured states with inputs, sample by sample.
+
+mod failure_policy;
+mod interface;
+mod step;
+
+pub use failure_policy::{Brake, FailurePolicy};
+pub(crate) use failure_policy::{Failures, rest_input};
+pub use interface::Controller;
+pub use step::{FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings};

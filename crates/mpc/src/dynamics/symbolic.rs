@@ -1,0 +1,222 @@
+//! Dynamics compiled from expressions.
+
+use super::field::Dynamics;
+use super::second_derivatives::{SecondDerivatives, WeightedHessian};
+use crate::error::MpcError;
+use bracketry_native::{Function, Workspace};
+use bracketry_symbolic::{Expr, Symbol, Tape};
+use bracketry_system::{SwitchKind, SwitchedForm, System};
+
+/// Dynamics compiled from expressions; `sign` is smoothed with a width that can be changed at any time.
+///
+/// ```
+/// use bracketry_mpc::{Dynamics, SymbolicDynamics};
+/// use bracketry_system::System;
+/// let block = System::parse("block.toml", r#"
+///     states = ["x", "v"]
+///     inputs = ["a"]
+///     dynamics = { x = "v", v = "a - sign(v)" }
+/// "#).unwrap();
+/// let mut dynamics = SymbolicDynamics::new(&block).unwrap();
+/// dynamics.set_smoothing(0.5);
+/// let mut dx = [0.0; 2];
+/// dynamics.field(0.0, &[0.0, 1.0], &[3.0], &mut dx);
+/// assert_eq!(dx, [1.0, 3.0 - 2f64.tanh()]);
+/// assert_eq!(dynamics.relaxation_rate(0.0, &[0.0, 1.0], &[3.0]), 1.0 / 0.5);
+/// ```
+#[derive(Clone)]
+pub struct SymbolicDynamics {
+    states: usize,
+    inputs: usize,
+    /// Places of the live parameters among the arguments.
+    live: Vec<usize>,
+    field: Function,
+    field_and_jacobian: Function,
+    rates: Function,
+    pattern: Vec<(usize, usize)>,
+    second: SecondDerivatives,
+    /// Compiled when it is first asked for.
+    hessian: Option<WeightedHessian>,
+    smoothed: bool,
+    width: f64,
+    arguments: Vec<f64>,
+    work: Workspace,
+    out: Vec<f64>,
+}
+
+impl SymbolicDynamics {
+    /// Compiles the dynamics of a system with smoothed signs, its parameters at their values.
+    ///
+    /// The smoothing width starts at 0.01 (in the unit of the sign's argument).
+    ///
+    /// # Errors
+    /// [`MpcError::InputDerivative`] if the equations use a derivative of an input.
+    pub fn new(system: &System) -> Result<Self, MpcError> {
+        Self::with_live_parameters(system, &[])
+    }
+
+    /// As [`SymbolicDynamics::new`]; [`Dynamics::set_parameters`] changes the named parameters, in this order.
+    ///
+    /// ```
+    /// use bracketry_mpc::{Dynamics, SymbolicDynamics};
+    /// use bracketry_system::System;
+    /// let system = System::parse("decay.toml", r#"
+    ///     states = ["x"]
+    ///     inputs = ["u"]
+    ///     parameters = { a = 2, b = 1 }
+    ///     dynamics = { x = "b*u - a*x" }
+    /// "#).unwrap();
+    /// let mut dynamics = SymbolicDynamics::with_live_parameters(&system, &["a"]).unwrap();
+    /// let mut dx = [0.0];
+    /// dynamics.field(0.0, &[1.0], &[0.0], &mut dx);
+    /// assert_eq!(dx, [-2.0]);
+    /// dynamics.set_parameters(&[5.0]);
+    /// dynamics.field(0.0, &[1.0], &[0.0], &mut dx);
+    /// assert_eq!(dx, [-5.0]);
+    /// ```
+    ///
+    /// # Errors
+    /// [`MpcError::NoSuchParameter`] for another name, [`MpcError::InputDerivative`] if the equations use a derivative of an
+    /// input.
+    pub fn with_live_parameters(system: &System, live: &[&str]) -> Result<Self, MpcError> {
+        if let Some(d) = system.input_derivatives.first() {
+            return Err(MpcError::InputDerivative { name: system.symbol_name(d.symbol).to_owned() });
+        }
+        let mut system = system.clone();
+        let form = system.set_valued_form();
+        let rates = relaxation_rates(&mut system, &form);
+        let width_symbol = system.pool.symbol("smoothing#width");
+        let width = system.pool.sym(width_symbol);
+        let signs = system.smooth_signs(&form, width);
+        let pool = &mut system.pool;
+        let f = pool.substitute_all(&form.dynamics, &signs);
+        let rates = pool.substitute_all(&rates, &signs);
+
+        let time = pool.symbol("t");
+        let parameters: Vec<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
+        let columns: Vec<Symbol> = system.states.iter().chain(&system.inputs).copied().collect();
+        let mut all = vec![time];
+        all.extend(columns.iter().chain(&parameters));
+        all.push(width_symbol);
+        let mut pattern = Vec::new();
+        let mut outputs = f.clone();
+        for (i, row) in pool.jacobian(&f, &columns).into_iter().enumerate() {
+            for (j, e) in row.into_iter().enumerate() {
+                if !pool.is_zero(e) {
+                    pattern.push((i, j));
+                    outputs.push(e);
+                }
+            }
+        }
+        let jacobian = pattern.iter().zip(&outputs[f.len()..]).map(|(&(i, j), &e)| (i, j, e)).collect();
+        let first = 1 + columns.len();
+        let place = |name: &&str| {
+            let at = system.parameters.iter().position(|p| pool.name(p.symbol) == *name);
+            at.map(|i| first + i).ok_or_else(|| MpcError::NoSuchParameter {
+                name: (*name).to_owned(),
+                known: system.parameters.iter().map(|p| pool.name(p.symbol).to_owned()).collect(),
+            })
+        };
+        let live = live.iter().map(place).collect::<Result<Vec<usize>, MpcError>>()?;
+        let mut arguments = vec![0.0; all.len()];
+        for (a, p) in arguments[first..].iter_mut().zip(&system.parameters) {
+            *a = p.value.to_f64().value();
+        }
+        let field_and_jacobian = Function::new(Tape::compile(pool, &all, &outputs)?);
+        Ok(Self {
+            states: system.states.len(),
+            inputs: system.inputs.len(),
+            live,
+            field: Function::new(Tape::compile(pool, &all, &f)?),
+            rates: Function::new(Tape::compile(pool, &all, &rates)?),
+            out: vec![0.0; field_and_jacobian.n_outputs()],
+            field_and_jacobian,
+            pattern,
+            smoothed: !form.switches.is_empty(),
+            second: SecondDerivatives::new(pool, all, columns, f.len(), jacobian),
+            hessian: None,
+            width: 0.01,
+            arguments,
+            work: Workspace::default(),
+        })
+    }
+
+    fn load(&mut self, t: f64, x: &[f64], u: &[f64]) {
+        let (n, m) = (self.states, self.inputs);
+        self.arguments[0] = t;
+        self.arguments[1..=n].copy_from_slice(x);
+        self.arguments[1 + n..1 + n + m].copy_from_slice(u);
+        let last = self.arguments.len() - 1;
+        self.arguments[last] = self.width;
+    }
+}
+
+impl Dynamics for SymbolicDynamics {
+    fn states(&self) -> usize {
+        self.states
+    }
+    fn inputs(&self) -> usize {
+        self.inputs
+    }
+    fn field(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) {
+        self.load(t, x, u);
+        self.field.call(&self.arguments, &mut self.work, dx);
+    }
+    fn jacobian_pattern(&self) -> &[(usize, usize)] {
+        &self.pattern
+    }
+    fn field_and_jacobian(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64], jacobian: &mut [f64]) {
+        self.load(t, x, u);
+        self.field_and_jacobian.call(&self.arguments, &mut self.work, &mut self.out);
+        dx.copy_from_slice(&self.out[..self.states]);
+        jacobian.copy_from_slice(&self.out[self.states..]);
+    }
+    fn second_derivatives(&mut self) -> Result<Vec<(usize, usize)>, MpcError> {
+        if self.hessian.is_none() {
+            self.hessian = Some(self.second.compile()?);
+        }
+        Ok(self.hessian.as_ref().map_or(Vec::new(), |h| h.pattern().to_vec()))
+    }
+    fn weighted_hessian(&mut self, t: f64, x: &[f64], u: &[f64], weights: &[f64], hessian: &mut [f64]) {
+        self.load(t, x, u);
+        match &mut self.hessian {
+            Some(h) => h.call(&self.arguments, weights, &mut self.work, hessian),
+            None => hessian.fill(f64::NAN),
+        }
+    }
+    fn parameters(&self) -> usize {
+        self.live.len()
+    }
+    fn set_parameters(&mut self, parameters: &[f64]) {
+        for (&place, &v) in self.live.iter().zip(parameters) {
+            self.arguments[place] = v;
+        }
+    }
+    fn is_smoothed(&self) -> bool {
+        self.smoothed
+    }
+    fn set_smoothing(&mut self, width: f64) {
+        self.width = width;
+    }
+    fn relaxation_rate(&mut self, t: f64, x: &[f64], u: &[f64]) -> f64 {
+        if self.rates.n_outputs() == 0 {
+            return 0.0;
+        }
+        self.load(t, x, u);
+        let mut rates = vec![0.0; self.rates.n_outputs()];
+        self.rates.call(&self.arguments, &mut self.work, &mut rates);
+        rates.iter().fold(0.0, |m: f64, r| m.max(r.abs())) / self.width
+    }
+}
+
+/// For every sign s of a function σ: the rate ∂σ̇/∂s that, divided by the smoothing width, is the speed at which the smoothed
+/// dynamics relax onto σ = 0 (for Coulomb friction: μg). It decides how small an explicit integration step must be.
+fn relaxation_rates(system: &mut System, form: &SwitchedForm) -> Vec<Expr> {
+    let mut rates = Vec::new();
+    for switch in form.switches.iter().filter(|s| s.kind == SwitchKind::Jump) {
+        let gains: Vec<Expr> = form.dynamics.iter().map(|&f| system.pool.diff(f, switch.sign)).collect();
+        let states = system.states.clone();
+        rates.push(system.pool.lie_derivative(switch.surface, &states, &gains));
+    }
+    rates
+}

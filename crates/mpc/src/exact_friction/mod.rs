@@ -1,0 +1,11 @@
+//! Dry friction as it is: the exact stick–slip flow with its derivative, and the controller that plans on it.
+
+mod controller;
+mod events;
+mod flow;
+#[cfg(test)]
+mod flow_tests;
+mod roll_out;
+mod switched_field;
+
+pub use controller::{StickSlipController, StickSlipSettings};

@@ -1,0 +1,50 @@
+//! Methods of integration.
+
+use crate::error::MpcError;
+
+/// The method that carries the state over an interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// The classical explicit Runge–Kutta method of order 4.
+    #[default]
+    Rk4,
+    /// Collocation at the Gauss–Legendre points: implicit, order 2·stages, A-stable, symplectic.
+    GaussLegendre {
+        /// Number of collocation points, 1 to 4.
+        stages: usize,
+    },
+    /// Collocation at the right Radau points: implicit, order 2·stages − 1, L-stable; for stiff dynamics.
+    RadauIIA {
+        /// Number of collocation points, 1 to 4 (1 is the implicit Euler method).
+        stages: usize,
+    },
+}
+
+impl Integrator {
+    /// Order of convergence.
+    pub fn order(self) -> usize {
+        match self {
+            Self::Rk4 => 4,
+            Self::GaussLegendre { stages } => 2 * stages,
+            Self::RadauIIA { stages } => 2 * stages - 1,
+        }
+    }
+
+    /// Whether a step solves equations, so that stiffness does not limit its length.
+    pub fn is_implicit(self) -> bool {
+        self != Self::Rk4
+    }
+
+    pub(crate) fn check(self) -> Result<(), MpcError> {
+        match self {
+            Self::GaussLegendre { stages } | Self::RadauIIA { stages } if !(1..=4).contains(&stages) => {
+                Err(MpcError::Value {
+                    what: "the number of stages of the integrator".into(),
+                    value: stages as f64,
+                    remedy: "give 1, 2, 3 or 4",
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+}

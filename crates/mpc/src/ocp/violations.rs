@@ -1,0 +1,132 @@
+//! Violations of path constraints, norm constraints and the terminal set along a trajectory.
+
+use super::bounds::{Violation, ordered, positive, soft_weights};
+use super::problem::Ocp;
+use crate::error::{MpcError, check_length};
+use crate::trajectory::Trajectory;
+
+impl Ocp {
+    /// Checks blocks, path constraints, norm constraints and the terminal set.
+    pub(crate) fn check_constraints(&self, states: usize, inputs: usize) -> Result<(), MpcError> {
+        for &length in &self.move_blocks {
+            positive("the length of a move block", length as f64)?;
+        }
+        let intervals: usize = self.move_blocks.iter().sum();
+        if !self.move_blocks.is_empty() && intervals < self.steps {
+            return Err(MpcError::Length {
+                what: "the sum of the move blocks",
+                found: intervals,
+                expected: self.steps,
+            });
+        }
+        for (index, c) in self.path_constraints.iter().enumerate() {
+            c.function.check("a path constraint's list of variables", states, inputs)?;
+            check_length("a path constraint's function", c.function.outputs(), 1)?;
+            ordered("path constraint", index, c.bounds.min, c.bounds.max)?;
+            soft_weights("a path constraint", c.bounds.softness)?;
+        }
+        for c in &self.norm_constraints {
+            c.vector.check("a norm constraint's list of variables", states, inputs)?;
+            c.limit.check("a norm constraint's list of variables", states, inputs)?;
+            check_length("a norm constraint's limit", c.limit.outputs(), 1)?;
+            positive("the number of components of a norm constraint", c.vector.outputs() as f64)?;
+            soft_weights("a norm constraint", c.softness)?;
+        }
+        self.terminal_set.as_ref().map_or(Ok(()), |s| s.check(states))
+    }
+
+    /// Largest number of references that a constraint asks for.
+    pub(crate) fn constraint_references(&self) -> usize {
+        let path = self.path_constraints.iter().map(|c| c.function.references());
+        let norm = self.norm_constraints.iter().map(|c| c.vector.references().max(c.limit.references()));
+        path.chain(norm).max().unwrap_or(0)
+    }
+
+    /// The first interval of the block that each interval belongs to. A horizon that has become shorter than the blocks has
+    /// lost its first intervals.
+    pub(crate) fn block_starts(&self, steps: usize) -> Vec<usize> {
+        if self.move_blocks.is_empty() {
+            return (0..steps).collect();
+        }
+        let lost = self.move_blocks.iter().sum::<usize>().saturating_sub(steps);
+        let mut starts = Vec::with_capacity(steps);
+        let mut begin = 0;
+        for &length in &self.move_blocks {
+            let first = begin.max(lost);
+            begin += length;
+            starts.extend((first..begin).map(|_| first - lost));
+        }
+        starts
+    }
+
+    /// Visits the violation of every path constraint, norm constraint and of the terminal set along a trajectory that starts
+    /// at grid point `k0` of the run.
+    fn visit_constraints(&mut self, k0: usize, z: &Trajectory, hard: f64, mut visit: impl FnMut(Violation)) {
+        let (steps, dt) = (z.steps(), self.dt);
+        let input = |k: usize| if k < steps { z.u(k) } else { &[] };
+        let mut path = std::mem::take(&mut self.path_constraints);
+        for c in &mut path {
+            for k in c.grid_points(steps) {
+                let t = (k0 + k) as f64 * dt;
+                let g = c.function.values(z.x(k), input(k), t, self.reference(k0 + k))[0];
+                visit(c.bounds.softness.judge(c.bounds.violation(g), dt, hard, 1.0));
+            }
+        }
+        self.path_constraints = path;
+        let mut norm = std::mem::take(&mut self.norm_constraints);
+        for c in &mut norm {
+            for k in c.grid_points(steps) {
+                let t = (k0 + k) as f64 * dt;
+                let r = self.reference(k0 + k);
+                let g = c.vector.values(z.x(k), input(k), t, r).iter().map(|v| v * v).sum::<f64>().sqrt();
+                let v = (g - c.limit.values(z.x(k), input(k), t, r)[0]).max(0.0);
+                visit(c.softness.judge(v, dt, hard, 1.0));
+            }
+        }
+        self.norm_constraints = norm;
+        if let Some(s) = &self.terminal_set {
+            visit(s.softness.judge(s.violation(z.x(steps)), 1.0, hard, s.level.sqrt()));
+        }
+    }
+
+    /// Largest violation of a path or norm constraint, soft or hard, along a run of states x and inputs u (one fewer), each in
+    /// its own unit; NaN when a constrained value is no number.
+    pub fn largest_constraint_violation(&mut self, x: &[Vec<f64>], u: &[Vec<f64>]) -> f64 {
+        let (steps, dt) = (u.len(), self.dt);
+        let input = |k: usize| u.get(k).map_or(&[][..], Vec::as_slice);
+        let mut values = vec![0.0];
+        let mut path = std::mem::take(&mut self.path_constraints);
+        for c in &mut path {
+            for k in c.grid_points(steps) {
+                let g = c.function.values(&x[k], input(k), k as f64 * dt, self.reference(k))[0];
+                values.push(if g.is_nan() { g } else { c.bounds.violation(g) });
+            }
+        }
+        self.path_constraints = path;
+        let mut norm = std::mem::take(&mut self.norm_constraints);
+        for c in &mut norm {
+            for k in c.grid_points(steps) {
+                let (t, r) = (k as f64 * dt, self.reference(k));
+                let g = c.vector.values(&x[k], input(k), t, r).iter().map(|v| v * v).sum::<f64>().sqrt();
+                values.push(g - c.limit.values(&x[k], input(k), t, r)[0]);
+            }
+        }
+        self.norm_constraints = norm;
+        // `f64::max` would drop a NaN.
+        values.into_iter().fold(0.0, |worst: f64, v| if worst.is_nan() || v.is_nan() { f64::NAN } else { worst.max(v) })
+    }
+
+    /// Cost of violated path and norm constraints and of leaving the terminal set; hard ones at `hard` per unit of scale.
+    pub(crate) fn constraint_penalty(&mut self, k0: usize, trajectory: &Trajectory, hard: f64) -> f64 {
+        let mut sum = 0.0;
+        self.visit_constraints(k0, trajectory, hard, |v| sum += v.cost);
+        sum
+    }
+
+    /// Largest violation of a hard path or norm constraint or terminal set, in units of its scale.
+    pub(crate) fn hard_constraint_violation(&mut self, k0: usize, trajectory: &Trajectory) -> f64 {
+        let mut worst = 0.0_f64;
+        self.visit_constraints(k0, trajectory, 0.0, |v| worst = worst.max(v.relative));
+        worst
+    }
+}

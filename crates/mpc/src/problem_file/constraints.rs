@@ -1,0 +1,268 @@
+//! Bounds and targets of a problem file.
+
+use super::reader::{Key, Located, Parsed, Reader, Variable};
+use crate::ocp::{
+    Bounds, CostKind, CostNames, NormConstraint, Ocp, PathConstraint, Softness, TerminalTarget, VectorFunction,
+};
+use crate::problem::ProblemError;
+use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
+use bracketry_system::{Table, Value};
+
+/// Stands for the default penalty until the level of the cost is known, see [`Reader::default_penalties`].
+const DEFAULT_SOFT: Softness = Softness::Soft { linear: f64::INFINITY, quadratic: f64::INFINITY };
+
+/// Expressions in their pool.
+#[derive(Clone)]
+struct Vector {
+    pool: Pool,
+    components: Vec<Expr>,
+    uses_states: bool,
+}
+
+impl Reader<'_> {
+    /// Bounds of the inputs that the model declares.
+    pub(super) fn ranges(&self, ocp: &mut Ocp) {
+        for range in &self.system.input_ranges {
+            if let Some(j) = self.system.inputs.iter().position(|&u| u == range.input) {
+                let end = |r: &Option<Rational>, free: f64| r.as_ref().map_or(free, |r| r.to_f64().value());
+                ocp.input_bounds[j] = (end(&range.min, f64::NEG_INFINITY), end(&range.max, f64::INFINITY));
+            }
+        }
+    }
+
+    /// Bounds on states and inputs, on expressions and on norms. `names` are the references.
+    pub(super) fn constraints(&self, table: &Table<'_>, names: &[String], ocp: &mut Ocp) -> Result<(), ProblemError> {
+        let Some(t) = self.doc.sub_table(table, "constraints")? else { return Ok(()) };
+        for (key, v) in t {
+            let name: &str = key.get_ref();
+            let Value::Table(b) = v.get_ref() else {
+                let remedy = format!("write {name} = {{ min = …, max = … }}");
+                return Err(self.doc.error(v.span(), format!("the bounds of `{name}` must be a table"), remedy).into());
+            };
+            self.doc.only_keys(b, &["min", "max", "soft", "hard", "expression", "norm"], "a constraint")?;
+            if let Some(e) = b.get("expression") {
+                let g = self.vector(&[(e, "expression")], names)?;
+                self.between(&g, key, b, names, ocp)?;
+            } else if let Some(e) = b.get("norm") {
+                self.norm(e, key, b, names, ocp)?;
+            } else {
+                self.bounds(key, v, b, names, ocp)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Bounds of a state or an input.
+    fn bounds(
+        &self,
+        key: &Key<'_>,
+        v: Located<'_, '_>,
+        b: &Table<'_>,
+        names: &[String],
+        ocp: &mut Ocp,
+    ) -> Result<(), ProblemError> {
+        let name: &str = key.get_ref();
+        let variable = self.variable(name, key.span())?;
+        if [b.get("min"), b.get("max")].into_iter().flatten().any(|end| self.varies(end, names)) {
+            let span = key.span();
+            let own = toml::Spanned::new(span, Value::String(name.to_owned().into()));
+            let g = self.vector(&[(&own, name)], names)?;
+            return self.between(&g, key, b, names, ocp);
+        }
+        // An end that is not named here stays that of the model's range.
+        let (low, high) = match variable {
+            Variable::State(_) => (f64::NEG_INFINITY, f64::INFINITY),
+            Variable::Input(j) => ocp.input_bounds[j],
+        };
+        let min = self.number(b, "min", Some(low))?.0;
+        let max = self.number(b, "max", Some(high))?.0;
+        if min > max {
+            let message = format!("`{name}` cannot be above {min} and below {max}");
+            return Err(self.doc.error(v.span(), message, "exchange min and max").into());
+        }
+        match variable {
+            Variable::State(i) => {
+                let softness = self.softness(name, b, false)?;
+                ocp.state_bounds[i] = Bounds { min, max, softness };
+            }
+            Variable::Input(j) => {
+                if let Some(s) = b.get("soft") {
+                    let remedy = "inputs can always be kept within their bounds: remove `soft`";
+                    return Err(self.doc.error(s.span(), "bounds on inputs are hard", remedy).into());
+                }
+                ocp.input_bounds[j] = (min, max);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an end of a constraint is an expression of more than parameters.
+    fn varies(&self, end: Located<'_, '_>, names: &[String]) -> bool {
+        self.constant(end, "bound").is_err() && self.vector(&[(end, "bound")], names).is_ok()
+    }
+
+    /// min ≤ g ≤ max, where an end may be an expression too.
+    fn between(
+        &self,
+        g: &Vector,
+        key: &Key<'_>,
+        b: &Table<'_>,
+        names: &[String],
+        ocp: &mut Ocp,
+    ) -> Result<(), ProblemError> {
+        let softness = self.softness(key.get_ref(), b, !g.uses_states)?;
+        let mut whole = Bounds { softness, ..Bounds::FREE };
+        for (side, sign) in [("min", -1.0), ("max", 1.0)] {
+            let Some(end) = b.get(side) else { continue };
+            if self.varies(end, names) {
+                let mut g = g.clone();
+                let (mut context, _) = CostNames::new(self.system, CostKind::Stage, names);
+                let e = self.doc.expression(end, side, &mut g.pool, &mut context)?;
+                let difference = g.pool.sub(g.components[0], e);
+                g.components = vec![difference];
+                let (min, max) = if sign > 0.0 { (f64::NEG_INFINITY, 0.0) } else { (0.0, f64::INFINITY) };
+                let function = self.compiled(g, names)?;
+                ocp.path_constraints.push(PathConstraint { function, bounds: Bounds { min, max, softness } });
+            } else {
+                let value = self.constant(end, side)?;
+                *(if sign > 0.0 { &mut whole.max } else { &mut whole.min }) = value;
+            }
+        }
+        if whole.min > whole.max {
+            let message = format!("`{}` cannot be above {} and below {}", key.get_ref(), whole.min, whole.max);
+            return Err(self.doc.error(key.span(), message, "exchange min and max").into());
+        }
+        if !whole.is_free() {
+            ocp.path_constraints.push(PathConstraint { function: self.compiled(g.clone(), names)?, bounds: whole });
+        } else if !b.contains_key("min") && !b.contains_key("max") {
+            let message = format!("`{}` has no bounds", key.get_ref());
+            return Err(self.doc.error(key.span(), message, "add min or max").into());
+        }
+        Ok(())
+    }
+
+    /// ‖(…)‖ ≤ max.
+    fn norm(
+        &self,
+        e: Located<'_, '_>,
+        key: &Key<'_>,
+        b: &Table<'_>,
+        names: &[String],
+        ocp: &mut Ocp,
+    ) -> Result<(), ProblemError> {
+        let remedy = "write norm = [\"u1\", \"u2\"], max = 5";
+        let Value::Array(list) = e.get_ref() else {
+            return Err(self.doc.error(e.span(), "`norm` must be a list of expressions", remedy).into());
+        };
+        let parts: Vec<(Located<'_, '_>, &str)> = list.iter().map(|c| (c, "norm")).collect();
+        if parts.is_empty() {
+            return Err(self.doc.error(e.span(), "`norm` is empty", remedy).into());
+        }
+        if let Some(min) = b.get("min") {
+            let remedy = "a norm is bounded from above: remove `min`";
+            return Err(self.doc.error(min.span(), "a norm has no lower bound here", remedy).into());
+        }
+        let Some(max) = b.get("max") else {
+            return Err(self.doc.error(key.span(), format!("`{}` has no `max`", key.get_ref()), remedy).into());
+        };
+        let (vector, limit) = (self.vector(&parts, names)?, self.vector(&[(max, "max")], names)?);
+        let softness = self.softness(key.get_ref(), b, !vector.uses_states && !limit.uses_states)?;
+        ocp.norm_constraints.push(NormConstraint {
+            vector: self.compiled(vector, names)?,
+            limit: self.compiled(limit, names)?,
+            softness,
+        });
+        Ok(())
+    }
+
+    /// Expressions of states, inputs, time and references.
+    fn vector(&self, parts: &[(Located<'_, '_>, &str)], names: &[String]) -> Parsed<Vector> {
+        let (mut context, mut pool) = CostNames::new(self.system, CostKind::Stage, names);
+        let mut components = Vec::new();
+        for (v, key) in parts {
+            components.push(self.doc.expression(v, key, &mut pool, &mut context)?);
+        }
+        let uses_states = self.system.states.iter().any(|&x| components.iter().any(|&e| pool.depends_on(e, x)));
+        Ok(Vector { pool, components, uses_states })
+    }
+
+    fn compiled(&self, mut g: Vector, names: &[String]) -> Result<VectorFunction, ProblemError> {
+        let time = g.pool.symbol("t");
+        let references: Vec<Symbol> = names.iter().map(|r| g.pool.symbol(r)).collect();
+        let (states, inputs) = (&self.system.states, &self.system.inputs);
+        Ok(VectorFunction::compile(&mut g.pool, time, states, inputs, &references, &g.components)?)
+    }
+
+    /// `soft`, `hard` or the default: constraints on inputs alone are hard, others soft.
+    fn softness(&self, name: &str, b: &Table<'_>, inputs_only: bool) -> Parsed<Softness> {
+        if self.boolean(b, "hard", inputs_only && !b.contains_key("soft"))? {
+            if let Some(soft) = b.get("soft") {
+                let message = format!("the bounds of `{name}` cannot be hard and soft");
+                return Err(self.doc.error(soft.span(), message, "remove `soft` or `hard`").into());
+            }
+            return Ok(Softness::Hard);
+        }
+        Ok(self.soft(b)?.map_or(DEFAULT_SOFT, |(linear, quadratic)| Softness::Soft { linear, quadratic }))
+    }
+
+    /// Weights of soft constraints for which the file gives none: a violation by the size of the constrained quantity at one
+    /// grid point costs what `level` says of the whole horizon, and as much again for its square. That keeps a bound that can
+    /// be kept.
+    pub(super) fn default_penalties(level: f64, ocp: &mut Ocp) {
+        let penalty = |softness: &mut Softness, size: f64| {
+            if *softness == DEFAULT_SOFT {
+                *softness = Softness::Soft { linear: level / size, quadratic: level / size / size };
+            }
+        };
+        for (b, &size) in ocp.state_bounds.iter_mut().zip(&ocp.state_scale) {
+            penalty(&mut b.softness, size);
+        }
+        for c in &mut ocp.path_constraints {
+            let ends = [c.bounds.min.abs(), c.bounds.max.abs()];
+            let size = ends.into_iter().filter(|e| e.is_finite()).fold(0.0, f64::max);
+            penalty(&mut c.bounds.softness, if size > 0.0 { size } else { 1.0 });
+        }
+        for c in &mut ocp.norm_constraints {
+            penalty(&mut c.softness, 1.0);
+        }
+    }
+
+    fn soft(&self, table: &Table<'_>) -> Parsed<Option<(f64, f64)>> {
+        let Some(v) = table.get("soft") else { return Ok(None) };
+        if let Value::Array(list) = v.get_ref() {
+            let mut weights = Vec::new();
+            for w in list {
+                weights.push(self.constant(w, "soft")?);
+            }
+            if let [linear, quadratic] = weights[..]
+                && linear >= 0.0
+                && quadratic >= 0.0
+            {
+                return Ok(Some((linear, quadratic)));
+            }
+        }
+        let remedy = "write soft = [linear weight, quadratic weight], neither negative";
+        Err(self.doc.error(v.span(), "`soft` must be two weights", remedy).into())
+    }
+
+    pub(super) fn targets(&self, table: &Table<'_>, ocp: &mut Ocp) -> Parsed<()> {
+        let Some(t) = self.doc.sub_table(table, "target")? else { return Ok(()) };
+        for (key, v) in t {
+            let name: &str = key.get_ref();
+            let state = self.state(name, key.span())?;
+            let target = if let Value::Table(entry) = v.get_ref() {
+                self.doc.only_keys(entry, &["value", "tolerance", "soft"], "a target")?;
+                let value = self.number(entry, "value", None)?.0;
+                let tolerance = self.positive(entry, "tolerance", Some(1e-2))?;
+                let weights = self.soft(entry)?.unwrap_or((1.0 / tolerance, 0.5 / tolerance / tolerance));
+                ocp.state_scale[state] = tolerance;
+                TerminalTarget { state, value, linear: weights.0, quadratic: weights.1 }
+            } else {
+                ocp.state_scale[state] = 1e-2;
+                TerminalTarget { state, value: self.constant(v, name)?, linear: 1e2, quadratic: 5e3 }
+            };
+            ocp.targets.push(target);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,159 @@
+//! Values of a problem file: numbers, names, expressions.
+
+use bracketry_symbolic::{Expr, Names, Pool, Tape};
+use bracketry_system::{Document, FileError, System, Table, Value};
+use std::ops::Range;
+
+pub(super) type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
+pub(super) type Key<'i> = toml::Spanned<std::borrow::Cow<'i, str>>;
+pub(super) type Parsed<T> = Result<T, Box<FileError>>;
+
+/// Numbers and `pi`, with the names of parameters and perhaps the time.
+struct Constants<'a> {
+    system: &'a System,
+    time: bool,
+}
+
+impl Names for Constants<'_> {
+    fn lookup(&mut self, pool: &mut Pool, name: &str) -> Option<Expr> {
+        if self.time && name == "t" {
+            return Some(pool.var("t"));
+        }
+        let p = self.system.parameters.iter().find(|p| self.system.symbol_name(p.symbol) == name)?;
+        Some(pool.rational(p.value.clone()))
+    }
+    fn known(&self) -> Vec<String> {
+        let mut known: Vec<String> =
+            self.system.parameters.iter().map(|p| self.system.symbol_name(p.symbol).to_owned()).collect();
+        known.extend(self.time.then(|| "t".to_owned()));
+        known
+    }
+}
+
+/// What a name in a table stands for.
+#[derive(Clone, Copy)]
+pub(super) enum Variable {
+    State(usize),
+    Input(usize),
+}
+
+pub(super) struct Reader<'a> {
+    pub(super) doc: &'a Document,
+    pub(super) system: &'a System,
+}
+
+impl Reader<'_> {
+    pub(super) fn required<'t, 'i>(&self, table: &'t Table<'i>, key: &str, remedy: &str) -> Parsed<&'t Table<'i>> {
+        let found = self.doc.sub_table(table, key)?;
+        Ok(found.ok_or_else(|| self.doc.missing(format!("[{key}] is missing"), format!("add {remedy}")))?)
+    }
+
+    pub(super) fn number(&self, table: &Table<'_>, key: &str, default: Option<f64>) -> Parsed<(f64, Range<usize>)> {
+        match (table.get(key), default) {
+            (Some(v), _) => Ok((self.constant(v, key)?, v.span())),
+            (None, Some(d)) => Ok((d, 0..0)),
+            (None, None) => Err(self.doc.missing(format!("`{key}` is missing"), format!("add `{key} = …`")).into()),
+        }
+    }
+
+    pub(super) fn positive(&self, table: &Table<'_>, key: &str, default: Option<f64>) -> Parsed<f64> {
+        let (v, span) = self.number(table, key, default)?;
+        if v > 0.0 {
+            Ok(v)
+        } else {
+            Err(self.doc.error(span, format!("`{key}` must be positive"), "give a positive number").into())
+        }
+    }
+
+    pub(super) fn not_negative(&self, table: &Table<'_>, key: &str, default: f64) -> Parsed<f64> {
+        let (v, span) = self.number(table, key, Some(default))?;
+        if v >= 0.0 {
+            Ok(v)
+        } else {
+            Err(self.doc.error(span, format!("`{key}` must not be negative"), "give 0 or more").into())
+        }
+    }
+
+    pub(super) fn count(&self, table: &Table<'_>, key: &str, default: Option<usize>) -> Parsed<usize> {
+        let (v, span) = self.number(table, key, default.map(|d| d as f64))?;
+        if (1.0..=1e6).contains(&v) && v.fract() == 0.0 {
+            Ok(v as usize)
+        } else {
+            let message = format!("`{key}` must be a whole number from 1 to 1000000");
+            Err(self.doc.error(span, message, "give a whole number").into())
+        }
+    }
+
+    /// A whole number from 0.
+    pub(super) fn whole(&self, table: &Table<'_>, key: &str, default: usize) -> Parsed<usize> {
+        let (v, span) = self.number(table, key, Some(default as f64))?;
+        if (0.0..=1e9).contains(&v) && v.fract() == 0.0 {
+            Ok(v as usize)
+        } else {
+            let message = format!("`{key}` must be a whole number from 0 to 1000000000");
+            Err(self.doc.error(span, message, "give a whole number").into())
+        }
+    }
+
+    pub(super) fn boolean(&self, table: &Table<'_>, key: &str, default: bool) -> Parsed<bool> {
+        match table.get(key) {
+            None => Ok(default),
+            Some(v) => match v.get_ref() {
+                Value::Boolean(b) => Ok(*b),
+                _ => Err(self.doc.error(v.span(), format!("`{key}` must be true or false"), "write it bare").into()),
+            },
+        }
+    }
+
+    /// A number, or an expression of parameters in quotes.
+    pub(super) fn constant(&self, v: Located<'_, '_>, key: &str) -> Parsed<f64> {
+        let value = self.over_time(v, key, false)?;
+        Ok(value(0.0))
+    }
+
+    /// An expression of parameters and perhaps the time, as a function.
+    pub(super) fn over_time(&self, v: Located<'_, '_>, key: &str, time: bool) -> Parsed<impl Fn(f64) -> f64 + use<>> {
+        let mut pool = Pool::new();
+        let e = self.doc.expression(v, key, &mut pool, &mut Constants { system: self.system, time })?;
+        let t = pool.symbol("t");
+        let tape = Tape::compile(&pool, &[t], &[e])
+            .map_err(|e| self.doc.error(v.span(), e.to_string(), "use numbers and parameters"))?;
+        let value = move |t: f64| {
+            let mut out = [0.0];
+            tape.eval(&[t], &mut Vec::new(), &mut out);
+            out[0]
+        };
+        if value(0.0).is_finite() {
+            Ok(value)
+        } else {
+            Err(self.doc.error(v.span(), format!("`{key}` is not a finite number"), "write a finite number").into())
+        }
+    }
+
+    pub(super) fn variable(&self, name: &str, span: Range<usize>) -> Parsed<Variable> {
+        if let Some(i) = self.system.state_index(name) {
+            return Ok(Variable::State(i));
+        }
+        if let Some(j) = self.system.input_index(name) {
+            return Ok(Variable::Input(j));
+        }
+        let mut known = self.system.state_names();
+        known.extend(self.system.input_names());
+        Err(self.unknown(name, span, "state or input", &known))
+    }
+
+    pub(super) fn state(&self, name: &str, span: Range<usize>) -> Parsed<usize> {
+        let found = self.system.state_index(name);
+        found.ok_or_else(|| self.unknown(name, span, "state", &self.system.state_names()))
+    }
+
+    pub(super) fn input(&self, name: &str, span: Range<usize>) -> Parsed<usize> {
+        let found = self.system.input_index(name);
+        found.ok_or_else(|| self.unknown(name, span, "input", &self.system.input_names()))
+    }
+
+    pub(super) fn unknown(&self, name: &str, span: Range<usize>, what: &str, known: &[String]) -> Box<FileError> {
+        let remedy = format!("the model has: {}", known.join(", "));
+        self.doc.error(span, format!("`{name}` is no {what} of the model"), remedy).into()
+    }
+}

@@ -1,0 +1,158 @@
+//! Sizes of states and inputs: those of a problem file, and what to expect where it gives none.
+
+use super::reader::{Parsed, Reader, Variable};
+use crate::closed_loop::{Plant, RungeKuttaPlant};
+use crate::dynamics::{Dynamics, SymbolicDynamics};
+use crate::ocp::{CostPoint, Ocp, Substeps};
+use crate::problem::ProblemError;
+use bracketry_system::Table;
+use nalgebra::{DMatrix, Schur};
+
+/// Product of step and fastest rate of the dynamics up to which a trial run takes one step.
+const RESOLVED: f64 = 1.0;
+/// The same for the problem itself: the Runge–Kutta method of order 4 is stable up to 2.78.
+const STABLE: f64 = 2.5;
+/// Most steps of an interval.
+const MOST_STEPS: f64 = 1e3;
+
+impl Reader<'_> {
+    /// Typical sizes: the largest of initial value, bounds and the model's point, and how far trial runs under constant
+    /// inputs (those of the guess, then each at its bounds) take a state within one interval, or, up to 1, within the horizon.
+    ///
+    /// Where the file does not say how many integration steps an interval gets, there are enough for a stable method.
+    ///
+    /// Returns the level of the cost: what the horizon costs along the trial runs, per unit of time step.
+    pub(super) fn expected_sizes(&self, x0: &[f64], guess: &[Vec<f64>], ocp: &mut Ocp) -> Result<f64, ProblemError> {
+        let (n, m) = (ocp.states(), ocp.inputs());
+        let point = self.system.point_values();
+        let finite = |values: &[f64]| values.iter().filter(|v| v.is_finite()).fold(0.0, |s: f64, v| s.max(v.abs()));
+        for j in 0..m {
+            let (min, max) = ocp.input_bounds[j];
+            let half = (max - min) / 2.0;
+            if half.is_finite() && half > 0.0 {
+                ocp.input_trust[j] = half;
+            } else {
+                let guessed = guess.iter().fold(0.0, |s: f64, u| s.max(u[j].abs()));
+                let known = finite(&[min, max]).max(guessed).max(point.as_ref().map_or(0.0, |p| p.1[j].abs()));
+                ocp.input_trust[j] = if known > 0.0 { known } else { 1.0 };
+            }
+        }
+        let mut sizes: Vec<f64> = (0..n)
+            .map(|i| {
+                let b = ocp.state_bounds[i];
+                finite(&[b.min, b.max, x0[i], point.as_ref().map_or(0.0, |p| p.0[i])])
+            })
+            .collect();
+        let mut dynamics = SymbolicDynamics::new(self.system)?;
+        let mut rates = dynamics.clone();
+        if !dynamics.is_smoothed() {
+            let mut rate = fastest_rate(&mut rates, 0.0, x0, &guess[0]);
+            if let Some((x, u)) = &point {
+                rate = rate.max(fastest_rate(&mut rates, 0.0, x, u));
+            }
+            ocp.substeps = match ocp.substeps {
+                Substeps::AtLeast(s) => Substeps::AtLeast(s.max(steps_for(ocp.dt * rate / STABLE))),
+                fixed @ Substeps::Fixed(_) => fixed,
+            };
+        }
+        dynamics.set_smoothing(sizes.iter().fold(1e-2, |w: f64, s| w.max(0.1 * s)));
+        let steps = steps_for(ocp.dt * fastest_rate(&mut dynamics, 0.0, x0, &guess[0]) / RESOLVED);
+        let mut plant = RungeKuttaPlant::new(Box::new(dynamics), steps);
+        let mut trials = vec![guess.to_vec()];
+        for (j, b) in ocp.input_bounds.iter().enumerate() {
+            for end in [b.0, b.1].into_iter().filter(|end| end.is_finite()) {
+                let mut u = guess[0].clone();
+                u[j] = end;
+                trials.push(vec![u; guess.len()]);
+            }
+        }
+        for inputs in trials {
+            let mut x = x0.to_vec();
+            for (k, u) in inputs.iter().enumerate() {
+                let before = x.clone();
+                if plant.step(k as f64 * ocp.dt, &mut x, u, ocp.dt).is_err() || x.iter().any(|v| !v.is_finite()) {
+                    break;
+                }
+                for i in 0..n {
+                    let near = if k == 0 { (x[i] - before[i]).abs() } else { 0.0 };
+                    sizes[i] = sizes[i].max(near).max(x[i].abs().min(1.0));
+                }
+            }
+        }
+        for (scale, size) in ocp.state_scale.iter_mut().zip(sizes) {
+            *scale = if size > 0.0 { size } else { 1.0 };
+        }
+        Ok(cost_level(ocp, x0, &guess[0]))
+    }
+
+    /// The tables `[scale]` and `[trust]`.
+    pub(super) fn scales(&self, table: &Table<'_>, ocp: &mut Ocp) -> Parsed<()> {
+        if let Some(t) = self.doc.sub_table(table, "scale")? {
+            for key in t.keys() {
+                let i = self.state(key.get_ref(), key.span())?;
+                ocp.state_scale[i] = self.positive(t, key.get_ref(), None)?;
+            }
+        }
+        if let Some(t) = self.doc.sub_table(table, "trust")? {
+            for key in t.keys() {
+                let value = self.positive(t, key.get_ref(), None)?;
+                match self.variable(key.get_ref(), key.span())? {
+                    Variable::State(i) => ocp.state_trust[i] = value,
+                    Variable::Input(j) => ocp.input_trust[j] = value,
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// N times the size of the stage cost, with the end of the horizon spread over it: the value at the start, and what moving
+/// every state and input by its size changes to second order.
+fn cost_level(ocp: &mut Ocp, x0: &[f64], u0: &[f64]) -> f64 {
+    let (n, steps, dt) = (ocp.states(), ocp.steps as f64, ocp.dt);
+    let sizes: Vec<f64> = ocp.state_scale.iter().chain(&ocp.input_trust).copied().collect();
+    let r = ocp.reference(0).to_vec();
+    let mut level = 0.0;
+    for (cost, u, factor) in [(&mut ocp.stage, u0, steps), (&mut ocp.terminal, &[][..], 1.0 / dt)] {
+        let Some(cost) = cost else { continue };
+        let mut gradient = vec![0.0; n + u.len()];
+        let mut hessian = vec![0.0; cost.hessian_pattern().len()];
+        let r = &r[..cost.references()];
+        cost.add_derivatives(CostPoint { x: x0, u, t: 0.0, r }, 1.0, &mut gradient, &mut hessian);
+        let mut size = cost.value(x0, u, 0.0, r).abs();
+        size += gradient.iter().zip(&sizes).map(|(g, s)| (g * s).abs()).sum::<f64>();
+        for (&(i, j), h) in cost.hessian_pattern().iter().zip(&hessian) {
+            if i == j {
+                size += 0.5 * h * sizes[i] * sizes[i];
+            }
+        }
+        level += factor * size;
+    }
+    for t in &ocp.targets {
+        level += t.linear * (x0[t.state] - t.value).abs() / dt;
+    }
+    if level.is_finite() && level > 0.0 { level } else { 1e3 }
+}
+
+fn steps_for(steps: f64) -> usize {
+    steps.ceil().clamp(1.0, MOST_STEPS) as usize
+}
+
+/// Largest modulus of the eigenvalues of ∂f/∂x; 0 where they are not to be had.
+fn fastest_rate(dynamics: &mut SymbolicDynamics, t: f64, x: &[f64], u: &[f64]) -> f64 {
+    let n = dynamics.states();
+    let pattern = dynamics.jacobian_pattern().to_vec();
+    let (mut dx, mut entries) = (vec![0.0; n], vec![0.0; pattern.len()]);
+    dynamics.field_and_jacobian(t, x, u, &mut dx, &mut entries);
+    let mut jacobian = DMatrix::zeros(n, n);
+    for (&(i, j), &v) in pattern.iter().zip(&entries) {
+        if j < n {
+            jacobian[(i, j)] = v;
+        }
+    }
+    if entries.iter().any(|v| !v.is_finite()) {
+        return 0.0;
+    }
+    let schur = Schur::try_new(jacobian, f64::EPSILON, 100 * n.max(1));
+    schur.map_or(0.0, |s| s.complex_eigenvalues().iter().fold(0.0, |r: f64, l| r.max(l.norm())))
+}

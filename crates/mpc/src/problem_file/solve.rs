@@ -1,0 +1,235 @@
+//! How a problem file wants to be solved.
+
+use super::reader::{Parsed, Reader};
+use crate::controller::{Brake, FailurePolicy};
+use crate::problem::{Convergence, Feedback, Method};
+use crate::qp::{Backend, QpSettings};
+use crate::sqp::Hessian;
+use bracketry_system::{Table, Value};
+
+const KEYS: [&str; 18] = [
+    "method",
+    "initial_iterations",
+    "iterations",
+    "max_iterations",
+    "tolerance",
+    "hessian",
+    "qp_tolerance",
+    "backend",
+    "block",
+    "smoothing",
+    "margin",
+    "proximal",
+    "guarded",
+    "time_limit",
+    "policy",
+    "brake",
+    "brake_after",
+    "rest",
+];
+
+/// What the table `[solve]` says.
+pub(super) struct Solve {
+    pub(super) method: Method,
+    pub(super) qp: QpSettings,
+    pub(super) smoothing: Vec<f64>,
+    pub(super) policy: FailurePolicy,
+    pub(super) rest_input: Vec<f64>,
+}
+
+/// Names of the methods.
+#[derive(Clone, Copy, PartialEq)]
+enum Name {
+    Rti,
+    Sqp,
+    Plan,
+    StickSlip,
+}
+
+impl Reader<'_> {
+    /// The table `[solve]`. Every key is checked, also where the method does not use it.
+    pub(super) fn solve(&self, solve: &Table<'_>, hard_weight: f64, input_bounds: &[(f64, f64)]) -> Parsed<Solve> {
+        self.doc.only_keys(solve, &KEYS, "[solve]")?;
+        let name = self.method(solve)?;
+        let planned = name == Name::Plan;
+        let initial_iterations = self.count(solve, "initial_iterations", Some(1))?;
+        let mut feedback = Feedback { iterations: self.count(solve, "iterations", Some(1))?, ..Feedback::default() };
+        let convergence = Convergence {
+            max_iterations: self.count(solve, "max_iterations", Some(100))?,
+            tolerance: self.positive(solve, "tolerance", Some(if planned { 1e-2 } else { 1e-8 }))?,
+            defect_tolerance: if planned { 1e-3 } else { 1e-6 },
+            hessian: self.hessian(solve, name)?,
+        };
+        let tolerance = self.positive(solve, "qp_tolerance", Some(1e-8))?;
+        let smoothing = self.smoothing(solve, name)?;
+        let margin = self.not_negative(solve, "margin", if planned { 0.05 } else { 0.0 })?;
+        feedback.proximal = self.not_negative(solve, "proximal", if planned { 0.5 } else { 0.0 })?;
+        feedback.guarded = self.boolean(solve, "guarded", planned)?;
+        let backend = self.backend(solve)?;
+        feedback.time_limit = self.positive(solve, "time_limit", Some(f64::INFINITY))?;
+        if let Some(v) = solve.get("time_limit").filter(|_| matches!(name, Name::Sqp | Name::StickSlip)) {
+            let message = "`time_limit` is one of the methods \"rti\" and \"plan\"";
+            return Err(self.doc.error(v.span(), message, "lower max_iterations instead, or change the method").into());
+        }
+        Ok(Solve {
+            method: match name {
+                Name::Rti => Method::Rti { initial_iterations, feedback },
+                Name::Sqp => Method::Sqp { convergence, first: feedback },
+                Name::Plan => Method::Plan { convergence, margin, feedback },
+                Name::StickSlip => {
+                    Method::StickSlip { iterations: feedback.iterations.max(convergence.max_iterations) }
+                }
+            },
+            qp: QpSettings { backend, tolerance, hard_weight, ..QpSettings::default() },
+            smoothing,
+            rest_input: self.rest(solve, input_bounds)?,
+            policy: self.policy(solve)?,
+        })
+    }
+
+    /// The input of rest; empty where the file has none.
+    fn rest(&self, solve: &Table<'_>, input_bounds: &[(f64, f64)]) -> Parsed<Vec<f64>> {
+        let Some(t) = self.doc.sub_table(solve, "rest")? else { return Ok(Vec::new()) };
+        let mut rest: Vec<f64> = input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
+        for (key, v) in t {
+            let j = self.input(key.get_ref(), key.span())?;
+            let value = self.constant(v, key.get_ref())?;
+            let (min, max) = input_bounds[j];
+            if !(min..=max).contains(&value) {
+                let message = format!("`{}` at rest is outside of its bounds", key.get_ref());
+                return Err(self.doc.error(v.span(), message, format!("choose from {min} to {max}")).into());
+            }
+            rest[j] = value;
+        }
+        Ok(rest)
+    }
+
+    fn method(&self, solve: &Table<'_>) -> Parsed<Name> {
+        match (self.doc.string(solve, "method")?.as_deref(), solve.get("method")) {
+            (None | Some("rti"), _) | (_, None) => Ok(Name::Rti),
+            (Some("sqp"), _) => Ok(Name::Sqp),
+            (Some("plan"), _) => Ok(Name::Plan),
+            (Some("stick-slip"), _) => Ok(Name::StickSlip),
+            (Some(other), Some(v)) => {
+                let message = format!("there is no method `{other}`");
+                let remedy = "write \"rti\", \"sqp\", \"plan\" or \"stick-slip\"";
+                Err(self.doc.error(v.span(), message, remedy).into())
+            }
+        }
+    }
+
+    /// The second derivatives of the programs of a converged solution.
+    fn hessian(&self, solve: &Table<'_>, method: Name) -> Parsed<Hessian> {
+        match (self.doc.string(solve, "hessian")?.as_deref(), solve.get("hessian")) {
+            (None | Some("gauss-newton"), _) | (_, None) => Ok(Hessian::GaussNewton),
+            (Some("exact"), _) if matches!(method, Name::Sqp | Name::Plan) => Ok(Hessian::Exact),
+            (Some("exact"), Some(v)) => {
+                let message = "this method does not use the exact Hessian";
+                Err(self.doc.error(v.span(), message, "write method = \"sqp\" or \"plan\", or remove it").into())
+            }
+            (Some(other), Some(v)) => {
+                let message = format!("there is no Hessian `{other}`");
+                Err(self.doc.error(v.span(), message, "write \"gauss-newton\" or \"exact\"").into())
+            }
+        }
+    }
+
+    /// The form in which the quadratic programs are solved.
+    fn backend(&self, solve: &Table<'_>) -> Parsed<Backend> {
+        let name = self.doc.string(solve, "backend")?;
+        let condensed = name.as_deref() == Some("condensed");
+        if let Some(v) = solve.get("block").filter(|_| !condensed) {
+            return Err(self.doc.error(v.span(), "`block` is one of condensing", "add backend = \"condensed\"").into());
+        }
+        match (name.as_deref(), solve.get("backend")) {
+            (None | Some("automatic"), _) | (_, None) => Ok(Backend::Automatic),
+            (Some("sparse"), _) => Ok(Backend::Sparse),
+            (Some("condensed"), _) => Ok(Backend::Condensed { block: self.count(solve, "block", Some(1_000_000))? }),
+            (Some(other), Some(v)) => {
+                let message = format!("there is no backend `{other}`");
+                Err(self.doc.error(v.span(), message, "write \"automatic\", \"sparse\" or \"condensed\"").into())
+            }
+        }
+    }
+
+    /// What is applied when a sample has no solution.
+    fn policy(&self, solve: &Table<'_>) -> Parsed<FailurePolicy> {
+        let name = self.doc.string(solve, "policy")?;
+        let brakes = self.doc.sub_table(solve, "brake")?;
+        let policy = match (name.as_deref(), solve.get("policy")) {
+            (None, _) | (_, None) if brakes.is_none() => FailurePolicy::ShiftedInput,
+            (Some("shift"), _) => FailurePolicy::ShiftedInput,
+            (Some("rest"), _) => FailurePolicy::RestInput,
+            (Some("brake") | None, _) | (_, None) => {
+                let after = self.whole(solve, "brake_after", 0)?;
+                let brakes = self.brakes(brakes, solve)?;
+                FailurePolicy::BrakeToRest { after, brakes }
+            }
+            (Some(other), Some(v)) => {
+                let message = format!("there is no policy `{other}`");
+                return Err(self.doc.error(v.span(), message, "write \"shift\", \"brake\" or \"rest\"").into());
+            }
+        };
+        let brakes_are_used = matches!(policy, FailurePolicy::BrakeToRest { .. });
+        for key in ["brake", "brake_after"] {
+            if let Some(v) = solve.get(key).filter(|_| !brakes_are_used) {
+                let message = format!("`{key}` is not used by this policy");
+                return Err(self.doc.error(v.span(), message, "write policy = \"brake\", or remove it").into());
+            }
+        }
+        Ok(policy)
+    }
+
+    fn brakes(&self, brakes: Option<&Table<'_>>, solve: &Table<'_>) -> Parsed<Vec<Brake>> {
+        let remedy = "write brake = { u = { velocity = \"v\", rate = 10 } }: u = rest - rate*v";
+        let Some(t) = brakes else {
+            let span = solve.get("policy").map_or(0..0, toml::Spanned::span);
+            return Err(self.doc.error(span, "nothing says how to brake", remedy).into());
+        };
+        let mut list = Vec::new();
+        for (key, v) in t {
+            let input = self.input(key.get_ref(), key.span())?;
+            let Value::Table(entry) = v.get_ref() else {
+                return Err(self.doc.error(v.span(), "a brake must be a table", remedy).into());
+            };
+            self.doc.only_keys(entry, &["velocity", "rate"], "a brake")?;
+            let (Some(name), Some(place)) = (self.doc.string(entry, "velocity")?, entry.get("velocity")) else {
+                return Err(self.doc.error(v.span(), "the brake names no velocity", remedy).into());
+            };
+            let velocity = self.state(&name, place.span())?;
+            if !entry.contains_key("rate") {
+                return Err(self.doc.error(v.span(), "the brake has no rate", remedy).into());
+            }
+            list.push(Brake { input, velocity, rate: self.not_negative(entry, "rate", 0.0)? });
+        }
+        Ok(list)
+    }
+
+    fn smoothing(&self, solve: &Table<'_>, method: Name) -> Parsed<Vec<f64>> {
+        let Some(v) = solve.get("smoothing") else {
+            return Ok(match method {
+                Name::Plan => vec![0.1, 0.03, 0.01, 0.003],
+                Name::StickSlip => vec![0.1, 0.01],
+                Name::Rti | Name::Sqp => vec![0.01],
+            });
+        };
+        let mut widths = Vec::new();
+        match v.get_ref() {
+            Value::Array(list) => {
+                for w in list {
+                    widths.push(self.constant(w, "smoothing")?);
+                }
+            }
+            _ => widths.push(self.constant(v, "smoothing")?),
+        }
+        if widths.is_empty() || widths.iter().any(|w| *w <= 0.0) {
+            let remedy = "give a positive width, or a list of them from wide to narrow";
+            return Err(self.doc.error(v.span(), "`smoothing` must be positive", remedy).into());
+        }
+        if widths.windows(2).any(|w| w[1] >= w[0]) {
+            let remedy = "order the widths from wide to narrow, each once: the loop uses the last";
+            return Err(self.doc.error(v.span(), "`smoothing` does not decrease", remedy).into());
+        }
+        Ok(widths)
+    }
+}

@@ -1,0 +1,485 @@
+//! Exact elimination of variables from the stage program.
+//!
+//! An eliminated variable q = Σ a_p p + c is replaced wherever it occurs:
+//!
+//! ```text
+//! ½ H_qq q² + q Σ_r H_qr r + g_q q    and    Σ_rows R_q q
+//! ```
+//!
+//! Which products have to be added where depends on the structure alone, so it is worked out once, as a list of operations
+//! `work[to] += work[from]·coefficient[by]`, and replayed with every new set of numbers. Going from the end of the horizon to
+//! its start this is the backward recursion of condensing, with O(N²) operations (J. Frison, J. B. Jørgensen, "A fast
+//! condensing method for solution of linear-quadratic control problems", CDC 2013), and it serves partial condensing (D.
+//! Axehill, "Controlling the level of sparsity in MPC", Systems & Control Letters 76, 2015) and single states just as well.
+
+use super::program::StageProgram;
+use super::sparsity::Pattern;
+use clarabel::algebra::CscMatrix;
+use std::collections::BTreeMap;
+
+/// work[to] += work[from]·coefficient[by].
+#[derive(Clone, Copy)]
+struct Product {
+    to: u32,
+    from: u32,
+    by: u32,
+}
+
+/// Where a coefficient comes from.
+#[derive(Clone, Copy)]
+enum Coefficient {
+    Flow(usize),
+    Defect(usize),
+    NegativeDefect(usize),
+    Offset(usize),
+    NegativeOffset(usize),
+    One,
+}
+
+/// An eliminated variable with what is needed to find its value and its multiplier again.
+struct Eliminated {
+    variable: usize,
+    /// Variables it depends on, with their coefficients.
+    parents: Vec<(usize, u32)>,
+    constant: u32,
+    /// Row of the multipliers, for a state.
+    multiplier: Option<usize>,
+    /// Its row of the Hessian and its column of the constraints, when it was eliminated: (slot, variable), (slot, row).
+    curvature: Vec<(u32, usize)>,
+    rows: Vec<(u32, usize)>,
+    gradient: u32,
+}
+
+/// A slot of the work that is filled from an entry of the program.
+#[derive(Clone, Copy)]
+enum Source {
+    Hessian(usize),
+    Gradient(usize),
+    Row(usize),
+    Right(usize),
+}
+
+/// The elimination as a list of operations.
+pub(super) struct Condensing {
+    work: Vec<f64>,
+    /// The work before the numbers of the first interval come in.
+    saved: Vec<f64>,
+    coefficients: Vec<f64>,
+    coefficient_sources: Vec<Coefficient>,
+    /// Coefficients of the first interval.
+    first_coefficients: Vec<usize>,
+    /// Operations that do not touch numbers of the first interval, and those that do.
+    early: Vec<Product>,
+    late: Vec<Product>,
+    /// Slots of the first interval.
+    first_loads: Vec<(usize, Source)>,
+    /// Entries −A, −B of the dynamics that stay: slot, place in the flow; those of the first interval come first.
+    flow_loads: Vec<(usize, usize)>,
+    first_flow_loads: usize,
+    /// Entries 1 of the dynamics that stay.
+    ones: Vec<usize>,
+    eliminated: Vec<Eliminated>,
+    sections: Sections,
+    /// Variables that stay, rows of the dynamics that stay: (interval, state).
+    kept: Vec<usize>,
+    dynamics: Vec<(usize, usize)>,
+    gather_p: Gather,
+    gather_a: Gather,
+    gather_q: Gather,
+    gather_b: Gather,
+    /// Sizes of the objective, and of the variables and rows that stay.
+    objective_scale: f64,
+    scale: Vec<f64>,
+    row_scale: Vec<f64>,
+}
+
+/// Slots of values that a solver wants, with the factors that scale them.
+type Gather = Vec<(u32, f64)>;
+
+/// Begin of the parts of the work.
+#[derive(Clone, Copy)]
+struct Sections {
+    gradient: usize,
+    rows: usize,
+    right: usize,
+    dynamics_right: usize,
+}
+
+/// Structure while variables are being eliminated.
+struct Builder {
+    slots: usize,
+    /// Slots of the Hessian: for every variable its neighbors.
+    hessian: Vec<BTreeMap<usize, u32>>,
+    /// Slots of the constraints: for every variable its rows.
+    columns: Vec<BTreeMap<usize, u32>>,
+    gradient: Vec<u32>,
+    right: Vec<u32>,
+    products: Vec<Product>,
+    sources: Vec<Coefficient>,
+}
+
+impl Builder {
+    fn slot(&mut self) -> u32 {
+        self.slots += 1;
+        self.slots as u32 - 1
+    }
+
+    fn coefficient(&mut self, source: Coefficient) -> u32 {
+        self.sources.push(source);
+        self.sources.len() as u32 - 1
+    }
+
+    fn hessian(&mut self, i: usize, j: usize) -> u32 {
+        if let Some(&s) = self.hessian[i].get(&j) {
+            return s;
+        }
+        let s = self.slot();
+        self.hessian[i].insert(j, s);
+        self.hessian[j].insert(i, s);
+        s
+    }
+
+    fn constraint(&mut self, row: usize, variable: usize) -> u32 {
+        if let Some(&s) = self.columns[variable].get(&row) {
+            return s;
+        }
+        let s = self.slot();
+        self.columns[variable].insert(row, s);
+        s
+    }
+
+    fn product(&mut self, to: u32, from: u32, by: u32) {
+        self.products.push(Product { to, from, by });
+    }
+
+    /// Replaces variable q = Σ a_p p + c; `constant` and `negative` are the coefficients c and −c.
+    fn eliminate(
+        &mut self,
+        q: usize,
+        parents: Vec<(usize, u32)>,
+        constant: u32,
+        negative: u32,
+        multiplier: Option<usize>,
+    ) -> Eliminated {
+        let neighbors = std::mem::take(&mut self.hessian[q]);
+        let own = neighbors.get(&q).copied();
+        let gradient = self.gradient[q];
+        for (&r, &s) in neighbors.iter().filter(|(r, _)| **r != q) {
+            self.hessian[r].remove(&q);
+            self.product(self.gradient[r], s, constant);
+            for &(p, a) in &parents {
+                let to = self.hessian(p, r);
+                self.product(to, s, a);
+                if p == r {
+                    self.product(to, s, a);
+                }
+            }
+        }
+        if let Some(s) = own {
+            for (i, &(p, a)) in parents.iter().enumerate() {
+                let scaled = self.slot();
+                self.product(scaled, s, a);
+                self.product(self.gradient[p], scaled, constant);
+                for &(r, b) in &parents[i..] {
+                    let to = self.hessian(p, r);
+                    self.product(to, scaled, b);
+                }
+            }
+        }
+        for &(p, a) in &parents {
+            self.product(self.gradient[p], gradient, a);
+        }
+        let rows = std::mem::take(&mut self.columns[q]);
+        for (&row, &s) in &rows {
+            self.product(self.right[row], s, negative);
+            for &(p, a) in &parents {
+                let to = self.constraint(row, p);
+                self.product(to, s, a);
+            }
+        }
+        Eliminated {
+            variable: q,
+            parents,
+            constant,
+            multiplier,
+            curvature: neighbors.into_iter().map(|(r, s)| (s, r)).collect(),
+            rows: rows.into_iter().map(|(r, s)| (s, r)).collect(),
+            gradient,
+        }
+    }
+}
+
+impl Condensing {
+    /// Works out the elimination of the states marked in `eliminate` (by grid point 1 … N and state) and of inputs that are
+    /// shared within a block, and returns it with the matrices P, A it fills: the rows of the dynamics that stay, then those of
+    /// the program.
+    pub(super) fn new(
+        program: &StageProgram,
+        eliminate: impl Fn(usize, usize) -> bool,
+    ) -> (Self, CscMatrix<f64>, CscMatrix<f64>) {
+        let (n, m, steps) = (program.states, program.inputs, program.steps);
+        let w = n + m;
+        let variables = program.gradient.len();
+        let gradient = program.hessian.len();
+        let rows = gradient + variables;
+        let right = rows + program.rows.len();
+        let dynamics_right = right + program.right.len();
+        let sections = Sections { gradient, rows, right, dynamics_right };
+        let dynamics: Vec<(usize, usize)> =
+            (0..steps).flat_map(|k| (0..n).map(move |i| (k, i))).filter(|&(k, i)| !eliminate(k + 1, i)).collect();
+        let nd = dynamics.len();
+        let mut b = Builder {
+            slots: dynamics_right + nd,
+            hessian: vec![BTreeMap::new(); variables],
+            columns: vec![BTreeMap::new(); variables],
+            gradient: (gradient..rows).map(|s| s as u32).collect(),
+            right: (dynamics_right..dynamics_right + nd).chain(right..dynamics_right).map(|s| s as u32).collect(),
+            products: Vec::new(),
+            sources: Vec::new(),
+        };
+        for (s, &(i, j)) in program.hessian_places.iter().enumerate() {
+            b.hessian[i].insert(j, s as u32);
+            b.hessian[j].insert(i, s as u32);
+        }
+        for (s, &(row, variable)) in program.row_places.iter().enumerate() {
+            b.columns[variable].insert(nd + row, (rows + s) as u32);
+        }
+        let parents = |k: usize, i: usize| {
+            let possible = (0..w).filter(move |&j| program.flow_pattern[i * w + j]);
+            possible.filter_map(move |j| program.variable(k, j).map(|v| (v, (k * n + i) * w + j)))
+        };
+        let (mut ones, mut flow_loads, mut first_flow_loads) = (Vec::new(), Vec::new(), 0);
+        for (row, &(k, i)) in dynamics.iter().enumerate() {
+            ones.push(b.constraint(row, program.state(k + 1, i)) as usize);
+            for (v, place) in parents(k, i) {
+                flow_loads.push((b.constraint(row, v) as usize, place));
+                first_flow_loads += usize::from(k == 0);
+            }
+        }
+
+        let mut eliminated = Vec::new();
+        let mut early = Vec::new();
+        let one = b.coefficient(Coefficient::One);
+        for k in (0..steps).rev() {
+            if k == 0 {
+                early = std::mem::take(&mut b.products);
+            }
+            for i in (0..n).filter(|&i| eliminate(k + 1, i)) {
+                let parents = parents(k, i).map(|(v, place)| (v, b.coefficient(Coefficient::Flow(place)))).collect();
+                let constant = b.coefficient(Coefficient::Defect(k * n + i));
+                let negative = b.coefficient(Coefficient::NegativeDefect(k * n + i));
+                let q = program.state(k + 1, i);
+                eliminated.push(b.eliminate(q, parents, constant, negative, Some(k * n + i)));
+            }
+            let start = program.block_start[k];
+            for j in (0..m).filter(|_| start < k) {
+                let constant = b.coefficient(Coefficient::Offset(k * m + j));
+                let negative = b.coefficient(Coefficient::NegativeOffset(k * m + j));
+                let q = program.input(k, j);
+                eliminated.push(b.eliminate(q, vec![(program.input(start, j), one)], constant, negative, None));
+            }
+        }
+        let late = std::mem::take(&mut b.products);
+
+        let mut gone = vec![false; variables];
+        for e in &eliminated {
+            gone[e.variable] = true;
+        }
+        let kept: Vec<usize> = (0..variables).filter(|&v| !gone[v]).collect();
+        let mut number = vec![0; variables];
+        for (i, &v) in kept.iter().enumerate() {
+            number[v] = i;
+        }
+        let mut pattern = Pattern::new(kept.len(), kept.len());
+        for &v in &kept {
+            for (&r, &s) in b.hessian[v].range(v..) {
+                pattern.place(number[v], number[r], s);
+            }
+        }
+        let (p, gather_p) = pattern.build();
+        let mut pattern = Pattern::new(b.right.len(), kept.len());
+        for &v in &kept {
+            for (&row, &s) in &b.columns[v] {
+                pattern.place(row, number[v], s);
+            }
+        }
+        let (a, gather_a) = pattern.build();
+
+        let in_first = |v: usize| v < program.first.get(1).copied().unwrap_or(variables);
+        let mut first_loads = Vec::new();
+        for (s, &(i, j)) in program.hessian_places.iter().enumerate() {
+            if in_first(i) && in_first(j) {
+                first_loads.push((s, Source::Hessian(s)));
+            }
+        }
+        first_loads.extend((0..variables).filter(|v| in_first(*v)).map(|v| (gradient + v, Source::Gradient(v))));
+        for (s, &(row, _)) in program.row_places.iter().enumerate() {
+            if program.row_stage[row] == 0 {
+                first_loads.push((rows + s, Source::Row(s)));
+            }
+        }
+        let first_rows = (0..program.right.len()).filter(|&r| program.row_stage[r] == 0);
+        first_loads.extend(first_rows.map(|r| (right + r, Source::Right(r))));
+        let first_coefficients = (0..b.sources.len())
+            .filter(|&c| match b.sources[c] {
+                Coefficient::Flow(i) => i < n * w,
+                Coefficient::Defect(i) | Coefficient::NegativeDefect(i) => i < n,
+                _ => false,
+            })
+            .collect();
+        let scale: Vec<f64> = kept.iter().map(|&v| program.scale[v]).collect();
+        let of_dynamics = dynamics.iter().map(|&(k, i)| program.scale[program.state(k + 1, i)]);
+        let row_scale: Vec<f64> = of_dynamics.chain(program.row_scale.iter().copied()).collect();
+        let scaled = |matrix: &CscMatrix<f64>, slots: Vec<u32>, of_row: &dyn Fn(usize) -> f64| -> Gather {
+            let columns = (0..matrix.n).flat_map(|c| vec![c; matrix.colptr[c + 1] - matrix.colptr[c]]);
+            let factors = columns.zip(&matrix.rowval).map(|(c, &r)| scale[c] * of_row(r));
+            slots.into_iter().zip(factors).collect()
+        };
+        let gather_p = scaled(&p, gather_p, &|r| scale[r]);
+        let gather_a = scaled(&a, gather_a, &|r| 1.0 / row_scale[r]);
+        let substitution = Self {
+            work: vec![0.0; b.slots],
+            saved: vec![0.0; b.slots],
+            coefficients: vec![1.0; b.sources.len()],
+            coefficient_sources: b.sources,
+            first_coefficients,
+            early,
+            late,
+            first_loads,
+            flow_loads,
+            first_flow_loads,
+            ones,
+            eliminated,
+            sections,
+            gather_q: kept.iter().zip(&scale).map(|(&v, &s)| ((gradient + v) as u32, s)).collect(),
+            gather_b: b.right.into_iter().zip(&row_scale).map(|(slot, s)| (slot, 1.0 / s)).collect(),
+            objective_scale: 1.0,
+            scale,
+            row_scale,
+            kept,
+            dynamics,
+            gather_p,
+            gather_a,
+        };
+        (substitution, p, a)
+    }
+
+    /// Rows of the dynamics that stay.
+    pub(super) fn equalities(&self) -> usize {
+        self.dynamics.len()
+    }
+
+    /// Takes in every number.
+    pub(super) fn load(&mut self, program: &StageProgram, flow: &[f64]) {
+        let s = self.sections;
+        self.work[s.dynamics_right..].fill(0.0);
+        self.work[..s.gradient].copy_from_slice(&program.hessian);
+        self.work[s.gradient..s.rows].copy_from_slice(&program.gradient);
+        self.work[s.rows..s.right].copy_from_slice(&program.rows);
+        self.work[s.right..s.dynamics_right].copy_from_slice(&program.right);
+        for (slot, &(k, i)) in self.work[s.dynamics_right..].iter_mut().zip(&self.dynamics) {
+            *slot = program.defect[k * program.states + i];
+        }
+        for &slot in &self.ones {
+            self.work[slot] = 1.0;
+        }
+        for &(slot, place) in &self.flow_loads {
+            self.work[slot] = -flow[place];
+        }
+        for c in 0..self.coefficients.len() {
+            self.load_coefficient(c, program, flow);
+        }
+        for &(slot, _) in &self.first_loads {
+            self.work[slot] = 0.0;
+        }
+        replay(&self.early, &mut self.work, &self.coefficients);
+        self.saved.copy_from_slice(&self.work);
+        self.finish(program);
+    }
+
+    /// Takes in the numbers of the first interval, all others being those of the last [`Condensing::load`].
+    pub(super) fn load_first(&mut self, program: &StageProgram, flow: &[f64]) {
+        self.work.copy_from_slice(&self.saved);
+        let s = self.sections;
+        for (slot, &(k, i)) in self.work[s.dynamics_right..].iter_mut().zip(&self.dynamics) {
+            if k > 0 {
+                break;
+            }
+            *slot = program.defect[i];
+        }
+        for &(slot, place) in &self.flow_loads[..self.first_flow_loads] {
+            self.work[slot] = -flow[place];
+        }
+        for i in 0..self.first_coefficients.len() {
+            self.load_coefficient(self.first_coefficients[i], program, flow);
+        }
+        self.finish(program);
+    }
+
+    fn load_coefficient(&mut self, c: usize, program: &StageProgram, flow: &[f64]) {
+        self.coefficients[c] = match self.coefficient_sources[c] {
+            Coefficient::Flow(i) => flow[i],
+            Coefficient::Defect(i) => program.defect[i],
+            Coefficient::NegativeDefect(i) => -program.defect[i],
+            Coefficient::Offset(i) => program.offset[i],
+            Coefficient::NegativeOffset(i) => -program.offset[i],
+            Coefficient::One => 1.0,
+        };
+    }
+
+    /// Adds the numbers of the first interval and what follows from them.
+    fn finish(&mut self, program: &StageProgram) {
+        self.objective_scale = program.objective_scale;
+        for &(slot, source) in &self.first_loads {
+            self.work[slot] += match source {
+                Source::Hessian(i) => program.hessian[i],
+                Source::Gradient(i) => program.gradient[i],
+                Source::Row(i) => program.rows[i],
+                Source::Right(i) => program.right[i],
+            };
+        }
+        replay(&self.late, &mut self.work, &self.coefficients);
+    }
+
+    /// Writes the values of P and A and the vectors q and b, all divided by their sizes.
+    pub(super) fn gather(&self, p: &mut [f64], q: &mut [f64], a: &mut [f64], b: &mut [f64]) {
+        let c = 1.0 / self.objective_scale;
+        let parts =
+            [(p, &self.gather_p, c), (q, &self.gather_q, c), (a, &self.gather_a, 1.0), (b, &self.gather_b, 1.0)];
+        for (to, from, common) in parts {
+            for (v, &(slot, factor)) in to.iter_mut().zip(from) {
+                *v = common * factor * self.work[slot as usize];
+            }
+        }
+    }
+
+    /// Values of all variables and multipliers of all dynamics from those of the solver.
+    pub(super) fn recover(&self, x: &[f64], multipliers: &[f64], z: &mut [f64], y: &mut [f64], states: usize) {
+        for ((&v, &s), &x) in self.kept.iter().zip(&self.scale).zip(x) {
+            z[v] = s * x;
+        }
+        for e in self.eliminated.iter().rev() {
+            let sum = e.parents.iter().map(|&(p, a)| self.coefficients[a as usize] * z[p]);
+            z[e.variable] = sum.sum::<f64>() + self.coefficients[e.constant as usize];
+        }
+        for ((&(k, i), &s), &v) in self.dynamics.iter().zip(&self.row_scale).zip(multipliers) {
+            y[k * states + i] = v * self.objective_scale / s;
+        }
+        for e in &self.eliminated {
+            let Some(at) = e.multiplier else { continue };
+            let curvature = e.curvature.iter().map(|&(s, r)| self.work[s as usize] * z[r]);
+            let rows = e
+                .rows
+                .iter()
+                .map(|&(s, r)| self.work[s as usize] * multipliers[r] * self.objective_scale / self.row_scale[r]);
+            y[at] = -(self.work[e.gradient as usize] + curvature.sum::<f64>() + rows.sum::<f64>());
+        }
+    }
+}
+
+fn replay(products: &[Product], work: &mut [f64], coefficients: &[f64]) {
+    for p in products {
+        let add = work[p.from as usize] * coefficients[p.by as usize];
+        work[p.to as usize] += add;
+    }
+}

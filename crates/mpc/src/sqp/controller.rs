@@ -1,0 +1,108 @@
+//! Sequential quadratic programming at every sample.
+
+use super::Sqp;
+use super::solution::SolveStatus;
+use crate::controller::{
+    Controller, FailurePolicy, Failures, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings, rest_input,
+};
+use crate::error::{MpcError, check_length};
+use crate::ocp::Ocp;
+use crate::qp::QpStatus;
+use crate::trajectory::Trajectory;
+
+/// Solves every sample to convergence, from the shifted solution of the last.
+pub struct SqpController {
+    sqp: Sqp,
+    trajectory: Trajectory,
+    k: usize,
+    failures: Failures,
+    limits: StepLimits,
+}
+
+impl SqpController {
+    /// A controller that starts from the guess and rests at zero (or the input closest to it) when a plan is used up.
+    pub fn new(sqp: Sqp, guess: Trajectory) -> Self {
+        let rest = sqp.ocp().input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
+        let failures = Failures::new(FailurePolicy::ShiftedInput, rest, guess.states(), guess.steps());
+        Self { sqp, trajectory: guess, k: 0, failures, limits: StepLimits::default() }
+    }
+}
+
+impl SqpController {
+    /// What is applied when a sample has no solution; an empty `rest` is zero or the bound closest to it.
+    ///
+    /// # Errors
+    /// If policy or input of rest do not fit the problem.
+    pub fn with_failure_policy(mut self, policy: FailurePolicy, rest: &[f64]) -> Result<Self, MpcError> {
+        let ocp = self.sqp.ocp();
+        policy.check(ocp.states(), ocp.inputs())?;
+        let rest = rest_input(rest, &ocp.input_bounds)?;
+        self.failures = Failures::new(policy, rest, ocp.states(), self.trajectory.steps());
+        Ok(self)
+    }
+}
+
+impl Controller for SqpController {
+    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+        check_length("the measured state", x.len(), self.sqp.ocp().states())?;
+        self.sqp.set_start(self.k);
+        self.failures.believe(x);
+        let limits = std::mem::take(&mut self.limits);
+        let mut seconds = 0.0;
+        let status = if let Some(reason) = FallbackReason::of_measurement(x) {
+            StepStatus::Fallback(reason)
+        } else {
+            self.sqp.limit_programs(limits)?;
+            let solution = self.sqp.solve(x, &self.trajectory)?;
+            seconds = solution.seconds;
+            let status = match solution.status {
+                SolveStatus::Converged
+                | SolveStatus::Infeasible { .. }
+                | SolveStatus::IterationLimit
+                | SolveStatus::Stalled
+                    if !solution.cost.is_finite() =>
+                {
+                    StepStatus::Fallback(FallbackReason::Cost)
+                }
+                SolveStatus::Converged => StepStatus::Solved,
+                SolveStatus::Infeasible { .. } => StepStatus::Infeasible,
+                SolveStatus::IterationLimit | SolveStatus::Stalled => StepStatus::Inaccurate,
+                SolveStatus::QpFailed(QpStatus::Limit) if solution.seconds >= limits.time => {
+                    StepStatus::Fallback(FallbackReason::TimeLimit)
+                }
+                SolveStatus::QpFailed(s) => StepStatus::Fallback(FallbackReason::Qp(s)),
+                SolveStatus::NotANumber | SolveStatus::IntegratorFailed => {
+                    StepStatus::Fallback(FallbackReason::Linearization)
+                }
+            };
+            if !matches!(status, StepStatus::Fallback(_)) {
+                self.trajectory = solution.trajectory;
+            }
+            status
+        };
+        let mut u = self.trajectory.u(0).to_vec();
+        let source = if matches!(status, StepStatus::Fallback(_)) {
+            self.failures.decide(&self.trajectory, &self.sqp.ocp().input_bounds, &mut u)
+        } else {
+            self.failures.solved(self.trajectory.steps());
+            InputSource::Program
+        };
+        self.failures.shift();
+        self.k += 1;
+        self.sqp.set_start(self.k);
+        self.trajectory = self.sqp.shifted(&self.trajectory);
+        Ok(Step { u, status, source, timings: Timings { qp: seconds, ..Timings::default() } })
+    }
+    fn ocp(&self) -> &Ocp {
+        self.sqp.ocp()
+    }
+    fn set_start(&mut self, k0: usize) {
+        self.k = k0;
+    }
+    fn limit_next_step(&mut self, limits: StepLimits) {
+        self.limits = limits;
+    }
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        self.sqp.set_parameters(parameters)
+    }
+}

@@ -1,0 +1,70 @@
+//! A filter: the globalization of Fletcher and Leyffer.
+//!
+//! A step is acceptable when it improves defect or objective enough against the current iterate and against everything in
+//! the filter (R. Fletcher, S. Leyffer, Math. Programming 91, 2002; conditions as in A. Wächter, L. T. Biegler, SIAM J.
+//! Optim. 16, 2005). No penalty weight has to be guessed, and the way to a solution may lead through large defects.
+
+use crate::transcription::Merit;
+
+/// Fraction of the defect by which defect or objective must improve.
+const MARGIN: f64 = 1e-5;
+/// Fraction of the decrease promised by the program that an almost feasible step must realize.
+const ARMIJO: f64 = 1e-4;
+/// Largest defect of an iterate, relative to that of the first (but at least 1).
+const WIDEST: f64 = 1e4;
+/// Defect, relative to that of the first (but at least 1), below which only the objective decides.
+const NARROW: f64 = 1e-4;
+/// Rounding errors of an objective, relative to it.
+const ROUNDING: f64 = 1e-13;
+
+/// What became of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// The objective falls at a small defect.
+    Descent,
+    /// Acceptable; the iterate that is left goes into the filter.
+    Progress,
+    /// Not acceptable.
+    Rejected,
+}
+
+/// Pairs of defect and objective that no later iterate may fall short of.
+#[derive(Clone, Debug)]
+pub(crate) struct Filter {
+    entries: Vec<(f64, f64)>,
+    widest: f64,
+    narrow: f64,
+}
+
+impl Filter {
+    /// An empty filter for an iteration that starts here.
+    pub(crate) fn new(start: &Merit) -> Self {
+        let unit = start.defects.max(1.0);
+        Self { entries: Vec::new(), widest: WIDEST * unit, narrow: NARROW * unit }
+    }
+
+    /// Judges a step of which the program promises that the objective falls by `promised`.
+    pub(crate) fn judge(&self, now: &Merit, trial: &Merit, promised: f64) -> Verdict {
+        let finite = trial.defects.is_finite() && trial.objective.is_finite();
+        if !finite || trial.defects > self.widest || !self.entries.iter().all(|&e| improves(trial, e)) {
+            return Verdict::Rejected;
+        }
+        let fall = now.objective - trial.objective;
+        let rounding = ROUNDING * now.objective.abs();
+        if now.defects <= self.narrow && trial.defects <= self.narrow && promised > now.defects {
+            let enough = fall >= ARMIJO * promised - rounding;
+            return if enough { Verdict::Descent } else { Verdict::Rejected };
+        }
+        if improves(trial, (now.defects, now.objective + rounding)) { Verdict::Progress } else { Verdict::Rejected }
+    }
+
+    /// Forbids everything that is no better than this iterate.
+    pub(crate) fn add(&mut self, left: &Merit) {
+        self.entries.retain(|&(defects, objective)| defects < left.defects || objective < left.objective);
+        self.entries.push((left.defects, left.objective));
+    }
+}
+
+fn improves(trial: &Merit, (defects, objective): (f64, f64)) -> bool {
+    trial.defects <= (1.0 - MARGIN) * defects || trial.objective <= objective - MARGIN * defects
+}
