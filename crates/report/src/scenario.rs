@@ -66,7 +66,7 @@ impl Scenario {
     }
 
     fn from_document(doc: &Document, system: &System) -> Result<Scenario, FileError> {
-        system.leaves_time_free(&doc)?;
+        system.leaves_time_free(doc)?;
         let table = doc.table()?;
         doc.only_keys(&table, &["duration", "sample", "x0", "inputs", "parameters"], "a scenario file")?;
         let positive = |key: &str| -> Result<Option<f64>, FileError> {

@@ -1,0 +1,106 @@
+//! The house: arrows between crates run downward alone, and a user of the library builds nothing of the command.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use toml::Table;
+
+/// The crates from the ground up: each may use those before it.
+const FLOORS: [&str; 16] = [
+    "bracketry-symbolic",
+    "bracketry-files",
+    "bracketry-plot",
+    "bracketry-native",
+    "bracketry-system",
+    "bracketry-lie",
+    "bracketry-sim",
+    "bracketry-stiffness",
+    "bracketry-mpc",
+    "bracketry-diagnose",
+    "bracketry-plate",
+    "bracketry-report",
+    "bracketry",
+    "bracketry-trials",
+    "bracketry-cli",
+    "bracketry-python",
+];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn manifest(path: &Path) -> Table {
+    fs::read_to_string(path).unwrap().parse().unwrap()
+}
+
+/// All manifests of the workspace with the names of their crates.
+fn manifests() -> Vec<(String, Table)> {
+    let crates = fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().path());
+    let folders = crates.chain([root().to_owned()]).filter(|folder| folder.join("Cargo.toml").exists());
+    let named = |folder: std::path::PathBuf| {
+        let manifest = manifest(&folder.join("Cargo.toml"));
+        (manifest["package"]["name"].as_str().unwrap().to_owned(), manifest)
+    };
+    folders.map(named).collect()
+}
+
+fn dependencies(manifest: &Table) -> Vec<String> {
+    manifest["dependencies"].as_table().unwrap().keys().cloned().collect()
+}
+
+#[test]
+fn every_crate_uses_only_crates_below_it() {
+    let floor = |name: &str| FLOORS.iter().position(|f| *f == name);
+    let manifests = manifests();
+    assert_eq!(manifests.len(), FLOORS.len(), "a new crate has its place in FLOORS");
+    for (name, manifest) in manifests {
+        let own = floor(&name).unwrap_or_else(|| panic!("{name} has no place in FLOORS"));
+        for used in dependencies(&manifest).iter().filter(|d| d.starts_with("bracketry")) {
+            assert!(floor(used).unwrap() < own, "{name} uses {used}, which stands above it");
+        }
+    }
+}
+
+#[test]
+fn nothing_below_the_front_draws_at_random_for_trials() {
+    for (name, manifest) in manifests() {
+        let used = dependencies(&manifest);
+        let trials = used.iter().any(|d| d == "bracketry-trials");
+        assert!(!trials || name == "bracketry-cli", "{name} builds the generators of trials for its users");
+    }
+}
+
+/// The packages that a package of the lock file brings along, itself included.
+fn brought_along(package: &str) -> BTreeSet<String> {
+    let lock = manifest(&root().join("Cargo.lock"));
+    let packages = lock["package"].as_array().unwrap();
+    let manifests = manifests();
+    let mut seen = BTreeSet::new();
+    let mut open = vec![package.to_owned()];
+    while let Some(name) = open.pop() {
+        if !seen.insert(name.clone()) {
+            continue;
+        }
+        if let Some((_, manifest)) = manifests.iter().find(|(n, _)| *n == name) {
+            // Members list what their tests need in the lock file too.
+            open.extend(dependencies(manifest));
+            continue;
+        }
+        for p in packages.iter().filter(|p| p["name"].as_str() == Some(&name)) {
+            let uses = p.get("dependencies").and_then(toml::Value::as_array).into_iter().flatten();
+            open.extend(uses.map(|d| d.as_str().unwrap().split(' ').next().unwrap().to_owned()));
+        }
+    }
+    seen
+}
+
+#[test]
+fn a_user_of_the_library_builds_nothing_of_the_command() {
+    let brought = brought_along("bracketry");
+    assert!(brought.contains("clarabel"), "the walk through the lock file found nothing");
+    for name in ["clap", "clap_mangen", "anstream", "anyhow", "indicatif", "zstd", "bzip2", "aes"] {
+        assert!(!brought.contains(name), "{name} is in the tree of the library");
+    }
+}
