@@ -6,7 +6,7 @@ mod common;
 use std::fmt::Write;
 use std::fs;
 
-use bracketry::stiffness::{Deformation, JointSpring, RobotFile, Springs, Wrench};
+use bracketry::stiffness::{Deformation, JointSpring, RobotFile, Wrench};
 use common::robots::{HEADER, log, measured, measured_at, measurements, unknown};
 use common::{bracketry, code, file, json, model, scratch};
 
