@@ -14,7 +14,7 @@ use super::{Outcome, OutputArgs};
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 2] = [
     ("The affine model as a model file", "bracketry affinize models/plate_published.toml > plate_affine.toml"),
-    ("Another of the ways that are listed", "bracketry affinize models/heading.toml --candidate 1"),
+    ("Another of the listed candidates", "bracketry affinize models/heading.toml --candidate 1"),
 ];
 
 /// Arguments of `affinize`.
@@ -23,7 +23,7 @@ pub(crate) struct AffinizeArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
-    /// Take the way with this number, as they are listed, in place of the one that adds the fewest states
+    /// Use the listed candidate with this number instead of the one that adds the fewest states
     #[arg(long, allow_negative_numbers = true, value_name = "K")]
     candidate: Option<usize>,
 }

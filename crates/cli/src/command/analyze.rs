@@ -13,13 +13,13 @@ use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 4] = [
-    ("Everything about a model", "bracketry analyze models/plate_published.toml"),
+    ("Analyze a model", "bracketry analyze models/plate_published.toml"),
     ("At another point, as Markdown", "bracketry analyze models/cart_pole.toml --at th=pi --markdown"),
     ("Brackets written out", "bracketry analyze models/unicycle.toml --bracket \"[g1,g2]\""),
-    ("With report, affine model and pictures in a folder", "bracketry analyze models/cart_pole.toml --out out"),
+    ("Write report, affine model, and figures to a folder", "bracketry analyze models/cart_pole.toml --out out"),
 ];
 
-/// What the report on standard output is written in.
+/// Format of the report on standard output.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
     /// Plain text
@@ -38,18 +38,18 @@ pub(crate) struct AnalyzeArgs {
     /// Model file (TOML)
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) model: PathBuf,
-    /// Point of local statements in place of the model's, such as x=0.1,th=pi/2; what is not named is 0
+    /// Point for local statements instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0
     #[arg(long, value_name = "NAME=VALUE,…")]
     at: Option<String>,
-    /// Bracket to write out, such as "[g1,[f,g1]]": f is the drift, g1, g2 … or the names of the inputs their fields;
-    /// may be given more than once
+    /// Bracket to print, such as "[g1,[f,g1]]": f is the drift, g1, g2 … or the names of the inputs their fields;
+    /// may be repeated
     #[arg(long = "bracket", value_name = "BRACKET")]
     brackets: Vec<String>,
     /// Function of states and parameters: do the outputs determine it while the parameters are unknown? May be given
     /// more than once
     #[arg(long, value_name = "EXPR")]
     determines: Vec<String>,
-    /// What the report on standard output is written in
+    /// Format of the report on standard output
     #[arg(long, value_enum, default_value = "text", conflicts_with = "json")]
     format: Format,
     /// The same as --format markdown
@@ -105,7 +105,7 @@ fn answered(analysis: &Analysis, args: &AnalyzeArgs) -> bool {
 
 /// What [`save`] writes.
 const FILES: &str =
-    "analysis.json, analysis.txt, analysis.md, affine.toml and the pictures growth and reach (svg and png)";
+    "analysis.json, analysis.txt, analysis.md, affine.toml, and the figures growth and reach (svg and png)";
 
 /// Writes report, affine model and growth chart.
 pub(crate) fn save(analysis: &Analysis, dir: &Path) -> anyhow::Result<()> {

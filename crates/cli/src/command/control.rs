@@ -19,10 +19,10 @@ pub(crate) const EXAMPLES: [(&str, &str); 2] = [
 /// Arguments of `control`.
 #[derive(Args)]
 pub(crate) struct ControlArgs {
-    /// Problem file (TOML): model, horizon, cost, bounds; docs/mpc.md has every key
+    /// Problem file (TOML): model, horizon, cost, bounds; docs/mpc.md documents every key
     #[arg(value_hint = clap::ValueHint::FilePath)]
     pub(crate) problem: PathBuf,
-    /// Seed of the measurement noise, in place of `seed` in [run]
+    /// Seed of the measurement noise; overrides `seed` in [run]
     #[arg(long, allow_negative_numbers = true, value_name = "N")]
     seed: Option<u64>,
 }

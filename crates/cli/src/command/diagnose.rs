@@ -20,15 +20,15 @@ use super::{Outcome, OutputArgs};
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 4] = [
     (
-        "Inputs that are samples of a smooth signal, as a measured or simulated force",
+        "Inputs that are samples of a smooth signal, such as a measured force",
         "bracketry diagnose ball.toml run.csv --hold linear --out out",
     ),
     (
-        "Inputs as a digital controller holds them, and a second run that no fit sees",
+        "Inputs held by a digital controller, and a held-out second run",
         "bracketry diagnose models/emps.toml run.csv --validate second.csv --out out",
     ),
-    ("Where columns have other names", "bracketry diagnose slider.toml log.csv --rename force=u,pos=x"),
-    ("With a parameter that is known well", "bracketry diagnose slider.toml log.csv --fix m --json"),
+    ("Rename columns", "bracketry diagnose slider.toml log.csv --rename force=u,pos=x"),
+    ("Fix a parameter that is known well", "bracketry diagnose slider.toml log.csv --fix m --json"),
 ];
 
 /// Arguments of `diagnose`.
@@ -40,28 +40,28 @@ pub(crate) struct DiagnoseArgs {
     /// Measured runs (CSV or NPZ): a column t in seconds, one per measured state or output, one per input
     #[arg(required = true, value_name = "DATA", value_hint = clap::ValueHint::FilePath)]
     data: Vec<PathBuf>,
-    /// Names of columns in the model, as force=u
+    /// Model names of columns, such as force=u
     #[arg(long, value_name = "COLUMN=NAME,…", value_delimiter = ',', value_parser = renaming)]
     rename: Vec<(String, String)>,
-    /// How inputs go on between samples; without it they are held, and derivatives of inputs follow straight lines
+    /// Inputs between samples; held by default, with derivatives of inputs interpolated linearly
     #[arg(long, value_enum)]
     hold: Option<HoldArg>,
-    /// Further runs that no fit sees, to measure the gain on
+    /// Held-out runs on which the gain is measured
     #[arg(long, value_name = "DATA", num_args = 1..)]
     validate: Vec<PathBuf>,
     /// Parameters that keep their values
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     fix: Vec<String>,
-    /// Length of the windows in seconds; chosen from the data without it
+    /// Length of the windows in seconds; by default chosen from the data
     #[arg(long, allow_negative_numbers = true, value_name = "S")]
     window: Option<f64>,
     /// Another model of the same system: terms of its equations that MODEL lacks become candidates
     #[arg(long, value_name = "MODEL2")]
     reference: Option<PathBuf>,
-    /// Most causes that are named together
+    /// Largest number of causes named together
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = Settings::default().max_causes)]
     max_causes: usize,
-    /// Seed of what is resampled
+    /// Seed for resampling
     #[arg(long, allow_negative_numbers = true, value_name = "N", default_value_t = Settings::default().seed)]
     seed: u64,
 }
@@ -117,7 +117,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Ou
         write(&path, &model.to_toml()?)?;
         report.extended_model = Some(path);
     }
-    progress.set_message("what the extended model changes");
+    progress.set_message("ranks of the extended model");
     let diagnosis = Diagnosis::new(&system, report);
     if let Some(dir) = &output.out {
         progress.set_message("drawing");

@@ -35,15 +35,15 @@ pub(crate) enum Outcome {
 
 /// What can my inputs reach, how do I get there, and where are the equations wrong?
 ///
-/// Without a command: the main job on the vibrating plate, from its published equations to why a controller built on
-/// them fails on the true plant, and to one that works; results go to `out/`.
+/// Without a command: the main job on the vibrating plate, from its published equations to a controller that works
+/// on the plant with contact over the whole footprint; results go to `out/`.
 #[derive(Parser)]
 #[command(
     name = "bracketry", version, about, max_term_width = 100, styles = help::STYLES,
     after_help = examples(&FIRST_STEPS),
     after_long_help = guide(&FIRST_STEPS, &[EXIT_CODES, UNITS, (
-        "Colour",
-        "On terminals alone; NO_COLOR=1 turns it off, CLICOLOR_FORCE=1 on.",
+        "Color",
+        "Only on terminals; NO_COLOR=1 turns it off, CLICOLOR_FORCE=1 on.",
     )]),
 )]
 pub(crate) struct Cli {
@@ -57,11 +57,11 @@ pub(crate) struct Cli {
 }
 
 const FIRST_STEPS: [(&str, &str); 5] = [
-    ("Begin with a model of your own", "bracketry new ball"),
-    ("What its inputs reach", "bracketry analyze ball.toml"),
+    ("Start with your own model", "bracketry new ball"),
+    ("Analyze what its inputs reach", "bracketry analyze ball.toml"),
     ("Simulate it", "bracketry simulate ball.toml --scenario ball_scenario.toml --out out"),
     ("Close the loop", "bracketry control ball_problem.toml --out out"),
-    ("Where measured data say that it is wrong", "bracketry diagnose ball.toml run.csv --hold linear --out out"),
+    ("Diagnose it from measured data", "bracketry diagnose ball.toml run.csv --hold linear --out out"),
 ];
 
 /// Where results go.
@@ -78,14 +78,14 @@ pub(crate) struct OutputArgs {
 /// In the order in which they are used, which is that of the help.
 #[derive(Subcommand)]
 enum Command {
-    /// Write a commented model of one's own, with a scenario and a problem beside it
+    /// Write a commented model with a scenario and a problem
     #[command(after_help = examples(&new::EXAMPLES), after_long_help = guide(&new::EXAMPLES, &[EXIT_CODES]))]
     New(new::NewArgs),
     /// Affine form, modes, ranks, brackets, and what no input influences
     #[command(after_help = examples(&analyze::EXAMPLES), after_long_help = guide(&analyze::EXAMPLES, &[(
         "Exit codes",
         "0  every generic dimension is decided, and what --at, --bracket and --determines ask for\n\
-         1  one of these is undecided; the report says which and why (other questions may stay unknown)\n2  bad input",
+         1  one of these is undecided; the report says which and why (other quantities may be unknown)\n2  bad input",
     )]))]
     Analyze(analyze::AnalyzeArgs),
     /// Write the model in a form that is affine in its inputs
@@ -103,15 +103,15 @@ enum Command {
         UNITS,
     ]))]
     Control(control::ControlArgs),
-    /// From measured data to what the model gets wrong: the cause, the extended model, the gain
+    /// Find what the model gets wrong in measured data: cause, extended model, gain
     #[command(after_help = examples(&diagnose::EXAMPLES), after_long_help = guide(&diagnose::EXAMPLES, &[
         ("Exit codes",
             "0  a cause is named, or nothing is wrong\n\
-             1  something is wrong, but nothing known explains it; or the data cannot tell\n2  bad input"),
+             1  something is wrong, but no known cause explains it; or the data are uninformative\n2  bad input"),
         UNITS,
     ]))]
     Diagnose(Box<diagnose::DiagnoseArgs>),
-    /// Run an experiment on the vibrating plate, on the model of your choice, beside a log if there is one
+    /// Run an experiment on the vibrating plate with a chosen model, optionally compared with a log
     #[command(after_help = examples(&plate::EXAMPLES), after_long_help = guide(&plate::EXAMPLES, &[
         EXIT_CODES, ("Units", "SI and radians; ω in units of π"),
     ]))]

@@ -11,22 +11,22 @@ use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 2] = [
-    ("A mass on a spring to begin with", "bracketry new ball"),
+    ("Start with a mass on a spring", "bracketry new ball"),
     ("Two tanks with delay, in a folder", "bracketry new plant --template tanks --out plant"),
 ];
 
-/// What the files begin with.
+/// Template for the files.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Template {
     /// A mass on a spring, pushed by a force: linear, one input
     Spring,
     /// A carriage on a rail with dry friction, simulated exactly
     Friction,
-    /// A pendulum that a motor too weak for it swings up
+    /// A pendulum with a weak motor that has to swing it up
     Pendulum,
     /// A vehicle that cannot move sideways: two inputs, no drift
     Vehicle,
-    /// Two tanks with levels, a pump that only pushes and a delay
+    /// Two tanks, a pump that only pushes, and a delay
     Tanks,
 }
 
@@ -68,7 +68,7 @@ impl Template {
 pub(crate) struct NewArgs {
     /// Name of the model, and of its file; letters, digits, _ and -
     name: String,
-    /// What the files begin with
+    /// Template for the files
     #[arg(long, value_enum, default_value = "spring")]
     template: Template,
 }
@@ -83,7 +83,10 @@ pub(crate) fn run(args: &NewArgs, output: &OutputArgs) -> anyhow::Result<Outcome
     let files: Vec<PathBuf> =
         ["", "_scenario", "_problem"].iter().map(|end| dir.join(format!("{name}{end}.toml"))).collect();
     if let Some(taken) = files.iter().find(|f| f.exists()) {
-        anyhow::bail!("{}: exists and is left as it is\n   = take another name, or remove the file", taken.display());
+        anyhow::bail!(
+            "{}: already exists and was not changed\n   = choose another name, or remove the file",
+            taken.display()
+        );
     }
     if !dir.as_os_str().is_empty() {
         folder(&dir)?;
@@ -125,7 +128,7 @@ fn checked(name: &str) -> anyhow::Result<&str> {
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     anyhow::ensure!(
         !stem.is_empty() && !stem.starts_with('-') && stem.len() <= 100 && stem.chars().all(fits),
-        "`{name}` is no name for a model\n   = use letters, digits, _ and -, as in ball_2; --out DIR names the folder"
+        "`{name}` is not a valid model name\n   = use letters, digits, _ and -, as in ball_2; --out DIR names the folder"
     );
     Ok(stem)
 }

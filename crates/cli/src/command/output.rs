@@ -45,11 +45,7 @@ pub(crate) fn figure(drawing: Result<Drawing, PlotError>, stem: &Path) -> bool {
 
 /// Makes a folder with its parents.
 pub(crate) fn folder(path: &Path) -> anyhow::Result<()> {
-    anyhow::ensure!(
-        !path.is_file(),
-        "{}: is a file\n   = give a folder; it is made if it is not there",
-        path.display()
-    );
+    anyhow::ensure!(!path.is_file(), "{}: is a file\n   = give a folder; it is created if necessary", path.display());
     fs::create_dir_all(path).with_context(|| format!("cannot create the folder {}", path.display()))
 }
 

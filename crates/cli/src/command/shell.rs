@@ -34,7 +34,7 @@ pub(crate) struct CompletionsArgs {
 /// Arguments of `man`.
 #[derive(Args)]
 pub(crate) struct ManArgs {
-    /// Command whose page is printed, such as `stiffness identify`; the whole program's without it
+    /// Command whose page is printed, such as `stiffness identify`; by default that of the program
     command: Vec<String>,
 }
 

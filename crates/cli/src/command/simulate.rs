@@ -17,7 +17,7 @@ use super::{Outcome, OutputArgs};
 pub(crate) enum HoldArg {
     /// Each value lasts until the next sample
     Previous,
-    /// Straight lines between samples
+    /// Linear interpolation between samples
     Linear,
 }
 
@@ -29,7 +29,7 @@ pub(crate) const EXAMPLES: [(&str, &str); 3] = [
     ),
     ("By recorded inputs", "bracketry simulate slider.toml --inputs run.csv --hold linear --out out"),
     (
-        "As sensors would have it, for diagnose",
+        "With sensor noise, for diagnose",
         "bracketry simulate ball.toml --scenario ball_scenario.toml --noise position=0.001 --seed 1 --out out",
     ),
 ];
@@ -49,7 +49,7 @@ pub(crate) struct SimulateArgs {
     /// How the samples of --inputs continue
     #[arg(long, value_enum, default_value = "previous")]
     hold: HoldArg,
-    /// Write measured.csv too: the inputs, and outputs or states with Gaussian noise of these standard deviations, as a record
+    /// Also write measured.csv: inputs, and outputs or states with Gaussian noise of these standard deviations, as a record
     /// for `diagnose`
     #[arg(long, value_name = "NAME=STD,…", value_delimiter = ',', value_parser = sensor, requires = "out")]
     noise: Vec<(String, f64)>,
@@ -126,7 +126,7 @@ fn nothing_given(model: &Path) -> String {
     let scenario = FileKind::Scenario.beside(model);
     let scenario = scenario.map_or_else(|| "FILE.toml".to_owned(), |path| path.display().to_string());
     format!(
-        "{}: how long to simulate, from where and driven by what is not given\n   = add --scenario {scenario} (duration, x0, inputs as \
+        "{}: duration, initial state, and inputs are missing\n   = add --scenario {scenario} (duration, x0, inputs as \
          expressions in t), or --inputs FILE.csv (samples of the inputs); `bracketry new NAME` writes a scenario",
         model.display()
     )

@@ -20,14 +20,14 @@ const WRENCH: [&str; 6] = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"];
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 2] = [
-    ("Springs of the joints from measurements", "bracketry stiffness identify data.csv models/kr125.toml --out out"),
+    ("Identify joint springs from measurements", "bracketry stiffness identify data.csv models/kr125.toml --out out"),
     ("Corrected references along a log", "bracketry stiffness compensate log.csv models/kr125.toml --out out"),
 ];
 
 /// Commands of `stiffness`. All take a table and the robot file, in either order.
 #[derive(Subcommand)]
 pub(crate) enum StiffnessCommand {
-    /// Springs of the joints and stiffness at the tool point from measured displacements under measured loads
+    /// Identify joint springs and tool-point stiffness from measured displacements under measured loads
     #[command(after_help = guide(
         &[("Into a folder, with the robot file completed and figures", "bracketry stiffness identify data.csv models/kr125.toml --out out")],
         &[("Table", "Columns q1 … qn (rad), Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes) and \
@@ -36,11 +36,11 @@ pub(crate) enum StiffnessCommand {
     Identify {
         #[command(flatten)]
         files: TableAndRobot,
-        /// Use all measurements as they are
+        /// Keep outliers
         #[arg(long)]
         keep_outliers: bool,
     },
-    /// Which of some measurements that could be made tell the most about the springs
+    /// Choose the most informative measurements for the springs from candidates
     #[command(after_help = guide(
         &[("Twenty of them", "bracketry stiffness poses candidates.csv models/kr125.toml --count 20 --out out")],
         &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m on the robot at the tool point, base axes): \
@@ -49,25 +49,24 @@ pub(crate) enum StiffnessCommand {
     Poses {
         #[command(flatten)]
         files: TableAndRobot,
-        /// Measurements to choose
+        /// Number of measurements to choose
         #[arg(long, allow_negative_numbers = true, default_value_t = 20)]
         count: usize,
     },
-    /// What the force sensor carries, and its bias, from readings at rest
+    /// Identify the payload on the force sensor, and its bias, from readings at rest
     #[command(after_help = guide(
         &[("From readings", "bracketry stiffness weigh readings.csv models/kr125.toml")],
-        &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), with nothing touching what \
-            the sensor carries, in three orientations or more that tilt it about two axes."), EXIT_CODES],
+        &[("Table", "Columns q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), with no contact at the payload, in three orientations or more that tilt it about two axes."), EXIT_CODES],
     ))]
     Weigh {
         #[command(flatten)]
         files: TableAndRobot,
     },
-    /// What the compensation does along a log: corrected references, predicted deformation
+    /// Apply the compensation to a log: corrected references, predicted deformation
     #[command(after_help = guide(
         &[
             ("Along a log", "bracketry stiffness compensate log.csv models/kr125.toml --out out"),
-            ("Through a process of 50 N/mm", "bracketry stiffness compensate log.csv models/kr125.toml --process-stiffness 5e4"),
+            ("With a process stiffness of 50 N/mm", "bracketry stiffness compensate log.csv models/kr125.toml --process-stiffness 5e4"),
         ],
         &[("Log", "Columns t, q1 … qn (rad) and Fx, Fy, Fz, Mx, My, Mz (N, N·m, axes of the sensor), and r1 … rn \
             where references differ from what was measured."), EXIT_CODES],
@@ -75,7 +74,7 @@ pub(crate) enum StiffnessCommand {
     Compensate {
         #[command(flatten)]
         files: TableAndRobot,
-        /// Stiffness of the process in N/m, in all directions or along x,y,z of the base: whether the loop through it is stable
+        /// Process stiffness in N/m, in all directions or along x,y,z of the base; checks the stability of the loop
         #[arg(long, value_name = "N/m", allow_hyphen_values = true, value_delimiter = ',', value_parser = process_stiffness)]
         process_stiffness: Option<Vec<f64>>,
     },

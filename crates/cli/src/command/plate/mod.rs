@@ -14,12 +14,12 @@ use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
-    (
-        "The first experiment with an ellipse, as pictures that move",
-        "bracketry plate 1 --shape ellipse:0.15x0.10 --out out --gif",
-    ),
+    ("Experiment 1 with an ellipse, with an animation", "bracketry plate 1 --shape ellipse:0.15x0.10 --out out --gif"),
     ("Another frequency, on the published model", "bracketry plate 2 --omega 4 --model published"),
-    ("Beside a log, driven by it", "bracketry plate 1 --compare log.csv --motion log --mu 0.3 --out out"),
+    (
+        "Compare with a log and use its plate motion",
+        "bracketry plate 1 --compare log.csv --motion log --mu 0.3 --out out",
+    ),
 ];
 
 /// What moves the plate.
@@ -45,11 +45,11 @@ pub(crate) struct PlateArgs {
     /// Model of the contact: published, point, reduced, area or body [default: area]
     #[arg(long)]
     model: Option<String>,
-    /// disk:R, ellipse:AxB (semi-axes), rectangle:AxB (full side lengths) or polygon:FILE.csv (rows x,y); metres
+    /// disk:R, ellipse:AxB (semi-axes), rectangle:AxB (full side lengths) or polygon:FILE.csv (rows x,y); meters
     /// [default: disk:0.12]
     #[arg(long)]
     shape: Option<String>,
-    /// Thickness of the object in metres [default: 0.005]
+    /// Thickness of the object in meters [default: 0.005]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     thickness: Option<f64>,
     /// Mass of the object in kg [default: 0.2]
@@ -58,17 +58,17 @@ pub(crate) struct PlateArgs {
     /// Friction coefficient of sliding [default: 0.3]
     #[arg(long, allow_negative_numbers = true)]
     mu: Option<f64>,
-    /// Law of friction: coulomb, static:MU_S, stribeck:MU_S,V, anisotropic:MU_Y or viscous:C, beside --mu
+    /// Friction law: coulomb, static:MU_S, stribeck:MU_S,V, anisotropic:MU_Y or viscous:C; --mu sets the sliding friction
     /// [default: coulomb]
     #[arg(long)]
     friction: Option<String>,
-    /// Start at rest: x,y,phi in metres and radians, or degrees such as 45deg [default: that of log or experiment]
+    /// Start at rest: x,y,phi in meters and radians, or degrees such as 45deg [default: that of log or experiment]
     #[arg(long, allow_hyphen_values = true, value_name = "X,Y,PHI")]
     start: Option<String>,
     /// Duration in seconds [default: that of the log, else 15]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     seconds: Option<f64>,
-    /// Points of contact of the area model [default: 48]
+    /// Contact points of the area model [default: 48]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     points: Option<f64>,
     /// Time step of the models area and body in seconds [default: 5e-4]
@@ -77,7 +77,7 @@ pub(crate) struct PlateArgs {
     /// Restitution of impacts of the body model, 0 to 1 [default: 0]
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     restitution: Option<f64>,
-    /// Where the amplitude changes: world (the plate jumps, the object stays in the world) or smooth [default: world]
+    /// Where the amplitude changes: world (the plate jumps, the object keeps its place in the inertial frame) or smooth [default: world]
     #[arg(long)]
     jumps: Option<String>,
     /// Seconds between the rows of the result [default: 0.002]
@@ -89,7 +89,7 @@ pub(crate) struct PlateArgs {
     /// What moves the plate
     #[arg(long, value_enum, default_value = "formula")]
     motion: MotionArg,
-    /// Write plate.gif too: the object on the plate in real time
+    /// Also write plate.gif: an animation in real time
     #[arg(long)]
     gif: bool,
 }
