@@ -174,7 +174,7 @@ fn a_new_model_overwrites_nothing() {
     let problem = v["problem"].as_str().unwrap();
     fs::write(problem, "mine").unwrap();
     let o = bracketry(&["new", "ball", "--out", dir.join("a/b").to_str().unwrap()]);
-    assert!(code(&o) == 2 && text(&o.stderr).contains("is left as it is"), "{}", text(&o.stderr));
+    assert!(code(&o) == 2 && text(&o.stderr).contains("was not changed"), "{}", text(&o.stderr));
     assert_eq!(fs::read_to_string(problem).unwrap(), "mine");
     assert!(!Path::new(model).exists());
     for name in ["../up", "a b", "", ".toml", "x/y", "-x"] {
