@@ -14,15 +14,16 @@ pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;
 
 pub use bracketry_report::{
-    AffinizationReport, Analysis, AnalysisError, AreaLoopPlant, Arrival, Breakdown, ChosenPoses, Comparison,
-    CompensatedLog, CompensatedRow, ControlError, Controlled, Deviation, Diagnosis, ExactPlant, Expectation,
-    FaultCount, Figure, Identification, Influence, InputChange, Jump, LoggedMotion, LoopGain, LostMotionSummary,
-    MethodSummary, ModeChange, MoveError, ParameterSummary, PlateExperiment, PlateLog, PlateModel, PlateOptions,
-    PlateReport, PlateRow, PlateRun, PlateRunError, PlateSetup, PointError, PredictedTranslation, RESOLUTION,
-    RankChange, Ranks, ReachTable, Reached, RobotLog, Run, SampledScenario, Scenario, ScenarioError, SensorError,
-    SetupError, SimulationReport, StiffnessRunError, Unexplained, Weighing, analyze, control, control_watched,
-    friction_bands, friction_colors, move_with, outline, plate_move, point, target_of,
+    AffinizationReport, Analysis, AnalysisError, AreaLoopPlant, Arrival, ChosenPoses, Comparison, CompensatedLog,
+    CompensatedRow, ControlError, Controlled, Deviation, Diagnosis, ExactPlant, Expectation, FaultCount, Figure,
+    Identification, Influence, InputChange, Jump, LoggedMotion, LoopGain, LostMotionSummary, MethodSummary, MoveError,
+    ParameterSummary, PlateExperiment, PlateLog, PlateModel, PlateOptions, PlateReport, PlateRow, PlateRun,
+    PlateRunError, PlateSetup, PredictedTranslation, RESOLUTION, RankChange, Ranks, ReachTable, Reached, RobotLog,
+    SetupError, StiffnessRunError, Unexplained, Weighing, analyze, control, control_watched, friction_bands,
+    friction_colors, move_with, outline, plate_move, target_of,
 };
+pub use bracketry_sim::{Breakdown, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
+pub use bracketry_system::{PointError, point};
 
 /// From installation to a result on a system of one's own, in ten minutes.
 #[doc = include_str!("../docs/getting_started.md")]

@@ -155,7 +155,7 @@ impl Balance {
     pub fn of(&mut self, trajectory: &Trajectory) -> Account {
         let mut step = Step { field: Filippov::new(self.model.clone()), trajectory };
         step.field.modes.copy_from_slice(trajectory.initial_modes());
-        let mut changes = trajectory.transitions().iter().peekable();
+        let mut changes = trajectory.mode_changes().iter().peekable();
         let times: Vec<f64> = trajectory.times().collect();
         let count = self.measures - 2;
         let mut account = Account {

@@ -11,6 +11,7 @@
 //! piece by piece, as in a control loop.
 
 mod balance;
+mod breakdown;
 mod contact;
 mod events;
 mod friction;
@@ -18,6 +19,7 @@ mod integrate;
 mod model;
 mod outcome;
 mod plant;
+mod scenario;
 mod sensitivity;
 mod settings;
 mod simulate;
@@ -26,11 +28,13 @@ mod switched;
 mod trajectory;
 
 pub use balance::{Account, Balance};
+pub use breakdown::{Breakdown, Undefined, UndefinedPart};
 pub use contact::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Slip};
 pub use friction::{Mode, ModeChange, ModeInterval};
 pub use model::{Hold, InputError, Inputs, Model, Samples};
 pub use outcome::{Outcome, Statistics, StopReason};
 pub use plant::{Plant, PlantError};
+pub use scenario::{SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
 pub use sensitivity::{Path, Saltation, Tangent};
 pub use settings::{Settings, SimError};
 pub use simulate::{Simulation, simulate};

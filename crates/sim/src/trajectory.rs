@@ -132,7 +132,7 @@ impl Trajectory {
     }
 
     /// The changes of mode, in order of time.
-    pub fn transitions(&self) -> &[ModeChange] {
+    pub fn mode_changes(&self) -> &[ModeChange] {
         &self.transitions
     }
 

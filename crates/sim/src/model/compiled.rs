@@ -100,7 +100,7 @@ impl Model {
     /// let system = System::parse("block.toml", text).unwrap();
     /// let model = Model::new(&system, &Inputs::new().expression("a", "6*sin(10*t)")).unwrap();
     /// let run = simulate(model, 0.0, &[0.0, 0.0], 1.0, &Settings::default()).unwrap();
-    /// let first = run.trajectory.transitions()[0];
+    /// let first = run.trajectory.mode_changes()[0];
     /// assert!((first.t - (0.3f64 * 9.81 / 6.0).asin() / 10.0).abs() < 1e-10);
     /// ```
     pub fn new(system: &System, inputs: &Inputs) -> Result<Self, InputError> {
