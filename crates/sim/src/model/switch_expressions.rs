@@ -1,6 +1,6 @@
 //! The expressions of a switched system that are compiled: its switches, their surfaces and gradients, derivatives of the field.
 
-use super::drive::{Driven, Source};
+use super::drive::Driven;
 use super::inputs::InputError;
 use bracketry_symbolic::{Expr, Func, Func2, Rational, Symbol};
 use bracketry_system::{Switch, SwitchKind, SwitchedForm, System};
@@ -69,15 +69,11 @@ pub(crate) fn model_switches(driven: &mut Driven, form: &SwitchedForm) -> Result
         // One of a switch that the inputs make constant has nothing to act on.
         let Some(i) = system.switch_of(form, &level) else { continue };
         let live: Vec<(Expr, Expr)> = driven
-            .live
-            .iter()
-            .filter_map(|&(_, slot)| match driven.sources[slot] {
-                Source::Held(value) => Some((driven.slots[slot], value)),
-                _ => None,
-            })
-            .filter_map(|(symbol, value)| {
+            .driving
+            .live_values()
+            .filter_map(|(slot, value)| {
                 let number = Rational::try_from(value).ok()?;
-                Some((system.pool.sym(symbol), system.pool.rational(number)))
+                Some((system.pool.sym(driven.slots[slot]), system.pool.rational(number)))
             })
             .collect();
         let ratio = system.pool.substitute(level.ratio, &live.into_iter().collect());
@@ -118,7 +114,7 @@ pub(crate) fn derivatives(
 ) -> Result<Option<Vec<Expr>>, InputError> {
     let mut numbers = Vec::with_capacity(wanted.by.len());
     for name in wanted.by {
-        let slot = driven.live.iter().find(|(live, _)| live == name).map(|(_, slot)| *slot);
+        let slot = driven.driving.live_slot(name);
         numbers.push(driven.slots[slot.ok_or_else(|| InputError::UnknownLive { name: name.clone() })?]);
     }
     let pool = &mut driven.system.pool;
