@@ -48,7 +48,7 @@ pub struct Balance {
 /// The account of one trajectory: see [`Balance::of`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Account {
-    /// The times at which steps begin, and the end, in seconds.
+    /// The times at which steps start, and the end, in seconds.
     pub times: Vec<f64>,
     /// The stored energy at these times.
     pub stored: Vec<f64>,

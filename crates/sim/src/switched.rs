@@ -56,7 +56,7 @@ pub trait Switched {
         1.0
     }
 
-    /// Makes the smooth segment that begins at `t` the current one and returns the time at which it ends.
+    /// Makes the smooth segment that starts at `t` the current one and returns the time at which it ends.
     ///
     /// Until the next call the other methods evaluate this segment's formulas, also at its end, so that jumps of
     /// inputs are met only between steps. The end must lie after `t`; infinity (the default) means no break.

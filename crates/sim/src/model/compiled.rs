@@ -129,7 +129,7 @@ impl Model {
     }
 
     /// Sets all held inputs: one value per input of the model; those of driven inputs are ignored. Where an input has a
-    /// delay, the value acts that much later than the time at which the simulation goes on; one that is set before it begins
+    /// delay, the value acts that much later than the time at which the simulation goes on; one that is set before it starts
     /// has been there for ever.
     ///
     /// # Errors
@@ -170,7 +170,7 @@ impl Model {
         self.driving.samples_delay(input)
     }
 
-    /// The inputs at `t` after their delays, as they drive the model in the segment that begins at or before `t`.
+    /// The inputs at `t` after their delays, as they drive the model in the segment that starts at or before `t`.
     pub fn input_values(&mut self, t: f64) -> Vec<f64> {
         self.enter_segment(t);
         self.point(t, None);

@@ -111,7 +111,7 @@ impl Driven {
     }
 }
 
-/// Substitutes expressions, makes slots of the rest, and checks that every derivative the system uses is known.
+/// Substitutes expressions, makes slots of the others, and checks that every derivative the system uses is known.
 pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputError> {
     let mut system = system.clone();
     let known = system.input_names();

@@ -150,7 +150,7 @@ impl Driving {
         self.tables.iter().map(|table| &table.of).eq(other.tables.iter().map(|table| &table.of))
     }
 
-    /// Makes the segment that begins at `t` the current one; its end.
+    /// Makes the segment that starts at `t` the current one; its end.
     pub(super) fn enter(&mut self, t: f64) -> f64 {
         let mut end = f64::INFINITY;
         for table in &mut self.tables {

@@ -110,6 +110,7 @@ pub(crate) fn plain_surfaces(system: &mut System, switches: &[Switch]) -> Result
 pub(crate) fn derivatives(
     driven: &mut Driven,
     form: &SwitchedForm,
+    surfaces: &[Expr],
     wanted: Differentiate<'_>,
 ) -> Result<Option<Vec<Expr>>, InputError> {
     let mut numbers = Vec::with_capacity(wanted.by.len());
@@ -132,8 +133,6 @@ pub(crate) fn derivatives(
     for symbol in symbols {
         all.extend(form.dynamics.iter().map(|&f| pool.diff(f, symbol)));
     }
-    let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
-    let pool = &mut driven.system.pool;
     for number in numbers {
         all.extend(surfaces.iter().map(|&surface| pool.diff(surface, number)));
     }
@@ -154,12 +153,11 @@ pub(crate) fn with_derivatives_by_signs(
     switches.iter().all(|switch| !used.contains(&switch.sign)).then_some(all)
 }
 
-/// `∂σ_i/∂x_j` by rows, then `∂σ_i/∂t` including what moves with time.
-pub(crate) fn surface_gradients(driven: &mut Driven, switches: &[Switch]) -> Result<Vec<Expr>, InputError> {
-    let plain = plain_surfaces(&mut driven.system, switches)?;
+/// `∂σ_i/∂x_j` by rows, then `∂σ_i/∂t` including what moves with time; `surfaces` as [`plain_surfaces`] gives them.
+pub(crate) fn surface_gradients(driven: &mut Driven, switches: &[Switch], surfaces: &[Expr]) -> Vec<Expr> {
     let pool = &mut driven.system.pool;
     let mut signs: FxHashMap<Expr, Expr> = FxHashMap::default();
-    for (switch, surface) in switches.iter().zip(&plain) {
+    for (switch, surface) in switches.iter().zip(surfaces) {
         let symbol = pool.sym(switch.sign);
         let sign = pool.call(Func::Sign, *surface);
         signs.insert(symbol, sign);
@@ -177,5 +175,5 @@ pub(crate) fn surface_gradients(driven: &mut Driven, switches: &[Switch]) -> Res
         }
         all.push(sum);
     }
-    Ok(pool.substitute_all(&all, &signs))
+    pool.substitute_all(&all, &signs)
 }

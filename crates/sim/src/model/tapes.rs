@@ -51,10 +51,10 @@ impl Tapes {
         let measures = without_set_values(&mut driven.system, &measures, &actual);
         driven.outputs = without_set_values(&mut driven.system, &driven.outputs, &[]);
         let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
-        let gradients = surface_gradients(driven, &form.switches)?;
+        let gradients = surface_gradients(driven, &form.switches, &surfaces);
         let affine = with_derivatives_by_signs(&mut driven.system, &form.switches, &form.dynamics);
         let by = match differentiate {
-            Some(wanted) => derivatives(driven, form, wanted)?.map(|all| (all, wanted)),
+            Some(wanted) => derivatives(driven, form, &surfaces, wanted)?.map(|all| (all, wanted)),
             None => None,
         };
         let switches = model_switches(driven, form)?;
