@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::axes::{Axes, TICK_ROOM, Title, horizontal_scale, tick_width};
 use crate::canvas::{Align, Canvas, Dash, Look, Rect, Stroke, paint};
-use crate::color::{Color, Role};
+use crate::color::Color;
 use crate::decimate::{decimate, simplify};
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_increasing};
@@ -12,6 +12,7 @@ use crate::gif_images::GifImages;
 use crate::legend::{Legend, Marker, Sample};
 use crate::motion::{Outline, Pose};
 use crate::panel::{COLUMN, TOLERANCE};
+use crate::role::Role;
 use crate::stack::{BORDER, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, format_number, padded_range};

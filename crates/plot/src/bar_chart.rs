@@ -2,10 +2,11 @@
 
 use crate::axes::{Axes, Title, tick_width};
 use crate::canvas::{Align, Look, Rect, Stroke, paint};
-use crate::color::{Color, Role};
+use crate::color::Color;
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_lengths};
 use crate::legend::{Legend, Sample};
+use crate::role::Role;
 use crate::stack::{BORDER, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, padded_range, three_digits};

@@ -1,6 +1,4 @@
-//! Colours that readers with any colour vision tell apart, and what they stand for.
-
-use crate::canvas::Dash;
+//! Colours that readers with any colour vision tell apart.
 
 /// An sRGB colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,43 +66,5 @@ impl Color {
         let pale = self.mix(Self(255, 255, 255), 0.68);
         let dark = self.mix(Self(0, 0, 0), 0.38);
         pale.mix(dark, s)
-    }
-}
-
-/// What a curve, a bar or a path stands for. It has one colour and one kind of line in all figures, so that nobody takes one model for
-/// another between two of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Role {
-    /// The model that was given, such as a published one.
-    Given,
-    /// The given model with its parameters fitted anew.
-    Refitted,
-    /// The given model with terms added.
-    Extended,
-    /// What was measured.
-    Measured,
-    /// What a model promises, before anything moves.
-    Promised,
-}
-
-impl Role {
-    /// Its colour.
-    pub fn color(self) -> Color {
-        match self {
-            Self::Given => Color::VERMILLION,
-            Self::Refitted => Color::PURPLE,
-            Self::Extended => Color::BLUE,
-            Self::Measured => Color::INK,
-            Self::Promised => Color::GREY,
-        }
-    }
-
-    /// Its kind of line, for prints in grey.
-    pub fn dash(self) -> Dash {
-        match self {
-            Self::Given => Dash::Dashed,
-            Self::Refitted => Dash::DashDot,
-            Self::Extended | Self::Measured | Self::Promised => Dash::Solid,
-        }
     }
 }

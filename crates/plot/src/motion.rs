@@ -1,7 +1,8 @@
 //! Motions in the plane, and the shape of what moves.
 
-use crate::color::{Color, Role};
+use crate::color::Color;
 use crate::error::{Result, check_finite, check_lengths};
+use crate::role::Role;
 
 /// Position and orientation in the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]

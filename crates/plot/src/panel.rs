@@ -2,10 +2,11 @@
 
 use crate::axes::Axes;
 use crate::canvas::{Canvas, Dash, Rect, Stroke};
-use crate::color::{Color, Role};
+use crate::color::Color;
 use crate::decimate::{clip_to_strip, decimate, simplify};
 use crate::error::{Result, check_finite, check_interval, check_lengths};
 use crate::legend::{Marker, Sample};
+use crate::role::Role;
 use crate::ticks::three_digits;
 
 /// Width of the columns by which long lines are thinned: one pixel of the PNG.

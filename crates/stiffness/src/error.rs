@@ -61,3 +61,20 @@ pub enum StiffnessError {
         missing: f64,
     },
 }
+
+/// Refuses numbers that are not finite, called `what` as a whole.
+pub(crate) fn check_finite<'v>(
+    what: impl std::fmt::Display,
+    values: impl IntoIterator<Item = &'v f64>,
+) -> Result<(), StiffnessError> {
+    match values.into_iter().find(|v| !v.is_finite()) {
+        Some(value) => Err(StiffnessError::NotFinite { what: what.to_string(), value: *value }),
+        None => Ok(()),
+    }
+}
+
+/// The same, naming the entry from 1.
+pub(crate) fn check_entries(what: &str, values: &[f64]) -> Result<(), StiffnessError> {
+    let mut entries = values.iter().enumerate();
+    entries.try_for_each(|(i, value)| check_finite(format_args!("{what}: entry {}", i + 1), [value]))
+}

@@ -17,42 +17,30 @@
 //! ```
 
 mod compensate;
-mod deformation;
-mod document;
+mod compliance;
 mod error;
-mod file;
-mod frame;
 mod identify;
-mod inverse;
-mod kinematics;
-mod loaded;
-mod measurement;
-mod payload;
-mod rewrite;
+mod milling;
 mod robot;
-mod spring;
-mod urdf;
+mod robot_file;
+mod sensor;
 
 pub use compensate::{
-    CircleRun, CircleSample, CompensationError, CompensationSettings, Compensator, Correction, Cutting, Fault,
-    FilterOrder, ForceSensor, LostMotion, LostMotionReport, MillingCircle, PathError, ResidualSample, Stability,
-    Status, WrenchFilter, explain_residual, stability,
+    CompensationError, CompensationSettings, Compensator, Correction, Fault, FilterOrder, Stability, Status,
+    WrenchFilter, stability,
 };
-pub use deformation::Deformation;
-pub use document::RobotFileError;
+pub use compliance::{Deformation, DeformationModel, JointSpring, Springs, geometric_stiffness, loaded_compliance};
 pub use error::StiffnessError;
-pub use file::{NoiseLevels, RobotFile};
-pub use frame::{Twist, Wrench, displaced, displacement_between, twist_adjoint, wrench_adjoint};
 pub use identify::{
-    Attenuation, CartesianEstimate, CartesianEstimator, Comparison, DeformationModel, Found, IdentificationError,
-    Identified, Method, MethodReport, Outliers, Place, PoseChoice, PoseInformation, SpringFit, SpringFitSettings,
-    SpringParameter, compare, fit_springs, identify_cartesian,
+    Attenuation, CartesianEstimate, CartesianEstimator, Comparison, Found, IdentificationError, Identified, LostMotion,
+    LostMotionReport, Measurement, MeasurementNoise, MeasurementSet, Method, MethodReport, Outliers, Place, PoseChoice,
+    PoseInformation, ResidualSample, SpringFit, SpringFitSettings, SpringParameter, compare, explain_residual,
+    fit_springs, identify_cartesian,
 };
-pub use kinematics::Kinematics;
-pub use loaded::{geometric_stiffness, loaded_compliance};
-pub use measurement::{Measurement, MeasurementNoise, MeasurementSet};
-pub use payload::{Payload, PayloadError, PayloadEstimate, StaticReading, identify_payload};
-pub use rewrite::with_springs;
-pub use robot::{DhParameters, Joint, JointKind, Robot};
-pub use spring::{JointSpring, Springs};
-pub use urdf::UrdfError;
+pub use milling::{CircleRun, CircleSample, Cutting, MillingCircle, PathError};
+pub use robot::{
+    DhParameters, Joint, JointKind, Kinematics, Robot, Twist, UrdfError, Wrench, displaced, displacement_between,
+    twist_adjoint, wrench_adjoint,
+};
+pub use robot_file::{NoiseLevels, RobotFile, RobotFileError, with_springs};
+pub use sensor::{ForceSensor, Payload, PayloadError, PayloadEstimate, StaticReading, identify_payload};

@@ -1,15 +1,14 @@
 //! The compensation, one step per control period.
 
+use super::error::{CompensationError, positive};
 use super::filter::{Prediction, WrenchFilter};
-use super::settings::{CompensationError, CompensationSettings, ForceSensor, positive};
-use crate::deformation::{Bent, Yielded};
-use crate::error::StiffnessError;
-use crate::frame::{Twist, Wrench, displacement_between, twist_adjoint, wrench_adjoint};
-use crate::inverse::solve_damped;
-use crate::kinematics::Kinematics;
-use crate::payload::Payload;
-use crate::robot::Robot;
-use crate::spring::Springs;
+use super::settings::CompensationSettings;
+use crate::compliance::{Deflections, DeformedFrames, Springs};
+use crate::error::check_finite;
+use crate::robot::{
+    Kinematics, Robot, Twist, Wrench, displacement_between, halves, solve_damped, twist_adjoint, wrench_adjoint,
+};
+use crate::sensor::{ForceSensor, Payload};
 use nalgebra::Isometry3;
 
 /// Damping of Newton's steps (m, rad).
@@ -101,8 +100,8 @@ pub struct Compensator {
     filter: WrenchFilter,
     prediction: Option<Prediction>,
     kinematics: Kinematics,
-    bent: Bent,
-    yielded: Yielded,
+    deformed: DeformedFrames,
+    deflected: Deflections,
     /// Where the joints stand, loaded.
     loaded: Vec<f64>,
     wanted: Vec<f64>,
@@ -132,9 +131,7 @@ impl Compensator {
         positive("the range of moment", sensor.moment_range)?;
         positive("the limit of the correction", settings.correction_limit)?;
         positive("the limit of the rate", settings.rate_limit)?;
-        if let Some(value) = settings.gravity.iter().find(|v| !v.is_finite()) {
-            return Err(StiffnessError::NotFinite { what: "gravity".into(), value: *value }.into());
-        }
+        check_finite("gravity", &settings.gravity)?;
         let share = settings.stiffness_error;
         if !(0.0..1.0).contains(&share) {
             return Err(CompensationError::StiffnessError { share });
@@ -143,11 +140,11 @@ impl Compensator {
         let filter = WrenchFilter::new(order, cutoff, period)?;
         let prediction = settings.lag.map(|lag| Prediction::new(order, cutoff, period, lag)).transpose()?;
         let rest = vec![0.0; joints];
-        let yielded = Yielded::none(joints);
+        let deflected = Deflections::none(joints);
         Ok(Self {
             kinematics: Kinematics::new(&robot, &rest)?,
-            bent: Bent::new(&robot, &rest, &yielded.locals),
-            yielded,
+            deformed: DeformedFrames::new(&robot, &rest, &deflected),
+            deflected,
             loaded: rest.clone(),
             wanted: rest.clone(),
             correction: rest.clone(),
@@ -225,8 +222,8 @@ impl Compensator {
         if let Some(i) = bad(reading.as_slice()) {
             return Err(Fault::Reading(i));
         }
-        let (force, moment) = (reading.fixed_rows::<3>(0).amax(), reading.fixed_rows::<3>(3).amax());
-        if force > self.sensor.force_range || moment > self.sensor.moment_range {
+        let (force, moment) = halves(reading);
+        if force.amax() > self.sensor.force_range || moment.amax() > self.sensor.moment_range {
             return Err(Fault::Range);
         }
         Ok(())
@@ -235,7 +232,7 @@ impl Compensator {
     /// The process wrench at the tool point, in base axes: the reading less bias and weight.
     fn process_wrench(&mut self, measured: &[f64], reading: &Wrench) -> Result<Wrench, Fault> {
         for (i, loaded) in self.loaded.iter_mut().enumerate() {
-            *loaded = measured[i] + self.yielded.deflections[i];
+            *loaded = measured[i] + self.deflected.deflections[i];
         }
         let tool = self.robot.tool_pose(&self.loaded).map_err(|_| Fault::Unbounded)?;
         let sensor = tool * self.sensor.pose;
@@ -251,7 +248,7 @@ impl Compensator {
         for (i, spring) in self.springs.joints.iter().enumerate() {
             let deflection = spring.deflection(self.kinematics.torque(i, &self.wrench));
             self.displacement += self.kinematics.jacobian().column(i) * deflection;
-            self.yielded.deflections[i] = deflection;
+            self.deflected.deflections[i] = deflection;
             self.wanted[i] = -deflection;
         }
         if !self.springs.links.is_empty() {
@@ -269,10 +266,10 @@ impl Compensator {
         }
         let target = *self.kinematics.tool();
         for _ in 0..self.settings.newton_steps {
-            self.bend(reference);
-            self.bent.yield_to(&self.robot, &self.springs, &self.wrench, &mut self.yielded);
-            self.bend(reference);
-            let missing = displacement_between(&self.bent.tool, &target);
+            self.deform(reference);
+            self.deformed.deflect(&self.robot, &self.springs, &self.wrench, &mut self.deflected);
+            self.deform(reference);
+            let missing = displacement_between(&self.deformed.tool, &target);
             let weights = solve_damped(self.kinematics.jacobian(), &missing, DAMPING);
             for (i, wanted) in self.wanted.iter_mut().enumerate() {
                 *wanted += self.kinematics.jacobian().column(i).dot(&weights);
@@ -280,12 +277,12 @@ impl Compensator {
         }
     }
 
-    /// Frames at the wanted command, with what the springs do.
-    fn bend(&mut self, reference: &[f64]) {
+    /// Frames at the wanted command, with its deflections.
+    fn deform(&mut self, reference: &[f64]) {
         for (i, loaded) in self.loaded.iter_mut().enumerate() {
             *loaded = reference[i] + self.wanted[i];
         }
-        self.bent.update(&self.robot, &self.loaded, &self.yielded.locals);
+        self.deformed.update(&self.robot, &self.loaded, &self.deflected);
     }
 
     /// Brings the correction towards what is wanted, as far as the limits allow. All joints are shortened alike, so that the tool

@@ -1,7 +1,7 @@
 //! Low-pass filter of wrenches, and its prediction ahead.
 
-use super::settings::CompensationError;
-use crate::frame::Wrench;
+use super::error::CompensationError;
+use crate::robot::Wrench;
 use nalgebra::Complex;
 use std::f64::consts::{PI, SQRT_2};
 

@@ -1,17 +1,15 @@
-//! Compensation of the deformation while the robot works, and what it gains on a milled circle.
+//! Compensation of the deformation while the robot works, and whether it is stable with the process.
 
-mod circle;
 mod compensator;
-mod cutting;
+mod error;
 mod filter;
-mod lost_motion;
 mod settings;
 mod stability;
 
-pub use circle::{CircleRun, CircleSample, MillingCircle, PathError};
 pub use compensator::{Compensator, Correction, Fault, Status};
-pub use cutting::Cutting;
+pub use error::CompensationError;
 pub use filter::{FilterOrder, WrenchFilter};
-pub use lost_motion::{LostMotion, LostMotionReport, ResidualSample, explain_residual};
-pub use settings::{CompensationError, CompensationSettings, ForceSensor};
+pub use settings::CompensationSettings;
 pub use stability::{Stability, stability};
+
+pub(crate) use error::positive;

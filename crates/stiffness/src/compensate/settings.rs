@@ -1,19 +1,7 @@
-//! Settings of a compensation, and what can be wrong with them.
+//! Settings of a compensation.
 
 use super::filter::{FilterOrder, largest_excess};
-use crate::error::StiffnessError;
-use nalgebra::{Isometry3, Vector3};
-
-/// A force sensor between the robot and what it carries.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ForceSensor {
-    /// Pose of its frame (origin of its moments, its axes) in the frame of the tool point.
-    pub pose: Isometry3<f64>,
-    /// Largest force it can measure (N); beyond it a reading is a fault.
-    pub force_range: f64,
-    /// Largest moment it can measure (N·m).
-    pub moment_range: f64,
-}
+use nalgebra::Vector3;
 
 /// How a [`crate::Compensator`] works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,67 +54,4 @@ impl CompensationSettings {
         let predicted = self.lag.map_or(0.0, |lag| largest_excess(self.order, self.cutoff, self.period, lag));
         believed * (1.0 + predicted)
     }
-}
-
-/// Why there is no compensation.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CompensationError {
-    /// Robot, springs, payload or a pose that do not fit.
-    #[error(transparent)]
-    Stiffness(#[from] StiffnessError),
-    /// A cutoff that the sampling cannot represent.
-    #[error(
-        "a cutoff of {cutoff} Hz with a period of {period} s; it must lie between 0 and half the sampling rate, \
-         {:.3} Hz", 0.5 / period
-    )]
-    Cutoff {
-        /// Cutoff in Hz.
-        cutoff: f64,
-        /// Period in s.
-        period: f64,
-    },
-    /// A lag that is none.
-    #[error("the lag of the servo is {lag} s; it must be 0 or more")]
-    Lag {
-        /// Lag in s.
-        lag: f64,
-    },
-    /// An error of stiffness that leaves nothing to compensate with.
-    #[error(
-        "the error of the stiffnesses to reckon with is {share}; it must be a share from 0 to below 1: 10 % is 0.1"
-    )]
-    StiffnessError {
-        /// The share.
-        share: f64,
-    },
-    /// A setting that must be positive.
-    #[error("{what} is {value}; it must be positive")]
-    NotPositive {
-        /// Which one.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// A simulation whose process pulls the tool in.
-    #[error("the cutting force finds no depth at {angle:.3} rad of the circle: the process is stiffer than the robot")]
-    NoDepth {
-        /// Angle along the circle.
-        angle: f64,
-    },
-    /// A matrix whose eigenvalues do not settle.
-    #[error("the eigenvalues of the loop through the process do not settle; check the matrices' units")]
-    NoEigenvalues,
-    /// Too little to fit.
-    #[error("{found} samples; at least {needed} are needed to tell springs and lost motion apart")]
-    TooFew {
-        /// How many there are.
-        found: usize,
-        /// How many are needed.
-        needed: usize,
-    },
-}
-
-/// Refuses a number that is not positive and finite.
-pub(super) fn positive(what: &'static str, value: f64) -> Result<(), CompensationError> {
-    if value > 0.0 && value.is_finite() { Ok(()) } else { Err(CompensationError::NotPositive { what, value }) }
 }

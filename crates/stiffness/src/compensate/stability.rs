@@ -1,7 +1,7 @@
 //! Whether compensation and process drive each other up.
 
-use super::settings::CompensationError;
-use crate::error::StiffnessError;
+use super::error::CompensationError;
+use crate::error::check_finite;
 use nalgebra::{Complex, Matrix6, Schur};
 
 /// Iterations to the eigenvalues.
@@ -21,6 +21,18 @@ pub struct Stability {
 }
 
 impl Stability {
+    /// No feedback: nothing comes back.
+    pub(crate) const NONE: Self = Self { process: 0.0, compensation: 0.0, process_holds: true };
+
+    /// The larger of each gain.
+    pub(crate) fn worse(self, other: Self) -> Self {
+        Self {
+            process: self.process.max(other.process),
+            compensation: self.compensation.max(other.compensation),
+            process_holds: self.process_holds && other.process_holds,
+        }
+    }
+
     /// Whether both gains are below one and the process holds.
     ///
     /// A `compensation` below one is enough for any lag of the servo and any filter whose gain is at most one (generalised
@@ -43,9 +55,7 @@ pub fn stability(
     for (what, matrix) in
         [("process stiffness", process), ("compliance", compliance), ("modelled compliance", modelled)]
     {
-        if let Some(value) = matrix.iter().find(|v| !v.is_finite()) {
-            return Err(StiffnessError::NotFinite { what: what.into(), value: *value }.into());
-        }
+        check_finite(what, matrix)?;
     }
     let round = process * compliance;
     let returned = eigenvalues(&round)?;

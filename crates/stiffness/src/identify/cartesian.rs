@@ -4,14 +4,13 @@ use super::error::IdentificationError;
 use super::estimators::{
     EntryCovariance, displacement_on_wrench, positive_definite, total_least_squares, weighted, wrench_on_displacement,
 };
-use super::outliers::{Outliers, agreeing};
+use super::measurement::MeasurementSet;
+use super::outliers::{Outliers, consensus};
 use super::scaled::{Row, Scaled, check_count, check_loads};
-use crate::measurement::MeasurementSet;
+use super::statistics::TWO_SIDED;
 use nalgebra::{Matrix6, SMatrix};
 use std::fmt;
 
-/// 97.5 % point of the normal distribution.
-const TWO_SIDED: f64 = 1.959_964;
 /// Random subsets of this size look for outliers: twice what a compliance needs.
 const SUBSET: usize = 12;
 /// Iterations of the positive definite fit.
@@ -86,15 +85,18 @@ pub struct CartesianEstimate {
 impl CartesianEstimate {
     /// 95 % interval of an entry of K.
     pub fn stiffness_interval(&self, row: usize, column: usize) -> (f64, f64) {
-        let (value, reach) = (self.stiffness[(row, column)], TWO_SIDED * self.stiffness_std[(row, column)]);
-        (value - reach, value + reach)
+        interval(&self.stiffness, &self.stiffness_std, (row, column))
     }
 
     /// 95 % interval of an entry of C.
     pub fn compliance_interval(&self, row: usize, column: usize) -> (f64, f64) {
-        let (value, reach) = (self.compliance[(row, column)], TWO_SIDED * self.compliance_std[(row, column)]);
-        (value - reach, value + reach)
+        interval(&self.compliance, &self.compliance_std, (row, column))
     }
+}
+
+fn interval(values: &Matrix6<f64>, std: &Matrix6<f64>, entry: (usize, usize)) -> (f64, f64) {
+    let (value, reach) = (values[entry], TWO_SIDED * std[entry]);
+    (value - reach, value + reach)
 }
 
 /// Fits a stiffness to measurements at one pose.
@@ -125,7 +127,7 @@ pub fn identify_cartesian(
     let load_condition = check_loads(&scaled.rows)?;
     let kept = match outliers {
         Outliers::Keep => (0..scaled.rows.len()).collect(),
-        Outliers::Reject => agreeing(
+        Outliers::Reject => consensus(
             scaled.rows.len(),
             SUBSET,
             |indices| {

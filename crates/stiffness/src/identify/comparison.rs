@@ -4,12 +4,12 @@ use super::cartesian::{CartesianEstimate, CartesianEstimator, identify_cartesian
 use super::conventions::check_conventions;
 use super::error::IdentificationError;
 use super::estimators::noise_sums;
+use super::measurement::MeasurementSet;
 use super::outliers::{Draw, Outliers};
 use super::scaled::{Row, Scaled};
 use super::springs::{SpringFit, SpringFitSettings, fit_springs, squared_distance};
-use crate::measurement::MeasurementSet;
+use crate::compliance::Springs;
 use crate::robot::Robot;
-use crate::spring::Springs;
 use nalgebra::Matrix6;
 use std::fmt;
 
@@ -102,7 +102,7 @@ pub fn compare(
     }
     let left_out = match outliers {
         Outliers::Keep => Vec::new(),
-        Outliers::Reject => contradicting(set, robot)?,
+        Outliers::Reject => find_outliers(set, robot)?,
     };
     let kept: Vec<usize> = (0..set.len()).filter(|i| !left_out.contains(i)).collect();
     let set = set.subset(&kept);
@@ -130,7 +130,7 @@ pub fn compare(
 
 /// Measurements that contradict the springs; the free matrix, where that explains the rest better. A model that misses something takes
 /// good measurements for bad.
-fn contradicting(
+fn find_outliers(
     set: &MeasurementSet,
     robot: Option<(&Robot, &Springs, &SpringFitSettings)>,
 ) -> Result<Vec<usize>, IdentificationError> {
@@ -157,7 +157,7 @@ fn folds(count: usize) -> Vec<Vec<usize>> {
     (0..FOLDS).map(|fold| order.iter().copied().skip(fold).step_by(FOLDS).collect()).collect()
 }
 
-fn rest(count: usize, fold: &[usize]) -> Vec<usize> {
+fn all_but(count: usize, fold: &[usize]) -> Vec<usize> {
     (0..count).filter(|i| !fold.contains(i)).collect()
 }
 
@@ -183,7 +183,7 @@ fn joint_springs(
     let fit = fit_springs(robot, set, start, settings)?;
     let mut sum = 0.0;
     for fold in folds {
-        let without = fit_springs(robot, &set.subset(&rest(set.len(), fold)), start, settings);
+        let without = fit_springs(robot, &set.subset(&all_but(set.len(), fold)), start, settings);
         let without = without.map_err(|why| of_all(why, set.len()))?;
         sum += fold.iter().map(|i| squared_distance(robot, set, *i, without.fitted(), settings.model)).sum::<f64>();
     }
@@ -201,7 +201,7 @@ fn cartesian(
     let reference = identify_cartesian(set, CartesianEstimator::PositiveDefinite, Outliers::Keep)?.compliance;
     let mut sum = 0.0;
     for fold in folds {
-        let without = identify_cartesian(&set.subset(&rest(set.len(), fold)), estimator, Outliers::Keep);
+        let without = identify_cartesian(&set.subset(&all_but(set.len(), fold)), estimator, Outliers::Keep);
         let without = without.map_err(|why| of_all(why, set.len()))?;
         for i in fold {
             let (m, noise) = (&set.measurements()[*i], &set.noise()[*i]);

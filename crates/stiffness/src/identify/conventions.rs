@@ -1,17 +1,14 @@
 //! Data in another unit or with another sign than they should have, as the springs of the joints tell.
 
 use super::error::IdentificationError;
+use super::measurement::{Measurement, MeasurementSet};
 use super::parameters::links_alone;
+use super::statistics::{CHI_SQUARE_MEDIAN, median};
+use crate::compliance::Springs;
 use crate::error::StiffnessError;
-use crate::frame::{Twist, Wrench};
-use crate::kinematics::Kinematics;
-use crate::measurement::{Measurement, MeasurementSet, median};
-use crate::robot::Robot;
-use crate::spring::Springs;
+use crate::robot::{Kinematics, Robot, Twist, Wrench};
 use nalgebra::{DMatrix, DVector};
 
-/// Median of χ² with 6 degrees of freedom.
-const MEDIAN: f64 = 5.348;
 /// Residual, in units of the noise, from which on a mistake is looked for.
 const SUSPICIOUS: f64 = 1.5;
 /// Share of the residual below which a change of the data has found it.
@@ -109,7 +106,7 @@ fn misfit(robot: &Robot, set: &MeasurementSet, start: &Springs, factors: [f64; 4
         order.truncate(((TRUSTED * rows.len() as f64).ceil() as usize).max(1));
         kept = order;
     }
-    let middle = (median(squared) / MEDIAN).sqrt();
+    let middle = (median(squared) / CHI_SQUARE_MEDIAN).sqrt();
     middle.is_finite().then_some(middle)
 }
 

@@ -1,6 +1,6 @@
 //! The estimators of a Cartesian compliance, in scaled coordinates.
 
-use super::levenberg_marquardt::minimise;
+use super::levenberg_marquardt::minimize;
 use super::scaled::Row;
 use nalgebra::{DMatrix, DVector, Matrix6, SMatrix, SVector, Vector6};
 
@@ -57,7 +57,7 @@ pub(super) fn displacement_on_wrench(rows: &[Row]) -> Option<(Matrix6<f64>, Entr
     Some((compliance, gram.kronecker(&(covariance / rows.len() as f64))))
 }
 
-/// Minimises `Σ rᵀ (Σ_X + C Σ_W Cᵀ)⁻¹ r`, `r = ΔX − C W`, with the covariances renewed from the last C.
+/// Minimizes `Σ rᵀ (Σ_X + C Σ_W Cᵀ)⁻¹ r`, `r = ΔX − C W`, with the covariances renewed from the last C.
 pub(super) fn weighted(rows: &[Row]) -> Option<(Matrix6<f64>, EntryCovariance)> {
     let (mut compliance, _) = displacement_on_wrench(rows)?;
     let mut covariance = EntryCovariance::zeros();
@@ -140,7 +140,7 @@ pub(super) fn positive_definite(rows: &[Row], most_iterations: usize) -> Option<
         }
         Some(stacked)
     };
-    let minimum = minimise(residuals, start, most_iterations)?;
+    let minimum = minimize(residuals, start, most_iterations)?;
     // Entries per parameter: d(G Gᵀ) = dG Gᵀ + G dGᵀ.
     let g = factor(&minimum.parameters);
     let mut entries = DMatrix::zeros(36, 21);
@@ -154,7 +154,7 @@ pub(super) fn positive_definite(rows: &[Row], most_iterations: usize) -> Option<
     let tiny = 1e-12 * information.amax();
     let covariance = &entries * information.pseudo_inverse(tiny).ok()? * entries.transpose();
     let covariance = EntryCovariance::from_column_slice(covariance.as_slice());
-    Some((compliance(&minimum.parameters), covariance, minimum.settled))
+    Some((compliance(&minimum.parameters), covariance, minimum.converged))
 }
 
 fn lower() -> impl Iterator<Item = (usize, usize)> {

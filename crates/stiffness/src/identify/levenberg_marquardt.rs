@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Step of the central differences; the parameters are of size 1 (logarithms, or scaled).
 const DIFFERENCE: f64 = 1e-5;
-/// Relative decrease of the sum of squares below which the fit has settled.
-const SETTLED: f64 = 1e-8;
+/// Relative decrease of the sum of squares below which the fit has converged.
+const CONVERGED: f64 = 1e-8;
 /// Largest change of a parameter in a step.
 const LONGEST: f64 = 2.0;
 
@@ -15,18 +15,19 @@ pub(super) struct Minimum {
     /// Derivative of the residuals there.
     pub(super) jacobian: DMatrix<f64>,
     pub(super) iterations: usize,
-    pub(super) settled: bool,
+    pub(super) converged: bool,
 }
 
-/// Minimises `‖residuals(p)‖²` (Levenberg 1944, Marquardt 1963). `None` from `residuals` makes a step too long.
-pub(super) fn minimise(
+/// Minimizes `‖residuals(p)‖²` (Levenberg 1944, Marquardt 1963). `None` from `residuals` makes a step too long.
+pub(super) fn minimize(
     residuals: impl Fn(&DVector<f64>) -> Option<DVector<f64>>,
     start: DVector<f64>,
     most_iterations: usize,
 ) -> Option<Minimum> {
     let mut p = start;
     let mut r = residuals(&p)?;
-    let mut jacobian = derivative(&residuals, &p, r.len())?;
+    let derivative = |p: &DVector<f64>| central_differences(|p| residuals(p).ok_or(()), p).ok();
+    let mut jacobian = derivative(&p)?;
     let mut damping = 1e-3;
     for iteration in 0..most_iterations {
         let normal = jacobian.tr_mul(&jacobian);
@@ -57,33 +58,32 @@ pub(super) fn minimise(
             damping *= 4.0;
         }
         let Some((next, moved)) = lowered else {
-            return Some(Minimum { parameters: p, jacobian, iterations: iteration, settled: true });
+            return Some(Minimum { parameters: p, jacobian, iterations: iteration, converged: true });
         };
         let decrease = r.norm_squared() - moved.norm_squared();
-        let settled = decrease <= SETTLED * r.norm_squared();
+        let converged = decrease <= CONVERGED * r.norm_squared();
         (p, r) = (next, moved);
-        jacobian = derivative(&residuals, &p, r.len())?;
+        jacobian = derivative(&p)?;
         damping = (damping * 0.2).max(1e-12);
-        if settled {
-            return Some(Minimum { parameters: p, jacobian, iterations: iteration + 1, settled });
+        if converged {
+            return Some(Minimum { parameters: p, jacobian, iterations: iteration + 1, converged });
         }
     }
-    Some(Minimum { parameters: p, jacobian, iterations: most_iterations, settled: false })
+    Some(Minimum { parameters: p, jacobian, iterations: most_iterations, converged: false })
 }
 
-fn derivative(
-    residuals: &impl Fn(&DVector<f64>) -> Option<DVector<f64>>,
+/// Jacobian of a vector function at `p`, one column for each parameter.
+pub(super) fn central_differences<E>(
+    function: impl Fn(&DVector<f64>) -> Result<DVector<f64>, E>,
     p: &DVector<f64>,
-    rows: usize,
-) -> Option<DMatrix<f64>> {
-    let mut jacobian = DMatrix::zeros(rows, p.len());
-    for j in 0..p.len() {
+) -> Result<DMatrix<f64>, E> {
+    let columns = (0..p.len()).map(|j| {
         let at = |sign: f64| {
             let mut moved = p.clone();
             moved[j] += sign * DIFFERENCE;
-            residuals(&moved)
+            function(&moved)
         };
-        jacobian.set_column(j, &((at(1.0)? - at(-1.0)?) / (2.0 * DIFFERENCE)));
-    }
-    Some(jacobian)
+        Ok((at(1.0)? - at(-1.0)?) / (2.0 * DIFFERENCE))
+    });
+    Ok(DMatrix::from_columns(&columns.collect::<Result<Vec<_>, E>>()?))
 }

@@ -1,12 +1,8 @@
 //! Measurements that contradict the rest.
 
 use super::error::IdentificationError;
-use crate::measurement::median;
+use super::statistics::{CHI_SQUARE_MEDIAN, CHI_SQUARE_REJECTED, median};
 
-/// Median of χ² with 6 degrees of freedom.
-const MEDIAN: f64 = 5.348;
-/// Its 99.9 % point.
-const REJECTED: f64 = 22.458;
 /// Random subsets to start from. With 5 % outliers, 12 measurements are all good in 54 % of them; with 20 % still in 7 %.
 const SUBSETS: usize = 60;
 /// Share of outliers beyond which the model is doubted instead.
@@ -32,7 +28,7 @@ pub enum Outliers {
 /// A noise larger than stated widens the bound: the median tells by how much. Beyond ten times it is refused.
 ///
 /// `fit` makes a model of some measurements, `distances` gives its squared Mahalanobis distances (6 degrees of freedom) to all.
-pub(super) fn agreeing<M>(
+pub(super) fn consensus<M>(
     count: usize,
     subset: usize,
     fit: impl Fn(&[usize]) -> Option<M>,
@@ -53,8 +49,8 @@ pub(super) fn agreeing<M>(
     let Some((_, mut squared)) = best else { return Ok(all) };
     let mut kept = Vec::new();
     for _ in 0..30 {
-        let scale = (median(squared.clone()) / MEDIAN).max(1.0);
-        let next: Vec<usize> = all.iter().copied().filter(|i| squared[*i] <= REJECTED * scale).collect();
+        let scale = (median(squared.clone()) / CHI_SQUARE_MEDIAN).max(1.0);
+        let next: Vec<usize> = all.iter().copied().filter(|i| squared[*i] <= CHI_SQUARE_REJECTED * scale).collect();
         if next == kept {
             break;
         }
@@ -65,9 +61,9 @@ pub(super) fn agreeing<M>(
         }
     }
     let left_out = count - kept.len();
-    let contradicting = median(squared.clone()) > CONTRADICTING * MEDIAN;
+    let contradicting = median(squared.clone()) > CONTRADICTING * CHI_SQUARE_MEDIAN;
     if left_out as f64 > MOST * count as f64 || contradicting {
-        let found = if contradicting { squared.iter().filter(|d| **d > REJECTED).count() } else { left_out };
+        let found = if contradicting { squared.iter().filter(|d| **d > CHI_SQUARE_REJECTED).count() } else { left_out };
         return Err(IdentificationError::TooManyOutliers { found, of: count });
     }
     Ok(kept)

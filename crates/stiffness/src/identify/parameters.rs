@@ -1,42 +1,10 @@
 //! The numbers of joint springs as a list of logarithms.
 
 use super::error::IdentificationError;
-use crate::deformation::Deformation;
+use crate::compliance::{Deformation, Springs};
 use crate::error::StiffnessError;
-use crate::frame::{Twist, Wrench};
-use crate::robot::Robot;
-use crate::spring::{JointSpring, Springs};
+use crate::robot::{Robot, Twist, Wrench};
 use nalgebra::DVector;
-
-/// Which prediction of the displacement the springs are fitted with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DeformationModel {
-    /// [`Deformation::linear`].
-    Linear,
-    /// [`Deformation::product`].
-    Product,
-    /// [`Deformation::equilibrium`].
-    #[default]
-    Equilibrium,
-}
-
-impl DeformationModel {
-    /// Displacement of the tool point under a wrench there, in base axes.
-    pub(super) fn displacement(
-        self,
-        robot: &Robot,
-        springs: &Springs,
-        q: &[f64],
-        wrench: &Wrench,
-    ) -> Result<Twist, StiffnessError> {
-        let deformation = match self {
-            Self::Linear => Deformation::linear(robot, springs, q, wrench),
-            Self::Product => Deformation::product(robot, springs, q, wrench),
-            Self::Equilibrium => Deformation::equilibrium(robot, springs, q, wrench),
-        };
-        Ok(deformation?.tool)
-    }
-}
 
 /// A number of a joint's spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,14 +19,7 @@ pub(super) struct Parameter {
 pub(super) fn parameters(springs: &Springs) -> Result<Vec<Parameter>, IdentificationError> {
     let mut list = Vec::new();
     for (joint, spring) in springs.joints.iter().enumerate() {
-        let numbers = match *spring {
-            JointSpring::Linear { stiffness } => vec![("stiffness", stiffness)],
-            JointSpring::Stiffening { stiffness, cubic } => vec![("stiffness", stiffness), ("cubic", cubic)],
-            JointSpring::Backlash { stiffness, gap, engaged } => {
-                vec![("stiffness", stiffness), ("gap", gap), ("engaged", engaged)]
-            }
-        };
-        for (name, value) in numbers {
+        for (name, value) in spring.parameters() {
             if value <= 0.0 {
                 return Err(IdentificationError::Start { joint: joint + 1, name, value });
             }
@@ -80,12 +41,7 @@ pub(super) fn springs_at(start: &Springs, logarithms: &DVector<f64>) -> Springs 
     let mut values = logarithms.iter().map(|v| v.exp());
     let mut springs = start.clone();
     for spring in &mut springs.joints {
-        let numbers = match spring {
-            JointSpring::Linear { stiffness } => vec![stiffness],
-            JointSpring::Stiffening { stiffness, cubic } => vec![stiffness, cubic],
-            JointSpring::Backlash { stiffness, gap, engaged } => vec![stiffness, gap, engaged],
-        };
-        numbers.into_iter().zip(&mut values).for_each(|(number, value)| *number = value);
+        spring.parameters_mut().into_iter().zip(&mut values).for_each(|((_, parameter), value)| *parameter = value);
     }
     springs
 }

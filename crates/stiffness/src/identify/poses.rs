@@ -1,18 +1,14 @@
 //! Which poses and loads tell the most.
 
 use super::error::{IdentificationError, Place};
-use super::parameters::{DeformationModel, logarithms, parameters, springs_at};
-use super::springs::Known;
-use crate::Wrench;
-use crate::kinematics::Kinematics;
-use crate::loaded::loaded_compliance;
-use crate::measurement::MeasurementNoise;
-use crate::robot::Robot;
-use crate::spring::Springs;
+use super::levenberg_marquardt::central_differences;
+use super::measurement::MeasurementNoise;
+use super::parameters::{logarithms, parameters, springs_at};
+use super::uncertainty::Uncertainty;
+use crate::compliance::{Deformation, Springs, loaded_compliance};
+use crate::error::StiffnessError;
+use crate::robot::{Kinematics, Robot, Wrench};
 use nalgebra::{DMatrix, DVector};
-
-/// Step of the differences with respect to logarithms.
-const DIFFERENCE: f64 = 1e-5;
 
 /// A choice from candidates.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,21 +43,16 @@ impl PoseInformation {
     ) -> Result<Self, IdentificationError> {
         springs.check(robot.joints.len())?;
         let point = logarithms(&parameters(springs)?);
-        let model = DeformationModel::Product;
         let each = candidates.iter().enumerate().map(|(candidate, (q, wrench))| {
             let kinematics = Kinematics::new(robot, q)?;
             let compliance = loaded_compliance(robot, springs, &kinematics, wrench)?;
             let covariance = noise.displacement + compliance * noise.wrench * compliance.transpose();
             let whiten = covariance.cholesky().ok_or(IdentificationError::Noise { what: "displacement" })?;
-            let mut sensitivity = DMatrix::zeros(6, point.len());
-            for k in 0..point.len() {
-                let at = |sign: f64| {
-                    let mut moved: DVector<f64> = point.clone();
-                    moved[k] += sign * DIFFERENCE;
-                    model.displacement(robot, &springs_at(springs, &moved), q, wrench)
-                };
-                sensitivity.set_column(k, &((at(1.0)? - at(-1.0)?) / (2.0 * DIFFERENCE)));
-            }
+            let displacement = |p: &DVector<f64>| {
+                let tool = Deformation::product(robot, &springs_at(springs, p), q, wrench)?.tool;
+                Ok::<_, StiffnessError>(DVector::from_column_slice(tool.as_slice()))
+            };
+            let sensitivity = central_differences(displacement, &point)?;
             let information = sensitivity.tr_mul(&whiten.solve(&sensitivity));
             match information.iter().find(|v| !v.is_finite()) {
                 Some(v) => Err(IdentificationError::NotFinite {
@@ -78,7 +69,7 @@ impl PoseInformation {
     /// What the given candidates (from 0) tell together; those that do not exist tell nothing.
     pub fn of(&self, candidates: &[usize]) -> PoseChoice {
         let information = self.sum(candidates);
-        let known = Known::from(&information);
+        let known = Uncertainty::from(&information);
         let mut chosen = candidates.to_vec();
         chosen.sort_unstable();
         PoseChoice {

@@ -1,7 +1,7 @@
 //! Measurements in coordinates in which forces and moments, translations and rotations can be compared.
 
 use super::error::{IdentificationError, Place};
-use crate::measurement::{MeasurementSet, WRENCH_COLUMNS};
+use super::measurement::{MeasurementSet, WRENCH_COLUMNS};
 use nalgebra::{Matrix6, Vector6};
 
 /// Largest difference of coordinates (rad, m) within one pose: it changes a compliance by as much in relation.

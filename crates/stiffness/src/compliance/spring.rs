@@ -1,6 +1,6 @@
 //! Springs: of joints, and of what lies between them.
 
-use crate::error::StiffnessError;
+use crate::error::{StiffnessError, check_finite};
 use nalgebra::Matrix6;
 
 /// How a joint yields to a torque.
@@ -61,30 +61,45 @@ impl JointSpring {
         }
     }
 
+    /// k in N·m/rad (N/m where the joint slides).
+    pub fn stiffness(&self) -> f64 {
+        let (Self::Linear { stiffness } | Self::Stiffening { stiffness, .. } | Self::Backlash { stiffness, .. }) = self;
+        *stiffness
+    }
+
+    pub(crate) fn stiffness_mut(&mut self) -> &mut f64 {
+        let (Self::Linear { stiffness } | Self::Stiffening { stiffness, .. } | Self::Backlash { stiffness, .. }) = self;
+        stiffness
+    }
+
+    /// Its parameters by the names of the robot file, the stiffness first: `stiffness`, `cubic`, `gap`, `engaged`.
+    pub fn parameters(&self) -> Vec<(&'static str, f64)> {
+        let mut spring = *self;
+        spring.parameters_mut().into_iter().map(|(name, value)| (name, *value)).collect()
+    }
+
+    pub(crate) fn parameters_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
+        match self {
+            Self::Linear { stiffness } => vec![("stiffness", stiffness)],
+            Self::Stiffening { stiffness, cubic } => vec![("stiffness", stiffness), ("cubic", cubic)],
+            Self::Backlash { stiffness, gap, engaged } => {
+                vec![("stiffness", stiffness), ("gap", gap), ("engaged", engaged)]
+            }
+        }
+    }
+
     /// Refuses springs that are none.
     fn check(&self, joint: usize) -> Result<(), StiffnessError> {
         let positive = |what, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(())
-            } else {
-                Err(StiffnessError::NotPositive { joint, what, value })
-            }
+            let holds = value.is_finite() && value > 0.0;
+            holds.then_some(()).ok_or(StiffnessError::NotPositive { joint, what, value })
         };
-        let not_negative = |what, value: f64| {
-            if value.is_finite() && value >= 0.0 {
-                Ok(())
-            } else {
-                Err(StiffnessError::NotPositive { joint, what, value })
-            }
-        };
+        let not_negative = |what, value: f64| if value == 0.0 { Ok(()) } else { positive(what, value) };
+        positive("the stiffness", self.stiffness())?;
         match *self {
-            Self::Linear { stiffness } => positive("the stiffness", stiffness),
-            Self::Stiffening { stiffness, cubic } => {
-                positive("the stiffness", stiffness)?;
-                not_negative("the cubic stiffness", cubic)
-            }
-            Self::Backlash { stiffness, gap, engaged } => {
-                positive("the stiffness", stiffness)?;
+            Self::Linear { .. } => Ok(()),
+            Self::Stiffening { cubic, .. } => not_negative("the cubic stiffness", cubic),
+            Self::Backlash { gap, engaged, .. } => {
                 not_negative("the gap", gap)?;
                 positive("the torque of engagement", engaged)
             }
@@ -143,10 +158,7 @@ impl Springs {
     pub fn scaled(&self, factors: &[f64]) -> Self {
         let mut scaled = self.clone();
         for (spring, factor) in scaled.joints.iter_mut().zip(factors) {
-            let (JointSpring::Linear { stiffness }
-            | JointSpring::Stiffening { stiffness, .. }
-            | JointSpring::Backlash { stiffness, .. }) = spring;
-            *stiffness *= factor;
+            *spring.stiffness_mut() *= factor;
         }
         scaled
     }
@@ -162,9 +174,7 @@ impl Springs {
             spring.check(i + 1)?;
         }
         for (i, link) in self.links.iter().enumerate() {
-            if let Some(value) = link.iter().find(|v| !v.is_finite()) {
-                return Err(StiffnessError::NotFinite { what: format!("compliance of link {}", i + 1), value: *value });
-            }
+            check_finite(format_args!("compliance of link {}", i + 1), link)?;
         }
         Ok(())
     }

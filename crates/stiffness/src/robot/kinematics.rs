@@ -1,9 +1,9 @@
 //! Where all frames are, and how they move with the joints.
 
+use super::chain::{JointKind, Robot};
+use super::frame::{Twist, Wrench, stacked, wrench_in};
 use crate::error::StiffnessError;
-use crate::frame::{Twist, Wrench, cross_matrix, wrench_in};
-use crate::robot::{JointKind, Robot};
-use nalgebra::{Isometry3, Matrix3, Matrix6xX, Vector3};
+use nalgebra::{Isometry3, Matrix6xX, Vector3};
 
 /// Frames and geometric Jacobian of a robot in one pose. Renewed by [`Kinematics::update`] without allocation.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,42 +100,23 @@ impl Kinematics {
         let arm = point - self.frames[i].translation.vector;
         // What lies behind joint j turns about its axis; a sliding joint turns nothing.
         let turns = joint_j == JointKind::Revolute;
-        if j <= i {
-            if !turns {
-                return Twist::zeros();
-            }
-            let turn: Matrix3<f64> = cross_matrix(&zj);
-            return column_derivative(joint_i, &zi, &arm, &(turn * zi), &(turn * arm));
+        let (axis_moves, arm_moves) = match (j <= i, turns) {
+            (true, true) => (zj.cross(&zi), zj.cross(&arm)),
+            (true, false) => return Twist::zeros(),
+            (false, true) => (Vector3::zeros(), zj.cross(&(point - self.frames[j].translation.vector))),
+            (false, false) => (Vector3::zeros(), zj),
+        };
+        match joint_i {
+            JointKind::Revolute => stacked(&(axis_moves.cross(&arm) + zi.cross(&arm_moves)), &axis_moves),
+            JointKind::Prismatic => stacked(&axis_moves, &Vector3::zeros()),
         }
-        let moved = if turns { zj.cross(&(point - self.frames[j].translation.vector)) } else { zj };
-        column_derivative(joint_i, &zi, &arm, &Vector3::zeros(), &moved)
     }
 }
 
 /// A column of the Jacobian for an axis and the arm from the joint to the point.
 fn column(kind: JointKind, axis: &Vector3<f64>, arm: &Vector3<f64>) -> Twist {
     match kind {
-        JointKind::Revolute => {
-            let v = axis.cross(arm);
-            Twist::new(v.x, v.y, v.z, axis.x, axis.y, axis.z)
-        }
-        JointKind::Prismatic => Twist::new(axis.x, axis.y, axis.z, 0.0, 0.0, 0.0),
-    }
-}
-
-/// Its derivative for derivatives of axis and arm.
-fn column_derivative(
-    kind: JointKind,
-    axis: &Vector3<f64>,
-    arm: &Vector3<f64>,
-    axis_moves: &Vector3<f64>,
-    arm_moves: &Vector3<f64>,
-) -> Twist {
-    match kind {
-        JointKind::Revolute => {
-            let v = axis_moves.cross(arm) + axis.cross(arm_moves);
-            Twist::new(v.x, v.y, v.z, axis_moves.x, axis_moves.y, axis_moves.z)
-        }
-        JointKind::Prismatic => Twist::new(axis_moves.x, axis_moves.y, axis_moves.z, 0.0, 0.0, 0.0),
+        JointKind::Revolute => stacked(&axis.cross(arm), axis),
+        JointKind::Prismatic => stacked(axis, &Vector3::zeros()),
     }
 }

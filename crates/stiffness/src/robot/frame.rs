@@ -1,5 +1,6 @@
 //! Frames, and how wrenches and small displacements move between them.
 
+use crate::error::{StiffnessError, check_entries};
 use nalgebra::{Isometry3, Matrix3, Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
 
 /// Force (N) and moment (N·m) of a load on the robot.
@@ -16,40 +17,52 @@ pub(crate) fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
 /// The adjoint that carries wrenches from a frame into the one its `pose` is given in:
 /// `f ↦ R f`, `m ↦ R m + p × R f`.
 pub fn wrench_adjoint(pose: &Isometry3<f64>) -> Matrix6<f64> {
-    let r = *pose.rotation.to_rotation_matrix().matrix();
-    let mut adjoint = Matrix6::zeros();
-    adjoint.fixed_view_mut::<3, 3>(0, 0).copy_from(&r);
-    adjoint.fixed_view_mut::<3, 3>(3, 3).copy_from(&r);
-    adjoint.fixed_view_mut::<3, 3>(3, 0).copy_from(&(cross_matrix(&pose.translation.vector) * r));
-    adjoint
+    adjoint(pose, (3, 0))
 }
 
 /// The adjoint that carries small displacements of a rigid body from a frame into the one its `pose` is given in:
 /// `t ↦ R t + p × R r`, `r ↦ R r`. Work is the same in both: `twist_adjointᵀ wrench_adjoint = 1`.
 pub fn twist_adjoint(pose: &Isometry3<f64>) -> Matrix6<f64> {
+    adjoint(pose, (0, 3))
+}
+
+/// R twice on the diagonal, `p × R` in one of the other blocks.
+fn adjoint(pose: &Isometry3<f64>, lever: (usize, usize)) -> Matrix6<f64> {
     let r = *pose.rotation.to_rotation_matrix().matrix();
     let mut adjoint = Matrix6::zeros();
-    adjoint.fixed_view_mut::<3, 3>(0, 0).copy_from(&r);
-    adjoint.fixed_view_mut::<3, 3>(3, 3).copy_from(&r);
-    adjoint.fixed_view_mut::<3, 3>(0, 3).copy_from(&(cross_matrix(&pose.translation.vector) * r));
+    for (block, value) in [((0, 0), r), ((3, 3), r), (lever, cross_matrix(&pose.translation.vector) * r)] {
+        adjoint.fixed_view_mut::<3, 3>(block.0, block.1).copy_from(&value);
+    }
     adjoint
+}
+
+/// `[first; last]`.
+pub(crate) fn stacked(first: &Vector3<f64>, last: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(first.x, first.y, first.z, last.x, last.y, last.z)
+}
+
+/// Its force or translation, and its moment or rotation.
+pub(crate) fn halves(v: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    (v.fixed_rows::<3>(0).into(), v.fixed_rows::<3>(3).into())
+}
+
+/// Refuses a wrench with an entry that is not finite.
+pub(crate) fn check_wrench(wrench: &Wrench) -> Result<(), StiffnessError> {
+    check_entries("wrench", wrench.as_slice())
 }
 
 /// What a wrench at `point`, in base axes, is at a frame, in its axes.
 pub(crate) fn wrench_in(frame: &Isometry3<f64>, point: &Vector3<f64>, wrench: &Wrench) -> Wrench {
-    let force: Vector3<f64> = wrench.fixed_rows::<3>(0).into();
-    let moment: Vector3<f64> = wrench.fixed_rows::<3>(3).into();
+    let (force, moment) = halves(wrench);
     let arm = point - frame.translation.vector;
     let back = frame.rotation.inverse();
-    let (f, m) = (back * force, back * (moment + arm.cross(&force)));
-    Wrench::new(f.x, f.y, f.z, m.x, m.y, m.z)
+    stacked(&(back * force), &(back * (moment + arm.cross(&force))))
 }
 
 /// A frame after a displacement in the axes that its pose is given in: its origin moves by the translation, its axes turn by the
 /// rotation vector.
 pub fn displaced(pose: &Isometry3<f64>, by: &Twist) -> Isometry3<f64> {
-    let translation: Vector3<f64> = by.fixed_rows::<3>(0).into();
-    let rotation: Vector3<f64> = by.fixed_rows::<3>(3).into();
+    let (translation, rotation) = halves(by);
     Isometry3::from_parts(
         Translation3::from(pose.translation.vector + translation),
         UnitQuaternion::new(rotation) * pose.rotation,
@@ -61,5 +74,5 @@ pub fn displaced(pose: &Isometry3<f64>, by: &Twist) -> Isometry3<f64> {
 pub fn displacement_between(from: &Isometry3<f64>, to: &Isometry3<f64>) -> Twist {
     let translation = to.translation.vector - from.translation.vector;
     let rotation = (to.rotation * from.rotation.inverse()).scaled_axis();
-    Twist::new(translation.x, translation.y, translation.z, rotation.x, rotation.y, rotation.z)
+    stacked(&translation, &rotation)
 }

@@ -1,6 +1,6 @@
 //! Robots from URDF descriptions.
 
-use crate::robot::{Joint, JointKind, Robot};
+use super::chain::{Joint, JointKind, Robot};
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 use urdf_rs::JointType;
@@ -84,14 +84,9 @@ impl Robot {
         for joint in chain {
             robot.tool *= pose(joint)?;
             if let Some(kind) = kind(joint)? {
-                let axis = Vector3::from(*joint.axis.xyz);
-                let axis =
-                    Unit::try_new(axis, 1e-9).filter(|axis| axis.iter().all(|v| v.is_finite())).ok_or_else(|| {
-                        UrdfError::Joint {
-                            joint: joint.name.clone(),
-                            reason: "its axis has no direction; correct <axis xyz>",
-                        }
-                    })?;
+                let axis = Unit::try_new(Vector3::from(*joint.axis.xyz), 1e-9);
+                let axis = axis.filter(|axis| axis.iter().all(|v| v.is_finite()));
+                let axis = axis.ok_or_else(|| refused(joint, "its axis has no direction; correct <axis xyz>"))?;
                 let placement = std::mem::replace(&mut robot.tool, Isometry3::identity());
                 robot.joints.push(Joint { name: joint.name.clone(), kind, placement, axis, offset: 0.0 });
             }
@@ -127,24 +122,27 @@ fn named<'a>(
 fn pose(joint: &urdf_rs::Joint) -> Result<Isometry3<f64>, UrdfError> {
     let ([x, y, z], [roll, pitch, yaw]) = (*joint.origin.xyz, *joint.origin.rpy);
     if [x, y, z, roll, pitch, yaw].iter().any(|v| !v.is_finite()) {
-        let reason = "its origin has a number that is not finite; correct <origin>";
-        return Err(UrdfError::Joint { joint: joint.name.clone(), reason });
+        return Err(refused(joint, "its origin has a number that is not finite; correct <origin>"));
     }
     Ok(Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_euler_angles(roll, pitch, yaw)))
 }
 
+fn refused(joint: &urdf_rs::Joint, reason: &'static str) -> UrdfError {
+    UrdfError::Joint { joint: joint.name.clone(), reason }
+}
+
 /// What a joint does; none where it is fixed.
 fn kind(joint: &urdf_rs::Joint) -> Result<Option<JointKind>, UrdfError> {
-    let refused = |reason| Err(UrdfError::Joint { joint: joint.name.clone(), reason });
     if joint.mimic.is_some() {
-        return refused("it mimics another one, which a serial robot does not; choose base and tip to leave it out");
+        let reason = "it mimics another one, which a serial robot does not; choose base and tip to leave it out";
+        return Err(refused(joint, reason));
     }
     match joint.joint_type {
         JointType::Fixed => Ok(None),
         JointType::Revolute | JointType::Continuous => Ok(Some(JointKind::Revolute)),
         JointType::Prismatic => Ok(Some(JointKind::Prismatic)),
         JointType::Floating | JointType::Planar | JointType::Spherical => {
-            refused("it has several degrees of freedom; choose base and tip to leave it out")
+            Err(refused(joint, "it has several degrees of freedom; choose base and tip to leave it out"))
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Robot files with other springs.
 
-use crate::document::{Document, RobotFileError, Table};
-use crate::file::{joint_tables, spring};
-use crate::spring::{JointSpring, Springs};
+use super::document::{Document, RobotFileError, Table};
+use super::joints::{joint_tables, spring};
+use crate::compliance::{JointSpring, Springs};
 
 /// The text of a robot file with other springs of its joints; comments and everything else stay, compliances of links too.
 ///
@@ -22,16 +22,16 @@ pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String,
     // What replaces a range of the text.
     let mut changes: Vec<(std::ops::Range<usize>, String)> = Vec::new();
     if described {
-        let entry = |spring| {
+        let entry = |spring: &JointSpring| {
             let keys: Vec<String> =
-                keys(spring).iter().map(|(key, v)| format!("{key} = {}\n", significant(*v))).collect();
+                spring.parameters().iter().map(|(key, v)| format!("{key} = {}\n", significant(*v))).collect();
             format!("\n[[joint]]\n{}", keys.concat())
         };
         let entries: Vec<String> = springs.joints.iter().map(entry).collect();
         changes.push((text.len()..text.len(), format!("\n{}", entries.concat())));
     }
     for (joint, spring) in joints.iter().zip(&springs.joints) {
-        for (key, value) in keys(spring) {
+        for (key, value) in spring.parameters() {
             if let Some(old) = joint.get(key) {
                 changes.push((old.span(), significant(value)));
             } else {
@@ -72,17 +72,6 @@ fn added(text: &str, joint: &Table<'_>, key: &str, value: f64) -> (std::ops::Ran
     (end..end, format!("\n{key} = {value}"))
 }
 
-/// The keys of a spring.
-fn keys(spring: &JointSpring) -> Vec<(&'static str, f64)> {
-    match *spring {
-        JointSpring::Linear { stiffness } => vec![("stiffness", stiffness)],
-        JointSpring::Stiffening { stiffness, cubic } => vec![("stiffness", stiffness), ("cubic", cubic)],
-        JointSpring::Backlash { stiffness, gap, engaged } => {
-            vec![("stiffness", stiffness), ("gap", gap), ("engaged", engaged)]
-        }
-    }
-}
-
 /// A number with six significant digits.
 fn significant(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
@@ -91,16 +80,6 @@ fn significant(value: f64) -> String {
 
 /// Whether springs are the same to the digits that are written.
 fn close(a: &JointSpring, b: &JointSpring) -> bool {
-    let near = |a: f64, b: f64| (a - b).abs() <= 1e-5 * b.abs();
-    match (*a, *b) {
-        (JointSpring::Linear { stiffness: a }, JointSpring::Linear { stiffness: b }) => near(a, b),
-        (JointSpring::Stiffening { stiffness: a, cubic: c }, JointSpring::Stiffening { stiffness: b, cubic: d }) => {
-            near(a, b) && near(c, d)
-        }
-        (
-            JointSpring::Backlash { stiffness: a, gap: c, engaged: e },
-            JointSpring::Backlash { stiffness: b, gap: d, engaged: f },
-        ) => near(a, b) && near(c, d) && near(e, f),
-        _ => false,
-    }
+    let (a, b) = (a.parameters(), b.parameters());
+    a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() <= 1e-5 * b.1.abs())
 }

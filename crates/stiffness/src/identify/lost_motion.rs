@@ -1,11 +1,9 @@
 //! Why a compensation gains less than it might: what no linear spring explains.
 
-use super::settings::CompensationError;
-use crate::deformation::Deformation;
-use crate::frame::Wrench;
-use crate::kinematics::Kinematics;
-use crate::robot::Robot;
-use crate::spring::{JointSpring, Springs};
+use crate::compensate::CompensationError;
+use crate::compliance::{Deformation, JointSpring, Springs};
+use crate::error::check_finite;
+use crate::robot::{Kinematics, Robot, Wrench};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Samples for each number that is fitted.
@@ -126,7 +124,7 @@ pub fn explain_residual(
         best = solution;
         best = data.refine(&mut chosen, best);
     }
-    let regular = data.regularised(&chosen, best.squares);
+    let regular = data.regularized(&chosen, best.squares);
     let rms = |squares: f64| (squares / samples.len() as f64).sqrt();
     // A compliance that all but vanishes in the fit is not believed.
     let factors: Vec<f64> = (0..joints).map(|i| 1.0 / (1.0 + regular[i]).max(0.1)).collect();
@@ -146,7 +144,7 @@ pub fn explain_residual(
         });
     }
     Ok(LostMotionReport {
-        residual: rms(data.rest.norm_squared()),
+        residual: rms(data.residual.norm_squared()),
         linear: rms(linear.squares),
         nonlinear: rms(best.squares),
         lost_motion,
@@ -169,7 +167,7 @@ struct Solution {
 
 /// Residual displacements and what they depend on, three rows for each sample.
 struct Regression {
-    rest: DVector<f64>,
+    residual: DVector<f64>,
     /// Displacement per relative change of each joint's compliance.
     linear: DMatrix<f64>,
     /// Displacement per rad of each joint.
@@ -184,7 +182,7 @@ impl Regression {
     fn new(robot: &Robot, springs: &Springs, samples: &[ResidualSample]) -> Result<Self, CompensationError> {
         let joints = robot.joints.len();
         let mut data = Self {
-            rest: DVector::zeros(3 * samples.len()),
+            residual: DVector::zeros(3 * samples.len()),
             linear: DMatrix::zeros(3 * samples.len(), joints),
             columns: DMatrix::zeros(3 * samples.len(), joints),
             torques: DMatrix::zeros(samples.len(), joints),
@@ -194,21 +192,18 @@ impl Regression {
             let bent = Deformation::equilibrium(robot, springs, &sample.coordinates, &sample.wrench)?;
             let loaded: Vec<f64> = sample.coordinates.iter().zip(&bent.deflections).map(|(q, d)| q + d).collect();
             let kinematics = Kinematics::new(robot, &loaded)?;
-            let rest = sample.displacement - bent.tool.fixed_rows::<3>(0);
-            data.rest.fixed_rows_mut::<3>(3 * k).copy_from(&rest);
+            let residual = sample.displacement - bent.tool.fixed_rows::<3>(0);
+            data.residual.fixed_rows_mut::<3>(3 * k).copy_from(&residual);
             for i in 0..joints {
                 let torque = kinematics.torque(i, &sample.wrench);
                 let column = kinematics.jacobian().fixed_view::<3, 1>(0, i);
                 data.torques[(k, i)] = torque;
                 data.columns.fixed_view_mut::<3, 1>(3 * k, i).copy_from(&column);
-                let yielded = column * (torque / stiffness(&springs.joints[i]));
+                let yielded = column * (torque / springs.joints[i].stiffness());
                 data.linear.fixed_view_mut::<3, 1>(3 * k, i).copy_from(&yielded);
             }
         }
-        if let Some(value) = data.rest.iter().find(|v| !v.is_finite()) {
-            let what = "a measured displacement".to_owned();
-            return Err(crate::StiffnessError::NotFinite { what, value: *value }.into());
-        }
+        check_finite("a measured displacement", &data.residual)?;
         let changes_sign = |i: usize| data.reversals(i) > 0;
         let is_linear = |i: usize| matches!(springs.joints[i], JointSpring::Linear { .. });
         data.candidates = (0..joints).filter(|i| changes_sign(*i) && is_linear(*i)).collect();
@@ -235,29 +230,29 @@ impl Regression {
     }
 
     /// Normal equations with a penalty on each number.
-    fn penalised(&self, design: &DMatrix<f64>, penalty: impl Fn(usize) -> f64) -> DVector<f64> {
+    fn penalized(&self, design: &DMatrix<f64>, penalty: impl Fn(usize) -> f64) -> DVector<f64> {
         let mut gram = design.transpose() * design;
         let size = gram.trace().max(f64::MIN_POSITIVE);
         for i in 0..gram.nrows() {
             gram[(i, i)] += penalty(i) + 1e-14 * size;
         }
-        let right = design.transpose() * &self.rest;
+        let right = design.transpose() * &self.residual;
         gram.cholesky().map_or_else(|| DVector::zeros(right.len()), |factor| factor.solve(&right))
     }
 
     fn solve(&self, terms: &[Term]) -> Solution {
         let design = self.design(terms);
-        let x = self.penalised(&design, |_| 0.0);
-        let squares = (&self.rest - design * &x).norm_squared();
+        let x = self.penalized(&design, |_| 0.0);
+        let squares = (&self.residual - design * &x).norm_squared();
         Solution { x, squares }
     }
 
     /// The numbers where stiffnesses that the samples do not determine stay near what they were.
-    fn regularised(&self, terms: &[Term], squares: f64) -> DVector<f64> {
+    fn regularized(&self, terms: &[Term], squares: f64) -> DVector<f64> {
         let joints = self.linear.ncols();
-        let variance = squares / self.rest.len() as f64;
+        let variance = squares / self.residual.len() as f64;
         let penalty = |i: usize| if i < joints { variance / (PRIOR_DEVIATION * PRIOR_DEVIATION) } else { 0.0 };
-        self.penalised(&self.design(terms), penalty)
+        self.penalized(&self.design(terms), penalty)
     }
 
     fn tried(&self, joint: usize) -> impl Iterator<Item = f64> {
@@ -304,13 +299,5 @@ impl Regression {
             width = width.sqrt();
         }
         best
-    }
-}
-
-fn stiffness(spring: &JointSpring) -> f64 {
-    match *spring {
-        JointSpring::Linear { stiffness }
-        | JointSpring::Stiffening { stiffness, .. }
-        | JointSpring::Backlash { stiffness, .. } => stiffness,
     }
 }

@@ -1,9 +1,11 @@
 //! What a load does to a robot, frame by frame.
 
+use super::spring::Springs;
 use crate::error::StiffnessError;
-use crate::frame::{Twist, Wrench, displaced, displacement_between, twist_adjoint, wrench_in};
-use crate::robot::{JointKind, Robot, check_wrench};
-use crate::spring::Springs;
+use crate::robot::{
+    JointKind, Robot, Twist, Wrench, check_wrench, displaced, displacement_between, halves, stacked, twist_adjoint,
+    wrench_in,
+};
 use nalgebra::{Isometry3, Vector3};
 
 /// Most iterations to the loaded equilibrium.
@@ -31,19 +33,16 @@ impl Deformation {
     /// # Errors
     /// [`StiffnessError`] for coordinates, springs or a wrench that do not fit.
     pub fn linear(robot: &Robot, springs: &Springs, q: &[f64], wrench: &Wrench) -> Result<Self, StiffnessError> {
-        check(robot, springs, q, wrench)?;
-        let mut yielded = Yielded::none(q.len());
-        let unloaded = Bent::new(robot, q, &yielded.locals);
-        unloaded.yield_to(robot, springs, wrench, &mut yielded);
+        let (unloaded, deflected) = first_order(robot, springs, q, wrench)?;
         // Twists at the origin of the base add up.
         let mut total = Twist::zeros();
         let mut frames = Vec::with_capacity(q.len());
-        for (frame, local) in unloaded.springs.iter().zip(&yielded.locals) {
+        for (frame, local) in unloaded.springs.iter().zip(&deflected.locals) {
             total += twist_adjoint(frame) * local;
-            frames.push(at_point(&total, &frame.translation.vector));
+            frames.push(twist_at(&frame.translation.vector, &total));
         }
-        let tool = at_point(&total, &unloaded.tool.translation.vector);
-        Ok(Self { deflections: yielded.deflections, frames, tool })
+        let tool = twist_at(&unloaded.tool.translation.vector, &total);
+        Ok(Self { deflections: deflected.deflections, frames, tool })
     }
 
     /// The product of deformed transforms: every joint turned by its deflection and every link displaced, under the wrenches of the
@@ -52,12 +51,9 @@ impl Deformation {
     /// # Errors
     /// As [`Deformation::linear`].
     pub fn product(robot: &Robot, springs: &Springs, q: &[f64], wrench: &Wrench) -> Result<Self, StiffnessError> {
-        check(robot, springs, q, wrench)?;
-        let mut yielded = Yielded::none(q.len());
-        let unloaded = Bent::new(robot, q, &yielded.locals);
-        unloaded.yield_to(robot, springs, wrench, &mut yielded);
-        let bent = Bent::new(robot, q, &yielded.locals);
-        Ok(unloaded.moved_to(&bent, yielded.deflections))
+        let (unloaded, deflected) = first_order(robot, springs, q, wrench)?;
+        let deformed = DeformedFrames::new(robot, q, &deflected);
+        Ok(unloaded.deformation_to(&deformed, deflected))
     }
 
     /// The loaded equilibrium: the wrench keeps its axes and acts on the tool point where it has moved to.
@@ -66,67 +62,103 @@ impl Deformation {
     /// As [`Deformation::linear`]; [`StiffnessError::NoEquilibrium`] where the iteration does not settle.
     pub fn equilibrium(robot: &Robot, springs: &Springs, q: &[f64], wrench: &Wrench) -> Result<Self, StiffnessError> {
         check(robot, springs, q, wrench)?;
-        let mut yielded = Yielded::none(q.len());
-        let unloaded = Bent::new(robot, q, &yielded.locals);
-        let mut bent = unloaded.clone();
+        let mut deflected = Deflections::none(q.len());
+        let unloaded = DeformedFrames::new(robot, q, &deflected);
+        let mut deformed = unloaded.clone();
         let mut change = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
-            change = bent.yield_to(robot, springs, wrench, &mut yielded);
-            bent.update(robot, q, &yielded.locals);
+            change = deformed.deflect(robot, springs, wrench, &mut deflected);
+            deformed.update(robot, q, &deflected);
             if change <= SETTLED {
-                return Ok(unloaded.moved_to(&bent, yielded.deflections));
+                return Ok(unloaded.deformation_to(&deformed, deflected));
             }
         }
         Err(StiffnessError::NoEquilibrium { iterations: MOST_ITERATIONS, change })
     }
 }
 
-/// The frames of a robot whose springs have yielded. Renewed by [`Bent::update`] without allocation.
+/// Which prediction of the displacement is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DeformationModel {
+    /// [`Deformation::linear`].
+    Linear,
+    /// [`Deformation::product`].
+    Product,
+    /// [`Deformation::equilibrium`].
+    #[default]
+    Equilibrium,
+}
+
+impl DeformationModel {
+    /// Displacement of the tool point under a wrench there, in base axes.
+    pub(crate) fn displacement(
+        self,
+        robot: &Robot,
+        springs: &Springs,
+        q: &[f64],
+        wrench: &Wrench,
+    ) -> Result<Twist, StiffnessError> {
+        let deformation = match self {
+            Self::Linear => Deformation::linear,
+            Self::Product => Deformation::product,
+            Self::Equilibrium => Deformation::equilibrium,
+        };
+        Ok(deformation(robot, springs, q, wrench)?.tool)
+    }
+}
+
+/// The frames of a robot with deflected springs. Renewed by [`DeformedFrames::update`] without allocation.
 #[derive(Clone, Debug)]
-pub(crate) struct Bent {
-    /// Frame of each joint as its springs find it.
+pub(crate) struct DeformedFrames {
+    /// Frame of each joint before its own springs deflect.
     springs: Vec<Isometry3<f64>>,
-    /// The same after they have yielded.
+    /// The same after.
     frames: Vec<Isometry3<f64>>,
     pub(crate) tool: Isometry3<f64>,
 }
 
-/// What springs do under a load.
+/// Deflections of the springs under a load.
 #[derive(Clone, Debug)]
-pub(crate) struct Yielded {
+pub(crate) struct Deflections {
     pub(crate) deflections: Vec<f64>,
     /// Displacement of each joint's frame in its own axes.
     pub(crate) locals: Vec<Twist>,
 }
 
-impl Yielded {
+impl Deflections {
     /// No load.
     pub(crate) fn none(joints: usize) -> Self {
         Self { deflections: vec![0.0; joints], locals: vec![Twist::zeros(); joints] }
     }
 }
 
-impl Bent {
-    pub(crate) fn new(robot: &Robot, q: &[f64], locals: &[Twist]) -> Self {
-        let none = vec![Isometry3::identity(); q.len()];
-        let mut bent = Self { springs: none.clone(), frames: none, tool: Isometry3::identity() };
-        bent.update(robot, q, locals);
-        bent
+impl DeformedFrames {
+    pub(crate) fn new(robot: &Robot, q: &[f64], deflected: &Deflections) -> Self {
+        let frames = vec![Isometry3::identity(); q.len()];
+        let mut deformed = Self { springs: frames.clone(), frames, tool: Isometry3::identity() };
+        deformed.update(robot, q, deflected);
+        deformed
     }
 
-    pub(crate) fn update(&mut self, robot: &Robot, q: &[f64], locals: &[Twist]) {
+    pub(crate) fn update(&mut self, robot: &Robot, q: &[f64], deflected: &Deflections) {
         let mut pose = Isometry3::identity();
         for (i, joint) in robot.joints.iter().enumerate() {
             pose *= joint.placement * joint.motion(q[i]);
             self.springs[i] = pose;
-            pose *= displaced(&Isometry3::identity(), &locals[i]);
+            pose *= displaced(&Isometry3::identity(), &deflected.locals[i]);
             self.frames[i] = pose;
         }
         self.tool = pose * robot.tool;
     }
 
-    /// What the springs do at these frames; gives the largest change against what `yielded` held.
-    pub(crate) fn yield_to(&self, robot: &Robot, springs: &Springs, wrench: &Wrench, yielded: &mut Yielded) -> f64 {
+    /// Deflections of the springs at these frames; returns the largest change against what `deflected` held.
+    pub(crate) fn deflect(
+        &self,
+        robot: &Robot,
+        springs: &Springs,
+        wrench: &Wrench,
+        deflected: &mut Deflections,
+    ) -> f64 {
         let mut change: f64 = 0.0;
         for (i, (joint, frame)) in robot.joints.iter().zip(&self.springs).enumerate() {
             let here = wrench_in(frame, &self.tool.translation.vector, wrench);
@@ -139,30 +171,41 @@ impl Bent {
             let mut local = springs.links.get(i).map_or(Twist::zeros(), |link| link * here);
             let mut along = local.fixed_rows_mut::<3>(rows);
             along += joint.axis.into_inner() * deflection;
-            change = change.max((local - yielded.locals[i]).amax());
-            yielded.deflections[i] = deflection;
-            yielded.locals[i] = local;
+            change = change.max((local - deflected.locals[i]).amax());
+            deflected.deflections[i] = deflection;
+            deflected.locals[i] = local;
         }
         change
     }
 
-    fn moved_to(&self, bent: &Bent, deflections: Vec<f64>) -> Deformation {
-        let frames = self.frames.iter().zip(&bent.frames);
+    fn deformation_to(&self, deformed: &DeformedFrames, deflected: Deflections) -> Deformation {
+        let frames = self.frames.iter().zip(&deformed.frames);
         Deformation {
-            deflections,
+            deflections: deflected.deflections,
             frames: frames.map(|(from, to)| displacement_between(from, to)).collect(),
-            tool: displacement_between(&self.tool, &bent.tool),
+            tool: displacement_between(&self.tool, &deformed.tool),
         }
     }
 }
 
-/// A twist at the origin of the base, seen at a point.
-fn at_point(twist: &Twist, point: &Vector3<f64>) -> Twist {
-    let rotation: Vector3<f64> = twist.fixed_rows::<3>(3).into();
-    let mut moved = *twist;
-    let mut translation = moved.fixed_rows_mut::<3>(0);
-    translation += rotation.cross(point);
-    moved
+/// The unloaded frames, and the deflections of springs under the wrenches there.
+fn first_order(
+    robot: &Robot,
+    springs: &Springs,
+    q: &[f64],
+    wrench: &Wrench,
+) -> Result<(DeformedFrames, Deflections), StiffnessError> {
+    check(robot, springs, q, wrench)?;
+    let mut deflected = Deflections::none(q.len());
+    let unloaded = DeformedFrames::new(robot, q, &deflected);
+    unloaded.deflect(robot, springs, wrench, &mut deflected);
+    Ok((unloaded, deflected))
+}
+
+/// A twist at the origin of the base, transported to a point.
+fn twist_at(point: &Vector3<f64>, twist: &Twist) -> Twist {
+    let (translation, rotation) = halves(twist);
+    stacked(&(translation + rotation.cross(point)), &rotation)
 }
 
 fn check(robot: &Robot, springs: &Springs, q: &[f64], wrench: &Wrench) -> Result<(), StiffnessError> {

@@ -1,7 +1,7 @@
 //! The force of a milling cutter.
 
-use super::settings::{CompensationError, positive};
-use crate::frame::Wrench;
+use crate::compensate::{CompensationError, positive};
+use crate::robot::{Wrench, stacked};
 use nalgebra::{Matrix6, Vector3};
 
 /// A cutting force in proportion to the depth of cut (mechanistic model, Altintas, *Manufacturing Automation*), on the circle that the
@@ -44,8 +44,7 @@ impl Cutting {
     /// Wrench on the robot at the tool point, for a depth of cut at a time; none where the tool is out of the material.
     pub(super) fn wrench(&self, at: &Directions, depth: f64, time: f64) -> Wrench {
         let ripple = 1.0 + self.ripple * (std::f64::consts::TAU * self.ripple_frequency * time).sin();
-        let f = self.per_depth(at) * (depth.max(0.0) * ripple);
-        Wrench::new(f.x, f.y, f.z, 0.0, 0.0, 0.0)
+        stacked(&(self.per_depth(at) * (depth.max(0.0) * ripple)), &Vector3::zeros())
     }
 
     /// `K_p`: the wrench changes by `−K_p ΔX`, as the tool goes deeper outwards.

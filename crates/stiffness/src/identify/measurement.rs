@@ -1,7 +1,8 @@
 //! Measured displacements under measured loads, checked before anything is computed from them.
 
-use crate::frame::{Twist, Wrench};
-use crate::identify::{IdentificationError, Place};
+use super::error::{IdentificationError, Place};
+use super::statistics::median;
+use crate::robot::{Twist, Wrench, halves};
 use nalgebra::{Matrix6, Vector6};
 use std::collections::HashMap;
 
@@ -13,8 +14,9 @@ pub(crate) const TWIST_COLUMNS: [&str; 6] =
 
 /// Largest displacement taken for elastic: m and rad.
 const LARGEST: (f64, f64) = (0.05, 0.1);
-/// Largest load on a robot: N and N·m.
-const HEAVIEST: (f64, f64) = (1e7, 1e7);
+/// The same with the largest load on a robot.
+const LIMITS: [(&str, f64, &str); 4] =
+    [("translation", LARGEST.0, "m"), ("rotation", LARGEST.1, "rad"), ("force", 1e7, "N"), ("moment", 1e7, "N·m")];
 /// Range of standard deviations.
 const DEVIATIONS: (f64, f64) = (1e-12, 1e6);
 /// Force per translation of robots, N/m.
@@ -43,6 +45,14 @@ pub struct Measurement {
     pub wrench: Wrench,
     /// Displacement of the tool point against the unloaded pose, in base axes (m, rotation vector in rad).
     pub displacement: Twist,
+}
+
+impl Measurement {
+    /// Magnitudes of translation, rotation, force and moment.
+    fn sizes(&self) -> [f64; 4] {
+        let ((translation, rotation), (force, moment)) = (halves(&self.displacement), halves(&self.wrench));
+        [translation, rotation, force, moment].map(|part| part.norm())
+    }
 }
 
 /// Covariances of what is measured. They also make rotations comparable with translations: everything is weighted by them.
@@ -206,11 +216,8 @@ fn check_units(measurements: &[Measurement], noise: &MeasurementNoise) -> Result
     if measurements.is_empty() {
         return Ok(());
     }
-    let median = |part: &dyn Fn(&Measurement) -> f64| median(measurements.iter().map(part).collect());
-    let translation = median(&|m| m.displacement.fixed_rows::<3>(0).norm());
-    let rotation = median(&|m| m.displacement.fixed_rows::<3>(3).norm());
-    let force = median(&|m| m.wrench.fixed_rows::<3>(0).norm());
-    let moment = median(&|m| m.wrench.fixed_rows::<3>(3).norm());
+    let [translation, rotation, force, moment] =
+        std::array::from_fn(|part| median(measurements.iter().map(|m| m.sizes()[part]).collect()));
     let shows = |value: f64, row: usize| {
         let variance = noise.wrench.diagonal().fixed_rows::<3>(row).sum();
         value > BEYOND_NOISE * variance.sqrt()
@@ -244,15 +251,10 @@ fn check_units(measurements: &[Measurement], noise: &MeasurementNoise) -> Result
         within("translation per rotation", translation / rotation, TRANSLATION_PER_ROTATION, "m", remedy)?;
     }
     for (i, m) in measurements.iter().enumerate() {
-        let sizes = [
-            ("translation", m.displacement.fixed_rows::<3>(0).norm(), LARGEST.0, "m"),
-            ("rotation", m.displacement.fixed_rows::<3>(3).norm(), LARGEST.1, "rad"),
-            ("force", m.wrench.fixed_rows::<3>(0).norm(), HEAVIEST.0, "N"),
-            ("moment", m.wrench.fixed_rows::<3>(3).norm(), HEAVIEST.1, "N·m"),
-        ];
-        if let Some(&(what, value, limit, unit)) = sizes.iter().find(|(_, value, limit, _)| value > limit) {
-            let row = Place::Row(i + 1);
-            return Err(IdentificationError::Implausible { row, what, value, limit, unit });
+        for (value, (what, limit, unit)) in m.sizes().into_iter().zip(LIMITS) {
+            if value > limit {
+                return Err(IdentificationError::Implausible { row: Place::Row(i + 1), what, value, limit, unit });
+            }
         }
     }
     Ok(())
@@ -267,10 +269,4 @@ fn check_sign(measurements: &[Measurement], noise: &MeasurementNoise) -> Result<
     });
     let (found, of) = (against.count(), measurements.len());
     if 2 * found > of { Err(IdentificationError::Sign { found, of }) } else { Ok(()) }
-}
-
-/// The middle of some numbers; 0 of none.
-pub(crate) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

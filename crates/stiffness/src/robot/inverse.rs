@@ -1,9 +1,9 @@
 //! Joint coordinates for a pose of the tool point.
 
+use super::chain::Robot;
+use super::frame::{Twist, displacement_between, halves};
+use super::kinematics::Kinematics;
 use crate::error::StiffnessError;
-use crate::frame::{Twist, displacement_between};
-use crate::kinematics::Kinematics;
-use crate::robot::Robot;
 use nalgebra::{Isometry3, Matrix6, Matrix6xX};
 
 /// Most iterations to a pose.
@@ -38,8 +38,7 @@ impl Robot {
             kinematics.update(self, &q)?;
             missing = displacement_between(kinematics.tool(), pose);
         }
-        let [x, y, z, ..] = missing.as_slice() else { return Ok(q) };
-        Err(StiffnessError::NoPose { iterations: MOST_ITERATIONS, missing: (x * x + y * y + z * z).sqrt() })
+        Err(StiffnessError::NoPose { iterations: MOST_ITERATIONS, missing: halves(&missing).0.norm() })
     }
 }
 

@@ -1,30 +1,16 @@
 //! A milled circle, simulated: what the compensation is worth.
 
-use super::compensator::{Compensator, Status};
 use super::cutting::{Cutting, Directions};
-use super::settings::{CompensationError, ForceSensor, positive};
-use super::stability::{Stability, stability};
-use crate::deformation::{Bent, Yielded};
-use crate::error::StiffnessError;
-use crate::frame::{Wrench, wrench_in};
-use crate::kinematics::Kinematics;
-use crate::loaded::loaded_compliance;
-use crate::payload::{Payload, PayloadError, PayloadEstimate, StaticReading, identify_payload};
-use crate::robot::Robot;
-use crate::spring::Springs;
+use super::cutting_robot::CuttingRobot;
+use crate::compensate::{CompensationError, Compensator, Stability, Status, positive, stability};
+use crate::compliance::{Springs, loaded_compliance};
+use crate::robot::{Kinematics, Robot, Wrench, wrench_in};
+use crate::sensor::{ForceSensor, Payload, PayloadError, PayloadEstimate, StaticReading, identify_payload};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{PI, TAU};
-
-/// Error of the depth of cut at which the process and the springs agree (m).
-const DEPTH_FOUND: f64 = 1e-10;
-/// Most evaluations to the depth of cut.
-const MOST_DEPTHS: usize = 80;
-/// Most passes to the loaded equilibrium, and the change (m, rad) that ends them.
-const MOST_PASSES: usize = 60;
-const SETTLED: f64 = 1e-12;
 
 /// A circle that a robot mills in the plane across its tool, from the inside of the material.
 ///
@@ -219,16 +205,14 @@ impl MillingCircle {
         springs: &Springs,
         modelled: &Springs,
     ) -> Result<Stability, CompensationError> {
-        let mut worst = Stability { process: 0.0, compensation: 0.0, process_holds: true };
+        let mut worst = Stability::NONE;
         for (k, q) in path.iter().enumerate().step_by((path.len() / 72).max(1)) {
             let kinematics = Kinematics::new(robot, q)?;
-            let load = self.cutting.wrench(&self.directions(self.angle(k)), self.cutting.depth, 0.0);
+            let at = self.directions(self.angle(k));
+            let load = self.cutting.wrench(&at, self.cutting.depth, 0.0);
             let compliance = loaded_compliance(robot, springs, &kinematics, &load)?;
             let believed = loaded_compliance(robot, modelled, &kinematics, &load)?;
-            let here = stability(&self.cutting.stiffness(&self.directions(self.angle(k))), &compliance, &believed)?;
-            worst.process = worst.process.max(here.process);
-            worst.compensation = worst.compensation.max(here.compensation);
-            worst.process_holds &= here.process_holds;
+            worst = worst.worse(stability(&self.cutting.stiffness(&at), &compliance, &believed)?);
         }
         Ok(worst)
     }
@@ -251,7 +235,7 @@ impl MillingCircle {
         }
         let lag = self.lag_periods();
         let mut noise = Noise::new(self, self.seed, 1.0);
-        let mut plant = Plant::new(robot, springs);
+        let mut milling = CuttingRobot::new(robot, springs);
         let mut commands: Vec<Vec<f64>> = Vec::with_capacity(path.len());
         let mut run = CircleRun { samples: Vec::new() };
         for k in 0..path.len() {
@@ -259,9 +243,12 @@ impl MillingCircle {
             let moved = sent.map_or(&path[0], |at| &commands[at]);
             let angle = self.angle(sent.unwrap_or(0));
             let time = k as f64 * self.period;
-            let wrench = plant.cut(self, moved, angle, time)?;
+            let at = self.directions(angle);
+            let outside = |point: &Vector3<f64>| self.distance(point) - self.radius;
+            let wrench = milling.cut(&self.cutting, &at, moved, time, outside)?;
+            let wrench = wrench.ok_or(CompensationError::NoDepth { angle })?;
             let coordinates = moved.clone();
-            let tool = plant.bent.tool;
+            let tool = milling.tool();
             let reading = self.reading(&tool, &wrench) + noise.sample();
             let (command, status) = match &mut compensator {
                 None => (path[k].clone(), Status::default()),
@@ -325,78 +312,6 @@ impl MillingCircle {
     fn reading(&self, tool: &Isometry3<f64>, wrench: &Wrench) -> Wrench {
         let sensor = tool * self.sensor.pose;
         wrench_in(&sensor, &tool.translation.vector, wrench) + self.payload.reading(&sensor.rotation, &self.gravity)
-    }
-}
-
-/// The true robot: its springs in equilibrium with the process.
-struct Plant<'a> {
-    robot: &'a Robot,
-    springs: &'a Springs,
-    bent: Bent,
-    yielded: Yielded,
-    /// Depth of cut found last (m), and how fast what was missing fell with it.
-    depth: f64,
-    slope: f64,
-}
-
-impl<'a> Plant<'a> {
-    fn new(robot: &'a Robot, springs: &'a Springs) -> Self {
-        let joints = robot.joints.len();
-        let yielded = Yielded::none(joints);
-        let bent = Bent::new(robot, &vec![0.0; joints], &yielded.locals);
-        Self { robot, springs, bent, yielded, depth: 0.0, slope: -1.0 }
-    }
-
-    /// The loaded tool point under a wrench.
-    fn settle(&mut self, q: &[f64], wrench: &Wrench) -> Result<(), StiffnessError> {
-        let mut change = f64::INFINITY;
-        for _ in 0..MOST_PASSES {
-            self.bent.update(self.robot, q, &self.yielded.locals);
-            change = self.bent.yield_to(self.robot, self.springs, wrench, &mut self.yielded);
-            if change <= SETTLED {
-                return Ok(());
-            }
-        }
-        Err(StiffnessError::NoEquilibrium { iterations: MOST_PASSES, change })
-    }
-
-    /// The depth of cut at which the tool stands where the force of that depth puts it, by secants within a bracket; gives the wrench.
-    fn cut(&mut self, circle: &MillingCircle, q: &[f64], angle: f64, time: f64) -> Result<Wrench, CompensationError> {
-        let at = circle.directions(angle);
-        let cutting = &circle.cutting;
-        // The root lies above `low` (out of the material below 0) and below `high`.
-        let (mut low, mut high) = (0.0, f64::INFINITY);
-        let mut last: Option<(f64, f64)> = None;
-        let mut depth = self.depth;
-        for _ in 0..MOST_DEPTHS {
-            self.settle(q, &cutting.wrench(&at, depth, time))?;
-            let outside = circle.distance(&self.bent.tool.translation.vector) - circle.radius;
-            let gap = cutting.depth + outside - depth;
-            if gap.abs() <= DEPTH_FOUND || (depth == 0.0 && gap < 0.0) {
-                self.depth = depth;
-                return Ok(cutting.wrench(&at, depth, time));
-            }
-            if let Some((before, gap_before)) = last {
-                self.slope = (gap - gap_before) / (depth - before);
-            }
-            last = Some((depth, gap));
-            if gap > 0.0 {
-                low = depth;
-            } else {
-                high = depth;
-            }
-            let next = depth - gap / self.slope;
-            depth = if next > low && next < high && self.slope < 0.0 {
-                next
-            } else if high.is_infinite() {
-                2.0 * depth + cutting.depth
-            } else if low == 0.0 && next <= 0.0 {
-                0.0
-            } else {
-                0.5 * (low + high)
-            };
-        }
-        Err(CompensationError::NoDepth { angle })
     }
 }
 

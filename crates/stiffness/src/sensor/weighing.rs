@@ -1,8 +1,8 @@
-//! What a force sensor carries, and what it reads with nothing to carry.
+//! Weighing: the payload of a force sensor from its readings at rest.
 
-use crate::error::StiffnessError;
-use crate::frame::{Wrench, cross_matrix};
-use crate::robot::check_wrench;
+use super::payload::Payload;
+use crate::error::{StiffnessError, check_finite};
+use crate::robot::{Wrench, check_wrench, cross_matrix};
 use nalgebra::{DMatrix, DVector, Matrix3, UnitQuaternion, Vector3};
 
 /// Spread of the direction of gravity in the sensor's axes, as a share of gravity, below which readings count as one.
@@ -13,45 +13,6 @@ const FARTHEST_CENTRE: f64 = 3.0;
 const HEAVIEST: f64 = 5000.0;
 /// Standard deviations a mass has to differ from nothing.
 const SIGNIFICANT: f64 = 4.0;
-
-/// The body beyond a force sensor (fixture, tool or workpiece) with what the sensor reads when nothing acts on it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Payload {
-    /// Mass in kg.
-    pub mass: f64,
-    /// Centre of mass in the sensor's frame (m).
-    pub centre: Vector3<f64>,
-    /// Reading without any load, in the sensor's axes.
-    pub bias: Wrench,
-}
-
-impl Payload {
-    /// Nothing carried, no bias.
-    pub fn none() -> Self {
-        Self { mass: 0.0, centre: Vector3::zeros(), bias: Wrench::zeros() }
-    }
-
-    /// What the sensor reads at rest with no process force: bias and weight, in its axes at its origin.
-    ///
-    /// `orientation` is that of the sensor's axes in the base, `gravity` the acceleration in base axes (m/s²).
-    pub fn reading(&self, orientation: &UnitQuaternion<f64>, gravity: &Vector3<f64>) -> Wrench {
-        let force = self.mass * (orientation.inverse() * gravity);
-        let moment = self.centre.cross(&force);
-        self.bias + Wrench::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
-    }
-
-    /// Refuses what is not finite or weighs less than nothing.
-    pub(crate) fn check(&self) -> Result<(), StiffnessError> {
-        check_wrench(&self.bias)?;
-        if !(self.mass >= 0.0 && self.mass.is_finite()) {
-            return Err(StiffnessError::NotFinite { what: "mass of the payload".into(), value: self.mass });
-        }
-        match self.centre.iter().find(|v| !v.is_finite()) {
-            Some(value) => Err(StiffnessError::NotFinite { what: "centre of the payload".into(), value: *value }),
-            None => Ok(()),
-        }
-    }
-}
 
 /// A reading at rest, with nothing touching the payload.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,9 +122,7 @@ pub fn identify_payload(readings: &[StaticReading], gravity: &Vector3<f64>) -> R
     for (i, reading) in readings.iter().enumerate() {
         let place = |source| PayloadError::Reading { reading: i + 1, source };
         check_wrench(&reading.wrench).map_err(place)?;
-        if let Some(value) = reading.orientation.coords.iter().find(|v| !v.is_finite()) {
-            return Err(place(StiffnessError::NotFinite { what: "the orientation".into(), value: *value }));
-        }
+        check_finite("the orientation", &reading.orientation.coords).map_err(place)?;
     }
     let g = gravity.norm();
     if !(g.is_finite() && g > 0.0) {

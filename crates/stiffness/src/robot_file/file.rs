@@ -1,29 +1,14 @@
 //! Robot files: kinematics, springs, sensor, payload and compensation in TOML.
 
-use crate::compensate::{CompensationSettings, FilterOrder, ForceSensor};
-use crate::document::{Document, Plausible, RobotFileError, Table, read_text};
-use crate::frame::Wrench;
-use crate::payload::Payload;
-use crate::robot::{DhParameters, Robot};
-use crate::spring::{JointSpring, Springs};
-use nalgebra::{Isometry3, Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
+use super::document::{Document, Plausible, RobotFileError, Table, read_text};
+use super::joints::{DEGREES, LENGTH, URDF_KEYS, dh_row, joint_tables, springs};
+use crate::compensate::{CompensationSettings, FilterOrder};
+use crate::compliance::Springs;
+use crate::robot::{DhParameters, Robot, Wrench};
+use crate::sensor::{ForceSensor, Payload};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
-use toml::de::DeValue;
 
-const LENGTH: Plausible = Plausible::new(-20.0, 20.0, "m", "give lengths in m, not mm");
-const DEGREES: Plausible = Plausible::new(-360.0, 360.0, "degrees", "give the angle in degrees");
-const STIFFNESS: Plausible =
-    Plausible::new(1.0, 1e11, "N·m/rad", "give the stiffness in N·m/rad (N/m where the joint slides)");
-const CUBIC: Plausible = Plausible::new(0.0, 1e20, "N·m/rad³", "leave it out for a linear spring");
-const GAP: Plausible =
-    Plausible::new(0.0, 0.05, "rad", "give the lost motion from flank to flank in rad: 1' is 2.9e-4");
-const TORQUE: Plausible = Plausible::new(1e-6, 1e6, "N·m", "give the torque at which the flanks engage in N·m");
-const LINK: Plausible = Plausible::new(
-    0.0,
-    1e-3,
-    "m/N, rad/(N·m)",
-    "give compliances, three of translation in m/N and three of rotation in rad/(N·m): 1/k of a stiffness k, 0 where rigid",
-);
 const DEVIATION_LENGTH: Plausible = Plausible::new(1e-9, 0.01, "m", "give a standard deviation in m: 20 µm is 20e-6");
 const DEVIATION_ANGLE: Plausible =
     Plausible::new(1e-9, 0.1, "rad", "give a standard deviation in rad: 50 µrad is 50e-6");
@@ -43,8 +28,6 @@ const ORDER: Plausible = Plausible::new(1.0, 2.0, "poles", "write order = 1 or o
 
 const TOP_KEYS: [&str; 11] =
     ["name", "convention", "urdf", "base", "tip", "joint", "tool", "sensor", "payload", "noise", "compensation"];
-const DH_KEYS: [&str; 10] =
-    ["name", "alpha_deg", "a", "d", "offset_deg", "stiffness", "cubic", "gap", "engaged", "link_compliance"];
 const COMPENSATION_KEYS: [&str; 9] = [
     "period",
     "cutoff",
@@ -56,8 +39,6 @@ const COMPENSATION_KEYS: [&str; 9] = [
     "rate_limit",
     "gravity",
 ];
-const URDF_KEYS: [&str; 6] = ["name", "stiffness", "cubic", "gap", "engaged", "link_compliance"];
-
 /// Standard deviations of what is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseLevels {
@@ -147,24 +128,6 @@ impl RobotFile {
     }
 }
 
-/// The entries of `[[joint]]`.
-pub(crate) fn joint_tables<'t, 'i>(
-    document: &Document<'_>,
-    table: &'t Table<'i>,
-) -> Result<Vec<&'t Table<'i>>, RobotFileError> {
-    let remedy = "write one [[joint]] for each joint, from the base on";
-    let Some(value) = table.get("joint") else { return Ok(Vec::new()) };
-    let wrong = |span| document.at(span, "`joint` must be a list of tables", remedy);
-    let DeValue::Array(entries) = value.get_ref() else { return Err(wrong(value.span())) };
-    entries
-        .iter()
-        .map(|entry| match entry.get_ref() {
-            DeValue::Table(t) => Ok(t),
-            _ => Err(wrong(entry.span())),
-        })
-        .collect()
-}
-
 fn from_dh(document: &Document<'_>, table: &Table<'_>, joints: &[&Table<'_>]) -> Result<Robot, RobotFileError> {
     let Some(convention) = document.text(table, "convention")? else {
         let remedy = "write convention = \"modified\" or \"standard\" for Denavit–Hartenberg parameters, or urdf = \"robot.urdf\"";
@@ -193,29 +156,6 @@ fn from_dh(document: &Document<'_>, table: &Table<'_>, joints: &[&Table<'_>]) ->
     }
 }
 
-fn dh_row(document: &Document<'_>, joint: &Table<'_>) -> Result<DhParameters, RobotFileError> {
-    document.only_keys(joint, &DH_KEYS, "[[joint]]")?;
-    let length = |key| Ok(document.optional(joint, key, &LENGTH)?.unwrap_or(0.0));
-    let angle = |key: &str| {
-        let Some(value) = joint.get(key) else { return Ok(0.0) };
-        let degrees = document.number(value, key, &DEGREES)?;
-        // A quarter or half turn to the digits that people write is no angle in degrees.
-        for (radians, instead) in [(std::f64::consts::FRAC_PI_2, 90), (std::f64::consts::PI, 180)] {
-            if (degrees.abs() - radians).abs() < 1e-3 {
-                let sign = if degrees < 0.0 { "-" } else { "" };
-                let remedy = format!("this key is in degrees: write {key} = {sign}{instead}");
-                return Err(document.at(
-                    value.span(),
-                    format!("`{key}` is {degrees}, which looks like radians"),
-                    remedy,
-                ));
-            }
-        }
-        Ok(degrees.to_radians())
-    };
-    Ok(DhParameters { alpha: angle("alpha_deg")?, a: length("a")?, d: length("d")?, offset: angle("offset_deg")? })
-}
-
 fn from_urdf(
     document: &Document<'_>,
     table: &Table<'_>,
@@ -241,68 +181,6 @@ fn from_urdf(
         return Err(document.whole(message, format!("write one for each, in this order: {}", names.join(", "))));
     }
     Ok(robot)
-}
-
-/// The springs, given for all joints or for none.
-fn springs(document: &Document<'_>, robot: &Robot, joints: &[&Table<'_>]) -> Result<Option<Springs>, RobotFileError> {
-    let mut springs = Vec::with_capacity(joints.len());
-    for joint in joints {
-        if let Some(spring) = spring(document, joint)? {
-            springs.push(spring);
-        }
-    }
-    if springs.is_empty() {
-        return Ok(None);
-    }
-    if springs.len() != robot.joints.len() {
-        let missing = joints.iter().position(|joint| !joint.contains_key("stiffness")).unwrap_or(0);
-        let message = format!("joint {} ({}) has no stiffness", missing + 1, robot.joints[missing].name);
-        return Err(document.whole(message, "give `stiffness` for every joint or for none"));
-    }
-    Ok(Some(Springs::of_joints(springs).with_links(links(document, joints)?)))
-}
-
-/// Compliances of the links behind the joints, along and about the axes of each joint's frame; none where no joint has them.
-fn links(document: &Document<'_>, joints: &[&Table<'_>]) -> Result<Vec<Matrix6<f64>>, RobotFileError> {
-    let given: Vec<Option<[f64; 6]>> =
-        joints.iter().map(|joint| document.numbers(joint, "link_compliance", &LINK)).collect::<Result<_, _>>()?;
-    if given.iter().all(Option::is_none) {
-        return Ok(Vec::new());
-    }
-    Ok(given.into_iter().map(|link| Matrix6::from_diagonal(&Vector6::from(link.unwrap_or_default()))).collect())
-}
-
-pub(crate) fn spring(document: &Document<'_>, joint: &Table<'_>) -> Result<Option<JointSpring>, RobotFileError> {
-    let Some(stiffness) = document.optional(joint, "stiffness", &STIFFNESS)? else {
-        return match ["cubic", "gap", "engaged", "link_compliance"].iter().find_map(|key| joint.get_key_value(*key)) {
-            None => Ok(None),
-            Some((key, _)) => {
-                Err(document.at(key.span(), format!("`{}` without `stiffness`", key.get_ref()), "give both"))
-            }
-        };
-    };
-    let cubic = document.optional(joint, "cubic", &CUBIC)?;
-    let gap = document.optional(joint, "gap", &GAP)?;
-    let engaged = document.optional(joint, "engaged", &TORQUE)?;
-    let place = |key: &str| joint.get_key_value(key).map_or(0..0, |(key, _)| key.span());
-    match (cubic, gap, engaged) {
-        (None, None, None) => Ok(Some(JointSpring::linear(stiffness))),
-        (Some(cubic), None, None) => Ok(Some(JointSpring::Stiffening { stiffness, cubic })),
-        (None, Some(gap), Some(engaged)) => Ok(Some(JointSpring::Backlash { stiffness, gap, engaged })),
-        (Some(_), ..) => Err(document.at(
-            place("cubic"),
-            "a spring with `cubic` and lost motion",
-            "keep `cubic`, or `gap` with `engaged`",
-        )),
-        (None, Some(_), None) => Err(document.at(
-            place("gap"),
-            "`gap` without `engaged`",
-            "give the torque (N·m) from which on the flanks are engaged",
-        )),
-        (None, None, Some(_)) => {
-            Err(document.at(place("engaged"), "`engaged` without `gap`", "give the lost motion `gap` in rad"))
-        }
-    }
 }
 
 fn pose(document: &Document<'_>, table: &Table<'_>) -> Result<Isometry3<f64>, RobotFileError> {

@@ -1,6 +1,6 @@
 //! A serial robot: joints, each with its place behind the last one, and a tool.
 
-use crate::error::StiffnessError;
+use crate::error::{StiffnessError, check_entries};
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// What a joint does.
@@ -131,17 +131,6 @@ impl Robot {
         if values.len() != self.joints.len() {
             return Err(StiffnessError::Count { what, found: values.len(), joints: self.joints.len() });
         }
-        match values.iter().position(|v| !v.is_finite()) {
-            Some(i) => Err(StiffnessError::NotFinite { what: format!("{what}: entry {}", i + 1), value: values[i] }),
-            None => Ok(()),
-        }
-    }
-}
-
-/// Refuses a wrench with an entry that is not finite.
-pub(crate) fn check_wrench(wrench: &crate::Wrench) -> Result<(), StiffnessError> {
-    match wrench.iter().position(|v| !v.is_finite()) {
-        Some(i) => Err(StiffnessError::NotFinite { what: format!("wrench: entry {}", i + 1), value: wrench[i] }),
-        None => Ok(()),
+        check_entries(what, values)
     }
 }

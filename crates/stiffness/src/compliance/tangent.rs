@@ -1,10 +1,8 @@
 //! Compliance at the tool point of a robot that carries a load.
 
+use super::spring::Springs;
 use crate::error::StiffnessError;
-use crate::frame::Wrench;
-use crate::kinematics::Kinematics;
-use crate::robot::{Robot, check_wrench};
-use crate::spring::Springs;
+use crate::robot::{Kinematics, Robot, Wrench, check_wrench, twist_adjoint};
 use nalgebra::{DMatrix, Matrix6};
 
 /// `K_g = ∂(Jᵀ W)/∂q` for a wrench in base axes that goes with the tool point: what the load does as its lever changes
@@ -49,9 +47,9 @@ pub fn loaded_compliance(
     let jacobian = kinematics.jacobian();
     let yields = stiffness.lu().solve(&jacobian.transpose()).ok_or(StiffnessError::Unstable { smallest })?;
     let product = jacobian * yields;
-    let mut compliance = Matrix6::from_fn(|i, j| product[(i, j)]);
+    let mut compliance: Matrix6<f64> = product.fixed_view::<6, 6>(0, 0).into();
     for (i, link) in springs.links.iter().enumerate() {
-        let to_tool = crate::frame::twist_adjoint(&kinematics.to_tool(i));
+        let to_tool = twist_adjoint(&kinematics.to_tool(i));
         compliance += to_tool * link * to_tool.transpose();
     }
     Ok(compliance)
