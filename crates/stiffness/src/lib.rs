@@ -23,6 +23,7 @@ mod identify;
 mod milling;
 mod robot;
 mod robot_file;
+mod runs;
 mod sensor;
 
 pub use compensate::{
@@ -32,9 +33,9 @@ pub use compensate::{
 pub use compliance::{Deformation, DeformationModel, JointSpring, Springs, geometric_stiffness, loaded_compliance};
 pub use error::StiffnessError;
 pub use identify::{
-    Attenuation, CartesianEstimate, CartesianEstimator, Comparison, Found, IdentificationError, Identified, LostMotion,
+    Advice, Attenuation, CartesianEstimate, CartesianEstimator, Comparison, Found, IdentificationError, Identified, LostMotion,
     LostMotionReport, Measurement, MeasurementNoise, MeasurementSet, Method, MethodReport, Outliers, Place, PoseChoice,
-    PoseInformation, ResidualSample, SpringFit, SpringFitSettings, SpringParameter, compare, explain_residual,
+    PoseInformation, ResidualSample, SpringFit, SpringFitSettings, SpringParameter, Unidentified, Unloaded, compare, explain_residual,
     fit_springs, identify_cartesian,
 };
 pub use milling::{CircleRun, CircleSample, Cutting, MillingCircle, PathError};
@@ -43,4 +44,8 @@ pub use robot::{
     twist_adjoint, wrench_adjoint,
 };
 pub use robot_file::{NoiseLevels, RobotFile, RobotFileError, with_springs};
+pub use runs::{
+    ChosenPoses, CompensatedLog, CompensatedRow, Expectation, FaultCount, Identification, LoopGain, MethodFigures,
+    PredictedTranslation, RobotLog, SpringResidual, StiffnessRunError, TWIST_COLUMNS, WRENCH_COLUMNS, Weighing, Withheld,
+};
 pub use sensor::{ForceSensor, Payload, PayloadError, PayloadEstimate, StaticReading, identify_payload};

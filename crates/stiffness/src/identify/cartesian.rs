@@ -1,6 +1,6 @@
 //! The stiffness at the tool point, of one pose.
 
-use super::error::IdentificationError;
+use super::error::{IdentificationError, Unloaded};
 use super::estimators::{
     EntryCovariance, displacement_on_wrench, positive_definite, total_least_squares, weighted, wrench_on_displacement,
 };
@@ -172,9 +172,7 @@ struct Fit {
 }
 
 fn fit(rows: &[Row], estimator: CartesianEstimator) -> Result<Fit, IdentificationError> {
-    let singular = || IdentificationError::NotLoaded {
-        directions: vec!["what the loads move is as small as the noise in some direction".to_owned()],
-    };
+    let singular = || IdentificationError::NotLoaded { directions: vec![Unloaded::Unknown] };
     let (compliance, compliance_covariance) = match estimator {
         CartesianEstimator::WrenchOnDisplacement => {
             let (stiffness, stiffness_covariance, condition) = wrench_on_displacement(rows).ok_or_else(singular)?;

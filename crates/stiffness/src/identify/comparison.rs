@@ -22,6 +22,8 @@ const MISSES: f64 = 1.5;
 /// The same below which the noise is smaller than stated, if there are enough numbers to tell.
 const OVERSTATED: f64 = 0.25;
 const ENOUGH: usize = 36;
+/// Expected error of a matrix, relative, from which on its attenuation is worth a word.
+const NOTABLE: f64 = 0.01;
 
 /// A way to identify the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +73,48 @@ pub struct Attenuation {
     pub error: f64,
 }
 
+/// What a comparison says of its methods.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Advice {
+    /// The method to trust: of those that predict as well it has the fewest parameters.
+    Trust {
+        /// The method.
+        method: Method,
+        /// Error of its prediction of held-out displacements, in units of their noise.
+        held_out: f64,
+    },
+    /// A method that does not apply.
+    DoesNotApply {
+        /// The method.
+        method: Method,
+        /// Why not.
+        why: IdentificationError,
+    },
+    /// The noise of its regressor makes the estimate too small.
+    Attenuated {
+        /// The estimator.
+        estimator: CartesianEstimator,
+        /// By how much.
+        attenuation: Attenuation,
+    },
+    /// An estimate by which some load would be answered by a push back.
+    NotPositiveDefinite(CartesianEstimator),
+    /// An estimate that is less symmetric than noise explains.
+    NotSymmetric(CartesianEstimator),
+    /// Parameters of springs that the data do not tell.
+    NotIdentified(IdentificationError),
+    /// Springs that leave more than noise.
+    Misfit {
+        /// Root mean square of their residuals, in units of their noise.
+        residual: f64,
+    },
+    /// Noise that is smaller than stated.
+    NoiseOverstated {
+        /// Root mean square of the residuals of the trusted method, in units of the stated noise.
+        residual: f64,
+    },
+}
+
 /// All methods on the same data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
@@ -79,7 +123,7 @@ pub struct Comparison {
     /// The one to trust.
     pub trusted: Method,
     /// Why, and what is wrong with the others.
-    pub reasons: Vec<String>,
+    pub advice: Vec<Advice>,
     /// Measurements left out (from 0).
     pub outliers: Vec<usize>,
 }
@@ -123,9 +167,10 @@ pub fn compare(
         let first = methods.into_iter().find_map(|(_, report)| report.err());
         return Err(first.unwrap_or(IdentificationError::TooFew { what: "a comparison", found: 0, needed: 7 }));
     };
-    let mut reasons = reasons(&methods, trusted, error);
-    reasons.extend(overstated(&methods, trusted, set.len()));
-    Ok(Comparison { methods, trusted, reasons, outliers: left_out })
+    let mut advice = vec![Advice::Trust { method: trusted, held_out: error }];
+    advice.extend(methods.iter().flat_map(|(method, report)| advice_on(*method, report)));
+    advice.extend(noise_overstated(&methods, trusted, set.len()));
+    Ok(Comparison { methods, trusted, advice, outliers: left_out })
 }
 
 /// Measurements that contradict the springs; the free matrix, where that explains the rest better. A model that misses something takes
@@ -247,62 +292,29 @@ fn attenuation(scaled: &Scaled, estimator: CartesianEstimator, reference: &Matri
     Some(Attenuation { worst, error: (found - truth).norm() / truth.norm() })
 }
 
-fn reasons(
-    methods: &[(Method, Result<MethodReport, IdentificationError>)],
-    trusted: Method,
-    error: f64,
-) -> Vec<String> {
-    let mut reasons = vec![format!(
-        "trust {trusted}: it predicts held-out displacements to {error:.2} σ, and of the methods that do so it has the fewest parameters"
-    )];
-    for (method, report) in methods {
-        let report = match report {
-            Ok(report) => report,
-            Err(why) => {
-                reasons.push(format!("{method}: does not apply, {why}"));
-                continue;
-            }
-        };
-        match (method, report.attenuation) {
-            (Method::Cartesian(CartesianEstimator::WrenchOnDisplacement), Some(a)) => reasons.push(format!(
-                "{method}: the noise of ΔX makes K too small, by a factor of {:.3} in the worst direction and {:.1} % in all, \
-                 however many measurements there are",
-                a.worst,
-                100.0 * a.error
-            )),
-            (Method::Cartesian(_), Some(a)) if a.error > 0.01 => reasons.push(format!(
-                "{method}: the noise of W makes C too small, by a factor of {:.3} in the worst direction and {:.1} % in all",
-                a.worst,
-                100.0 * a.error
-            )),
-            _ => {}
+/// What is wrong with a method.
+fn advice_on(method: Method, report: &Result<MethodReport, IdentificationError>) -> Vec<Advice> {
+    let report = match report {
+        Ok(report) => report,
+        Err(why) => return vec![Advice::DoesNotApply { method, why: why.clone() }],
+    };
+    let mut advice = Vec::new();
+    if let (Method::Cartesian(estimator), Some(attenuation)) = (method, report.attenuation)
+        && (estimator == CartesianEstimator::WrenchOnDisplacement || attenuation.error > NOTABLE)
+    {
+        advice.push(Advice::Attenuated { estimator, attenuation });
+    }
+    match &report.found {
+        Found::Cartesian(estimate) => {
+            advice.extend((!estimate.positive_definite).then_some(Advice::NotPositiveDefinite(estimate.estimator)));
+            advice.extend((!estimate.symmetric).then_some(Advice::NotSymmetric(estimate.estimator)));
         }
-        match &report.found {
-            Found::Cartesian(estimate) => {
-                if !estimate.positive_definite {
-                    reasons
-                        .push(format!("{method}: not positive definite, some load would be answered by a push back"));
-                }
-                if !estimate.symmetric {
-                    reasons.push(format!(
-                        "{method}: not symmetric, more than noise explains: a circle of loads would gain energy"
-                    ));
-                }
-            }
-            Found::Springs(fit) => {
-                if let Err(why) = fit.springs() {
-                    reasons.push(format!("{method}: {why}"));
-                }
-                if fit.chi_square > MISSES {
-                    let off = fit.chi_square.sqrt();
-                    reasons.push(format!(
-                        "{method}: residuals of {off:.1} σ, the model misses something or the noise is larger"
-                    ));
-                }
-            }
+        Found::Springs(fit) => {
+            advice.extend(fit.springs().err().map(Advice::NotIdentified));
+            advice.extend((fit.chi_square > MISSES).then(|| Advice::Misfit { residual: fit.chi_square.sqrt() }));
         }
     }
-    reasons
+    advice
 }
 
 impl Found {
@@ -324,47 +336,14 @@ impl Found {
     }
 }
 
-/// A remark on noise that is smaller than stated, as the residuals of the trusted method tell.
-fn overstated(
+/// Whether the noise is smaller than stated, as the residuals of the trusted method tell.
+fn noise_overstated(
     methods: &[(Method, Result<MethodReport, IdentificationError>)],
     trusted: Method,
     measurements: usize,
-) -> Option<String> {
+) -> Option<Advice> {
     let (_, report) = methods.iter().find(|(method, _)| *method == trusted)?;
     let chi_square = report.as_ref().ok()?.found.chi_square();
-    (chi_square < OVERSTATED && 6 * measurements >= 2 * ENOUGH).then(|| {
-        format!(
-            "the residuals are {:.2} of the stated noise: the measurements are better than that, and the intervals wider than need be",
-            chi_square.sqrt()
-        )
-    })
-}
-
-impl fmt::Display for Comparison {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "{:24} {:>12} {:>10} {:>8} {:>10} {:>10}",
-            "method", "held out [σ]", "condition", "χ²/dof", "symmetric", "pos. def."
-        )?;
-        for (method, report) in &self.methods {
-            let yes = |b: bool| if b { "yes" } else { "no" };
-            match report {
-                Ok(MethodReport { found, held_out, .. }) => {
-                    let (symmetric, definite) = match found {
-                        Found::Cartesian(estimate) => (yes(estimate.symmetric), yes(estimate.positive_definite)),
-                        Found::Springs(_) => ("yes", "yes"),
-                    };
-                    let (condition, chi_square) = (found.condition(), found.chi_square());
-                    writeln!(
-                        f,
-                        "{method:24} {held_out:12.3} {condition:10.1} {chi_square:8.2} {symmetric:>10} {definite:>10}"
-                    )?;
-                }
-                Err(_) => writeln!(f, "{method:24} {:>12}", "–")?,
-            }
-        }
-        self.reasons.iter().try_for_each(|reason| writeln!(f, "{reason}"))?;
-        write!(f, "{} measurements left out as outliers", self.outliers.len())
-    }
+    let overstated = chi_square < OVERSTATED && 6 * measurements >= 2 * ENOUGH;
+    overstated.then(|| Advice::NoiseOverstated { residual: chi_square.sqrt() })
 }

@@ -1,7 +1,11 @@
 //! Why a data set cannot be used, or says nothing about what was asked.
 
+use super::uncertainty::SpringParameter;
 use crate::error::StiffnessError;
 use std::fmt;
+
+/// Entries of a wrench.
+pub(super) const WRENCH_ENTRIES: [&str; 6] = ["force x", "force y", "force z", "moment x", "moment y", "moment z"];
 
 /// Where a measurement stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +21,33 @@ impl fmt::Display for Place {
         match self {
             Self::Row(row) => write!(f, "row {row}"),
             Self::Line(line) => write!(f, "line {line}"),
+        }
+    }
+}
+
+/// A direction of loads without a load larger than its noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Unloaded {
+    /// An entry of the wrench, from 0.
+    Axis(usize),
+    /// A combination of entries, each in units of its noise.
+    Combination([f64; 6]),
+    /// Some direction, in which the loads move the tool no more than noise does.
+    Unknown,
+}
+
+impl fmt::Display for Unloaded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const AXES: [&str; 3] = ["x", "y", "z"];
+        match self {
+            Self::Axis(entry @ 0..3) => write!(f, "no force along {}", AXES[*entry]),
+            Self::Axis(entry) => write!(f, "no moment about {}", AXES[entry % 3]),
+            Self::Combination(entries) => {
+                let terms = entries.iter().enumerate().filter(|(_, v)| v.abs() > 0.2);
+                let terms: Vec<String> = terms.map(|(i, v)| format!("{v:+.2} {}", WRENCH_ENTRIES[i])).collect();
+                write!(f, "no combination {} (in units of their noise)", terms.join(" "))
+            }
+            Self::Unknown => f.write_str("what the loads move is as small as the noise in some direction"),
         }
     }
 }
@@ -173,10 +204,10 @@ pub enum IdentificationError {
         by: f64,
     },
     /// Loads that leave out a direction.
-    #[error("the loads do not tell the stiffness: {}; add loads in these directions, larger than the sensor's noise, or check the units", .directions.join("; "))]
+    #[error("the loads do not tell the stiffness: {}; add loads in these directions, larger than the sensor's noise, or check the units", joined(.directions))]
     NotLoaded {
-        /// What was never loaded, in words.
-        directions: Vec<String>,
+        /// What was never loaded.
+        directions: Vec<Unloaded>,
     },
     /// More outliers than an error of measurement explains.
     #[error(
@@ -189,11 +220,14 @@ pub enum IdentificationError {
         of: usize,
     },
     /// Parameters that the data do not tell.
-    #[error("not identified by these poses and loads: {}", .parameters.join("; "))]
+    #[error("not identified by these poses and loads: {}", joined(.parameters))]
     NotIdentified {
         /// Which, and why.
-        parameters: Vec<String>,
+        parameters: Vec<SpringParameter>,
     },
+    /// A robot that has nothing to fit.
+    #[error("not identified by these poses and loads: the robot has no joints")]
+    NoJoints,
     /// A start from which logarithms cannot be taken.
     #[error("joint {joint}: the start of {name} is {value}; it is fitted as a logarithm and must start above 0")]
     Start {
@@ -238,6 +272,10 @@ impl IdentificationError {
         }
         self
     }
+}
+
+fn joined(list: &[impl fmt::Display]) -> String {
+    list.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// A range in words.

@@ -65,34 +65,6 @@ impl LostMotionReport {
     }
 }
 
-impl std::fmt::Display for LostMotionReport {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        writeln!(
-            f,
-            "measured less modelled displacement {:.1} µm rms; with the best joint stiffnesses {:.1} µm: {:.0} % of the rms is nothing a linear model explains",
-            1e6 * self.residual,
-            1e6 * self.linear,
-            100.0 * self.unexplained()
-        )?;
-        for lost in &self.lost_motion {
-            writeln!(
-                f,
-                "joint {}: lost motion of {:.3} mrad, flanks engaged from {:.0} N·m on, {} torque reversals; explains {:.0} % of its square",
-                lost.joint,
-                1e3 * lost.gap,
-                lost.engaged,
-                lost.reversals,
-                100.0 * lost.share
-            )?;
-        }
-        if self.lost_motion.is_empty() {
-            writeln!(f, "no lost motion found")
-        } else {
-            writeln!(f, "with lost motion {:.1} µm remain", 1e6 * self.nonlinear)
-        }
-    }
-}
-
 /// Explains displacements that a model gets wrong, first by other joint stiffnesses, then by lost motion in joints whose torque changes
 /// its sign, one joint after the other as long as each explains a good part of the rest (forward selection by least squares).
 ///

@@ -1,15 +1,13 @@
 //! Measured displacements under measured loads, checked before anything is computed from them.
 
-use super::error::{IdentificationError, Place};
+use super::error::{IdentificationError, Place, WRENCH_ENTRIES};
 use super::statistics::median;
 use crate::robot::{Twist, Wrench, halves};
 use nalgebra::{Matrix6, Vector6};
 use std::collections::HashMap;
 
-/// Columns of a wrench.
-pub(crate) const WRENCH_COLUMNS: [&str; 6] = ["force x", "force y", "force z", "moment x", "moment y", "moment z"];
-/// Columns of a displacement.
-pub(crate) const TWIST_COLUMNS: [&str; 6] =
+/// Entries of a displacement.
+const TWIST_ENTRIES: [&str; 6] =
     ["translation x", "translation y", "translation z", "rotation x", "rotation y", "rotation z"];
 
 /// Largest displacement taken for elastic: m and rad.
@@ -174,8 +172,8 @@ fn check_rows(measurements: &[Measurement]) -> Result<(), IdentificationError> {
             });
         }
         let joint_columns = m.q.iter().enumerate().map(|(j, v)| (format!("joint {}", j + 1), *v));
-        let wrench = WRENCH_COLUMNS.iter().zip(&m.wrench).map(|(c, v)| ((*c).to_owned(), *v));
-        let twist = TWIST_COLUMNS.iter().zip(&m.displacement).map(|(c, v)| ((*c).to_owned(), *v));
+        let wrench = WRENCH_ENTRIES.iter().zip(&m.wrench).map(|(c, v)| ((*c).to_owned(), *v));
+        let twist = TWIST_ENTRIES.iter().zip(&m.displacement).map(|(c, v)| ((*c).to_owned(), *v));
         if let Some((column, value)) = joint_columns.chain(wrench).chain(twist).find(|(_, v)| !v.is_finite()) {
             return Err(IdentificationError::NotFinite { row, column, value });
         }

@@ -17,11 +17,13 @@ mod statistics;
 mod uncertainty;
 
 pub use cartesian::{CartesianEstimate, CartesianEstimator, identify_cartesian};
-pub use comparison::{Attenuation, Comparison, Found, Method, MethodReport, compare};
-pub use error::{IdentificationError, Place};
+pub use comparison::{Advice, Attenuation, Comparison, Found, Method, MethodReport, compare};
+pub use error::{IdentificationError, Place, Unloaded};
 pub use lost_motion::{LostMotion, LostMotionReport, ResidualSample, explain_residual};
 pub use measurement::{Measurement, MeasurementNoise, MeasurementSet};
 pub use outliers::Outliers;
 pub use poses::{PoseChoice, PoseInformation};
 pub use springs::{SpringFit, SpringFitSettings, fit_springs};
-pub use uncertainty::{Identified, SpringParameter};
+pub use uncertainty::{Identified, SpringParameter, Unidentified};
+
+pub(crate) use uncertainty::NOT_IDENTIFIED;

@@ -27,7 +27,7 @@ pub(super) fn parameters(springs: &Springs) -> Result<Vec<Parameter>, Identifica
         }
     }
     if list.is_empty() {
-        return Err(IdentificationError::NotIdentified { parameters: vec!["the robot has no joints".to_owned()] });
+        return Err(IdentificationError::NoJoints);
     }
     Ok(list)
 }

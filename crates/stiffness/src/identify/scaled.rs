@@ -1,7 +1,7 @@
 //! Measurements in coordinates in which forces and moments, translations and rotations can be compared.
 
-use super::error::{IdentificationError, Place};
-use super::measurement::{MeasurementSet, WRENCH_COLUMNS};
+use super::error::{IdentificationError, Place, Unloaded};
+use super::measurement::MeasurementSet;
 use nalgebra::{Matrix6, Vector6};
 
 /// Largest difference of coordinates (rad, m) within one pose: it changes a compliance by as much in relation.
@@ -121,31 +121,21 @@ pub(super) fn check_loads(rows: &[Row]) -> Result<f64, IdentificationError> {
     if missing.is_empty() {
         return Ok((eigen.eigenvalues.max() / eigen.eigenvalues.min()).sqrt());
     }
-    Err(IdentificationError::NotLoaded { directions: in_words(&missing) })
+    Err(IdentificationError::NotLoaded { directions: unloaded(&missing) })
 }
 
-/// A space of wrenches in words: the axes that lie in it, then what else there is.
-fn in_words(space: &[Vector6<f64>]) -> Vec<String> {
+/// A space of wrenches: the axes that lie in it, then what else there is.
+fn unloaded(space: &[Vector6<f64>]) -> Vec<Unloaded> {
     let within = |axis: usize| space.iter().map(|v| v[axis] * v[axis]).sum::<f64>();
     let axes: Vec<usize> = (0..6).filter(|axis| within(*axis) > 0.9).collect();
-    let mut words: Vec<String> = axes
-        .iter()
-        .map(|axis| {
-            let (kind, word) = if *axis < 3 { ("force", "along") } else { ("moment", "about") };
-            format!("no {kind} {word} {}", ["x", "y", "z"][axis % 3])
-        })
-        .collect();
+    let mut directions: Vec<Unloaded> = axes.iter().copied().map(Unloaded::Axis).collect();
     for direction in space {
         let mut rest = *direction;
-        for axis in &axes {
-            rest[*axis] = 0.0;
-        }
+        axes.iter().for_each(|axis| rest[*axis] = 0.0);
         if rest.norm() > 0.7 {
             let sign = if rest[rest.iamax()] < 0.0 { -1.0 } else { 1.0 };
-            let terms = (0..6).filter(|i| rest[*i].abs() > 0.2);
-            let terms: Vec<String> = terms.map(|i| format!("{:+.2} {}", sign * rest[i], WRENCH_COLUMNS[i])).collect();
-            words.push(format!("no combination {} (in units of their noise)", terms.join(" ")));
+            directions.push(Unloaded::Combination((sign * rest).into()));
         }
     }
-    words
+    directions
 }

@@ -9,7 +9,6 @@ use super::uncertainty::{Identified, SpringParameter, Uncertainty};
 use crate::compliance::{DeformationModel, Springs, loaded_compliance};
 use crate::robot::{Kinematics, Robot, Wrench};
 use nalgebra::{DMatrix, DVector, Matrix6};
-use std::fmt;
 
 /// Standard deviation of a logarithm about the linear start: a factor of 20 up or down. It binds only what the data do not tell, which would
 /// run off to a rigid joint otherwise and leave its compliance to another; it is no part of the information reported.
@@ -59,7 +58,7 @@ impl SpringFit {
     /// [`IdentificationError::NotIdentified`] with those that are not, and why.
     pub fn springs(&self) -> Result<&Springs, IdentificationError> {
         let unknown = self.parameters.iter().filter(|p| matches!(p.identified, Identified::No { .. }));
-        let unknown: Vec<String> = unknown.map(ToString::to_string).collect();
+        let unknown: Vec<SpringParameter> = unknown.cloned().collect();
         if unknown.is_empty() {
             Ok(&self.springs)
         } else {
@@ -71,14 +70,6 @@ impl SpringFit {
     /// identified or not.
     pub fn fitted(&self) -> &Springs {
         &self.springs
-    }
-}
-
-impl fmt::Display for SpringFit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.parameters.iter().try_for_each(|parameter| writeln!(f, "{parameter}"))?;
-        writeln!(f, "condition {:.1}, residuals {:.2} σ", self.condition, self.chi_square.sqrt())?;
-        write!(f, "{} measurements left out as outliers", self.outliers.len())
     }
 }
 

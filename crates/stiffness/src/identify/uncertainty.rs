@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use std::fmt;
 
 /// Standard deviation of a logarithm from which on a parameter is not identified: its 95 % interval spans a factor of 7.
-const NOT_IDENTIFIED: f64 = 0.5;
+pub(crate) const NOT_IDENTIFIED: f64 = 0.5;
 /// Eigenvalue of the information, scaled to a unit diagonal, that is zero but for rounding and differences.
 const DEPENDENT: f64 = 1e-12;
 /// Product of components from which on two parameters take part in a direction: below, it is rounding.
@@ -30,9 +30,46 @@ pub enum Identified {
     No {
         /// Standard deviation of its logarithm; infinite where it does not show at all.
         log_std: f64,
-        /// Why, in words.
-        why: String,
+        /// Why.
+        why: Unidentified,
     },
+}
+
+/// Why the data say nothing useful about a parameter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Unidentified {
+    /// The loads deflect the joint by less than the noise in these poses.
+    NotDeflected,
+    /// The parameter changes these displacements by less than the noise.
+    NoEffect,
+    /// Poses and loads do not tell it from others: joint from 1 and name, the most alike first.
+    Confounded(Vec<(usize, &'static str)>),
+}
+
+impl fmt::Display for Unidentified {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotDeflected => f.write_str("these loads move the joint by less than the noise in these poses"),
+            Self::NoEffect => f.write_str(
+                "it changes these displacements by less than the noise; start elsewhere or leave it out",
+            ),
+            Self::Confounded(others) => {
+                let named: Vec<String> =
+                    others.iter().map(|(joint, name)| format!("the {name} of joint {joint}")).collect();
+                write!(f, "these poses and loads do not tell it from {}", named.join(" and "))
+            }
+        }
+    }
+}
+
+impl Identified {
+    /// Why the data do not tell the parameter, with the standard deviation of its logarithm; none where they do.
+    pub fn why(&self) -> Option<String> {
+        match self {
+            Self::Yes { .. } => None,
+            Self::No { log_std, why } => Some(format!("{why} (standard deviation of its logarithm {log_std:.1})")),
+        }
+    }
 }
 
 /// A parameter of a joint's spring.
@@ -51,7 +88,7 @@ impl fmt::Display for SpringParameter {
         write!(f, "joint {}, {}: ", self.joint, self.name)?;
         match &self.identified {
             Identified::Yes { value, low, high } => write!(f, "{value:.4e} (95 %: {low:.4e} … {high:.4e})"),
-            Identified::No { why, .. } => write!(f, "not identified, {why}"),
+            no @ Identified::No { .. } => write!(f, "not identified, {}", no.why().unwrap_or_default()),
         }
     }
 }
@@ -112,23 +149,16 @@ impl Uncertainty {
             let factor = (TWO_SIDED * log_std).exp();
             Identified::Yes { value, low: value / factor, high: value * factor }
         } else {
-            Identified::No { log_std, why: self.why(k, log_std, all) }
+            Identified::No { log_std, why: self.why(k, all) }
         };
         SpringParameter { joint: parameter.joint + 1, name: parameter.name, identified }
     }
 
     /// That it does not show, or the others that it cannot be told apart from.
-    fn why(&self, k: usize, log_std: f64, all: &[Parameter]) -> String {
-        let size = format!("standard deviation of its logarithm {log_std:.1}");
-        // Uncertainty no better if all others were.
+    fn why(&self, k: usize, all: &[Parameter]) -> Unidentified {
+        // Known no better if all others were.
         if self.conditional[k] > NOT_IDENTIFIED {
-            return if all[k].name == "stiffness" {
-                format!("these loads move the joint by less than the noise in these poses ({size})")
-            } else {
-                format!(
-                    "it changes these displacements by less than the noise; start elsewhere or leave it out ({size})"
-                )
-            };
+            return if all[k].name == "stiffness" { Unidentified::NotDeflected } else { Unidentified::NoEffect };
         }
         let part = |direction: &(f64, DVector<f64>)| direction.0.min(f64::MAX.sqrt()) * direction.1[k].abs();
         let worst = self.directions.iter().max_by(|a, b| part(a).total_cmp(&part(b)));
@@ -137,8 +167,6 @@ impl Uncertainty {
         });
         others.sort_by(|a, b| b.0.total_cmp(&a.0));
         others.truncate(MOST_NAMED);
-        let named = others.iter().map(|(_, i)| format!("the {} of joint {}", all[*i].name, all[*i].joint + 1));
-        let named: Vec<String> = named.collect();
-        format!("these poses and loads do not tell it from {} ({size})", named.join(" and "))
+        Unidentified::Confounded(others.iter().map(|(_, i)| (all[*i].joint + 1, all[*i].name)).collect())
     }
 }

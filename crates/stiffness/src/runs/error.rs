@@ -1,26 +1,9 @@
-//! Robots from files, with measurements and logs from tables: identification and compensation as reports.
+//! Why a run over a robot's data did not come about.
 
-mod compensation;
-mod figures;
-mod identification;
-mod identification_markdown;
-mod identification_text;
-mod log;
-mod loop_gain;
-mod poses;
-mod unexplained;
-mod weighing;
-
-use bracketry_stiffness::{CompensationError, IdentificationError, PayloadError};
-use bracketry_system::FileError;
-
-pub use compensation::{CompensatedLog, CompensatedRow, FaultCount};
-pub use identification::{Identification, MethodSummary, ParameterSummary, PredictedTranslation};
-pub use log::RobotLog;
-pub use loop_gain::LoopGain;
-pub use poses::{ChosenPoses, Expectation};
-pub use unexplained::{LostMotionSummary, Unexplained};
-pub use weighing::Weighing;
+use crate::compensate::CompensationError;
+use crate::identify::IdentificationError;
+use crate::sensor::PayloadError;
+use bracketry_files::FileError;
 
 /// Why a run over a robot's data did not come about.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,38 +1,22 @@
 //! What linear springs of the joints do not explain of measured displacements, and where.
 
-use bracketry_stiffness::{
-    JointSpring, Kinematics, LostMotionReport, MeasurementSet, ResidualSample, Robot, Springs, explain_residual,
-    loaded_compliance,
-};
-use serde::Serialize;
-
-use super::PredictedTranslation;
+use super::identification::PredictedTranslation;
+use crate::compliance::{JointSpring, Springs, loaded_compliance};
+use crate::identify::{LostMotion, LostMotionReport, MeasurementSet, ResidualSample, explain_residual};
+use crate::robot::{Kinematics, Robot};
 
 /// Standard deviations by which a mean square has to exceed that of the noise.
 const BEYOND_NOISE: f64 = 4.0;
 
-/// Lost motion that explains a part of what is left.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LostMotionSummary {
-    /// Joint, from 1.
-    pub joint: usize,
-    /// Lost motion from flank to flank (rad; m where it slides).
-    pub gap: f64,
-    /// Torque from which on the flanks are engaged (N·m; N).
-    pub engaged: f64,
-    /// Share of the squares that linear springs leave.
-    pub share: f64,
-}
-
 /// What is left of the measured translations of the tool point by the springs of the joints.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Unexplained {
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpringResidual {
     /// Root mean square of the measured translations (m), outliers left out.
-    pub moved_rms_m: f64,
+    pub measured_rms: f64,
     /// The same of measured less predicted.
-    pub left_rms_m: f64,
+    pub residual_rms: f64,
     /// What the stated noise alone would leave.
-    pub noise_rms_m: f64,
+    pub noise_rms: f64,
     /// Share of the measured root mean square that neither the springs nor the noise explain; 0 where it is within chance.
     pub share: f64,
     /// Line of the table that leaves most.
@@ -40,12 +24,12 @@ pub struct Unexplained {
     /// Whether the springs are linear: lost motion is looked for beside them.
     pub linear: bool,
     /// Lost motion that explains it, the most important first.
-    pub lost_motion: Vec<LostMotionSummary>,
+    pub lost_motion: Vec<LostMotion>,
     /// What remains with that lost motion (m).
-    pub with_lost_motion_rms_m: Option<f64>,
+    pub with_lost_motion_rms: Option<f64>,
 }
 
-impl Unexplained {
+impl SpringResidual {
     /// Of springs with their predictions of all measurements; `outliers` (from 0) were left out. None without measurements.
     pub(super) fn new(
         robot: &Robot,
@@ -60,43 +44,33 @@ impl Unexplained {
         if kept.is_empty() || predictions.len() != set.len() {
             return None;
         }
-        let left = |i: usize| -> f64 {
+        let squares = |i: usize| -> f64 {
             let p = &predictions[i];
-            (0..3).map(|axis| (p.measured[axis] - p.predicted[axis]).powi(2)).sum()
+            (p.measured - p.predicted).iter().map(|v| v.powi(2)).sum()
         };
-        let moved = |i: usize| -> f64 { predictions[i].measured.iter().map(|v| v * v).sum() };
+        let measured = |i: usize| -> f64 { predictions[i].measured.iter().map(|v| v * v).sum() };
         let mean = |of: &dyn Fn(usize) -> f64| kept.iter().map(|i| of(*i)).sum::<f64>() / kept.len() as f64;
         let noise = |i: usize| noise_square(robot, springs, set, i).unwrap_or(0.0);
-        let (moved, rest, noise) = (mean(&moved), mean(&left), mean(&noise));
+        let (measured, residual, noise) = (mean(&measured), mean(&squares), mean(&noise));
         // The mean of n squares varies by √(2/n) of itself.
         let chance = 1.0 + BEYOND_NOISE * (2.0 / (3 * kept.len()) as f64).sqrt();
-        let beyond = rest > chance * noise;
+        let beyond = residual > chance * noise;
         let linear = springs.joints.iter().all(|spring| matches!(spring, JointSpring::Linear { .. }));
         let report = (beyond && linear).then(|| lost_motion(robot, springs, set, &kept)).flatten();
-        let worst = kept.iter().copied().max_by(|a, b| left(*a).total_cmp(&left(*b)))?;
-        let mut found = Self {
-            moved_rms_m: moved.sqrt(),
-            left_rms_m: rest.sqrt(),
-            noise_rms_m: noise.sqrt(),
-            share: if beyond { ((rest - noise) / moved).sqrt() } else { 0.0 },
+        let worst = kept.iter().copied().max_by(|a, b| squares(*a).total_cmp(&squares(*b)))?;
+        let report = report.filter(|report| !report.lost_motion.is_empty());
+        Some(Self {
+            measured_rms: measured.sqrt(),
+            residual_rms: residual.sqrt(),
+            noise_rms: noise.sqrt(),
+            share: if beyond { ((residual - noise) / measured).sqrt() } else { 0.0 },
             worst_line: lines.get(worst).copied()?,
             linear,
-            lost_motion: Vec::new(),
-            with_lost_motion_rms_m: None,
-        };
-        if let Some(report) = report.filter(|report| !report.lost_motion.is_empty()) {
-            found.lost_motion = report
-                .lost_motion
-                .iter()
-                .map(|l| LostMotionSummary { joint: l.joint, gap: l.gap, engaged: l.engaged, share: l.share })
-                .collect();
-            found.with_lost_motion_rms_m = Some(report.nonlinear);
-        }
-        Some(found)
+            with_lost_motion_rms: report.as_ref().map(|report| report.nonlinear),
+            lost_motion: report.map_or_else(Vec::new, |report| report.lost_motion),
+        })
     }
-}
 
-impl Unexplained {
     /// Share of the squares that linear springs leave which lost motion explains.
     pub(super) fn by_lost_motion(&self) -> f64 {
         self.lost_motion.iter().map(|lost| lost.share).sum()

@@ -1,12 +1,13 @@
 //! What a compensation would have done along a log.
 
-use std::fmt;
-
-use bracketry_stiffness::{Compensator, Fault, ForceSensor, RobotFile, Springs, Wrench};
-use bracketry_system::counted;
-use serde::Serialize;
-
-use super::{LoopGain, RobotLog, StiffnessRunError};
+use super::error::StiffnessRunError;
+use super::log::RobotLog;
+use super::loop_gain::LoopGain;
+use crate::compensate::{CompensationSettings, Compensator, Fault};
+use crate::compliance::Springs;
+use crate::robot::{Twist, Wrench, halves};
+use crate::robot_file::RobotFile;
+use crate::sensor::ForceSensor;
 
 /// Bias and weight in units of the force's noise, from which on readings must show them.
 const WEIGHS: f64 = 5.0;
@@ -23,9 +24,9 @@ pub struct CompensatedRow {
     /// Correction of the joints (rad, m); the last good one where input was bad.
     pub correction: Vec<f64>,
     /// Filtered process wrench at the tool point in base axes (N, N·m).
-    pub wrench: [f64; 6],
+    pub wrench: Wrench,
     /// Displacement of the tool point without correction, in base axes (m, rad).
-    pub displacement: [f64; 6],
+    pub displacement: Twist,
     /// Whether bad input held the correction.
     pub held: bool,
     /// Whether a limit shortened the correction or its change.
@@ -33,29 +34,29 @@ pub struct CompensatedRow {
 }
 
 /// How often something was wrong with the input.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FaultCount {
     /// What it was.
-    pub fault: String,
+    pub fault: Fault,
     /// Samples.
     pub samples: usize,
 }
 
 /// A compensation along a log.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CompensatedLog {
     /// Name of the robot.
     pub robot: String,
     /// Samples of the log.
     pub samples: usize,
     /// Period of the log in seconds.
-    pub period_s: f64,
+    pub period: f64,
     /// Root mean square of the predicted translation of the tool point (m).
-    pub displacement_rms_m: f64,
+    pub displacement_rms: f64,
     /// Largest predicted translation (m).
-    pub displacement_max_m: f64,
+    pub displacement_max: f64,
     /// Largest force of the process (N), filtered.
-    pub force_max_n: f64,
+    pub force_max: f64,
     /// Largest correction of each joint (rad, m).
     pub correction_max: Vec<f64>,
     /// Samples at which a limit acted.
@@ -65,7 +66,6 @@ pub struct CompensatedLog {
     /// The loop through the process, where its stiffness was given.
     pub loop_gain: Option<LoopGain>,
     /// The samples.
-    #[serde(skip)]
     pub rows: Vec<CompensatedRow>,
 }
 
@@ -83,7 +83,7 @@ impl CompensatedLog {
         if period * cutoff >= 0.5 {
             return Err(StiffnessRunError::Period { period, cutoff });
         }
-        let settings = bracketry_stiffness::CompensationSettings { period: log.period, ..file.compensation };
+        let settings = CompensationSettings { period: log.period, ..file.compensation };
         let loop_gain = process.map(|process| LoopGain::new(file, &springs, &settings, log, process)).transpose()?;
         let mut compensator = Compensator::new(file.robot.clone(), springs, sensor, file.payload, settings)?;
         let mut faults: Vec<FaultCount> = Vec::new();
@@ -91,7 +91,7 @@ impl CompensatedLog {
         for (k, t) in log.t.iter().enumerate() {
             let step = compensator.step(&log.measured[k], &log.readings[k], &log.references[k]);
             if let Some(fault) = step.status.fault {
-                let fault = describe(fault, &log.measured[k]);
+                let fault = of_log(fault, &log.measured[k]);
                 match faults.iter_mut().find(|count| count.fault == fault) {
                     Some(count) => count.samples += 1,
                     None => faults.push(FaultCount { fault, samples: 1 }),
@@ -101,23 +101,23 @@ impl CompensatedLog {
                 t: *t,
                 corrected: step.reference.to_vec(),
                 correction: step.correction.to_vec(),
-                wrench: step.wrench.into(),
-                displacement: step.displacement.into(),
+                wrench: step.wrench,
+                displacement: step.displacement,
                 held: step.status.fault.is_some(),
                 limited: step.status.saturated || step.status.rate_limited,
             });
         }
-        let moved = |row: &CompensatedRow| length(&row.displacement);
+        let moved = |row: &CompensatedRow| halves(&row.displacement).0.norm();
         let good: Vec<&CompensatedRow> = rows.iter().filter(|row| !row.held).collect();
         let squares: f64 = good.iter().map(|row| moved(row).powi(2)).sum();
         let largest = |value: &dyn Fn(&CompensatedRow) -> f64| good.iter().map(|row| value(row)).fold(0.0, f64::max);
         Ok(Self {
             robot: file.robot.name.clone(),
             samples: rows.len(),
-            period_s: log.period,
-            displacement_rms_m: (squares / good.len().max(1) as f64).sqrt(),
-            displacement_max_m: largest(&moved),
-            force_max_n: largest(&|row| length(&row.wrench)),
+            period,
+            displacement_rms: (squares / good.len().max(1) as f64).sqrt(),
+            displacement_max: largest(&moved),
+            force_max: largest(&|row| halves(&row.wrench).0.norm()),
             correction_max: (0..file.robot.joints.len()).map(|i| largest(&|row| row.correction[i].abs())).collect(),
             limited: rows.iter().filter(|row| row.limited).count(),
             faults,
@@ -148,7 +148,7 @@ pub(super) fn sensor(file: &RobotFile) -> Result<ForceSensor, StiffnessRunError>
 
 /// Refuses forces far below the bias and the weight that the sensor carries.
 fn check_readings(file: &RobotFile, sensor: &ForceSensor, log: &RobotLog) -> Result<(), StiffnessRunError> {
-    let force = |wrench: &Wrench| wrench.fixed_rows::<3>(0).norm();
+    let force = |wrench: &Wrench| halves(wrench).0.norm();
     let alone = |q: &Vec<f64>| {
         let orientation = (file.robot.tool_pose(q).ok()? * sensor.pose).rotation;
         Some(force(&file.payload.reading(&orientation, &file.compensation.gravity)))
@@ -170,51 +170,10 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-/// Length of the first three entries.
-fn length(v: &[f64; 6]) -> f64 {
-    v[..3].iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// What was wrong, where these coordinates were measured: they stand for the references of a log without any.
-fn describe(fault: Fault, measured: &[f64]) -> String {
-    const WRENCH: [&str; 6] = super::log::WRENCH;
+/// The fault of a log, whose measured coordinates stand for the references where it has none.
+fn of_log(fault: Fault, measured: &[f64]) -> Fault {
     match fault {
-        Fault::Count => "not one coordinate for each joint".to_owned(),
-        Fault::Reading(i) => format!("no reading of {}", WRENCH[i]),
-        Fault::Range => {
-            "the reading lies beyond the sensor's range: overload, or other units (mN for N, N·mm for N·m)".to_owned()
-        }
-        Fault::Measured(i) => format!("no measured q{}", i + 1),
-        Fault::Reference(i) if measured.get(i).is_some_and(|q| q.is_nan()) => format!("no measured q{}", i + 1),
-        Fault::Reference(i) => format!("no reference of joint {}", i + 1),
-        Fault::Unbounded => "coordinates too large for a pose".to_owned(),
-    }
-}
-
-impl fmt::Display for CompensatedLog {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let duration = self.samples as f64 * self.period_s;
-        let samples = counted(self.samples, "sample", "samples");
-        writeln!(f, "{}: {samples} of {} s, {duration:.2} s", self.robot, self.period_s)?;
-        writeln!(f, "process force up to {:.1} N at the tool point, filtered", self.force_max_n)?;
-        writeln!(
-            f,
-            "predicted displacement of the tool point: {:.1} µm rms, {:.1} µm at most",
-            1e6 * self.displacement_rms_m,
-            1e6 * self.displacement_max_m
-        )?;
-        let corrections: Vec<String> = self.correction_max.iter().map(|c| format!("{:.3}", 1e3 * c)).collect();
-        writeln!(f, "largest correction of each joint [mrad, mm]: {}", corrections.join(", "))?;
-        if self.limited > 0 {
-            let samples = counted(self.limited, "sample", "samples");
-            writeln!(f, "limits acted at {samples}: raise correction_limit or rate_limit if this is wanted")?;
-        }
-        for count in &self.faults {
-            writeln!(f, "held at {}: {}", counted(count.samples, "sample", "samples"), count.fault)?;
-        }
-        if let Some(gain) = &self.loop_gain {
-            write!(f, "{gain}")?;
-        }
-        Ok(())
+        Fault::Reference(i) if measured.get(i).is_some_and(|q| q.is_nan()) => Fault::Measured(i),
+        other => other,
     }
 }

@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use bracketry_stiffness::{JointKind, Robot, Wrench};
-use bracketry_system::{Columns, Document, Entries, FileError};
+use crate::robot::{JointKind, Robot, Wrench};
+use bracketry_files::{Columns, Document, Entries, FileError};
 
-/// Columns of a wrench.
-pub(super) const WRENCH: [&str; 6] = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"];
+/// Columns of a displacement in a table.
+pub const TWIST_COLUMNS: [&str; 6] = ["dx", "dy", "dz", "rx", "ry", "rz"];
+/// Columns of a wrench in a table.
+pub const WRENCH_COLUMNS: [&str; 6] = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"];
 /// Two turns: joint coordinates beyond are in degrees (rad).
 const LARGEST_ANGLE: f64 = 4.0 * std::f64::consts::PI;
 /// Longest arm of a joint that slides (m).
@@ -52,7 +54,7 @@ impl RobotLog {
         check_joints(doc, &table, robot, "q")?;
         let measured = rows(doc, &table, &q)?;
         check_coordinates(doc, &table, robot, &q)?;
-        let readings = rows(doc, &table, &WRENCH.map(str::to_owned))?;
+        let readings = rows(doc, &table, &WRENCH_COLUMNS.map(str::to_owned))?;
         let r = joint_names("r", robot);
         check_joints(doc, &table, robot, "r")?;
         let references = if r.iter().any(|name| table.columns.contains_key(name)) {
@@ -85,7 +87,7 @@ impl CoordinatesAndWrenches {
         check_joints(doc, &columns, robot, "q")?;
         let coordinates = rows(doc, &columns, &q)?;
         check_coordinates(doc, &columns, robot, &q)?;
-        let wrenches = rows(doc, &columns, &WRENCH.map(str::to_owned))?;
+        let wrenches = rows(doc, &columns, &WRENCH_COLUMNS.map(str::to_owned))?;
         let wrenches = wrenches.iter().map(|row| Wrench::from_row_slice(row)).collect();
         Ok(Self { columns, coordinates, wrenches })
     }

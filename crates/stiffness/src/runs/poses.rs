@@ -1,21 +1,15 @@
 //! Which of some measurements that could be made tell the most about a robot's springs.
 
-use std::fmt;
-use std::path::Path;
-
-use bracketry_stiffness::{IdentificationError, PoseChoice, PoseInformation, RobotFile, Springs};
-use bracketry_system::{Columns, Document};
-use serde::Serialize;
-
-use super::StiffnessRunError;
+use super::error::StiffnessRunError;
 use super::identification::{noise, start};
 use super::log::CoordinatesAndWrenches;
-
-/// Standard deviation of a logarithm from which on a parameter will not be identified.
-const NOT_IDENTIFIED: f64 = 0.5;
+use crate::identify::{IdentificationError, NOT_IDENTIFIED, PoseChoice, PoseInformation};
+use crate::robot_file::RobotFile;
+use bracketry_files::{Columns, Document};
+use std::path::Path;
 
 /// What a selection of measurements is expected to tell.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Expectation {
     /// Relative standard deviation of each parameter of the joints' springs, joint by joint; absent where it would not be identified.
     pub errors: Vec<Option<f64>>,
@@ -24,7 +18,7 @@ pub struct Expectation {
 }
 
 /// A choice of measurements.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct ChosenPoses {
     /// Name of the robot.
     pub robot: String,
@@ -38,10 +32,9 @@ pub struct ChosenPoses {
     pub all: Expectation,
     /// Whether the springs are those of the robot file, or of a usual size.
     pub springs_known: bool,
-    /// Joint and name of each parameter.
-    pub parameters: Vec<String>,
+    /// Joint (from 1) and name of each parameter.
+    pub parameters: Vec<(usize, &'static str)>,
     /// The rows that were chosen: coordinates of the joints, then the wrench.
-    #[serde(skip)]
     pub rows: Vec<Vec<f64>>,
 }
 
@@ -72,6 +65,9 @@ impl ChosenPoses {
         let information = PoseInformation::new(&file.robot, &springs, &candidates, &noise(file)).map_err(place)?;
         let chosen = information.choose(count).map_err(place)?;
         let all: Vec<usize> = (0..candidates.len()).collect();
+        let joints = springs.joints.iter().enumerate();
+        let parameters =
+            joints.flat_map(|(i, spring)| spring.parameters().into_iter().map(move |(name, _)| (i + 1, name))).collect();
         let row = |i: &usize| candidates[*i].0.iter().chain(candidates[*i].1.iter()).copied().collect();
         Ok(Self {
             robot: file.robot.name.clone(),
@@ -79,7 +75,7 @@ impl ChosenPoses {
             lines: chosen.chosen.iter().map(|i| lines[*i]).collect(),
             all: expectation(&information.of(&all)),
             springs_known: file.springs.is_some(),
-            parameters: names(&springs),
+            parameters,
             rows: chosen.chosen.iter().map(row).collect(),
             chosen: expectation(&chosen),
         })
@@ -96,40 +92,5 @@ fn expectation(choice: &PoseChoice) -> Expectation {
     Expectation {
         errors: choice.log_std.iter().map(error).collect(),
         condition: choice.condition.is_finite().then_some(choice.condition),
-    }
-}
-
-/// The parameters of springs in the order of their errors.
-fn names(springs: &Springs) -> Vec<String> {
-    use bracketry_stiffness::JointSpring::{Backlash, Linear, Stiffening};
-    let of = |(i, spring): (usize, &bracketry_stiffness::JointSpring)| {
-        let names: &[&str] = match spring {
-            Linear { .. } => &["stiffness"],
-            Stiffening { .. } => &["stiffness", "cubic"],
-            Backlash { .. } => &["stiffness", "gap", "engaged"],
-        };
-        names.iter().map(|name| format!("joint {} {name}", i + 1)).collect::<Vec<_>>()
-    };
-    springs.joints.iter().enumerate().flat_map(of).collect()
-}
-
-impl fmt::Display for ChosenPoses {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let lines: Vec<String> = self.lines.iter().map(ToString::to_string).collect();
-        writeln!(f, "{}: {} of {} measurements tell the most", self.robot, self.lines.len(), self.candidates)?;
-        writeln!(f, "lines {}", lines.join(", "))?;
-        writeln!(f, "\n{:20} {:>16} {:>16}", "expected error", "of these", "of all")?;
-        let percent = |value: &Option<f64>| {
-            value.map_or_else(|| "not identified".to_owned(), |value| format!("{:.1} %", 100.0 * value))
-        };
-        for ((name, chosen), all) in self.parameters.iter().zip(&self.chosen.errors).zip(&self.all.errors) {
-            writeln!(f, "{name:20} {:>16} {:>16}", percent(chosen), percent(all))?;
-        }
-        let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| format!("{value:.1}"));
-        writeln!(f, "{:20} {:>16} {:>16}", "condition", number(self.chosen.condition), number(self.all.condition))?;
-        if !self.springs_known {
-            writeln!(f, "\nthe robot file has no springs: 1 MN·m/rad was taken for each joint")?;
-        }
-        Ok(())
     }
 }

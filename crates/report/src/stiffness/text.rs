@@ -1,0 +1,361 @@
+//! The stiffness of robots in words.
+
+use std::fmt::{self, Write};
+
+use bracketry_stiffness::{
+    Advice, CartesianEstimate, CartesianEstimator, ChosenPoses, Comparison, CompensatedLog, Fault, Found,
+    Identification, LoopGain, LostMotionReport, Method, MethodReport, Payload, SpringFit, SpringResidual,
+    WRENCH_COLUMNS, Weighing, Withheld,
+};
+use bracketry_system::counted;
+use nalgebra::Matrix6;
+
+/// Writing to a string does not fail.
+fn printed(write: impl FnOnce(&mut String) -> fmt::Result) -> String {
+    let mut out = String::new();
+    let _ = write(&mut out);
+    out
+}
+
+pub(super) fn listed<T: ToString>(values: &[T]) -> String {
+    values.iter().map(T::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// What a comparison says of a method.
+pub fn advice(advice: &Advice) -> String {
+    match advice {
+        Advice::Trust { method, held_out } => format!(
+            "trust {method}: it predicts held-out displacements to {held_out:.2} σ, and of the methods that do so it has the fewest parameters"
+        ),
+        Advice::DoesNotApply { method, why } => format!("{method}: does not apply, {why}"),
+        Advice::Attenuated { estimator, attenuation } => {
+            let (noise, too_small, ending) = match estimator {
+                CartesianEstimator::WrenchOnDisplacement => {
+                    ("ΔX", "K", ", however many measurements there are")
+                }
+                _ => ("W", "C", ""),
+            };
+            let (worst, percent) = (attenuation.worst, 100.0 * attenuation.error);
+            format!(
+                "{estimator}: the noise of {noise} makes {too_small} too small, by a factor of {worst:.3} in the worst direction and {percent:.1} % in all{ending}"
+            )
+        }
+        Advice::NotPositiveDefinite(estimator) => {
+            format!("{estimator}: not positive definite, some load would be answered by a push back")
+        }
+        Advice::NotSymmetric(estimator) => {
+            format!("{estimator}: not symmetric, more than noise explains: a circle of loads would gain energy")
+        }
+        Advice::NotIdentified(why) => format!("{}: {why}", Method::JointSprings),
+        Advice::Misfit { residual } => format!(
+            "{}: residuals of {residual:.1} σ, the model misses something or the noise is larger",
+            Method::JointSprings
+        ),
+        Advice::NoiseOverstated { residual } => format!(
+            "the residuals are {residual:.2} of the stated noise: the measurements are better than that, and the intervals wider than need be"
+        ),
+    }
+}
+
+/// Why springs are not written into the robot file.
+pub fn withheld(why: &Withheld) -> String {
+    match why {
+        Withheld::OtherMethod { method, residual } => format!(
+            "{method} predicts better than the springs of the joints, which leave {residual:.1} σ: something else yields too"
+        ),
+        Withheld::LostMotion { share } => format!(
+            "lost motion in joints explains {:.0} % of what they leave: start from it, as told below",
+            100.0 * share
+        ),
+        Withheld::Misfit { residual } => format!(
+            "they leave {residual:.1} σ of noise: give a joint `gap` and `engaged` or `cubic` to start from, or raise [noise] if the \
+             measurements are that noisy"
+        ),
+    }
+}
+
+/// What was wrong with the input of a compensation.
+pub fn fault(fault: Fault) -> String {
+    match fault {
+        Fault::Count => "not one coordinate for each joint".to_owned(),
+        Fault::Reading(i) => format!("no reading of {}", WRENCH_COLUMNS[i]),
+        Fault::Range => {
+            "the reading lies beyond the sensor's range: overload, or other units (mN for N, N·mm for N·m)".to_owned()
+        }
+        Fault::Measured(i) => format!("no measured q{}", i + 1),
+        Fault::Reference(i) => format!("no reference of joint {}", i + 1),
+        Fault::Unbounded => "coordinates too large for a pose".to_owned(),
+    }
+}
+
+/// An identification.
+pub fn identification(found: &Identification) -> String {
+    printed(|out| {
+        writeln!(out, "{}: {} measurements", found.robot, found.measurements)?;
+        if !found.outliers.is_empty() {
+            writeln!(out, "left out as outliers: lines {}", listed(&found.outliers))?;
+        }
+        if let Some(why) = &found.outliers_kept {
+            writeln!(out, "no outliers left out: {why}")?;
+        }
+        write_methods(out, found)?;
+        write_parameters(out, found)?;
+        if let Some(rest) = &found.residual {
+            write!(out, "\n{}", residual(rest))?;
+        }
+        found.cartesian.as_ref().map_or(Ok(()), |estimate| write_cartesian(out, estimate))
+    })
+}
+
+fn write_methods(out: &mut String, found: &Identification) -> fmt::Result {
+    writeln!(out, "\n{:24} {:>23} {:>10} {:>8}", "method", "error of prediction [σ]", "condition", "χ²/dof")?;
+    for (method, figures) in &found.methods {
+        let (held_out, condition, chi_square) = match figures {
+            Ok(f) => (format!("{:.3}", f.held_out), format!("{:.1}", f.condition), format!("{:.2}", f.chi_square)),
+            Err(_) => ("–".to_owned(), "–".to_owned(), "–".to_owned()),
+        };
+        writeln!(out, "{method:24} {held_out:>23} {condition:>10} {chi_square:>8}")?;
+    }
+    writeln!(out)?;
+    found.advice.iter().try_for_each(|item| writeln!(out, "{}", advice(item)))?;
+    // Methods that do not apply for the same reason share a line.
+    let failed = found.methods.iter().filter_map(|(method, figures)| Some((method, figures.as_ref().err()?.to_string())));
+    let mut alike: Vec<(String, Vec<String>)> = Vec::new();
+    for (method, why) in failed {
+        match alike.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, methods)) => methods.push(method.to_string()),
+            None => alike.push((why, vec![method.to_string()])),
+        }
+    }
+    alike.iter().try_for_each(|(why, methods)| writeln!(out, "{}: does not apply, {why}", methods.join("; ")))
+}
+
+fn write_parameters(out: &mut String, found: &Identification) -> fmt::Result {
+    use bracketry_stiffness::Identified;
+    if !found.parameters.is_empty() {
+        writeln!(out, "\nsprings of the joints (N·m/rad, N·m/rad³, rad, N·m), 95 % interval")?;
+    }
+    for p in &found.parameters {
+        let (joint, name) = (p.joint, p.name);
+        match &p.identified {
+            Identified::Yes { value, low, high } => {
+                writeln!(out, "joint {joint} {name:10} {value:.4e}  ({low:.4e} … {high:.4e})")?;
+            }
+            no @ Identified::No { .. } => {
+                writeln!(out, "joint {joint} {name:10} not identified: {}", no.why().unwrap_or_default())?;
+            }
+        }
+    }
+    if let Some(why) = &found.withheld {
+        writeln!(out, "these springs are not written, and their intervals do not hold: {}", withheld(why))
+    } else if found.parameters.is_empty() {
+        Ok(())
+    } else {
+        writeln!(out, "the intervals hold as far as the model does")
+    }
+}
+
+fn write_cartesian(out: &mut String, estimate: &CartesianEstimate) -> fmt::Result {
+    writeln!(out, "\ncompliance at the tool point, base axes [µm, µrad per N, N·m], ± half of the 95 % interval")?;
+    write_matrix(out, &estimate.compliance, |i, j| estimate.compliance_interval(i, j), 1e6)?;
+    writeln!(out, "\nstiffness, its inverse [N, N·m per µm, µrad]")?;
+    write_matrix(out, &estimate.stiffness, |i, j| estimate.stiffness_interval(i, j), 1e-6)
+}
+
+fn write_matrix(
+    out: &mut String,
+    values: &Matrix6<f64>,
+    interval: impl Fn(usize, usize) -> (f64, f64),
+    scale: f64,
+) -> fmt::Result {
+    (0..6).try_for_each(|i| {
+        let cell = |j: usize| {
+            let (low, high) = interval(i, j);
+            format!("{:9.4} ± {:.4}", scale * values[(i, j)], 0.5 * scale * (high - low))
+        };
+        writeln!(out, "{}", (0..6).map(cell).collect::<Vec<_>>().join("  "))
+    })
+}
+
+/// What the springs of the joints leave of measured translations.
+pub fn residual(found: &SpringResidual) -> String {
+    printed(|out| {
+        let [measured, left, noise] = [found.measured_rms, found.residual_rms, found.noise_rms].map(|v| 1e6 * v);
+        let springs = if found.linear { "the linear springs" } else { "the springs" };
+        write!(out, "translations {measured:.1} µm rms; {springs} leave {left:.1} µm, noise alone {noise:.1} µm: ")?;
+        if found.share == 0.0 {
+            return writeln!(out, "nothing else is to be explained");
+        }
+        let model = if found.linear { "a linear" } else { "such a" };
+        let (share, line) = (100.0 * found.share, found.worst_line);
+        writeln!(
+            out,
+            "{share:.1} % of the rms is nothing that {model} model of the joints explains, most of it at line {line}"
+        )?;
+        for lost in &found.lost_motion {
+            writeln!(
+                out,
+                "joint {}: lost motion explains {:.0} % of what is left; give it gap = {:.1e}, engaged = {:.0} in the robot file and identify again",
+                lost.joint,
+                100.0 * lost.share,
+                lost.gap,
+                lost.engaged
+            )?;
+        }
+        match found.with_lost_motion_rms {
+            Some(remain) => writeln!(out, "with lost motion {:.1} µm remain", 1e6 * remain),
+            None if found.linear => writeln!(out, "no lost motion found"),
+            None => Ok(()),
+        }
+    })
+}
+
+/// All methods on the same data.
+pub fn comparison(compared: &Comparison) -> String {
+    let yes = |b: bool| if b { "yes" } else { "no" };
+    printed(|out| {
+        writeln!(
+            out,
+            "{:24} {:>12} {:>10} {:>8} {:>10} {:>10}",
+            "method", "held out [σ]", "condition", "χ²/dof", "symmetric", "pos. def."
+        )?;
+        for (method, report) in &compared.methods {
+            let Ok(MethodReport { found, held_out, .. }) = report else {
+                writeln!(out, "{method:24} {:>12}", "–")?;
+                continue;
+            };
+            let (symmetric, definite) = match found {
+                Found::Cartesian(estimate) => (yes(estimate.symmetric), yes(estimate.positive_definite)),
+                Found::Springs(_) => ("yes", "yes"),
+            };
+            let (condition, chi_square) = (found.condition(), found.chi_square());
+            writeln!(out, "{method:24} {held_out:12.3} {condition:10.1} {chi_square:8.2} {symmetric:>10} {definite:>10}")?;
+        }
+        compared.advice.iter().try_for_each(|item| writeln!(out, "{}", advice(item)))?;
+        write!(out, "{} measurements left out as outliers", compared.outliers.len())
+    })
+}
+
+/// A fit of springs.
+pub fn spring_fit(fit: &SpringFit) -> String {
+    printed(|out| {
+        fit.parameters.iter().try_for_each(|parameter| writeln!(out, "{parameter}"))?;
+        writeln!(out, "condition {:.1}, residuals {:.2} σ", fit.condition, fit.chi_square.sqrt())?;
+        write!(out, "{} measurements left out as outliers", fit.outliers.len())
+    })
+}
+
+/// What is left of measured displacements, and why.
+pub fn lost_motion(report: &LostMotionReport) -> String {
+    printed(|out| {
+        writeln!(
+            out,
+            "measured less modelled displacement {:.1} µm rms; with the best joint stiffnesses {:.1} µm: {:.0} % of the rms is nothing a linear model explains",
+            1e6 * report.residual,
+            1e6 * report.linear,
+            100.0 * report.unexplained()
+        )?;
+        for lost in &report.lost_motion {
+            writeln!(
+                out,
+                "joint {}: lost motion of {:.3} mrad, flanks engaged from {:.0} N·m on, {} torque reversals; explains {:.0} % of its square",
+                lost.joint,
+                1e3 * lost.gap,
+                lost.engaged,
+                lost.reversals,
+                100.0 * lost.share
+            )?;
+        }
+        if report.lost_motion.is_empty() {
+            writeln!(out, "no lost motion found")
+        } else {
+            writeln!(out, "with lost motion {:.1} µm remain", 1e6 * report.nonlinear)
+        }
+    })
+}
+
+/// A choice of measurements.
+pub fn chosen_poses(found: &ChosenPoses) -> String {
+    printed(|out| {
+        writeln!(out, "{}: {} of {} measurements tell the most", found.robot, found.lines.len(), found.candidates)?;
+        writeln!(out, "lines {}", listed(&found.lines))?;
+        writeln!(out, "\n{:20} {:>16} {:>16}", "expected error", "of these", "of all")?;
+        let percent = |value: &Option<f64>| {
+            value.map_or_else(|| "not identified".to_owned(), |value| format!("{:.1} %", 100.0 * value))
+        };
+        for (((joint, name), chosen), all) in found.parameters.iter().zip(&found.chosen.errors).zip(&found.all.errors) {
+            let name = format!("joint {joint} {name}");
+            writeln!(out, "{name:20} {:>16} {:>16}", percent(chosen), percent(all))?;
+        }
+        let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| format!("{value:.1}"));
+        let (chosen, all) = (number(found.chosen.condition), number(found.all.condition));
+        writeln!(out, "{:20} {chosen:>16} {all:>16}", "condition")?;
+        if !found.springs_known {
+            writeln!(out, "\nthe robot file has no springs: 1 MN·m/rad was taken for each joint")?;
+        }
+        Ok(())
+    })
+}
+
+/// What a force sensor carries.
+pub fn weighing(found: &Weighing) -> String {
+    printed(|out| {
+        let (estimate, payload) = (&found.estimate, &found.estimate.payload);
+        writeln!(out, "{}: what the sensor carries, from {} readings, ± standard deviation", found.robot, found.readings)?;
+        writeln!(out, "mass {:.4} ± {:.4} kg", payload.mass, estimate.mass_deviation)?;
+        for (i, axis) in ["x", "y", "z"].iter().enumerate() {
+            let (centre, deviation) = (1e3 * payload.centre[i], 1e3 * estimate.centre_deviation[i]);
+            writeln!(out, "centre {axis} {centre:.2} ± {deviation:.2} mm, in the sensor's frame")?;
+        }
+        for (i, (value, deviation)) in payload.bias.iter().zip(&estimate.bias_deviation).enumerate() {
+            let unit = if i < 3 { "N" } else { "N·m" };
+            writeln!(out, "bias {} {value:.4} ± {deviation:.4} {unit}", WRENCH_COLUMNS[i])?;
+        }
+        let ([force, moment], line) = (estimate.residual, found.worst_line);
+        writeln!(out, "one reading lies {force:.3} N, {moment:.4} N·m about them; line {line} farthest")?;
+        write!(out, "\n{}", payload_table(payload))
+    })
+}
+
+/// The table `[payload]` for a robot file.
+pub fn payload_table(payload: &Payload) -> String {
+    let list = |values: &[f64]| values.iter().map(|v| format!("{v:.5}")).collect::<Vec<_>>().join(", ");
+    let (centre, bias) = (list(payload.centre.as_slice()), list(payload.bias.as_slice()));
+    format!("[payload]\nmass = {:.5}\ncentre = [{centre}]\nbias = [{bias}]\n", payload.mass)
+}
+
+/// A compensation along a log.
+pub fn compensated_log(run: &CompensatedLog) -> String {
+    let samples = |count: usize| counted(count, "sample", "samples");
+    printed(|out| {
+        let duration = run.samples as f64 * run.period;
+        writeln!(out, "{}: {} of {} s, {duration:.2} s", run.robot, samples(run.samples), run.period)?;
+        writeln!(out, "process force up to {:.1} N at the tool point, filtered", run.force_max)?;
+        let [rms, most] = [run.displacement_rms, run.displacement_max].map(|v| 1e6 * v);
+        writeln!(out, "predicted displacement of the tool point: {rms:.1} µm rms, {most:.1} µm at most")?;
+        let corrections: Vec<String> = run.correction_max.iter().map(|c| format!("{:.3}", 1e3 * c)).collect();
+        writeln!(out, "largest correction of each joint [mrad, mm]: {}", corrections.join(", "))?;
+        if run.limited > 0 {
+            let samples = samples(run.limited);
+            writeln!(out, "limits acted at {samples}: raise correction_limit or rate_limit if this is wanted")?;
+        }
+        for count in &run.faults {
+            writeln!(out, "held at {}: {}", samples(count.samples), fault(count.fault))?;
+        }
+        run.loop_gain.as_ref().map_or(Ok(()), |gain| out.write_str(&loop_gain(gain)))
+    })
+}
+
+/// Whether a compensation and a process drive each other up.
+pub fn loop_gain(found: &LoopGain) -> String {
+    let ([x, y, z], gains) = (found.process_stiffness, found.gains);
+    let verdict = if found.holds() {
+        "both below 1: stable with any lag"
+    } else {
+        "not below 1: compensation and process may drive each other up; cut less deep or slower, or raise stiffness_error"
+    };
+    format!(
+        "with a process of {x}, {y}, {z} N/m: process stiffness × compliance {:.3}, loop through the compensation {:.3}\n{verdict}\n",
+        gains.process, gains.compensation
+    )
+}
