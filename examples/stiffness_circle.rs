@@ -7,6 +7,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use bracketry::plot::{Color, Dash, Panel, Series, TimeSeries, XyChart};
+use bracketry::report::stiffness::text;
 use bracketry::stiffness::{
     CircleRun, CompensationError, Compensator, Deformation, JointSpring, Kinematics, MillingCircle, ResidualSample,
     Robot, RobotFile, Springs, Wrench, explain_residual,
@@ -304,7 +305,8 @@ fn lost_motion(mill: &Mill, linear: &Springs, dir: &Path) -> Result<(), Box<dyn 
         })
         .collect();
     let report = explain_residual(mill.robot(), linear, &samples)?;
-    println!("\nlost motion of {:.2} mrad in joints 1 and 5, measured with a tracker of 10 µm:\n{report}", 1e3 * GAP);
+    println!("\nlost motion of {:.2} mrad in joints 1 and 5, measured with a tracker of 10 µm:", 1e3 * GAP);
+    println!("{}", text::lost_motion(&report));
     let runs = [
         ("linear model", mill.with(&truth, linear)?),
         ("nonlinear model, fitted", mill.with(&truth, &report.springs)?),

@@ -5,8 +5,8 @@ mod common;
 
 use std::fs;
 
-use bracketry::stiffness::RobotFile;
-use bracketry::{CompensatedLog, RobotLog};
+use bracketry::report::stiffness::text;
+use bracketry::stiffness::{CompensatedLog, Fault, RobotFile, RobotLog};
 use common::robots::{log, unknown};
 use common::{bracketry, code, file, json, model, scratch};
 
@@ -40,7 +40,8 @@ fn a_correction_is_held_where_coordinates_are_lost() {
         assert_eq!(run.rows[k].correction, run.rows[99].correction);
         assert!(run.rows[k].correction.iter().any(|c| c.abs() > 1e-5));
     }
-    assert_eq!(run.faults[0].fault, "no measured q3");
+    assert_eq!(run.faults[0].fault, Fault::Measured(2));
+    assert_eq!(text::fault(run.faults[0].fault), "no measured q3");
 }
 
 #[test]

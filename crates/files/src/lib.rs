@@ -2,6 +2,8 @@
 
 mod columns;
 mod document;
+mod plausible;
 
 pub use columns::{Columns, Entries};
 pub use document::{Document, FileError, Table, Value};
+pub use plausible::Plausible;

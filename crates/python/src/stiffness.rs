@@ -3,8 +3,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use bracketry::stiffness::{Outliers, RobotFile, with_springs};
-use bracketry::{ChosenPoses, CompensatedLog, Identification, RobotLog, Weighing};
+use bracketry::report::stiffness::{figures as drawn, json, text};
+use bracketry::stiffness::{
+    ChosenPoses, CompensatedLog, CompensatedRow, Identification, Outliers, RobotFile, RobotLog, Weighing, with_springs,
+};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -38,13 +40,13 @@ pub(crate) fn identify(py: Python<'_>, data: Text, robot: Text, keep_outliers: b
             None => None,
         };
         let mut figures = Figures::default();
-        if let Some(Ok(drawing)) = found.stiffness_figure() {
+        if let Some(Ok(drawing)) = drawn::stiffness(&found) {
             figures = figures.with("stiffness", move || Ok(drawing.clone()));
         }
-        if let Some(Ok(drawing)) = found.residual_figure() {
+        if let Some(Ok(drawing)) = drawn::residuals(&found) {
             figures = figures.with("residuals", move || Ok(drawing.clone()));
         }
-        Ok((Answer::of(found.as_ref(), figures)?, identified))
+        Ok((Answer::new(&json::identification(&found), text::identification(&found), figures)?, identified))
     })?;
     let dict = answer.into_dict(py)?;
     dict.set_item("identified_robot", identified)?;
@@ -64,19 +66,18 @@ pub(crate) fn compensate(
         let table = log.table("name a CSV file: a table with the columns t, q1 …, Fx, Fy, Fz, Mx, My, Mz")?;
         let log = RobotLog::from_table(&table, &file.robot)?;
         let run = Arc::new(CompensatedLog::new(&file, &log, process_stiffness)?);
-        let drawn = Arc::clone(&run);
-        let figures = Figures::default().with("compensation", move || drawn.figure());
-        Ok((Answer::of(run.as_ref(), figures)?, run))
+        let shown = Arc::clone(&run);
+        let figures = Figures::default().with("compensation", move || drawn::compensated_log(&shown));
+        Ok((Answer::new(&json::compensated_log(&run), text::compensated_log(&run), figures)?, run))
     })?;
     let joints = run.correction_max.len();
-    let rows =
-        |of: &dyn Fn(&bracketry::CompensatedRow) -> Vec<f64>| -> Vec<Vec<f64>> { run.rows.iter().map(of).collect() };
+    let rows = |of: &dyn Fn(&CompensatedRow) -> Vec<f64>| -> Vec<Vec<f64>> { run.rows.iter().map(of).collect() };
     let dict = answer.into_dict(py)?;
     dict.set_item("t", run.rows.iter().map(|r| r.t).collect::<Vec<f64>>().into_pyarray(py))?;
     dict.set_item("corrected", matrix(py, &rows(&|r| r.corrected.clone()), joints)?)?;
     dict.set_item("correction", matrix(py, &rows(&|r| r.correction.clone()), joints)?)?;
-    dict.set_item("wrench", matrix(py, &rows(&|r| r.wrench.to_vec()), 6)?)?;
-    dict.set_item("displacement", matrix(py, &rows(&|r| r.displacement.to_vec()), 6)?)?;
+    dict.set_item("wrench", matrix(py, &rows(&|r| r.wrench.as_slice().to_vec()), 6)?)?;
+    dict.set_item("displacement", matrix(py, &rows(&|r| r.displacement.as_slice().to_vec()), 6)?)?;
     dict.set_item("held", run.rows.iter().map(|r| r.held).collect::<Vec<bool>>().into_pyarray(py))?;
     dict.set_item("limited", run.rows.iter().map(|r| r.limited).collect::<Vec<bool>>().into_pyarray(py))?;
     Ok(dict)
@@ -89,7 +90,8 @@ pub(crate) fn choose_poses(py: Python<'_>, candidates: Text, robot: Text, count:
         let file = robot_file(&robot)?;
         let table = candidates.table("name a CSV file: a table of candidates with the columns q1 …, Fx … Mz")?;
         let chosen = ChosenPoses::from_table(&file, &table, count)?;
-        Ok((Answer::of(&chosen, Figures::default())?, chosen, file.robot.joints.len()))
+        let answer = Answer::new(&json::chosen_poses(&chosen), text::chosen_poses(&chosen), Figures::default())?;
+        Ok((answer, chosen, file.robot.joints.len()))
     })?;
     let dict = answer.into_dict(py)?;
     dict.set_item("rows", matrix(py, &chosen.rows, joints + 6)?)?;
@@ -104,7 +106,8 @@ pub(crate) fn weigh(py: Python<'_>, readings: Text, robot: Text) -> PyResult<Bou
         let file = robot_file(&robot)?;
         let table = readings.table("name a CSV file: a table with the columns q1 …, Fx … Mz")?;
         let found = Weighing::from_table(&file, &table)?;
-        Ok((Answer::of(&found, Figures::default())?, found.toml()))
+        let answer = Answer::new(&json::weighing(&found), text::weighing(&found), Figures::default())?;
+        Ok((answer, text::payload_table(&found.estimate.payload)))
     })?;
     let dict = answer.into_dict(py)?;
     dict.set_item("toml", toml)?;

@@ -13,7 +13,7 @@ mod plate_move;
 mod plate_run;
 mod reach;
 pub mod simulation;
-mod stiffness_run;
+pub mod stiffness;
 
 pub use affinization::{AffinizationReport, InputChange};
 pub use analysis::{Analysis, AnalysisError, analyze};
@@ -28,7 +28,3 @@ pub use plate_run::{
 };
 pub use reach::{Influence, ReachTable, Reached};
 pub use simulation::{friction_bands, friction_colors};
-pub use stiffness_run::{
-    ChosenPoses, CompensatedLog, CompensatedRow, Expectation, FaultCount, Identification, LoopGain, LostMotionSummary,
-    MethodSummary, ParameterSummary, PredictedTranslation, RobotLog, StiffnessRunError, Unexplained, Weighing,
-};

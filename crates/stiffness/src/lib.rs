@@ -33,19 +33,20 @@ pub use compensate::{
 pub use compliance::{Deformation, DeformationModel, JointSpring, Springs, geometric_stiffness, loaded_compliance};
 pub use error::StiffnessError;
 pub use identify::{
-    Advice, Attenuation, CartesianEstimate, CartesianEstimator, Comparison, Found, IdentificationError, Identified, LostMotion,
-    LostMotionReport, Measurement, MeasurementNoise, MeasurementSet, Method, MethodReport, Outliers, Place, PoseChoice,
-    PoseInformation, ResidualSample, SpringFit, SpringFitSettings, SpringParameter, Unidentified, Unloaded, compare, explain_residual,
-    fit_springs, identify_cartesian,
+    Advice, Attenuation, CartesianEstimate, CartesianEstimator, Comparison, Found, IdentificationError, Identified,
+    LostMotion, LostMotionReport, Measurement, MeasurementNoise, MeasurementSet, Method, MethodReport, Outliers, Place,
+    PoseChoice, PoseInformation, ResidualSample, SpringFit, SpringFitSettings, SpringParameter, Unidentified, Unloaded,
+    compare, explain_residual, fit_springs, identify_cartesian,
 };
 pub use milling::{CircleRun, CircleSample, Cutting, MillingCircle, PathError};
 pub use robot::{
     DhParameters, Joint, JointKind, Kinematics, Robot, Twist, UrdfError, Wrench, displaced, displacement_between,
     twist_adjoint, wrench_adjoint,
 };
-pub use robot_file::{NoiseLevels, RobotFile, RobotFileError, with_springs};
+pub use robot_file::{NoiseLevels, RobotFile, with_springs};
 pub use runs::{
     ChosenPoses, CompensatedLog, CompensatedRow, Expectation, FaultCount, Identification, LoopGain, MethodFigures,
-    PredictedTranslation, RobotLog, SpringResidual, StiffnessRunError, TWIST_COLUMNS, WRENCH_COLUMNS, Weighing, Withheld,
+    PredictedTranslation, RobotLog, SpringResidual, StiffnessRunError, TWIST_COLUMNS, WRENCH_COLUMNS, Weighing,
+    Withheld,
 };
 pub use sensor::{ForceSensor, Payload, PayloadError, PayloadEstimate, StaticReading, identify_payload};

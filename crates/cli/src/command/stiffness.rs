@@ -1,11 +1,13 @@
 //! `bracketry stiffness`: springs of a robot from measurements, and the compensation of its deformation.
 
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use bracketry::stiffness::{Outliers, RobotFile, with_springs};
-use bracketry::{ChosenPoses, CompensatedLog, Identification, RobotLog, Weighing};
+use bracketry::report::stiffness::{figures, json as object, markdown, text};
+use bracketry::stiffness::{
+    ChosenPoses, CompensatedLog, Identification, Outliers, RobotFile, RobotLog, TWIST_COLUMNS, WRENCH_COLUMNS,
+    Weighing, with_springs,
+};
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
@@ -14,9 +16,6 @@ use super::help::{EXIT_CODES, guide};
 use super::output::{csv, figure, folder, json, line, print, spinner, write};
 use super::style::warning;
 use super::{Outcome, OutputArgs};
-
-/// Columns of a wrench.
-const WRENCH: [&str; 6] = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"];
 
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 2] = [
@@ -173,30 +172,31 @@ fn identify(data: &Path, robot: &Path, outliers: Outliers, output: &OutputArgs) 
     let found = Identification::new(&file, data, outliers)?;
     if let Some(dir) = &output.out {
         folder(dir)?;
-        write(&dir.join("identification.json"), &json(&found)?)?;
-        write(&dir.join("identification.txt"), &found.to_string())?;
-        write(&dir.join("identification.md"), &found.markdown())?;
+        write(&dir.join("identification.json"), &json(&object::identification(&found))?)?;
+        write(&dir.join("identification.txt"), &text::identification(&found))?;
+        write(&dir.join("identification.md"), &markdown::identification(&found))?;
         if let Some(why) = &found.withheld {
-            warning(&format!("no identified.toml: {why}"));
+            warning(&format!("no identified.toml: {}", text::withheld(why)));
         }
         if let Some(springs) = &found.springs {
-            let text = std::fs::read_to_string(robot).with_context(|| format!("cannot read {}", robot.display()))?;
+            let old = std::fs::read_to_string(robot).with_context(|| format!("cannot read {}", robot.display()))?;
             // The springs are in the report, whether they go into the file or not.
-            match with_springs(&robot.display().to_string(), &text, springs) {
+            match with_springs(&robot.display().to_string(), &old, springs) {
                 Ok(changed) => write(&dir.join("identified.toml"), &changed)?,
                 Err(e) => warning(&format!("no identified.toml: {e}")),
             }
         }
-        for (drawing, name) in [(found.stiffness_figure(), "stiffness"), (found.residual_figure(), "residuals")] {
+        for (drawing, name) in [(figures::stiffness(&found), "stiffness"), (figures::residuals(&found), "residuals")] {
             if let Some(drawing) = drawing {
                 figure(drawing, &dir.join(name));
             }
         }
     }
     progress.finish_and_clear();
-    report(&found, output, "the robot file with these springs, and figures")?;
+    let files = "the robot file with these springs, and figures";
+    report(&text::identification(&found), &object::identification(&found), output, files)?;
     // Joint springs that the data do not tell, and no stiffness of one pose instead.
-    Ok(if found.springs.is_none() && found.compliance.is_none() { Outcome::Negative } else { Outcome::Done })
+    Ok(if found.springs.is_none() && found.cartesian.is_none() { Outcome::Negative } else { Outcome::Done })
 }
 
 fn poses(candidates: &Path, robot: &Path, count: usize, output: &OutputArgs) -> anyhow::Result<Outcome> {
@@ -205,14 +205,14 @@ fn poses(candidates: &Path, robot: &Path, count: usize, output: &OutputArgs) -> 
     let found = ChosenPoses::new(&file, candidates, count)?;
     if let Some(dir) = &output.out {
         folder(dir)?;
-        write(&dir.join("poses.json"), &json(&found)?)?;
-        write(&dir.join("poses.txt"), &found.to_string())?;
+        write(&dir.join("poses.json"), &json(&object::chosen_poses(&found))?)?;
+        write(&dir.join("poses.txt"), &text::chosen_poses(&found))?;
         let q = (1..=file.robot.joints.len()).map(|i| format!("q{i}"));
-        let header: Vec<String> = q.chain(WRENCH.map(String::from)).collect();
+        let header: Vec<String> = q.chain(WRENCH_COLUMNS.map(String::from)).collect();
         csv(&dir.join("poses.csv"), &header, found.rows.iter().map(Vec::as_slice))?;
     }
     progress.finish_and_clear();
-    report(&found, output, "the chosen rows as a table")?;
+    report(&text::chosen_poses(&found), &object::chosen_poses(&found), output, "the chosen rows as a table")?;
     // Measurements that will not tell all springs.
     Ok(if found.identifies_all() { Outcome::Done } else { Outcome::Negative })
 }
@@ -221,20 +221,20 @@ fn weigh(readings: &Path, robot: &Path, output: &OutputArgs) -> anyhow::Result<O
     let found = Weighing::new(&RobotFile::read(robot)?, readings)?;
     if let Some(dir) = &output.out {
         folder(dir)?;
-        write(&dir.join("weighing.json"), &json(&found)?)?;
-        write(&dir.join("weighing.txt"), &found.to_string())?;
-        write(&dir.join("payload.toml"), &found.toml())?;
+        write(&dir.join("weighing.json"), &json(&object::weighing(&found))?)?;
+        write(&dir.join("weighing.txt"), &text::weighing(&found))?;
+        write(&dir.join("payload.toml"), &text::payload_table(&found.estimate.payload))?;
     }
-    report(&found, output, "the table [payload]")?;
+    report(&text::weighing(&found), &object::weighing(&found), output, "the table [payload]")?;
     Ok(Outcome::Done)
 }
 
 /// Prints a report, and what `--out` has written or would write.
-fn report<T: Serialize + Display>(found: &T, output: &OutputArgs, files: &str) -> anyhow::Result<()> {
+fn report(text: &str, object: &impl Serialize, output: &OutputArgs, files: &str) -> anyhow::Result<()> {
     if output.json {
-        return print(&json(found)?);
+        return print(&json(object)?);
     }
-    print(&found.to_string())?;
+    print(text)?;
     match &output.out {
         Some(dir) => line(&format!("written to {}", dir.display())),
         None => line(&format!("(--out DIR writes {files})")),
@@ -247,13 +247,14 @@ fn compensate(log: &Path, robot: &Path, process: Option<[f64; 3]>, output: &Outp
     let run = CompensatedLog::new(&file, &RobotLog::read(log, &file.robot)?, process)?;
     if let Some(dir) = &output.out {
         folder(dir)?;
-        write(&dir.join("compensation.json"), &json(&run)?)?;
-        write(&dir.join("compensation.txt"), &run.to_string())?;
+        write(&dir.join("compensation.json"), &json(&object::compensated_log(&run))?)?;
+        write(&dir.join("compensation.txt"), &text::compensated_log(&run))?;
         write_rows(&dir.join("compensation.csv"), &run)?;
-        figure(run.figure(), &dir.join("compensation"));
+        figure(figures::compensated_log(&run), &dir.join("compensation"));
     }
     progress.finish_and_clear();
-    report(&run, output, "the corrected references and a figure")?;
+    let files = "the corrected references and a figure";
+    report(&text::compensated_log(&run), &object::compensated_log(&run), output, files)?;
     // A log of which nothing could be used answers nothing; a loop that is not stable is none to run.
     let unstable = run.loop_gain.is_some_and(|gain| !gain.holds());
     Ok(if run.held() == run.samples || unstable { Outcome::Negative } else { Outcome::Done })
@@ -263,16 +264,15 @@ fn write_rows(path: &Path, run: &CompensatedLog) -> anyhow::Result<()> {
     let joints = run.correction_max.len();
     let mut header = vec!["t".to_owned()];
     header.extend((1..=joints).map(|i| format!("c{i}")));
-    header.extend(WRENCH.map(String::from));
-    header.extend(["dx", "dy", "dz", "rx", "ry", "rz", "held", "limited"].map(String::from));
+    header.extend(WRENCH_COLUMNS.into_iter().chain(TWIST_COLUMNS).chain(["held", "limited"]).map(String::from));
     let rows: Vec<Vec<f64>> = run
         .rows
         .iter()
         .map(|row| {
             let mut values = vec![row.t];
             values.extend(&row.corrected);
-            values.extend(row.wrench);
-            values.extend(row.displacement);
+            values.extend(row.wrench.iter());
+            values.extend(row.displacement.iter());
             values.extend([f64::from(u8::from(row.held)), f64::from(u8::from(row.limited))]);
             values
         })

@@ -30,9 +30,7 @@ pub fn advice(advice: &Advice) -> String {
         Advice::DoesNotApply { method, why } => format!("{method}: does not apply, {why}"),
         Advice::Attenuated { estimator, attenuation } => {
             let (noise, too_small, ending) = match estimator {
-                CartesianEstimator::WrenchOnDisplacement => {
-                    ("ΔX", "K", ", however many measurements there are")
-                }
+                CartesianEstimator::WrenchOnDisplacement => ("ΔX", "K", ", however many measurements there are"),
                 _ => ("W", "C", ""),
             };
             let (worst, percent) = (attenuation.worst, 100.0 * attenuation.error);
@@ -119,7 +117,8 @@ fn write_methods(out: &mut String, found: &Identification) -> fmt::Result {
     writeln!(out)?;
     found.advice.iter().try_for_each(|item| writeln!(out, "{}", advice(item)))?;
     // Methods that do not apply for the same reason share a line.
-    let failed = found.methods.iter().filter_map(|(method, figures)| Some((method, figures.as_ref().err()?.to_string())));
+    let failed =
+        found.methods.iter().filter_map(|(method, figures)| Some((method, figures.as_ref().err()?.to_string())));
     let mut alike: Vec<(String, Vec<String>)> = Vec::new();
     for (method, why) in failed {
         match alike.iter_mut().find(|(known, _)| *known == why) {
@@ -229,7 +228,10 @@ pub fn comparison(compared: &Comparison) -> String {
                 Found::Springs(_) => ("yes", "yes"),
             };
             let (condition, chi_square) = (found.condition(), found.chi_square());
-            writeln!(out, "{method:24} {held_out:12.3} {condition:10.1} {chi_square:8.2} {symmetric:>10} {definite:>10}")?;
+            writeln!(
+                out,
+                "{method:24} {held_out:12.3} {condition:10.1} {chi_square:8.2} {symmetric:>10} {definite:>10}"
+            )?;
         }
         compared.advice.iter().try_for_each(|item| writeln!(out, "{}", advice(item)))?;
         write!(out, "{} measurements left out as outliers", compared.outliers.len())
@@ -301,7 +303,11 @@ pub fn chosen_poses(found: &ChosenPoses) -> String {
 pub fn weighing(found: &Weighing) -> String {
     printed(|out| {
         let (estimate, payload) = (&found.estimate, &found.estimate.payload);
-        writeln!(out, "{}: what the sensor carries, from {} readings, ± standard deviation", found.robot, found.readings)?;
+        writeln!(
+            out,
+            "{}: what the sensor carries, from {} readings, ± standard deviation",
+            found.robot, found.readings
+        )?;
         writeln!(out, "mass {:.4} ± {:.4} kg", payload.mass, estimate.mass_deviation)?;
         for (i, axis) in ["x", "y", "z"].iter().enumerate() {
             let (centre, deviation) = (1e3 * payload.centre[i], 1e3 * estimate.centre_deviation[i]);

@@ -50,9 +50,9 @@ impl fmt::Display for Unidentified {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotDeflected => f.write_str("these loads move the joint by less than the noise in these poses"),
-            Self::NoEffect => f.write_str(
-                "it changes these displacements by less than the noise; start elsewhere or leave it out",
-            ),
+            Self::NoEffect => {
+                f.write_str("it changes these displacements by less than the noise; start elsewhere or leave it out")
+            }
             Self::Confounded(others) => {
                 let named: Vec<String> =
                     others.iter().map(|(joint, name)| format!("the {name} of joint {joint}")).collect();

@@ -1,15 +1,15 @@
 //! Robot files with other springs.
 
-use super::document::{Document, RobotFileError, Table};
 use super::joints::{joint_tables, spring};
 use crate::compliance::{JointSpring, Springs};
+use bracketry_files::{Document, FileError, Table};
 
 /// The text of a robot file with other springs of its joints; comments and everything else stay, compliances of links too.
 ///
 /// # Errors
-/// [`RobotFileError`] for a text that is no robot file, or another number of joints.
-pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String, RobotFileError> {
-    let document = Document { file, text };
+/// [`FileError`] for a text that is no robot file, or another number of joints.
+pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String, FileError> {
+    let document = Document::new(file, text);
     let table = document.table()?;
     let joints = joint_tables(&document, &table)?;
     let remedy = "write one [[joint]] for each joint, its keys on lines below";
@@ -17,7 +17,7 @@ pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String,
     let described = joints.is_empty() && table.contains_key("urdf");
     if joints.len() != springs.joints.len() && !described {
         let message = format!("{} [[joint]] entries for {} springs", joints.len(), springs.joints.len());
-        return Err(document.whole(message, remedy));
+        return Err(document.missing(message, remedy));
     }
     // What replaces a range of the text.
     let mut changes: Vec<(std::ops::Range<usize>, String)> = Vec::new();
@@ -47,16 +47,16 @@ pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String,
         at = range.end;
     }
     changed.push_str(&text[at..]);
-    let document = Document { file, text: &changed };
-    let written = document.table().and_then(|table| {
-        joint_tables(&document, &table)?.iter().map(|joint| spring(&document, joint)).collect::<Result<Vec<_>, _>>()
+    let rewritten = Document::new(file, changed.as_str());
+    let written = rewritten.table().and_then(|table| {
+        joint_tables(&rewritten, &table)?.iter().map(|joint| spring(&rewritten, joint)).collect::<Result<Vec<_>, _>>()
     });
     let same = |(new, old): (&Option<JointSpring>, &JointSpring)| new.as_ref().is_some_and(|new| close(new, old));
     match written {
         Ok(written) if written.len() == springs.joints.len() && written.iter().zip(&springs.joints).all(same) => {
             Ok(changed)
         }
-        _ => Err(Document { file, text }.whole("cannot take other springs", remedy)),
+        _ => Err(document.missing("cannot take other springs", remedy)),
     }
 }
 

@@ -66,8 +66,9 @@ impl ChosenPoses {
         let chosen = information.choose(count).map_err(place)?;
         let all: Vec<usize> = (0..candidates.len()).collect();
         let joints = springs.joints.iter().enumerate();
-        let parameters =
-            joints.flat_map(|(i, spring)| spring.parameters().into_iter().map(move |(name, _)| (i + 1, name))).collect();
+        let parameters = joints
+            .flat_map(|(i, spring)| spring.parameters().into_iter().map(move |(name, _)| (i + 1, name)))
+            .collect();
         let row = |i: &usize| candidates[*i].0.iter().chain(candidates[*i].1.iter()).copied().collect();
         Ok(Self {
             robot: file.robot.name.clone(),

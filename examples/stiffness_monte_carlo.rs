@@ -1,12 +1,13 @@
 //! How well each estimator finds the stiffness of a KUKA KR 125 from noisy measurements; tables and a figure of
-//! `docs/records/stiffness_identification.md`: `cargo run --release -p bracketry-stiffness --example stiffness_monte_carlo -- docs/figures`.
+//! `docs/records/stiffness_identification.md`: `cargo run --release --example stiffness_monte_carlo -- docs/figures`.
 #![allow(clippy::print_stdout)]
 
-#[path = "../tests/kr125/mod.rs"]
+#[path = "../crates/stiffness/tests/kr125/mod.rs"]
 mod table;
 
-use bracketry_plot::{Panel, Series, XyChart};
-use bracketry_stiffness::{
+use bracketry::plot::{Panel, Series, XyChart};
+use bracketry::report::stiffness::text;
+use bracketry::stiffness::{
     CartesianEstimator, Deformation, DeformationModel, Kinematics, Measurement, MeasurementNoise, MeasurementSet,
     Outliers, PoseInformation, Robot, SpringFit, SpringFitSettings, Springs, Wrench, compare, fit_springs,
     identify_cartesian, loaded_compliance,
@@ -319,6 +320,6 @@ fn main() -> Result<()> {
     let set = set_at_one_pose(&mut StdRng::seed_from_u64(0), 200, true)?;
     let start = Springs::linear(&[5e5; 6]);
     let comparison = compare(&set, Some((&robot, &start, &SpringFitSettings::default())), Outliers::Reject)?;
-    println!("\n{comparison}");
+    println!("\n{}", text::comparison(&comparison));
     Ok(())
 }
