@@ -13,6 +13,7 @@ use crate::legend::{Legend, Marker, Sample};
 use crate::motion::{Outline, Pose};
 use crate::panel::{COLUMN, TOLERANCE};
 use crate::role::Role;
+use crate::setters::setters;
 use crate::stack::{BORDER, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, format_number, padded_range};
@@ -111,53 +112,21 @@ impl Animation {
         }
     }
 
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
-    }
-
-    /// Adds a category with its colour; they are numbered from 0. The legend shows those that occur.
-    #[must_use]
-    pub fn category(mut self, name: impl Into<String>, color: Color) -> Self {
-        self.categories.push((name.into(), color));
-        self
-    }
-
-    /// Adds snapshots; the time between two of them is that between the first two.
-    #[must_use]
-    pub fn snapshots(mut self, snapshots: impl IntoIterator<Item = Snapshot>) -> Self {
-        self.snapshots.extend(snapshots);
-        self
-    }
-
-    /// Sets where the object's centre was, as `(t, x, y)` in order of time, for a path that is finer than the snapshots.
-    #[must_use]
-    pub fn path(mut self, places: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
-        self.path = places.into_iter().collect();
-        self
-    }
-
-    /// Draws the path in the colour of a role.
-    #[must_use]
-    pub fn role(mut self, role: Role) -> Self {
-        self.trail = role.color();
-        self
-    }
-
-    /// Sets what happens at the end, such as `the object tips`: it stands beside the last time, and the object's place gets a cross.
-    #[must_use]
-    pub fn end(mut self, what: impl Into<String>) -> Self {
-        self.end = Some(what.into());
-        self
-    }
-
-    /// Sets the pose to be reached.
-    #[must_use]
-    pub fn target(mut self, pose: Pose) -> Self {
-        self.target = Some(pose);
-        self
+    setters! {
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.title = title.into();
+        /// Adds a category with its colour; they are numbered from 0. The legend shows those that occur.
+        category(name: impl Into<String>, color: Color) |it| it.categories.push((name.into(), color));
+        /// Adds snapshots; the time between two of them is that between the first two.
+        snapshots(snapshots: impl IntoIterator<Item = Snapshot>) |it| it.snapshots.extend(snapshots);
+        /// Sets where the object's centre was, as `(t, x, y)` in order of time, for a path that is finer than the snapshots.
+        path(places: impl IntoIterator<Item = (f64, f64, f64)>) |it| it.path = places.into_iter().collect();
+        /// Draws the path in the colour of a role.
+        role(role: Role) |it| it.trail = role.color();
+        /// Sets what happens at the end, such as `the object tips`: it stands beside the last time, and the object's place gets a cross.
+        end(what: impl Into<String>) |it| it.end = Some(what.into());
+        /// Sets the pose to be reached.
+        target(pose: Pose) |it| it.target = Some(pose);
     }
 
     /// The image of snapshot `index`; one beyond the last is the last.

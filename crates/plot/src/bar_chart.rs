@@ -7,6 +7,7 @@ use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_lengths};
 use crate::legend::{Legend, Sample};
 use crate::role::Role;
+use crate::setters::setters;
 use crate::stack::{BORDER, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, padded_range, three_digits};
@@ -55,18 +56,11 @@ impl BarChart {
         }
     }
 
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
-    }
-
-    /// Sets the label below the categories.
-    #[must_use]
-    pub fn category_label(mut self, label: impl Into<String>) -> Self {
-        self.category_label = label.into();
-        self
+    setters! {
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.title = title.into();
+        /// Sets the label below the categories.
+        category_label(label: impl Into<String>) |it| it.category_label = label.into();
     }
 
     /// Adds one bar to each group.

@@ -10,6 +10,7 @@ use crate::error::{PlotError, Result, check_finite, check_interval, check_length
 use crate::field::{Cells, ColorScale, Field, Labels, Mark};
 use crate::legend::Sample;
 use crate::panel::Level;
+use crate::setters::setters;
 
 /// A quantity over two others, as the colours of cells; cells without a value are hatched.
 ///
@@ -71,47 +72,20 @@ impl HeatMap {
         self
     }
 
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.labels.title = title.into();
-        self
-    }
-
-    /// Sets what a missing value means, for the legend.
-    #[must_use]
-    pub fn missing(mut self, meaning: impl Into<String>) -> Self {
-        self.missing = meaning.into();
-        self
-    }
-
-    /// Sets the colours.
-    #[must_use]
-    pub fn color_map(mut self, map: ColorMap) -> Self {
-        self.map = map;
-        self
-    }
-
-    /// Sets the range of the colours; values beyond have the colour of its end, which the colour bar says. Without it
-    /// the range is that of the values, symmetric about zero for [`ColorMap::Diverging`].
-    #[must_use]
-    pub fn range(mut self, low: f64, high: f64) -> Self {
-        self.range = Some((low, high));
-        self
-    }
-
-    /// Adds the line on which the quantity has this value, `name` in the legend.
-    #[must_use]
-    pub fn contour(mut self, name: impl Into<String>, level: f64) -> Self {
-        self.levels.push(Level::new(name, level));
-        self
-    }
-
-    /// Points out the place `(x, y)`.
-    #[must_use]
-    pub fn mark(mut self, name: impl Into<String>, x: f64, y: f64) -> Self {
-        self.marks.push(Mark::new(name, x, y));
-        self
+    setters! {
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.labels.title = title.into();
+        /// Sets what a missing value means, for the legend.
+        missing(meaning: impl Into<String>) |it| it.missing = meaning.into();
+        /// Sets the colours.
+        color_map(map: ColorMap) |it| it.map = map;
+        /// Sets the range of the colours; values beyond have the colour of its end, which the colour bar says. Without it
+        /// the range is that of the values, symmetric about zero for [`ColorMap::Diverging`].
+        range(low: f64, high: f64) |it| it.range = Some((low, high));
+        /// Adds the line on which the quantity has this value, `name` in the legend.
+        contour(name: impl Into<String>, level: f64) |it| it.levels.push(Level::new(name, level));
+        /// Points out the place `(x, y)`.
+        mark(name: impl Into<String>, x: f64, y: f64) |it| it.marks.push(Mark::new(name, x, y));
     }
 
     /// Draws the figure.
@@ -200,11 +174,9 @@ impl RegimeMap {
         }
     }
 
-    /// Adds a category with its colour; they are numbered from 0. The legend shows those that occur.
-    #[must_use]
-    pub fn category(mut self, name: impl Into<String>, color: Color) -> Self {
-        self.categories.push((name.into(), color));
-        self
+    setters! {
+        /// Adds a category with its colour; they are numbered from 0. The legend shows those that occur.
+        category(name: impl Into<String>, color: Color) |it| it.categories.push((name.into(), color));
     }
 
     /// Sets the categories: `rows[j][i]` belongs to the place `(x[i], y[j])`. The places increase, each cell reaches
@@ -221,25 +193,13 @@ impl RegimeMap {
         self
     }
 
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.labels.title = title.into();
-        self
-    }
-
-    /// Sets what a cell without category means, for the legend.
-    #[must_use]
-    pub fn missing(mut self, meaning: impl Into<String>) -> Self {
-        self.missing = meaning.into();
-        self
-    }
-
-    /// Points out the place `(x, y)`.
-    #[must_use]
-    pub fn mark(mut self, name: impl Into<String>, x: f64, y: f64) -> Self {
-        self.marks.push(Mark::new(name, x, y));
-        self
+    setters! {
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.labels.title = title.into();
+        /// Sets what a cell without category means, for the legend.
+        missing(meaning: impl Into<String>) |it| it.missing = meaning.into();
+        /// Points out the place `(x, y)`.
+        mark(name: impl Into<String>, x: f64, y: f64) |it| it.marks.push(Mark::new(name, x, y));
     }
 
     /// Draws the figure.

@@ -6,6 +6,7 @@ use crate::color::Color;
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_interval};
 use crate::legend::{Legend, Marker, Sample};
+use crate::setters::setters;
 use crate::stack::{BORDER, LEGEND_GAP, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, padded_range};
@@ -60,11 +61,9 @@ impl IntervalChart {
         Self { title: String::new(), value_label: value_label.into(), rows: Vec::new(), known: Vec::new() }
     }
 
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
+    setters! {
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.title = title.into();
     }
 
     /// Sets the categories that keep their colour and marker whatever the rows are.
@@ -74,17 +73,10 @@ impl IntervalChart {
         self
     }
 
-    /// Adds a row below the others.
-    #[must_use]
-    pub fn row(
-        mut self,
-        name: impl Into<String>,
-        value: f64,
-        interval: Option<(f64, f64)>,
-        category: impl Into<String>,
-    ) -> Self {
-        self.rows.push(Estimated { name: name.into(), value, interval, category: category.into() });
-        self
+    setters! {
+        /// Adds a row below the others.
+        row(name: impl Into<String>, value: f64, interval: Option<(f64, f64)>, category: impl Into<String>) |it|
+            it.rows.push(Estimated { name: name.into(), value, interval, category: category.into() });
     }
 
     /// The known categories, then the others in the order of their first rows.

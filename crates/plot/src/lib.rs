@@ -37,6 +37,7 @@ mod motion;
 mod panel;
 mod plan_view;
 mod role;
+mod setters;
 mod stack;
 mod text;
 mod ticks;

@@ -3,6 +3,7 @@
 use crate::color::Color;
 use crate::error::{Result, check_finite, check_lengths};
 use crate::role::Role;
+use crate::setters::setters;
 
 /// Position and orientation in the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,11 +98,9 @@ impl Trajectory {
         Self { name: name.into(), time: time.into(), x: x.into(), y: y.into(), phi: phi.into(), color: None, end: None }
     }
 
-    /// Sets the colour.
-    #[must_use]
-    pub fn color(mut self, color: Color) -> Self {
-        self.color = Some(color);
-        self
+    setters! {
+        /// Sets the colour.
+        color(color: Color) |it| it.color = Some(color);
     }
 
     /// Sets the colour to that of a role.
@@ -110,11 +109,9 @@ impl Trajectory {
         self.color(role.color())
     }
 
-    /// Marks the end with a cross, such as `tips` where the object tips; the legend names it.
-    #[must_use]
-    pub fn end(mut self, what: impl Into<String>) -> Self {
-        self.end = Some(what.into());
-        self
+    setters! {
+        /// Marks the end with a cross, such as `tips` where the object tips; the legend names it.
+        end(what: impl Into<String>) |it| it.end = Some(what.into());
     }
 
     pub(crate) fn check(&self) -> Result<()> {

@@ -7,6 +7,7 @@ use crate::decimate::{clip_to_strip, decimate, simplify};
 use crate::error::{Result, check_finite, check_interval, check_lengths};
 use crate::legend::{Marker, Sample};
 use crate::role::Role;
+use crate::setters::setters;
 use crate::ticks::three_digits;
 
 /// Width of the columns by which long lines are thinned: one pixel of the PNG.
@@ -66,18 +67,11 @@ impl Series {
         }
     }
 
-    /// Sets the colour.
-    #[must_use]
-    pub fn color(mut self, color: Color) -> Self {
-        self.color = Some(color);
-        self
-    }
-
-    /// Sets the dashes.
-    #[must_use]
-    pub fn dash(mut self, dash: Dash) -> Self {
-        self.dash = dash;
-        self
+    setters! {
+        /// Sets the colour.
+        color(color: Color) |it| it.color = Some(color);
+        /// Sets the dashes.
+        dash(dash: Dash) |it| it.dash = dash;
     }
 
     /// Sets colour and dashes to those of a role.
@@ -86,39 +80,17 @@ impl Series {
         self.color(role.color()).dash(role.dash())
     }
 
-    /// A cloud of crosses: points that are shown but put aside.
-    #[must_use]
-    pub fn crosses(mut self) -> Self {
-        (self.markers, self.line) = (Markers::Crosses, false);
-        self
-    }
-
-    /// Marks the last point with a cross, such as `tips` where a body tips and its line ends; the legend names it.
-    #[must_use]
-    pub fn end(mut self, what: impl Into<String>) -> Self {
-        self.end = Some(what.into());
-        self
-    }
-
-    /// Holds each value until the next abscissa.
-    #[must_use]
-    pub fn step(mut self) -> Self {
-        self.step = true;
-        self
-    }
-
-    /// Marks every point.
-    #[must_use]
-    pub fn markers(mut self) -> Self {
-        self.markers = Markers::Own;
-        self
-    }
-
-    /// Marks every point and draws no line: a cloud of points in any order.
-    #[must_use]
-    pub fn points(mut self) -> Self {
-        (self.markers, self.line) = (Markers::Own, false);
-        self
+    setters! {
+        /// A cloud of crosses: points that are shown but put aside.
+        crosses() |it| (it.markers, it.line) = (Markers::Crosses, false);
+        /// Marks the last point with a cross, such as `tips` where a body tips and its line ends; the legend names it.
+        end(what: impl Into<String>) |it| it.end = Some(what.into());
+        /// Holds each value until the next abscissa.
+        step() |it| it.step = true;
+        /// Marks every point.
+        markers() |it| it.markers = Markers::Own;
+        /// Marks every point and draws no line: a cloud of points in any order.
+        points() |it| (it.markers, it.line) = (Markers::Own, false);
     }
 
     /// Where the line leaves the range `(low, high)` for good, as a point on its end and whether that is the upper one; none if it ends
@@ -233,11 +205,9 @@ impl Panel {
         }
     }
 
-    /// Adds a line.
-    #[must_use]
-    pub fn series(mut self, series: Series) -> Self {
-        self.series.push(series);
-        self
+    setters! {
+        /// Adds a line.
+        series(series: Series) |it| it.series.push(series);
     }
 
     /// Adds a dashed line, `target` in the legend, at a value to be reached.
@@ -246,11 +216,9 @@ impl Panel {
         self.named_target("target", value)
     }
 
-    /// Adds a dashed line with a name of its own at a value to be reached.
-    #[must_use]
-    pub fn named_target(mut self, name: impl Into<String>, value: f64) -> Self {
-        self.targets.push(Level::new(name, value));
-        self
+    setters! {
+        /// Adds a dashed line with a name of its own at a value to be reached.
+        named_target(name: impl Into<String>, value: f64) |it| it.targets.push(Level::new(name, value));
     }
 
     /// Adds a dotted line, `bound` in the legend, at a value not to be crossed.
@@ -259,46 +227,19 @@ impl Panel {
         self.named_bound("bound", value)
     }
 
-    /// Adds a dotted line with a name of its own at a value not to be crossed.
-    #[must_use]
-    pub fn named_bound(mut self, name: impl Into<String>, value: f64) -> Self {
-        self.bounds.push(Level::new(name, value));
-        self
-    }
-
-    /// Shades the values from `low` to `high` as good enough.
-    #[must_use]
-    pub fn target_band(mut self, low: f64, high: f64) -> Self {
-        self.target_band = Some((low, high));
-        self
-    }
-
-    /// Adds a shaded interval to this panel.
-    #[must_use]
-    pub fn interval(mut self, interval: Interval) -> Self {
-        self.intervals.push(interval);
-        self
-    }
-
-    /// Sets the range of the vertical axis; what lies outside is cut off.
-    #[must_use]
-    pub fn limits(mut self, low: f64, high: f64) -> Self {
-        self.limits = Some((low, high));
-        self
-    }
-
-    /// Sets the size below which differences are rounding and get no axis of their own.
-    #[must_use]
-    pub fn rounding(mut self, size: f64) -> Self {
-        self.rounding = size;
-        self
-    }
-
-    /// Sets the height in figure pixels (at least 60, at most 2000).
-    #[must_use]
-    pub fn height(mut self, pixels: f64) -> Self {
-        self.height = Some(pixels);
-        self
+    setters! {
+        /// Adds a dotted line with a name of its own at a value not to be crossed.
+        named_bound(name: impl Into<String>, value: f64) |it| it.bounds.push(Level::new(name, value));
+        /// Shades the values from `low` to `high` as good enough.
+        target_band(low: f64, high: f64) |it| it.target_band = Some((low, high));
+        /// Adds a shaded interval to this panel.
+        interval(interval: Interval) |it| it.intervals.push(interval);
+        /// Sets the range of the vertical axis; what lies outside is cut off.
+        limits(low: f64, high: f64) |it| it.limits = Some((low, high));
+        /// Sets the size below which differences are rounding and get no axis of their own.
+        rounding(size: f64) |it| it.rounding = size;
+        /// Sets the height in figure pixels (at least 60, at most 2000).
+        height(pixels: f64) |it| it.height = Some(pixels);
     }
 
     pub(crate) fn check(&self) -> Result<()> {

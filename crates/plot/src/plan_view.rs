@@ -9,6 +9,7 @@ use crate::error::{PlotError, Result, check_finite};
 use crate::legend::{Legend, Marker, Sample};
 use crate::motion::{Outline, Pose, Trajectory};
 use crate::panel::{COLUMN, TOLERANCE};
+use crate::setters::setters;
 use crate::stack::{BORDER, LEGEND_GAP, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, padded_range, short};
@@ -32,18 +33,11 @@ impl Scene {
         Self { title: title.into(), outline, trajectories: Vec::new(), target: None }
     }
 
-    /// Adds a motion.
-    #[must_use]
-    pub fn trajectory(mut self, trajectory: Trajectory) -> Self {
-        self.trajectories.push(trajectory);
-        self
-    }
-
-    /// Sets the pose to be reached.
-    #[must_use]
-    pub fn target(mut self, pose: Pose) -> Self {
-        self.target = Some(pose);
-        self
+    setters! {
+        /// Adds a motion.
+        trajectory(trajectory: Trajectory) |it| it.trajectories.push(trajectory);
+        /// Sets the pose to be reached.
+        target(pose: Pose) |it| it.target = Some(pose);
     }
 
     fn check(&self) -> Result<()> {
@@ -214,32 +208,15 @@ impl PlanView {
         }
     }
 
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
-    }
-
-    /// Sets the labels of the axes.
-    #[must_use]
-    pub fn labels(mut self, x: impl Into<String>, y: impl Into<String>) -> Self {
-        (self.x_label, self.y_label) = (x.into(), y.into());
-        self
-    }
-
-    /// Adds a view.
-    #[must_use]
-    pub fn scene(mut self, scene: Scene) -> Self {
-        self.scenes.push(scene);
-        self
-    }
-
-    /// Sets after how many equal time steps the outline is drawn.
-    #[must_use]
-    pub fn stamps(mut self, count: usize) -> Self {
-        self.stamps = count;
-        self
+    setters! {
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.title = title.into();
+        /// Sets the labels of the axes.
+        labels(x: impl Into<String>, y: impl Into<String>) |it| (it.x_label, it.y_label) = (x.into(), y.into());
+        /// Adds a view.
+        scene(scene: Scene) |it| it.scenes.push(scene);
+        /// Sets after how many equal time steps the outline is drawn.
+        stamps(count: usize) |it| it.stamps = count;
     }
 
     /// Draws the figure.

@@ -7,6 +7,7 @@ use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_interval};
 use crate::legend::{Legend, Sample};
 use crate::panel::{Interval, Panel, TARGET_BAND, bound_stroke, target_stroke};
+use crate::setters::setters;
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, padded_range};
 
@@ -68,39 +69,18 @@ impl TimeSeries {
         }
     }
 
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
-    }
-
-    /// Sets the label of the horizontal axis.
-    #[must_use]
-    pub fn time_label(mut self, label: impl Into<String>) -> Self {
-        self.time_label = label.into();
-        self
-    }
-
-    /// Adds a panel below the others.
-    #[must_use]
-    pub fn panel(mut self, panel: Panel) -> Self {
-        self.panels.push(panel);
-        self
-    }
-
-    /// Shades an interval in all panels.
-    #[must_use]
-    pub fn interval(mut self, interval: Interval) -> Self {
-        self.intervals.push(interval);
-        self
-    }
-
-    /// Sets the colour of a category of intervals.
-    #[must_use]
-    pub fn category_color(mut self, category: impl Into<String>, color: Color) -> Self {
-        self.category_colors.push((category.into(), color));
-        self
+    setters! {
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.title = title.into();
+        /// Sets the label of the horizontal axis.
+        time_label(label: impl Into<String>) |it| it.time_label = label.into();
+        /// Adds a panel below the others.
+        panel(panel: Panel) |it| it.panels.push(panel);
+        /// Shades an interval in all panels.
+        interval(interval: Interval) |it| it.intervals.push(interval);
+        /// Sets the colour of a category of intervals.
+        category_color(category: impl Into<String>, color: Color) |it|
+            it.category_colors.push((category.into(), color));
     }
 
     /// Draws the figure.
@@ -162,18 +142,11 @@ impl XyChart {
         self
     }
 
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
-    }
-
-    /// Sets the lines a few pixels beside each other, so that equal values do not hide one another.
-    #[must_use]
-    pub fn beside(mut self) -> Self {
-        self.beside = true;
-        self
+    setters! {
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.title = title.into();
+        /// Sets the lines a few pixels beside each other, so that equal values do not hide one another.
+        beside() |it| it.beside = true;
     }
 
     /// Both axes count things, such as dimension over bracket length: ticks only at whole numbers, and [`Self::beside`].

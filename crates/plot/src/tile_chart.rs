@@ -6,6 +6,7 @@ use crate::color::Color;
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result};
 use crate::legend::{Legend, Sample};
+use crate::setters::setters;
 use crate::stack::{BORDER, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 
@@ -66,32 +67,16 @@ impl TileGrid {
         }
     }
 
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
-    }
-
-    /// Sets what stands below the columns.
-    #[must_use]
-    pub fn column_label(mut self, label: impl Into<String>) -> Self {
-        self.column_label = label.into();
-        self
-    }
-
-    /// Sets what stands beside the rows.
-    #[must_use]
-    pub fn row_label(mut self, label: impl Into<String>) -> Self {
-        self.row_label = label.into();
-        self
-    }
-
-    /// Adds a tile.
-    #[must_use]
-    pub fn tile(mut self, column: usize, row: usize, category: impl Into<String>, label: impl Into<String>) -> Self {
-        self.tiles.push(Tile { column, row, category: category.into(), label: label.into() });
-        self
+    setters! {
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.title = title.into();
+        /// Sets what stands below the columns.
+        column_label(label: impl Into<String>) |it| it.column_label = label.into();
+        /// Sets what stands beside the rows.
+        row_label(label: impl Into<String>) |it| it.row_label = label.into();
+        /// Adds a tile.
+        tile(column: usize, row: usize, category: impl Into<String>, label: impl Into<String>) |it|
+            it.tiles.push(Tile { column, row, category: category.into(), label: label.into() });
     }
 }
 
@@ -125,25 +110,13 @@ impl TileChart {
         Self::default()
     }
 
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
-    }
-
-    /// Gives a category its colour and its place in the legend, which shows those that occur.
-    #[must_use]
-    pub fn category(mut self, name: impl Into<String>, color: Color) -> Self {
-        self.categories.push((name.into(), color));
-        self
-    }
-
-    /// Adds a grid.
-    #[must_use]
-    pub fn grid(mut self, grid: TileGrid) -> Self {
-        self.grids.push(grid);
-        self
+    setters! {
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.title = title.into();
+        /// Gives a category its colour and its place in the legend, which shows those that occur.
+        category(name: impl Into<String>, color: Color) |it| it.categories.push((name.into(), color));
+        /// Adds a grid.
+        grid(grid: TileGrid) |it| it.grids.push(grid);
     }
 
     /// Categories that occur, with their colours.

@@ -6,6 +6,7 @@ use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_interval};
 use crate::field::{ColorScale, Field, Labels, Mark};
 use crate::legend::Sample;
+use crate::setters::setters;
 use crate::ticks::padded_range;
 
 /// An arrow at a place.
@@ -83,60 +84,23 @@ impl VectorField {
         }
     }
 
-    /// Adds arrows.
-    #[must_use]
-    pub fn arrows(mut self, arrows: impl IntoIterator<Item = Arrow>) -> Self {
-        self.arrows.extend(arrows);
-        self
-    }
-
-    /// Colours the arrows by their third quantity and names it; without this all are of one colour.
-    #[must_use]
-    pub fn color_label(mut self, label: impl Into<String>) -> Self {
-        self.color_label = Some(label.into());
-        self
-    }
-
-    /// Sets the colours; [`ColorMap::DivergingDark`] if not set.
-    #[must_use]
-    pub fn color_map(mut self, map: ColorMap) -> Self {
-        self.map = map;
-        self
-    }
-
-    /// Sets the range of the colours; values beyond have the colour of its end, which the colour bar says.
-    #[must_use]
-    pub fn range(mut self, low: f64, high: f64) -> Self {
-        self.range = Some((low, high));
-        self
-    }
-
-    /// Sets the vector whose arrow is as long as the distance between neighbours; by default the longest one.
-    #[must_use]
-    pub fn longest(mut self, length: f64) -> Self {
-        self.longest = Some(length);
-        self
-    }
-
-    /// Sets the title.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.labels.title = title.into();
-        self
-    }
-
-    /// Sets what a missing arrow means, for the legend.
-    #[must_use]
-    pub fn missing(mut self, meaning: impl Into<String>) -> Self {
-        self.missing = meaning.into();
-        self
-    }
-
-    /// Points out the place `(x, y)`.
-    #[must_use]
-    pub fn mark(mut self, name: impl Into<String>, x: f64, y: f64) -> Self {
-        self.marks.push(Mark::new(name, x, y));
-        self
+    setters! {
+        /// Adds arrows.
+        arrows(arrows: impl IntoIterator<Item = Arrow>) |it| it.arrows.extend(arrows);
+        /// Colours the arrows by their third quantity and names it; without this all are of one colour.
+        color_label(label: impl Into<String>) |it| it.color_label = Some(label.into());
+        /// Sets the colours; [`ColorMap::DivergingDark`] if not set.
+        color_map(map: ColorMap) |it| it.map = map;
+        /// Sets the range of the colours; values beyond have the colour of its end, which the colour bar says.
+        range(low: f64, high: f64) |it| it.range = Some((low, high));
+        /// Sets the vector whose arrow is as long as the distance between neighbours; by default the longest one.
+        longest(length: f64) |it| it.longest = Some(length);
+        /// Sets the title.
+        title(title: impl Into<String>) |it| it.labels.title = title.into();
+        /// Sets what a missing arrow means, for the legend.
+        missing(meaning: impl Into<String>) |it| it.missing = meaning.into();
+        /// Points out the place `(x, y)`.
+        mark(name: impl Into<String>, x: f64, y: f64) |it| it.marks.push(Mark::new(name, x, y));
     }
 
     /// Draws the figure.

@@ -41,7 +41,7 @@ fn two_hundred_measurements_tell_joint_stiffnesses_to_one_percent() {
         let measurements =
             robot_measurements(&mut rng(1000 + seed), &Springs::linear(&STIFFNESS), &poses(seed, 20), 200, 1.0);
         let fit = fit(&set(measurements), &Springs::linear(&[5e5; 6]), Outliers::Keep);
-        assert!((0.85..1.15).contains(&fit.chi_square), "{fit}");
+        assert!((0.85..1.15).contains(&fit.chi_square), "{fit:?}");
         for (errors, ((value, ..), k)) in errors.iter_mut().zip(values(&fit).iter().zip(STIFFNESS)) {
             errors.push((value / k - 1.0).abs());
         }
@@ -94,7 +94,7 @@ fn stiffening_and_lost_motion_are_identified() {
     start.joints[2] = JointSpring::Backlash { stiffness: 5e5, gap: 1e-4, engaged: 100.0 };
     let set = set(measurements);
     let fit = fit(&set, &start, Outliers::Keep);
-    assert!((0.85..1.15).contains(&fit.chi_square), "{fit}");
+    assert!((0.85..1.15).contains(&fit.chi_square), "{fit:?}");
     let expected = [1_409_800.0, 400_760.0, 4e10, 935_280.0, 4e-4, 60.0, 360_000.0, 370_000.0, 380_000.0];
     for ((value, low, high), truth) in values(&fit).into_iter().zip(expected) {
         // Half an interval more than 95 %: all nine of them hold.
@@ -103,7 +103,7 @@ fn stiffening_and_lost_motion_are_identified() {
     }
     // Linear springs do not explain these data, and the residuals say so.
     let linear = self::fit(&set, &Springs::linear(&[5e5; 6]), Outliers::Keep);
-    assert!(linear.chi_square > 2.0, "{linear}");
+    assert!(linear.chi_square > 2.0, "{linear:?}");
 }
 
 #[test]
@@ -156,9 +156,9 @@ fn a_joint_that_no_load_turns_is_named_instead_of_guessed() {
         })
         .collect();
     let fit = fit(&set(measurements), &Springs::linear(&[5e5; 6]), Outliers::Keep);
-    let Identified::No { log_std, why } = &fit.parameters[0].identified else { panic!("{fit}") };
-    assert!(*log_std > 0.5 && why.contains("less than the noise"), "{why}");
-    assert!(matches!(fit.parameters[1].identified, Identified::Yes { .. }), "{fit}");
+    let Identified::No { log_std, why } = &fit.parameters[0].identified else { panic!("{fit:?}") };
+    assert!(*log_std > 0.5 && why.to_string().contains("less than the noise"), "{why}");
+    assert!(matches!(fit.parameters[1].identified, Identified::Yes { .. }), "{fit:?}");
     let refused = fit.springs().unwrap_err();
     assert!(matches!(&refused, IdentificationError::NotIdentified { parameters } if parameters[0].joint == 1));
 }
@@ -171,8 +171,8 @@ fn joints_that_act_alike_are_named_together() {
     let measurements = robot_measurements(&mut rng(7), &Springs::linear(&STIFFNESS), &[q], 60, 1.0);
     let fit = fit(&set(measurements), &Springs::linear(&[5e5; 6]), Outliers::Keep);
     for (joint, other) in [(3, "joint 6"), (5, "joint 4")] {
-        let Identified::No { why, .. } = &fit.parameters[joint].identified else { panic!("{fit}") };
-        assert!(why.contains(other), "{why}");
+        let Identified::No { why, .. } = &fit.parameters[joint].identified else { panic!("{fit:?}") };
+        assert!(why.to_string().contains(other), "{why}");
     }
     assert!(fit.condition > 1e3, "{}", fit.condition);
 }
@@ -189,7 +189,7 @@ fn lost_motion_where_there_is_none_is_said_not_to_show() {
                 assert!((value / STIFFNESS[parameter.joint - 1] - 1.0).abs() < 0.1, "{parameter}");
             }
             (Identified::No { .. }, "gap" | "engaged") => {}
-            _ => panic!("{fit}"),
+            _ => panic!("{fit:?}"),
         }
     }
     assert!(fit.log_covariance.iter().all(|v| !v.is_nan()));
