@@ -6,7 +6,7 @@ use crate::axes::{Axes, TICK_ROOM, Title, horizontal_scale, tick_width};
 use crate::canvas::{Align, Canvas, Dash, Look, Rect, Stroke, paint};
 use crate::color::Color;
 use crate::decimate::{decimate, simplify};
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, write};
 use crate::error::{PlotError, Result, check_finite, check_increasing};
 use crate::gif_images::GifImages;
 use crate::legend::{Legend, Marker, Sample};
@@ -167,12 +167,7 @@ impl Animation {
     /// # Errors
     /// [`PlotError::Write`] with the path that could not be written, or as [`Self::gif`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        let path = path.as_ref();
-        let bytes = self.gif()?;
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(|source| PlotError::Write { path: folder.to_owned(), source })?;
-        }
-        std::fs::write(path, bytes).map_err(|source| PlotError::Write { path: path.to_owned(), source })
+        write(path.as_ref(), &self.gif()?)
     }
 
     fn check(&self) -> Result<()> {

@@ -1,7 +1,7 @@
 //! Grouped bars.
 
 use crate::axes::{Axes, Title, tick_width};
-use crate::canvas::{Align, Look, Rect, Stroke, paint};
+use crate::canvas::{Align, Canvas, Look, Rect, Stroke, paint};
 use crate::color::Color;
 use crate::drawing::Drawing;
 use crate::error::{PlotError, Result, check_finite, check_lengths};
@@ -12,6 +12,9 @@ use crate::stack::{BORDER, RIGHT, WIDTH};
 use crate::text::{self, LEADING, SIZE};
 use crate::ticks::{Scale, padded_range, three_digits};
 
+const LINE: f64 = SIZE * LEADING;
+/// Height of the frame.
+const PLOT_HEIGHT: f64 = 320.0;
 /// Height in pixels that names turned upright may take.
 const UPRIGHT_ROOM: f64 = 200.0;
 
@@ -97,30 +100,18 @@ impl BarChart {
             check_lengths(name, self.categories.len(), values.len())?;
             check_finite(name, values)?;
         }
-        let plot_height = 320.0;
-        let values = self.series.iter().flat_map(|s| s.1.iter().copied());
-        let (low, high) = padded_range(values.chain([0.0]), 0.08);
+        let values = || self.series.iter().flat_map(|s| s.1.iter().copied());
+        let (low, high) = padded_range(values().chain([0.0]), 0.08);
         // Bars stand on zero: no room beyond it unless values lie there.
-        let low = if self.series.iter().any(|s| s.1.iter().any(|v| *v < 0.0)) { low } else { 0.0 };
-        let y = Scale::new(low, high, plot_height / 45.0, false);
+        let low = if values().any(|v| v < 0.0) { low } else { 0.0 };
+        let y = Scale::new(low, high, PLOT_HEIGHT / 45.0, false);
 
-        let label = text::wrap_label(&y.label(&self.value_label), plot_height);
+        let label = text::wrap_label(&y.label(&self.value_label), PLOT_HEIGHT);
         let label_gap = tick_width(&y) + 8.0;
-        let left = BORDER + label_gap + label.len() as f64 * SIZE * LEADING;
+        let left = BORDER + label_gap + label.len() as f64 * LINE;
         let right = WIDTH - RIGHT;
         let slot = (right - left) / self.categories.len() as f64;
-        let line = SIZE * LEADING;
-        // Names whose words do not fit side by side are turned upright.
-        let too_wide = |word: &str| text::width(word, SIZE, false) > slot - 6.0;
-        let upright = self.categories.iter().any(|c| c.split_whitespace().any(too_wide));
-        let (available, max_lines) = if upright { (UPRIGHT_ROOM, 1) } else { (slot - 6.0, 3) };
-        let names: Vec<Vec<String>> =
-            self.categories.iter().map(|c| text::wrap(c, available, SIZE, false, max_lines)).collect();
-        let names_room = if upright {
-            names.iter().flatten().map(|n| text::width(n, SIZE, false)).fold(0.0, f64::max) + 0.5 * line
-        } else {
-            names.iter().map(Vec::len).max().unwrap_or(0) as f64 * line
-        };
+        let names = Names::new(&self.categories, slot);
         let below = text::wrap(&self.category_label, right - left, SIZE, false, 3);
 
         let entry = |(k, s): (usize, &(String, Vec<f64>))| (Sample::Bar(self.color(k), k), s.0.clone());
@@ -128,61 +119,83 @@ impl BarChart {
         let title = Title::figure(&self.title, right - BORDER);
         let legend_top = BORDER + title.height();
         let top = legend_top + legend.height() + 4.0;
-        let rect = Rect { left, top, right, bottom: top + plot_height };
-        let height = rect.bottom + 0.5 * SIZE + names_room + below.len() as f64 * line + BORDER;
-        let axes = Axes {
-            rect,
-            x: Scale { low: 0.0, high: self.categories.len() as f64, ticks: Vec::new(), factor: String::new() },
-            y,
-        };
+        let rect = Rect { left, top, right, bottom: top + PLOT_HEIGHT };
+        let names_top = rect.bottom + 0.5 * SIZE;
+        let height = names_top + names.room + below.len() as f64 * LINE + BORDER;
+        let x = Scale { low: 0.0, high: self.categories.len() as f64, ticks: Vec::new(), factor: String::new() };
+        let axes = Axes { rect, x, y };
         let bar = (0.8 * slot / self.series.len().max(1) as f64).min(70.0);
-        // Values stand on the bars if all of them have room.
-        let mut all = self.series.iter().flat_map(|s| &s.1);
-        let label_bars = all.all(|v| text::width(&three_digits(*v), SIZE, false) <= bar);
-        let group = bar * self.series.len() as f64;
 
         paint(WIDTH, height, |canvas| {
             title.draw(canvas, BORDER, BORDER)?;
             legend.draw(canvas, left, legend_top)?;
             axes.grid_y(canvas)?;
-            let zero = axes.page_y(0.0);
-            for (g, lines) in names.iter().enumerate() {
-                let center = axes.page_x(g as f64 + 0.5);
-                for (k, (_, values)) in self.series.iter().enumerate() {
-                    let end = axes.page_y(values[g]);
-                    let bar_left = center - group / 2.0 + k as f64 * bar;
-                    let body = Rect {
-                        left: bar_left + 0.04 * bar,
-                        top: end.min(zero),
-                        right: bar_left + 0.96 * bar,
-                        bottom: end.max(zero),
-                    };
-                    canvas.bar(body, self.color(k), k)?;
-                    if label_bars {
-                        let value = three_digits(values[g]);
-                        let base = if values[g] < 0.0 { end + 0.95 * SIZE } else { end - 4.0 };
-                        canvas.text(&value, (bar_left + bar / 2.0, base), Align::Center, Look::PLAIN)?;
-                    }
-                }
-                for (k, text) in lines.iter().enumerate() {
-                    let top = rect.bottom + 0.5 * SIZE;
-                    if upright {
-                        let look = Look { upright: true, ..Look::PLAIN };
-                        canvas.text(text, (center + 0.36 * SIZE, top), Align::Right, look)?;
-                    } else {
-                        let base = top + (k as f64 + 0.8) * line;
-                        canvas.text(text, (center, base), Align::Center, Look::PLAIN)?;
-                    }
-                }
+            for group in 0..self.categories.len() {
+                self.draw_group(canvas, &axes, group, bar)?;
+                names.draw(canvas, group, (axes.page_x(group as f64 + 0.5), names_top))?;
             }
+            let zero = axes.page_y(0.0);
             canvas.line(&[(left, zero), (right, zero)], Stroke::solid(Color::INK, 1.0))?;
             for (k, text) in below.iter().enumerate() {
-                let base = rect.bottom + 0.5 * SIZE + names_room + (k as f64 + 0.9) * line;
-                let middle = f64::midpoint(left, right);
-                canvas.text(text, (middle, base), Align::Center, Look::PLAIN)?;
+                let base = names_top + names.room + (k as f64 + 0.9) * LINE;
+                canvas.text(text, (f64::midpoint(left, right), base), Align::Center, Look::PLAIN)?;
             }
             axes.frame(canvas)?;
             axes.label_left(canvas, &label, label_gap)
+        })
+    }
+
+    /// The bars of a category, each this wide.
+    fn draw_group(&self, canvas: &Canvas, axes: &Axes, group: usize, bar: f64) -> Result<()> {
+        // Values stand on the bars if all of them have room.
+        let mut all = self.series.iter().flat_map(|s| &s.1);
+        let labelled = all.all(|v| text::width(&three_digits(*v), SIZE, false) <= bar);
+        let (zero, center) = (axes.page_y(0.0), axes.page_x(group as f64 + 0.5));
+        let first = center - bar * self.series.len() as f64 / 2.0;
+        for (k, (_, values)) in self.series.iter().enumerate() {
+            let end = axes.page_y(values[group]);
+            let left = first + k as f64 * bar;
+            let (top, bottom) = (end.min(zero), end.max(zero));
+            let body = Rect { left: left + 0.04 * bar, top, right: left + 0.96 * bar, bottom };
+            canvas.bar(body, self.color(k), k)?;
+            if labelled {
+                let base = if values[group] < 0.0 { end + 0.95 * SIZE } else { end - 4.0 };
+                canvas.text(&three_digits(values[group]), (left + bar / 2.0, base), Align::Center, Look::PLAIN)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Names below the groups, turned upright where their words do not fit side by side.
+struct Names {
+    lines: Vec<Vec<String>>,
+    upright: bool,
+    room: f64,
+}
+
+impl Names {
+    fn new(names: &[String], slot: f64) -> Self {
+        let too_wide = |word: &str| text::width(word, SIZE, false) > slot - 6.0;
+        let upright = names.iter().any(|name| name.split_whitespace().any(too_wide));
+        let (available, max_lines) = if upright { (UPRIGHT_ROOM, 1) } else { (slot - 6.0, 3) };
+        let lines: Vec<Vec<String>> =
+            names.iter().map(|name| text::wrap(name, available, SIZE, false, max_lines)).collect();
+        let room = if upright {
+            lines.iter().flatten().map(|n| text::width(n, SIZE, false)).fold(0.0, f64::max) + 0.5 * LINE
+        } else {
+            lines.iter().map(Vec::len).max().unwrap_or(0) as f64 * LINE
+        };
+        Self { lines, upright, room }
+    }
+
+    fn draw(&self, canvas: &Canvas, group: usize, (center, top): (f64, f64)) -> Result<()> {
+        let upright = Look { upright: true, ..Look::PLAIN };
+        self.lines[group].iter().enumerate().try_for_each(|(k, text)| {
+            if self.upright {
+                return canvas.text(text, (center + 0.36 * SIZE, top), Align::Right, upright);
+            }
+            canvas.text(text, (center, top + (k as f64 + 0.8) * LINE), Align::Center, Look::PLAIN)
         })
     }
 }

@@ -81,12 +81,20 @@ impl Drawing {
         };
         let saved = Saved { svg: named(".svg"), png: named(".png") };
         let png = self.png()?;
-        if let Some(folder) = stem.parent() {
-            std::fs::create_dir_all(folder).map_err(|source| PlotError::Write { path: folder.to_owned(), source })?;
-        }
-        for (path, content) in [(&saved.svg, self.svg.as_bytes()), (&saved.png, &png)] {
-            std::fs::write(path, content).map_err(|source| PlotError::Write { path: path.clone(), source })?;
-        }
+        write(&saved.svg, self.svg.as_bytes())?;
+        write(&saved.png, &png)?;
         Ok(saved)
     }
+}
+
+/// Writes a file, creating its folder if it is missing.
+pub(crate) fn write(path: &Path, content: &[u8]) -> Result<()> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |source| PlotError::Write { path, source }
+    };
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(failed(folder))?;
+    }
+    std::fs::write(path, content).map_err(failed(path))
 }

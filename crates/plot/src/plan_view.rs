@@ -219,6 +219,33 @@ impl PlanView {
         stamps(count: usize) |it| it.stamps = count;
     }
 
+    /// Legend of what all views share.
+    fn common_entries(&self) -> Vec<(Sample, String)> {
+        // Objects without extent have neither outline nor heading: dots mark where they start and should arrive.
+        let shaped = self.scenes.iter().any(|s| s.outline.nose() > 0.0);
+        let mark = |stroke: Stroke| if shaped { Sample::Line(stroke, None) } else { Sample::Dot(stroke.color) };
+        let mut shared = Vec::new();
+        if self.scenes.iter().any(|s| s.trajectories.iter().any(|t| !t.time.is_empty())) {
+            shared.push((mark(start_stroke()), "start".to_owned()));
+            if shaped {
+                shared.push((Sample::Line(Stroke::solid(Color::INK, 2.25), None), "end".to_owned()));
+            }
+        }
+        if self.scenes.iter().any(|s| s.target.is_some()) {
+            shared.push((mark(target_stroke()), "target".to_owned()));
+        }
+        let ends = self.scenes.iter().flat_map(|s| &s.trajectories).filter_map(|t| t.end.as_ref());
+        for what in ends {
+            if shared.iter().all(|(_, known)| known != what) {
+                shared.push((Sample::Mark(Marker::Cross), what.clone()));
+            }
+        }
+        if shaped && !shared.is_empty() {
+            shared.push((Sample::Heading(Color::INK), "heading".to_owned()));
+        }
+        shared
+    }
+
     /// Draws the figure.
     ///
     /// # Errors
@@ -258,29 +285,7 @@ impl PlanView {
         let legends: Vec<Legend> = self.scenes.iter().map(|s| Legend::new(s.entries(), width)).collect();
         let x_label = text::wrap(&x_scale.label(&self.x_label), width, SIZE, false, 2);
         let y_label = text::wrap(&y_scale.label(&self.y_label), height, SIZE, false, 1);
-        // Objects without extent have neither outline nor heading: dots mark where they start and should arrive.
-        let shaped = self.scenes.iter().any(|s| s.outline.nose() > 0.0);
-        let mark = |stroke: Stroke| if shaped { Sample::Line(stroke, None) } else { Sample::Dot(stroke.color) };
-        let mut shared = Vec::new();
-        if self.scenes.iter().any(|s| s.trajectories.iter().any(|t| !t.time.is_empty())) {
-            shared.push((mark(start_stroke()), "start".to_owned()));
-            if shaped {
-                shared.push((Sample::Line(Stroke::solid(Color::INK, 2.25), None), "end".to_owned()));
-            }
-        }
-        if self.scenes.iter().any(|s| s.target.is_some()) {
-            shared.push((mark(target_stroke()), "target".to_owned()));
-        }
-        let ends = self.scenes.iter().flat_map(|s| &s.trajectories).filter_map(|t| t.end.as_ref());
-        for what in ends {
-            if shared.iter().all(|(_, known)| known != what) {
-                shared.push((Sample::Mark(Marker::Cross), what.clone()));
-            }
-        }
-        if shaped && !shared.is_empty() {
-            shared.push((Sample::Heading(Color::INK), "heading".to_owned()));
-        }
-        let common = Legend::new(shared, WIDTH - BORDER - RIGHT - margin);
+        let common = Legend::new(self.common_entries(), WIDTH - BORDER - RIGHT - margin);
         let above = |row: usize| {
             let cells = row * columns..((row + 1) * columns).min(self.scenes.len());
             cells.map(|k| titles[k].height() + legends[k].height() + LEGEND_GAP).fold(0.0, f64::max)

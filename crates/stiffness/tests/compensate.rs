@@ -8,7 +8,8 @@ use bracketry_stiffness::{
     Kinematics, Payload, Robot, Springs, Wrench, WrenchFilter, displaced, displacement_between, stability,
     wrench_adjoint,
 };
-use common::{STIFFNESS, random, robot};
+use common::milling::robot;
+use common::{STIFFNESS, rng};
 use nalgebra::{Isometry3, Matrix6, UnitQuaternion, Vector3};
 use rand::{RngExt, rngs::StdRng};
 use std::f64::consts::{PI, TAU};
@@ -73,7 +74,7 @@ fn wrench(random: &mut StdRng) -> Wrench {
 
 #[test]
 fn the_loaded_tool_stands_at_the_reference() {
-    let mut random = random(1);
+    let mut random = rng(1);
     let robot = robot();
     for round in 0..6 {
         let joints = STIFFNESS.iter().map(|k| match round % 3 {
@@ -93,7 +94,7 @@ fn the_loaded_tool_stands_at_the_reference() {
 #[test]
 fn the_loaded_tool_stands_at_the_reference_in_a_singular_pose() {
     // Both wrist axes in line: no correction of joints gives every displacement, but the springs' own is undone exactly.
-    let mut random = random(2);
+    let mut random = rng(2);
     let robot = robot();
     let q = [0.3, -0.2, 0.7, 0.4, 0.0, 0.1];
     assert!(Kinematics::new(&robot, &q).unwrap().jacobian().clone().singular_values().min() < 1e-12);
@@ -105,7 +106,7 @@ fn the_loaded_tool_stands_at_the_reference_in_a_singular_pose() {
 
 #[test]
 fn newtons_steps_undo_what_links_yield() {
-    let mut random = random(3);
+    let mut random = rng(3);
     let robot = robot();
     for _ in 0..5 {
         let links = (0..6).map(|_| {
@@ -126,7 +127,7 @@ fn newtons_steps_undo_what_links_yield() {
 
 #[test]
 fn weight_and_bias_move_nothing() {
-    let mut random = random(4);
+    let mut random = rng(4);
     let robot = robot();
     let sensor = sensor(&mut random);
     let bias = wrench(&mut random);
@@ -334,7 +335,7 @@ fn a_held_correction_goes_with_the_reference() {
 fn limits_hold_and_say_so() {
     let settings = CompensationSettings { correction_limit: 2e-4, rate_limit: 2e-3, ..CompensationSettings::default() };
     let sensor = ForceSensor { pose: Isometry3::identity(), force_range: 1000.0, moment_range: 200.0 };
-    let mut random = random(5);
+    let mut random = rng(5);
     let mut compensator =
         Compensator::new(robot(), Springs::linear(&STIFFNESS), sensor, Payload::none(), settings).unwrap();
     let q = coordinates(&mut random);
@@ -383,7 +384,7 @@ fn settings_that_are_none_are_refused() {
 
 #[test]
 fn the_loop_through_the_process_converges_where_its_gain_is_below_one() {
-    let mut random = random(6);
+    let mut random = rng(6);
     let mut seen = [0, 0];
     for _ in 0..400 {
         let matrix = |random: &mut StdRng, size: f64| Matrix6::from_fn(|_, _| uniform(random, size));
@@ -419,7 +420,7 @@ fn the_loop_through_the_process_converges_where_its_gain_is_below_one() {
 
 #[test]
 fn inverse_kinematics_finds_the_coordinates_of_a_pose() {
-    let mut random = random(7);
+    let mut random = rng(7);
     let robot = robot();
     for _ in 0..50 {
         let q = coordinates(&mut random);

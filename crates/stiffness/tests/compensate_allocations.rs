@@ -5,7 +5,8 @@ mod common;
 
 use allocation_counter::measure;
 use bracketry_stiffness::{CompensationSettings, Compensator, ForceSensor, JointSpring, Payload, Springs, Wrench};
-use common::{STIFFNESS, robot};
+use common::STIFFNESS;
+use common::milling::robot;
 use nalgebra::{Isometry3, Matrix6, Vector3};
 
 #[test]

@@ -6,7 +6,8 @@ mod common;
 use bracketry_stiffness::{
     CircleRun, CompensationSettings, JointSpring, MillingCircle, ResidualSample, Robot, Springs, explain_residual,
 };
-use common::{START, STIFFNESS, circle, compensator, compensator_with, random, robot, wrong};
+use common::milling::{START, circle, compensator, compensator_with, robot, wrong};
+use common::{STIFFNESS, rng};
 use nalgebra::Vector3;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -37,7 +38,7 @@ impl Mill {
     fn reductions(&self, share: f64, draws: usize, seed: u64) -> Vec<f64> {
         let springs = Springs::linear(&STIFFNESS);
         let before = self.without(&springs).radial();
-        let mut random = random(seed);
+        let mut random = rng(seed);
         let models: Vec<Springs> = (0..draws).map(|_| wrong(&springs, share, &mut random)).collect();
         let reduce = |models: &[Springs]| -> Vec<f64> {
             models.iter().map(|m| self.with(&springs, m).radial().reduction_from(&before)).collect()
@@ -168,7 +169,7 @@ fn lost_motion_is_found_and_the_nonlinear_model_recovers_the_gain() {
     let with_truth = mill.with(&truth, &truth).radial().reduction_from(&before.radial());
     assert!(with_linear < with_truth - 0.15, "{with_linear} {with_truth}");
 
-    let report = explain_residual(&mill.robot, &linear, &measured(&before, &mut random(13))).unwrap();
+    let report = explain_residual(&mill.robot, &linear, &measured(&before, &mut rng(13))).unwrap();
     let joints: Vec<usize> = report.lost_motion.iter().map(|l| l.joint).collect();
     assert_eq!(joints, [1, 5], "{report:?}");
     for lost in &report.lost_motion {
@@ -190,8 +191,8 @@ fn a_robot_without_lost_motion_is_not_accused_of_it() {
     let mill = Mill::new(6);
     let truth = Springs::linear(&STIFFNESS);
     let before = mill.without(&truth);
-    let modelled = wrong(&truth, 0.3, &mut random(14));
-    let report = explain_residual(&mill.robot, &modelled, &measured(&before, &mut random(15))).unwrap();
+    let modelled = wrong(&truth, 0.3, &mut rng(14));
+    let report = explain_residual(&mill.robot, &modelled, &measured(&before, &mut rng(15))).unwrap();
     assert!(report.lost_motion.is_empty(), "{report:?}");
     // All of the residual is a wrong stiffness.
     assert!(report.linear < 1.05 * 10e-6 * 3f64.sqrt(), "{report:?}");
@@ -205,7 +206,7 @@ fn too_few_samples_are_refused() {
     let mill = Mill::new(7);
     let springs = Springs::linear(&STIFFNESS);
     let run = mill.without(&springs);
-    let few: Vec<ResidualSample> = measured(&run, &mut random(16)).into_iter().take(10).collect();
+    let few: Vec<ResidualSample> = measured(&run, &mut rng(16)).into_iter().take(10).collect();
     let message = explain_residual(&mill.robot, &springs, &few).unwrap_err().to_string();
     assert!(message.contains("10 samples") && message.contains("72"), "{message}");
 }

@@ -1,16 +1,17 @@
 //! Stiffnesses of one pose from noisy measurements.
 #![allow(clippy::unwrap_used)]
 
-mod identify_data;
+mod common;
 
 use bracketry_stiffness::{
-    Advice, CartesianEstimator, Found, Measurement, MeasurementNoise, MeasurementSet, Method, Outliers,
-    SpringFitSettings, Springs, compare, identify_cartesian,
+    Advice, CartesianEstimator, Found, Measurement, MeasurementNoise, MeasurementSet, Method, Outliers, Springs,
+    compare, identify_cartesian,
 };
-use identify_data::{
-    NOISE, STIFFNESS, compliance, kr125, linear_measurements, load, noise, noisy, pose, random_pose, relative, rng,
-    robot_measurements, set, spoil,
+use common::measured::{
+    NOISE, compared, compliance, linear_measurements, load, noise, noisy, random_pose, relative, robot_measurements,
+    set, spoil,
 };
+use common::{STIFFNESS, kr125, pose, rng};
 use nalgebra::{Matrix6, Vector6};
 use rand::RngExt;
 
@@ -266,11 +267,10 @@ fn five_percent_of_outliers_are_found_and_do_no_harm() {
 
 #[test]
 fn the_comparison_distrusts_the_published_estimator_and_foresees_its_error() {
-    let robot = kr125();
     let truth = compliance().try_inverse().unwrap();
     let set = set(linear_measurements(&mut rng(700), &compliance(), 200));
     let start = Springs::linear(&[5e5; 6]);
-    let comparison = compare(&set, Some((&robot, &start, &SpringFitSettings::default())), Outliers::Keep).unwrap();
+    let comparison = compared(&set, &start, Outliers::Keep).unwrap();
     assert_eq!(comparison.trusted, Method::JointSprings);
     let report = |wanted: CartesianEstimator| {
         let found = comparison.methods.iter().find(|(method, _)| *method == Method::Cartesian(wanted));
@@ -290,12 +290,11 @@ fn the_comparison_distrusts_the_published_estimator_and_foresees_its_error() {
 
 #[test]
 fn over_several_poses_only_springs_are_compared() {
-    let (robot, springs) = (kr125(), Springs::linear(&STIFFNESS));
+    let springs = Springs::linear(&STIFFNESS);
     let mut draw = rng(750);
     let poses: Vec<Vec<f64>> = (0..6).map(|_| random_pose(&mut draw)).collect();
     let set = set(robot_measurements(&mut draw, &springs, &poses, 60, 1.0));
-    let settings = SpringFitSettings::default();
-    let comparison = compare(&set, Some((&robot, &springs, &settings)), Outliers::Reject).unwrap();
+    let comparison = compared(&set, &springs, Outliers::Reject).unwrap();
     assert_eq!(comparison.trusted, Method::JointSprings);
     assert_eq!(comparison.methods.iter().filter(|(_, report)| report.is_ok()).count(), 1);
     assert!(compare(&set, None, Outliers::Keep).is_err());
@@ -306,8 +305,8 @@ fn the_comparison_prefers_a_free_matrix_where_joints_do_not_explain_it() {
     // Links that yield as much as the joints, in the pose of the data only known to a 6 × 6 compliance.
     let truth = compliance() + Matrix6::from_diagonal(&Vector6::new(2e-6, 2e-6, 2e-6, 4e-6, 4e-6, 4e-6));
     let set = set(linear_measurements(&mut rng(800), &truth, 200));
-    let (robot, start) = (kr125(), Springs::linear(&[5e5; 6]));
-    let comparison = compare(&set, Some((&robot, &start, &SpringFitSettings::default())), Outliers::Keep).unwrap();
+    let start = Springs::linear(&[5e5; 6]);
+    let comparison = compared(&set, &start, Outliers::Keep).unwrap();
     assert_eq!(comparison.trusted, Method::Cartesian(CartesianEstimator::PositiveDefinite), "{comparison:?}");
 }
 
@@ -319,8 +318,8 @@ fn links_that_yield_are_no_outliers_where_there_is_one_pose() {
     let mut measurements = linear_measurements(&mut rng, &truth, 200);
     let wrong = spoil(&mut rng, &mut measurements);
     let set = set(measurements);
-    let (robot, start) = (kr125(), Springs::linear(&[5e5; 6]));
-    let comparison = compare(&set, Some((&robot, &start, &SpringFitSettings::default())), Outliers::Reject).unwrap();
+    let start = Springs::linear(&[5e5; 6]);
+    let comparison = compared(&set, &start, Outliers::Reject).unwrap();
     assert_eq!(comparison.trusted, Method::Cartesian(CartesianEstimator::PositiveDefinite), "{comparison:?}");
     assert!(wrong.iter().all(|n| comparison.outliers.contains(n)), "{comparison:?}");
     assert!(comparison.outliers.len() <= wrong.len() + 3, "{comparison:?}");

@@ -1,14 +1,14 @@
 //! Data that say nothing, or something else than they seem to, are refused with the reason.
 #![allow(clippy::unwrap_used)]
 
-mod identify_data;
+mod common;
 
 use bracketry_stiffness::{
     Advice, CartesianEstimator, IdentificationError, JointSpring, Measurement, MeasurementNoise, MeasurementSet,
-    Method, Outliers, Place, PoseInformation, Robot, SpringFitSettings, Springs, compare, fit_springs,
-    identify_cartesian,
+    Method, Outliers, Place, PoseInformation, Robot, SpringFitSettings, Springs, fit_springs, identify_cartesian,
 };
-use identify_data::{STIFFNESS, compliance, kr125, linear_measurements, noise, noisy, pose, rng, robot_measurements};
+use common::measured::{compared, compliance, linear_measurements, noise, noisy, robot_measurements};
+use common::{STIFFNESS, kr125, measured, pose, rng};
 
 fn measurements() -> Vec<Measurement> {
     linear_measurements(&mut rng(1), &compliance(), 40)
@@ -78,12 +78,11 @@ fn a_range_from_zero_has_only_an_upper_end() {
 
 #[test]
 fn a_comparison_counts_all_measurements() {
-    let (robot, springs) = (kr125(), Springs::linear(&STIFFNESS));
+    let springs = Springs::linear(&STIFFNESS);
     let compared = |count| {
         let data = linear_measurements(&mut rng(8), &compliance(), count);
         let set = MeasurementSet::new(data, noise()).unwrap();
-        let settings = SpringFitSettings { outliers: Outliers::Keep, ..SpringFitSettings::default() };
-        let comparison = compare(&set, Some((&robot, &springs, &settings)), Outliers::Keep).unwrap();
+        let comparison = compared(&set, &springs, Outliers::Keep).unwrap();
         let positive = Method::Cartesian(CartesianEstimator::PositiveDefinite);
         comparison.methods.into_iter().find(|(method, _)| *method == positive).unwrap().1.map(|report| report.held_out)
     };
@@ -125,12 +124,11 @@ fn moments_in_kilonewton_metres_look_like_none() {
 
 #[test]
 fn a_part_with_another_sign_or_unit_is_named_by_the_fit_of_joint_springs() {
-    let (robot, start) = (kr125(), Springs::linear(&[1e6; 6]));
-    let settings = SpringFitSettings::default();
+    let start = Springs::linear(&[1e6; 6]);
     let mut rng = rng(21);
-    let poses: Vec<Vec<f64>> = (0..8).map(|_| identify_data::random_pose(&mut rng)).collect();
+    let poses: Vec<Vec<f64>> = (0..8).map(|_| measured::random_pose(&mut rng)).collect();
     let mut data = robot_measurements(&mut rng, &Springs::linear(&STIFFNESS), &poses, 60, 1.0);
-    identify_data::spoil(&mut rng, &mut data);
+    measured::spoil(&mut rng, &mut data);
     let compared = |[force, moment, translation, rotation]: [f64; 4]| {
         let mut data = data.clone();
         for m in &mut data {
@@ -140,7 +138,7 @@ fn a_part_with_another_sign_or_unit_is_named_by_the_fit_of_joint_springs() {
             }
         }
         let set = MeasurementSet::new(data, noise()).unwrap();
-        compare(&set, Some((&robot, &start, &settings)), Outliers::Reject)
+        compared(&set, &start, Outliers::Reject)
     };
     assert!(compared([1.0; 4]).is_ok());
     for (factors, said) in [
@@ -157,9 +155,9 @@ fn a_part_with_another_sign_or_unit_is_named_by_the_fit_of_joint_springs() {
 #[test]
 fn another_model_is_not_taken_for_another_sign() {
     // Lost motion, and links that yield: the joint springs miss something, but no sign.
-    let (robot, start) = (kr125(), Springs::linear(&[1e6; 6]));
+    let start = Springs::linear(&[1e6; 6]);
     let mut rng = rng(22);
-    let poses: Vec<Vec<f64>> = (0..8).map(|_| identify_data::random_pose(&mut rng)).collect();
+    let poses: Vec<Vec<f64>> = (0..8).map(|_| measured::random_pose(&mut rng)).collect();
     let mut lost = Springs::linear(&STIFFNESS);
     lost.joints[0] = JointSpring::Backlash { stiffness: STIFFNESS[0], gap: 3e-4, engaged: 40.0 };
     let link = nalgebra::Matrix6::from_diagonal(&nalgebra::Vector6::new(2e-7, 2e-7, 2e-7, 5e-7, 5e-7, 5e-7));
@@ -167,19 +165,19 @@ fn another_model_is_not_taken_for_another_sign() {
     for springs in [lost, links] {
         let data = robot_measurements(&mut rng, &springs, &poses, 60, 1.0);
         let set = MeasurementSet::new(data, noise()).unwrap();
-        let compared = compare(&set, Some((&robot, &start, &SpringFitSettings::default())), Outliers::Keep);
+        let compared = compared(&set, &start, Outliers::Keep);
         assert!(!matches!(compared, Err(IdentificationError::Convention { .. })), "{compared:?}");
     }
 }
 
 #[test]
 fn noise_that_is_smaller_than_stated_is_remarked() {
-    let (robot, start) = (kr125(), Springs::linear(&[1e6; 6]));
+    let start = Springs::linear(&[1e6; 6]);
     let data = linear_measurements(&mut rng(23), &compliance(), 40);
     for (factor, remarked) in [(1.0, false), (5.0, true)] {
-        let [a, b, c, d] = identify_data::NOISE.map(|n| factor * n);
+        let [a, b, c, d] = measured::NOISE.map(|n| factor * n);
         let set = MeasurementSet::new(data.clone(), MeasurementNoise::from_std(a, b, c, d)).unwrap();
-        let found = compare(&set, Some((&robot, &start, &SpringFitSettings::default())), Outliers::Keep).unwrap();
+        let found = compared(&set, &start, Outliers::Keep).unwrap();
         let said = found.advice.iter().any(|advice| matches!(advice, Advice::NoiseOverstated { .. }));
         assert_eq!(said, remarked, "{:?}", found.advice);
     }
@@ -191,7 +189,7 @@ fn loads_of_forces_alone_or_moments_alone_are_no_mistake_of_units() {
     for strong in [0, 3] {
         let mut rng = rng(9);
         let data = (0..40).map(|_| {
-            let mut wrench = identify_data::load(&mut rng);
+            let mut wrench = measured::load(&mut rng);
             wrench.fixed_rows_mut::<3>(3).scale_mut(10.0);
             wrench.fixed_rows_mut::<3>(3 - strong).fill(0.0);
             let displacement = noisy(&mut rng, &(compliance() * wrench), 20e-6, 50e-6);
@@ -243,7 +241,7 @@ fn loaded(change: impl Fn(&mut bracketry_stiffness::Wrench)) -> MeasurementSet {
     let truth = compliance();
     let mut rng = rng(2);
     let data = (0..60).map(|_| {
-        let mut wrench = identify_data::load(&mut rng);
+        let mut wrench = measured::load(&mut rng);
         change(&mut wrench);
         let displacement = noisy(&mut rng, &(truth * wrench), 20e-6, 50e-6);
         Measurement { q: pose(), wrench: noisy(&mut rng, &wrench, 2.0, 0.5), displacement }
@@ -374,7 +372,7 @@ fn springs_and_poses_that_do_not_fit_the_robot_are_refused() {
         fit_springs(&robot, &set, &springs, &settings),
         Err(IdentificationError::Count { row: Place::Row(1), found: 5, expected: 6, .. })
     ));
-    let candidate = (pose(), identify_data::load(&mut rng(5)));
+    let candidate = (pose(), measured::load(&mut rng(5)));
     for bad in [f64::NAN, 1e200] {
         let mut spoiled = candidate.clone();
         spoiled.1[2] = bad;

@@ -1,13 +1,14 @@
 //! Springs of the joints from measurements over many poses.
 #![allow(clippy::unwrap_used)]
 
-mod identify_data;
+mod common;
 
 use bracketry_stiffness::{
     DeformationModel, IdentificationError, Identified, JointSpring, Measurement, MeasurementSet, Outliers,
     PoseInformation, SpringFit, SpringFitSettings, Springs, Wrench, fit_springs,
 };
-use identify_data::{STIFFNESS, kr125, load, noise, pose, random_pose, rng, robot_measurements, set, spoil};
+use common::measured::{load, noise, random_pose, robot_measurements, set, spoil};
+use common::{STIFFNESS, kr125, measured, pose, rng};
 
 fn poses(seed: u64, count: usize) -> Vec<Vec<f64>> {
     let mut rng = rng(seed);
@@ -151,7 +152,7 @@ fn a_joint_that_no_load_turns_is_named_instead_of_guessed() {
         .map(|mut m| {
             m.wrench = Wrench::new(0.0, 0.0, m.wrench[2], 0.0, 0.0, 0.0);
             let tool = bracketry_stiffness::Deformation::equilibrium(&robot, &springs, &m.q, &m.wrench).unwrap().tool;
-            m.displacement = identify_data::noisy(&mut rng, &tool, 20e-6, 50e-6);
+            m.displacement = measured::noisy(&mut rng, &tool, 20e-6, 50e-6);
             m
         })
         .collect();
@@ -236,8 +237,8 @@ fn the_expected_errors_are_the_measured_ones() {
     for _ in 0..trials {
         let measurements = candidates.iter().map(|(q, wrench)| {
             let tool = bracketry_stiffness::Deformation::equilibrium(&robot, &springs, q, wrench).unwrap().tool;
-            let displacement = identify_data::noisy(&mut draw, &tool, 20e-6, 50e-6);
-            Measurement { q: q.clone(), wrench: identify_data::noisy(&mut draw, wrench, 2.0, 0.5), displacement }
+            let displacement = measured::noisy(&mut draw, &tool, 20e-6, 50e-6);
+            Measurement { q: q.clone(), wrench: measured::noisy(&mut draw, wrench, 2.0, 0.5), displacement }
         });
         let fit = fit(&set(measurements.collect()), &Springs::linear(&STIFFNESS), Outliers::Keep);
         for ((square, (value, ..)), k) in squares.iter_mut().zip(values(&fit)).zip(STIFFNESS) {

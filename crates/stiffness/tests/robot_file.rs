@@ -7,7 +7,8 @@ use bracketry_stiffness::{
     Deformation, DhParameters, FilterOrder, ForceSensor, JointKind, JointSpring, Robot, RobotFile, Springs,
     with_springs,
 };
-use common::{KR125, STIFFNESS, kr125, random};
+use common::milling::KR125;
+use common::{STIFFNESS, kr125, rng};
 use nalgebra::{Isometry3, Matrix6, Vector3, Vector6};
 use rand::RngExt;
 use std::path::Path;
@@ -21,7 +22,7 @@ fn row(alpha: f64, a: f64, d: f64, offset: f64) -> DhParameters {
 }
 
 fn assert_same(a: &Robot, b: &Robot, seed: u64) {
-    let mut random = random(seed);
+    let mut random = rng(seed);
     assert_eq!(a.joints.len(), b.joints.len());
     for _ in 0..20 {
         let q: Vec<f64> = a.joints.iter().map(|_| random.random_range(-2.0..2.0)).collect();
@@ -241,7 +242,7 @@ fn errors_name_place_and_remedy() {
 
 #[test]
 fn mutilated_files_are_read_or_refused() {
-    let mut random = random(6);
+    let mut random = rng(6);
     let texts = [KR125.to_owned(), urdf()];
     let mut refused = 0;
     for round in 0..600 {

@@ -1,50 +1,46 @@
 //! A robot measured with noise.
-#![allow(unused_imports, dead_code, unreachable_pub)]
 
-#[path = "../kr125/mod.rs"]
-mod table;
-
+use super::kr125::{STIFFNESS, kr125, pose};
 use bracketry_stiffness::{
-    Deformation, Kinematics, Measurement, MeasurementNoise, MeasurementSet, Robot, Springs, Wrench, loaded_compliance,
+    Comparison, Deformation, IdentificationError, Kinematics, Measurement, MeasurementNoise, MeasurementSet, Outliers,
+    Robot, SpringFitSettings, Springs, Wrench, compare, loaded_compliance,
 };
 use nalgebra::{Matrix6, Vector6};
+use rand::RngExt;
 use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 
-pub(crate) use table::{STIFFNESS, kr125, pose};
-
 /// 20 µm, 50 µrad, 2 N, 0.5 N·m.
-pub const NOISE: [f64; 4] = [20e-6, 50e-6, 2.0, 0.5];
+pub(crate) const NOISE: [f64; 4] = [20e-6, 50e-6, 2.0, 0.5];
 
-pub fn noise() -> MeasurementNoise {
+pub(crate) fn noise() -> MeasurementNoise {
     MeasurementNoise::from_std(NOISE[0], NOISE[1], NOISE[2], NOISE[3])
 }
 
 /// Within ± 1000 N and ± 60 N·m.
-pub fn load(rng: &mut StdRng) -> Wrench {
+pub(crate) fn load(rng: &mut StdRng) -> Wrench {
     Wrench::from_fn(|i, _| [1000.0, 60.0][i / 3] * rng.random_range(-1.0..1.0))
 }
 
 /// Within ± 40° of the reference.
-pub fn random_pose(rng: &mut StdRng) -> Vec<f64> {
+pub(crate) fn random_pose(rng: &mut StdRng) -> Vec<f64> {
     pose().iter().map(|q| q + rng.random_range(-0.7..0.7)).collect()
 }
 
-pub fn noisy(rng: &mut StdRng, value: &Vector6<f64>, first: f64, last: f64) -> Vector6<f64> {
+pub(crate) fn noisy(rng: &mut StdRng, value: &Vector6<f64>, first: f64, last: f64) -> Vector6<f64> {
     let mut draw = || -> f64 { StandardNormal.sample(rng) };
     Vector6::from_fn(|i, _| value[i] + draw() * if i < 3 { first } else { last })
 }
 
 /// The compliance at the pose of the reference.
-pub fn compliance() -> Matrix6<f64> {
+pub(crate) fn compliance() -> Matrix6<f64> {
     let robot = kr125();
     let kinematics = Kinematics::new(&robot, &pose()).unwrap();
     loaded_compliance(&robot, &Springs::linear(&STIFFNESS), &kinematics, &Wrench::zeros()).unwrap()
 }
 
 /// Noisy measurements of a compliance; the displacement of each is exactly `C W`.
-pub fn linear_measurements(rng: &mut StdRng, compliance: &Matrix6<f64>, count: usize) -> Vec<Measurement> {
+pub(crate) fn linear_measurements(rng: &mut StdRng, compliance: &Matrix6<f64>, count: usize) -> Vec<Measurement> {
     (0..count)
         .map(|_| {
             let wrench = load(rng);
@@ -55,7 +51,7 @@ pub fn linear_measurements(rng: &mut StdRng, compliance: &Matrix6<f64>, count: u
 }
 
 /// Noisy measurements of a robot in equilibrium at the given poses in turn; `strength` times the usual loads.
-pub fn robot_measurements(
+pub(crate) fn robot_measurements(
     rng: &mut StdRng,
     springs: &Springs,
     poses: &[Vec<f64>],
@@ -75,7 +71,7 @@ pub fn robot_measurements(
 }
 
 /// Makes every twentieth measurement wrong, in turn in displacement and load.
-pub fn spoil(rng: &mut StdRng, measurements: &mut [Measurement]) -> Vec<usize> {
+pub(crate) fn spoil(rng: &mut StdRng, measurements: &mut [Measurement]) -> Vec<usize> {
     let wrong: Vec<usize> = (0..measurements.len()).filter(|n| n % 20 == 7).collect();
     for n in &wrong {
         if n % 40 == 7 {
@@ -87,14 +83,19 @@ pub fn spoil(rng: &mut StdRng, measurements: &mut [Measurement]) -> Vec<usize> {
     wrong
 }
 
-pub fn set(measurements: Vec<Measurement>) -> MeasurementSet {
+pub(crate) fn set(measurements: Vec<Measurement>) -> MeasurementSet {
     MeasurementSet::new(measurements, noise()).unwrap()
 }
 
-pub fn rng(seed: u64) -> StdRng {
-    StdRng::seed_from_u64(seed)
+pub(crate) fn relative(found: &Matrix6<f64>, truth: &Matrix6<f64>) -> f64 {
+    (found - truth).norm() / truth.norm()
 }
 
-pub fn relative(found: &Matrix6<f64>, truth: &Matrix6<f64>) -> f64 {
-    (found - truth).norm() / truth.norm()
+/// All methods on measurements of the robot, joint springs from stiffnesses of `start`.
+pub(crate) fn compared(
+    set: &MeasurementSet,
+    start: &Springs,
+    outliers: Outliers,
+) -> Result<Comparison, IdentificationError> {
+    compare(set, Some((&kr125(), start, &SpringFitSettings::default())), outliers)
 }
