@@ -1,6 +1,6 @@
 //! Why a data set cannot be used, or says nothing about what was asked.
 
-use super::uncertainty::SpringParameter;
+use super::spring_parameter::SpringParameter;
 use crate::error::StiffnessError;
 use std::fmt;
 

@@ -12,6 +12,7 @@ mod outliers;
 mod parameters;
 mod poses;
 mod scaled;
+mod spring_parameter;
 mod springs;
 mod statistics;
 mod uncertainty;
@@ -23,7 +24,7 @@ pub use lost_motion::{LostMotion, LostMotionReport, ResidualSample, explain_resi
 pub use measurement::{Measurement, MeasurementNoise, MeasurementSet};
 pub use outliers::Outliers;
 pub use poses::{PoseChoice, PoseInformation};
+pub use spring_parameter::{Identified, SpringParameter, Unidentified};
 pub use springs::{SpringFit, SpringFitSettings, fit_springs};
-pub use uncertainty::{Identified, SpringParameter, Unidentified};
 
 pub(crate) use uncertainty::NOT_IDENTIFIED;

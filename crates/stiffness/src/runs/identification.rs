@@ -2,7 +2,7 @@
 
 use super::error::StiffnessRunError;
 use super::log::{CoordinatesAndWrenches, TWIST_COLUMNS, rows};
-use super::residual::SpringResidual;
+use super::residual::{PredictedTranslation, SpringResidual};
 use crate::compliance::{Deformation, Springs};
 use crate::identify::{
     Advice, CartesianEstimate, CartesianEstimator, Comparison, Found, IdentificationError, Measurement,
@@ -11,7 +11,6 @@ use crate::identify::{
 use crate::robot::{JointKind, Twist, halves};
 use crate::robot_file::RobotFile;
 use bracketry_files::{Columns, Document};
-use nalgebra::Vector3;
 use std::path::Path;
 
 /// Stiffness to start from where the robot file has none: revolute (N·m/rad), prismatic (N/m).
@@ -33,17 +32,6 @@ pub struct MethodFigures {
     pub condition: f64,
     /// χ² per degree of freedom: mean square of the residuals of displacements in units of their noise.
     pub chi_square: f64,
-}
-
-/// The measured translation of the tool point and its prediction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PredictedTranslation {
-    /// Measured (m, base axes).
-    pub measured: Vector3<f64>,
-    /// Predicted.
-    pub predicted: Vector3<f64>,
-    /// Whether the measurement was left out as an outlier.
-    pub outlier: bool,
 }
 
 /// Why springs that were found are none to work with; residuals are root mean squares in units of their noise.

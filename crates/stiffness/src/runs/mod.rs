@@ -11,9 +11,9 @@ mod weighing;
 
 pub use compensation::{CompensatedLog, CompensatedRow, FaultCount};
 pub use error::StiffnessRunError;
-pub use identification::{Identification, MethodFigures, PredictedTranslation, Withheld};
+pub use identification::{Identification, MethodFigures, Withheld};
 pub use log::{RobotLog, TWIST_COLUMNS, WRENCH_COLUMNS};
 pub use loop_gain::LoopGain;
 pub use poses::{ChosenPoses, Expectation};
-pub use residual::SpringResidual;
+pub use residual::{PredictedTranslation, SpringResidual};
 pub use weighing::Weighing;

@@ -1,12 +1,23 @@
 //! What linear springs of the joints do not explain of measured displacements, and where.
 
-use super::identification::PredictedTranslation;
 use crate::compliance::{JointSpring, Springs, loaded_compliance};
 use crate::identify::{LostMotion, LostMotionReport, MeasurementSet, ResidualSample, explain_residual};
 use crate::robot::{Kinematics, Robot};
+use nalgebra::Vector3;
 
 /// Standard deviations by which a mean square has to exceed that of the noise.
 const BEYOND_NOISE: f64 = 4.0;
+
+/// The measured translation of the tool point and its prediction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PredictedTranslation {
+    /// Measured (m, base axes).
+    pub measured: Vector3<f64>,
+    /// Predicted.
+    pub predicted: Vector3<f64>,
+    /// Whether the measurement was left out as an outlier.
+    pub outlier: bool,
+}
 
 /// What is left of the measured translations of the tool point by the springs of the joints.
 #[derive(Clone, Debug, PartialEq)]
