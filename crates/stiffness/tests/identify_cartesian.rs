@@ -11,7 +11,7 @@ use common::measured::{
     NOISE, compared, compliance, linear_measurements, load, noise, noisy, random_pose, relative, robot_measurements,
     set, spoil,
 };
-use common::{STIFFNESS, kr125, pose, rng};
+use common::{STIFFNESS, pose, rng};
 use nalgebra::{Matrix6, Vector6};
 use rand::RngExt;
 
