@@ -26,9 +26,9 @@ pub fn identification(found: &Identification) -> String {
         [method.to_string()].into_iter().chain(numbers).chain([failed]).collect()
     });
     table(&mut out, &header, methods);
-    found.advice.iter().for_each(|advice| {
+    for advice in &found.advice {
         let _ = writeln!(out, "- {}", text::advice(advice));
-    });
+    }
     if !found.parameters.is_empty() {
         out.push_str("\n## Springs of the joints\n\nN·m/rad, N·m/rad³, rad, N·m.\n\n");
         let parameters = found.parameters.iter().map(|p| {
@@ -46,9 +46,9 @@ pub fn identification(found: &Identification) -> String {
     }
     if let Some(residual) = &found.residual {
         out.push_str("## What they do not explain\n\n");
-        text::residual(residual).lines().for_each(|line| {
+        for line in text::residual(residual).lines() {
             let _ = writeln!(out, "- {line}");
-        });
+        }
         out.push('\n');
     }
     if let Some(pose) = &found.cartesian {

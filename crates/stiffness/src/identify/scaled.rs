@@ -131,7 +131,9 @@ fn unloaded(space: &[Vector6<f64>]) -> Vec<Unloaded> {
     let mut directions: Vec<Unloaded> = axes.iter().copied().map(Unloaded::Axis).collect();
     for direction in space {
         let mut rest = *direction;
-        axes.iter().for_each(|axis| rest[*axis] = 0.0);
+        for axis in &axes {
+            rest[*axis] = 0.0;
+        }
         if rest.norm() > 0.7 {
             let sign = if rest[rest.iamax()] < 0.0 { -1.0 } else { 1.0 };
             directions.push(Unloaded::Combination((sign * rest).into()));
