@@ -8,6 +8,9 @@ use serde_json::{Value, json};
 
 use super::text;
 
+/// Interval of an entry of a compliance or a stiffness.
+type Interval = fn(&CartesianEstimate, usize, usize) -> (f64, f64);
+
 /// Six rows of six entries.
 fn rows<T>(entry: impl Fn(usize, usize) -> T) -> [[T; 6]; 6] {
     std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
@@ -32,7 +35,6 @@ pub fn identification(found: &Identification) -> Value {
         };
         json!({ "joint": p.joint, "name": p.name, "value": value, "why": p.identified.why() })
     };
-    type Interval = fn(&CartesianEstimate, usize, usize) -> (f64, f64);
     let pose = found.cartesian.as_ref();
     let interval = |of: Interval| pose.map(|pose| rows(|i, j| of(pose, i, j)));
     json!({
