@@ -14,14 +14,12 @@ pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;
 
 pub use bracketry_report::{
-    AffinizationReport, Analysis, AnalysisError, AreaLoopPlant, Arrival, Breakdown, ChosenPoses, Comparison,
-    CompensatedLog, CompensatedRow, ControlError, Controlled, Deviation, Diagnosis, ExactPlant, Expectation,
-    FaultCount, Figure, Identification, Influence, InputChange, Jump, LoggedMotion, LoopGain, LostMotionSummary,
-    MethodSummary, ModeChange, MoveError, ParameterSummary, PlateExperiment, PlateLog, PlateModel, PlateOptions,
-    PlateReport, PlateRow, PlateRun, PlateRunError, PlateSetup, PointError, PredictedTranslation, RESOLUTION,
+    AffinizationReport, Analysis, AnalysisError, Breakdown, ChosenPoses, CompensatedLog, CompensatedRow, ControlError,
+    Controlled, Diagnosis, ExactPlant, Expectation, FaultCount, Figure, Identification, Influence, InputChange,
+    LoopGain, LostMotionSummary, MethodSummary, ModeChange, ParameterSummary, PointError, PredictedTranslation,
     RankChange, Ranks, ReachTable, Reached, RobotLog, Run, SampledScenario, Scenario, ScenarioError, SensorError,
-    SetupError, SimulationReport, StiffnessRunError, Unexplained, Weighing, analyze, control, control_watched,
-    friction_bands, friction_colors, move_with, outline, plate_move, point, target_of,
+    SimulationReport, StiffnessRunError, Unexplained, Weighing, analyze, control, control_watched, friction_bands,
+    friction_colors, point,
 };
 
 /// From installation to a result on a system of one's own, in ten minutes.

@@ -3,7 +3,6 @@
 mod affinization;
 mod analysis;
 mod analysis_pictures;
-mod area_plant;
 mod breakdown;
 mod closed_loop_figure;
 mod control;
@@ -13,8 +12,7 @@ mod friction_bands;
 pub mod html;
 mod input_table;
 mod measurement;
-mod plate_move;
-mod plate_run;
+pub mod plate;
 mod point;
 mod reach;
 mod scenario;
@@ -23,7 +21,6 @@ mod stiffness_run;
 
 pub use affinization::{AffinizationReport, InputChange};
 pub use analysis::{Analysis, AnalysisError, analyze};
-pub use area_plant::AreaLoopPlant;
 pub use breakdown::Breakdown;
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
 pub use diagnosis::{Diagnosis, RankChange, Ranks};
@@ -31,11 +28,6 @@ pub use friction_bands::{friction_bands, friction_colors};
 pub use html::Figure;
 pub use input_table::SampledScenario;
 pub use measurement::SensorError;
-pub use plate_move::{Arrival, MoveError, RESOLUTION, move_with, plate_move, target_of};
-pub use plate_run::{
-    Comparison, Deviation, Jump, LoggedMotion, PlateExperiment, PlateLog, PlateModel, PlateOptions, PlateReport,
-    PlateRow, PlateRun, PlateRunError, PlateSetup, SetupError, outline,
-};
 pub use point::{PointError, point};
 pub use reach::{Influence, ReachTable, Reached};
 pub use scenario::{Run, Scenario, ScenarioError};

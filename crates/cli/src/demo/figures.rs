@@ -1,15 +1,14 @@
 //! The figures and animations of the story.
 
-use bracketry::plate::AreaOutcome;
+use bracketry::plate::{AreaOutcome, RESOLUTION, target_of};
 use bracketry::plot::{
     Animation, Color, Dash, Drawing, Interval, Panel, PlanView, PlotError, Pose, Role, Scene, Series, Snapshot,
     TimeSeries, Trajectory,
 };
-use bracketry::report::outline;
+use bracketry::report::plate::outline;
 
 use super::{MoveOnEquations, MoveOnPlant, Story};
 use bracketry::report::Figure;
-use bracketry::report::{RESOLUTION, target_of};
 use bracketry::report::{friction_bands, friction_colors};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;

@@ -14,14 +14,14 @@ use std::time::Instant;
 use bracketry::diagnose::{DiagnoseError, Settings, diagnose};
 use bracketry::lie::Options;
 use bracketry::mpc::MpcError;
-use bracketry::plate::{LogSettings, Object, PlateError, PlateLog, Shape, published};
+use bracketry::plate::{MoveError, Object, PlateError, Shape, published};
 use bracketry::plot::PlotError;
 use bracketry::system::System;
+use bracketry_trials::{RecordingSettings, SyntheticLog, TrialError};
 
 use bracketry::report::ControlError;
 use bracketry::report::Diagnosis;
 use bracketry::report::Figure;
-use bracketry::report::MoveError;
 use bracketry::report::{Analysis, AnalysisError, analyze};
 
 pub use figures::StoryAnimation;
@@ -33,7 +33,7 @@ pub use on_plant::MoveOnPlant;
 #[derive(Clone, Debug)]
 pub struct StorySettings {
     /// The plant with contact over the whole footprint, and how it is recorded.
-    pub plant: LogSettings,
+    pub plant: RecordingSettings,
     /// Length of the multisines and of experiment 1 (s); experiment 3 takes five seconds at most.
     pub seconds: f64,
     /// Seed of multisines and noise.
@@ -50,19 +50,22 @@ impl Default for StorySettings {
     fn default() -> Self {
         let mut diagnosis = Settings { max_causes: 6, ..Settings::default() };
         diagnosis.study.window = Some(0.5);
-        Self { plant: LogSettings::default(), seconds: 8.0, seed: 1_000_003, rest_samples: 30, diagnosis }
+        Self { plant: RecordingSettings::default(), seconds: 8.0, seed: 1_000_003, rest_samples: 30, diagnosis }
     }
 }
 
 /// A story that cannot be told.
 #[derive(Debug, thiserror::Error)]
 pub enum StoryError {
-    /// The object, its friction, or the way it is recorded.
+    /// The object or its friction.
     #[error(transparent)]
     Plate(#[from] PlateError),
     /// The published model cannot be analysed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
+    /// The logs.
+    #[error(transparent)]
+    Trial(#[from] TrialError),
     /// The move cannot be set up.
     #[error(transparent)]
     Move(#[from] MoveError),
@@ -101,7 +104,7 @@ pub struct Story {
     /// Chapter 3: the same controller on the area-contact plant.
     pub as_published: MoveOnPlant,
     /// Chapter 4: what was logged; the first is the log of chapter 3, the last is held out.
-    pub logs: Vec<PlateLog>,
+    pub logs: Vec<SyntheticLog>,
     /// Chapters 4 and 5: what the published model gets wrong in these logs, and what the extended one reaches.
     pub diagnosis: Diagnosis,
     /// Chapter 5: what the inputs of the extended model reach; absent without one, or if it cannot be analysed.

@@ -170,7 +170,10 @@ impl Experiment {
     }
 
     /// Index of the coordinate among the states.
-    pub(crate) fn index(&self) -> Result<usize, PlateError> {
+    ///
+    /// # Errors
+    /// [`PlateError::NoState`] for a coordinate that is none of `x`, `y`, `phi`.
+    pub fn index(&self) -> Result<usize, PlateError> {
         STATES[..3]
             .iter()
             .position(|name| *name == self.coordinate)

@@ -8,7 +8,7 @@ use bracketry_sim::{Outcome, Settings, Trajectory};
 use bracketry_system::System;
 
 /// Share of the distance to the target that counts as reached.
-const REACHED: f64 = 0.98;
+pub(crate) const REACHED: f64 = 0.98;
 
 impl Experiment {
     /// Runs the experiment on a model in the form of differential equations from the state `x0`; see

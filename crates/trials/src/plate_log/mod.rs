@@ -1,0 +1,10 @@
+//! Logs of the object on the plate as a laboratory would record them, with a mismatch between plant and model.
+
+mod actuated_motion;
+mod mismatch;
+mod multisine;
+mod synthetic_log;
+
+pub use mismatch::PlateMismatch;
+pub use multisine::multisine;
+pub use synthetic_log::{RecordingSettings, SyntheticLog, synthetic_log};
