@@ -4,7 +4,8 @@ use bracketry::diagnose::{Audit, DiagnoseError, Record, RecordSettings};
 use bracketry::plate::{AreaOutcome, Experiment, PlateKinematics, RESOLUTION};
 use bracketry::system::System;
 
-use super::{MoveOnPlant, StorySettings};
+use super::on_plant::MoveOnPlant;
+use super::settings::StorySettings;
 use bracketry_trials::{PlateMismatch, SyntheticLog, TrialError, multisine, synthetic_log};
 
 /// Where identification runs start: x, y (m), at rest.

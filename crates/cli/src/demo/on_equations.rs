@@ -4,7 +4,7 @@ use bracketry::mpc::{ControlProblem, SolveTimes, Timings};
 use bracketry::plate::{AmplitudeStep, Arrival, Experiment, Shape, TwoStep, plate_move, published, two_step};
 use bracketry::sim::Settings;
 
-use super::{StoryError, StoryEvent, StorySettings};
+use super::settings::{StoryError, StoryEvent, StorySettings};
 use bracketry::report::{Controlled, control};
 
 /// Longest time of one stage of the two-step method (s).

@@ -5,7 +5,7 @@ use bracketry::plate::{AreaOutcome, Arrival, move_with};
 use bracketry::system::System;
 use serde::{Serialize, Serializer};
 
-use super::{StoryError, StorySettings};
+use super::settings::{StoryError, StorySettings};
 use bracketry_trials::PlateMismatch;
 
 /// The reference move on the plant with contact over the whole footprint, planned and corrected with some model of it. The

@@ -5,7 +5,9 @@ use std::fmt::{self, Write as _};
 use bracketry::plate::AreaOutcome;
 use bracketry_trials::SyntheticLog;
 
-use super::{MoveOnEquations, MoveOnPlant, Story};
+use super::on_equations::MoveOnEquations;
+use super::on_plant::MoveOnPlant;
+use super::story::Story;
 use bracketry::report::Diagnosis;
 
 pub(super) const FIRST: &str = "1. From the published equations to what the inputs reach\n";

@@ -9,8 +9,8 @@ mod two_step;
 mod velocity_field;
 
 pub use map::{Limits, Map, Summary, linspace, summarise};
+pub(crate) use protocol::REACHED;
 pub use protocol::{AmplitudeLaw, AmplitudeStep, Experiment};
-pub(crate) use run::REACHED;
 pub use run::Run;
 pub use sweep::sweep;
 pub use two_step::{Stage, TwoStep, two_step, two_step_on};

@@ -5,6 +5,9 @@ use bracketry_sim::Inputs;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
+/// Share of the distance to the target that counts as reached.
+pub(crate) const REACHED: f64 = 0.98;
+
 /// Amplitude of a period from the error `e = q − q_desired` at its start: `sgn(e)(offset + gain·|e|)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AmplitudeLaw {

@@ -1,12 +1,8 @@
 //! The object on the plate, whichever model it follows.
 
-use super::equations::Equations;
 use super::error::PlateRunError;
-use super::footprint_model::FootprintModel;
 use super::imposed_motion::ImposedMotion;
 use super::result::PlateStop;
-use super::setup::{PlateModel, PlateSetup};
-use crate::{Friction, Terms, first_principles, published, reduced};
 
 /// How object and plate touch at one time.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,21 +42,4 @@ pub(super) trait ObjectModel {
     fn energy_closure(&self) -> Option<f64> {
         None
     }
-}
-
-/// The object of a setup, at its start.
-pub(super) fn object_model(setup: &PlateSetup, motion: ImposedMotion) -> Result<Box<dyn ObjectModel>, PlateRunError> {
-    setup.object.validate()?;
-    setup.friction.validate()?;
-    let coulomb = || match setup.friction {
-        Friction::Coulomb { mu } => Ok(mu),
-        _ => Err(PlateRunError::CoulombOnly { model: setup.model }),
-    };
-    let system = match setup.model {
-        PlateModel::Area | PlateModel::Body => return Ok(Box::new(FootprintModel::new(setup, motion)?)),
-        PlateModel::Published => published(&setup.object.shape, coulomb()?)?,
-        PlateModel::Point => first_principles(&setup.object, &setup.friction, Terms::default())?,
-        PlateModel::Reduced => reduced(&setup.object, coulomb()?, Terms::default())?,
-    };
-    Ok(Box::new(Equations::new(setup, system, motion)?))
 }

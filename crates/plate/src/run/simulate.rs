@@ -3,13 +3,18 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use super::equations::Equations;
 use super::error::PlateRunError;
+use super::footprint_model::FootprintModel;
 use super::imposed_motion::{ImposedMotion, Schedule};
-use super::object_model::{ObjectModel, object_model};
+use super::object_model::ObjectModel;
 use super::result::{PlateRow, PlateRun, PlateStop};
 use super::setup::{PlateModel, PlateSetup};
 use crate::experiment::REACHED;
-use crate::{AmplitudeStep, Jump, PlateKinematics, PlateLog, PlateMotion, normal_load};
+use crate::{
+    AmplitudeStep, Friction, Jump, PlateKinematics, PlateLog, PlateMotion, Terms, first_principles, normal_load,
+    published, reduced,
+};
 
 /// Times closer than this are the same, in seconds.
 const SAME: f64 = 1e-10;
@@ -180,4 +185,21 @@ impl<'a> Simulation<'a> {
             wall_seconds: clock.elapsed().as_secs_f64(),
         }
     }
+}
+
+/// The object of a setup, at its start.
+fn object_model(setup: &PlateSetup, motion: ImposedMotion) -> Result<Box<dyn ObjectModel>, PlateRunError> {
+    setup.object.validate()?;
+    setup.friction.validate()?;
+    let coulomb = || match setup.friction {
+        Friction::Coulomb { mu } => Ok(mu),
+        _ => Err(PlateRunError::CoulombOnly { model: setup.model }),
+    };
+    let system = match setup.model {
+        PlateModel::Area | PlateModel::Body => return Ok(Box::new(FootprintModel::new(setup, motion)?)),
+        PlateModel::Published => published(&setup.object.shape, coulomb()?)?,
+        PlateModel::Point => first_principles(&setup.object, &setup.friction, Terms::default())?,
+        PlateModel::Reduced => reduced(&setup.object, coulomb()?, Terms::default())?,
+    };
+    Ok(Box::new(Equations::new(setup, system, motion)?))
 }

@@ -1,6 +1,6 @@
 //! Mismatches between the plant and its model that a log may hide.
 
-use super::synthetic_log::RecordingSettings;
+use super::recording::RecordingSettings;
 use crate::random::{Random, seed_of};
 use bracketry_plate::{AreaContact, AreaLoopPlant, Friction, PlateError, PlateKinematics};
 use serde::{Deserialize, Serialize};

@@ -3,8 +3,10 @@
 mod actuated_motion;
 mod mismatch;
 mod multisine;
+mod recording;
 mod synthetic_log;
 
 pub use mismatch::PlateMismatch;
 pub use multisine::multisine;
-pub use synthetic_log::{RecordingSettings, SyntheticLog, synthetic_log};
+pub use recording::RecordingSettings;
+pub use synthetic_log::{SyntheticLog, synthetic_log};

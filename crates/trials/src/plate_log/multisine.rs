@@ -1,7 +1,8 @@
 //! A plate motion of many frequencies.
 
 use super::mismatch::PlateMismatch;
-use super::synthetic_log::{RecordingSettings, SyntheticLog, synthetic_log};
+use super::recording::RecordingSettings;
+use super::synthetic_log::{SyntheticLog, synthetic_log};
 use crate::TrialError;
 use crate::random::{Random, seed_of};
 use bracketry_plate::{AmplitudeStep, Experiment, ExpressionMotion, PlateMotion};
