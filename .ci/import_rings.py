@@ -11,7 +11,7 @@ import pathlib
 import re
 import sys
 
-PATH = re.compile(r"\b(crate|super(?:::super)*|self)((?:::\w+)*)(?:::(\{))?")
+PATH = re.compile(r"\b(crate|super(?:::super)*|self)((?:::\w+)+)")
 USE = re.compile(r"\b(pub(?:\([^)]*\))?\s+)?use\s+([^;]+);")
 
 
@@ -110,7 +110,7 @@ class Crate:
                 elif tuple([*module, path[0]]) in self.files:
                     named.add(tuple([*module, *path]))
         body = USE.sub("", text)
-        for root, rest, _ in PATH.findall(body):
+        for root, rest in PATH.findall(body):
             path = [p for p in (root + rest).split("::") if p]
             named.add(self.absolute(module, path))
         for child in re.findall(r"\b([a-z_0-9]+)::\w", body):

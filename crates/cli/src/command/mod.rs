@@ -1,9 +1,7 @@
 //! Subcommands: arguments in, report out, exit code by outcome.
 
-use std::path::PathBuf;
-
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{Args, Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 mod affinize;
 mod analyze;
@@ -22,16 +20,8 @@ pub(crate) mod style;
 
 use file_kind::{FileKind, Given};
 use help::{EXIT_CODES, UNITS, examples, guide};
+pub(crate) use output::{Outcome, OutputArgs};
 use stiffness::StiffnessCommand;
-
-/// How a command ended; bad input is an error instead.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Outcome {
-    /// Exit code 0.
-    Done,
-    /// Ran, but the answer is negative or was not reached: exit code 1.
-    Negative,
-}
 
 /// What can my inputs reach, how do I get there, and where are the equations wrong?
 ///
@@ -63,17 +53,6 @@ const FIRST_STEPS: [(&str, &str); 5] = [
     ("Close the loop", "bracketry control ball_problem.toml --out out"),
     ("Diagnose it from measured data", "bracketry diagnose ball.toml run.csv --hold linear --out out"),
 ];
-
-/// Where results go.
-#[derive(Args, Clone)]
-pub(crate) struct OutputArgs {
-    /// Print one JSON object instead of the human report
-    #[arg(long, global = true, display_order = 1001)]
-    pub(crate) json: bool,
-    /// Folder for files and plots
-    #[arg(long, global = true, display_order = 1000, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
-    pub(crate) out: Option<PathBuf>,
-}
 
 /// In the order in which they are used, which is that of the help.
 #[derive(Subcommand)]
@@ -180,8 +159,8 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Stiffness(command)) => stiffness::run(&command, &output),
         Some(Command::Control(args)) => control::run(&args, &output),
         Some(Command::New(args)) => new::run(&args, &output),
-        Some(Command::Completions(args)) => shell::completions(&args, &output),
-        Some(Command::Man(args)) => shell::man(&args, &output),
+        Some(Command::Completions(args)) => shell::completions(&args, &mut Cli::command(), &output),
+        Some(Command::Man(args)) => shell::man(&args, Cli::command(), &output),
     };
     // A file of another kind explains more than the first thing in it that does not belong there.
     result.map_err(|e| file_kind::mistaken(&files).map_or(e, anyhow::Error::msg))

@@ -2,15 +2,36 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::plot::{Drawing, PlotError};
+use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::style::warning;
+
+/// How a command ended; bad input is an error instead.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Outcome {
+    /// Exit code 0.
+    Done,
+    /// Ran, but the answer is negative or was not reached: exit code 1.
+    Negative,
+}
+
+/// Where results go.
+#[derive(Args, Clone)]
+pub(crate) struct OutputArgs {
+    /// Print one JSON object instead of the human report
+    #[arg(long, global = true, display_order = 1001)]
+    pub(crate) json: bool,
+    /// Folder for files and plots
+    #[arg(long, global = true, display_order = 1000, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
+    pub(crate) out: Option<PathBuf>,
+}
 
 /// Writes to standard output at once. A reader that has gone away is an error like any other, not a panic.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use anyhow::Context;
-use clap::{Args, CommandFactory};
+use clap::Args;
 use clap_complete::Shell;
 use clap_mangen::Man;
 
 use super::output::{folder, line, print};
-use super::{Cli, Outcome, OutputArgs};
+use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
 pub(crate) const COMPLETION_EXAMPLES: [(&str, &str); 3] = [
@@ -38,20 +38,23 @@ pub(crate) struct ManArgs {
     command: Vec<String>,
 }
 
-/// Prints the completion script of a shell.
-pub(crate) fn completions(args: &CompletionsArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+/// Prints the completion script of a shell for the whole command line.
+pub(crate) fn completions(
+    args: &CompletionsArgs,
+    root: &mut clap::Command,
+    output: &OutputArgs,
+) -> anyhow::Result<Outcome> {
     no_json(output, "completions prints a script for a shell")?;
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "bracketry", &mut script);
+    clap_complete::generate(args.shell, root, "bracketry", &mut script);
     print(&String::from_utf8(script)?)?;
     Ok(Outcome::Done)
 }
 
-/// Prints a manual page, or writes all of them.
-pub(crate) fn man(args: &ManArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+/// Prints a manual page of the whole command line, or writes all of them.
+pub(crate) fn man(args: &ManArgs, mut root: clap::Command, output: &OutputArgs) -> anyhow::Result<Outcome> {
     no_json(output, "manual pages are not data")?;
-    let mut root = Cli::command();
-    // Names and usage of nested commands are those of the whole way to them from here on.
+    // From here on, names and usage of nested commands include those of their parents.
     root.build();
     if let Some(dir) = &output.out {
         if let Some(word) = args.command.first() {
@@ -62,20 +65,20 @@ pub(crate) fn man(args: &ManArgs, output: &OutputArgs) -> anyhow::Result<Outcome
         line(&format!("{pages} pages written to {}", dir.display()))?;
         return Ok(Outcome::Done);
     }
-    let mut way = vec!["bracketry"];
+    let mut path = vec!["bracketry"];
     let mut command = &root;
     for word in &args.command {
         command = command.find_subcommand(word).with_context(|| {
             let known: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
-            let way = way.join(" ");
+            let path = path.join(" ");
             match known.as_slice() {
-                [] => format!("there is no command `{way} {word}`: `{way}` has no commands of its own"),
-                known => format!("there is no command `{way} {word}`: there are {}", known.join(", ")),
+                [] => format!("there is no command `{path} {word}`: `{path}` has no commands of its own"),
+                known => format!("there is no command `{path} {word}`: there are {}", known.join(", ")),
             }
         })?;
-        way.push(word);
+        path.push(word);
     }
-    print(&page(command, &way.join("-"))?)?;
+    print(&page(command, &path.join("-"))?)?;
     Ok(Outcome::Done)
 }
 
