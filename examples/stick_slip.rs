@@ -24,9 +24,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     )?;
     let shaken = Scenario::parse("shaken.toml", "duration = 1.0\n[inputs]\na = \"4*sin(2*pi*2*t)\"", &block)?;
     let run = shaken.run(&block, &Settings::default())?;
-    for interval in run.trajectory.mode_intervals(0) {
+    for interval in run.simulation.trajectory.mode_intervals(0) {
         println!("{:7.4} s to {:7.4} s: {:?}", interval.from, interval.to, interval.mode);
     }
-    println!("it has moved by {:.3} mm", 1e3 * run.trajectory.final_state()[0]);
+    println!("it has moved by {:.3} mm", 1e3 * run.simulation.trajectory.final_state()[0]);
     Ok(())
 }

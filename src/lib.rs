@@ -14,13 +14,14 @@ pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;
 
 pub use bracketry_report::{
-    AffinizationReport, Analysis, AnalysisError, Breakdown, ChosenPoses, CompensatedLog, CompensatedRow, ControlError,
-    Controlled, Diagnosis, ExactPlant, Expectation, FaultCount, Figure, Identification, Influence, InputChange,
-    LoopGain, LostMotionSummary, MethodSummary, ModeChange, ParameterSummary, PointError, PredictedTranslation,
-    RankChange, Ranks, ReachTable, Reached, RobotLog, Run, SampledScenario, Scenario, ScenarioError, SensorError,
-    SimulationReport, StiffnessRunError, Unexplained, Weighing, analyze, control, control_watched, friction_bands,
-    friction_colors, point,
+    AffinizationReport, Analysis, AnalysisError, ChosenPoses, CompensatedLog, CompensatedRow, ControlError, Controlled,
+    Diagnosis, ExactPlant, Expectation, FaultCount, Figure, Identification, Influence, InputChange, LoopGain,
+    LostMotionSummary, MethodSummary, ParameterSummary, PredictedTranslation, RankChange, Ranks, ReachTable, Reached,
+    RobotLog, StiffnessRunError, Unexplained, Weighing, analyze, control, control_watched, friction_bands,
+    friction_colors,
 };
+pub use bracketry_sim::{Breakdown, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
+pub use bracketry_system::{PointError, point};
 
 /// From installation to a result on a system of one's own, in ten minutes.
 #[doc = include_str!("../docs/getting_started.md")]

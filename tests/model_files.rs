@@ -38,7 +38,7 @@ fn every_file_is_read_and_every_scenario_runs_to_its_end() {
             let system = System::read(dir.join(format!("{model}.toml"))).unwrap();
             let run =
                 Scenario::read(&path, &system).unwrap().run(&system, &bracketry::sim::Settings::default()).unwrap();
-            assert!(matches!(run.outcome, Outcome::Finished), "{name}: {:?}", run.outcome);
+            assert!(matches!(run.simulation.outcome, Outcome::Finished), "{name}: {:?}", run.simulation.outcome);
         } else {
             System::read(&path).unwrap();
         }

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bracketry::sim::{InputError, Samples, Settings};
+use bracketry::report::simulation;
+use bracketry::sim::{InputError, SampledScenario, Samples, Scenario, ScenarioRun, Settings};
 use bracketry::system::{Columns, FileError, System};
-use bracketry::{Run, SampledScenario, Scenario, SimulationReport};
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -116,10 +116,11 @@ pub(crate) fn simulate<'py>(
             ..defaults
         };
         let run = Arc::new(given.scenario.run(&system, &settings)?);
-        let report = SimulationReport::new(&system, &given, &run);
-        let drawn: Arc<Run> = Arc::clone(&run);
-        let figures = Figures::default().with("trajectory", move || drawn.figure(&system, &given.scenario));
-        Ok((Answer::of(&report, figures)?, run))
+        let json = serde_json::to_string(&simulation::json(&system, &given, &run)).map_err(Failure::from)?;
+        let text = simulation::text(&system, &given, &run);
+        let drawn: Arc<ScenarioRun> = Arc::clone(&run);
+        let figure = move || simulation::figure(&system, &given.scenario, &drawn);
+        Ok((Answer { json, text, figures: Figures::default().with("trajectory", figure) }, run))
     })?;
     let system = &model.get().system;
     let dict = answer.into_dict(py)?;

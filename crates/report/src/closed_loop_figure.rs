@@ -4,7 +4,7 @@ use bracketry_mpc::ControlProblem;
 use bracketry_plot::{Dash, Drawing, Panel, PlotError, Series, TimeSeries};
 
 use crate::Controlled;
-use crate::friction_bands::{friction_bands, friction_colors};
+use crate::simulation::{friction_bands, friction_colors};
 
 impl Controlled {
     /// States with targets, bounds and the modes of friction, inputs, and the time of each solution.

@@ -2,10 +2,12 @@
 //! Runge–Kutta method where it is smooth.
 
 use bracketry_mpc::{ControlProblem, ControlRun, MpcError, Plant, PlantError, RungeKuttaPlant, SymbolicDynamics};
-use bracketry_sim::{Hold, InputError, Inputs, Model, Outcome, Samples, Settings, SimError, Simulation, simulate};
+use bracketry_sim::{
+    Breakdown, Hold, InputError, Inputs, Model, Outcome, Samples, Settings, SimError, Simulation, simulate,
+};
 use bracketry_system::{System, ZeroDenominator};
 
-use crate::Breakdown;
+use crate::simulation;
 
 /// A control problem that could not be run.
 #[derive(Debug, thiserror::Error)]
@@ -56,7 +58,7 @@ impl Plant for ExactPlant {
             }
             Outcome::Stopped { reason, t, state } => {
                 let breakdown = Breakdown::find(&self.system, self.plant.model(), &reason, t, &state);
-                let why = breakdown.map_or_else(|| reason.to_string(), |b| b.to_string());
+                let why = breakdown.map_or_else(|| reason.to_string(), |b| simulation::breakdown(&self.system, &b));
                 Err(format!("{why} (t = {t} s)").into())
             }
         }

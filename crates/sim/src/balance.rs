@@ -48,7 +48,7 @@ pub struct Balance {
 /// The account of one trajectory: see [`Balance::of`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Account {
-    /// The times at which steps begin, and the end, in seconds.
+    /// The times at which steps start, and the end, in seconds.
     pub times: Vec<f64>,
     /// The stored energy at these times.
     pub stored: Vec<f64>,
@@ -155,7 +155,7 @@ impl Balance {
     pub fn of(&mut self, trajectory: &Trajectory) -> Account {
         let mut step = Step { field: Filippov::new(self.model.clone()), trajectory };
         step.field.modes.copy_from_slice(trajectory.initial_modes());
-        let mut changes = trajectory.transitions().iter().peekable();
+        let mut changes = trajectory.mode_changes().iter().peekable();
         let times: Vec<f64> = trajectory.times().collect();
         let count = self.measures - 2;
         let mut account = Account {

@@ -3,7 +3,7 @@
 //! A system `x' = f(t, x, s)` with set-valued signs `s_i ∈ Sgn(σ_i(t, x))` (Filippov) is integrated by an adaptive
 //! Dormand–Prince 5(4) method between events. Each switch is in one of three modes: sliding with `s = ±1`, or
 //! sticking, where `s` solves `σ̇ = 0` and holds as long as `|s| ≤ 1`. Events are located to about 1e-12 s, all switching
-//! functions that vanish together are settled together, and what sticks is kept on `σ = 0` so that it does not creep.
+//! functions that vanish together get their next modes together, and what sticks is kept on `σ = 0` so that it does not creep.
 //! A switch may also be a unit vector `s = σ/|σ|`, any vector of the unit ball where `σ = 0`: dry friction on a plane.
 //! Near rest, where its direction is attracted ever faster, the steps are implicit (Radau IIA).
 //!
@@ -11,6 +11,7 @@
 //! piece by piece, as in a control loop.
 
 mod balance;
+mod breakdown;
 mod contact;
 mod events;
 mod friction;
@@ -18,6 +19,7 @@ mod integrate;
 mod model;
 mod outcome;
 mod plant;
+mod scenario;
 mod sensitivity;
 mod settings;
 mod simulate;
@@ -26,11 +28,13 @@ mod switched;
 mod trajectory;
 
 pub use balance::{Account, Balance};
+pub use breakdown::{Breakdown, Undefined, UndefinedPart};
 pub use contact::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Slip};
 pub use friction::{Mode, ModeChange, ModeInterval};
 pub use model::{Hold, InputError, Inputs, Model, Samples};
 pub use outcome::{Outcome, Statistics, StopReason};
 pub use plant::{Plant, PlantError};
+pub use scenario::{SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
 pub use sensitivity::{Path, Saltation, Tangent};
 pub use settings::{Settings, SimError};
 pub use simulate::{Simulation, simulate};

@@ -38,7 +38,7 @@ pub enum StopReason {
         /// What happened.
         what: String,
     },
-    /// The system announced a segment that does not end after it begins.
+    /// The system announced a segment that does not end after it starts.
     EmptySegment,
     /// The flag of the settings was raised.
     Asked,

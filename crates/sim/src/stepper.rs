@@ -3,7 +3,7 @@
 use crate::Switched;
 use crate::events::{Guard, Locator, Scan, gap_at_end};
 use crate::friction::{Filippov, Mode, ModeChange, SIMULTANEOUS, ZeroSet, resolve};
-use crate::integrate::{Approach, Attempt, Step, Stiffness, attempt};
+use crate::integrate::{Approach, Attempt, Control, Step, Stiffness, attempt};
 use crate::outcome::{Outcome, Statistics, StopReason};
 use crate::sensitivity::{FieldBefore, Path};
 use crate::settings::{Settings, SimError};
@@ -116,7 +116,7 @@ impl<S: Switched> Stepper<S> {
         Ok(())
     }
 
-    /// Modes by the signs of the switching functions alone; `restart` decides those that vanish.
+    /// Modes by the signs of the switching functions alone; `restart` decides on those that vanish.
     fn guess_modes(&mut self) {
         self.segment_end = self.field.system.enter_segment(self.step.t);
         self.field.guess_modes(self.step.t, &self.step.x);
@@ -214,11 +214,11 @@ impl<S: Switched> Stepper<S> {
         if !self.zero.at_start(&mut self.field, (t, x), self.settings.atol) {
             return Err(StopReason::NonFinite);
         }
-        self.settle(&before)
+        self.resolve_modes(&before)
     }
 
     /// Gives the zero set consistent modes, projects what sticks, logs what changed since the modes `before`.
-    fn settle(&mut self, before: &[Mode]) -> Result<(), StopReason> {
+    fn resolve_modes(&mut self, before: &[Mode]) -> Result<(), StopReason> {
         let Self { field, step, zero, guard, settings, .. } = self;
         let (t, x) = (step.t, &mut step.x);
         resolve(field, (t, &*x), zero, &guard.failed, settings.max_zero_set)
@@ -330,7 +330,7 @@ impl<S: Switched> Stepper<S> {
     }
 
     fn attempt(&mut self, h: f64, control_signs: bool) -> Attempt {
-        attempt(&mut self.step, &mut self.field, h, &self.settings, control_signs)
+        attempt(&mut self.step, &mut self.field, h, Control { settings: &self.settings, signs: control_signs })
     }
 
     /// As [`Stepper::attempt`] without error control, as for the step to an event; whether it has a solution.
@@ -419,7 +419,7 @@ impl<S: Switched> Stepper<S> {
         // What breaks loose does so without a jump of the field.
         let follows = self.path.is_some() && !breaks;
         let before = follows.then(|| FieldBefore::new(&self.field, &self.step, switch));
-        self.settle(&modes)?;
+        self.resolve_modes(&modes)?;
         if let (Some(path), Some(before)) = (&mut self.path, before)
             && self.step.start(&mut self.field)
         {
@@ -435,7 +435,7 @@ impl<S: Switched> Stepper<S> {
         self.guard.failed.push(before.clone());
         self.count_event()?;
         self.h = self.h.max(1e3 * self.step.shortest());
-        self.settle(&before)
+        self.resolve_modes(&before)
     }
 
     /// Counts an event at the current time against chattering.

@@ -56,7 +56,7 @@ pub trait Switched {
         1.0
     }
 
-    /// Makes the smooth segment that begins at `t` the current one and returns the time at which it ends.
+    /// Makes the smooth segment that starts at `t` the current one and returns the time at which it ends.
     ///
     /// Until the next call the other methods evaluate this segment's formulas, also at its end, so that jumps of
     /// inputs are met only between steps. The end must lie after `t`; infinity (the default) means no break.
@@ -82,7 +82,7 @@ pub trait Switched {
 ///     gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g[1] = 1.0,
 /// };
 /// let run = simulate(block, 0.0, &[0.0, 1.0], 2.0, &Settings::default()).unwrap();
-/// let stop = run.trajectory.transitions()[0].t;
+/// let stop = run.trajectory.mode_changes()[0].t;
 /// assert!((stop - 1.0 / (0.3 * 9.81)).abs() < 1e-10);
 /// ```
 #[derive(Debug, Clone)]
@@ -144,7 +144,7 @@ where
 ///     gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g.copy_from_slice(&[1.0, 0.0, 0.0, 1.0]),
 /// };
 /// let run = simulate(Coupled::new(block, vec![2]), 0.0, &[0.3, 0.4], 1.0, &Settings::default()).unwrap();
-/// let stop = run.trajectory.transitions()[0];
+/// let stop = run.trajectory.mode_changes()[0];
 /// assert!((stop.t - 0.5 / (0.3 * 9.81)).abs() < 1e-10);
 /// ```
 #[derive(Debug, Clone)]

@@ -8,11 +8,11 @@ use crate::integrate::{Step, interpolate, node_weights};
 struct Piece {
     t: f64,
     h: f64,
-    /// Where its directions begin, if they are kept.
+    /// Where its directions start, if they are kept.
     directions: Option<usize>,
 }
 
-/// States at any time of a simulation, with the transitions between modes.
+/// States at any time of a simulation, with the changes of mode.
 #[derive(Debug, Clone)]
 pub struct Trajectory {
     dim: usize,
@@ -26,7 +26,7 @@ pub struct Trajectory {
     coefficients: Vec<f64>,
     /// Signs and directions at the nodes of implicit steps, where they cannot be told from the states.
     directions: Vec<f64>,
-    transitions: Vec<ModeChange>,
+    changes: Vec<ModeChange>,
 }
 
 impl Trajectory {
@@ -41,7 +41,7 @@ impl Trajectory {
             pieces: Vec::new(),
             coefficients: Vec::new(),
             directions: Vec::new(),
-            transitions: Vec::new(),
+            changes: Vec::new(),
         }
     }
 
@@ -74,7 +74,7 @@ impl Trajectory {
     }
 
     pub(crate) fn push_mode_change(&mut self, change: ModeChange) {
-        self.transitions.push(change);
+        self.changes.push(change);
     }
 
     /// The modes of all switches at the start.
@@ -126,26 +126,20 @@ impl Trajectory {
         x
     }
 
-    /// The times at which steps begin, and the end.
+    /// The times at which steps start, and the end.
     pub fn times(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().map(|piece| piece.t).chain(std::iter::once(self.end))
     }
 
     /// The changes of mode, in order of time.
-    pub fn transitions(&self) -> &[ModeChange] {
-        &self.transitions
+    pub fn mode_changes(&self) -> &[ModeChange] {
+        &self.changes
     }
 
-    /// The mode of switch `switch` at `t` (after the transition, at a transition).
+    /// The mode of switch `switch` at `t` (after the change, at a change).
     pub fn mode(&self, switch: usize, t: f64) -> Option<Mode> {
-        let mut mode = *self.initial_modes.get(switch)?;
-        for transition in self.transitions.iter().filter(|e| e.switch == switch) {
-            if transition.t > t {
-                break;
-            }
-            mode = transition.to;
-        }
-        Some(mode)
+        let before = self.changes.iter().filter(|change| change.switch == switch).take_while(|change| change.t <= t);
+        Some(before.last().map_or(*self.initial_modes.get(switch)?, |change| change.to))
     }
 
     /// The modes of switch `switch` in time; empty if there is no such switch.
@@ -155,24 +149,24 @@ impl Trajectory {
         };
         let mut intervals = Vec::new();
         let (mut from, mut mode) = (self.start, first);
-        for transition in self.transitions.iter().filter(|e| e.switch == switch) {
-            if transition.t > from {
-                intervals.push(ModeInterval { from, to: transition.t, mode });
+        for change in self.changes.iter().filter(|e| e.switch == switch) {
+            if change.t > from {
+                intervals.push(ModeInterval { from, to: change.t, mode });
             }
-            (from, mode) = (transition.t, transition.to);
+            (from, mode) = (change.t, change.to);
         }
         intervals.push(ModeInterval { from, to: self.end, mode });
         intervals
     }
 
-    /// Joins a later trajectory that begins where this one ends; its transitions follow.
+    /// Joins a later trajectory that starts where this one ends; its mode changes follow.
     pub fn append(&mut self, later: &Trajectory) {
         let shift = self.directions.len();
         let shifted = |piece: &Piece| Piece { directions: piece.directions.map(|d| d + shift), ..*piece };
         self.pieces.extend(later.pieces.iter().map(shifted));
         self.directions.extend_from_slice(&later.directions);
         self.coefficients.extend_from_slice(&later.coefficients);
-        self.transitions.extend_from_slice(&later.transitions);
+        self.changes.extend_from_slice(&later.changes);
         self.end = later.end;
         self.final_state.copy_from_slice(&later.final_state);
     }

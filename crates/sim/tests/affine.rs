@@ -54,7 +54,7 @@ fn both_ways(text: &str, inputs: &Inputs, x0: &[f64], t_end: f64) -> [Simulation
 
 fn assert_same_motion([at_once, iterated]: &[Simulation; 2]) {
     assert!(at_once.outcome.is_finished() && iterated.outcome.is_finished());
-    let (a, b) = (at_once.trajectory.transitions(), iterated.trajectory.transitions());
+    let (a, b) = (at_once.trajectory.mode_changes(), iterated.trajectory.mode_changes());
     assert!(!a.is_empty());
     assert_eq!(a.len(), b.len());
     for (a, b) in a.iter().zip(b) {

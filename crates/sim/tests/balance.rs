@@ -8,7 +8,7 @@ fn account(text: &str, inputs: &Inputs, x0: &[f64], t_end: f64, stored: &str, po
     let system = System::parse("test.toml", text).unwrap();
     let run = simulate(Model::new(&system, inputs).unwrap(), 0.0, x0, t_end, &Settings::default()).unwrap();
     assert!(run.outcome.is_finished());
-    assert!(run.trajectory.transitions().len() > 3 || !kept.is_empty());
+    assert!(run.trajectory.mode_changes().len() > 3 || !kept.is_empty());
     Balance::new(&system, inputs, stored, power, kept).unwrap().of(&run.trajectory)
 }
 

@@ -37,7 +37,7 @@ fn a_straight_slide_stops_at_v_over_mu_g_at_the_right_place() {
         let run = simulate_text(&plane("0", "0"), &Inputs::new(), &[0.1, -0.2, vx, vy], 5.0);
         let v = vx.hypot(vy);
         let stop = v / (0.3 * G);
-        let events = run.trajectory.transitions();
+        let events = run.trajectory.mode_changes();
         assert_eq!(events.len(), 1, "{events:?}");
         assert_eq!((events[0].from, events[0].to), (Mode::Sliding, Mode::Sticking));
         assert!((events[0].t - stop).abs() < 1e-10, "{:e}", events[0].t - stop);
@@ -56,7 +56,7 @@ fn a_slide_across_a_tilted_plane_turns_into_the_fall_line_and_stops() {
     // With u = |v|: u' = b cos α − f, u α' = −b sin α. From α = π/2: u = tan(α/2)^(f/b) / sin α, up to u(π/2) = 1.
     // u (f + b cos α) + … : d/dt [u (cos α + f/b)] = (b² − f²)/b, which is the time.
     let stop = (f / b) / ((f * f - b * b) / b);
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     assert_eq!(events.len(), 1, "{events:?}");
     assert!((events[0].t - stop).abs() < 1e-9, "{:e}", events[0].t - stop);
     // On the way: speed and angle belong together.
@@ -81,7 +81,7 @@ fn a_plane_that_shakes_breaks_the_object_loose_where_the_size_of_its_acceleratio
         let m = 0.5 * (low + high);
         if size(low) * size(m) <= 0.0 { high = m } else { low = m }
     }
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     let first = events.iter().find(|e| e.from == Mode::Sticking).unwrap();
     assert!((first.t - low).abs() < 1e-10, "{:e}", first.t - low);
 }
@@ -107,7 +107,7 @@ const REDUCED: &str = r#"
 fn a_disk_spins_on_where_its_centre_has_stopped() {
     // Without plate motion: the centre stops at v/(μ g); then w' = −μ g S/(I √(I/4)) sgn w.
     let run = simulate_text(REDUCED, &Inputs::new(), &[0.3, 0.0, 0.0, 0.3, 0.1, 9.0], 3.0);
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     let stop = 0.3f64.hypot(0.1) / (0.3 * G);
     assert_eq!(events.len(), 2);
     assert!((events[0].t - stop).abs() < 1e-10);
@@ -136,7 +136,7 @@ fn a_push_that_grows_breaks_loose_along_its_own_line() {
     let inputs = Inputs::new().expression("a", &push(angle.cos())).expression("b", &push(angle.sin()));
     let run = simulate_text(&plane("a", "b"), &inputs, &[0.0; 4], 1.5);
     let start = 0.3 * G / c;
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     assert_eq!((events.len(), events[0].to), (1, Mode::Sliding));
     assert!((events[0].t - start).abs() < 1e-10);
     for i in 1..=20 {
@@ -158,7 +158,7 @@ fn on_a_circularly_shaken_plate_the_slip_keeps_its_speed() {
     let inputs = Inputs::new().expression("a", "6*cos(20*t)").expression("b", "6*sin(20*t)");
     let start = [0.0, 0.0, speed * lag.cos(), -speed * lag.sin()];
     let run = simulate_text(&plane("a", "b"), &inputs, &start, 3.0);
-    assert!(run.trajectory.transitions().is_empty());
+    assert!(run.trajectory.mode_changes().is_empty());
     for i in 1..=300 {
         let t = 0.01 * f64::from(i);
         let x = run.trajectory.sample(t);
@@ -181,8 +181,8 @@ fn shaken_in_axes(angle: f64, mirrored: bool) -> Simulation {
 #[test]
 fn results_do_not_depend_on_the_axes() {
     let straight = shaken_in_axes(0.0, false);
-    let count = straight.trajectory.transitions().len();
-    assert!(count >= 6, "{:?}", straight.trajectory.transitions());
+    let count = straight.trajectory.mode_changes().len();
+    assert!(count >= 6, "{:?}", straight.trajectory.mode_changes());
     let x = straight.trajectory.final_state();
     let mirrored = shaken_in_axes(0.0, true);
     let m = mirrored.trajectory.final_state();
@@ -193,8 +193,8 @@ fn results_do_not_depend_on_the_axes() {
         let t = turned.trajectory.final_state();
         let back = [c * t[0] + s * t[1], c * t[1] - s * t[0]];
         assert!((x[0] - back[0]).abs() < 1e-9 && (x[1] - back[1]).abs() < 1e-9, "{x:?} {back:?}");
-        assert_eq!(turned.trajectory.transitions().len(), count);
-        for (a, b) in straight.trajectory.transitions().iter().zip(turned.trajectory.transitions()) {
+        assert_eq!(turned.trajectory.mode_changes().len(), count);
+        for (a, b) in straight.trajectory.mode_changes().iter().zip(turned.trajectory.mode_changes()) {
             assert!((a.t - b.t).abs() < 1e-8, "{a:?} {b:?}");
         }
     }
@@ -212,7 +212,7 @@ fn a_disk_whose_spin_brakes_hard_ends_both_motions_together() {
         w = "-k*w/sqrt(vx^2 + vy^2 + c*w^2)"
     "#;
     let run = simulate_text(text, &Inputs::new(), &[0.6, 0.8, 0.5], 2.0);
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     assert_eq!(events.len(), 2, "{events:?}");
     for e in events {
         assert_eq!(e.to, Mode::Sticking);
@@ -228,7 +228,7 @@ fn nothing_creeps_on_a_tilted_plate_for_a_minute() {
         plane(&format!("-9.81*{:.17} + a", tilt.sin()), "b").replace("mu*g", &format!("mu*g*{:.17}", tilt.cos()));
     let inputs = Inputs::new().expression("a", "0.5*sin(50*t)").expression("b", "0.4*cos(37*t)");
     let run = simulate_text(&text, &inputs, &[0.03, 0.0, 0.1, 0.05], 60.0);
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     assert_eq!(events.len(), 1, "{events:?}");
     let place = run.trajectory.sample(events[0].t);
     let end = run.trajectory.final_state();

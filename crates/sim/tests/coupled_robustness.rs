@@ -46,7 +46,7 @@ fn points_that_break_loose_together_slide_together() {
     let system = System::parse("two.toml", text).unwrap();
     let inputs = Inputs::new().expression("b", "6.7*sin(t)*cos(10.436693*t)");
     let run = simulate(Model::new(&system, &inputs).unwrap(), 0.0, &[0.0; 4], 2.0, &Settings::default()).unwrap();
-    assert!(run.outcome.is_finished(), "{:?} {:?}", run.outcome, run.trajectory.transitions());
+    assert!(run.outcome.is_finished(), "{:?} {:?}", run.outcome, run.trajectory.mode_changes());
     let end = run.trajectory.final_state();
     assert!(end[1].abs() > 1e-3 && (end[1] - end[3]).abs() < 1e-12 && end[0].abs() < 1e-12, "{end:?}");
 }

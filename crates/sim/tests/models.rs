@@ -57,8 +57,8 @@ fn an_expression_gives_its_derivatives_to_the_model() {
     };
     let reference = simulate(by_hand, 0.0, &[0.1, 0.0], 3.0, &Settings::default()).unwrap();
     close(compiled.trajectory.final_state(), reference.trajectory.final_state(), 1e-10);
-    assert!(compiled.trajectory.transitions().len() > 10);
-    assert_eq!(compiled.trajectory.transitions().len(), reference.trajectory.transitions().len());
+    assert!(compiled.trajectory.mode_changes().len() > 10);
+    assert_eq!(compiled.trajectory.mode_changes().len(), reference.trajectory.mode_changes().len());
 }
 
 #[test]
@@ -94,7 +94,7 @@ fn a_derivative_comes_from_its_own_samples_or_is_asked_for() {
     let run = run(Model::new(&shaken(), &inputs).unwrap(), &[0.0, 0.0], 3.0);
     let stop = 1.0 + 1.0 / 2.943;
     close(run.trajectory.final_state(), &[0.5 + 0.5 / 2.943, 0.0], 1e-9);
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     assert!((events.last().unwrap().t - stop).abs() < 1e-10);
 }
 
@@ -110,7 +110,7 @@ fn a_linear_signal_gives_its_first_derivative_and_moves_a_switching_surface() {
     );
     let b = Samples::new(vec![0.0, 1.0, 3.0], vec![0.0, 0.4, 4.4], Hold::Linear).unwrap();
     let belt_run = run(Model::new(&belt, &Inputs::new().samples("B", b)).unwrap(), &[0.0], 4.0);
-    let times: Vec<f64> = belt_run.trajectory.transitions().iter().map(|e| e.t).collect();
+    let times: Vec<f64> = belt_run.trajectory.mode_changes().iter().map(|e| e.t).collect();
     // Catches up with 0.4 at 0.4; the belt runs at 2 from 1 on, caught at 2.6; stands from 3 on: slides on to 4.
     close(&times, &[0.4, 1.0, 2.6, 3.0], 1e-10);
     close(belt_run.trajectory.final_state(), &[1.0], 1e-10);
@@ -145,7 +145,7 @@ fn abs_min_and_max_are_crossed_and_sign_sticks() {
     close(&run.trajectory.sample(10.0), &[x, v], 1e-5);
     let model = Model::new(&model, &Inputs::new()).unwrap();
     let names: Vec<&str> = model.switch_names().collect();
-    for event in run.trajectory.transitions() {
+    for event in run.trajectory.mode_changes() {
         assert!(event.to != Mode::Sticking || names[event.switch] == "v");
     }
 }
@@ -155,7 +155,7 @@ fn a_sign_in_an_input_switches_at_its_own_time() {
     let push = system("states = [\"v\"]\ninputs = [\"a\"]\ndynamics = { v = \"a\" }");
     let inputs = Inputs::new().expression("a", "2*sign(t - 1/3) + abs(t - 1)");
     let run = run(Model::new(&push, &inputs).unwrap(), &[0.0], 2.0);
-    let times: Vec<f64> = run.trajectory.transitions().iter().map(|e| e.t).collect();
+    let times: Vec<f64> = run.trajectory.mode_changes().iter().map(|e| e.t).collect();
     close(&times, &[1.0 / 3.0, 1.0], 1e-10);
     close(run.trajectory.final_state(), &[2.0 * (5.0 - 1.0) / 3.0 + 1.0], 1e-10);
 }

@@ -125,7 +125,7 @@ fn infinitely_many_switchings_are_passed_or_stopped_by_the_guard() {
     assert!(run.trajectory.final_state().iter().all(|x| x.abs() < 1e-10));
     assert_eq!(run.trajectory.mode(0, 3.0), Some(Mode::Sticking));
     assert_eq!(run.trajectory.mode(1, 3.0), Some(Mode::Sticking));
-    let last = run.trajectory.transitions().last().unwrap();
+    let last = run.trajectory.mode_changes().last().unwrap();
     assert!((last.t - 0.5).abs() < 1e-9);
     let guarded = Settings::default().with_event_limit(12, 0.1);
     let run = simulate(spiral(), 0.0, &[1.0, 0.0], 3.0, &guarded).unwrap();
@@ -151,8 +151,8 @@ fn a_switch_that_nothing_can_hold_passes_through() {
     assert!(run.outcome.is_finished());
     let energy = |x: &[f64]| 0.5 * x[1] * x[1] + x[0].abs().powi(3) / 3.0;
     assert!((energy(run.trajectory.final_state()) - energy(&[0.5, 0.0])).abs() < 1e-9);
-    assert!(run.trajectory.transitions().len() > 5);
-    assert!(run.trajectory.transitions().iter().all(|e| e.to != Mode::Sticking));
+    assert!(run.trajectory.mode_changes().len() > 5);
+    assert!(run.trajectory.mode_changes().iter().all(|e| e.to != Mode::Sticking));
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn a_grazing_contact_with_zero_is_no_event_and_a_crossing_by_a_hair_is_two() {
         let run = simulate(system, 0.0, &[1.0 + gap, -2.0], 5.0, &Settings::default()).unwrap();
         assert!(run.outcome.is_finished());
         assert!((run.trajectory.final_state()[0] - 16.0 - gap).abs() < 1e-9);
-        run.trajectory.transitions().iter().map(|e| e.t).collect::<Vec<_>>()
+        run.trajectory.mode_changes().iter().map(|e| e.t).collect::<Vec<_>>()
     };
     assert!(transitions(1e-9).is_empty());
     let crossings = transitions(-1e-8);

@@ -19,7 +19,7 @@ fn sliding_mode_control_follows_its_surface() {
     let run = run(text, &[1.0, 0.0], 8.0);
     // x = 1 − t², v = −2t: 1 − 2t − t² = 0.
     let meets = 2.0f64.sqrt() - 1.0;
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     assert_eq!((events.len(), events[0].to), (1, Mode::Sticking));
     assert!((events[0].t - meets).abs() < 1e-10);
     for i in 1..=70 {
@@ -36,7 +36,7 @@ fn a_surface_is_left_where_it_no_longer_attracts() {
     let text = "states = [\"x\", \"v\", \"c\"]\ndynamics = { x = \"v\", c = \"1\", v = \"c^2 - 2*sign(x + v)\" }";
     let run = run(text, &[0.0, 0.0, 0.0], 2.5);
     // While sliding, σ̇ = v + c² − 2s = 0 and v = −x = 0: s = c²/2 reaches 1 at c = √2.
-    let event = run.trajectory.transitions().iter().find(|e| e.from == Mode::Sticking && e.t > 0.0).unwrap();
+    let event = run.trajectory.mode_changes().iter().find(|e| e.from == Mode::Sticking && e.t > 0.0).unwrap();
     assert!((event.t - 2.0f64.sqrt()).abs() < 1e-9);
     assert_eq!(event.to, Mode::Positive);
 }
@@ -57,7 +57,7 @@ fn a_load_that_vanishes_for_a_while_lets_go_and_grips_again() {
     }
     assert!((with_push.trajectory.final_state()[0] - v).abs() < 1e-5);
     // What is gripped breaks loose where 0.5 sin c falls to 0.2.
-    let first = with_push.trajectory.transitions().iter().find(|e| e.t > 1e-9 && e.from == Mode::Sticking);
+    let first = with_push.trajectory.mode_changes().iter().find(|e| e.t > 1e-9 && e.from == Mode::Sticking);
     assert!(first.is_some_and(|e| (e.t.sin() - 0.4).abs() < 1e-9));
     // Without a push the load may vanish: nothing moves, nothing breaks.
     let still = run(&text.replace("0.2 -", "0 -"), &[0.0, 0.0], 20.0);
@@ -85,7 +85,7 @@ fn late_clocks_keep_the_event_times() {
     };
     let run = simulate(block(), 1e6, &[3.0], 1e6 + 10.0, &Settings::default()).unwrap();
     assert!(run.outcome.is_finished());
-    assert!((run.trajectory.transitions()[0].t - 1e6 - 1.5).abs() < 1e-8);
+    assert!((run.trajectory.mode_changes()[0].t - 1e6 - 1.5).abs() < 1e-8);
     assert_eq!(run.trajectory.final_state()[0], 0.0);
 }
 
@@ -104,7 +104,7 @@ fn scales_from_nanometres_to_kilometres_stop_alike() {
         };
         let run = simulate(block, 0.0, &[0.0, 3.0 * scale], 4.0, &Settings::default()).unwrap();
         assert!(run.outcome.is_finished());
-        assert!((run.trajectory.transitions()[0].t - 1.5).abs() < 1e-10, "{scale}");
+        assert!((run.trajectory.mode_changes()[0].t - 1.5).abs() < 1e-10, "{scale}");
         assert!((run.trajectory.final_state()[0] / scale - 2.25).abs() < 1e-9);
     }
 }
@@ -141,8 +141,8 @@ fn a_kink_that_hangs_on_a_sticking_velocity_does_not_chatter() {
         dynamics = { v = "-sign(v) + 0.5*sin(w) - abs(2*v)*v", w = "1 - max(-v, v)" }
     "#;
     let run = run(text, &[0.4, 0.0], 10.0);
-    let stop = run.trajectory.transitions().iter().find(|e| e.to == Mode::Sticking).unwrap().t;
-    assert!(stop < 0.6 && run.trajectory.transitions().len() <= 4, "{:?}", run.trajectory.transitions());
+    let stop = run.trajectory.mode_changes().iter().find(|e| e.to == Mode::Sticking).unwrap().t;
+    assert!(stop < 0.6 && run.trajectory.mode_changes().len() <= 4, "{:?}", run.trajectory.mode_changes());
     let end = run.trajectory.final_state();
     assert!(end[0].abs() < 1e-15);
     assert!((end[1] - run.trajectory.sample(stop)[1] - (10.0 - stop)).abs() < 1e-9);

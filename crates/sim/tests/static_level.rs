@@ -23,7 +23,7 @@ const BLOCK: &str = r#"
 #[test]
 fn a_block_breaks_loose_at_the_static_level_and_slides_at_the_other() {
     let run = run(BLOCK, &Inputs::new().expression("a", "t"), &[0.0], 4.0);
-    let event = run.trajectory.transitions()[0];
+    let event = run.trajectory.mode_changes()[0];
     assert!((event.t - 2.5).abs() < 1e-10);
     assert_eq!((event.from, event.to), (Mode::Sticking, Mode::Positive));
     // v' = t − 2 from 2.5 on.
@@ -34,7 +34,7 @@ fn a_block_breaks_loose_at_the_static_level_and_slides_at_the_other() {
 fn a_sliding_block_is_caught_below_the_static_level() {
     // It comes to rest under a push between both levels, and stays.
     let run = run(BLOCK, &Inputs::new().expression("a", "-2.2"), &[4.2], 5.0);
-    let event = run.trajectory.transitions()[0];
+    let event = run.trajectory.mode_changes()[0];
     assert!((event.t - 1.0).abs() < 1e-10);
     assert_eq!(event.to, Mode::Sticking);
     assert_eq!(run.trajectory.final_state()[0], 0.0);
@@ -52,7 +52,7 @@ fn on_a_plane_the_static_level_is_a_circle() {
     "#;
     let inputs = Inputs::new().expression("a", "0.6*t").expression("b", "-0.8*t");
     let slide = run(text, &inputs, &[0.0, 0.0], 4.0);
-    let events = slide.trajectory.transitions();
+    let events = slide.trajectory.mode_changes();
     assert_eq!(events.len(), 1, "{events:?}");
     assert!((events[0].t - 2.5).abs() < 1e-10);
     assert_eq!((events[0].from, events[0].to), (Mode::Sticking, Mode::Sliding));

@@ -43,7 +43,7 @@ fn bisect(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 fn a_slide_stops_at_v_over_mu_g_and_stays() {
     for (mu, v0) in [(0.3, 1.0), (0.05, 3.7), (0.8, -0.2)] {
         let run = run(block(mu, |_| 0.0), &[0.2, v0], 20.0);
-        let events = run.trajectory.transitions();
+        let events = run.trajectory.mode_changes();
         assert_eq!(events.len(), 1);
         assert_eq!(events[0].to, Mode::Sticking);
         assert!((events[0].t - v0.abs() / (mu * G)).abs() < 1e-10);
@@ -77,7 +77,7 @@ fn an_incline_stops_an_uphill_slide_and_lets_a_steep_one_return() {
         let (sin, cos) = angle.sin_cos();
         let run = run(block(mu * cos, move |_| -G * sin), &[0.0, v0], 2.0);
         let stop = v0 / (G * (sin + mu * cos));
-        let event = run.trajectory.transitions()[0];
+        let event = run.trajectory.mode_changes()[0];
         assert!((event.t - stop).abs() < 1e-10);
         assert_eq!(event.to, if returns { Mode::Negative } else { Mode::Sticking });
         let v = if returns { -G * (sin - mu * cos) * (2.0 - stop) } else { 0.0 };
@@ -98,7 +98,7 @@ fn a_block_on_a_vibrating_base_switches_at_the_analytic_times() {
     let t3 = (std::f64::consts::PI + (f / a).asin()) / omega;
     assert!(t3 > t2);
     let run = run(block(mu, move |t| a * (omega * t).sin()), &[0.0, 0.0], 0.95);
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     let expected = [(t1, Mode::Positive), (t2, Mode::Sticking), (t3, Mode::Negative), (t3 + t2 - t1, Mode::Sticking)];
     assert_eq!(events.len(), expected.len(), "{events:?}");
     for (event, (t, to)) in events.iter().zip(expected) {
@@ -118,7 +118,7 @@ fn a_block_on_a_vibrating_base_switches_at_the_analytic_times() {
 fn strong_vibration_passes_through_zero_without_sticking() {
     let (mu, a, omega) = (0.1, 20.0, 80.0);
     let run = run(block(mu, move |t| a * (omega * t).sin()), &[0.0, 0.0], 80.0);
-    let late: Vec<_> = run.trajectory.transitions().iter().filter(|e| e.t > 70.0).collect();
+    let late: Vec<_> = run.trajectory.mode_changes().iter().filter(|e| e.t > 70.0).collect();
     assert!(late.len() > 20);
     assert!(late.iter().all(|e| e.to != Mode::Sticking));
     // Steady state: reversals half a period apart.
@@ -133,9 +133,9 @@ fn the_shortest_excursion_of_the_sticking_force_is_found() {
     let omega = 2000.0 * std::f64::consts::PI;
     let f = 0.3 * G;
     let run = run(block(0.3, move |t| f * 1.00001 * (omega * t).sin()), &[0.0, 0.0], 1.0);
-    let first = run.trajectory.transitions()[0];
+    let first = run.trajectory.mode_changes()[0];
     assert!((first.t - (1.0f64 / 1.00001).asin() / omega).abs() < 1e-10);
-    let breaks = run.trajectory.transitions().iter().filter(|e| e.from == Mode::Sticking).count();
+    let breaks = run.trajectory.mode_changes().iter().filter(|e| e.from == Mode::Sticking).count();
     assert_eq!(breaks, 2000);
 }
 
@@ -145,8 +145,8 @@ fn nothing_creeps_on_a_tilted_plate_for_a_minute() {
     // The object slides into its place first, and the plate trembles below the limit.
     let system = block(mu * tilt.cos(), move |t| -G * tilt.sin() + 0.5 * (50.0 * t).sin());
     let run = run(system, &[0.03, 0.1], 60.0);
-    let stop = run.trajectory.transitions()[0].t;
-    assert_eq!(run.trajectory.transitions().len(), 1);
+    let stop = run.trajectory.mode_changes()[0].t;
+    assert_eq!(run.trajectory.mode_changes().len(), 1);
     let place = run.trajectory.sample(stop)[0];
     assert!((run.trajectory.final_state()[0] - place).abs() <= 1e-12);
 }
@@ -171,7 +171,7 @@ fn two_blocks_that_stop_together_both_stick() {
     };
     let run = run(system, &[0.0, 0.0, 1.0, -2.0], 2.0);
     let stop = 1.0 / (mu * G);
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     assert_eq!(events.len(), 2);
     assert!(events.iter().all(|e| e.to == Mode::Sticking && (e.t - stop).abs() < 1e-10));
     let x = run.trajectory.final_state();
@@ -199,7 +199,7 @@ fn a_pushed_stack_moves_together_until_the_push_exceeds_the_joint() {
         },
     };
     let run = run(system, &[0.0, 0.0], 4.0);
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     let first = mu_floor * 3.0 * G / 4.0;
     // Together: 3 v' = p − floor; the joint carries v' ≤ μ_joint g.
     let second = (3.0 * mu_joint * G + mu_floor * 3.0 * G) / 4.0;
@@ -227,7 +227,7 @@ fn one_sign_that_acts_in_two_equations_has_one_value() {
         gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| g[0] = 1.0,
     };
     let run = run(system, &[0.0, 0.0], 5.0);
-    assert!(run.trajectory.transitions().iter().all(|e| e.t == 0.0));
+    assert!(run.trajectory.mode_changes().iter().all(|e| e.t == 0.0));
     // Stuck throughout: s = A sin(ωt)/(μ g).
     let w = -c * a / (mu * G) * (1.0 - (omega * 5.0).cos()) / omega;
     assert!((run.trajectory.final_state()[1] - w).abs() < 1e-9);
@@ -263,7 +263,7 @@ fn a_belt_that_changes_speed_at_once_sets_the_block_sliding() {
         }
     }
     let run = run(Belt { speed: 0.0 }, &[0.0], 3.0);
-    let events = run.trajectory.transitions();
+    let events = run.trajectory.mode_changes();
     let times = [0.5 / (0.3 * G), 1.0, 1.0 + 1.5 / (0.3 * G)];
     assert_eq!(events.len(), 3, "{events:?}");
     for (event, t) in events.iter().zip(times) {

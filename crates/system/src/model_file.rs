@@ -6,6 +6,7 @@ use std::path::Path;
 use bracketry_symbolic::{Expr, Names, Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
 
+use crate::constants::Constants;
 use crate::input_delay::read_input_delays;
 use crate::static_level::read_static_levels;
 use crate::system::{InputDerivative, InputRange, Parameter, Point, System};
@@ -86,18 +87,6 @@ impl Names for Scope<'_> {
 
     fn known(&self) -> Vec<String> {
         self.plain.keys().cloned().collect()
-    }
-}
-
-/// Only numbers, `pi` and functions.
-struct Constants;
-
-impl Names for Constants {
-    fn lookup(&mut self, _pool: &mut Pool, _name: &str) -> Option<Expr> {
-        None
-    }
-    fn known(&self) -> Vec<String> {
-        Vec::new()
     }
 }
 

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use bracketry::sim::{Hold, Settings};
+use bracketry::report::simulation;
+use bracketry::sim::{Hold, SampledScenario, Scenario, ScenarioRun, Settings};
 use bracketry::system::System;
-use bracketry::{Run, SampledScenario, Scenario, SimulationReport};
 use clap::{Args, ValueEnum};
 
 use super::file_kind::{FileKind, Given};
@@ -93,23 +93,19 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
     let progress = spinner("simulating");
     let run = given.scenario.run(&system, &Settings::default()).with_context(|| args.model.display().to_string())?;
     progress.finish_and_clear();
-    let report = SimulationReport::new(&system, &given, &run);
     let mut drawn = false;
     if let Some(dir) = &output.out {
         folder(dir)?;
         drawn = write_files(dir, &system, &given.scenario, &run)?;
         if !args.noise.is_empty() {
             let columns = run.measured(&system, &args.noise, args.seed).context("--noise")?;
-            let header: Vec<String> = ["t".to_owned()].into_iter().chain(columns.iter().map(|c| c.0.clone())).collect();
-            let row = |k: usize| [run.times[k]].into_iter().chain(columns.iter().map(|c| c.1[k])).collect::<Vec<f64>>();
-            let rows: Vec<Vec<f64>> = (0..run.times.len()).map(row).collect();
-            csv(&dir.join("measured.csv"), &header, rows.iter().map(Vec::as_slice))?;
+            write_measured(dir, &run.times, &columns)?;
         }
     }
     if output.json {
-        print(&json(&report)?)?;
+        print(&json(&simulation::json(&system, &given, &run))?)?;
     } else {
-        print(&report.to_string())?;
+        print(&simulation::text(&system, &given, &run))?;
         if let Some(dir) = &output.out {
             let measured = if args.noise.is_empty() { "" } else { ", measured.csv" };
             let figure = if drawn { ", trajectory.svg, trajectory.png" } else { "" };
@@ -118,7 +114,7 @@ pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Ou
             line("(--out DIR writes trajectory, events and plots)")?;
         }
     }
-    Ok(if report.finished { Outcome::Done } else { Outcome::Negative })
+    Ok(if run.simulation.outcome.is_finished() { Outcome::Done } else { Outcome::Negative })
 }
 
 /// What to give beside the model, with a scenario that lies beside it if there is one.
@@ -132,17 +128,25 @@ fn nothing_given(model: &Path) -> String {
     )
 }
 
+/// What sensors would have given.
+fn write_measured(dir: &Path, times: &[f64], columns: &[(String, Vec<f64>)]) -> anyhow::Result<()> {
+    let header: Vec<String> = ["t".to_owned()].into_iter().chain(columns.iter().map(|c| c.0.clone())).collect();
+    let row = |k: usize| [times[k]].into_iter().chain(columns.iter().map(|c| c.1[k])).collect::<Vec<f64>>();
+    let rows: Vec<Vec<f64>> = (0..times.len()).map(row).collect();
+    csv(&dir.join("measured.csv"), &header, rows.iter().map(Vec::as_slice))
+}
+
 /// The tables and the figure; says whether there is a figure.
-fn write_files(dir: &Path, system: &System, scenario: &Scenario, run: &Run) -> anyhow::Result<bool> {
-    let (header, rows) = run.table(system, scenario);
+fn write_files(dir: &Path, system: &System, scenario: &Scenario, run: &ScenarioRun) -> anyhow::Result<bool> {
+    let (header, rows) = simulation::table(system, scenario, run);
     csv(&dir.join("trajectory.csv"), &header, rows.iter().map(Vec::as_slice))?;
     let events_path = dir.join("events.csv");
     let mut events =
         csv::Writer::from_path(&events_path).with_context(|| format!("cannot write {}", events_path.display()))?;
     events.write_record(["t", "switch", "from", "to"])?;
-    for e in run.mode_changes() {
+    for e in simulation::events(run) {
         events.write_record([&e.t.to_string(), &e.switch, e.from, e.to])?;
     }
     events.flush()?;
-    Ok(figure(run.figure(system, scenario), &dir.join("trajectory")))
+    Ok(figure(simulation::figure(system, scenario, run), &dir.join("trajectory")))
 }

@@ -9,7 +9,7 @@ pub(super) type Chunk = [f64; LANES];
 /// greatest friction impulse `c_i`.
 ///
 /// Friction whose limit surface is an ellipse has the norm `|D J_i v|`: pass the rows `D J_i`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct FrictionPoints<const N: usize> {
     /// `rows[k][j]`: entry `j` of row 0 (`k = 0`) or 1 of every point.
     chunks: Vec<PointChunk<N>>,
@@ -29,12 +29,6 @@ pub(super) struct Smoothed<const N: usize> {
     pub(super) value: f64,
     pub(super) gradient: [f64; N],
     pub(super) hessian: [[f64; N]; N],
-}
-
-impl<const N: usize> Default for FrictionPoints<N> {
-    fn default() -> Self {
-        Self { chunks: Vec::new(), len: 0 }
-    }
 }
 
 impl<const N: usize> FrictionPoints<N> {

@@ -97,13 +97,7 @@ struct Solution<const N: usize> {
 impl<const N: usize> FrictionSolver<N> {
     /// A solver without memory yet.
     pub fn new() -> Self {
-        Self {
-            points: FrictionPoints::new(),
-            slipping: FrictionPoints::new(),
-            resting: FrictionPoints::new(),
-            multipliers: Vec::new(),
-            iterations: 0,
-        }
+        Self::default()
     }
 
     /// The step from the velocity `free` that the other forces alone would give; `guess` is a velocity near the result, such
@@ -149,13 +143,9 @@ impl<const N: usize> FrictionSolver<N> {
             return Ok(undisturbed(Slip::Held));
         }
         let size = largest * stretched.iter().map(|z| (z / largest).powi(2)).sum::<f64>().sqrt();
-        let scaled = Scaled {
-            mass: std::array::from_fn(|i| std::array::from_fn(|j| mass[i][j] * units[i] * units[j])),
-            free: stretched.map(|z| z / size),
-            factor: [[0.0; N]; N],
-        };
-        let factor = cholesky(&scaled.mass, N).ok_or(ContactError::Mass)?;
-        let scaled = Scaled { factor, ..scaled };
+        let mass = std::array::from_fn(|i| std::array::from_fn(|j| mass[i][j] * units[i] * units[j]));
+        let scaled =
+            Scaled { free: stretched.map(|z| z / size), factor: cholesky(&mass, N).ok_or(ContactError::Mass)?, mass };
         self.scale_points(points, &units, size)?;
         let (fastest, _) = self.points.speeds(&scaled.free);
         if fastest == 0.0 {

@@ -2,7 +2,7 @@
 //!
 //! What slides has the sign ±1 or the direction `σ/|σ|`; what sticks has the `s_K` that solves `σ̇_K = 0` ([`Forces`]).
 
-use super::forces::Forces;
+use super::forces::{At, Forces};
 use super::modes::Mode;
 use super::surfaces::{Surfaces, divide, norm};
 use crate::Switched;
@@ -163,7 +163,8 @@ impl<S: Switched> Filippov<S> {
             return true;
         }
         self.surfaces.differentiate(&mut self.system, t, x);
-        self.forces.solve(&mut self.system, &self.surfaces, (t, x), &mut self.s, dx)
+        let mut at = At { system: &mut self.system, surfaces: &self.surfaces, t, x };
+        self.forces.solve(&mut at, &mut self.s, dx)
     }
 
     /// Whether the right-hand side at a point, with some signs, is finite; where it is not, no mode fits.

@@ -16,6 +16,14 @@ const ROUNDING: f64 = 4e-15;
 /// Pivots below this part of the largest entry mean redundant switches.
 const SINGULAR: f64 = 1e-10;
 
+/// A system at a point, with the gradients of its switching functions there.
+pub(crate) struct At<'a, S> {
+    pub(crate) system: &'a mut S,
+    pub(crate) surfaces: &'a Surfaces,
+    pub(crate) t: f64,
+    pub(crate) x: &'a [f64],
+}
+
 /// Solver of the sticking signs.
 #[derive(Debug, Clone)]
 pub(crate) struct Forces {
@@ -76,46 +84,31 @@ impl Forces {
         self.influence[..self.sticking.len()].iter().fold(0.0f64, |m, v| m.max(*v))
     }
 
-    /// Solves for the sticking signs in `s` at a point, by the gradients of this point, and writes `f(t, x, s)`; false if there is
-    /// no solution.
-    pub(crate) fn solve(
-        &mut self,
-        system: &mut impl Switched,
-        surfaces: &Surfaces,
-        (t, x): (f64, &[f64]),
-        s: &mut [f64],
-        dx: &mut [f64],
-    ) -> bool {
-        if self.solve_affine(system, surfaces, (t, x), s, dx) {
+    /// Solves for the sticking signs in `s` and writes `f(t, x, s)`; false if there is no solution.
+    pub(crate) fn solve<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) -> bool {
+        if self.solve_affine(at, s, dx) {
             return true;
         }
         if self.inverse.is_none() {
-            self.differentiate(system, surfaces, (t, x), s, dx);
+            self.differentiate(at, s, dx);
         }
         for attempt in 0..2 {
-            if self.newton(system, surfaces, (t, x), s, dx) {
+            if self.newton(at, s, dx) {
                 return true;
             }
             if attempt == 0 {
                 if !s.iter().all(|s| s.is_finite()) {
                     self.sticking.iter().for_each(|&i| s[i] = 0.0);
                 }
-                self.differentiate(system, surfaces, (t, x), s, dx);
+                self.differentiate(at, s, dx);
             }
         }
         false
     }
 
     /// False if the system is not affine in its signs, or if they do not determine each other: then nothing is changed but `dx`.
-    fn solve_affine(
-        &mut self,
-        system: &mut impl Switched,
-        surfaces: &Surfaces,
-        (t, x): (f64, &[f64]),
-        s: &mut [f64],
-        dx: &mut [f64],
-    ) -> bool {
-        if !system.affine(t, x, s, dx, &mut self.by_sign) {
+    fn solve_affine<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) -> bool {
+        if !at.system.affine(at.t, at.x, s, dx, &mut self.by_sign) {
             return false;
         }
         self.evaluations += 1;
@@ -125,13 +118,13 @@ impl Forces {
             let mut influence = 0.0;
             for (b, &j) in self.sticking.iter().enumerate() {
                 let column = &self.by_sign[j * n..(j + 1) * n];
-                let entry: f64 = surfaces.gradient(i).iter().zip(column).map(|(g, v)| g * v).sum();
+                let entry: f64 = at.surfaces.gradient(i).iter().zip(column).map(|(g, v)| g * v).sum();
                 self.matrix[a * m + b] = entry;
                 influence += entry.abs();
             }
             self.influence[a] = influence;
             size = size.max(influence);
-            self.delta[a] = -surfaces.rate(i, dx);
+            self.delta[a] = -at.surfaces.rate(i, dx);
         }
         if !eliminate(&mut self.matrix[..m * m], &mut self.delta[..m], m, SINGULAR * size) {
             return false;
@@ -150,22 +143,15 @@ impl Forces {
     }
 
     /// Newton's iteration with Broyden's update of the inverse Jacobian.
-    fn newton(
-        &mut self,
-        system: &mut impl Switched,
-        surfaces: &Surfaces,
-        (t, x): (f64, &[f64]),
-        s: &mut [f64],
-        dx: &mut [f64],
-    ) -> bool {
+    fn newton<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) -> bool {
         let m = self.sticking.len();
         for iteration in 0..=3 + 2 * m {
-            system.rhs(t, x, s, dx);
+            at.system.rhs(at.t, at.x, s, dx);
             self.evaluations += 1;
             let mut converged = true;
             for (a, &i) in self.sticking.iter().enumerate() {
-                let r = surfaces.rate(i, dx);
-                let scale = ROUNDING * surfaces.rate_scale(i, dx) + RESIDUAL * self.influence[a];
+                let r = at.surfaces.rate(i, dx);
+                let scale = ROUNDING * at.surfaces.rate_scale(i, dx) + RESIDUAL * self.influence[a];
                 converged &= r.abs() <= scale;
                 self.residual[a] = r;
             }
@@ -221,27 +207,20 @@ impl Forces {
 
     /// The Jacobian `∂σ̇_K/∂s_K` by differences of unit length (exact where `f` is affine in `s`), and its
     /// (pseudo-)inverse: redundant switching functions share their force.
-    fn differentiate(
-        &mut self,
-        system: &mut impl Switched,
-        surfaces: &Surfaces,
-        (t, x): (f64, &[f64]),
-        s: &mut [f64],
-        dx: &mut [f64],
-    ) {
+    fn differentiate<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) {
         let m = self.sticking.len();
-        system.rhs(t, x, s, dx);
+        at.system.rhs(at.t, at.x, s, dx);
         self.evaluations += 1 + m;
         let mut jacobian = DMatrix::zeros(m, m);
         for (b, &j) in self.sticking.iter().enumerate() {
             let before = s[j];
             let step = if before > 0.0 { -1.0 } else { 1.0 };
             s[j] = before + step;
-            system.rhs(t, x, s, &mut self.velocity);
+            at.system.rhs(at.t, at.x, s, &mut self.velocity);
             s[j] = before;
             for (a, &i) in self.sticking.iter().enumerate() {
                 let change = self.velocity.iter().zip(&*dx).map(|(v, d)| v - d);
-                let difference: f64 = surfaces.gradient(i).iter().zip(change).map(|(g, c)| g * c).sum();
+                let difference: f64 = at.surfaces.gradient(i).iter().zip(change).map(|(g, c)| g * c).sum();
                 jacobian[(a, b)] = difference / step;
             }
         }

@@ -1,19 +1,12 @@
 //! One explicit step.
 
-use super::step::{Attempt, Step};
+use super::step::{Attempt, Control, Step};
 use super::tableau::{A, C, D, E};
 use crate::Switched;
 use crate::friction::Filippov;
-use crate::settings::Settings;
 
 /// The stages of a step of length `h`, its end, its continuous extension and its error.
-pub(super) fn attempt<S: Switched>(
-    step: &mut Step,
-    field: &mut Filippov<S>,
-    h: f64,
-    settings: &Settings,
-    control_signs: bool,
-) -> Attempt {
+pub(super) fn attempt<S: Switched>(step: &mut Step, field: &mut Filippov<S>, h: f64, control: Control<'_>) -> Attempt {
     for i in 1..7 {
         for j in 0..step.x.len() {
             let sum: f64 = (0..i).map(|l| A[i][l] * step.k[l][j]).sum();
@@ -30,5 +23,5 @@ pub(super) fn attempt<S: Switched>(
     step.extend(h, |k, j, _| h * (0..7).map(|i| D[i] * k[i][j]).sum::<f64>());
     let of_state = |j: usize| (0..7).map(|i| E[i] * step.k[i][j]).sum::<f64>() * h;
     let of_sign = |c: usize| (0..7).map(|l| E[l] * step.signs[l][c]).sum::<f64>();
-    step.judge(field, settings, of_state, control_signs.then_some(of_sign))
+    step.judge(field, control, of_state, of_sign)
 }

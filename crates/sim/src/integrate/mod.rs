@@ -8,22 +8,14 @@ mod stiffness;
 mod tableau;
 
 pub(crate) use dense::{interpolate, node_weights};
-pub(crate) use step::{Attempt, Step};
+pub(crate) use step::{Attempt, Control, Step};
 pub(crate) use stiffness::{Approach, Stiffness};
 
 use crate::Switched;
 use crate::friction::Filippov;
-use crate::settings::Settings;
 
-/// The stages of a step of length `h`, its end, its continuous extension and its error; the errors of the
-/// sticking signs count if `control_signs`.
-pub(crate) fn attempt<S: Switched>(
-    step: &mut Step,
-    field: &mut Filippov<S>,
-    h: f64,
-    settings: &Settings,
-    control_signs: bool,
-) -> Attempt {
+/// The stages of a step of length `h`, its end, its continuous extension and its error.
+pub(crate) fn attempt<S: Switched>(step: &mut Step, field: &mut Filippov<S>, h: f64, control: Control<'_>) -> Attempt {
     let method = if step.implicit { radau::attempt } else { dormand_prince::attempt };
-    method(step, field, h, settings, control_signs)
+    method(step, field, h, control)
 }

@@ -5,10 +5,9 @@
 //! equations stay well conditioned down to `σ = 0`, from where a unit vector starts when it breaks loose.
 
 use super::dense::{RADAU_NODES as C, third_difference};
-use super::step::{Attempt, RADAU_STAGES, Step};
+use super::step::{Attempt, Control, RADAU_STAGES, Step};
 use crate::Switched;
 use crate::friction::{Filippov, Mode, divide, norm};
-use crate::settings::Settings;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -30,8 +29,8 @@ struct Stages<'a, S> {
     step: &'a mut Step,
     field: &'a mut Filippov<S>,
     h: f64,
-    /// Tolerances of the iteration: loose ones leave no room for an iteration that is loose, too.
-    tolerance: Settings,
+    /// Tolerances of the iteration, absolute and relative: loose ones leave no room for an iteration that is loose, too.
+    tolerances: (f64, f64),
     /// The unit vectors that slide.
     sliding: Vec<usize>,
     /// Their `∂σ̇/∂s` at the start.
@@ -42,20 +41,14 @@ struct Stages<'a, S> {
 type Turning = Vec<(Range<usize>, Range<usize>)>;
 
 /// The stages of a step of length `h`, its end, its continuous extension and its error.
-pub(super) fn attempt<S: Switched>(
-    step: &mut Step,
-    field: &mut Filippov<S>,
-    h: f64,
-    settings: &Settings,
-    control_signs: bool,
-) -> Attempt {
+pub(super) fn attempt<S: Switched>(step: &mut Step, field: &mut Filippov<S>, h: f64, control: Control<'_>) -> Attempt {
     let Some(influence) = field.influence_of_directions((step.t, &step.x), &step.signs[0]) else {
         return Attempt::Unsolvable;
     };
     let sliding: Vec<usize> = field.in_mode(Mode::Sliding).collect();
     field.hold_directions(sliding.iter().copied());
-    let tolerance = settings.clone().with_tolerance(settings.rtol.min(1e-9), settings.atol.min(1e-9));
-    let solved = Stages { step, field, h, tolerance, sliding, influence }.solve();
+    let tolerances = (control.settings.atol.min(1e-9), control.settings.rtol.min(1e-9));
+    let solved = Stages { step, field, h, tolerances, sliding, influence }.solve();
     field.release_directions();
     match solved {
         Some(true) => {}
@@ -71,7 +64,7 @@ pub(super) fn attempt<S: Switched>(
     let difference = |of: &[Vec<f64>; 7], j: usize| third_difference(RADAU_STAGES.map(|stage| of[stage][j]));
     let of_state = |j: usize| EMBEDDED * h * difference(&step.k, j);
     let of_sign = |c: usize| EMBEDDED * difference(&step.signs, c);
-    step.judge(field, settings, of_state, control_signs.then_some(of_sign))
+    step.judge(field, control, of_state, of_sign)
 }
 
 impl<S: Switched> Stages<'_, S> {
@@ -114,12 +107,13 @@ impl<S: Switched> Stages<'_, S> {
 
     /// The states of the stages by their fields; the largest change, scaled.
     fn update(&self, points: &mut [Vec<f64>]) -> f64 {
+        let (atol, rtol) = self.tolerances;
         let mut change = 0.0f64;
         for (i, point) in points.iter_mut().enumerate() {
             for (j, x) in point.iter_mut().enumerate() {
                 let sum: f64 = (0..3).map(|l| A[i][l] * self.step.k[RADAU_STAGES[l + 1]][j]).sum();
                 let value = self.step.x[j] + self.h * sum;
-                change = change.max((value - *x).abs() / self.tolerance.scale(value.abs()));
+                change = change.max((value - *x).abs() / (atol + rtol * value.abs()));
                 *x = value;
             }
         }

@@ -11,6 +11,14 @@ const SIGN_TOLERANCE: f64 = 1e-4;
 /// Where the start and the stages of an implicit step are kept among the stages.
 pub(crate) const RADAU_STAGES: [usize; 4] = [0, 1, 2, 6];
 
+/// What the error of a step is judged by.
+#[derive(Clone, Copy)]
+pub(crate) struct Control<'a> {
+    pub(crate) settings: &'a Settings,
+    /// Whether the errors of the sticking signs count.
+    pub(crate) signs: bool,
+}
+
 /// What became of an attempted step.
 pub(crate) enum Attempt {
     /// The scaled error of the step.
@@ -97,30 +105,24 @@ impl Step {
         }
     }
 
-    /// The error of the step, scaled by the tolerances: root mean square of those of the states and, if `control_signs`, largest
-    /// of those of the sticking signs.
-    pub(crate) fn judge<S>(
+    /// The error of the step, scaled by the tolerances: root mean square of those of the states and, if they count, largest of
+    /// those of the sticking signs.
+    pub(crate) fn judge<S: Switched>(
         &self,
         field: &Filippov<S>,
-        settings: &Settings,
+        control: Control<'_>,
         of_state: impl Fn(usize) -> f64,
-        of_sign: Option<impl Fn(usize) -> f64>,
-    ) -> Attempt
-    where
-        S: Switched,
-    {
+        of_sign: impl Fn(usize) -> f64,
+    ) -> Attempt {
         let mut sum = 0.0;
         for j in 0..self.x.len() {
-            let e = of_state(j) / settings.scale(self.x[j].abs().max(self.end[j].abs()));
+            let e = of_state(j) / control.settings.scale(self.x[j].abs().max(self.end[j].abs()));
             sum += e * e;
         }
         let mut error = (sum / self.x.len().max(1) as f64).sqrt();
-        if let Some(of_sign) = of_sign {
-            for i in field.in_mode(Mode::Sticking) {
-                for c in field.surfaces.parts[i].clone() {
-                    error = error.max(of_sign(c).abs() / SIGN_TOLERANCE);
-                }
-            }
+        let controlled = field.in_mode(Mode::Sticking).filter(|_| control.signs);
+        for c in controlled.flat_map(|i| field.surfaces.parts[i].clone()) {
+            error = error.max(of_sign(c).abs() / SIGN_TOLERANCE);
         }
         if error.is_nan() { Attempt::NonFinite } else { Attempt::Error(error) }
     }

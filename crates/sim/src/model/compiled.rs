@@ -1,37 +1,13 @@
 //! A control system compiled for simulation.
 
-use super::drive::{Driven, Source, drive};
-use super::inputs::{Hold, InputError, Inputs, Samples};
-use super::switch_expressions::{
-    Differentiate, ModelSwitch, derivatives, model_switches, plain_surfaces, surface_gradients,
-    with_derivatives_by_signs, without_set_values,
-};
+use super::drive::drive;
+use super::driving::Driving;
+use super::inputs::{InputError, Inputs, Samples};
+use super::switch_expressions::{Differentiate, ModelSwitch};
+use super::tapes::{Derivatives, Tapes};
 use crate::Switched;
-use bracketry_symbolic::{Expr, Symbol, Tape};
+use bracketry_symbolic::Tape;
 use bracketry_system::System;
-
-/// Derivatives of the field, compiled.
-#[derive(Debug, Clone)]
-struct Derivatives {
-    /// By states, where asked for, by signs, by live numbers: `n` each. Then those of the switching functions by live numbers.
-    tape: Tape,
-    /// How many live numbers.
-    numbers: usize,
-    /// Whether those by states are there.
-    by_state: bool,
-    /// Whether some of those of the switching functions are not zero.
-    surfaces_move: bool,
-}
-
-/// A held input that acts later than it is set.
-#[derive(Debug, Clone)]
-struct Queue {
-    slot: usize,
-    /// The values that act, from when on.
-    table: usize,
-    /// What was set last, until the simulation goes on.
-    set: Option<f64>,
-}
 
 /// A compiled [`System`] with its inputs: a [`Switched`] system.
 ///
@@ -44,41 +20,15 @@ pub struct Model {
     /// Components of all switches.
     components: usize,
     input_names: Vec<String>,
-    /// The slot of each held input.
-    held: Vec<Option<usize>>,
-    /// The slot of each live number.
-    live: Vec<(String, usize)>,
-    sources: Vec<Source>,
-    tables: Vec<Samples>,
-    /// By how much each is shifted, s.
-    delays: Vec<f64>,
-    /// What was set of delayed held inputs and has not been given its time yet.
-    queues: Vec<Queue>,
-    /// Whether a time has been entered.
-    entered: bool,
-    /// Input and order of derivative of each table.
-    tabulated: Vec<(String, u32)>,
-    /// The current interval of each table.
-    intervals: Vec<usize>,
-    /// Slots that change within a segment, and their tables.
-    moving: Vec<(usize, usize)>,
+    driving: Driving,
     /// `t`, states, slots, signs.
     arguments: Vec<f64>,
-    field: Tape,
-    /// The field and its derivatives by the signs, if it is affine in them.
-    affine: Option<Tape>,
+    tapes: Tapes,
     affine_results: Vec<f64>,
-    surfaces: Tape,
-    gradients: Tape,
-    /// Whether the gradients have one value, which stands in `results`.
+    /// The gradients of the switching functions; where they have one value, it stands here.
+    gradients: Vec<f64>,
     constant_gradients: bool,
-    inputs: Tape,
-    outputs: Tape,
-    measures: Tape,
-    /// The field's derivatives.
-    derivatives: Option<Derivatives>,
     work: Vec<f64>,
-    results: Vec<f64>,
     impulses: Vec<(String, u32)>,
 }
 
@@ -100,7 +50,7 @@ impl Model {
     /// let system = System::parse("block.toml", text).unwrap();
     /// let model = Model::new(&system, &Inputs::new().expression("a", "6*sin(10*t)")).unwrap();
     /// let run = simulate(model, 0.0, &[0.0, 0.0], 1.0, &Settings::default()).unwrap();
-    /// let first = run.trajectory.transitions()[0];
+    /// let first = run.trajectory.mode_changes()[0];
     /// assert!((first.t - (0.3f64 * 9.81 / 6.0).asin() / 10.0).abs() < 1e-10);
     /// ```
     pub fn new(system: &System, inputs: &Inputs) -> Result<Self, InputError> {
@@ -136,86 +86,28 @@ impl Model {
         measures: usize,
         differentiate: Option<Differentiate<'_>>,
     ) -> Result<Self, InputError> {
-        let input_names = system.input_names();
         let mut driven = drive(system, inputs)?;
         let form = driven.system.set_valued_form();
-        let n = driven.system.states.len();
-        let last = driven.outputs.len() - input_names.len();
-        let measures: Vec<Expr> = driven.outputs.drain(last - measures..last).collect();
-        let actual: Vec<Symbol> = form.switches.iter().map(|s| s.sign).collect();
-        let measures = without_set_values(&mut driven.system, &measures, &actual);
-        driven.outputs = without_set_values(&mut driven.system, &driven.outputs, &[]);
-        let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
-        let gradients = surface_gradients(&mut driven, &form.switches)?;
-        let affine = with_derivatives_by_signs(&mut driven.system, &form.switches, &form.dynamics);
-        let derivatives = match differentiate {
-            Some(wanted) => derivatives(&mut driven, &form, wanted)?,
-            None => None,
-        };
-
-        let mut smooth_arguments = vec![driven.time];
-        smooth_arguments.extend(&driven.system.states);
-        smooth_arguments.extend(&driven.slots);
-        let mut arguments = smooth_arguments.clone();
-        arguments.extend(form.switches.iter().map(|s| s.sign));
-
-        let model_switches = model_switches(&mut driven, &form)?;
-        let Driven { mut system, values, outputs, .. } = driven;
-        let zero = system.pool.int(0);
-        let mut compile = |arguments: &[Symbol], expressions: &[Expr]| {
-            let expressions = system.pool.substitute_all(expressions, &values);
-            Tape::compile(&system.pool, arguments, &expressions)
-        };
-        let field = compile(&arguments, &form.dynamics)?;
-        let affine = affine.map(|expressions| compile(&arguments, &expressions)).transpose()?;
-        let surfaces = compile(&smooth_arguments, &surfaces)?;
-        let gradients = compile(&smooth_arguments, &gradients)?;
-        let (measured, driving) = outputs.split_at(outputs.len() - input_names.len());
-        let inputs_tape = compile(&smooth_arguments, driving)?;
-        let outputs_tape = compile(&smooth_arguments, measured)?;
-        let measures = compile(&arguments, &measures)?;
-        let derivatives = match (derivatives, differentiate) {
-            (Some(all), Some(Differentiate { by_state, by })) => {
-                let surfaces_move = all[all.len() - form.switches.len() * by.len()..].iter().any(|e| *e != zero);
-                Some(Derivatives { tape: compile(&arguments, &all)?, numbers: by.len(), by_state, surfaces_move })
-            }
-            _ => None,
-        };
+        let (tapes, switches) = Tapes::compile(&mut driven, &form, measures, differentiate)?;
         let mut model = Self {
-            n,
-            input_names,
-            delays: driven.delays,
-            queues: driven.queues.iter().map(|&(slot, table)| Queue { slot, table, set: None }).collect(),
-            entered: false,
-            held: driven.held,
-            live: driven.live,
-            intervals: vec![0; driven.tables.len()],
-            moving: moving(&driven.sources, &driven.tables),
-            arguments: vec![0.0; arguments.len()],
-            results: vec![0.0; gradients.n_outputs()],
-            constant_gradients: gradients.code().is_empty()
-                && gradients.outputs().iter().all(|&r| r as usize >= gradients.n_inputs()),
-            affine_results: vec![0.0; affine.as_ref().map_or(0, Tape::n_outputs)],
-            impulses: driven.impulses,
-            sources: driven.sources,
-            tables: driven.tables,
-            tabulated: driven.tabulated,
+            n: driven.system.states.len(),
+            switches,
             components: form.switches.len(),
-            switches: model_switches,
-            field,
-            affine,
-            surfaces,
-            gradients,
-            inputs: inputs_tape,
-            outputs: outputs_tape,
-            measures,
-            derivatives,
+            input_names: system.input_names(),
+            driving: driven.driving,
+            arguments: vec![0.0; tapes.field.n_inputs()],
+            affine_results: vec![0.0; tapes.affine.as_ref().map_or(0, Tape::n_outputs)],
+            gradients: vec![0.0; tapes.gradients.n_outputs()],
+            constant_gradients: tapes.gradients.code().is_empty()
+                && tapes.gradients.outputs().iter().all(|&r| r as usize >= tapes.gradients.n_inputs()),
+            tapes,
             work: Vec::new(),
+            impulses: driven.impulses,
         };
         model.load(0.0);
         if model.constant_gradients {
             let last = model.arguments.len() - model.components;
-            model.gradients.eval(&model.arguments[..last], &mut model.work, &mut model.results);
+            model.tapes.gradients.eval(&model.arguments[..last], &mut model.work, &mut model.gradients);
         }
         Ok(model)
     }
@@ -237,31 +129,24 @@ impl Model {
     }
 
     /// Sets all held inputs: one value per input of the model; those of driven inputs are ignored. Where an input has a
-    /// delay, the value acts that much later than the time at which the simulation goes on; one that is set before it begins
+    /// delay, the value acts that much later than the time at which the simulation goes on; one that is set before it starts
     /// has been there for ever.
     ///
     /// # Errors
     /// [`InputError::WrongLength`].
     pub fn set_inputs(&mut self, u: &[f64]) -> Result<(), InputError> {
-        if u.len() != self.held.len() {
-            return Err(InputError::WrongLength { expected: self.held.len(), found: u.len() });
-        }
-        for (slot, value) in self.held.clone().iter().zip(u) {
-            self.set_slot(*slot, *value);
-        }
-        Ok(())
+        self.driving.set_inputs(u)
     }
 
     /// Sets one held input, as [`Model::set_inputs`]; false if there is none of that name.
     pub fn set_input(&mut self, name: &str, value: f64) -> bool {
-        let slot = self.input_names.iter().position(|n| n == name).and_then(|i| self.held[i]);
-        self.set_slot(slot, value)
+        let input = self.input_names.iter().position(|n| n == name);
+        input.is_some_and(|input| self.driving.set_input(input, value))
     }
 
     /// Sets a live number; false if there is none of that name.
     pub fn set_live(&mut self, name: &str, value: f64) -> bool {
-        let slot = self.live.iter().find(|(n, _)| n == name).map(|(_, slot)| *slot);
-        self.set_slot(slot, value)
+        self.driving.set_live(name, value)
     }
 
     /// Replaces the samples of an input (`order` 0) or of one of its derivatives, as for the next stretch of a measured run;
@@ -277,77 +162,54 @@ impl Model {
     /// assert_eq!(model.input_values(0.0), [2.0]);
     /// ```
     pub fn set_samples(&mut self, input: &str, order: u32, samples: Samples) -> bool {
-        let table = self.tabulated.iter().position(|(name, o)| name == input && *o == order);
-        let delay = table.map_or(0.0, |i| self.delays[i]);
-        match table.map(|i| &mut self.tables[i]) {
-            Some(table) if table.hold == samples.hold => {
-                *table = samples.delayed(delay);
-                true
-            }
-            _ => false,
-        }
+        self.driving.set_samples(input, order, samples)
     }
 
     /// By how much the samples of an input act later than they are given, s; 0 for an input that none drive.
     pub fn samples_delay(&self, input: &str) -> f64 {
-        self.tabulated.iter().position(|(name, _)| name == input).map_or(0.0, |table| self.delays[table])
+        self.driving.samples_delay(input)
     }
 
-    fn set_slot(&mut self, slot: Option<usize>, value: f64) -> bool {
-        let Some(slot) = slot else {
-            return false;
-        };
-        match self.queues.iter_mut().find(|q| q.slot == slot) {
-            Some(queue) => queue.set = Some(value),
-            None => self.sources[slot] = Source::Held(value),
-        }
-        true
-    }
-
-    /// The inputs at `t` after their delays, as they drive the model in the segment that begins at or before `t`.
+    /// The inputs at `t` after their delays, as they drive the model in the segment that starts at or before `t`.
     pub fn input_values(&mut self, t: f64) -> Vec<f64> {
         self.enter_segment(t);
-        let mut values = vec![0.0; self.inputs.n_outputs()];
         self.point(t, None);
+        let mut values = vec![0.0; self.tapes.inputs.n_outputs()];
         let last = self.arguments.len() - self.components;
-        self.inputs.eval(&self.arguments[..last], &mut self.work, &mut values);
+        self.tapes.inputs.eval(&self.arguments[..last], &mut self.work, &mut values);
         values
     }
 
     /// The outputs at `t` in state `x`, with `sign(0) = 0` and unit vectors 0 where they have no direction.
     pub fn output_values(&mut self, t: f64, x: &[f64]) -> Vec<f64> {
         self.enter_segment(t);
-        let mut values = vec![0.0; self.outputs.n_outputs()];
         self.point(t, Some(x));
+        let mut values = vec![0.0; self.tapes.outputs.n_outputs()];
         let last = self.arguments.len() - self.components;
-        self.outputs.eval(&self.arguments[..last], &mut self.work, &mut values);
+        self.tapes.outputs.eval(&self.arguments[..last], &mut self.work, &mut values);
         values
     }
 
     /// Writes the measures at `t` in state `x` for signs and directions `s`.
     pub(crate) fn measure(&mut self, t: f64, x: &[f64], s: &[f64], values: &mut [f64]) {
-        self.point(t, Some(x));
-        let first = self.arguments.len() - self.components;
-        self.arguments[first..].copy_from_slice(s);
-        self.measures.eval(&self.arguments, &mut self.work, values);
+        self.point_with_signs(t, x, s);
+        self.tapes.measures.eval(&self.arguments, &mut self.work, values);
     }
 
     /// By how many live numbers the field is differentiated, and whether by states before.
     pub(crate) fn differentiated(&self) -> Option<(usize, bool)> {
-        self.derivatives.as_ref().map(|d| (d.numbers, d.by_state))
+        self.tapes.derivatives.as_ref().map(|d| (d.numbers, d.by_state))
     }
 
     /// Whether live numbers by which the field is differentiated move switching functions.
     pub(crate) fn surfaces_move(&self) -> bool {
-        self.derivatives.as_ref().is_some_and(|d| d.surfaces_move)
+        self.tapes.derivatives.as_ref().is_some_and(|d| d.surfaces_move)
     }
 
     /// Writes `∂f/∂x` where asked for, `∂f/∂s`, the field's derivatives by live numbers, and those of σ, each by columns.
     pub(crate) fn derivatives(&mut self, t: f64, x: &[f64], s: &[f64], values: &mut [f64]) {
-        self.point(t, Some(x));
-        let first = self.arguments.len() - self.components;
-        self.arguments[first..].copy_from_slice(s);
-        if let Some(Derivatives { tape, .. }) = &self.derivatives {
+        self.point_with_signs(t, x, s);
+        if let Some(Derivatives { tape, .. }) = &self.tapes.derivatives {
             tape.eval(&self.arguments, &mut self.work, values);
         }
     }
@@ -362,24 +224,15 @@ impl Model {
     ) {
         let t = 0.5 * (from + to);
         self.enter_segment(t);
-        self.point(t, Some(x));
-        let tables = samples_of.map_or(&self.tables, |other| &other.tables);
-        for (slot, source) in self.sources.iter().enumerate() {
-            let value = match source {
-                Source::Held(_) => continue,
-                Source::Value(table) => tables[*table].means(from, to).0,
-                Source::Slope(table) => tables[*table].means(from, to).1,
-            };
-            self.arguments[1 + self.n + slot] = value;
-        }
-        let first = self.arguments.len() - self.components;
-        self.arguments[first..].copy_from_slice(s);
-        self.field.eval(&self.arguments, &mut self.work, dx);
+        self.point_with_signs(t, x, s);
+        let samples_of = samples_of.map_or(&self.driving, |other| &other.driving);
+        self.driving.load_means(samples_of, from, to, &mut self.arguments[1 + self.n..]);
+        self.tapes.field.eval(&self.arguments, &mut self.work, dx);
     }
 
     /// Whether samples drive another model alike.
     pub(crate) fn driven_like(&self, other: &Model) -> bool {
-        self.n == other.n && self.tabulated == other.tabulated && self.components == other.components
+        self.n == other.n && self.driving.is_like(&other.driving) && self.components == other.components
     }
 
     /// Writes time and state into the arguments, and slots that move with time.
@@ -388,21 +241,19 @@ impl Model {
         if let Some(x) = x {
             self.arguments[1..=self.n].copy_from_slice(x);
         }
-        for &(slot, table) in &self.moving {
-            self.arguments[1 + self.n + slot] = self.tables[table].value(self.intervals[table], t);
-        }
+        self.driving.follow(t, &mut self.arguments[1 + self.n..]);
+    }
+
+    /// As [`Model::point`], and the signs.
+    fn point_with_signs(&mut self, t: f64, x: &[f64], s: &[f64]) {
+        self.point(t, Some(x));
+        let first = self.arguments.len() - self.components;
+        self.arguments[first..].copy_from_slice(s);
     }
 
     /// Writes the slots.
     fn load(&mut self, t: f64) {
-        let first = 1 + self.n;
-        for (slot, source) in self.sources.iter().enumerate() {
-            self.arguments[first + slot] = match source {
-                Source::Held(value) => *value,
-                Source::Value(table) => self.tables[*table].value(self.intervals[*table], t),
-                Source::Slope(table) => self.tables[*table].slope(self.intervals[*table]),
-            };
-        }
+        self.driving.load(t, &mut self.arguments[1 + self.n..]);
     }
 }
 
@@ -428,17 +279,13 @@ impl Switched for Model {
     }
 
     fn rhs(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64]) {
-        self.point(t, Some(x));
-        let first = self.arguments.len() - self.components;
-        self.arguments[first..].copy_from_slice(s);
-        self.field.eval(&self.arguments, &mut self.work, dx);
+        self.point_with_signs(t, x, s);
+        self.tapes.field.eval(&self.arguments, &mut self.work, dx);
     }
 
     fn affine(&mut self, t: f64, x: &[f64], s: &[f64], dx: &mut [f64], by_sign: &mut [f64]) -> bool {
-        self.point(t, Some(x));
-        let first = self.arguments.len() - self.components;
-        self.arguments[first..].copy_from_slice(s);
-        let Some(affine) = &self.affine else {
+        self.point_with_signs(t, x, s);
+        let Some(affine) = &self.tapes.affine else {
             return false;
         };
         affine.eval(&self.arguments, &mut self.work, &mut self.affine_results);
@@ -451,45 +298,23 @@ impl Switched for Model {
     fn switching(&mut self, t: f64, x: &[f64], sigma: &mut [f64]) {
         self.point(t, Some(x));
         let last = self.arguments.len() - self.components;
-        self.surfaces.eval(&self.arguments[..last], &mut self.work, sigma);
+        self.tapes.surfaces.eval(&self.arguments[..last], &mut self.work, sigma);
     }
 
     fn switching_gradient(&mut self, t: f64, x: &[f64], gradient: &mut [f64], partial_t: &mut [f64]) {
         if !self.constant_gradients {
             self.point(t, Some(x));
             let last = self.arguments.len() - self.components;
-            self.gradients.eval(&self.arguments[..last], &mut self.work, &mut self.results);
+            self.tapes.gradients.eval(&self.arguments[..last], &mut self.work, &mut self.gradients);
         }
-        let (by_state, by_time) = self.results.split_at(gradient.len());
+        let (by_state, by_time) = self.gradients.split_at(gradient.len());
         gradient.copy_from_slice(by_state);
         partial_t.copy_from_slice(by_time);
     }
 
     fn enter_segment(&mut self, t: f64) -> f64 {
-        for queue in &mut self.queues {
-            if let Some(value) = queue.set.take() {
-                let from = if self.entered { t + self.delays[queue.table] } else { f64::NEG_INFINITY };
-                self.tables[queue.table].go_on(t, from, value);
-            }
-        }
-        self.entered = true;
-        let mut end = f64::INFINITY;
-        for (interval, table) in self.intervals.iter_mut().zip(&self.tables) {
-            *interval = table.interval(t);
-            if let Some(next) = table.times.get(*interval) {
-                end = end.min(*next);
-            }
-        }
+        let end = self.driving.enter(t);
         self.load(t);
         end
     }
-}
-
-/// Slots whose value follows straight lines, and their tables.
-fn moving(sources: &[Source], tables: &[Samples]) -> Vec<(usize, usize)> {
-    let of = |(slot, source): (usize, &Source)| match source {
-        Source::Value(table) if tables[*table].hold == Hold::Linear => Some((slot, *table)),
-        _ => None,
-    };
-    sources.iter().enumerate().filter_map(of).collect()
 }

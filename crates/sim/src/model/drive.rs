@@ -1,24 +1,15 @@
 //! Substituting the inputs of a system by what drives them.
 
+use super::driving::Driving;
 use super::impulses::jumps;
 use super::inputs::{Drive, Hold, InputError, Inputs, Samples};
 use bracketry_symbolic::{Expr, Names, Pool, Symbol};
-use bracketry_system::System;
+use bracketry_system::{InputDerivative, System};
 use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
 
 /// Name of time in the pool; no model can declare it.
 pub(crate) const TIME: &str = "(t)";
-
-/// Where the value of a slot comes from.
-#[derive(Debug, Clone)]
-pub(crate) enum Source {
-    /// It lasts until it is set.
-    Held(f64),
-    /// The value of a table of samples.
-    Value(usize),
-    /// The slope of a table of samples.
-    Slope(usize),
-}
 
 /// A system whose inputs have been substituted.
 pub(crate) struct Driven {
@@ -28,22 +19,12 @@ pub(crate) struct Driven {
     pub(crate) time: Symbol,
     /// Outputs, then inputs, as expressions.
     pub(crate) outputs: Vec<Expr>,
-    /// The symbols that stay arguments besides time and states, with their sources.
+    /// The symbols that stay arguments besides time and states.
     pub(crate) slots: Vec<Symbol>,
-    pub(crate) sources: Vec<Source>,
-    pub(crate) tables: Vec<Samples>,
-    /// By how much each is shifted, s.
-    pub(crate) delays: Vec<f64>,
-    /// Input and order of derivative of each table.
-    pub(crate) tabulated: Vec<(String, u32)>,
+    /// Their values.
+    pub(crate) driving: Driving,
     /// Time derivatives of slots that move.
     pub(crate) rates: Vec<(Symbol, Expr)>,
-    /// The slot of each held input.
-    pub(crate) held: Vec<Option<usize>>,
-    /// Delayed held inputs: slot and table.
-    pub(crate) queues: Vec<(usize, usize)>,
-    /// The slot of each live number.
-    pub(crate) live: Vec<(String, usize)>,
     /// Parameters → their values, but for live ones.
     pub(crate) values: FxHashMap<Expr, Expr>,
     /// Input derivatives, by input and order, whose impulses are left out.
@@ -64,23 +45,15 @@ impl Names for Scope {
 }
 
 impl Driven {
-    fn slot(&mut self, symbol: Symbol, source: Source) -> usize {
-        self.slots.push(symbol);
-        self.sources.push(source);
-        self.slots.len() - 1
-    }
-
     /// A slot that follows samples; of a linear signal also the slope, as the slot's rate.
-    fn follow(&mut self, symbol: Symbol, (input, order): (&str, u32), samples: &Samples, delay: f64) {
-        self.tables.push(samples.clone().delayed(delay));
-        self.delays.push(delay);
-        self.tabulated.push((input.to_owned(), order));
-        let table = self.tables.len() - 1;
-        self.slot(symbol, Source::Value(table));
+    fn follow(&mut self, symbol: Symbol, of: (&str, u32), samples: &Samples, delay: f64) {
+        self.slots.push(symbol);
+        self.driving.add_samples(of, samples.clone(), delay);
         if samples.hold == Hold::Linear {
             let name = format!("(slope of {})", self.system.symbol_name(symbol));
             let slope = self.system.pool.symbol(&name);
-            self.slot(slope, Source::Slope(table));
+            self.slots.push(slope);
+            self.driving.add_slope();
             let rate = self.system.pool.sym(slope);
             self.rates.push((symbol, rate));
         }
@@ -109,20 +82,6 @@ impl Driven {
         pool.substitute(e, &FxHashMap::from_iter([(time, earlier)]))
     }
 
-    /// A slot of a held input; with a delay, a table of what was set.
-    fn hold(&mut self, symbol: Symbol, delay: f64) -> usize {
-        if delay == 0.0 {
-            return self.slot(symbol, Source::Held(0.0));
-        }
-        self.tables.push(Samples::silence());
-        self.delays.push(delay);
-        self.tabulated.push((String::new(), 0));
-        let table = self.tables.len() - 1;
-        let slot = self.slot(symbol, Source::Value(table));
-        self.queues.push((slot, table));
-        slot
-    }
-
     /// Live numbers and parameters.
     fn numbers(&mut self, inputs: &Inputs) -> Result<Scope, InputError> {
         let mut scope = FxHashMap::default();
@@ -133,8 +92,8 @@ impl Driven {
             if self.system.states.contains(&symbol) || self.system.inputs.contains(&symbol) {
                 return Err(InputError::NameTaken { name: name.clone() });
             }
-            let slot = self.slot(symbol, Source::Held(*value));
-            self.live.push((name.clone(), slot));
+            self.slots.push(symbol);
+            self.driving.add_live(name, *value);
             let e = self.system.pool.sym(symbol);
             scope.insert(name.clone(), e);
         }
@@ -152,7 +111,7 @@ impl Driven {
     }
 }
 
-/// Substitutes expressions, makes slots of the rest, and checks that every derivative the system uses is known.
+/// Substitutes expressions, makes slots of the others, and checks that every derivative the system uses is known.
 pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputError> {
     let mut system = system.clone();
     let known = system.input_names();
@@ -167,86 +126,27 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
         time,
         outputs: Vec::new(),
         slots: Vec::new(),
-        sources: Vec::new(),
-        tables: Vec::new(),
-        delays: Vec::new(),
-        tabulated: Vec::new(),
+        driving: Driving::default(),
         rates: Vec::new(),
-        held: Vec::new(),
-        queues: Vec::new(),
-        live: Vec::new(),
         values: FxHashMap::default(),
         impulses: Vec::new(),
     };
     let mut scope = driven.numbers(inputs)?;
     let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
     let delays = driven.input_delays(&known)?;
-    for (input, name) in known.iter().enumerate() {
-        let delay = delays[input];
-        let symbol = driven.system.inputs[input];
+    for (index, (name, &delay)) in known.iter().zip(&delays).enumerate() {
+        let symbol = driven.system.inputs[index];
+        let derivatives = driven.system.input_derivatives.iter().filter(|d| d.input == index).copied().collect();
         let this = driven.system.pool.sym(symbol);
-        let mut derivatives = driven.system.input_derivatives.clone();
-        derivatives.retain(|d| d.input == input);
-        let mut held = None;
+        let input = Input { index, name, symbol, this, delay, derivatives };
         match inputs.drives.get(name) {
             None if inputs.derivatives.keys().any(|(given, _)| given == name) => {
-                let used = [&driven.system.dynamics[..], &outputs_of(&driven.system)].concat();
-                if driven.system.pool.symbols_of(&used).contains(&symbol) {
-                    return Err(InputError::OnlyDerivatives { input: name.clone() });
-                }
-                driven.slot(symbol, Source::Held(0.0));
-                for d in derivatives {
-                    match inputs.derivatives.get(&(name.clone(), d.order)) {
-                        Some(samples) => driven.follow(d.symbol, (name, d.order), samples, delay),
-                        None => return Err(InputError::MissingDerivative { input: name.clone(), order: d.order }),
-                    }
-                }
+                driven.by_derivatives(&input, &inputs.derivatives)?;
             }
-            None => {
-                held = Some(driven.hold(symbol, delay));
-                for d in derivatives {
-                    let (e, zero) = (driven.system.pool.sym(d.symbol), driven.system.pool.int(0));
-                    map.insert(e, zero);
-                }
-            }
-            Some(Drive::Expression(text)) => {
-                let mut e = driven
-                    .system
-                    .pool
-                    .parse_with(text, &mut scope)
-                    .map_err(|source| InputError::Expression { input: name.clone(), source })?;
-                e = driven.at_command(e, input);
-                map.insert(this, e);
-                let highest = derivatives.iter().map(|d| d.order).max().unwrap_or(0);
-                let mut impulsive = false;
-                for order in 1..=highest {
-                    impulsive = impulsive || jumps(&mut driven.system.pool, e, time);
-                    e = driven.system.pool.diff(e, time);
-                    for d in derivatives.iter().filter(|d| d.order == order) {
-                        let symbol = driven.system.pool.sym(d.symbol);
-                        map.insert(symbol, e);
-                        if impulsive {
-                            driven.impulses.push((name.clone(), order));
-                        }
-                    }
-                }
-            }
-            Some(Drive::Samples(samples)) => {
-                driven.follow(symbol, (name, 0), samples, delay);
-                let slope = driven.rates.last().filter(|(s, _)| *s == symbol).map(|(_, rate)| *rate);
-                for d in derivatives {
-                    let e = driven.system.pool.sym(d.symbol);
-                    match (inputs.derivatives.get(&(name.clone(), d.order)), slope) {
-                        (Some(samples), _) => driven.follow(d.symbol, (name, d.order), samples, delay),
-                        (None, Some(slope)) if d.order == 1 => {
-                            map.insert(e, slope);
-                        }
-                        _ => return Err(InputError::MissingDerivative { input: name.clone(), order: d.order }),
-                    }
-                }
-            }
+            None => driven.by_hand(&input, &mut map),
+            Some(Drive::Expression(text)) => driven.by_expression(&input, text, &mut scope, &mut map)?,
+            Some(Drive::Samples(samples)) => driven.by_samples(&input, samples, &inputs.derivatives, &mut map)?,
         }
-        driven.held.push(held);
     }
     let system = &mut driven.system;
     let measured = outputs_of(system);
@@ -258,6 +158,107 @@ pub(crate) fn drive(system: &System, inputs: &Inputs) -> Result<Driven, InputErr
         level.components = system.pool.substitute_all(&level.components, &map);
     }
     Ok(driven)
+}
+
+/// An input of the system.
+struct Input<'a> {
+    index: usize,
+    name: &'a str,
+    symbol: Symbol,
+    this: Expr,
+    /// s
+    delay: f64,
+    /// Those of its derivatives that the system uses.
+    derivatives: Vec<InputDerivative>,
+}
+
+/// Samples of derivatives, by input and order.
+type Derivatives = BTreeMap<(String, u32), Samples>;
+
+impl Driven {
+    /// Only derivatives of the input are given, by samples.
+    fn by_derivatives(&mut self, input: &Input<'_>, given: &Derivatives) -> Result<(), InputError> {
+        let used = [&self.system.dynamics[..], &outputs_of(&self.system)].concat();
+        if self.system.pool.symbols_of(&used).contains(&input.symbol) {
+            return Err(InputError::OnlyDerivatives { input: input.name.to_owned() });
+        }
+        self.slots.push(input.symbol);
+        self.driving.add_held(0.0);
+        self.driving.push_input(None);
+        for d in &input.derivatives {
+            let samples = given.get(&(input.name.to_owned(), d.order)).ok_or_else(|| input.missing(d.order))?;
+            self.follow(d.symbol, (input.name, d.order), samples, input.delay);
+        }
+        Ok(())
+    }
+
+    /// The input is held, its derivatives are zero.
+    fn by_hand(&mut self, input: &Input<'_>, map: &mut FxHashMap<Expr, Expr>) {
+        self.slots.push(input.symbol);
+        let slot = self.driving.add_held(input.delay);
+        self.driving.push_input(Some(slot));
+        for d in &input.derivatives {
+            let (e, zero) = (self.system.pool.sym(d.symbol), self.system.pool.int(0));
+            map.insert(e, zero);
+        }
+    }
+
+    fn by_expression(
+        &mut self,
+        input: &Input<'_>,
+        text: &str,
+        scope: &mut Scope,
+        map: &mut FxHashMap<Expr, Expr>,
+    ) -> Result<(), InputError> {
+        self.driving.push_input(None);
+        let parsed = self.system.pool.parse_with(text, scope);
+        let parsed = parsed.map_err(|source| InputError::Expression { input: input.name.to_owned(), source })?;
+        let mut e = self.at_command(parsed, input.index);
+        map.insert(input.this, e);
+        let highest = input.derivatives.iter().map(|d| d.order).max().unwrap_or(0);
+        let mut impulsive = false;
+        for order in 1..=highest {
+            impulsive = impulsive || jumps(&mut self.system.pool, e, self.time);
+            e = self.system.pool.diff(e, self.time);
+            for d in input.derivatives.iter().filter(|d| d.order == order) {
+                let symbol = self.system.pool.sym(d.symbol);
+                map.insert(symbol, e);
+                if impulsive {
+                    self.impulses.push((input.name.to_owned(), order));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn by_samples(
+        &mut self,
+        input: &Input<'_>,
+        samples: &Samples,
+        given: &Derivatives,
+        map: &mut FxHashMap<Expr, Expr>,
+    ) -> Result<(), InputError> {
+        self.driving.push_input(None);
+        self.follow(input.symbol, (input.name, 0), samples, input.delay);
+        let slope = self.rates.last().filter(|(s, _)| *s == input.symbol).map(|(_, rate)| *rate);
+        for d in &input.derivatives {
+            let e = self.system.pool.sym(d.symbol);
+            match (given.get(&(input.name.to_owned(), d.order)), slope) {
+                (Some(samples), _) => self.follow(d.symbol, (input.name, d.order), samples, input.delay),
+                (None, Some(slope)) if d.order == 1 => {
+                    map.insert(e, slope);
+                }
+                _ => return Err(input.missing(d.order)),
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Input<'_> {
+    fn missing(&self, order: u32) -> InputError {
+        InputError::MissingDerivative { input: self.name.to_owned(), order }
+    }
 }
 
 fn outputs_of(system: &System) -> Vec<Expr> {

@@ -28,7 +28,7 @@ pub(crate) fn jumps(pool: &mut Pool, e: Expr, time: Symbol) -> bool {
             for &(node, other) in &switching {
                 let sign = match other {
                     same if same == surface => sign,
-                    turned if turned == opposite => -sign,
+                    flipped if flipped == opposite => -sign,
                     _ => continue,
                 };
                 let value = match pool.node(node) {

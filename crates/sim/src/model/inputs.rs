@@ -70,7 +70,7 @@ impl Samples {
         self.values.drain(..ended);
     }
 
-    /// Index of the interval that begins at or before `t`, from 0 (before the first sample) to `len`.
+    /// Index of the interval that starts at or before `t`, from 0 (before the first sample) to `len`.
     pub(crate) fn interval(&self, t: f64) -> usize {
         self.times.partition_point(|&at| at <= t)
     }
@@ -126,7 +126,7 @@ pub(crate) enum Drive {
 /// model must not use the input itself.
 ///
 /// Where the model gives an input a delay, all of this is what is commanded, and acts later: expressions are taken at t − d, the
-/// breaks of samples are shifted, and a held value acts d after it was set. What was commanded before the beginning is what
+/// breaks of samples are shifted, and a held value acts d after it was set. What was commanded before the start is what
 /// the expression gives there, the first sample, or zero. A delay has its value at the time the model is compiled.
 ///
 /// ```

@@ -2,9 +2,11 @@
 
 mod compiled;
 mod drive;
+mod driving;
 mod impulses;
 mod inputs;
 mod switch_expressions;
+mod tapes;
 
 pub use compiled::Model;
 pub use inputs::{Hold, InputError, Inputs, Samples};

@@ -1,6 +1,6 @@
 //! The expressions of a switched system that are compiled: its switches, their surfaces and gradients, derivatives of the field.
 
-use super::drive::{Driven, Source};
+use super::drive::Driven;
 use super::inputs::InputError;
 use bracketry_symbolic::{Expr, Func, Func2, Rational, Symbol};
 use bracketry_system::{Switch, SwitchKind, SwitchedForm, System};
@@ -69,15 +69,11 @@ pub(crate) fn model_switches(driven: &mut Driven, form: &SwitchedForm) -> Result
         // One of a switch that the inputs make constant has nothing to act on.
         let Some(i) = system.switch_of(form, &level) else { continue };
         let live: Vec<(Expr, Expr)> = driven
-            .live
-            .iter()
-            .filter_map(|&(_, slot)| match driven.sources[slot] {
-                Source::Held(value) => Some((driven.slots[slot], value)),
-                _ => None,
-            })
-            .filter_map(|(symbol, value)| {
+            .driving
+            .live_values()
+            .filter_map(|(slot, value)| {
                 let number = Rational::try_from(value).ok()?;
-                Some((system.pool.sym(symbol), system.pool.rational(number)))
+                Some((system.pool.sym(driven.slots[slot]), system.pool.rational(number)))
             })
             .collect();
         let ratio = system.pool.substitute(level.ratio, &live.into_iter().collect());
@@ -114,11 +110,12 @@ pub(crate) fn plain_surfaces(system: &mut System, switches: &[Switch]) -> Result
 pub(crate) fn derivatives(
     driven: &mut Driven,
     form: &SwitchedForm,
+    surfaces: &[Expr],
     wanted: Differentiate<'_>,
 ) -> Result<Option<Vec<Expr>>, InputError> {
     let mut numbers = Vec::with_capacity(wanted.by.len());
     for name in wanted.by {
-        let slot = driven.live.iter().find(|(live, _)| live == name).map(|(_, slot)| *slot);
+        let slot = driven.driving.live_slot(name);
         numbers.push(driven.slots[slot.ok_or_else(|| InputError::UnknownLive { name: name.clone() })?]);
     }
     let pool = &mut driven.system.pool;
@@ -136,8 +133,6 @@ pub(crate) fn derivatives(
     for symbol in symbols {
         all.extend(form.dynamics.iter().map(|&f| pool.diff(f, symbol)));
     }
-    let surfaces = plain_surfaces(&mut driven.system, &form.switches)?;
-    let pool = &mut driven.system.pool;
     for number in numbers {
         all.extend(surfaces.iter().map(|&surface| pool.diff(surface, number)));
     }
@@ -158,12 +153,11 @@ pub(crate) fn with_derivatives_by_signs(
     switches.iter().all(|switch| !used.contains(&switch.sign)).then_some(all)
 }
 
-/// `∂σ_i/∂x_j` by rows, then `∂σ_i/∂t` including what moves with time.
-pub(crate) fn surface_gradients(driven: &mut Driven, switches: &[Switch]) -> Result<Vec<Expr>, InputError> {
-    let plain = plain_surfaces(&mut driven.system, switches)?;
+/// `∂σ_i/∂x_j` by rows, then `∂σ_i/∂t` including what moves with time; `surfaces` as [`plain_surfaces`] gives them.
+pub(crate) fn surface_gradients(driven: &mut Driven, switches: &[Switch], surfaces: &[Expr]) -> Vec<Expr> {
     let pool = &mut driven.system.pool;
     let mut signs: FxHashMap<Expr, Expr> = FxHashMap::default();
-    for (switch, surface) in switches.iter().zip(&plain) {
+    for (switch, surface) in switches.iter().zip(surfaces) {
         let symbol = pool.sym(switch.sign);
         let sign = pool.call(Func::Sign, *surface);
         signs.insert(symbol, sign);
@@ -181,5 +175,5 @@ pub(crate) fn surface_gradients(driven: &mut Driven, switches: &[Switch]) -> Res
         }
         all.push(sum);
     }
-    Ok(pool.substitute_all(&all, &signs))
+    pool.substitute_all(&all, &signs)
 }

@@ -1,4 +1,4 @@
-//! The way of a simulation as a chain of linear maps: what small changes of the state and of the field lead to.
+//! The path of a simulation as a chain of linear maps: what small changes of the state and of the field lead to.
 //!
 //! Along a step the change `X` of the state obeys `X' = A X + b` with `A = ∂f/∂x` for the modes of the step, unit vectors that slide
 //! turning with σ, and sticking signs answering so that `σ̇_K` stays zero. At an event `X` jumps by the [`Saltation`] matrix. The steps are the integrator's own, taken by the implicit midpoint rule.
@@ -42,7 +42,7 @@ impl Tangent {
         &self.by_number[piece * size..(piece + 1) * size]
     }
 
-    /// Carries changes of the state, `x` of `n` numbers each, over a piece along which the field changes by `b`; changes beyond
+    /// Propagates changes of the state, `x` of `n` numbers each, over a piece along which the field changes by `b`; changes beyond
     /// those of `b` find the field as it is.
     pub fn carry(&self, piece: usize, x: &mut [f64], b: &[f64], scratch: &mut Vec<f64>) {
         let n = self.n;
@@ -125,9 +125,7 @@ impl Model {
         }
         tangent.transition.iter().all(|v| v.is_finite()) && tangent.by_number.iter().all(|v| v.is_finite())
     }
-}
 
-impl Model {
     /// The derivatives of this model's field by its live numbers along a path of another model with the same states: by piece and
     /// number, `n` each. Signs of the other model that this one has too, by name, keep their values; others follow their
     /// switching functions. False where they are not finite, or the model was not made by [`Model::with_influences`].
@@ -181,9 +179,7 @@ impl Model {
         }
         by_number.iter().all(|v| v.is_finite())
     }
-}
 
-impl Model {
     /// By how much this model's field differs, along a path of another one with the same equations, because of its own samples: by piece
     /// `n` numbers. Samples count with their means over each step, so that delays far below a step keep their impulse. False
     /// where the models differ otherwise, or the field is not finite.

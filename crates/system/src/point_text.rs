@@ -1,7 +1,8 @@
 //! A point of interest given by name, as on a command line.
 
-use bracketry_symbolic::{Expr, Names, ParseError, Pool, Symbol, closest_name};
-use bracketry_system::{Point, System};
+use crate::constants::Constants;
+use crate::{Point, System};
+use bracketry_symbolic::{ParseError, Symbol, closest_name};
 
 /// A text that does not give a point.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -44,25 +45,13 @@ pub enum PointError {
     },
 }
 
-/// A point holds numbers and expressions of them.
-pub(crate) struct Constants;
-
-impl Names for Constants {
-    fn lookup(&mut self, _: &mut Pool, _: &str) -> Option<Expr> {
-        None
-    }
-    fn known(&self) -> Vec<String> {
-        Vec::new()
-    }
-}
-
 /// Reads a point such as `x=0.1, th=pi/2`. States and inputs that are not named are 0, as in the `[point]` of a model file.
 ///
 /// ```
-/// use bracketry::system::System;
+/// use bracketry_system::{System, point};
 /// let mut s = System::parse("m", "states = ['x', 'th']\ninputs = ['u']\ndynamics = { x = 'cos(th)', th = 'u' }").unwrap();
-/// let point = bracketry::point(&mut s, "th=pi/2").unwrap();
-/// s.point = Some(point);
+/// let th = point(&mut s, "th=pi/2").unwrap();
+/// s.point = Some(th);
 /// assert_eq!(s.point_values().unwrap().0[1], std::f64::consts::FRAC_PI_2);
 /// ```
 ///

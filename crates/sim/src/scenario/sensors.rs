@@ -1,12 +1,11 @@
 //! What sensors would have given of a simulated run.
 
+use super::run::ScenarioRun;
 use bracketry_symbolic::closest_name;
 use bracketry_system::System;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};
-
-use crate::Run;
 
 /// A sensor that a model does not admit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -35,10 +34,11 @@ pub enum SensorError {
     },
 }
 
-impl Run {
+impl ScenarioRun {
     /// Columns of a record of this run: the inputs as they are commanded, and each of `sensors` (an output or a state by name)
     /// with white Gaussian noise of the given standard deviation, in the unit of the quantity, at the times of the rows.
-    /// The same seed gives the same noise. With `times` they go into [`bracketry_diagnose::Record::from_columns`].
+    /// The same seed gives the same noise. With `times` they make a record for the
+    /// diagnosis.
     ///
     /// # Errors
     /// [`SensorError`] for a name that the model does not have and for a number that is no standard deviation.

@@ -1,24 +1,10 @@
 //! Inputs from a table of samples (CSV).
 
+use super::setup::{SampledScenario, Scenario, initial_state};
+use crate::model::{Hold, InputError, Inputs, Samples};
+use bracketry_system::{Columns, Entries, FileError, System};
 use std::collections::BTreeSet;
 use std::path::Path;
-
-use bracketry_sim::{Hold, InputError, Inputs, Samples};
-use bracketry_system::{Columns, Entries, FileError, System};
-
-use crate::Scenario;
-use crate::scenario::initial_state;
-
-/// A [`Scenario`] from a table, and what the table did not say.
-#[derive(Clone, Debug)]
-pub struct SampledScenario {
-    /// The scenario.
-    pub scenario: Scenario,
-    /// Columns that are no input, nor a derivative of one that the model uses.
-    pub ignored: Vec<String>,
-    /// Inputs without any column: they and their derivatives are zero.
-    pub held_at_zero: Vec<String>,
-}
 
 impl Scenario {
     /// Inputs from a CSV table: a header, `t` in seconds increasing, one column per input by name; columns `der(X,2)`

@@ -1,0 +1,62 @@
+//! Why a simulation stopped, as sentences.
+
+use bracketry_sim::{Breakdown, Outcome, ScenarioRun, Undefined, UndefinedPart};
+use bracketry_symbolic::Expr;
+use bracketry_system::{System, readable};
+
+/// Longest expression that is shown.
+const SHOWN: usize = 80;
+
+/// Where and why a run of `system` stopped before its end; none if it reached it.
+pub fn stop(system: &System, run: &ScenarioRun) -> Option<String> {
+    let Outcome::Stopped { reason, t, .. } = &run.simulation.outcome else { return None };
+    let why = run.breakdown.as_ref().map_or_else(|| reason.to_string(), |b| breakdown(system, b));
+    Some(format!("stopped at t = {} s: {why}", readable(*t)))
+}
+
+/// What the equations of `system` do where a simulation stopped, and what to do about it.
+pub fn breakdown(system: &System, breakdown: &Breakdown) -> String {
+    match breakdown {
+        Breakdown::NoValue { state, part } => {
+            let state = system.symbol_name(system.states[*state]);
+            match part.and_then(|part| clause(system, part)) {
+                None => format!("the rate of `{state}` is not finite there"),
+                Some(part) => format!("in the equation of `{state}`, {part}"),
+            }
+        }
+        Breakdown::NoInput { input } => format!(
+            "the input `{}` has no finite value there or right after; give it one at all times of the simulation",
+            system.symbol_name(system.inputs[*input])
+        ),
+        Breakdown::Runaway { state, rate } => format!(
+            "`{}` runs away there, its rate is {}: it grows without bound in finite time, or divides by what comes near 0; \
+             check its equation and the values of its parameters",
+            system.symbol_name(system.states[*state]),
+            readable(*rate)
+        ),
+    }
+}
+
+/// A part without value, as a clause; none if it is too long to be shown.
+fn clause(system: &System, part: UndefinedPart) -> Option<String> {
+    let shown = |e: Expr| Some(system.pool.text(e)).filter(|text| text.chars().count() <= SHOWN);
+    let text = shown(part.expression)?;
+    let remedy = "keep the motion where it has one, or write the equation so that it holds beyond";
+    Some(match part.why {
+        Undefined::Denominator(base) => format!(
+            "`{}` stands in a denominator and is 0; begin elsewhere, or write the equation so that it holds there",
+            shown(base)?
+        ),
+        Undefined::Base(base) => {
+            let base = shown(base)?;
+            format!("`{text}` has no value where `{base}` is below 0; {remedy}, as with max({base}, 0)")
+        }
+        Undefined::Logarithm(argument) => {
+            format!("`{text}` has no value where `{}` is 0 or below; {remedy}", shown(argument)?)
+        }
+        Undefined::Arc(argument) => {
+            format!("`{text}` has no value where `{}` is beyond -1 to 1; {remedy}", shown(argument)?)
+        }
+        Undefined::Overflow => format!("`{text}` grows beyond all numbers"),
+    })
+}

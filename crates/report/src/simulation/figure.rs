@@ -1,0 +1,50 @@
+//! The figure of a simulation.
+
+use super::columns::{input_columns, output_columns};
+use super::friction::{friction_bands, friction_colors};
+use super::text::ROUNDING;
+use bracketry_plot::{Drawing, Panel, PlotError, Series, TimeSeries};
+use bracketry_sim::{Scenario, ScenarioRun};
+use bracketry_symbolic::Node;
+use bracketry_system::System;
+
+/// Plot panels of outputs are drawn up to this many.
+const MAX_OUTPUT_PANELS: usize = 6;
+
+/// States, inputs and outputs over time, with the modes of friction.
+///
+/// # Errors
+/// [`PlotError`] for numbers that no axis holds.
+pub fn figure(system: &System, scenario: &Scenario, run: &ScenarioRun) -> Result<Drawing, PlotError> {
+    let mut chart = friction_colors(TimeSeries::new()).title(system.name.clone());
+    let panel = |label: String, k: usize, rows: &[Vec<f64>]| {
+        let values: Vec<f64> = rows.iter().map(|r| r[k]).collect();
+        Panel::new(label).rounding(ROUNDING).series(Series::new("", run.times.clone(), values))
+    };
+    // An output that is a state or an input has its name beside that one's, and no panel of its own.
+    let inputs = input_columns(system, scenario);
+    let drawn = |node: Node| {
+        let mut symbols = system.states.iter().chain(inputs.iter().map(|(k, _)| &system.inputs[*k]));
+        symbols.any(|s| node == Node::Sym(*s))
+    };
+    let (renamed, outputs): (Vec<_>, Vec<_>) =
+        output_columns(system).into_iter().partition(|(k, _)| drawn(system.pool.node(system.outputs[*k].1)));
+    let alias = |symbol| {
+        let same = renamed.iter().filter(|(k, _)| system.pool.node(system.outputs[*k].1) == Node::Sym(symbol));
+        same.fold(String::new(), |names, (_, name)| format!("{names} = {name}"))
+    };
+    for (k, name) in system.state_names().into_iter().enumerate() {
+        let panel = panel(format!("{name}{}", alias(system.states[k])), k, &run.states);
+        chart = chart.panel(friction_bands(panel, &run.simulation.trajectory, &run.switches, &name));
+    }
+    for (k, name) in inputs {
+        let label = format!("input {name}{}", alias(system.inputs[k]));
+        chart = chart.panel(panel(label, k, &run.inputs));
+    }
+    if outputs.len() <= MAX_OUTPUT_PANELS {
+        for (k, name) in outputs {
+            chart = chart.panel(panel(name, k, &run.outputs));
+        }
+    }
+    chart.draw()
+}

@@ -1,0 +1,16 @@
+//! A simulation as text, JSON, tables and a figure.
+
+mod breakdown;
+mod columns;
+mod figure;
+mod friction;
+mod json;
+mod table;
+mod text;
+
+pub use breakdown::{breakdown, stop};
+pub use figure::figure;
+pub use friction::{friction_bands, friction_colors};
+pub use json::json;
+pub use table::{Event, events, table};
+pub use text::text;

@@ -1,0 +1,57 @@
+//! The text of a simulation.
+
+use super::breakdown::stop;
+use bracketry_sim::{SampledScenario, ScenarioRun};
+use bracketry_system::{System, counted, readable};
+
+/// Rounding on a sticking surface, which is not worth an axis of its own.
+pub(super) const ROUNDING: f64 = 1e-13;
+
+/// The report of a run of `given` on `system`.
+pub fn text(system: &System, given: &SampledScenario, run: &ScenarioRun) -> String {
+    let trajectory = &run.simulation.trajectory;
+    let mut lines = vec![format!(
+        "{}: {} s simulated in {}, {}",
+        system.name,
+        readable(trajectory.end() - trajectory.start()),
+        counted(run.simulation.statistics.steps, "step", "steps"),
+        counted(trajectory.mode_changes().len(), "change of mode", "changes of mode")
+    )];
+    let at_zero = given.held_at_zero.iter();
+    lines.extend(at_zero.map(|name| format!("  nothing drives the input `{name}`: it is zero")));
+    lines.extend(run.impulses_left_out.iter().map(|(input, order)| {
+        format!("  warning: `{input}` jumps or has kinks: impulses of der({input},{order}) are left out")
+    }));
+    lines.extend(beyond_ranges(system, run).iter().map(|sentence| format!("  warning: {sentence}")));
+    let ignored = given.ignored.iter();
+    lines.extend(ignored.map(|name| format!("  column `{name}` is no input that the model uses and was ignored")));
+    let names = system.state_names();
+    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(10);
+    let states = names.iter().zip(trajectory.final_state());
+    lines.extend(states.map(|(name, value)| format!("  {name:>width$} = {}", readable(*value))));
+    lines.extend(stop(system, run));
+    lines.join("\n") + "\n"
+}
+
+/// What the model says an input cannot do, and it does.
+fn beyond_ranges(system: &System, run: &ScenarioRun) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for range in &system.input_ranges {
+        let Some(k) = system.inputs.iter().position(|i| *i == range.input) else { continue };
+        let values = run.inputs.iter().map(|u| u[k]);
+        let bounds = [(&range.min, "below", -1.0), (&range.max, "above", 1.0)];
+        for (bound, side, sign) in bounds.iter().filter_map(|(b, side, sign)| Some((b.as_ref()?, side, sign))) {
+            let bound = bound.to_f64().value();
+            let farthest = values.clone().max_by(|a, b| (sign * a).total_cmp(&(sign * b)));
+            if let Some(farthest) = farthest.filter(|v| sign * (v - bound) > ROUNDING * bound.abs().max(1.0)) {
+                sentences.push(format!(
+                    "`{}` goes to {}, {side} the {} of its range in the model",
+                    system.symbol_name(range.input),
+                    readable(farthest),
+                    readable(bound)
+                ));
+            }
+        }
+    }
+    sentences
+}
