@@ -14,10 +14,10 @@
 use anyhow::Context;
 use bracketry::diagnose::{Record, RecordSettings, Settings, diagnose};
 use bracketry::mpc::{ControlProblem, ControlRun, Plant};
-use bracketry::plate::{HiddenEffect, LogSettings, multisine, plate_log};
+use bracketry::plate::target_of;
 use bracketry::plot::{Dash, Drawing, Panel, Role, Series, TimeSeries};
 use bracketry::system::System;
-use bracketry::{AreaLoopPlant, target_of};
+use bracketry_trials::{PlateMismatch, RecordingSettings, multisine, synthetic_log};
 use clap::Parser;
 use std::path::PathBuf;
 
@@ -56,13 +56,13 @@ impl Move {
     fn new(
         (name, role): (&'static str, Role),
         model: &System,
-        effect: HiddenEffect,
-        settings: &LogSettings,
+        effect: PlateMismatch,
+        settings: &RecordingSettings,
     ) -> anyhow::Result<Self> {
         let text = include_str!("../models/plate_move.toml");
         let mut problem = ControlProblem::parse("plate_move.toml", text, |_| Ok(model.clone()))?;
         problem.samples += 25;
-        let mut plant = AreaLoopPlant::new(effect, settings)?;
+        let mut plant = effect.loop_plant(settings)?;
         let run = problem.run(&mut plant)?;
         if let Some(reason) = plant.stopped() {
             anyhow::bail!("{reason}");
@@ -91,17 +91,17 @@ impl Move {
 fn main() -> anyhow::Result<()> {
     let options = Options::parse();
     let nominal = System::parse("plate_disk.toml", include_str!("../models/plate_disk.toml"))?;
-    let settings = LogSettings::default();
+    let settings = RecordingSettings::default();
     println!("| hidden | found | model | plan alone: left, mm | deg | closed loop: left, mm | deg | cost |");
     println!("|---|---|---|---|---|---|---|---|");
     let kinds = options.effect.as_deref().map_or(EFFECTS.to_vec(), |kind| vec![kind]);
     for kind in kinds {
-        let effect = HiddenEffect::draw_kind(kind, options.seed).context("no such effect")?;
+        let effect = PlateMismatch::draw_kind(kind, options.seed).context("no such effect")?;
         let experiment = multisine([0.3, 0.0, 0.0, 0.0, 0.0, 0.0], options.seconds, &settings, options.seed)?;
         let start = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
-        let log = plate_log(&experiment, start, options.seconds, &effect, &settings, options.seed)?;
+        let log = synthetic_log(&experiment, start, options.seconds, &effect, &settings, options.seed)?.log;
         let (record, _) =
-            Record::from_columns(&log.name, log.times.clone(), log.by_name(), &nominal, &RecordSettings::default())?;
+            Record::from_columns(&log.name, log.t.clone(), log.by_name(), &nominal, &RecordSettings::default())?;
         let mut diagnosis = Settings::default();
         diagnosis.study.window = Some(0.5);
         let report = diagnose(&nominal, &[record], &[], &diagnosis, &mut |_| ())?;

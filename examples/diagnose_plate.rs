@@ -17,11 +17,10 @@ use anyhow::Context;
 use bracketry_diagnose::{
     Cause, Record, RecordSettings, Report, Score, Settings, diagnose, read_record, reference_candidates,
 };
-use bracketry_plate::{
-    Experiment, HiddenEffect, LogSettings, Object, PlateError, PlateLog, Shape, multisine, plate_log,
-};
+use bracketry_plate::{Experiment, Object, PlateLog, Shape};
 use bracketry_sim::Hold;
 use bracketry_system::System;
+use bracketry_trials::{PlateMismatch, RecordingSettings, TrialError, multisine, synthetic_log};
 use clap::Parser;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -113,11 +112,11 @@ fn independent(folder: &Path, system: &System, settings: &Settings, full: bool) 
 
 /// The logs of one plant.
 fn logs(
-    effect: &HiddenEffect,
-    settings: &LogSettings,
+    effect: &PlateMismatch,
+    settings: &RecordingSettings,
     seed: u64,
     options: &Options,
-) -> Result<Vec<PlateLog>, PlateError> {
+) -> Result<Vec<PlateLog>, TrialError> {
     let start = |y: f64| [0.3, y, 0.0, 0.0, 0.0, 0.0];
     let seconds = options.seconds;
     let shaken = multisine(start(0.0), seconds, settings, seed)?;
@@ -130,33 +129,33 @@ fn logs(
         .into_iter()
         .enumerate()
         .map(|(i, (experiment, y, duration))| {
-            plate_log(&experiment, start(y), duration, effect, settings, 3 * seed + i as u64)
+            Ok(synthetic_log(&experiment, start(y), duration, effect, settings, 3 * seed + i as u64)?.log)
         })
         .collect()
 }
 
 /// A multisine of another seed.
 fn held_out(
-    effect: &HiddenEffect,
-    settings: &LogSettings,
+    effect: &PlateMismatch,
+    settings: &RecordingSettings,
     seed: u64,
     options: &Options,
-) -> Result<PlateLog, PlateError> {
+) -> Result<PlateLog, TrialError> {
     let start = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
     let other = !seed;
     let shaken = multisine(start, options.seconds, settings, other)?;
-    plate_log(&shaken, start, options.seconds, effect, settings, other)
+    Ok(synthetic_log(&shaken, start, options.seconds, effect, settings, other)?.log)
 }
 
-fn cause(effect: &HiddenEffect) -> Option<Cause> {
+fn cause(effect: &PlateMismatch) -> Option<Cause> {
     match effect {
-        HiddenEffect::None => None,
-        HiddenEffect::TiltAboutX(_) | HiddenEffect::TiltAboutY(_) => Some(Cause::Tilt),
-        HiddenEffect::Friction(_) => Some(Cause::ParameterError),
-        HiddenEffect::ActuatorLag(_) => Some(Cause::ActuatorLag),
-        HiddenEffect::CentreOfMass(_) => Some(Cause::ComOffset),
-        HiddenEffect::SensorDelay(_) => Some(Cause::SensorDelay),
-        HiddenEffect::AnisotropicFriction(_) => Some(Cause::AnisotropicFriction),
+        PlateMismatch::None => None,
+        PlateMismatch::TiltAboutX(_) | PlateMismatch::TiltAboutY(_) => Some(Cause::Tilt),
+        PlateMismatch::Friction(_) => Some(Cause::ParameterError),
+        PlateMismatch::ActuatorLag(_) => Some(Cause::ActuatorLag),
+        PlateMismatch::CentreOfMass(_) => Some(Cause::ComOffset),
+        PlateMismatch::SensorDelay(_) => Some(Cause::SensorDelay),
+        PlateMismatch::AnisotropicFriction(_) => Some(Cause::AnisotropicFriction),
     }
 }
 
@@ -193,7 +192,7 @@ fn main() -> anyhow::Result<()> {
         "ellipse" => Object { shape: Shape::REFERENCE_ELLIPSE, ..Object::REFERENCE },
         other => anyhow::bail!("--shape {other}: choose disk or ellipse"),
     };
-    let log_settings = LogSettings { object, derivatives: options.derivatives, ..LogSettings::default() };
+    let log_settings = RecordingSettings { object, derivatives: options.derivatives, ..RecordingSettings::default() };
     let mut scores: BTreeMap<&str, BTreeMap<&str, u32>> = BTreeMap::new();
     if options.out.is_none() {
         println!("| run | hidden | found | score | s |\n|---|---|---|---|---|");
@@ -201,9 +200,9 @@ fn main() -> anyhow::Result<()> {
     for run in 0..options.runs {
         let seed = options.seed.wrapping_mul(1_000_003).wrapping_add(run);
         let effect = match &options.effect {
-            None => HiddenEffect::draw(seed),
-            Some(kind) => HiddenEffect::draw_kind(kind, seed)
-                .with_context(|| format!("--effect {kind}: choose one of {}", HiddenEffect::KINDS.join(", ")))?,
+            None => PlateMismatch::draw(seed),
+            Some(kind) => PlateMismatch::draw_kind(kind, seed)
+                .with_context(|| format!("--effect {kind}: choose one of {}", PlateMismatch::KINDS.join(", ")))?,
         };
         // A plate that is tilted the other way may carry the object off in every multisine.
         let logs = match logs(&effect, &log_settings, seed, &options) {
@@ -228,7 +227,7 @@ fn main() -> anyhow::Result<()> {
         }
         let record = |log: PlateLog| -> anyhow::Result<Record> {
             let columns = log.by_name();
-            Ok(Record::from_columns(&log.name, log.times, columns, &system, &RecordSettings::default())?.0)
+            Ok(Record::from_columns(&log.name, log.t, columns, &system, &RecordSettings::default())?.0)
         };
         let records = logs.into_iter().map(record).collect::<anyhow::Result<Vec<Record>>>()?;
         let validate = if options.held_out {

@@ -3,8 +3,9 @@
 //! `cargo run --release --example move_object [MU]`
 #![allow(clippy::print_stdout)]
 
+use bracketry::control;
 use bracketry::plate::Shape;
-use bracketry::{Arrival, control, plate_move};
+use bracketry::plate::{Arrival, plate_move};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mu: f64 = std::env::args().nth(1).map_or(Ok(0.25), |s| s.parse())?;
@@ -12,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     problem.samples += 30; // see that it stays
     let controlled = control(&problem)?;
     print!("{}", controlled.run.report);
-    let arrival = Arrival::of(&problem, &controlled);
+    let arrival = Arrival::of(&problem, &controlled.recording.trajectory);
     println!("{arrival:#?}");
     Ok(())
 }

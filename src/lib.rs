@@ -14,11 +14,9 @@ pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;
 
 pub use bracketry_report::{
-    AffinizationReport, Analysis, AnalysisError, AreaLoopPlant, Arrival, Comparison, ControlError, Controlled,
-    Deviation, Diagnosis, ExactPlant, Figure, Influence, InputChange, Jump, LoggedMotion, MoveError, PlateExperiment,
-    PlateLog, PlateModel, PlateOptions, PlateReport, PlateRow, PlateRun, PlateRunError, PlateSetup, RESOLUTION,
-    RankChange, Ranks, ReachTable, Reached, SetupError, analyze, control, control_watched, friction_bands,
-    friction_colors, move_with, outline, plate_move, target_of,
+    AffinizationReport, Analysis, AnalysisError, ControlError, Controlled, Diagnosis, ExactPlant, Figure, Influence,
+    InputChange, RankChange, Ranks, ReachTable, Reached, analyze, control, control_watched, friction_bands,
+    friction_colors,
 };
 pub use bracketry_sim::{Breakdown, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
 pub use bracketry_system::{PointError, point};

@@ -4,21 +4,21 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{Cause, Record, RecordSettings, Settings, Study, StudySettings, Verdict, diagnose};
-use bracketry_plate::{HiddenEffect, LogSettings, multisine, plate_log};
 use bracketry_system::System;
+use bracketry_trials::{PlateMismatch, RecordingSettings, multisine, synthetic_log};
 
 fn disk() -> System {
     System::parse("plate_disk.toml", include_str!("../models/plate_disk.toml")).unwrap()
 }
 
 /// A multisine of a few seconds with an effect hidden in it.
-fn record(effect: &HiddenEffect, duration: f64, seed: u64) -> Record {
-    let settings = LogSettings::default();
+fn record(effect: &PlateMismatch, duration: f64, seed: u64) -> Record {
+    let settings = RecordingSettings::default();
     let start = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
     let shaken = multisine(start, duration, &settings, seed).unwrap();
-    let log = plate_log(&shaken, start, duration, effect, &settings, seed).unwrap();
+    let log = synthetic_log(&shaken, start, duration, effect, &settings, seed).unwrap().log;
     let columns = log.by_name();
-    Record::from_columns("multisine", log.times, columns, &disk(), &RecordSettings::default()).unwrap().0
+    Record::from_columns("multisine", log.t, columns, &disk(), &RecordSettings::default()).unwrap().0
 }
 
 fn half_seconds() -> StudySettings {
@@ -27,7 +27,7 @@ fn half_seconds() -> StudySettings {
 
 #[test]
 fn a_disk_with_nothing_hidden_leaves_white_noise_and_its_friction() {
-    let study = Study::new(&disk(), &[record(&HiddenEffect::None, 3.0, 1)], &half_seconds()).unwrap();
+    let study = Study::new(&disk(), &[record(&PlateMismatch::None, 3.0, 1)], &half_seconds()).unwrap();
     let windows: Vec<usize> = (0..study.windows().len()).collect();
     let fit = study.fit(&[], &windows, None).unwrap();
     let mu = fit.values.iter().find(|v| v.name == "mu").unwrap();
@@ -41,8 +41,8 @@ fn a_disk_with_nothing_hidden_leaves_white_noise_and_its_friction() {
 
 #[test]
 fn friction_that_is_off_by_a_tenth_is_the_parameter_that_is_wrong() {
-    let effect = HiddenEffect::draw_kind("friction", 2).unwrap();
-    let HiddenEffect::Friction(factor) = effect else { unreachable!("the kind was asked for") };
+    let effect = PlateMismatch::draw_kind("friction", 2).unwrap();
+    let PlateMismatch::Friction(factor) = effect else { unreachable!("the kind was asked for") };
     let settings = Settings { study: half_seconds(), ..Settings::default() };
     let report = diagnose(&disk(), &[record(&effect, 3.0, 2)], &[], &settings, &mut |_| ()).unwrap();
     assert_eq!(report.verdict, Verdict::CauseFound);

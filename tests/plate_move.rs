@@ -5,9 +5,9 @@
 use std::sync::OnceLock;
 
 use bracketry::mpc::ControlProblem;
-use bracketry::plate::Shape;
+use bracketry::plate::{Arrival, Shape, plate_move};
 use bracketry::sim::Mode;
-use bracketry::{Arrival, Controlled, control, plate_move};
+use bracketry::{Controlled, control};
 
 const MU: f64 = 0.3;
 const G: f64 = 9.81;
@@ -26,7 +26,7 @@ fn reference() -> &'static (ControlProblem, Controlled) {
 #[test]
 fn position_and_orientation_arrive_together_and_stay() {
     let (problem, controlled) = reference();
-    let a = Arrival::of(problem, controlled);
+    let a = Arrival::of(problem, &controlled.recording.trajectory);
     assert!(a.x_m.abs() <= 2e-3 && a.y_m.abs() <= 2e-3, "{a:?}");
     assert!(a.phi_deg.abs() <= 2.0 && a.spin_deg_s.abs() <= 2.0, "{a:?}");
     assert!(a.settled_s.is_some_and(|t| t <= 3.0), "{a:?}");
@@ -46,7 +46,7 @@ fn the_plate_keeps_pressing_on_the_object() {
 #[test]
 fn every_bound_is_kept_between_the_samples_too() {
     let (problem, controlled) = reference();
-    let a = Arrival::of(problem, controlled);
+    let a = Arrival::of(problem, &controlled.recording.trajectory);
     assert_eq!((a.stroke_excess_m, a.tilt_excess_deg), (0.0, 0.0), "{a:?}");
     for u in &controlled.run.closed_loop.u {
         assert!(u[0].abs() <= 15.0 && u[1].abs() <= 60.0, "{u:?}");

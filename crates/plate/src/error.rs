@@ -13,16 +13,6 @@ pub enum PlateError {
         /// Its value.
         value: f64,
     },
-    /// A range that is none.
-    #[error("{name} = [{low}, {high}] must be finite numbers, the lower one first")]
-    BadRange {
-        /// Which one.
-        name: &'static str,
-        /// Its lower end.
-        low: f64,
-        /// Its upper end.
-        high: f64,
-    },
     /// A coefficient without meaning.
     #[error("{name} = {value} must be a finite number, zero or positive")]
     NegativeNumber {
@@ -123,27 +113,6 @@ pub enum PlateError {
     /// The shape is none.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// A plate that would have to jump where the amplitude of an experiment changes.
-    #[error("the plate would jump at {t} s, where the amplitude changes; choose a motion that begins and ends at rest")]
-    Jump {
-        /// When, in s.
-        t: f64,
-    },
-    /// No multisine keeps the object where it should be.
-    #[error("none of {tries} multisines keeps the object near its start; give it less time or more friction")]
-    NoMultisine {
-        /// How many were tried.
-        tries: u64,
-    },
-    /// A grid of places without places.
-    #[error("the grid needs places y in increasing order and at least one yaw")]
-    NoGrid,
-    /// A computation was broken off through its progress callback.
-    #[error("the computation was cancelled")]
-    Cancelled,
-    /// A file of trials cannot be read.
-    #[error("the trials cannot be read: {0}")]
-    Trials(Box<toml::de::Error>),
     /// The model file cannot be read.
     #[error(transparent)]
     File(Box<bracketry_system::FileError>),

@@ -1,11 +1,12 @@
 //! Experiments on the vibrating plate.
 
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bracketry::plate::Shape;
-use bracketry::{PlateExperiment, PlateLog, PlateOptions, PlateReport, PlateRow};
+use bracketry::plate::{OptionValue, PlateExperiment, PlateLog, PlateOptions, PlateRow, Shape};
+use bracketry::report::plate;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,47 +16,27 @@ use crate::figures::Figures;
 use crate::interrupt::watched;
 use crate::tables::{Answer, Text, matrix};
 
-/// The options of the command line by name; what is absent has a default.
+/// The value of an option of the command line.
 #[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub(crate) struct Options {
-    experiment: Option<String>,
-    omega: Option<f64>,
-    model: Option<String>,
-    shape: Option<String>,
-    thickness: Option<f64>,
-    mass: Option<f64>,
-    mu: Option<f64>,
-    friction: Option<String>,
-    start: Option<String>,
-    seconds: Option<f64>,
-    points: Option<f64>,
-    dt: Option<f64>,
-    restitution: Option<f64>,
-    jumps: Option<String>,
-    sample: Option<f64>,
+pub(crate) enum Value {
+    Number(f64),
+    Text(String),
 }
 
-impl From<Options> for PlateOptions {
-    fn from(o: Options) -> Self {
-        Self {
-            experiment: o.experiment,
-            omega: o.omega,
-            model: o.model,
-            shape: o.shape,
-            thickness: o.thickness,
-            mass: o.mass,
-            mu: o.mu,
-            friction: o.friction,
-            start: o.start,
-            seconds: o.seconds,
-            points: o.points,
-            dt: o.dt,
-            restitution: o.restitution,
-            jumps: o.jumps,
-            sample: o.sample,
+impl From<Value> for OptionValue {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Number(number) => Self::Number(number),
+            Value::Text(text) => Self::Text(text),
         }
     }
+}
+
+/// The options that are given, numbers before texts; what is absent has a default.
+fn options(mut given: HashMap<String, Option<Value>>) -> Result<PlateOptions, Failure> {
+    let names = PlateOptions::NUMBERS.into_iter().chain(PlateOptions::TEXTS);
+    let values = names.filter_map(|name| Some((name, given.remove(name)??.into())));
+    PlateOptions::from_values(values).map_err(named)
 }
 
 /// One experiment, with the options of a scenario file where they are not given, on a polygon where its vertices are, and beside a log.
@@ -63,18 +44,16 @@ impl From<Options> for PlateOptions {
 #[pyo3(signature = (options, *, scenario, polygon, log, driven_by_log))]
 pub(crate) fn run_plate(
     py: Python<'_>,
-    options: Options,
+    options: HashMap<String, Option<Value>>,
     scenario: Option<PathBuf>,
     polygon: Option<Vec<[f64; 2]>>,
     log: Option<Text>,
     driven_by_log: bool,
 ) -> PyResult<Bound<'_, PyDict>> {
     let (answer, ran) = watched(py, move |stop| {
-        let mut options = PlateOptions::from(options);
-        if let Some(scenario) = scenario {
-            options = options.or(PlateOptions::read(&scenario).map_err(named)?);
-        }
+        let scenario = scenario.map_or(Ok(PlateOptions::default()), |path| PlateOptions::read(&path)).map_err(named)?;
         let log = log.map(|log| read(&log)).transpose()?;
+        let options = self::options(options)?.or(scenario);
         let mut setup = options.setup(log.as_ref()).map_err(named)?;
         if let Some(vertices) = polygon {
             setup.object.shape = Shape::polygon(&vertices).map_err(|e| Failure::from(e).about("shape"))?;
@@ -83,12 +62,12 @@ pub(crate) fn run_plate(
         let ran = Arc::new(PlateExperiment::new(setup, log, driven_by_log, watch).map_err(named)?);
         let (motion, plan_view) = (Arc::clone(&ran), Arc::clone(&ran));
         let mut figures = Figures::default()
-            .with("motion", move || motion.motion_figure())
-            .with("plan_view", move || plan_view.plan_view_figure());
-        if let Some(Ok(drawing)) = ran.comparison_figure() {
+            .with("motion", move || plate::motion_figure(&motion))
+            .with("plan_view", move || plate::plan_view_figure(&plan_view));
+        if let Some(Ok(drawing)) = plate::comparison_figure(&ran) {
             figures = figures.with("comparison", move || Ok(drawing.clone()));
         }
-        Ok((Answer::of(&PlateReport::new(&ran), figures)?, ran))
+        Ok((Answer::of(&plate::json(&ran), figures)?, ran))
     })?;
     let column = |value: fn(&PlateRow) -> f64| ran.run.rows.iter().map(value).collect::<Vec<f64>>().into_pyarray(py);
     let states: Vec<Vec<f64>> = ran.run.rows.iter().map(|row| row.state.to_vec()).collect();

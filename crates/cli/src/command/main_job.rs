@@ -89,7 +89,7 @@ fn write_tables(story: &Story, out: &Path) -> anyhow::Result<()> {
             rows.map(|(k, x)| std::iter::once(k as f64 * 1e-3).chain(x.iter().copied()).collect()).collect();
         csv(&out.join(format!("{name}.csv")), &states, rows.iter().map(Vec::as_slice))?;
     }
-    for log in &story.logs {
+    for log in story.logs.iter().map(|l| &l.log) {
         let name = log.name.replace(", ", "_").replace(' ', "_");
         write(&out.join(format!("log_{name}.csv")), &log.csv())?;
     }

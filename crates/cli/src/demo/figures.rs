@@ -1,15 +1,16 @@
 //! The figures and animations of the story.
 
-use bracketry::plate::AreaOutcome;
+use bracketry::plate::{AreaOutcome, RESOLUTION, target_of};
 use bracketry::plot::{
     Animation, Color, Dash, Drawing, Interval, Panel, PlanView, PlotError, Pose, Role, Scene, Series, Snapshot,
     TimeSeries, Trajectory,
 };
-use bracketry::report::outline;
+use bracketry::report::plate::outline;
 
-use super::{MoveOnEquations, MoveOnPlant, Story};
+use super::on_equations::MoveOnEquations;
+use super::on_plant::MoveOnPlant;
+use super::story::{Story, StoryAnimation};
 use bracketry::report::Figure;
-use bracketry::report::{RESOLUTION, target_of};
 use bracketry::report::{friction_bands, friction_colors};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -163,6 +164,11 @@ impl MoveOnEquations {
 }
 
 impl Story {
+    /// Every figure, chapter by chapter.
+    pub fn figures(&self) -> Vec<Figure> {
+        self.chapters().into_iter().flatten().collect()
+    }
+
     /// The figures of each chapter.
     pub(super) fn chapters(&self) -> [Vec<Figure>; CHAPTERS] {
         let growth = self.analysis.growth_figure().draw();
@@ -302,19 +308,6 @@ impl Story {
             .scene(scene("Plan alone", &moved.plan_alone, moved.plan_stopped.as_ref()))
             .draw()
     }
-}
-
-/// An animation of the story.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StoryAnimation {
-    /// Name of its file, without ending.
-    pub name: &'static str,
-    /// Chapter, from 1 on.
-    pub chapter: usize,
-    /// What it shows.
-    pub title: &'static str,
-    /// The images.
-    pub gif: Vec<u8>,
 }
 
 /// Panels of x (mm), y (mm) and yaw (deg) with targets and tolerances, filled by `series` of coordinate and scale.

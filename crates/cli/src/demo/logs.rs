@@ -1,13 +1,12 @@
 //! What a laboratory would record of the true plant.
 
 use bracketry::diagnose::{Audit, DiagnoseError, Record, RecordSettings};
-use bracketry::plate::{
-    AreaOutcome, Experiment, HiddenEffect, PlateError, PlateKinematics, PlateLog, multisine, plate_log,
-};
+use bracketry::plate::{AreaOutcome, Experiment, PlateKinematics, RESOLUTION};
 use bracketry::system::System;
 
-use super::{MoveOnPlant, StorySettings};
-use bracketry::report::RESOLUTION;
+use super::on_plant::MoveOnPlant;
+use super::settings::StorySettings;
+use bracketry_trials::{PlateMismatch, SyntheticLog, TrialError, multisine, synthetic_log};
 
 /// Where identification runs start: x, y (m), at rest.
 const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -18,13 +17,13 @@ const LONGEST_THIRD: f64 = 5.0;
 /// The log of the move itself, of a multisine, of experiments 1 and 3, and, last, of a second multisine to measure the gain on.
 ///
 /// # Errors
-/// [`PlateError`] for settings without meaning, or where no multisine keeps the object on the plate.
-pub fn record_logs(moved: &MoveOnPlant, settings: &StorySettings) -> Result<Vec<PlateLog>, PlateError> {
+/// [`TrialError`] for settings without meaning, or where no multisine keeps the object on the plate.
+pub fn record_logs(moved: &MoveOnPlant, settings: &StorySettings) -> Result<Vec<SyntheticLog>, TrialError> {
     let (plant, seconds, seed) = (&settings.plant, settings.seconds, settings.seed);
     // Noise of each log, and the multisine of the held-out one, are drawn apart.
     let (noise, other) = (|k: u64| seed.wrapping_mul(4).wrapping_add(k), !seed);
     let run = |experiment: &Experiment, start: [f64; 6], seconds: f64, noise: u64| {
-        plate_log(experiment, start, seconds, &HiddenEffect::None, plant, noise)
+        synthetic_log(experiment, start, seconds, &PlateMismatch::None, plant, noise)
     };
     let third = [START[0], START_Y, 0.0, 0.0, 0.0, 0.0];
     let mut logs = vec![
@@ -36,13 +35,13 @@ pub fn record_logs(moved: &MoveOnPlant, settings: &StorySettings) -> Result<Vec<
     ];
     let names = ["closed loop", "multisine", "experiment 1", "experiment 3", "multisine, held out"];
     for (log, name) in logs.iter_mut().zip(names) {
-        name.clone_into(&mut log.name);
+        name.clone_into(&mut log.log.name);
     }
     Ok(logs)
 }
 
 /// The closed loop as the camera saw it.
-fn of_move(moved: &MoveOnPlant, settings: &StorySettings, seed: u64) -> PlateLog {
+fn of_move(moved: &MoveOnPlant, settings: &StorySettings, seed: u64) -> SyntheticLog {
     let every = (1.0 / (settings.plant.rate * RESOLUTION)).round().max(1.0) as usize;
     let inputs = &moved.run.closed_loop;
     let rows = moved.closed_loop.iter().enumerate().step_by(every).map(|(k, x)| {
@@ -57,18 +56,16 @@ fn of_move(moved: &MoveOnPlant, settings: &StorySettings, seed: u64) -> PlateLog
             tilt_rate: x[9],
             tilt_acceleration: u[1],
         };
-        (t, ([x[0], x[1], x[2]], plate))
+        (t, [x[0], x[1], x[2]], plate)
     });
-    let (times, moved_and_told): (Vec<f64>, Vec<_>) = rows.unzip();
-    let (poses, commands): (Vec<[f64; 3]>, Vec<PlateKinematics>) = moved_and_told.into_iter().unzip();
     let outcome = moved.stopped.unwrap_or(AreaOutcome::Finished);
-    PlateLog::measured("closed loop", times, &poses, &commands, outcome, &settings.plant, seed)
+    SyntheticLog::measured("closed loop", rows, outcome, &settings.plant, seed)
 }
 
 /// The logs as records of the model's diagnosis, with what was noticed about them.
-pub(super) fn records(logs: &[PlateLog], model: &System) -> Result<(Vec<Record>, Vec<Audit>), DiagnoseError> {
-    let read = |log: &PlateLog| {
-        Record::from_columns(&log.name, log.times.clone(), log.by_name(), model, &RecordSettings::default())
+pub(super) fn records(logs: &[SyntheticLog], model: &System) -> Result<(Vec<Record>, Vec<Audit>), DiagnoseError> {
+    let read = |SyntheticLog { log, .. }: &SyntheticLog| {
+        Record::from_columns(&log.name, log.t.clone(), log.by_name(), model, &RecordSettings::default())
     };
     let read: Result<Vec<(Record, Audit)>, DiagnoseError> = logs.iter().map(read).collect();
     Ok(read?.into_iter().unzip())

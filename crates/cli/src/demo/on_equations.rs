@@ -1,14 +1,13 @@
-//! Position and orientation together on the published equations, beside the published way of one after the other.
+//! Position and orientation together on the published equations, beside the published method of one after the other.
 
 use bracketry::mpc::{ControlProblem, SolveTimes, Timings};
-use bracketry::plate::{AmplitudeStep, Experiment, Shape, TwoStep, published, two_step};
+use bracketry::plate::{AmplitudeStep, Arrival, Experiment, Shape, TwoStep, plate_move, published, two_step};
 use bracketry::sim::Settings;
 
-use super::{StoryError, StoryEvent, StorySettings};
-use bracketry::report::{Arrival, plate_move};
+use super::settings::{StoryError, StoryEvent, StorySettings};
 use bracketry::report::{Controlled, control};
 
-/// Longest time of one stage of the two-step way (s).
+/// Longest time of one stage of the two-step method (s).
 const STAGE_LIMIT: f64 = 30.0;
 
 /// The reference move on the exact stick–slip plant of the published equations.
@@ -27,7 +26,7 @@ pub struct MoveOnEquations {
 }
 
 impl MoveOnEquations {
-    /// Runs both ways.
+    /// Runs both methods.
     pub(super) fn run(
         shape: &Shape,
         settings: &StorySettings,
@@ -38,18 +37,18 @@ impl MoveOnEquations {
         problem.samples += settings.rest_samples;
         watch(StoryEvent::Working("plan, then closed loop on exact stick–slip friction"));
         let together = control(&problem)?;
-        watch(StoryEvent::Working("the published two-step way on the same plant"));
-        let two = published_way(shape, settings.plant.mu, &problem)?;
-        let arrival = Arrival::of(&problem, &together);
+        watch(StoryEvent::Working("the published two-step method on the same plant"));
+        let two = published_method(shape, settings.plant.mu, &problem)?;
+        let arrival = Arrival::of(&problem, &together.recording.trajectory);
         Ok(Self { shape: shape.clone(), problem, together, arrival, two })
     }
 
-    /// When the last stage of the published way was stopped (s), if every stage met its target.
+    /// When the last stage of the published method was stopped (s), if every stage met its target.
     pub fn two_step_time(&self) -> Option<f64> {
         self.two.stages.iter().all(|s| s.met).then(|| self.two.stages.last().map_or(0.0, |s| s.to))
     }
 
-    /// Errors of x (m), y (m) and yaw (deg) at the end of the two-step way, whose stages go yaw, x, y.
+    /// Errors of x (m), y (m) and yaw (deg) at the end of the two-step method, whose stages go yaw, x, y.
     pub fn two_step_errors(&self) -> [Option<f64>; 3] {
         let error = |i: usize| self.two.final_errors.get(i).copied();
         [error(1), error(2), error(0).map(f64::to_degrees)]
@@ -73,8 +72,8 @@ impl MoveOnEquations {
 }
 
 /// First orientation, then x, then y, with the published inputs. The published torque turns clockwise, so the tilt of
-/// experiment 1 is turned round to aim at +90°.
-fn published_way(shape: &Shape, mu: f64, problem: &ControlProblem) -> Result<TwoStep, StoryError> {
+/// experiment 1 is flipped to aim at +90°.
+fn published_method(shape: &Shape, mu: f64, problem: &ControlProblem) -> Result<TwoStep, StoryError> {
     let along_x = Experiment::translation_x(3).with_amplitude_step(AmplitudeStep::Smooth);
     let stages = [Experiment::orientation().with_reversed_tilt(), along_x, Experiment::translation_y()];
     // x, y, phi, vx, vy, w: the affine model's states without those of the plate.

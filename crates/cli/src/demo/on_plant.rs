@@ -1,13 +1,12 @@
 //! A controller on the plant with contact over the whole footprint.
 
 use bracketry::mpc::{ControlProblem, ControlRun, Plant};
-use bracketry::plate::{AreaOutcome, HiddenEffect};
+use bracketry::plate::{AreaOutcome, Arrival, move_with};
 use bracketry::system::System;
 use serde::{Serialize, Serializer};
 
-use super::{StoryError, StorySettings};
-use bracketry::report::AreaLoopPlant;
-use bracketry::report::{Arrival, move_with};
+use super::settings::{StoryError, StorySettings};
+use bracketry_trials::PlateMismatch;
 
 /// The reference move on the plant with contact over the whole footprint, planned and corrected with some model of it. The
 /// controller measures the state of the plant exactly.
@@ -47,7 +46,7 @@ impl MoveOnPlant {
     pub fn run(name: &str, model: &System, settings: &StorySettings) -> Result<Self, StoryError> {
         let mut problem = move_with(model)?;
         problem.samples += settings.rest_samples;
-        let plant = || AreaLoopPlant::new(HiddenEffect::None, &settings.plant);
+        let plant = || PlateMismatch::None.loop_plant(&settings.plant);
         let mut looped = plant()?;
         let run = problem.run(&mut looped)?;
         let stopped = looped.stopped().copied();

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::figures::StoryAnimation;
-use super::{Story, text};
+use super::story::{Story, StoryAnimation};
+use super::text;
 use bracketry::report::html::{self, equations, escaped, heading, paragraph, table, verbatim};
 
 /// What each chapter does, in a sentence.

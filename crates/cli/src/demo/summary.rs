@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::Story;
+use super::story::Story;
 
 impl Story {
     /// The figures of all chapters as one JSON object. Lengths in m, angles in deg, times in s unless a name says otherwise.

@@ -2,9 +2,12 @@
 
 use std::fmt::{self, Write as _};
 
-use bracketry::plate::{AreaOutcome, PlateLog};
+use bracketry::plate::AreaOutcome;
+use bracketry_trials::SyntheticLog;
 
-use super::{MoveOnEquations, MoveOnPlant, Story};
+use super::on_equations::MoveOnEquations;
+use super::on_plant::MoveOnPlant;
+use super::story::Story;
 use bracketry::report::Diagnosis;
 
 pub(super) const FIRST: &str = "1. From the published equations to what the inputs reach\n";
@@ -133,12 +136,12 @@ fn ended(outcome: &AreaOutcome) -> String {
 }
 
 /// What was recorded.
-pub(super) fn of_logs(logs: &[PlateLog]) -> String {
+pub(super) fn of_logs(logs: &[SyntheticLog]) -> String {
     let mut out =
         "Logs of the true plant, the pose of the object with noise and the commanded motion of the plate:\n".to_owned();
-    for log in logs {
-        let end = log.times.last().copied().unwrap_or(0.0);
-        let _ = writeln!(out, "  {:<20} {end:.2} s, {} samples, {}", log.name, log.times.len(), ended(&log.outcome));
+    for SyntheticLog { log, outcome } in logs {
+        let end = log.t.last().copied().unwrap_or(0.0);
+        let _ = writeln!(out, "  {:<20} {end:.2} s, {} samples, {}", log.name, log.t.len(), ended(outcome));
     }
     out
 }

@@ -25,7 +25,8 @@ pub struct Command {
 
 impl Command {
     /// The motion of the plate with these accelerations from now on.
-    pub(crate) fn applied_to(self, plate: &PlateKinematics) -> PlateKinematics {
+    #[must_use]
+    pub fn applied_to(self, plate: &PlateKinematics) -> PlateKinematics {
         PlateKinematics {
             acceleration: self.displacement_acceleration,
             tilt_acceleration: self.tilt_acceleration,

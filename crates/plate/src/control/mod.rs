@@ -1,5 +1,6 @@
 //! Feedback control of the object's pose by the plate's motion: what controllers see, what they command, within what bounds.
 
+mod area_loop_plant;
 mod friction_bank;
 mod interface;
 mod limits;
@@ -7,12 +8,15 @@ mod move_problem;
 mod oscillation;
 mod planner;
 mod pose_controller;
+mod reference_move;
 mod replay;
 mod rounded_contact;
 mod settings;
 
+pub use area_loop_plant::{AreaLoopPlant, RESOLUTION};
 pub use interface::{Command, Measurement, PlateController};
 pub use limits::PlateLimits;
 pub use pose_controller::PoseController;
+pub use reference_move::{Arrival, MoveError, move_with, plate_move, target_of};
 pub use rounded_contact::RoundedContact;
 pub use settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};

@@ -9,6 +9,7 @@ mod two_step;
 mod velocity_field;
 
 pub use map::{Limits, Map, Summary, linspace, summarise};
+pub(crate) use protocol::REACHED;
 pub use protocol::{AmplitudeLaw, AmplitudeStep, Experiment};
 pub use run::Run;
 pub use sweep::sweep;

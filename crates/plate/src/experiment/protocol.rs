@@ -5,6 +5,9 @@ use bracketry_sim::Inputs;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
+/// Share of the distance to the target that counts as reached.
+pub(crate) const REACHED: f64 = 0.98;
+
 /// Amplitude of a period from the error `e = q − q_desired` at its start: `sgn(e)(offset + gain·|e|)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AmplitudeLaw {
@@ -170,7 +173,10 @@ impl Experiment {
     }
 
     /// Index of the coordinate among the states.
-    pub(crate) fn index(&self) -> Result<usize, PlateError> {
+    ///
+    /// # Errors
+    /// [`PlateError::NoState`] for a coordinate that is none of `x`, `y`, `phi`.
+    pub fn index(&self) -> Result<usize, PlateError> {
         STATES[..3]
             .iter()
             .position(|name| *name == self.coordinate)

@@ -1,14 +1,11 @@
 //! An experiment run on a plant.
 
 use super::held_amplitude::HeldAmplitude;
-use super::protocol::Experiment;
+use super::protocol::{Experiment, REACHED};
 use crate::plant::crossing;
 use crate::{Course, ModelPlant, Plant, PlateError};
 use bracketry_sim::{Outcome, Settings, Trajectory};
 use bracketry_system::System;
-
-/// Share of the distance to the target that counts as reached.
-const REACHED: f64 = 0.98;
 
 impl Experiment {
     /// Runs the experiment on a model in the form of differential equations from the state `x0`; see

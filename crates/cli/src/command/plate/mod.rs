@@ -5,7 +5,8 @@ mod files;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use bracketry::{PlateExperiment, PlateLog, PlateOptions, PlateReport};
+use bracketry::plate::{OptionValue, PlateExperiment, PlateLog, PlateOptions, PlateOutcome};
+use bracketry::report::plate;
 use clap::{Args, ValueEnum};
 
 use super::file_kind::{FileKind, Given};
@@ -101,30 +102,38 @@ impl PlateArgs {
         scenario.into_iter().chain(self.compare.iter().map(|path| Given::new(path, FileKind::Table))).collect()
     }
 
+    fn scenario(&self) -> anyhow::Result<PlateOptions> {
+        Ok(match self.what.as_deref().map(Path::new).filter(|what| is_file(what)) {
+            Some(path) => PlateOptions::read(path)?,
+            None => PlateOptions::default(),
+        })
+    }
+
+    /// The options that are given, numbers before texts.
     fn options(&self) -> anyhow::Result<PlateOptions> {
-        let (experiment, scenario) = match self.what.as_deref() {
-            Some(what) if is_file(Path::new(what)) => (None, PlateOptions::read(Path::new(what))?),
-            Some(number) => (Some(number.to_owned()), PlateOptions::default()),
-            None => (self.experiment.clone(), PlateOptions::default()),
-        };
-        let given = PlateOptions {
-            experiment,
-            omega: self.omega,
-            model: self.model.clone(),
-            shape: self.shape.clone(),
-            thickness: self.thickness,
-            mass: self.mass,
-            mu: self.mu,
-            friction: self.friction.clone(),
-            start: self.start.clone(),
-            seconds: self.seconds,
-            points: self.points,
-            dt: self.dt,
-            restitution: self.restitution,
-            jumps: self.jumps.clone(),
-            sample: self.sample,
-        };
-        Ok(given.or(scenario))
+        let number = self.what.as_ref().filter(|what| !is_file(Path::new(what)));
+        let numbers = [
+            ("omega", self.omega),
+            ("thickness", self.thickness),
+            ("mass", self.mass),
+            ("mu", self.mu),
+            ("seconds", self.seconds),
+            ("points", self.points),
+            ("dt", self.dt),
+            ("restitution", self.restitution),
+            ("sample", self.sample),
+        ];
+        let texts = [
+            ("experiment", number.or(self.experiment.as_ref())),
+            ("model", self.model.as_ref()),
+            ("shape", self.shape.as_ref()),
+            ("start", self.start.as_ref()),
+            ("jumps", self.jumps.as_ref()),
+            ("friction", self.friction.as_ref()),
+        ];
+        let numbers = numbers.into_iter().filter_map(|(name, v)| Some((name, OptionValue::Number(v?))));
+        let texts = texts.into_iter().filter_map(|(name, text)| Some((name, OptionValue::Text(text?.clone()))));
+        Ok(PlateOptions::from_values(numbers.chain(texts))?)
     }
 }
 
@@ -135,7 +144,7 @@ fn is_file(what: &Path) -> bool {
 
 /// Runs the experiment and writes what it gave.
 pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
-    let options = args.options()?;
+    let scenario = args.scenario()?;
     let log = args.compare.as_deref().map(PlateLog::read).transpose()?;
     if args.motion == MotionArg::Log && log.is_none() {
         anyhow::bail!("--motion log: there is no log; name one with --compare LOG.csv");
@@ -143,7 +152,7 @@ pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outco
     if args.gif && output.out.is_none() {
         anyhow::bail!("--gif: there is no folder for the GIF; name one with --out DIR");
     }
-    let setup = options.setup(log.as_ref())?;
+    let setup = args.options()?.or(scenario).setup(log.as_ref())?;
     let progress = spinner("on the plate");
     let end = setup.end();
     let ran = PlateExperiment::new(setup, log, args.motion == MotionArg::Log, |t| {
@@ -151,22 +160,21 @@ pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outco
         ControlFlow::Continue(())
     })?;
     progress.finish_and_clear();
-    let report = PlateReport::new(&ran);
     let mut written = Vec::new();
     if let Some(dir) = &output.out {
         folder(dir)?;
         let progress = spinner("drawing");
-        written = files::write_all(dir, &ran, &report, args.gif)?;
+        written = files::write_all(dir, &ran, args.gif)?;
         progress.finish_and_clear();
     }
     if output.json {
-        print(&json(&report)?)?;
+        print(&json(&plate::json(&ran))?)?;
     } else {
-        print(&report.to_string())?;
+        print(&plate::text(&ran))?;
         match &output.out {
             Some(dir) => line(&format!("written to {}: {}", dir.display(), written.join(", ")))?,
             None => line("(--out DIR writes trajectory and plots, with --gif an animation)")?,
         }
     }
-    Ok(if report.outcome == "reached" { Outcome::Done } else { Outcome::Negative })
+    Ok(if ran.outcome() == PlateOutcome::Reached { Outcome::Done } else { Outcome::Negative })
 }

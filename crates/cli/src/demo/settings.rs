@@ -1,0 +1,71 @@
+//! How the story is told, what is heard of it, and what can go wrong.
+
+use bracketry::diagnose::{DiagnoseError, Settings};
+use bracketry::mpc::MpcError;
+use bracketry::plate::{MoveError, PlateError};
+use bracketry::plot::PlotError;
+use bracketry::report::{AnalysisError, ControlError};
+use bracketry_trials::{RecordingSettings, TrialError};
+
+/// How the story is told.
+#[derive(Clone, Debug)]
+pub struct StorySettings {
+    /// The plant with contact over the whole footprint, and how it is recorded.
+    pub plant: RecordingSettings,
+    /// Length of the multisines and of experiment 1 (s); experiment 3 takes five seconds at most.
+    pub seconds: f64,
+    /// Seed of multisines and noise.
+    pub seed: u64,
+    /// Samples after the move in which object and plate must stay at rest.
+    pub rest_samples: usize,
+    /// How the logs are diagnosed.
+    pub diagnosis: Settings,
+}
+
+impl Default for StorySettings {
+    /// The reference disk with friction 0.3; logs of 8 s at 200 Hz with noise of 0.5 mm and 0.3°; up to six causes from windows of
+    /// 0.5 s; 0.6 s of rest.
+    fn default() -> Self {
+        let mut diagnosis = Settings { max_causes: 6, ..Settings::default() };
+        diagnosis.study.window = Some(0.5);
+        Self { plant: RecordingSettings::default(), seconds: 8.0, seed: 1_000_003, rest_samples: 30, diagnosis }
+    }
+}
+
+/// A story that cannot be told.
+#[derive(Debug, thiserror::Error)]
+pub enum StoryError {
+    /// The object or its friction.
+    #[error(transparent)]
+    Plate(#[from] PlateError),
+    /// The published model cannot be analysed.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// The logs.
+    #[error(transparent)]
+    Trial(#[from] TrialError),
+    /// The move cannot be set up.
+    #[error(transparent)]
+    Move(#[from] MoveError),
+    /// The closed loop on the published equations.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// The closed loop on the true plant.
+    #[error("the closed loop on the area-contact plant: {0}")]
+    Loop(#[from] MpcError),
+    /// The logs cannot be diagnosed.
+    #[error(transparent)]
+    Diagnose(#[from] DiagnoseError),
+    /// A figure or animation cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+}
+
+/// What is going on while the story is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StoryEvent<'a> {
+    /// Work that takes its time begins.
+    Working(&'a str),
+    /// A chapter, or a part of one, is done: its text.
+    Told(&'a str),
+}

@@ -1,0 +1,84 @@
+//! The chapters of the story, computed one after the other.
+
+use std::time::Instant;
+
+use bracketry::diagnose::diagnose;
+use bracketry::lie::Options;
+use bracketry::plate::{Object, published};
+use bracketry::report::{Diagnosis, analyze};
+
+use super::logs::{self, record_logs};
+use super::on_equations::MoveOnEquations;
+use super::on_plant::MoveOnPlant;
+use super::settings::{StoryError, StoryEvent, StorySettings};
+use super::story::Story;
+use super::text;
+
+impl Story {
+    /// Computes all chapters; `watch` hears of each as it is done.
+    ///
+    /// # Errors
+    /// [`StoryError`] if a chapter cannot be computed. A controller that misses its target, or a diagnosis that finds nothing, is a
+    /// result.
+    pub fn tell(settings: &StorySettings, watch: &mut dyn FnMut(StoryEvent<'_>)) -> Result<Self, StoryError> {
+        let clock = Instant::now();
+        let Object { shape, .. } = &settings.plant.object;
+        let model = published(shape, settings.plant.mu)?;
+
+        watch(StoryEvent::Told(text::FIRST));
+        watch(StoryEvent::Working("brackets and ranks"));
+        let analysis = analyze(&model, &Options::default())?;
+        watch(StoryEvent::Told(&analysis.to_string()));
+
+        watch(StoryEvent::Told(text::SECOND));
+        let on_equations = MoveOnEquations::run(shape, settings, watch)?;
+        watch(StoryEvent::Told(&on_equations.to_string()));
+
+        watch(StoryEvent::Told(text::THIRD));
+        watch(StoryEvent::Working("the same controller on the area-contact plant"));
+        let as_published = MoveOnPlant::run("published model", &model, settings)?;
+        watch(StoryEvent::Told(&as_published.to_string()));
+
+        watch(StoryEvent::Told(text::FOURTH));
+        watch(StoryEvent::Working("identification runs on the plant"));
+        let logs = record_logs(&as_published, settings)?;
+        watch(StoryEvent::Told(&text::of_logs(&logs)));
+        let (mut records, audits) = logs::records(&logs, &model)?;
+        let held_out: Vec<_> = records.pop().into_iter().collect();
+        let mut progress =
+            |stage: bracketry::diagnose::Stage| watch(StoryEvent::Working(&format!("diagnosis: {stage}")));
+        let mut report = diagnose(&model, &records, &held_out, &settings.diagnosis, &mut progress)?;
+        report.data = audits;
+        watch(StoryEvent::Told(&report.to_string()));
+
+        watch(StoryEvent::Told(text::FIFTH));
+        watch(StoryEvent::Working("what the extended model changes"));
+        let diagnosis = Diagnosis::new(&model, report);
+        let extended_model = diagnosis.report.evidence.model.as_ref().map(|m| &m.system);
+        let extended_analysis = extended_model.and_then(|m| analyze(m, &Options::default()).ok());
+        watch(StoryEvent::Told(&text::of_ranks(&diagnosis)));
+
+        watch(StoryEvent::Told(text::SIXTH));
+        let extended = match extended_model {
+            None => None,
+            Some(model) => {
+                watch(StoryEvent::Working("the extended model in control of the area-contact plant"));
+                Some(MoveOnPlant::run("extended model", model, settings)?)
+            }
+        };
+        let mut story = Self {
+            published: model,
+            analysis,
+            on_equations,
+            as_published,
+            logs,
+            diagnosis,
+            extended_analysis,
+            extended,
+            seconds: 0.0,
+        };
+        story.seconds = clock.elapsed().as_secs_f64();
+        watch(StoryEvent::Told(&story.ending()));
+        Ok(story)
+    }
+}

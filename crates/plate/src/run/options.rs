@@ -1,0 +1,265 @@
+//! What a run can be told, on the command line, in a scenario file or from Python, and the setup that it asks for.
+
+use std::path::Path;
+
+use bracketry_files::{Document, FileError};
+
+use super::option_values::{self as values, ExperimentKind, FrictionLaw, Problem, problem};
+use super::setup::{PlateModel, PlateSetup};
+use crate::{AmplitudeStep, Experiment, Friction, Object, PlateLog, Shape};
+
+/// Most rows of a result.
+const MAX_ROWS: f64 = 2e6;
+/// Most steps of a run.
+const MAX_STEPS: f64 = 2e7;
+
+/// What a run is told; what is absent has a default.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlateOptions {
+    /// The experiment.
+    pub experiment: Option<ExperimentKind>,
+    /// Frequency of experiment 2, ω in units of π.
+    pub omega: Option<u32>,
+    /// How object and plate touch.
+    pub model: Option<PlateModel>,
+    /// The outline of the object.
+    pub shape: Option<Shape>,
+    /// Thickness in metres.
+    pub thickness: Option<f64>,
+    /// Mass in kg.
+    pub mass: Option<f64>,
+    /// Friction coefficient of sliding.
+    pub mu: Option<f64>,
+    /// What the law of friction has beside the coefficient of sliding.
+    pub friction: Option<FrictionLaw>,
+    /// x, y (m) and yaw (rad), at rest.
+    pub start: Option<[f64; 3]>,
+    /// Duration in seconds.
+    pub seconds: Option<f64>,
+    /// Points of contact.
+    pub points: Option<usize>,
+    /// Time step in seconds.
+    pub dt: Option<f64>,
+    /// Restitution.
+    pub restitution: Option<f64>,
+    /// What happens where the amplitude changes.
+    pub jumps: Option<AmplitudeStep>,
+    /// Seconds between the rows of the result.
+    pub sample: Option<f64>,
+}
+
+/// The value of an option as it is given.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OptionValue {
+    /// Of `experiment`, `model`, `shape`, `friction`, `start` and `jumps`.
+    Text(String),
+    /// Of the others.
+    Number(f64),
+}
+
+impl From<String> for OptionValue {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<f64> for OptionValue {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+/// A run that cannot be set up: where the reason lies, what it is and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// A value without meaning.
+    #[error("{place}: {message}; {remedy}")]
+    Value {
+        /// The option, or place in the file.
+        place: String,
+        /// What is wrong.
+        message: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// A file.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// An error at an option of the command line.
+fn at_option(name: &str, (message, remedy): Problem) -> SetupError {
+    SetupError::Value { place: format!("--{name}"), message, remedy }
+}
+
+impl PlateOptions {
+    /// Options with numbers as values.
+    pub const NUMBERS: [&'static str; 9] =
+        ["omega", "thickness", "mass", "mu", "seconds", "points", "dt", "restitution", "sample"];
+    /// Options with texts as values: `experiment` 1, 2 or 3; `model`, see [`PlateModel`]; `shape` `disk:R`, `ellipse:AxB`
+    /// (semi-axes), `rectangle:AxB` (full sides) or `polygon:FILE.csv`, in metres; `start` `x,y,phi` in metres and radians, or
+    /// degrees with `deg`; `jumps` `world` or `smooth`; `friction` `coulomb`, `static:MU_S`, `stribeck:MU_S,V`,
+    /// `anisotropic:MU_Y` or `viscous:C`.
+    pub const TEXTS: [&'static str; 6] = ["experiment", "model", "shape", "start", "jumps", "friction"];
+
+    /// The options of these names and values; the first that has no meaning is told.
+    ///
+    /// # Errors
+    /// [`SetupError::Value`] with the option, what is wrong and what to do.
+    pub fn from_values<'a>(values: impl IntoIterator<Item = (&'a str, OptionValue)>) -> Result<Self, SetupError> {
+        let mut options = Self::default();
+        for (name, value) in values {
+            options.set(name, &value).map_err(|p| at_option(name, p))?;
+        }
+        Ok(options)
+    }
+
+    fn set(&mut self, name: &str, value: &OptionValue) -> Result<(), Problem> {
+        use OptionValue::{Number, Text};
+        match (name, value) {
+            ("experiment", Text(text)) => self.experiment = Some(values::experiment(text)?),
+            ("omega", Number(v)) => self.omega = Some(values::omega(*v)?),
+            ("model", Text(text)) => self.model = Some(values::model(text)?),
+            ("shape", Text(text)) => self.shape = Some(values::shape(text)?),
+            ("thickness", Number(v)) => self.thickness = Some(values::not_negative(name, *v, "m")?),
+            ("mass", Number(v)) => self.mass = Some(values::positive(name, *v, "kg")?),
+            ("mu", Number(v)) => self.mu = Some(values::not_negative(name, *v, "")?),
+            ("friction", Text(text)) => self.friction = Some(values::friction(text)?),
+            ("start", Text(text)) => self.start = Some(values::start(text)?),
+            ("seconds", Number(v)) => self.seconds = Some(values::positive(name, *v, "s")?),
+            ("points", Number(v)) => self.points = Some(values::points(*v)?),
+            ("dt", Number(v)) => self.dt = Some(values::step(*v)?),
+            ("restitution", Number(v)) => self.restitution = Some(values::restitution(*v)?),
+            ("jumps", Text(text)) => self.jumps = Some(values::amplitude_step(text)?),
+            ("sample", Number(v)) => self.sample = Some(values::sample(*v)?),
+            _ => {
+                let known = Self::TEXTS.into_iter().chain(Self::NUMBERS).collect::<Vec<_>>().join(", ");
+                return Err(problem(format!("there is no such option `{name}`"), format!("give one of {known}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a scenario file: a table with the options by name; numbers as numbers, the others as texts (`experiment` may
+    /// be a number).
+    ///
+    /// # Errors
+    /// [`SetupError`] with place and remedy.
+    pub fn read(path: &Path) -> Result<Self, SetupError> {
+        Self::from_document(&Document::read(path)?, path.parent())
+    }
+
+    fn from_document(doc: &Document, folder: Option<&Path>) -> Result<Self, SetupError> {
+        let table = doc.table()?;
+        let known: Vec<&str> = Self::TEXTS.into_iter().chain(Self::NUMBERS).collect();
+        doc.only_keys(&table, &known, "a plate scenario")?;
+        let mut given = Vec::new();
+        for name in Self::NUMBERS {
+            given.extend(doc.number(&table, name)?.map(|v| (name, OptionValue::Number(v))));
+        }
+        for name in Self::TEXTS {
+            let number = name == "experiment" && table.get(name).is_some_and(|v| v.get_ref().as_integer().is_some());
+            let text =
+                if number { doc.number(&table, name)?.map(|v| v.to_string()) } else { doc.string(&table, name)? };
+            given.extend(text.map(|text| (name, OptionValue::Text(beside(folder, name, text)))));
+        }
+        let mut options = Self::default();
+        for (key, value) in &table {
+            let name: &str = key.get_ref();
+            let set = given.iter().find(|(n, _)| *n == name).map_or(Ok(()), |(_, value)| options.set(name, value));
+            set.map_err(|(message, remedy)| doc.error(value.span(), message, remedy))?;
+        }
+        if let (Err((message, remedy)), Some(law)) = (options.friction(), table.get("friction")) {
+            return Err(doc.error(law.span(), message, remedy).into());
+        }
+        Ok(options)
+    }
+
+    /// These options where they are given, `others` where not.
+    #[must_use]
+    pub fn or(self, others: Self) -> Self {
+        Self {
+            experiment: self.experiment.or(others.experiment),
+            omega: self.omega.or(others.omega),
+            model: self.model.or(others.model),
+            shape: self.shape.or(others.shape),
+            thickness: self.thickness.or(others.thickness),
+            mass: self.mass.or(others.mass),
+            mu: self.mu.or(others.mu),
+            friction: self.friction.or(others.friction),
+            start: self.start.or(others.start),
+            seconds: self.seconds.or(others.seconds),
+            points: self.points.or(others.points),
+            dt: self.dt.or(others.dt),
+            restitution: self.restitution.or(others.restitution),
+            jumps: self.jumps.or(others.jumps),
+            sample: self.sample.or(others.sample),
+        }
+    }
+
+    /// The setup that these options ask for. A log gives duration and start where they are not given.
+    ///
+    /// # Errors
+    /// [`SetupError::Value`] with the option, what is wrong and what to do.
+    pub fn setup(&self, log: Option<&PlateLog>) -> Result<PlateSetup, SetupError> {
+        let friction = self.friction().map_err(|p| at_option("friction", p))?;
+        let experiment = self.experiment().with_amplitude_step(self.jumps.unwrap_or_default());
+        let start = self.start.or(log.map(|l| [l.x[0], l.y[0], l.phi[0]])).unwrap_or(match experiment.coordinate {
+            "x" => [experiment.start, 0.0, 0.0],
+            "y" => [0.3, experiment.start, 0.0],
+            _ => [0.3, 0.0, experiment.start],
+        });
+        let from = log.map_or(0.0, |l| l.t[0]);
+        let seconds = self.seconds.or(log.map(|l| l.t[l.t.len() - 1] - from)).unwrap_or(15.0);
+        let (sample, dt) = (self.sample.unwrap_or(2e-3), self.dt.unwrap_or(5e-4));
+        if seconds / dt > MAX_STEPS {
+            let message = format!("more than {MAX_STEPS:.0} steps would be taken");
+            return Err(at_option("dt", problem(message, "enlarge --dt or shorten --seconds")));
+        }
+        if seconds / sample > MAX_ROWS {
+            let message = format!("more than {MAX_ROWS:.0} rows would be written");
+            return Err(at_option("seconds", problem(message, "enlarge --sample")));
+        }
+        Ok(PlateSetup {
+            experiment,
+            model: self.model.unwrap_or(PlateModel::Area),
+            object: Object {
+                shape: self.shape.clone().unwrap_or(Shape::REFERENCE_DISK),
+                height: 0.5 * self.thickness.unwrap_or(0.005),
+                mass: self.mass.unwrap_or(0.2),
+            },
+            friction,
+            start,
+            from,
+            seconds,
+            points: self.points.unwrap_or(48),
+            dt,
+            restitution: self.restitution.unwrap_or(0.0),
+            sample,
+        })
+    }
+
+    fn experiment(&self) -> Experiment {
+        match self.experiment.unwrap_or(ExperimentKind::Orientation) {
+            ExperimentKind::Orientation => Experiment::orientation(),
+            ExperimentKind::TranslationX => Experiment::translation_x(self.omega.unwrap_or(3)),
+            ExperimentKind::TranslationY => Experiment::translation_y(),
+        }
+    }
+
+    fn friction(&self) -> Result<Friction, Problem> {
+        let law = self.friction.unwrap_or(FrictionLaw::Coulomb).sliding_at(self.mu.unwrap_or(0.3));
+        law.validate().map_err(|e| problem(e.to_string(), "correct --mu or --friction"))?;
+        Ok(law)
+    }
+}
+
+/// The text of an option of a scenario file; the file of a polygon lies beside the scenario.
+fn beside(folder: Option<&Path>, name: &str, text: String) -> String {
+    match (text.strip_prefix("polygon:"), folder) {
+        (Some(file), Some(folder)) if name == "shape" && Path::new(file).is_relative() => {
+            format!("polygon:{}", folder.join(file).display())
+        }
+        _ => text,
+    }
+}

@@ -1,0 +1,11 @@
+//! A run on the vibrating plate as text, JSON, table and figures.
+
+mod figures;
+mod json;
+mod table;
+mod text;
+
+pub use figures::{animation, comparison_figure, motion_figure, outline, plan_view_figure};
+pub use json::json;
+pub use table::{csv_columns, csv_rows};
+pub use text::text;

@@ -1,0 +1,194 @@
+//! A run on the plate in words.
+
+use std::fmt::{self, Write as _};
+
+use bracketry_plate::{
+    AmplitudeStep, AreaOutcome, Assumption, Comparison, Friction, PlateExperiment, PlateModel, PlateOutcome, PlateRun,
+    PlateSetup, PlateStop, Shape,
+};
+use bracketry_system::counted;
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+/// The report of a run for a reader.
+pub fn text(ran: &PlateExperiment) -> String {
+    let mut out = String::new();
+    // Writing into a string cannot fail.
+    let _ = setup(&mut out, ran);
+    let _ = result(&mut out, ran);
+    let _ = contact(&mut out, &ran.run);
+    let _ = ran.comparison.as_ref().map_or(Ok(()), |c| comparison(&mut out, c));
+    out
+}
+
+fn setup(out: &mut String, ran: &PlateExperiment) -> fmt::Result {
+    let setup = &ran.setup;
+    let motion = if ran.driven_by_log { "log" } else { "formula" };
+    let (name, model) = (&setup.experiment.name, setup.model.name());
+    writeln!(out, "Experiment {name}, model {model}, plate driven by the {motion}")?;
+    let object = &setup.object;
+    writeln!(out, "  object      {}; {} m thick, {} kg", shape(&object.shape), 2.0 * object.height, object.mass)?;
+    writeln!(out, "  friction    {}", friction(&setup.friction))?;
+    let [x, y, phi] = setup.start;
+    writeln!(out, "  start       x {} m, y {} m, φ {:.2}°", round(x), round(y), phi * DEGREES)?;
+    writeln!(out, "  numerics    {}", numerics(setup))?;
+    for said in ran.assumptions() {
+        writeln!(out, "  assumed     {}", assumption(said))?;
+    }
+    Ok(())
+}
+
+fn numerics(setup: &PlateSetup) -> String {
+    match setup.model {
+        PlateModel::Area => format!("{} points, steps of {} s", setup.points, setup.dt),
+        PlateModel::Body => format!("steps of {} s, restitution {}", setup.dt, setup.restitution),
+        PlateModel::Published | PlateModel::Point | PlateModel::Reduced => "events located, adaptive steps".to_owned(),
+    }
+}
+
+fn result(out: &mut String, ran: &PlateExperiment) -> fmt::Result {
+    let (setup, run) = (&ran.setup, &ran.run);
+    let (unit, scale) = if setup.coordinate() == 2 { ("°", DEGREES) } else { (" mm", 1e3) };
+    let goal = format!("{} = {:.1}{unit}", setup.experiment.coordinate, setup.experiment.target * scale);
+    match run.reached {
+        Some(t) => writeln!(out, "  target      {goal} reached after {t:.3} s")?,
+        None => writeln!(out, "  target      {goal} not reached")?,
+    }
+    if let Some(stop) = &run.stopped {
+        writeln!(out, "  outcome     {}", stopped(stop))?;
+    }
+    if ran.outcome() == PlateOutcome::NotFlat {
+        writeln!(out, "  outcome     the object does not lie flat at the end: it tips, has toppled or flies")?;
+    }
+    let last = &run.rows[run.rows.len() - 1];
+    let units = [1e3, 1e3, DEGREES];
+    let [x, y, phi]: [f64; 3] = std::array::from_fn(|k| without_sign(last.state[k] * units[k]));
+    writeln!(out, "  final       x {x:.2} mm, y {y:.2} mm, φ {phi:.2}° at t = {:.3} s", last.t)?;
+    let [x, y, phi]: [f64; 3] = std::array::from_fn(|k| without_sign((last.state[k] - setup.start[k]) * units[k]));
+    writeln!(out, "  moved       x {x:+.2} mm, y {y:+.2} mm, φ {phi:+.2}°")
+}
+
+fn contact(out: &mut String, run: &PlateRun) -> fmt::Result {
+    let events = run.events.map_or(String::new(), |n| format!("{}, ", counted(n, "event", "events")));
+    let gap = run.largest_gap();
+    writeln!(
+        out,
+        "  contact     {events}{:.0} % sticking on average, normal force at least {:.3} N{}",
+        100.0 * run.stick_share(),
+        run.least_normal_force(),
+        if gap > 1e-6 { format!(", gap up to {:.3} mm", 1e3 * gap) } else { String::new() }
+    )?;
+    if !run.jumps.is_empty() {
+        writeln!(out, "  plate       jumped {} under the object", counted(run.jumps.len(), "time", "times"))?;
+    }
+    if let Some(closure) = run.energy_closure {
+        writeln!(
+            out,
+            "  energy      balance of the stepped equations closes to {closure:.1e} of the energy exchanged"
+        )?;
+    }
+    let simulated = run.rows[run.rows.len() - 1].t - run.rows[0].t;
+    let factor = two_digits(simulated / run.wall_seconds.max(1e-9));
+    writeln!(out, "  speed       {:.3} s, {factor} times real time", run.wall_seconds)
+}
+
+fn comparison(out: &mut String, c: &Comparison) -> fmt::Result {
+    writeln!(out, "  compared    with {} from {} to {} s, {} rows (run − log):", c.log, c.from, c.to, c.rows)?;
+    let percent = c.phi_percent.map_or(String::new(), |p| format!(" ({p:+.2} % of the turn)"));
+    for (name, unit, d, note) in
+        [("x", "mm", &c.x_mm, ""), ("y", "mm", &c.y_mm, ""), ("φ", "°", &c.phi_deg, percent.as_str())]
+    {
+        writeln!(
+            out,
+            "    {name}  rms {:.3} {unit}, largest {:+.3} {unit}, at the end {:+.3} {unit}{note}",
+            d.rms, d.largest, d.at_end
+        )?;
+    }
+    Ok(())
+}
+
+/// What is assumed, in a sentence.
+pub(super) fn assumption(assumption: Assumption) -> &'static str {
+    match assumption {
+        Assumption::LoggedMotion => {
+            "the plate moves as in the log, smoothed by its own noise; where it jumps, the object stays in the world"
+        }
+        Assumption::TimeConstant => "tau = 1 s; the inputs begin with the run",
+        Assumption::HeldAmplitude => {
+            "the amplitude follows e = q - q_desired, read at the start of each period and held over it"
+        }
+        Assumption::AmplitudeStep(AmplitudeStep::WorldFixed) => {
+            "where the amplitude changes the plate jumps and the object stays in the world: x' and x lose the jump"
+        }
+        Assumption::AmplitudeStep(AmplitudeStep::Smooth) => {
+            "where the amplitude changes the plate goes on without the jump"
+        }
+        Assumption::StartAtRest => "the object starts at rest on the plate",
+        Assumption::TimeToTarget => "time to target: first time at 98 % of the way",
+    }
+}
+
+/// Why a run ended early, in a sentence.
+pub(super) fn stopped(stop: &PlateStop) -> String {
+    match stop {
+        PlateStop::NoLoad { t } => format!(
+            "lift-off by t = {t:.3} s: the normal force became negative, which this model cannot follow; take --model body"
+        ),
+        PlateStop::Departed(outcome) => format!("the object {}; --model body goes on from there", departed(outcome)),
+        PlateStop::Overturned { t } => {
+            format!("the object has overturned and lies on its upper face at t = {t:.6} s")
+        }
+        PlateStop::StepLimit { t } => format!("too many steps of the free body at t = {t:.6} s"),
+        PlateStop::NotFinite { t } => format!("numbers out of range at t = {t:.6} s"),
+        PlateStop::Rocking { t } => format!("the object rocks faster than can be followed at t = {t:.6} s"),
+        PlateStop::Integration { t, reason } => format!("stopped at t = {t:.6} s: {reason}"),
+        PlateStop::Cancelled { t } => format!("broken off at t = {t:.3} s"),
+    }
+}
+
+fn departed(outcome: &AreaOutcome) -> String {
+    match outcome {
+        AreaOutcome::LiftOff { t } => format!("lifts off at t = {t:.6} s: the plate would have to pull"),
+        AreaOutcome::Tipping { t, .. } => format!("tips at t = {t:.6} s: the centre of pressure reaches the rim"),
+        AreaOutcome::Finished | AreaOutcome::NotFinite { .. } => outcome.to_string(),
+    }
+}
+
+fn shape(shape: &Shape) -> String {
+    match shape {
+        Shape::Disk { radius } => format!("disk, radius {}", round(*radius)),
+        Shape::Ellipse { a, b } => format!("ellipse, semi_axes [{a:?},{b:?}]"),
+        Shape::Rectangle { a, b } => format!("rectangle, sides [{:?},{:?}]", 2.0 * a, 2.0 * b),
+        Shape::Polygon { vertices } => format!("polygon, {} vertices, area {}", vertices.len(), round(shape.area())),
+    }
+}
+
+fn friction(law: &Friction) -> String {
+    let (name, numbers): (&str, Vec<(&str, f64)>) = match *law {
+        Friction::Coulomb { mu } => ("coulomb", vec![("mu", mu)]),
+        Friction::StaticLevel { mu, mu_static } => ("static", vec![("mu", mu), ("mu_static", mu_static)]),
+        Friction::Stribeck { mu, mu_static, velocity } => {
+            ("stribeck", vec![("mu", mu), ("mu_static", mu_static), ("velocity", velocity)])
+        }
+        Friction::Anisotropic { mu_along, mu_across } => {
+            ("anisotropic", vec![("mu_along", mu_along), ("mu_across", mu_across)])
+        }
+        Friction::Viscous { mu, coefficient } => ("viscous", vec![("mu", mu), ("coefficient", coefficient)]),
+    };
+    numbers.into_iter().fold(name.to_owned(), |text, (name, value)| format!("{text}, {name} {}", round(value)))
+}
+
+/// Two significant digits, whole numbers from 10 on.
+fn two_digits(v: f64) -> String {
+    if v >= 9.95 { format!("{v:.0}") } else { format!("{}", format!("{v:.1e}").parse::<f64>().unwrap_or(v)) }
+}
+
+/// A number that is printed with two decimals, without the sign that would be left of a small one: −0.00.
+fn without_sign(v: f64) -> f64 {
+    if v.abs() < 0.005 { 0.0 } else { v }
+}
+
+/// At most six significant digits.
+fn round(v: f64) -> f64 {
+    format!("{v:.5e}").parse().unwrap_or(v)
+}

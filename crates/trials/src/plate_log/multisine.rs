@@ -1,0 +1,86 @@
+//! A plate motion of many frequencies.
+
+use super::mismatch::PlateMismatch;
+use super::recording::RecordingSettings;
+use super::synthetic_log::{SyntheticLog, synthetic_log};
+use crate::TrialError;
+use crate::random::{Random, seed_of};
+use bracketry_plate::{AmplitudeStep, Experiment, ExpressionMotion, PlateMotion};
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+/// Sines in each of displacement and tilt.
+const SINES: usize = 4;
+/// Least and greatest frequency in Hz.
+const FREQUENCIES: [f64; 2] = [1.2, 3.2];
+/// Greatest displacement in m.
+const STROKE: f64 = 0.095;
+/// Greatest tilt in degrees.
+const TILT: f64 = 18.0;
+/// How far the object may move away from where it starts, in m.
+const REACH: f64 = 0.12;
+/// Motions that are tried with the greatest displacement and tilt; each later one is smaller by a constant ratio.
+const FULL_TRIES: u64 = 150;
+/// Motions that are tried in all, and the part of the greatest motion that the last of them has.
+const TRIES: u64 = 250;
+const SMALLEST: f64 = 0.4;
+
+/// A multisine in displacement and tilt, of four frequencies each between 1.2 and 3.2 Hz with equal amplitudes of
+/// acceleration, random phases, faded in over half a second; at most 95 mm and 18°.
+///
+/// Phases are drawn until the object as it is believed to be stays within 0.12 m of where it starts, on the plate and
+/// without tipping; where the greatest motions let it slip away every time, smaller ones are tried.
+///
+/// # Errors
+/// [`TrialError::NoMultisine`] if no such motion is found; [`TrialError`] for settings without meaning.
+pub fn multisine(
+    start: [f64; 6],
+    duration: f64,
+    settings: &RecordingSettings,
+    seed: u64,
+) -> Result<Experiment, TrialError> {
+    let area = settings.area.clone().with_step(4e-3).with_points(16);
+    let silent = RecordingSettings { position_noise: 0.0, angle_noise: 0.0, area, ..settings.clone() };
+    for index in 0..TRIES {
+        let mut random = Random::new(seed_of(seed, index));
+        let smaller = index.saturating_sub(FULL_TRIES) as f64 / (TRIES - FULL_TRIES - 1) as f64;
+        let part = SMALLEST.powf(smaller);
+        let displacement = sines(&mut random, part * STROKE, duration)?;
+        let tilt = sines(&mut random, part * TILT.to_radians(), duration)?;
+        let experiment = Experiment {
+            name: "multisine".into(),
+            coordinate: "x",
+            start: start[0],
+            target: start[0],
+            period: duration,
+            displacement,
+            tilt,
+            law: None,
+            step: AmplitudeStep::Smooth,
+        };
+        let SyntheticLog { log, outcome } =
+            synthetic_log(&experiment, start, duration, &PlateMismatch::None, &silent, 0)?;
+        let stays = |values: &[f64], from: f64| values.iter().all(|value| (value - from).abs() <= REACH);
+        if outcome.is_finished() && stays(&log.x, start[0]) && stays(&log.y, start[1]) {
+            return Ok(experiment);
+        }
+    }
+    Err(TrialError::NoMultisine { tries: TRIES })
+}
+
+/// The sum of sines as an expression of `t`, scaled to its greatest value.
+fn sines(random: &mut Random, greatest: f64, duration: f64) -> Result<String, TrialError> {
+    let step = (FREQUENCIES[1] - FREQUENCIES[0]) / SINES as f64;
+    let mut sum = String::new();
+    for k in 0..SINES {
+        let low = FREQUENCIES[0] + k as f64 * step;
+        let omega = TAU * random.between([low, low + step]);
+        let phase = random.between([0.0, TAU]);
+        let _ = write!(sum, "{}{}*sin({omega}*t + {phase})", if k == 0 { "" } else { " + " }, 1.0 / (omega * omega));
+    }
+    let faded = |factor: f64| format!("{factor}*({sum})*(1 - exp(-8*(t - t0)^2))");
+    let mut motion = ExpressionMotion::new(&faded(1.0), "0", &[("t0", 0.0)])?;
+    let samples = (duration * 500.0).ceil() as u32;
+    let peak = (0..=samples).map(|i| motion.at(f64::from(i) / 500.0).displacement.abs()).fold(0.0, f64::max);
+    Ok(faded(greatest / peak))
+}
