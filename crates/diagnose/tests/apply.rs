@@ -60,7 +60,7 @@ fn at(system: &System, values: &[(&str, f64)]) -> Vec<f64> {
         .iter()
         .map(|s| values.iter().find(|(n, _)| *n == system.symbol_name(*s)).map_or(0.0, |v| v.1))
         .collect();
-    let mut out = vec![0.0; dynamics.len()];
+    let mut out = vec![0.0; system.dynamics.len()];
     tape.eval(&x, &mut Vec::new(), &mut out);
     out
 }

@@ -202,13 +202,6 @@ impl Pool {
         if node.operands().all(|o| image(o) == o) {
             return e;
         }
-        match node {
-            Node::Num(_) | Node::Pi | Node::Sym(_) => e,
-            Node::Add(a, b) => self.add(image(a), image(b)),
-            Node::Mul(a, b) => self.mul(image(a), image(b)),
-            Node::Pow(a, b) => self.pow(image(a), image(b)),
-            Node::Call(f, a) => self.call(f, image(a)),
-            Node::Call2(f, a, b) => self.call2(f, image(a), image(b)),
-        }
+        self.make(node.with_operands(image))
     }
 }

@@ -99,7 +99,7 @@ impl SwitchedForm {
 
 impl System {
     /// The switch that a static level is of: the index of a sign, or, after the signs, of a unit vector.
-    pub fn switch_of(&mut self, form: &SwitchedForm, level: &StaticLevel) -> Option<usize> {
+    pub fn switch_of(&self, form: &SwitchedForm, level: &StaticLevel) -> Option<usize> {
         let signs = form.signs().len();
         if let [surface] = level.components[..] {
             return (0..signs).find(|&i| {
@@ -113,12 +113,15 @@ impl System {
         vector.map(|v| signs + v)
     }
 
-    fn equal_but_for_sign(&mut self, a: Expr, b: Expr) -> bool {
+    fn equal_but_for_sign(&self, a: Expr, b: Expr) -> bool {
         if a == b {
             return true;
         }
-        let (difference, sum) = (self.pool.sub(a, b), self.pool.add(a, b));
-        let (difference, sum) = (self.pool.simplify(difference), self.pool.simplify(sum));
-        self.pool.is_zero(difference) || self.pool.is_zero(sum)
+        let (mut pool, both) = self.pool.extract(&[a, b]);
+        let (difference, sum) = (pool.sub(both[0], both[1]), pool.add(both[0], both[1]));
+        [difference, sum].into_iter().any(|e| {
+            let simple = pool.simplify(e);
+            pool.is_zero(simple)
+        })
     }
 }

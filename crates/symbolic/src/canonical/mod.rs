@@ -161,10 +161,7 @@ fn reordered(pool: &mut Pool, e: Expr) -> Expr {
                 let (a, b) = pair(a, b);
                 Node::Mul(a, b)
             }
-            Node::Pow(a, b) => Node::Pow(image[&a], image[&b]),
-            Node::Call(f, a) => Node::Call(f, image[&a]),
-            Node::Call2(f, a, b) => Node::Call2(f, image[&a], image[&b]),
-            leaf => leaf,
+            other => other.with_operands(|o| image[&o]),
         };
         let made = pool.intern(node);
         image.insert(n, made);
