@@ -75,7 +75,7 @@ pub struct StaticLevel {
 /// Where inputs have delays, u stands for the delayed input u(t − d), in the equations and in everything said about them.
 ///
 /// Definitions are expanded; parameters stay symbols with exact values.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct System {
     /// Name of the model.
     pub name: String,
