@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
-use crate::range::flattened;
+use crate::images::flattened;
 use crate::system::System;
 
 /// Each old input that is found, with its function of the new inputs and the states, such that w of them is the new

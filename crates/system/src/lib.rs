@@ -7,6 +7,7 @@ mod candidate;
 mod constants;
 mod feedback;
 mod hull;
+mod images;
 mod input_change;
 mod input_delay;
 mod interval;

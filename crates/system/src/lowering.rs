@@ -9,7 +9,8 @@ use bracketry_symbolic::{Expr, Func, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::candidate::NewState;
-use crate::input_change::{Checks, Rejection, canonical, fresh, is_switch, without_switches};
+use crate::input_change::{Checks, Rejection, canonical, fresh, without_switches};
+use crate::switching::is_switch;
 use crate::system::{InputDerivative, System};
 
 /// Terms of the Lie series after which it is taken not to end.

@@ -68,6 +68,11 @@ impl SwitchedForm {
     }
 }
 
+/// Whether a node is a switch: `sign`, `abs`, `min` or `max`.
+pub(crate) fn is_switch(node: Node) -> bool {
+    matches!(node, Node::Call(Func::Sign | Func::Abs, _) | Node::Call2(Func2::Min | Func2::Max, ..))
+}
+
 /// Fixed signs of all switching functions.
 #[derive(Clone, Debug)]
 pub struct Mode {

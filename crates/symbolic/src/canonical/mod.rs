@@ -3,6 +3,7 @@
 //! The pool itself keeps sums and products binary, which preserves sharing. This
 //! pass flattens them, merges what is alike, and orders the rest for reading.
 
+mod forms;
 mod order;
 mod product;
 mod sum;
@@ -15,8 +16,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::func::{Func, Func2};
 use crate::pool::{Expr, Node, Pool};
 use crate::text::terms;
-use product::{Product, scale};
-use sum::Sum;
+use forms::{Product, Sum};
+use product::scale;
 
 /// Terms beyond which [`Pool::expand`] keeps a factor.
 const MAX_TERMS: usize = 1000;

@@ -5,21 +5,15 @@ use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
 
+use super::forms::{Product, Sum};
 use super::order::compare_factors;
-use super::sum::{Sum, has_sum, join, nodes};
+use super::sum::{has_sum, join, nodes};
 use crate::func::Func;
 use crate::pool::{Expr, Node, Pool};
 use crate::text::terms;
 
 /// Numbers are raised to powers up to this size; beyond it they stay symbolic.
 const MAX_EXPONENT: i64 = 256;
-
-/// `coefficient · Π base^exponent`
-#[derive(Clone)]
-pub(super) struct Product {
-    pub(super) coefficient: RBig,
-    powers: FxHashMap<Expr, RBig>,
-}
 
 /// `k` as a small integer.
 fn small(k: &RBig) -> Option<i64> {

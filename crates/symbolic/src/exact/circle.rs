@@ -4,30 +4,13 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::field::{Residue, gcd};
 use super::linear::combination;
-use super::lower::{FRACTION_BOUND, Lowering, Stop};
+use super::lowering::{FRACTION_BOUND, Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use crate::func::{Func, Func2};
 use crate::pool::{Expr, Node, Symbol};
 
 /// Cosine and sine in the field.
 type Point<const C: u64> = (Residue<C>, Residue<C>);
-
-/// A register of an angle, and those of the cosine and sine of the D-th part of it (none for an inverse function).
-struct Angle {
-    value: Reg,
-    point: Option<(Reg, Reg)>,
-    parts: u64,
-}
-
-/// Angles met so far that are no rational combinations of each other and π.
-#[derive(Default)]
-pub(super) struct Circle {
-    basis: Vec<Angle>,
-    /// The indeterminates on which the basis depends.
-    symbols: FxHashSet<Symbol>,
-    points: FxHashMap<Expr, (Reg, Reg)>,
-    inverse: Option<(Func, Vec<Expr>, Reg)>,
-}
 
 /// Larger multiples of a base angle are refused.
 pub(super) const MAX_MULTIPLE: u64 = 1 << 32;
