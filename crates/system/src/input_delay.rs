@@ -46,7 +46,7 @@ pub(crate) fn read_input_delays(doc: &Document, table: &Table<'_>, system: &mut 
 impl Candidate {
     /// Writes the delays of new inputs, and of inputs that stay, into the candidate's system: integrators and functions of
     /// inputs alone commute with a delay, functions of the state do not.
-    pub(crate) fn carry_delays(&mut self, original: &System) {
+    pub(crate) fn transfer_delays(&mut self, original: &System) {
         let Some(system) = self.system.as_mut().filter(|_| self.method != Method::None) else { return };
         if original.input_delays.is_empty() {
             return;

@@ -7,7 +7,7 @@ use bracketry_system::{Builder, ModelError, System};
 fn same(built: &System, text: &str) {
     let read = System::parse(&built.name, text).unwrap();
     assert_eq!(built.to_toml().unwrap(), read.to_toml().unwrap());
-    assert_eq!(format!("{:?}", built), format!("{:?}", read));
+    assert_eq!(format!("{built:?}"), format!("{read:?}"));
     assert_eq!((&built.states, &built.inputs, &built.parameters), (&read.states, &read.inputs, &read.parameters));
     assert_eq!((&built.input_ranges, &built.input_derivatives), (&read.input_ranges, &read.input_derivatives));
     let printed = |s: &System| -> Vec<(String, String)> {
@@ -157,17 +157,42 @@ fn what_is_wrong_is_named_with_its_remedy() {
         (refused(|b| b.dynamics(b.formula("u"), 1)), "surplus equation: `u` is not a state"),
         (refused(|b| b.dynamics(b.formula("x"), 1)), "surplus equation: `x` has one already"),
         (refused(|b| b.dynamics(b.formula("2*x"), 1)), "surplus equation: `2*x` is not a state"),
-        (refused(|b| drop(b.state("u"))), "state `u` is already declared as a input"),
-        (refused(|b| drop(b.parameter("pi", 3))), "`pi` is reserved"),
-        (refused(|b| drop(b.input("2u"))), "`2u` is not a name"),
-        (refused(|b| drop(b.parameter("m", f64::NAN))), "NaN is not a number of a model"),
+        (
+            refused(|b| {
+                b.state("u");
+            }),
+            "state `u` is already declared as a input",
+        ),
+        (
+            refused(|b| {
+                b.parameter("pi", 3);
+            }),
+            "`pi` is reserved",
+        ),
+        (
+            refused(|b| {
+                b.input("2u");
+            }),
+            "`2u` is not a name",
+        ),
+        (
+            refused(|b| {
+                b.parameter("m", f64::NAN);
+            }),
+            "NaN is not a number of a model",
+        ),
         (refused(|b| b.range(b.parameter("m", 3), ..=2.0)), "parameter `m` lies outside its own min…max"),
         (refused(|b| b.range(b.formula("u"), 1.0..=1.0)), "the range of `u` holds no more than one value"),
         (refused(|b| b.range(b.formula("x"), 0.0..)), "`x` is neither an input nor a parameter"),
         (refused(|b| b.point(b.formula("x"), b.formula("u"))), "the value of `x` at the point is not constant"),
         (refused(|b| b.delay(b.formula("u"), -1)), "the delay of `u` is no time that can pass"),
         (refused(|b| b.static_level([b.formula("x")], 2)), "no dry friction acts on `x`"),
-        (refused(|b| drop(b.derivative(b.formula("x"), 1))), "`x` is not an input with a derivative of order 1"),
+        (
+            refused(|b| {
+                b.derivative(b.formula("x"), 1);
+            }),
+            "`x` is not an input with a derivative of order 1",
+        ),
         (refused(|b| b.output("o", b.formula("x +"))), "`x +`: the expression ends too early"),
     ] {
         assert_eq!(error.message, message);

@@ -41,7 +41,7 @@ impl Pool {
     /// makes terms cancel, the [trigonometric](Pool::trig_form) or [exponential](Pool::exp_form) normal form taken
     /// where it is shorter, and everything in an order that depends on names only.
     ///
-    /// The result has at most as many distinct nodes, equals `e` wherever `e` has a value (cancelled factors may
+    /// The result has at most as many distinct nodes, equals `e` wherever `e` has a value (canceled factors may
     /// give it one elsewhere), and is left as it is by another call.
     ///
     /// ```

@@ -121,12 +121,12 @@ impl Product {
         self.settle(pool);
     }
 
-    /// Looks again into bases whose exponents have become integers.
+    /// Expands bases whose exponents have become integers.
     fn settle(&mut self, pool: &mut Pool) {
         loop {
             let open = self.powers.iter().find_map(|(&b, k)| {
                 let even = small(k).is_some_and(|k| k % 2 == 0);
-                let again = match pool.node(b) {
+                let changed = match pool.node(b) {
                     Node::Num(_) => pool.number(b).is_some_and(|c| number_power(c, k).is_some()),
                     Node::Mul(..) => k.is_int(),
                     Node::Pow(_, c) => k.is_int() && pool.number(c).is_some(),
@@ -134,7 +134,7 @@ impl Product {
                     Node::Call(Func::Abs, _) => even,
                     _ => false,
                 };
-                again.then(|| (b, k.clone()))
+                changed.then(|| (b, k.clone()))
             });
             let Some((b, k)) = open else { return };
             self.powers.remove(&b);

@@ -5,7 +5,6 @@ use std::collections::HashSet;
 use dashu_base::{BitTest, Gcd, UnsignedAbs};
 use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
-use rustc_hash::FxHashMap;
 
 use super::forms::{Product, Sum};
 use super::order::TermKey;

@@ -6,7 +6,6 @@
 //! of order ℓ of their arguments, which turn products into sums modulo ℓ.
 
 use dashu_ratio::RBig;
-use rustc_hash::FxHashMap;
 
 use super::circle::MAX_MULTIPLE;
 use super::constants::factors;

@@ -18,7 +18,7 @@ const TRIAL_SEED: u64 = 0x7269_616c;
 
 /// Why lowering stopped.
 pub(super) enum Stop {
-    /// A generator must be a power of a finer one, which is noted; begin again.
+    /// A generator must be a power of a finer one, which is noted; the lowering is restarted.
     Restart,
     /// The field lacks a constant; another prime may have it.
     OtherPrime(Undecided),

@@ -121,7 +121,7 @@ pub enum Undecided {
     Kernel {
         /// The sub-expression.
         text: String,
-        /// What stands in the way.
+        /// The reason.
         reason: &'static str,
     },
     /// A denominator vanishes at every point tried.

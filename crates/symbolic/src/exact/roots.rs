@@ -1,7 +1,6 @@
 //! Roots of degree 2^K: which radicands are squares times products of others is read off their quadratic characters.
 
 use dashu_ratio::RBig;
-use rustc_hash::FxHashMap;
 
 use super::constants::factors;
 use super::field::Residue;
