@@ -52,15 +52,13 @@ fn term(text: &str) -> Effect {
 
 /// Right-hand sides at named values; the rest is 0.
 fn at(system: &System, values: &[(&str, f64)]) -> Vec<f64> {
-    let mut system = system.clone();
     let arguments = system.arguments();
-    let dynamics = system.dynamics.clone();
-    let tape = system.compile(&arguments, &dynamics).unwrap();
+    let tape = system.compile(&arguments, &system.dynamics).unwrap();
     let x: Vec<f64> = arguments
         .iter()
         .map(|s| values.iter().find(|(n, _)| *n == system.symbol_name(*s)).map_or(0.0, |v| v.1))
         .collect();
-    let mut out = vec![0.0; dynamics.len()];
+    let mut out = vec![0.0; system.dynamics.len()];
     tape.eval(&x, &mut Vec::new(), &mut out);
     out
 }

@@ -28,11 +28,8 @@ fn record(system: &System) -> Record {
 }
 
 fn right_hand_side(system: &System, at: &[f64]) -> Vec<f64> {
-    let mut system = system.clone();
-    let arguments = system.arguments();
-    let dynamics = system.dynamics.clone();
-    let tape = system.compile(&arguments, &dynamics).unwrap();
-    let mut out = vec![0.0; dynamics.len()];
+    let tape = system.compile(&system.arguments(), &system.dynamics).unwrap();
+    let mut out = vec![0.0; system.dynamics.len()];
     tape.eval(at, &mut Vec::new(), &mut out);
     out
 }

@@ -9,7 +9,7 @@ use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module, ModuleError, default_libcall_names};
 
-use crate::function::NativeError;
+use crate::error::NativeError;
 use crate::lower::{ChunkWriter, Plan};
 use crate::math::CALLEES;
 

@@ -4,9 +4,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use bracketry_symbolic::Tape;
-use cranelift_module::ModuleError;
 
 use crate::code::Code;
+use crate::error::NativeError;
 
 /// Below this number of instructions the tape is evaluated as it is.
 const MIN_COMPILED: usize = 8;
@@ -21,34 +21,6 @@ pub enum Backend {
     Tape,
     /// Machine code for the host.
     Native,
-}
-
-/// A tape that cannot be compiled to machine code. [`Backend::Tape`] evaluates it all the same.
-#[derive(Debug, thiserror::Error)]
-pub enum NativeError {
-    /// No code can be generated for this processor.
-    #[error("no machine code for this host: {reason}")]
-    Host {
-        /// What is missing.
-        reason: &'static str,
-    },
-    /// The tape has more registers or results than machine code can address.
-    #[error("a tape with {length} registers or results is beyond the limit of {limit} for machine code")]
-    TooLong {
-        /// Registers or results of the tape, whichever is more.
-        length: usize,
-        /// The most that can be addressed.
-        limit: usize,
-    },
-    /// Code generation or the allocation of its memory failed.
-    #[error("code generation failed")]
-    Codegen(#[from] Box<ModuleError>),
-}
-
-impl From<ModuleError> for NativeError {
-    fn from(e: ModuleError) -> Self {
-        NativeError::Codegen(Box::new(e))
-    }
 }
 
 /// Scratch memory of [`Function::call`]; one per thread, shared by any number of functions.

@@ -23,8 +23,10 @@
 // Owning and entering machine code cannot be expressed in safe Rust; nothing else in the crate needs `unsafe`.
 #[allow(unsafe_code)]
 mod code;
+mod error;
 mod function;
 mod lower;
 mod math;
 
-pub use function::{Backend, Function, NativeError, Workspace};
+pub use error::NativeError;
+pub use function::{Backend, Function, Workspace};

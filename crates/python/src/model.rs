@@ -168,12 +168,8 @@ impl Model {
 
     /// Time derivatives of the states at every row of arguments: states, inputs, derivatives of inputs.
     fn rates<'py>(&self, py: Python<'py>, rows: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let tape = compiled(&self.rates, || {
-            let mut system = self.system.clone();
-            let arguments = system.arguments();
-            let rates = system.dynamics.clone();
-            Ok(system.compile(&arguments, &rates)?)
-        })?;
+        let tape =
+            compiled(&self.rates, || Ok(self.system.compile(&self.system.arguments(), &self.system.dynamics)?))?;
         evaluate(py, tape, &rows)
     }
 
@@ -184,10 +180,8 @@ impl Model {
         rows: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let tape = compiled(&self.outputs, || {
-            let mut system = self.system.clone();
-            let arguments = system.arguments();
-            let outputs: Vec<_> = system.outputs.iter().map(|(_, e)| *e).collect();
-            Ok(system.compile(&arguments, &outputs)?)
+            let outputs: Vec<_> = self.system.outputs.iter().map(|(_, e)| *e).collect();
+            Ok(self.system.compile(&self.system.arguments(), &outputs)?)
         })?;
         evaluate(py, tape, &rows)
     }

@@ -1,4 +1,4 @@
-//! Giving memory back before the pool is dropped.
+//! Keeping only what is needed of a pool: by giving memory back, or in a pool of its own.
 
 use crate::pool::{Expr, Pool};
 
@@ -44,5 +44,39 @@ impl Pool {
                 *e = Expr(new[i]);
             }
         }
+    }
+
+    /// A pool of its own for these expressions, with the same [`Symbol`](crate::Symbol)s and nothing else, and the
+    /// expressions in it: a place for work on them that leaves nothing behind here.
+    ///
+    /// ```
+    /// use bracketry_symbolic::Pool;
+    /// let mut p = Pool::new();
+    /// let (e, x) = (p.parse("x*sin(y)").unwrap(), p.symbol("x"));
+    /// let (mut scratch, roots) = p.extract(&[e]);
+    /// let slope = scratch.diff(roots[0], x);
+    /// assert_eq!(scratch.text(slope), "sin(y)");
+    /// ```
+    pub fn extract(&self, roots: &[Expr]) -> (Pool, Vec<Expr>) {
+        let nodes = self.reachable(roots);
+        let mut pool = Pool::new();
+        pool.set_stop_flag(self.stop_flag().clone());
+        for name in self.names() {
+            pool.symbol(name);
+        }
+        let mut made: Vec<Expr> = Vec::with_capacity(nodes.len());
+        // Ascending ids: operands stand before their users, and equal order of ids keeps the order of operands.
+        let at = |e: Expr| nodes.binary_search(&e).unwrap_or_default();
+        for &n in &nodes {
+            let e = if let Some(value) = self.number(n) {
+                pool.rational(value.clone())
+            } else {
+                let node = self.node(n).with_operands(|o| made[at(o)]);
+                pool.intern(node)
+            };
+            made.push(e);
+        }
+        let roots = roots.iter().map(|&r| made[at(r)]).collect();
+        (pool, roots)
     }
 }

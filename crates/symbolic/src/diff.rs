@@ -181,7 +181,7 @@ impl Pool {
         total
     }
 
-    /// Replaces whole sub-expressions at once (no replacement is looked into again).
+    /// Replaces whole sub-expressions at once (replacements are not searched).
     pub fn substitute(&mut self, e: Expr, map: &FxHashMap<Expr, Expr>) -> Expr {
         self.substitute_all(&[e], map)[0]
     }
@@ -196,19 +196,12 @@ impl Pool {
         roots.iter().map(|e| new[e]).collect()
     }
 
-    /// The node of `e` made again from the images of its operands.
+    /// The node of `e` rebuilt from the images of its operands.
     pub fn rebuild(&mut self, e: Expr, image: impl Fn(Expr) -> Expr) -> Expr {
         let node = self.node(e);
         if node.operands().all(|o| image(o) == o) {
             return e;
         }
-        match node {
-            Node::Num(_) | Node::Pi | Node::Sym(_) => e,
-            Node::Add(a, b) => self.add(image(a), image(b)),
-            Node::Mul(a, b) => self.mul(image(a), image(b)),
-            Node::Pow(a, b) => self.pow(image(a), image(b)),
-            Node::Call(f, a) => self.call(f, image(a)),
-            Node::Call2(f, a, b) => self.call2(f, image(a), image(b)),
-        }
+        self.make(node.with_operands(image))
     }
 }

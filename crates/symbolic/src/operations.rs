@@ -21,6 +21,18 @@ impl Pool {
         }
     }
 
+    /// What a node stands for, by the local rules.
+    pub(crate) fn make(&mut self, node: Node) -> Expr {
+        match node {
+            Node::Num(_) | Node::Pi | Node::Sym(_) => self.intern(node),
+            Node::Add(a, b) => self.add(a, b),
+            Node::Mul(a, b) => self.mul(a, b),
+            Node::Pow(a, b) => self.pow(a, b),
+            Node::Call(f, a) => self.call(f, a),
+            Node::Call2(f, a, b) => self.call2(f, a, b),
+        }
+    }
+
     /// `a + b`
     pub fn add(&mut self, a: Expr, b: Expr) -> Expr {
         let (a, b) = self.ordered(a, b);

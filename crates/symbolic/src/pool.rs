@@ -61,6 +61,18 @@ impl Node {
         };
         a.into_iter().chain(b)
     }
+
+    /// The same node of other operands.
+    pub(crate) fn with_operands(self, mut new: impl FnMut(Expr) -> Expr) -> Node {
+        match self {
+            Node::Num(_) | Node::Pi | Node::Sym(_) => self,
+            Node::Add(a, b) => Node::Add(new(a), new(b)),
+            Node::Mul(a, b) => Node::Mul(new(a), new(b)),
+            Node::Pow(a, b) => Node::Pow(new(a), new(b)),
+            Node::Call(f, a) => Node::Call(f, new(a)),
+            Node::Call2(f, a, b) => Node::Call2(f, new(a), new(b)),
+        }
+    }
 }
 
 /// The numbers 0, 1 and −1 come first in every pool.
@@ -192,15 +204,7 @@ impl Pool {
         let moved = |e: Expr, new: &[u32]| e.index().checked_sub(from).map_or(e, |i| Expr(new[i]));
         let mut next = from;
         for (i, _) in keep.iter().enumerate().filter(|(_, kept)| **kept) {
-            let node = self.nodes[from + i];
-            self.nodes[next] = match node {
-                Node::Num(_) | Node::Pi | Node::Sym(_) => node,
-                Node::Add(a, b) => Node::Add(moved(a, &new), moved(b, &new)),
-                Node::Mul(a, b) => Node::Mul(moved(a, &new), moved(b, &new)),
-                Node::Pow(a, b) => Node::Pow(moved(a, &new), moved(b, &new)),
-                Node::Call(f, a) => Node::Call(f, moved(a, &new)),
-                Node::Call2(f, a, b) => Node::Call2(f, moved(a, &new), moved(b, &new)),
-            };
+            self.nodes[next] = self.nodes[from + i].with_operands(|o| moved(o, &new));
             self.masks[next] = self.masks[from + i];
             new[i] = next as u32;
             next += 1;
@@ -260,6 +264,11 @@ impl Pool {
     /// Name of an indeterminate.
     pub fn name(&self, s: Symbol) -> &str {
         &self.names[s.0 as usize]
+    }
+
+    /// The names of all indeterminates, in the order in which they were made.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// The expression that is the indeterminate `s`.

@@ -162,14 +162,7 @@ impl Pool {
         if let Some(e) = self.find(node) {
             return e;
         }
-        let made = match node {
-            Node::Num(_) | Node::Pi | Node::Sym(_) => return self.intern(node),
-            Node::Add(a, b) => self.add(a, b),
-            Node::Mul(a, b) => self.mul(a, b),
-            Node::Pow(a, b) => self.pow(a, b),
-            Node::Call(f, a) => self.call(f, a),
-            Node::Call2(f, a, b) => self.call2(f, a, b),
-        };
+        let made = self.make(node);
         // Canonical sums and products order their operands for reading, not by age.
         match (node, self.node(made)) {
             (Node::Add(a, b), Node::Add(x, y)) | (Node::Mul(a, b), Node::Mul(x, y)) if (a, b) == (y, x) => {

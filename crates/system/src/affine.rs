@@ -33,16 +33,16 @@ pub struct Affinization {
     pub input_change: Vec<NewInput>,
     /// New states that replace old ones.
     pub coordinate_change: Vec<NewState>,
-    /// For new inputs and a model with a point: whether the old inputs reach a whole neighbourhood of the new
+    /// For new inputs and a model with a point: whether the old inputs reach a whole neighborhood of the new
     /// ones' values there because the Jacobian of w has full rank. If not, see [`Affinization::interior_at_point`].
     pub regular_at_point: Option<bool>,
     /// For new inputs and a model with a point: whether the values of the new inputs there are interior to the convex
     /// hull of all values that they take together; `None` where that was not established (or nothing was changed).
-    /// Unless it is `Some(true)`, conclusions from small inputs of both signs do not carry over from the affine system
+    /// Unless it is `Some(true)`, conclusions from small inputs of both signs do not transfer from the affine system
     /// to the original one.
     pub interior_at_point: Option<bool>,
     /// For new inputs and a model with a point: whether they take, together, all values near those at the point, so that any
-    /// small feedback of them can be realised; `None` where that was not established (or nothing was changed).
+    /// small feedback of them can be realized; `None` where that was not established (or nothing was changed).
     pub covers_at_point: Option<bool>,
     /// The affine system.
     pub system: System,
@@ -162,8 +162,8 @@ impl System {
     pub fn affinize(&self) -> Result<Affinization, AffineError> {
         let (mut chosen, mut others) = self.search()?;
         for candidate in std::iter::once(&mut chosen).chain(&mut others) {
-            candidate.carry_ranges(self);
-            candidate.carry_delays(self);
+            candidate.transfer_ranges(self);
+            candidate.transfer_delays(self);
         }
         let system = match chosen.system.clone() {
             Some(system) => system,

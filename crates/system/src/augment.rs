@@ -91,15 +91,7 @@ pub(crate) fn augment(original: &System, arguments: &Arguments, extra: &[bool], 
     candidate.added_states = system.states.len() - original.states.len();
     candidate.integrators = integrators;
     if any_taken {
-        candidate.input_change = (0..old_inputs.len())
-            .filter(|&i| taken[i])
-            .map(|i| {
-                let function = system.pool.sym(arguments.highest[i].1);
-                let name = system.input_names()[i].clone();
-                let at_point = if system.point.is_some() { AtPoint::Interior } else { AtPoint::Unknown };
-                NewInput { name, function, range: None, values: Range::Onto, at_point }
-            })
-            .collect();
+        candidate.input_change = derivatives_as_inputs(&mut system, arguments, taken);
         candidate.independent_ranges = Some(true);
         candidate.why = taken_reason(original, arguments, taken);
     } else {
@@ -107,6 +99,19 @@ pub(crate) fn augment(original: &System, arguments: &Arguments, extra: &[bool], 
     }
     candidate.system = Some(system);
     candidate
+}
+
+/// The highest derivatives that become inputs.
+fn derivatives_as_inputs(system: &mut System, arguments: &Arguments, taken: &[bool]) -> Vec<NewInput> {
+    let at_point = if system.point.is_some() { AtPoint::Interior } else { AtPoint::Unknown };
+    let names = system.input_names();
+    let taken = names.into_iter().zip(&arguments.highest).zip(taken).filter(|(_, taken)| **taken);
+    taken
+        .map(|((name, highest), _)| {
+            let function = system.pool.sym(highest.1);
+            NewInput { name, function, range: None, values: Range::Onto, at_point }
+        })
+        .collect()
 }
 
 fn taken_reason(original: &System, arguments: &Arguments, taken: &[bool]) -> String {

@@ -67,7 +67,7 @@ pub struct NewState {
     pub inverse: String,
 }
 
-/// One way of making a system affine, tried and either found right or rejected.
+/// A candidate for making a system affine, accepted or rejected.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// What is done.
@@ -98,7 +98,7 @@ pub struct Candidate {
     /// (Krener), so that the affine system is small-time locally controllable with V if it is with co V.
     pub interior_at_point: Option<bool>,
     /// For new inputs and a model with a point: whether they take, together, all values near those at the point, so that any
-    /// small feedback of them can be realised; `None` where that was not established.
+    /// small feedback of them can be realized; `None` where that was not established.
     pub covers_at_point: Option<bool>,
     /// Whether the new inputs take their values independently of each other; `None` where that was not established.
     pub independent_ranges: Option<bool>,
@@ -139,7 +139,7 @@ impl Candidate {
 
     /// Writes the ranges of new inputs, and of inputs that stay, into the candidate's system. Which values new inputs take
     /// where old ones have ranges of their own is not followed.
-    pub(crate) fn carry_ranges(&mut self, original: &System) {
+    pub(crate) fn transfer_ranges(&mut self, original: &System) {
         let Some(system) = self.system.as_mut().filter(|_| self.method != Method::None) else { return };
         let stays = |r: &&InputRange| system.inputs.contains(&r.input);
         let mut ranges: Vec<InputRange> = original.input_ranges.iter().filter(stays).cloned().collect();
@@ -204,7 +204,7 @@ impl Serialize for Candidate {
         }
         s.serialize_field("states", &system.state_names())?;
         s.serialize_field("inputs", &system.input_names())?;
-        // How sure it is that the way there and back gives the original.
+        // How certain it is that the inverse restores the original.
         let certificate = self.certificate.map_or_else(|| "identical".to_owned(), |c| c.to_string());
         s.serialize_field("certificate", &certificate)?;
         s.end()

@@ -3,8 +3,9 @@
 use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
-use crate::input_change::{Change, Checks, Rejection, canonical, is_switch, rows, without_switches};
-use crate::range::flattened;
+use crate::images::flattened;
+use crate::input_change::{Change, Checks, Rejection, canonical, rows, without_switches};
+use crate::switching::is_switch;
 use crate::system::System;
 
 /// More functions than this are not solved for.

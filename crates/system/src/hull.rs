@@ -36,8 +36,8 @@ pub(crate) fn surrounds_point(system: &System, functions: &[Expr], inputs: &[Sym
     let mut points = Vec::new();
     for distance in DISTANCES {
         for k in 0..2 * SAMPLES {
-            let around = if k % 2 == 0 { 1.0 } else { 0.0 };
-            let u: Vec<f64> = at.iter().map(|&a| around * a + distance * uniform()).collect();
+            let scale = if k % 2 == 0 { 1.0 } else { 0.0 };
+            let u: Vec<f64> = at.iter().map(|&a| scale * a + distance * uniform()).collect();
             if let Some(v) = value(&u) {
                 points.push(v.iter().zip(&center).map(|(a, b)| a - b).collect::<Vec<f64>>());
             }
@@ -46,7 +46,7 @@ pub(crate) fn surrounds_point(system: &System, functions: &[Expr], inputs: &[Sym
     surrounds_origin(&points)
 }
 
-/// Whether the convex hull of the points holds a neighbourhood of the origin.
+/// Whether the convex hull of the points holds a neighborhood of the origin.
 fn surrounds_origin(points: &[Vec<f64>]) -> bool {
     let Some(n) = points.first().map(Vec::len) else { return false };
     // Every direction on its own scale, so that the polytope is not flat.

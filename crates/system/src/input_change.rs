@@ -1,12 +1,13 @@
 //! New inputs v = w(u) or v = w(x, u): completion of a change that was found, with its certificate.
 
-use bracketry_symbolic::{Bindings, Certificate, Expr, Func, Func2, Node, Pool, Symbol, Undecided, ZeroTest};
+use bracketry_symbolic::{Bindings, Certificate, Expr, Func, Node, Pool, Symbol, Undecided, ZeroTest};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::candidate::{AtPoint, Candidate, Method, NewInput};
 use crate::hull::surrounds_point;
+use crate::images::{flattened, number};
 use crate::inverse::inverse;
-use crate::range::{Range, flattened, image, number, range};
+use crate::range::{Range, image, range};
 use crate::singular::singular_set;
 use crate::system::System;
 
@@ -68,10 +69,6 @@ pub(crate) fn without_switches(system: &System, expressions: &[Expr]) -> (System
 /// Simplified, so that equal arguments of switching functions are one expression.
 pub(crate) fn canonical(pool: &mut Pool, expressions: Vec<Expr>) -> Vec<Expr> {
     expressions.into_iter().map(|e| pool.simplify(e)).collect()
-}
-
-pub(crate) fn is_switch(node: Node) -> bool {
-    matches!(node, Node::Call(Func::Sign | Func::Abs, _) | Node::Call2(Func2::Min | Func2::Max, ..))
 }
 
 /// The equations, then the outputs.

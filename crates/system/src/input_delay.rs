@@ -37,10 +37,7 @@ pub(crate) fn read_input_delays(doc: &Document, table: &Table<'_>, system: &mut 
             return Err(doc.error(key.span(), format!("`{name}` is no input"), remedy));
         };
         let delay = doc.expression(value, name, &mut system.pool, &mut names)?;
-        if system.value(delay).is_none_or(|d| d < 0.0 || !d.is_finite()) {
-            let message = format!("the delay of `{name}` is no time that can pass");
-            return Err(doc.error(value.span(), message, "give seconds, at least 0"));
-        }
+        system.check_delay(name, delay).map_err(|e| e.at(doc, value.span()))?;
         system.input_delays.push(InputDelay { input: system.inputs[input], delay });
     }
     Ok(())
@@ -49,7 +46,7 @@ pub(crate) fn read_input_delays(doc: &Document, table: &Table<'_>, system: &mut 
 impl Candidate {
     /// Writes the delays of new inputs, and of inputs that stay, into the candidate's system: integrators and functions of
     /// inputs alone commute with a delay, functions of the state do not.
-    pub(crate) fn carry_delays(&mut self, original: &System) {
+    pub(crate) fn transfer_delays(&mut self, original: &System) {
         let Some(system) = self.system.as_mut().filter(|_| self.method != Method::None) else { return };
         if original.input_delays.is_empty() {
             return;

@@ -245,7 +245,7 @@ impl Interval {
                 if b - a > PI && !close(b - a, PI) {
                     return Some(Self::all());
                 }
-                // Between two neighbouring poles only.
+                // Between two neighboring poles only.
                 if turns(a) != turns(b) || close(a / PI - 0.5, (a / PI - 0.5).round()) {
                     return None;
                 }

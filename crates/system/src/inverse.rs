@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
-use crate::range::flattened;
+use crate::images::flattened;
 use crate::system::System;
 
 /// Each old input that is found, with its function of the new inputs and the states, such that w of them is the new
@@ -58,8 +58,8 @@ fn holds(system: &System, functions: &[Expr], new: &[Symbol], k: usize, solution
     }
     let forward: FxHashMap<Expr, Expr> =
         new.iter().map(|&s| check.pool.sym(s)).zip(functions.iter().copied()).collect();
-    let around = check.pool.substitute(simple, &forward);
-    let values = check.with_values(&[around, functions[k]]);
+    let round_trip = check.pool.substitute(simple, &forward);
+    let values = check.with_values(&[round_trip, functions[k]]);
     let arguments: Vec<Symbol> = check.states.iter().chain(&check.inputs).copied().collect();
     let Ok(tape) = Tape::compile(&check.pool, &arguments, &values) else { return false };
     let mut seen = 0;

@@ -9,7 +9,8 @@ use bracketry_symbolic::{Expr, Func, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::candidate::NewState;
-use crate::input_change::{Checks, Rejection, canonical, fresh, is_switch, without_switches};
+use crate::input_change::{Checks, Rejection, canonical, fresh, without_switches};
+use crate::switching::is_switch;
 use crate::system::{InputDerivative, System};
 
 /// Terms of the Lie series after which it is taken not to end.
@@ -99,95 +100,28 @@ pub(crate) fn lowered(
     let mut system = original.clone();
     let top = derivative_symbol(&mut system, input, order);
     let below = derivative_symbol(&mut system, input, order - 1);
-    let name = system.pool.name(top).to_owned();
     let chain: Vec<(Symbol, Symbol)> = (0..order)
         .map(|k| (derivative_symbol(&mut system, input, k), derivative_symbol(&mut system, input, k + 1)))
         .collect();
-    let allowed: Vec<Symbol> = system
-        .states
-        .iter()
-        .copied()
-        .chain(chain.iter().map(|c| c.0))
-        .chain(system.parameters.iter().map(|p| p.symbol))
-        .collect();
-    let states = system.states.clone();
-    let f = system.dynamics.clone();
-    let pool = &mut system.pool;
-    let outputs: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
-    if outputs.iter().any(|&e| pool.depends_on(e, top)) {
-        return Err(no(format!("an output depends on {name}")));
-    }
-    let all = pool.reachable(&f);
-    if all.into_iter().any(|n| is_switch(pool.node(n)) && pool.depends_on(n, top)) {
-        return Err(no(format!("a switching function depends on {name}")));
-    }
-    let mut b = Vec::with_capacity(f.len());
-    for &e in &f {
-        let d = pool.diff(e, top);
-        b.push(pool.simplify(d));
-    }
-    if pool.reachable(&b).iter().any(|&n| is_switch(pool.node(n))) {
-        return Err(no(format!("the coefficient of {name} jumps with the sign of a switching function")));
-    }
-    if let Some(&s) = pool.symbols_of(&b).iter().find(|s| !allowed.contains(s)) {
-        return Err(no(if s == top {
-            format!("{name} enters nonlinearly")
-        } else {
-            format!("the coefficient of {name} depends on {}", pool.name(s))
-        }));
-    }
-
-    // T and X, states named z_… once.
-    let s = pool.sym(below);
-    let mut z = Vec::new();
-    let (mut forward, mut back) = (Vec::new(), FxHashMap::default());
-    let mut to_new: FxHashMap<Expr, Expr> = FxHashMap::default();
-    let mut flows = Vec::new();
-    for &x in &states {
-        let e = pool.sym(x);
-        let flow = flow(pool, &states, &b, below, e, checks)?
-            .ok_or_else(|| no(format!("the states that are free of {name} were not found in closed form")))?;
-        let unchanged = matches!(&flow, Flow::Series(terms) if terms.len() == 1) || !before.old.contains(&x);
-        let new = if unchanged { x } else { fresh(pool, &format!("z_{}", pool.name(x).to_owned())) };
-        let new_expr = pool.sym(new);
-        to_new.insert(e, new_expr);
-        z.push(new);
-        flows.push(flow);
-    }
-    let zero = pool.int(0);
-    let start: FxHashMap<Expr, Expr> = to_new.iter().map(|(&a, &b)| (a, b)).chain([(s, zero)]).collect();
-    for (flow, &x) in flows.iter().zip(&states) {
-        let (x, minus) = (pool.sym(x), pool.neg(s));
-        let (t, old) = match flow {
-            Flow::Series(terms) => {
-                let at_start = pool.substitute_all(terms, &start);
-                (weighted(pool, terms, minus), weighted(pool, &at_start, s))
-            }
-            Flow::Exponential(c) => {
-                let (down, up) = (pool.mul(*c, minus), pool.mul(*c, s));
-                let (down, up) = (pool.call(Func::Exp, down), pool.call(Func::Exp, up));
-                (pool.mul(x, down), pool.mul(to_new[&x], up))
-            }
-        };
-        forward.push(t);
-        back.insert(x, old);
-    }
+    let b = coefficients(&mut system, top, &chain)?;
+    let NewStates { z, forward, back } = new_states(&mut system, before, &b, [top, below], checks)?;
 
     // z' = ∂T/∂x f + Σ ∂T/∂u^(j) u^(j+1), free of the highest derivative.
+    let (states, f) = (system.states.clone(), system.dynamics.clone());
     let mut dynamics = Vec::new();
     for &t in &forward {
-        let rate = total_derivative(pool, t, &states, &f, &chain);
+        let rate = total_derivative(&mut system.pool, t, &states, &f, &chain);
         dynamics.push(rate);
     }
     let (mut probe, smooth) = without_switches(&system, &dynamics);
     for &e in &smooth {
         let d = probe.pool.diff(e, top);
         if !checks.is_zero(&mut probe.pool, d)? {
-            return Err(no(format!("{name} does not cancel")));
+            return Err(no(format!("{} does not cancel", system.pool.name(top))));
         }
     }
     let pool = &mut system.pool;
-    let top_expr = pool.sym(top);
+    let (top_expr, zero) = (pool.sym(top), pool.int(0));
     let mut map = back.clone();
     map.insert(top_expr, zero);
     let dynamics = pool.substitute_all(&dynamics, &map);
@@ -211,6 +145,93 @@ pub(crate) fn lowered(
     let transformation = before.then(&mut system.pool, z.clone(), &forward, &back);
     replace_states(&mut system, &z, dynamics, &forward, &back, top);
     Ok((system, transformation))
+}
+
+/// The coefficients b of u^(k) in the equations, which may depend on states, parameters and lower derivatives of u only.
+fn coefficients(system: &mut System, top: Symbol, chain: &[(Symbol, Symbol)]) -> Result<Vec<Expr>, Rejection> {
+    let parameters = system.parameters.iter().map(|p| p.symbol);
+    let allowed: Vec<Symbol> =
+        system.states.iter().copied().chain(chain.iter().map(|c| c.0)).chain(parameters).collect();
+    let pool = &mut system.pool;
+    let name = pool.name(top).to_owned();
+    if system.outputs.iter().any(|o| pool.depends_on(o.1, top)) {
+        return Err(no(format!("an output depends on {name}")));
+    }
+    let all = pool.reachable(&system.dynamics);
+    if all.into_iter().any(|n| is_switch(pool.node(n)) && pool.depends_on(n, top)) {
+        return Err(no(format!("a switching function depends on {name}")));
+    }
+    let mut b = Vec::with_capacity(system.dynamics.len());
+    for &e in &system.dynamics {
+        let d = pool.diff(e, top);
+        b.push(pool.simplify(d));
+    }
+    if pool.reachable(&b).iter().any(|&n| is_switch(pool.node(n))) {
+        return Err(no(format!("the coefficient of {name} jumps with the sign of a switching function")));
+    }
+    if let Some(&s) = pool.symbols_of(&b).iter().find(|s| !allowed.contains(s)) {
+        return Err(no(if s == top {
+            format!("{name} enters nonlinearly")
+        } else {
+            format!("the coefficient of {name} depends on {}", pool.name(s))
+        }));
+    }
+    Ok(b)
+}
+
+/// z = T(x), and x = X(z, s) for each old state.
+struct NewStates {
+    z: Vec<Symbol>,
+    forward: Vec<Expr>,
+    back: FxHashMap<Expr, Expr>,
+}
+
+/// T and X by the flow of g, states named `z_…` once; `top` is u^(k), `below` s.
+fn new_states(
+    system: &mut System,
+    before: &Transformation,
+    b: &[Expr],
+    [top, below]: [Symbol; 2],
+    checks: &mut Checks,
+) -> Result<NewStates, Rejection> {
+    let (pool, states) = (&mut system.pool, &system.states);
+    let s = pool.sym(below);
+    let mut z = Vec::new();
+    let (mut forward, mut back) = (Vec::new(), FxHashMap::default());
+    let mut to_new: FxHashMap<Expr, Expr> = FxHashMap::default();
+    let mut flows = Vec::new();
+    for &x in states {
+        let e = pool.sym(x);
+        let Some(flow) = flow(pool, states, b, below, e, checks)? else {
+            let name = pool.name(top);
+            return Err(no(format!("the states that are free of {name} were not found in closed form")));
+        };
+        let unchanged = matches!(&flow, Flow::Series(terms) if terms.len() == 1) || !before.old.contains(&x);
+        let new = if unchanged { x } else { fresh(pool, &format!("z_{}", pool.name(x).to_owned())) };
+        let new_expr = pool.sym(new);
+        to_new.insert(e, new_expr);
+        z.push(new);
+        flows.push(flow);
+    }
+    let zero = pool.int(0);
+    let start: FxHashMap<Expr, Expr> = to_new.iter().map(|(&a, &b)| (a, b)).chain([(s, zero)]).collect();
+    for (flow, &x) in flows.iter().zip(states) {
+        let (x, minus) = (pool.sym(x), pool.neg(s));
+        let (t, old) = match flow {
+            Flow::Series(terms) => {
+                let at_start = pool.substitute_all(terms, &start);
+                (weighted(pool, terms, minus), weighted(pool, &at_start, s))
+            }
+            Flow::Exponential(c) => {
+                let (down, up) = (pool.mul(*c, minus), pool.mul(*c, s));
+                let (down, up) = (pool.call(Func::Exp, down), pool.call(Func::Exp, up));
+                (pool.mul(x, down), pool.mul(to_new[&x], up))
+            }
+        };
+        forward.push(t);
+        back.insert(x, old);
+    }
+    Ok(NewStates { z, forward, back })
 }
 
 /// The flow of g on one state; `None` if its series neither ends within [`MAX_TERMS`] nor is exponential.

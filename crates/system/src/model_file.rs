@@ -1,22 +1,18 @@
 //! Model files: reading with located errors.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use bracketry_symbolic::{Expr, Names, Pool, Symbol, closest_name};
+use bracketry_symbolic::{Expr, Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
+
+use bracketry_files::{Document, FileError, Table, Value};
 
 use crate::constants::Constants;
 use crate::input_delay::read_input_delays;
+use crate::rules::{Declared, check_parameter, check_range};
+use crate::scope::{Derivatives, Scope};
 use crate::static_level::read_static_levels;
-use crate::system::{InputDerivative, InputRange, Parameter, Point, System};
-use bracketry_files::{Document, FileError, Table, Value};
-
-/// Names that a model may not declare.
-pub const RESERVED: [&str; 20] = [
-    "pi", "der", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt",
-    "abs", "sign", "min", "max", "unit",
-];
+use crate::system::{InputRange, Parameter, Point, System};
 
 const KEYS: [&str; 11] = [
     "name",
@@ -63,31 +59,7 @@ struct Reader<'d> {
     state_spans: Vec<std::ops::Range<usize>>,
     inputs: Vec<Symbol>,
     parameters: Vec<Parameter>,
-}
-
-/// The names that equations may use.
-struct Scope<'a> {
-    plain: &'a FxHashMap<String, Expr>,
-    inputs: &'a [String],
-    /// der(u, k) met so far: (input, order) → symbol.
-    derivatives: &'a mut BTreeMap<(usize, u32), Symbol>,
-}
-
-impl Names for Scope<'_> {
-    fn lookup(&mut self, _pool: &mut Pool, name: &str) -> Option<Expr> {
-        self.plain.get(name).copied()
-    }
-
-    fn derivative(&mut self, pool: &mut Pool, name: &str, order: u32) -> Option<Expr> {
-        let input = self.inputs.iter().position(|u| u == name)?;
-        let text = if order == 1 { format!("der({name})") } else { format!("der({name}, {order})") };
-        let s = *self.derivatives.entry((input, order)).or_insert_with(|| pool.symbol(&text));
-        Some(pool.sym(s))
-    }
-
-    fn known(&self) -> Vec<String> {
-        self.plain.keys().cloned().collect()
-    }
+    declared: Declared,
 }
 
 impl<'d> Reader<'d> {
@@ -99,6 +71,7 @@ impl<'d> Reader<'d> {
             state_spans: Vec::new(),
             inputs: Vec::new(),
             parameters: Vec::new(),
+            declared: Declared::default(),
         }
     }
 
@@ -107,13 +80,12 @@ impl<'d> Reader<'d> {
         let table = doc.table()?;
         doc.only_keys(&table, &KEYS, "a model file")?;
         let name = doc.string(&table, "name")?.unwrap_or_else(|| default_name.to_owned());
-        let mut declared: FxHashMap<String, &'static str> = FxHashMap::default();
-        self.states = self.names(&table, "states", "state", &mut declared)?;
+        self.states = self.names(&table, "states", "state")?;
         if self.states.is_empty() {
             return Err(doc.missing("the model has no states", "add `states = [\"x\", …]` at the top"));
         }
-        self.inputs = self.names(&table, "inputs", "input", &mut declared)?;
-        self.read_parameters(&table, &mut declared)?;
+        self.inputs = self.names(&table, "inputs", "input")?;
+        self.read_parameters(&table)?;
 
         let mut plain: FxHashMap<String, Expr> = FxHashMap::default();
         let symbols: Vec<Symbol> =
@@ -123,8 +95,8 @@ impl<'d> Reader<'d> {
             plain.insert(self.pool.name(s).to_owned(), e);
         }
         let input_names: Vec<String> = self.inputs.iter().map(|&s| self.pool.name(s).to_owned()).collect();
-        let mut derivatives = BTreeMap::new();
-        let definitions = self.read_definitions(&table, &mut plain, &input_names, &mut derivatives, &mut declared)?;
+        let mut derivatives = Derivatives::default();
+        let definitions = self.read_definitions(&table, &mut plain, &input_names, &mut derivatives)?;
 
         let mut scope = Scope { plain: &plain, inputs: &input_names, derivatives: &mut derivatives };
         let dynamics = self.read_dynamics(&table, &mut scope)?;
@@ -139,63 +111,27 @@ impl<'d> Reader<'d> {
         }
         let point = self.read_point(&table)?;
         let input_ranges = self.read_ranges(&table)?;
-        let input_derivatives =
-            derivatives.into_iter().map(|((input, order), symbol)| InputDerivative { input, order, symbol }).collect();
         let mut system = System {
             name,
             pool: self.pool,
             states: self.states,
             inputs: self.inputs,
             input_ranges,
-            input_delays: Vec::new(),
-            input_derivatives,
+            input_derivatives: derivatives.list(),
             parameters: self.parameters,
             definitions,
             dynamics,
             outputs,
-            static_levels: Vec::new(),
             point,
+            ..System::default()
         };
         read_static_levels(doc, &table, &plain, &mut system)?;
         read_input_delays(doc, &table, &mut system)?;
         Ok(system)
     }
 
-    fn declare(
-        &self,
-        name: &str,
-        kind: &'static str,
-        span: std::ops::Range<usize>,
-        declared: &mut FxHashMap<String, &'static str>,
-    ) -> Result<(), FileError> {
-        let mut chars = name.chars();
-        let well_formed = chars.next().is_some_and(|c| c.is_alphabetic() || c == '_')
-            && chars.all(|c| c.is_alphanumeric() || c == '_');
-        if !well_formed {
-            return Err(self.doc.error(
-                span,
-                format!("`{name}` is not a name"),
-                "use letters, digits and _, not starting with a digit",
-            ));
-        }
-        if RESERVED.contains(&name) {
-            return Err(self.doc.error(span, format!("`{name}` is reserved"), "choose another name"));
-        }
-        if let Some(other) = declared.insert(name.to_owned(), kind) {
-            let message = format!("{kind} `{name}` is already declared as a {other}");
-            return Err(self.doc.error(span, message, "each name may stand for one thing; rename one of them"));
-        }
-        Ok(())
-    }
-
     /// The list of names under `key`.
-    fn names(
-        &mut self,
-        table: &Table<'_>,
-        key: &str,
-        kind: &'static str,
-        declared: &mut FxHashMap<String, &'static str>,
-    ) -> Result<Vec<Symbol>, FileError> {
+    fn names(&mut self, table: &Table<'_>, key: &str, kind: &'static str) -> Result<Vec<Symbol>, FileError> {
         let Some(value) = table.get(key) else { return Ok(Vec::new()) };
         let remedy = format!("write {key} = [\"a\", \"b\"]");
         let Value::Array(list) = value.get_ref() else {
@@ -206,7 +142,7 @@ impl<'d> Reader<'d> {
             let Value::String(name) = item.get_ref() else {
                 return Err(self.doc.error(item.span(), format!("`{key}` must hold names in quotes"), remedy));
             };
-            self.declare(name, kind, item.span(), declared)?;
+            self.declared.add(name, kind).map_err(|e| e.at(self.doc, item.span()))?;
             out.push(self.pool.symbol(name));
             if kind == "state" {
                 self.state_spans.push(item.span());
@@ -215,16 +151,12 @@ impl<'d> Reader<'d> {
         Ok(out)
     }
 
-    fn read_parameters(
-        &mut self,
-        table: &Table<'_>,
-        declared: &mut FxHashMap<String, &'static str>,
-    ) -> Result<(), FileError> {
+    fn read_parameters(&mut self, table: &Table<'_>) -> Result<(), FileError> {
         let doc = self.doc;
         let Some(t) = doc.sub_table(table, "parameters")? else { return Ok(()) };
         for (key, value) in t {
             let name: &str = key.get_ref();
-            self.declare(name, "parameter", key.span(), declared)?;
+            self.declared.add(name, "parameter").map_err(|e| e.at(doc, key.span()))?;
             let symbol = self.pool.symbol(name);
             let Value::Table(entries) = value.get_ref() else {
                 let value = doc.exact_number(value, name)?;
@@ -241,19 +173,7 @@ impl<'d> Reader<'d> {
                 ));
             };
             let (min, max) = (bound("min")?, bound("max")?);
-            let out_of_range = min.as_ref().is_some_and(|m| number < *m) || max.as_ref().is_some_and(|m| number > *m);
-            if let (Some(lo), Some(hi)) = (&min, &max)
-                && lo > hi
-            {
-                return Err(doc.error(key.span(), format!("parameter `{name}` has min above max"), "exchange them"));
-            }
-            if out_of_range {
-                return Err(doc.error(
-                    key.span(),
-                    format!("parameter `{name}` lies outside its own min…max"),
-                    "correct the value or the bounds",
-                ));
-            }
+            check_parameter(name, &number, min.as_ref(), max.as_ref()).map_err(|e| e.at(doc, key.span()))?;
             let (unit, about) = (doc.string(entries, "unit")?, doc.string(entries, "about")?);
             self.parameters.push(Parameter { symbol, value: number, min, max, unit, about });
         }
@@ -280,15 +200,7 @@ impl<'d> Reader<'d> {
             doc.only_keys(entries, &["min", "max"], "a range")?;
             let bound = |k: &str| entries.get(k).map(|v| doc.exact_number(v, k)).transpose();
             let (min, max) = (bound("min")?, bound("max")?);
-            if let (Some(lo), Some(hi)) = (&min, &max)
-                && lo >= hi
-            {
-                return Err(doc.error(
-                    key.span(),
-                    format!("the range of `{name}` holds no more than one value"),
-                    "set min below max",
-                ));
-            }
+            check_range(name, min.as_ref(), max.as_ref()).map_err(|e| e.at(doc, key.span()))?;
             ranges.push(InputRange { input, min, max });
         }
         Ok(ranges)
@@ -300,15 +212,14 @@ impl<'d> Reader<'d> {
         table: &Table<'_>,
         plain: &mut FxHashMap<String, Expr>,
         inputs: &[String],
-        derivatives: &mut BTreeMap<(usize, u32), Symbol>,
-        declared: &mut FxHashMap<String, &'static str>,
+        derivatives: &mut Derivatives,
     ) -> Result<Vec<(String, Expr)>, FileError> {
         let doc = self.doc;
         let Some(t) = doc.sub_table(table, "definitions")? else { return Ok(Vec::new()) };
         let mut entries: Vec<(String, std::ops::Range<usize>, Located<'_, '_>, Expr)> = Vec::new();
         for (key, value) in t {
             let name: &str = key.get_ref();
-            self.declare(name, "definition", key.span(), declared)?;
+            self.declared.add(name, "definition").map_err(|e| e.at(doc, key.span()))?;
             let placeholder = self.pool.var(name);
             plain.insert(name.to_owned(), placeholder);
             entries.push((name.to_owned(), key.span(), value, placeholder));

@@ -3,11 +3,13 @@
 use std::fmt;
 
 use bracketry_symbolic::{Expr, Func, Func2, Node, Pool, Rational, Symbol, Tape};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 use serde::Serialize;
 
+use crate::images::{Images, flattened};
 use crate::interval::{End, Interval};
 use crate::rational_function::RationalFunction;
+use crate::switching::is_switch;
 use crate::trend::rises_through_all;
 
 /// An end of a [`Range`].
@@ -113,18 +115,7 @@ pub(crate) fn range(pool: &mut Pool, w: Expr, inputs: &[Symbol]) -> Range {
 /// The same as an interval.
 pub(crate) fn image(pool: &mut Pool, w: Expr, inputs: &[Symbol]) -> Result<Interval, String> {
     let domain = inputs.iter().map(|&u| (u, Interval::all())).collect();
-    Images { pool, domain, effort: MAX_EFFORT }.of(w)
-}
-
-/// Images formed in one question.
-const MAX_EFFORT: usize = 2000;
-
-/// Images of expressions on a box of inputs.
-pub(crate) struct Images<'p> {
-    pub(crate) pool: &'p mut Pool,
-    /// The interval of every input.
-    pub(crate) domain: FxHashMap<Symbol, Interval>,
-    effort: usize,
+    Images::new(pool, domain).of(w)
 }
 
 impl Images<'_> {
@@ -170,22 +161,6 @@ impl Images<'_> {
             }
             Node::Call2(Func2::Min | Func2::Max, ..) => self.shared(e),
             Node::Num(_) | Node::Pi | Node::Call2(Func2::Atan2, ..) => Err(failed(self.pool, e)),
-        }
-    }
-
-    /// The inputs that an expression uses.
-    pub(crate) fn inputs_of(&self, e: Expr) -> Vec<Symbol> {
-        self.pool.symbols_of(&[e]).into_iter().filter(|s| self.domain.contains_key(s)).collect()
-    }
-
-    /// The value of an expression without names.
-    pub(crate) fn constant(&mut self, e: Expr) -> Result<Interval, String> {
-        if let Some(s) = self.pool.symbols_of(&[e]).first() {
-            return Err(format!("it depends on {}", self.pool.name(*s)));
-        }
-        match number(self.pool, e) {
-            Some(v) => Ok(Interval::point(v, e)),
-            None => Err(format!("{} has no value", self.pool.text(e))),
         }
     }
 
@@ -378,30 +353,5 @@ impl Images<'_> {
 
 /// A `sign`, `abs`, `min` or `max` of `u` whose argument holds no other.
 fn innermost_switch(pool: &Pool, e: Expr, u: Symbol) -> Option<Expr> {
-    let switches = |n: &Expr| {
-        matches!(pool.node(*n), Node::Call(Func::Sign | Func::Abs, _) | Node::Call2(Func2::Min | Func2::Max, ..))
-    };
-    pool.reachable(&[e]).into_iter().find(|n| switches(n) && pool.depends_on(*n, u))
-}
-
-/// The terms of a sum, or the factors of a product.
-pub(crate) fn flattened(pool: &Pool, e: Expr, sum: bool) -> Vec<Expr> {
-    let mut out = Vec::new();
-    let mut stack = vec![e];
-    while let Some(e) = stack.pop() {
-        match pool.node(e) {
-            Node::Add(a, b) if sum => stack.extend([b, a]),
-            Node::Mul(a, b) if !sum => stack.extend([b, a]),
-            _ => out.push(e),
-        }
-    }
-    out
-}
-
-/// The numerical value of an expression without names.
-pub(crate) fn number(pool: &Pool, e: Expr) -> Option<f64> {
-    let tape = Tape::compile(pool, &[], &[e]).ok()?;
-    let mut out = [f64::NAN];
-    tape.eval(&[], &mut Vec::new(), &mut out);
-    out[0].is_finite().then_some(out[0])
+    pool.reachable(&[e]).into_iter().find(|n| is_switch(pool.node(*n)) && pool.depends_on(*n, u))
 }

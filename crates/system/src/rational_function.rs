@@ -2,9 +2,9 @@
 
 use bracketry_symbolic::{Expr, Func, Node, Pool, Rational, Symbol};
 
+use crate::images::Images;
 use crate::interval::{End, Interval};
 use crate::polynomial::{Polynomial, Root};
-use crate::range::Images;
 
 /// What a function is rational in.
 #[derive(Clone, Copy, Debug, PartialEq)]

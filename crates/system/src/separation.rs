@@ -100,7 +100,7 @@ impl Separation<'_> {
     /// Splits a product into its factors with states and those without.
     fn coefficient(&self, pool: &mut Pool, e: Expr) -> (Expr, Expr) {
         let (mut constant, mut of_state) = (pool.int(1), pool.int(1));
-        for f in crate::range::flattened(pool, e, false) {
+        for f in crate::images::flattened(pool, e, false) {
             if pool.symbols_of(&[f]).iter().any(|s| self.states.contains(s)) {
                 of_state = pool.mul(of_state, f);
             } else {
@@ -271,7 +271,7 @@ impl Separation<'_> {
     /// Splits the factors without inputs off a function of inputs.
     fn input_coefficient(&self, pool: &mut Pool, e: Expr) -> (Expr, Expr) {
         let (mut constant, mut of_input) = (pool.int(1), pool.int(1));
-        for f in crate::range::flattened(pool, e, false) {
+        for f in crate::images::flattened(pool, e, false) {
             if pool.symbols_of(&[f]).iter().any(|s| self.inputs.contains(s)) {
                 of_input = pool.mul(of_input, f);
             } else {

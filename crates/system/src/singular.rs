@@ -2,9 +2,10 @@
 
 use bracketry_symbolic::{Expr, Func, Node, Pool, Rational};
 
-use crate::input_change::is_switch;
-use crate::range::{flattened, image};
+use crate::images::flattened;
+use crate::range::image;
 use crate::rational_function::RationalFunction;
+use crate::switching::is_switch;
 use crate::system::System;
 
 /// Largest number of minors of the Jacobian that are written out.

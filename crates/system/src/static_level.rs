@@ -49,23 +49,8 @@ pub(crate) fn read_static_levels(
         let ratio = doc.expression(value, name, &mut system.pool, &mut names)?;
         let level = StaticLevel { components, ratio };
         let form = system.set_valued_form();
-        if system.switch_of(&form, &level).is_none() {
-            let known = form.set_valued_names();
-            let remedy = match known.len() {
-                0 => "the equations contain no sign and no unit vector".to_owned(),
-                _ => format!("write one of: {}", known.join("; ")),
-            };
-            return Err(doc.error(key.span(), format!("no dry friction acts on `{name}`"), remedy));
-        }
-        let constant = system.pool.symbols_of(&[ratio]);
-        if !constant.iter().all(|s| system.parameters.iter().any(|p| p.symbol == *s)) {
-            let remedy = "write a number, or an expression of parameters";
-            return Err(doc.error(value.span(), format!("the static level of `{name}` is not constant"), remedy));
-        }
-        if system.value(ratio).is_none_or(|v| v < 1.0 || !v.is_finite()) {
-            let message = format!("the static level of `{name}` is below its sliding level");
-            return Err(doc.error(value.span(), message, "give static over sliding level, at least 1"));
-        }
+        system.check_switch(name, &form, &level).map_err(|e| e.at(doc, key.span()))?;
+        system.check_ratio(name, &level).map_err(|e| e.at(doc, value.span()))?;
         system.static_levels.push(level);
     }
     Ok(())
@@ -99,7 +84,7 @@ impl SwitchedForm {
 
 impl System {
     /// The switch that a static level is of: the index of a sign, or, after the signs, of a unit vector.
-    pub fn switch_of(&mut self, form: &SwitchedForm, level: &StaticLevel) -> Option<usize> {
+    pub fn switch_of(&self, form: &SwitchedForm, level: &StaticLevel) -> Option<usize> {
         let signs = form.signs().len();
         if let [surface] = level.components[..] {
             return (0..signs).find(|&i| {
@@ -113,12 +98,15 @@ impl System {
         vector.map(|v| signs + v)
     }
 
-    fn equal_but_for_sign(&mut self, a: Expr, b: Expr) -> bool {
+    fn equal_but_for_sign(&self, a: Expr, b: Expr) -> bool {
         if a == b {
             return true;
         }
-        let (difference, sum) = (self.pool.sub(a, b), self.pool.add(a, b));
-        let (difference, sum) = (self.pool.simplify(difference), self.pool.simplify(sum));
-        self.pool.is_zero(difference) || self.pool.is_zero(sum)
+        let (mut pool, both) = self.pool.extract(&[a, b]);
+        let (difference, sum) = (pool.sub(both[0], both[1]), pool.add(both[0], both[1]));
+        [difference, sum].into_iter().any(|e| {
+            let simple = pool.simplify(e);
+            pool.is_zero(simple)
+        })
     }
 }

@@ -68,6 +68,11 @@ impl SwitchedForm {
     }
 }
 
+/// Whether a node is a switch: `sign`, `abs`, `min` or `max`.
+pub(crate) fn is_switch(node: Node) -> bool {
+    matches!(node, Node::Call(Func::Sign | Func::Abs, _) | Node::Call2(Func2::Min | Func2::Max, ..))
+}
+
 /// Fixed signs of all switching functions.
 #[derive(Clone, Debug)]
 pub struct Mode {
@@ -203,23 +208,23 @@ impl System {
         self.pool.sym(sign)
     }
 
-    /// This system with the signs of a switched form replaced.
-    fn with_signs(&mut self, form: &SwitchedForm, signs: &FxHashMap<Expr, Expr>) -> System {
-        let mut system = self.clone();
-        system.dynamics = system.pool.substitute_all(&form.dynamics, signs);
-        let outputs = system.pool.substitute_all(&form.outputs, signs);
-        for (o, e) in system.outputs.iter_mut().zip(outputs) {
+    /// This system with the signs of its switched form replaced.
+    fn with_signs(mut self, form: &SwitchedForm, signs: &FxHashMap<Expr, Expr>) -> System {
+        self.dynamics = self.pool.substitute_all(&form.dynamics, signs);
+        let outputs = self.pool.substitute_all(&form.outputs, signs);
+        for (o, e) in self.outputs.iter_mut().zip(outputs) {
             o.1 = e;
         }
-        system
+        self
     }
 
     /// Every combination of fixed signs; one mode without signs if there is no switch.
     ///
     /// # Errors
     /// [`TooManyModes`] beyond [`MAX_ENUMERATED_SWITCHES`] switches.
-    pub fn modes(&mut self) -> Result<Vec<Mode>, TooManyModes> {
-        let form = self.switched_form();
+    pub fn modes(&self) -> Result<Vec<Mode>, TooManyModes> {
+        let mut base = self.clone();
+        let form = base.switched_form();
         let k = form.switches.len();
         if k > MAX_ENUMERATED_SWITCHES {
             return Err(TooManyModes { switches: k });
@@ -231,9 +236,9 @@ impl System {
                 .switches
                 .iter()
                 .zip(&signs)
-                .map(|(switch, &s)| (self.pool.sym(switch.sign), self.pool.int(i64::from(s))));
+                .map(|(switch, &s)| (base.pool.sym(switch.sign), base.pool.int(i64::from(s))));
             let fixed = fixed.collect();
-            let system = self.with_signs(&form, &fixed);
+            let system = base.clone().with_signs(&form, &fixed);
             let signs = form.switches.iter().map(|s| s.name.clone()).zip(signs).collect();
             modes.push(Mode { signs, system });
         }
@@ -284,9 +289,16 @@ impl System {
     /// The smooth system in which the sign of every σ is tanh(σ/width), and every unit vector σ/√(σ² + width²); see
     /// [`System::smooth_signs`].
     #[must_use]
-    pub fn smoothed(&mut self, width: Expr) -> System {
-        let form = self.set_valued_form();
-        let signs = self.smooth_signs(&form, width);
-        self.with_signs(&form, &signs)
+    pub fn smoothed(&self, width: Expr) -> System {
+        let mut system = self.clone();
+        let form = system.set_valued_form();
+        let signs = system.smooth_signs(&form, width);
+        system.with_signs(&form, &signs)
+    }
+
+    /// Whether the equations and outputs have no set-valued part and no kink: no `sign`, `abs`, `min`, `max` and no unit
+    /// vector, which is what [`System::set_valued_form`] finds.
+    pub fn is_smooth(&self) -> bool {
+        self.clone().set_valued_form().switches.is_empty()
     }
 }

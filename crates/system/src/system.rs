@@ -75,7 +75,7 @@ pub struct StaticLevel {
 /// Where inputs have delays, u stands for the delayed input u(t − d), in the equations and in everything said about them.
 ///
 /// Definitions are expanded; parameters stay symbols with exact values.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct System {
     /// Name of the model.
     pub name: String,
@@ -171,28 +171,23 @@ impl System {
         }
     }
 
-    /// The expressions with every parameter replaced by its exact value.
+    /// The expressions with every parameter replaced by its exact value, made in the system's pool.
     pub fn with_values(&mut self, expressions: &[Expr]) -> Vec<Expr> {
-        let mut map = FxHashMap::default();
-        for p in &self.parameters {
-            let s = self.pool.sym(p.symbol);
-            let v = self.pool.rational(p.value.clone());
-            map.insert(s, v);
-        }
-        self.pool.substitute_all(expressions, &map)
+        valued(&mut self.pool, &self.parameters, expressions)
     }
 
     /// Compiles expressions as functions of `arguments`, parameters at their values.
     ///
     /// # Errors
     /// [`CompileError::Unbound`] if something else than arguments and parameters is used.
-    pub fn compile(&mut self, arguments: &[Symbol], expressions: &[Expr]) -> Result<Tape, CompileError> {
-        let values = self.with_values(expressions);
-        Tape::compile(&self.pool, arguments, &values)
+    pub fn compile(&self, arguments: &[Symbol], expressions: &[Expr]) -> Result<Tape, CompileError> {
+        let (mut pool, expressions) = self.pool.extract(expressions);
+        let values = valued(&mut pool, &self.parameters, &expressions);
+        Tape::compile(&pool, arguments, &values)
     }
 
     /// The value of a constant expression, parameters at their values; `None` if it is no number.
-    pub fn value(&mut self, constant: Expr) -> Option<f64> {
+    pub fn value(&self, constant: Expr) -> Option<f64> {
         let tape = self.compile(&[], &[constant]).ok()?;
         let mut out = [f64::NAN];
         tape.eval(&[], &mut Vec::new(), &mut out);
@@ -200,10 +195,9 @@ impl System {
     }
 
     /// The delay of every input in seconds, parameters at their values; 0 where there is none, `None` where it is no number.
-    pub fn delay_values(&mut self) -> Vec<Option<f64>> {
-        let delay = |s: &Symbol| self.input_delays.iter().find(|d| d.input == *s).map(|d| d.delay);
-        let delays: Vec<Option<Expr>> = self.inputs.iter().map(delay).collect();
-        delays.into_iter().map(|delay| delay.map_or(Some(0.0), |e| self.value(e))).collect()
+    pub fn delay_values(&self) -> Vec<Option<f64>> {
+        let of = |u: &Symbol| self.input_delays.iter().find(|d| d.input == *u);
+        self.inputs.iter().map(|u| of(u).map_or(Some(0.0), |d| self.value(d.delay))).collect()
     }
 
     /// The point as numbers, states and inputs; `None` if the model gives none.
@@ -225,6 +219,13 @@ impl System {
         a.extend(self.input_derivatives.iter().map(|d| d.symbol));
         a
     }
+}
+
+/// Expressions of a pool with parameters at their values.
+fn valued(pool: &mut Pool, parameters: &[Parameter], expressions: &[Expr]) -> Vec<Expr> {
+    let values: FxHashMap<Expr, Expr> =
+        parameters.iter().map(|p| (pool.sym(p.symbol), pool.rational(p.value.clone()))).collect();
+    pool.substitute_all(expressions, &values)
 }
 
 impl std::fmt::Debug for System {

@@ -2,7 +2,7 @@
 
 use bracketry_symbolic::{Expr, Func, Node, Rational, Symbol};
 
-use crate::range::{Images, number};
+use crate::images::{Images, number};
 
 /// What a function does as its input goes to one end.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! Affine forms: what is affine is recognised, what is not is made so with the least change, and the result is the same system.
+//! Affine forms: what is affine is recognized, what is not is made so with the least change, and the result is the same system.
 #![allow(clippy::unwrap_used)]
 
 use approx::assert_relative_eq;
@@ -53,15 +53,13 @@ fn the_plate_needs_four_integrators_and_becomes_a_model_file() {
     assert_eq!(a.system.input_names(), ["Xdd", "thetadd"]);
 
     // Written and read back, it is affine in every mode and equals the original right-hand side.
-    let mut affine = System::parse("affine", &a.system.to_toml().unwrap()).unwrap();
+    let affine = System::parse("affine", &a.system.to_toml().unwrap()).unwrap();
     for mode in affine.modes().unwrap() {
         let mut m = mode.system;
         assert!(m.affine_form().unwrap().is_some());
     }
-    let mut original = original;
-    let (f, g) = (original.dynamics.clone(), affine.dynamics.clone());
-    let (args_f, args_g) = (original.arguments(), affine.arguments());
-    let (f, g) = (original.compile(&args_f, &f).unwrap(), affine.compile(&args_g, &g).unwrap());
+    let compiled = |s: &System| s.compile(&s.arguments(), &s.dynamics).unwrap();
+    let (f, g) = (compiled(&original), compiled(&affine));
     let body = [0.5, -0.02, 0.8, 0.3, -0.2, 1.1];
     let (x, th, xdd, thdd, xd, thd) = (0.04, 0.2, 7.0, -30.0, 0.6, -1.5);
     let mut left = [0.0; 6];

@@ -1,34 +1,62 @@
-//! The formulas of every model in the repository, as they were stored.
+//! The models of the repository: their formulas are those that were stored, and compiling them leaves no trace.
 #![allow(clippy::unwrap_used)]
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::PathBuf;
 
+use bracketry_symbolic::Tape;
 use bracketry_system::System;
 
-#[test]
-fn models_have_the_stored_formulas() {
-    let crate_folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = std::fs::read_dir(crate_folder.join("../../models")).unwrap();
+fn crate_folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Problem files and robots, which stand in the same folder, are left out.
+fn models() -> Vec<System> {
+    let folder = std::fs::read_dir(crate_folder().join("../../models")).unwrap();
     let mut files: Vec<_> =
         folder.map(|f| f.unwrap().path()).filter(|p| p.extension().is_some_and(|x| x == "toml")).collect();
     files.sort();
+    files.iter().filter_map(|file| System::read(file).ok()).collect()
+}
+
+#[test]
+fn models_have_the_stored_formulas() {
     let mut found = String::new();
-    for file in files {
-        // Problem files and robots stand in the same folder.
-        let Ok(system) = System::read(&file) else { continue };
+    for system in models() {
         let _ = writeln!(found, "# {}", system.name);
         let rates = system.state_names().into_iter().zip(system.dynamics.iter().copied());
         for (name, e) in rates.chain(system.outputs.iter().cloned()) {
             let _ = writeln!(found, "{name}: {}", system.pool.latex(e));
         }
     }
-    if std::env::var("WRITE").is_ok() {
-        std::fs::write(crate_folder.join("tests/formulas.txt"), &found).unwrap();
-    }
-    let stored = std::fs::read_to_string(crate_folder.join("tests/formulas.txt")).unwrap();
+    let stored = std::fs::read_to_string(crate_folder().join("tests/formulas.txt")).unwrap();
     for (found, stored) in found.lines().zip(stored.lines()) {
         assert_eq!(found, stored);
     }
     assert_eq!(found.lines().count(), stored.lines().count());
+}
+
+#[test]
+fn compiling_leaves_the_pool_alone_and_gives_the_same_bits() {
+    for mut system in models() {
+        let arguments = system.arguments();
+        let mut expressions = system.dynamics.clone();
+        expressions.extend(system.pool.jacobian(&system.dynamics, &arguments).concat());
+        let nodes = system.pool.len();
+        let compiled = system.compile(&arguments, &expressions).unwrap();
+        assert_eq!(system.pool.len(), nodes);
+        // The same in the system's own pool, among all that it holds.
+        let valued = system.with_values(&expressions);
+        let in_place = Tape::compile(&system.pool, &arguments, &valued).unwrap();
+        for sample in 0..20 {
+            let at: Vec<f64> = (0..arguments.len()).map(|k| (1.7 * f64::from(sample) + 0.9 * k as f64).sin()).collect();
+            let value = |tape: &Tape| {
+                let mut out = vec![0.0; expressions.len()];
+                tape.eval(&at, &mut Vec::new(), &mut out);
+                out.into_iter().map(|v| if v.is_nan() { f64::NAN.to_bits() } else { v.to_bits() }).collect::<Vec<u64>>()
+            };
+            assert_eq!(value(&compiled), value(&in_place), "{}", system.name);
+        }
+    }
 }

@@ -11,7 +11,7 @@ fn parse(rest: &str) -> Result<System, String> {
 #[test]
 fn delays_are_read_and_written() {
     let dynamics = "[dynamics]\nx = \"v\"\nv = \"F/m + X\"\n";
-    let mut system = parse(&format!("{dynamics}[delays]\nF = 0.0007\nX = \"2*d\"")).unwrap();
+    let system = parse(&format!("{dynamics}[delays]\nF = 0.0007\nX = \"2*d\"")).unwrap();
     assert_eq!(system.delay_values(), [Some(0.0007), Some(0.02)]);
     let written = system.to_toml().unwrap();
     assert!(written.contains("F = 0.0007") && written.contains("X = \"2*d\""), "{written}");
@@ -20,7 +20,7 @@ fn delays_are_read_and_written() {
     assert!(again.set_parameter("d", bracketry_symbolic::Rational::from(3i64)));
     assert_eq!(again.delay_values(), [Some(0.0007), Some(6.0)]);
     let without = parse(dynamics).unwrap();
-    assert_eq!(without.clone().delay_values(), [Some(0.0), Some(0.0)]);
+    assert_eq!(without.delay_values(), [Some(0.0), Some(0.0)]);
     assert!(!without.to_toml().unwrap().contains("delays"));
 }
 
@@ -44,7 +44,7 @@ fn integrators_and_functions_of_inputs_keep_the_delay() {
     let delays = "[delays]\nF = 0.5\nX = 0.25";
     let delays_of = |dynamics: &str| {
         let system = parse(&format!("[dynamics]\n{dynamics}\n{delays}")).unwrap();
-        let mut affine = system.affinize().unwrap();
+        let affine = system.affinize().unwrap();
         let names = affine.system.input_names();
         let values = affine.system.delay_values();
         let named: Vec<(String, Option<f64>)> = names.into_iter().zip(values).collect();

@@ -157,7 +157,7 @@ fn values_that_two_inputs_take_together_are_told() {
     assert_eq!(both("u + w", "u*w"), (None, Some(true), None));
     // Speed and steering angle: at rest nothing turns, but the hull is the plane.
     assert_eq!(both("u", "u*tan(w)"), (None, Some(true), None));
-    // The second is at least the square of the first: no neighbourhood of 0.
+    // The second is at least the square of the first: no neighborhood of 0.
     assert_eq!(both("u", "u^2 + w^2"), (None, Some(false), Some(false)));
 }
 

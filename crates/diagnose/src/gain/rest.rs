@@ -43,7 +43,7 @@ impl Rest {
         }
         let all: Vec<Symbol> = arguments.iter().chain(&signs).copied().collect();
         let name = system.name.clone();
-        let mut compile = |arguments: &[Symbol], expressions: &[Expr]| {
+        let compile = |arguments: &[Symbol], expressions: &[Expr]| {
             system
                 .compile(arguments, expressions)
                 .map_err(|e| DiagnoseError::Term { text: name.clone(), message: e.to_string() })

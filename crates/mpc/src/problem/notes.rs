@@ -9,7 +9,7 @@ use bracketry_system::{System, counted, readable};
 
 /// What the controller is told of inputs that act later than they are commanded.
 fn note_on_delays(problem: &ControlProblem) -> Option<String> {
-    let longest = |system: &System| system.clone().delay_values().into_iter().flatten().fold(0.0, f64::max);
+    let longest = |system: &System| system.delay_values().into_iter().flatten().fold(0.0, f64::max);
     let (plant, model) = (longest(&problem.plant), longest(&problem.system));
     if plant == 0.0 && model == 0.0 {
         return None;

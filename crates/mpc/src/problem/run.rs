@@ -166,7 +166,7 @@ impl ControlProblem {
     /// function forbids.
     fn first_solution(&self, sqp: &mut Sqp, whole_steps: Feedback) -> Result<Solution, MpcError> {
         let guarded = sqp.solve(&self.x0, &self.start())?;
-        if self.system.clone().set_valued_form().switches.is_empty() {
+        if self.system.is_smooth() {
             return Ok(guarded);
         }
         let mut rti = self.receding(whole_steps, self.start())?;
@@ -184,7 +184,7 @@ impl ControlProblem {
     /// # Errors
     /// If they differ from input to input: the controller predicts over one delay.
     pub(super) fn delay_of_inputs(&self) -> Result<usize, MpcError> {
-        let delays = self.system.clone().delay_values();
+        let delays = self.system.delay_values();
         let mut samples = delays.iter().map(|d| (d.unwrap_or(0.0) / self.ocp.dt).round() as usize);
         let first = samples.next().unwrap_or(0);
         match samples.position(|other| other != first) {

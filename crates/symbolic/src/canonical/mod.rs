@@ -3,6 +3,7 @@
 //! The pool itself keeps sums and products binary, which preserves sharing. This
 //! pass flattens them, merges what is alike, and orders the rest for reading.
 
+mod forms;
 mod order;
 mod product;
 mod sum;
@@ -15,8 +16,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::func::{Func, Func2};
 use crate::pool::{Expr, Node, Pool};
 use crate::text::terms;
-use product::{Product, scale};
-use sum::Sum;
+use forms::{Product, Sum};
+use product::scale;
 
 /// Terms beyond which [`Pool::expand`] keeps a factor.
 const MAX_TERMS: usize = 1000;
@@ -40,7 +41,7 @@ impl Pool {
     /// makes terms cancel, the [trigonometric](Pool::trig_form) or [exponential](Pool::exp_form) normal form taken
     /// where it is shorter, and everything in an order that depends on names only.
     ///
-    /// The result has at most as many distinct nodes, equals `e` wherever `e` has a value (cancelled factors may
+    /// The result has at most as many distinct nodes, equals `e` wherever `e` has a value (canceled factors may
     /// give it one elsewhere), and is left as it is by another call.
     ///
     /// ```
@@ -161,10 +162,7 @@ fn reordered(pool: &mut Pool, e: Expr) -> Expr {
                 let (a, b) = pair(a, b);
                 Node::Mul(a, b)
             }
-            Node::Pow(a, b) => Node::Pow(image[&a], image[&b]),
-            Node::Call(f, a) => Node::Call(f, image[&a]),
-            Node::Call2(f, a, b) => Node::Call2(f, image[&a], image[&b]),
-            leaf => leaf,
+            other => other.with_operands(|o| image[&o]),
         };
         let made = pool.intern(node);
         image.insert(n, made);

@@ -5,21 +5,15 @@ use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
 
+use super::forms::{Product, Sum};
 use super::order::compare_factors;
-use super::sum::{Sum, has_sum, join, nodes};
+use super::sum::{has_sum, join, nodes};
 use crate::func::Func;
 use crate::pool::{Expr, Node, Pool};
 use crate::text::terms;
 
 /// Numbers are raised to powers up to this size; beyond it they stay symbolic.
 const MAX_EXPONENT: i64 = 256;
-
-/// `coefficient · Π base^exponent`
-#[derive(Clone)]
-pub(super) struct Product {
-    pub(super) coefficient: RBig,
-    powers: FxHashMap<Expr, RBig>,
-}
 
 /// `k` as a small integer.
 fn small(k: &RBig) -> Option<i64> {
@@ -127,12 +121,12 @@ impl Product {
         self.settle(pool);
     }
 
-    /// Looks again into bases whose exponents have become integers.
+    /// Expands bases whose exponents have become integers.
     fn settle(&mut self, pool: &mut Pool) {
         loop {
             let open = self.powers.iter().find_map(|(&b, k)| {
                 let even = small(k).is_some_and(|k| k % 2 == 0);
-                let again = match pool.node(b) {
+                let changed = match pool.node(b) {
                     Node::Num(_) => pool.number(b).is_some_and(|c| number_power(c, k).is_some()),
                     Node::Mul(..) => k.is_int(),
                     Node::Pow(_, c) => k.is_int() && pool.number(c).is_some(),
@@ -140,7 +134,7 @@ impl Product {
                     Node::Call(Func::Abs, _) => even,
                     _ => false,
                 };
-                again.then(|| (b, k.clone()))
+                changed.then(|| (b, k.clone()))
             });
             let Some((b, k)) = open else { return };
             self.powers.remove(&b);

@@ -5,10 +5,9 @@ use std::collections::HashSet;
 use dashu_base::{BitTest, Gcd, UnsignedAbs};
 use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
-use rustc_hash::FxHashMap;
 
+use super::forms::{Product, Sum};
 use super::order::TermKey;
-use super::product::Product;
 use crate::func::Func;
 use crate::pool::{Expr, Node, Pool};
 use crate::text::factors;
@@ -18,12 +17,6 @@ const MAX_CONTENT_BITS: usize = 128;
 
 /// Products and their coefficients.
 type Terms = Vec<(Expr, RBig)>;
-
-/// `Σ coefficient · product`; the product 1 stands for the constant.
-#[derive(Clone, Default)]
-pub(super) struct Sum {
-    terms: FxHashMap<Expr, RBig>,
-}
 
 impl Sum {
     /// The sum `e`, which is canonical.

@@ -1,33 +1,15 @@
 //! Sines and cosines: points on the unit circle over the field, one generator per base angle.
 
-use rustc_hash::{FxHashMap, FxHashSet};
-
 use super::field::{Residue, gcd};
+use super::kernels::Angle;
 use super::linear::combination;
-use super::lower::{FRACTION_BOUND, Lowering, Stop};
+use super::lowering::{FRACTION_BOUND, Lowering, Stop};
 use super::program::{Generator, Reg, Step};
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Node, Symbol};
+use crate::pool::{Expr, Node};
 
 /// Cosine and sine in the field.
 type Point<const C: u64> = (Residue<C>, Residue<C>);
-
-/// A register of an angle, and those of the cosine and sine of the D-th part of it (none for an inverse function).
-struct Angle {
-    value: Reg,
-    point: Option<(Reg, Reg)>,
-    parts: u64,
-}
-
-/// Angles met so far that are no rational combinations of each other and π.
-#[derive(Default)]
-pub(super) struct Circle {
-    basis: Vec<Angle>,
-    /// The indeterminates on which the basis depends.
-    symbols: FxHashSet<Symbol>,
-    points: FxHashMap<Expr, (Reg, Reg)>,
-    inverse: Option<(Func, Vec<Expr>, Reg)>,
-}
 
 /// Larger multiples of a base angle are refused.
 pub(super) const MAX_MULTIPLE: u64 = 1 << 32;
@@ -228,7 +210,7 @@ impl<const C: u64> Lowering<'_, C> {
 }
 
 /// (cos, sin) of the sum of two angles.
-fn turned<const C: u64>(p: Point<C>, q: Point<C>) -> Point<C> {
+fn rotated<const C: u64>(p: Point<C>, q: Point<C>) -> Point<C> {
     (p.0 * q.0 - p.1 * q.1, p.1 * q.0 + p.0 * q.1)
 }
 
@@ -237,9 +219,9 @@ fn power<const C: u64>(mut p: Point<C>, mut k: u64) -> Point<C> {
     let mut r = (Residue::ONE, Residue::ZERO);
     while k > 0 {
         if k & 1 == 1 {
-            r = turned(r, p);
+            r = rotated(r, p);
         }
-        p = turned(p, p);
+        p = rotated(p, p);
         k >>= 1;
     }
     r

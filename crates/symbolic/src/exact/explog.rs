@@ -6,42 +6,15 @@
 //! of order ℓ of their arguments, which turn products into sums modulo ℓ.
 
 use dashu_ratio::RBig;
-use rustc_hash::FxHashMap;
 
-use super::character::Relation;
 use super::circle::MAX_MULTIPLE;
 use super::constants::factors;
 use super::field::{Residue, gcd};
-use super::lower::{Lowering, Stop};
+use super::kernels::Power;
+use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Reg, Step};
+use super::relation::Relation;
 use crate::pool::Expr;
-
-/// Where the exponential of an exponent comes from.
-#[derive(Clone, Copy)]
-enum Power {
-    /// The generator (in this register) to this power.
-    Free(Reg, u64),
-    /// The argument of a logarithm.
-    Argument(Reg, Expr),
-    /// An integer constant.
-    Integer(u64, Reg),
-}
-
-impl Power {
-    fn base(self) -> Reg {
-        match self {
-            Power::Free(r, _) | Power::Argument(r, _) | Power::Integer(_, r) => r,
-        }
-    }
-}
-
-/// Exponents met so far that are no rational combinations of each other.
-#[derive(Default)]
-pub(super) struct ExpLog {
-    basis: Vec<(Reg, Power)>,
-    exponentials: FxHashMap<Reg, Reg>,
-    logarithms: FxHashMap<Expr, Reg>,
-}
 
 /// Trial points beyond the number of unknowns of a multiplicative relation.
 const SPARE: usize = 16;

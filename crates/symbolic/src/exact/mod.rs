@@ -7,9 +7,12 @@ mod compose;
 mod constants;
 mod explog;
 mod field;
+mod kernels;
 mod linear;
 mod lower;
+mod lowering;
 mod program;
+mod relation;
 mod roots;
 mod surd;
 
@@ -23,7 +26,8 @@ pub use self::field::{Fp, Residue, SECOND_PRIME};
 pub use self::linear::Echelon;
 
 use self::field::Random;
-use self::lower::{Lowered, Stop, lower};
+use self::lower::{Lowered, lower};
+use self::lowering::Stop;
 use self::program::Fault;
 use crate::pool::{Expr, Pool, Symbol};
 
@@ -117,7 +121,7 @@ pub enum Undecided {
     Kernel {
         /// The sub-expression.
         text: String,
-        /// What stands in the way.
+        /// The reason.
         reason: &'static str,
     },
     /// A denominator vanishes at every point tried.

@@ -1,36 +1,15 @@
 //! Roots of degree 2^K: which radicands are squares times products of others is read off their quadratic characters.
 
 use dashu_ratio::RBig;
-use rustc_hash::FxHashMap;
 
-use super::character::Relation;
 use super::constants::factors;
 use super::field::Residue;
+use super::kernels::Radicand;
 use super::linear::combination_mod;
-use super::lower::{Lowering, Stop};
+use super::lowering::{Lowering, Stop};
 use super::program::{Generator, Reg, Step};
+use super::relation::Relation;
 use crate::pool::Expr;
-
-/// A radicand that is no square times a product of others.
-struct Radicand {
-    base: Expr,
-    value: Reg,
-    root: Reg,
-    levels: u32,
-}
-
-/// Radicands met so far.
-#[derive(Default)]
-pub(super) struct Roots {
-    free: Vec<Radicand>,
-    known: FxHashMap<Expr, (Reg, u32)>,
-    /// Number of roots of squares, whose sign differs from point to point.
-    pub(super) ambiguous: u32,
-    /// Number of square roots that must exist at a point, each with probability one half.
-    pub(super) conditions: u32,
-    /// Degree of the field extension that the roots generate (less one is 0).
-    pub(super) extension: f64,
-}
 
 /// Trial points beyond the number of radicands: an accidental relation has probability 2^−64.
 const SPARE: usize = 64;

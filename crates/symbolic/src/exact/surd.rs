@@ -224,7 +224,7 @@ impl Pool {
         for n in self.reachable(&[e]) {
             let value = match self.node(n) {
                 Node::Num(_) => Surd::rational(self.number(n)?.clone()),
-                // Only as the argument of a sine or cosine, or by the way in an exponent.
+                // Only as the argument of a sine or cosine, or along with it in an exponent.
                 Node::Pi => continue,
                 Node::Add(a, b) => match (known.get(&a), known.get(&b)) {
                     (Some(a), Some(b)) => a.plus(b)?,

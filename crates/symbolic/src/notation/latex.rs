@@ -26,47 +26,21 @@ fn set(formula: &Notation, out: &mut String) {
     match formula {
         Notation::Number(digits) => out.push_str(digits),
         Notation::Symbol(name) => set(&spelled(name), out),
-        Notation::Letters(name) => match greek(name) {
-            Some(_) => out.extend(["\\", name]),
-            None if is_single(name) => out.push_str(name),
-            None => wrapped("\\mathrm", name, out),
-        },
+        Notation::Letters(name) if greek(name).is_some() => out.extend(["\\", name]),
+        Notation::Letters(name) if is_single(name) => out.push_str(name),
+        Notation::Letters(name) => wrapped("\\mathrm", name, out),
         Notation::Text(words) => wrapped("\\text", words, out),
         Notation::Function(name) => match *name {
             "sin" | "cos" | "tan" | "arcsin" | "arccos" | "arctan" | "sinh" | "cosh" | "tanh" | "exp" | "ln"
             | "min" | "max" | "det" | "dim" | "ker" => out.extend(["\\", name]),
             _ => wrapped("\\operatorname", name, out),
         },
-        Notation::Sign(c) => match c {
-            'π' => out.push_str("\\pi"),
-            '…' => out.push_str("\\dots"),
-            _ => out.push(*c),
-        },
-        Notation::Row(parts) => parts.iter().for_each(|p| set(p, out)),
-        Notation::Sum(terms) => {
-            for (i, term) in terms.iter().enumerate() {
-                match (i, term) {
-                    (0, _) => set(term, out),
-                    (_, Notation::Negative(size)) => {
-                        out.push_str(" - ");
-                        set(size, out);
-                    }
-                    _ => {
-                        out.push_str(" + ");
-                        set(term, out);
-                    }
-                }
-            }
-        }
-        Notation::Product(factors) => {
-            for (i, factor) in factors.iter().enumerate() {
-                if i > 0 {
-                    // Two numbers side by side would read as one.
-                    out.push_str(if begins_with_digit(factor) { " \\cdot " } else { " " });
-                }
-                set(factor, out);
-            }
-        }
+        Notation::Sign('π') => out.push_str("\\pi"),
+        Notation::Sign('…') => out.push_str("\\dots"),
+        Notation::Sign(c) => out.push(*c),
+        Notation::Row(parts) => joined(parts, "", out),
+        Notation::Sum(terms) => sum(terms, out),
+        Notation::Product(factors) => product(factors, out),
         Notation::Negative(size) => {
             out.push('-');
             set(size, out);
@@ -78,10 +52,9 @@ fn set(formula: &Notation, out: &mut String) {
         }
         Notation::Superscript(two) => {
             // A base with a superscript of its own would have two of them.
-            if matches!(two[0], Notation::Dotted(_, 3..) | Notation::Superscript(_)) {
-                group(&two[0], out);
-            } else {
-                set(&two[0], out);
+            match two[0] {
+                Notation::Dotted(_, 3..) | Notation::Superscript(_) => group(&two[0], out),
+                _ => set(&two[0], out),
             }
             out.push('^');
             group(&two[1], out);
@@ -95,25 +68,9 @@ fn set(formula: &Notation, out: &mut String) {
             out.push_str("\\sqrt");
             group(inside, out);
         }
-        Notation::Dotted(inside, order) => {
-            out.push_str(match order {
-                1 => "\\dot",
-                2 => "\\ddot",
-                _ => "",
-            });
-            group(inside, out);
-            if *order > 2 {
-                let _ = write!(out, "^{{({order})}}");
-            }
-        }
+        Notation::Dotted(inside, order) => dotted(inside, *order, out),
         Notation::Fenced(fence, inside) => {
-            let (open, close) = match fence {
-                Fence::Parentheses => ("\\left(", "\\right)"),
-                Fence::Brackets => ("[", "]"),
-                Fence::Braces => ("\\{", "\\}"),
-                Fence::Bars => ("\\left|", "\\right|"),
-                Fence::Angles => ("\\langle", "\\rangle"),
-            };
+            let (open, close) = delimiters(*fence);
             out.push_str(open);
             set(inside, out);
             out.push_str(close);
@@ -132,6 +89,52 @@ fn set(formula: &Notation, out: &mut String) {
             }
             out.push_str("\\end{pmatrix}");
         }
+    }
+}
+
+fn sum(terms: &[Notation], out: &mut String) {
+    for (i, term) in terms.iter().enumerate() {
+        let (sign, size) = match term {
+            _ if i == 0 => ("", term),
+            Notation::Negative(size) => (" - ", &**size),
+            _ => (" + ", term),
+        };
+        out.push_str(sign);
+        set(size, out);
+    }
+}
+
+fn product(factors: &[Notation], out: &mut String) {
+    for (i, factor) in factors.iter().enumerate() {
+        // Two numbers side by side would read as one.
+        out.push_str(match i {
+            0 => "",
+            _ if begins_with_digit(factor) => " \\cdot ",
+            _ => " ",
+        });
+        set(factor, out);
+    }
+}
+
+fn dotted(inside: &Notation, order: u32, out: &mut String) {
+    out.push_str(match order {
+        1 => "\\dot",
+        2 => "\\ddot",
+        _ => "",
+    });
+    group(inside, out);
+    if order > 2 {
+        let _ = write!(out, "^{{({order})}}");
+    }
+}
+
+fn delimiters(fence: Fence) -> (&'static str, &'static str) {
+    match fence {
+        Fence::Parentheses => ("\\left(", "\\right)"),
+        Fence::Brackets => ("[", "]"),
+        Fence::Braces => ("\\{", "\\}"),
+        Fence::Bars => ("\\left|", "\\right|"),
+        Fence::Angles => ("\\langle", "\\rangle"),
     }
 }
 

@@ -1,0 +1,62 @@
+//! The question which values an expression takes on a box of inputs.
+
+use bracketry_symbolic::{Expr, Node, Pool, Symbol, Tape};
+use rustc_hash::FxHashMap;
+
+use crate::interval::Interval;
+
+/// Images formed in one question.
+const MAX_EFFORT: usize = 2000;
+
+/// Images of expressions on a box of inputs.
+pub(crate) struct Images<'p> {
+    pub(crate) pool: &'p mut Pool,
+    /// The interval of every input.
+    pub(crate) domain: FxHashMap<Symbol, Interval>,
+    /// Images that may still be formed.
+    pub(crate) effort: usize,
+}
+
+impl<'p> Images<'p> {
+    pub(crate) fn new(pool: &'p mut Pool, domain: FxHashMap<Symbol, Interval>) -> Self {
+        Images { pool, domain, effort: MAX_EFFORT }
+    }
+
+    /// The inputs that an expression uses.
+    pub(crate) fn inputs_of(&self, e: Expr) -> Vec<Symbol> {
+        self.pool.symbols_of(&[e]).into_iter().filter(|s| self.domain.contains_key(s)).collect()
+    }
+
+    /// The value of an expression without names.
+    pub(crate) fn constant(&mut self, e: Expr) -> Result<Interval, String> {
+        if let Some(s) = self.pool.symbols_of(&[e]).first() {
+            return Err(format!("it depends on {}", self.pool.name(*s)));
+        }
+        match number(self.pool, e) {
+            Some(v) => Ok(Interval::point(v, e)),
+            None => Err(format!("{} has no value", self.pool.text(e))),
+        }
+    }
+}
+
+/// The terms of a sum, or the factors of a product.
+pub(crate) fn flattened(pool: &Pool, e: Expr, sum: bool) -> Vec<Expr> {
+    let mut out = Vec::new();
+    let mut stack = vec![e];
+    while let Some(e) = stack.pop() {
+        match pool.node(e) {
+            Node::Add(a, b) if sum => stack.extend([b, a]),
+            Node::Mul(a, b) if !sum => stack.extend([b, a]),
+            _ => out.push(e),
+        }
+    }
+    out
+}
+
+/// The numerical value of an expression without names.
+pub(crate) fn number(pool: &Pool, e: Expr) -> Option<f64> {
+    let tape = Tape::compile(pool, &[], &[e]).ok()?;
+    let mut out = [f64::NAN];
+    tape.eval(&[], &mut Vec::new(), &mut out);
+    out[0].is_finite().then_some(out[0])
+}
