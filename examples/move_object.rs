@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut problem = plate_move(&Shape::Ellipse { a: 0.12, b: 0.08 }, mu)?;
     problem.samples += 30; // see that it stays
     let controlled = control(&problem)?;
-    print!("{}", controlled.run.report);
+    print!("{}", bracketry::report::control::text(&controlled.run.report));
     let arrival = Arrival::of(&problem, &controlled.recording.trajectory);
     println!("{arrival:#?}");
     Ok(())

@@ -13,12 +13,12 @@ pub use bracketry_stiffness as stiffness;
 pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;
 
+pub use bracketry_mpc::{ControlError, Controlled, control, control_watched};
 pub use bracketry_report::{
-    AffinizationReport, Analysis, AnalysisError, ControlError, Controlled, Diagnosis, ExactPlant, Figure, Influence,
-    InputChange, RankChange, Ranks, ReachTable, Reached, analyze, control, control_watched, friction_bands,
-    friction_colors,
+    AffinizationReport, Analysis, AnalysisError, Diagnosis, Figure, Influence, InputChange, RankChange, Ranks, ReachTable,
+    Reached, analyze, friction_bands, friction_colors,
 };
-pub use bracketry_sim::{Breakdown, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
+pub use bracketry_sim::{Breakdown, ExactPlant, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
 pub use bracketry_system::{PointError, point};
 
 /// From installation to a result on a system of one's own, in ten minutes.

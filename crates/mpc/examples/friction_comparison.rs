@@ -4,28 +4,12 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use bracketry_mpc::{
-    ClosedLoop, Controller, CostFunction, CostKind, LoopSettings, Ocp, Plant, PlantError, Rti, RtiSettings, Sqp,
-    SqpController, SqpSettings, StickSlipController, StickSlipSettings, SymbolicDynamics, Trajectory, run_closed_loop,
+    ClosedLoop, Controller, CostFunction, CostKind, LoopSettings, Ocp, Rti, RtiSettings, Sqp, SqpController,
+    SqpSettings, StickSlipController, StickSlipSettings, SymbolicDynamics, Trajectory, run_closed_loop,
 };
+use bracketry_sim::{ExactPlant, Settings};
 use bracketry_symbolic::Rational;
 use bracketry_system::System;
-
-/// The plant: exact stick and slip.
-struct Exact(bracketry_sim::Plant);
-
-impl Plant for Exact {
-    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
-        if self.0.state() != x {
-            self.0.set_state(x)?;
-        }
-        let outcome = self.0.step(u, dt)?;
-        if !outcome.is_finished() {
-            return Err(format!("{outcome:?}").into());
-        }
-        x.copy_from_slice(self.0.state());
-        Ok(())
-    }
-}
 
 /// A problem: its friction level is the parameter `mu`.
 struct Case {
@@ -232,7 +216,7 @@ fn run(case: &Case, make: &Maker, percent: i64) -> ClosedLoop {
     let mu = model.parameters.iter().find(|p| model.symbol_name(p.symbol) == "mu").unwrap().value.clone();
     assert!(model.set_parameter("mu", mu * Rational::from_parts(percent.into(), 100u8.into())));
     let mut controller = make(case, &model);
-    let mut plant = Exact(bracketry_sim::Plant::new(&plant, &case.x0, &bracketry_sim::Settings::default()).unwrap());
+    let mut plant = ExactPlant::new(&plant, &case.x0, &Settings::default()).unwrap();
     run_closed_loop(controller.as_mut(), &mut plant, &case.x0, case.samples, LoopSettings::default()).unwrap()
 }
 

@@ -6,9 +6,10 @@
 #![allow(clippy::print_stdout)]
 
 use bracketry_mpc::{
-    Brake, ControlProblem, Controller, Counts, FailurePolicy, Fault, LoopSettings, Plant, PlantError, Rti, RtiSettings,
+    Brake, ControlProblem, Controller, Counts, FailurePolicy, Fault, LoopSettings, Plant, Rti, RtiSettings,
     RungeKuttaPlant, SampledLoop, SymbolicDynamics, Trajectory,
 };
+use bracketry_sim::{ExactPlant, Settings};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -38,18 +39,6 @@ fn resident() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmRSS:"))?;
     line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|k| k * 1024.0)
-}
-
-/// A system with set-valued friction as a plant.
-struct ExactPlant(bracketry_sim::Plant);
-
-impl Plant for ExactPlant {
-    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
-        self.0.set_state(x)?;
-        let outcome = self.0.step(u, dt)?;
-        x.copy_from_slice(self.0.state());
-        if outcome.is_finished() { Ok(()) } else { Err(format!("{outcome:?}").into()) }
-    }
 }
 
 /// Faults of one sample: each kind in about one of fifty, a blow of up to a hundred times `push` among them.
@@ -169,10 +158,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let brake = Brake { input: 0, velocity: 1, rate: 1.0 / spring.ocp.dt };
     let policy = FailurePolicy::BrakeToRest { after: 1, brakes: vec![brake] };
     let mut rti = controller(&spring, policy)?;
-    let exact = bracketry_sim::Plant::new(&spring.plant, &spring.x0, &bracketry_sim::Settings::default())?;
     let push = [0.0, 0.05];
     let settings = LoopSettings { faults: Some(Box::new(|_| faults(&mut random, &push))), ..LoopSettings::default() };
-    let mut plant = ExactPlant(exact);
+    let mut plant = ExactPlant::new(&spring.plant, &spring.x0, &Settings::default())?;
     grown.push(watch("mass with dry friction and faults", &mut rti, &mut plant, &spring.x0, samples / 50, settings)?);
 
     assert!(grown.iter().all(|g| *g < NOISE), "the memory grows: {grown:?} bytes");

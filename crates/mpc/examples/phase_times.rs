@@ -4,24 +4,11 @@
 #![allow(clippy::print_stdout)]
 
 use bracketry_mpc::{
-    ControlProblem, LoopSettings, PhaseTimes, Plant, PlantError, Preparation, Rti, RtiSettings, RungeKuttaPlant,
-    SolveTimes, SymbolicDynamics, Trajectory, run_closed_loop,
+    ControlProblem, LoopSettings, PhaseTimes, Preparation, Rti, RtiSettings, RungeKuttaPlant, SolveTimes,
+    SymbolicDynamics, Trajectory, run_closed_loop,
 };
+use bracketry_sim::{ExactPlant, Settings};
 use std::error::Error;
-
-/// A system with set-valued friction as a plant.
-struct ExactPlant(bracketry_sim::Plant);
-
-impl Plant for ExactPlant {
-    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
-        if self.0.state() != x {
-            self.0.set_state(x)?;
-        }
-        let outcome = self.0.step(u, dt)?;
-        x.copy_from_slice(self.0.state());
-        if outcome.is_finished() { Ok(()) } else { Err(format!("{outcome:?}").into()) }
-    }
-}
 
 fn print(name: &str, times: &PhaseTimes) {
     let cell = |t: &SolveTimes| format!("{:.3} / {:.3}", t.median, t.p99);
@@ -37,8 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pendulum = ControlProblem::read(format!("{models}cart_pole_swing_up.toml"))?;
     let kinds = [
         ("pendulum", Preparation::Linearize),
-        ("pendulum, one program ahead", Preparation::Ahead { programs: 1 }),
-        ("pendulum, one program ahead and tangent", Preparation::AheadTangential { programs: 1 }),
+        ("pendulum, one program ahead", Preparation::AdvancedStep { programs: 1 }),
+        ("pendulum, one program ahead and tangent", Preparation::AdvancedStepTangential { programs: 1 }),
     ];
     for (name, preparation) in kinds {
         let settings = RtiSettings { preparation, ..RtiSettings::default() };
@@ -53,8 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         print(name, &run.phases);
     }
     let plate = ControlProblem::read(format!("{models}plate_move.toml"))?;
-    let exact = bracketry_sim::Plant::new(&plate.plant, &plate.x0, &bracketry_sim::Settings::default())?;
-    let run = plate.run(&mut ExactPlant(exact))?;
+    let run = plate.run(&mut ExactPlant::new(&plate.plant, &plate.x0, &Settings::default())?)?;
     print("plate along its plan", &run.closed_loop.phases);
     Ok(())
 }

@@ -127,6 +127,16 @@ pub(crate) fn check_flag(stop: &StopFlag) -> Result<(), MpcError> {
     if stop.is_raised() { Err(MpcError::Stopped) } else { Ok(()) }
 }
 
+/// [`MpcError::Value`] unless the value is good.
+pub(crate) fn check_value(
+    good: bool,
+    what: impl Into<String>,
+    value: f64,
+    remedy: &'static str,
+) -> Result<(), MpcError> {
+    if good { Ok(()) } else { Err(MpcError::Value { what: what.into(), value, remedy }) }
+}
+
 pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), MpcError> {
     if found == expected { Ok(()) } else { Err(MpcError::Length { what, found, expected }) }
 }

@@ -64,7 +64,8 @@ mod transcription;
 
 pub use closed_loop::{
     ClosedLoop, Counts, DelayCompensated, Fault, FaultFunction, LoopSettings, MeasurementFunction, NoiseFunction,
-    PhaseTimes, Plant, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop, SolveTimes, SourceCounts, run_closed_loop,
+    PhaseTimes, Plant, PlantStopped, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop, SolveTimes, SourceCounts,
+    run_closed_loop,
 };
 pub use controller::{
     Brake, Controller, FailurePolicy, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings,
@@ -83,8 +84,8 @@ pub use ocp::{
     TerminalTarget, VectorFunction,
 };
 pub use problem::{
-    ControlProblem, ControlReport, ControlRun, Convergence, Estimation, EstimatorKind, Feedback, Method, NamedValues,
-    PlanReport, ProblemError, RunConditions,
+    ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled, Convergence, Estimation, EstimatorKind,
+    Feedback, Method, NamedValues, PlanReport, ProblemError, RunConditions, control, control_watched,
 };
 pub use qp::{Backend, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};

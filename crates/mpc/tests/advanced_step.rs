@@ -57,7 +57,7 @@ fn before_the_second_sample(preparation: Preparation) -> (Rti, Vec<f64>) {
 
 #[test]
 fn the_solution_ahead_is_the_converged_one_for_the_predicted_state() {
-    let (mut rti, predicted) = before_the_second_sample(Preparation::AheadTangential { programs: 8 });
+    let (mut rti, predicted) = before_the_second_sample(Preparation::AdvancedStepTangential { programs: 8 });
     let step = rti.feedback(&predicted).unwrap().clone();
     assert_eq!(step.source, InputSource::Tangent);
     assert_relative_eq!(step.u[0], converged(&predicted), epsilon = 1e-4);
@@ -72,7 +72,7 @@ fn the_tangential_predictor_is_the_derivative_of_the_converged_solution() {
         for h in [1e-3, -1e-3] {
             let mut x = predicted.clone();
             x[i] += h;
-            let (mut rti, _) = before_the_second_sample(Preparation::AheadTangential { programs: 8 });
+            let (mut rti, _) = before_the_second_sample(Preparation::AdvancedStepTangential { programs: 8 });
             let step = rti.feedback(&x).unwrap();
             assert_eq!(step.source, InputSource::Tangent);
             // The remainder of a derivative is quadratic in h; the input itself changes by up to 0.1.
@@ -83,17 +83,17 @@ fn the_tangential_predictor_is_the_derivative_of_the_converged_solution() {
 
 #[test]
 fn a_blow_that_leads_out_of_the_bounds_is_answered_by_a_program() {
-    let (mut rti, mut x) = before_the_second_sample(Preparation::AheadTangential { programs: 3 });
+    let (mut rti, mut x) = before_the_second_sample(Preparation::AdvancedStepTangential { programs: 3 });
     x[3] += 2.0;
     let step = rti.feedback(&x).unwrap().clone();
     assert_eq!(step.source, InputSource::Program);
-    let (mut plain, _) = before_the_second_sample(Preparation::Ahead { programs: 3 });
+    let (mut plain, _) = before_the_second_sample(Preparation::AdvancedStep { programs: 3 });
     assert_relative_eq!(step.u[0], plain.feedback(&x).unwrap().u[0], epsilon = 1e-9);
 }
 
 #[test]
 fn a_lost_sample_gets_the_solution_for_the_predicted_state() {
-    let (mut rti, predicted) = before_the_second_sample(Preparation::Ahead { programs: 8 });
+    let (mut rti, predicted) = before_the_second_sample(Preparation::AdvancedStep { programs: 8 });
     let step = rti.feedback(&[f64::NAN; 4]).unwrap();
     assert_eq!(step.source, InputSource::Plan);
     assert_relative_eq!(step.u[0], converged(&predicted), epsilon = 1e-4);
@@ -123,9 +123,9 @@ fn swing_up(preparation: Preparation) -> (f64, usize) {
 
 #[test]
 fn the_advanced_step_costs_as_much_as_full_convergence() {
-    let (cost, _) = swing_up(Preparation::Ahead { programs: 1 });
+    let (cost, _) = swing_up(Preparation::AdvancedStep { programs: 1 });
     assert!((cost / 2047.463 - 1.0).abs() < 1e-3, "{cost}");
-    let (cost, tangents) = swing_up(Preparation::AheadTangential { programs: 1 });
+    let (cost, tangents) = swing_up(Preparation::AdvancedStepTangential { programs: 1 });
     assert!((cost / 2047.463 - 1.0).abs() < 1e-3, "{cost}");
     assert!(tangents > 50, "{tangents}");
 }
@@ -134,10 +134,12 @@ fn the_advanced_step_costs_as_much_as_full_convergence() {
 fn what_the_tangent_cannot_hold_is_refused() {
     let (system, mut ocp) = problem();
     let start = Trajectory::constant(STEPS, &[0.0; 4], &[0.0]);
-    let settings = RtiSettings { preparation: Preparation::AheadTangential { programs: 0 }, ..RtiSettings::default() };
+    let settings =
+        RtiSettings { preparation: Preparation::AdvancedStepTangential { programs: 0 }, ..RtiSettings::default() };
     assert!(matches!(Rti::new(dynamics(&system), ocp.clone(), start.clone(), settings), Err(MpcError::Value { .. })));
     ocp.move_blocks = vec![STEPS / 2, STEPS / 2];
-    let settings = RtiSettings { preparation: Preparation::AheadTangential { programs: 1 }, ..RtiSettings::default() };
+    let settings =
+        RtiSettings { preparation: Preparation::AdvancedStepTangential { programs: 1 }, ..RtiSettings::default() };
     let error = Rti::new(dynamics(&system), ocp, start, settings).err().unwrap();
     assert!(error.to_string().contains("move blocks"), "{error}");
 }

@@ -11,7 +11,7 @@ use bracketry_mpc::{
 };
 use bracketry_symbolic::Rational;
 use bracketry_system::System;
-use common::ExactPlant;
+use common::exact_plant;
 use noise::Noise;
 use std::f64::consts::PI;
 
@@ -34,7 +34,7 @@ fn oscillation(seed: u64, mu_plant: f64, mu_model: f64) -> Vec<(Vec<f64>, Estima
     let model = plate(mu_model);
     let mut x = vec![0.0; STATES];
     x[..2].copy_from_slice(&[0.05, -0.03]);
-    let mut plant = ExactPlant::new(&plant_model, &x);
+    let mut plant = exact_plant(&plant_model, &x);
     let mut problem = EstimationProblem::new(&model, DT, &x);
     problem.initial_std[..3].copy_from_slice(&[1e-3, 1e-3, 0.02]);
     problem.process_noise[3..6].copy_from_slice(&[0.05, 0.05, 0.3]);
@@ -101,7 +101,7 @@ fn friction_is_frozen_while_it_sticks_and_found_once_it_slides() {
     let mut true_block = block();
     assert!(true_block.set_parameter("mu", Rational::from_parts(1.into(), 4u8.into())));
     let mut x = vec![0.0, 0.0];
-    let mut plant = ExactPlant::new(&true_block, &x);
+    let mut plant = exact_plant(&true_block, &x);
     let mut problem = EstimationProblem::new(&block(), DT, &x);
     problem.process_noise[1] = 0.02;
     problem.outputs = vec![MeasuredOutput::new("x", 5e-4)];
@@ -133,7 +133,7 @@ fn a_block_that_slides_against_the_model_s_belief_is_noticed() {
         let mut true_block = block();
         assert!(true_block.set_parameter("mu", Rational::from_parts(percent.into(), 100u8.into())));
         let mut x = vec![0.0, 0.0];
-        let mut plant = ExactPlant::new(&true_block, &x);
+        let mut plant = exact_plant(&true_block, &x);
         let mut problem = EstimationProblem::new(&block(), DT, &x);
         problem.process_noise[1] = 0.05;
         problem.outputs = vec![MeasuredOutput::new("x", 5e-4)];

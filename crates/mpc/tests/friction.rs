@@ -43,7 +43,7 @@ fn run_with_faults(
     faults: impl FnMut(usize) -> Vec<Fault>,
 ) -> ClosedLoop {
     let mut controller = controller(model, ocp, x0);
-    let mut plant = common::ExactPlant::new(plant, x0);
+    let mut plant = common::exact_plant(plant, x0);
     let settings = LoopSettings { faults: Some(Box::new(faults)), ..LoopSettings::default() };
     run_closed_loop(&mut controller, &mut plant, x0, samples, settings).unwrap()
 }
@@ -74,7 +74,7 @@ fn a_guess_of_the_wrong_length_is_refused() {
 fn a_problem_file_asks_for_control_on_exact_friction() {
     let problem = ControlProblem::read(common::model_path("spring_mass_friction_target.toml")).unwrap();
     assert!(matches!(problem.method, Method::StickSlip { .. }));
-    let mut plant = common::ExactPlant::new(&problem.plant, &problem.x0);
+    let mut plant = common::exact_plant(&problem.plant, &problem.x0);
     let report = problem.run(&mut plant).unwrap().report;
     assert!(report.closed_loop_cost <= 5.793, "{}", report.closed_loop_cost);
     assert!((report.x_final.get("x").unwrap() - 2.0).abs() <= 0.005, "{:?}", report.x_final);
@@ -163,9 +163,9 @@ fn the_modes_of_a_plan_are_those_of_the_plant() {
         let plan = controller.plan_from(x0).unwrap().clone();
         let planned = controller.mode_changes();
         changes += planned.len();
-        let mut plant = bracketry_sim::Plant::new(&system, x0, &bracketry_sim::Settings::default()).unwrap();
+        let mut plant = bracketry_sim::ExactPlant::new(&system, x0, &bracketry_sim::Settings::default()).unwrap();
         for k in 0..plan.steps() {
-            assert!(plant.step(plan.u(k), 0.15).unwrap().is_finished());
+            assert!(plant.hold(plan.u(k), 0.15).unwrap().is_finished());
             assert!((plant.state()[0] - plan.x(k + 1)[0]).abs() < 1e-4);
             let until = |c: &&bracketry_sim::ModeChange| c.t <= 0.15 * (k + 1) as f64 - 1e-6;
             if let Some(last) = planned.iter().rfind(until)
@@ -205,7 +205,7 @@ fn friction_that_is_handed_over_controls_like_friction_that_was_known() {
     let mut told = StickSlipController::new(&model, benchmark(&model), guess, settings).unwrap();
     assert!(told.set_parameters(&[0.2, 0.3]).is_err());
     told.set_parameters(&[0.2]).unwrap();
-    let mut plant = common::ExactPlant::new(&truth, &[0.0, 0.0]);
+    let mut plant = common::exact_plant(&truth, &[0.0, 0.0]);
     let told = run_closed_loop(&mut told, &mut plant, &[0.0, 0.0], 40, LoopSettings::default()).unwrap();
     let knew = run(&truth, &truth, benchmark(&truth), &[0.0, 0.0], 40);
     assert!((told.cost - knew.cost).abs() < 1e-9, "{} {}", told.cost, knew.cost);

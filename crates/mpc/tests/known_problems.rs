@@ -5,27 +5,27 @@
 mod common;
 
 use bracketry_mpc::{
-    ControlProblem, ControlReport, Convergence, Feedback, Method, Plant, RungeKuttaPlant, SymbolicDynamics,
+    ClosedLoopReport, ControlProblem, Convergence, Feedback, Method, Plant, RungeKuttaPlant, SymbolicDynamics,
 };
-use common::ExactPlant;
+use common::exact_plant;
 
-fn run(name: &str) -> ControlReport {
+fn run(name: &str) -> ClosedLoopReport {
     run_problem(&ControlProblem::read(common::model_path(&format!("{name}.toml"))).unwrap())
 }
 
-fn run_problem(problem: &ControlProblem) -> ControlReport {
+fn run_problem(problem: &ControlProblem) -> ClosedLoopReport {
     let switches = problem.plant.clone().set_valued_form().switches;
     let mut plant: Box<dyn Plant> = if switches.is_empty() {
         let dynamics = Box::new(SymbolicDynamics::new(&problem.plant).unwrap());
         Box::new(RungeKuttaPlant::new(dynamics, problem.plant_substeps))
     } else {
-        Box::new(ExactPlant::new(&problem.plant, &problem.x0))
+        Box::new(exact_plant(&problem.plant, &problem.x0))
     };
     problem.run(plant.as_mut()).unwrap().report
 }
 
 /// The closed-loop cost agrees with the reference to 0.1 %, with a solution at every sample.
-fn costs(name: &str, reference: f64) -> ControlReport {
+fn costs(name: &str, reference: f64) -> ClosedLoopReport {
     let report = run(name);
     let cost = report.closed_loop_cost;
     assert!((cost / reference - 1.0).abs() < 1e-3, "{name}: {cost} in place of {reference}");

@@ -10,8 +10,9 @@ use bracketry_mpc::{
     Estimator, ExtendedKalman, LoopSettings, MeasuredOutput, MovingHorizon, MovingHorizonSettings, Ocp, OffsetFree,
     Plant, PlantError, Rti, RtiSettings, TargetCalculator, TargetStatus, Trajectory, run_closed_loop,
 };
+use bracketry_sim::ExactPlant;
 use bracketry_system::System;
-use common::ExactPlant;
+use common::exact_plant;
 use noise::Noise;
 
 const DT: f64 = 0.15;
@@ -111,7 +112,7 @@ fn run(problem: &EstimationProblem, estimator: &mut (dyn Estimator + 'static), c
     let model = Box::new(problem.controller_dynamics().unwrap());
     let mut controller = DelayCompensated::new(inside, model, case.delay, &[0.0]).unwrap();
     let (friction, at_rest) = case.friction;
-    let mut plant = Pushed(ExactPlant::new(&mass(friction, at_rest), &[0.0, 0.0]), case.disturbance);
+    let mut plant = Pushed(exact_plant(&mass(friction, at_rest), &[0.0, 0.0]), case.disturbance);
     let mut noise = Noise::new(u64::from(friction));
     let losses = case.losses;
     let settings = LoopSettings {

@@ -30,7 +30,7 @@ fn problem((from, to): ([f64; 3], [f64; 3]), model_mu: i64, plant_mu: i64) -> Co
 }
 
 fn run(p: &ControlProblem, disturb: impl FnMut(usize, &mut [f64])) -> ControlRun {
-    let mut plant = common::ExactPlant::new(&p.plant, &p.x0);
+    let mut plant = common::exact_plant(&p.plant, &p.x0);
     p.run_disturbed(&mut plant, disturb).unwrap()
 }
 

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_mpc::{
-    ControlProblem, ControlReport, FailurePolicy, Integrator, RungeKuttaPlant, Softness, Substeps, SymbolicDynamics,
+    ClosedLoopReport, ControlProblem, FailurePolicy, Integrator, RungeKuttaPlant, Softness, Substeps, SymbolicDynamics,
 };
 use bracketry_system::System;
 
@@ -40,7 +40,7 @@ fn with(line: &str, before: &str) -> String {
     PROBLEM.replace(before, &format!("{line}\n{before}"))
 }
 
-fn run(text: &str) -> (ControlReport, Vec<Vec<f64>>, Vec<Vec<f64>>) {
+fn run(text: &str) -> (ClosedLoopReport, Vec<Vec<f64>>, Vec<Vec<f64>>) {
     let problem = read(text).unwrap();
     let dynamics = SymbolicDynamics::new(&problem.plant).unwrap();
     let mut plant = RungeKuttaPlant::new(Box::new(dynamics), problem.plant_substeps);
@@ -302,7 +302,7 @@ fn a_cost_that_is_not_a_number_solves_nothing() {
         assert_eq!((report.status.solved, report.status.fallback), (0, 60), "{method}");
         assert_eq!(report.status.reasons.total(), 60);
         assert!(!report.succeeded);
-        let said = report.to_string();
+        let said = report.notes.join("\n");
         assert!(said.contains("the stage cost is not finite at sample 0 (t = 0 s)"), "{said}");
         assert!(said.contains("60 × fallback, first at sample 0"), "{said}");
     }
@@ -311,18 +311,11 @@ fn a_cost_that_is_not_a_number_solves_nothing() {
 #[test]
 fn the_report_says_why_samples_were_not_solved() {
     let (report, _, _) = run(&format!("{PROBLEM}faults = [{{ at = 3, until = 5, lost = true }}]\n"));
-    let said = report.to_string();
+    let said = report.notes.join("\n");
     assert!(said.contains("3 × fallback, first at sample 3 (t = 0.3 s): nothing was measured"), "{said}");
     let (report, _, _) = run(&with("x = { max = -1, hard = true }", "[solve]"));
-    assert!(report.to_string().contains("infeasible: a hard bound cannot be kept"), "{report}");
-}
-
-#[test]
-fn figures_of_any_size_stay_short() {
-    let (mut report, _, _) = run(&PROBLEM.replace("steps = 60", "steps = 2"));
-    (report.period_ms, report.closed_loop_cost) = (1e-297, 1.234_567_89e12);
-    let said = report.to_string();
-    assert!(said.contains("sampling period 1e-297 ms") && said.contains("1.234568e12 in closed loop"), "{said}");
+    let said = report.notes.join("\n");
+    assert!(said.contains("infeasible: a hard bound cannot be kept"), "{said}");
 }
 
 #[test]
@@ -331,11 +324,11 @@ fn violations_of_named_constraints_count_too() {
     let both = "over = { expression = \"vx\", min = 1 }\nunder = { expression = \"vx\", max = -1 }";
     let (report, x, _) = run(&with(both, "[solve]"));
     let worst = x[1..].iter().map(|x| (1.0 - x[2]).max(x[2] + 1.0)).fold(0.0, f64::max);
-    assert!(worst >= 1.0 && (report.constraint_violation_max - worst).abs() < 1e-12, "{report} {worst}");
+    assert!(worst >= 1.0 && (report.constraint_violation_max - worst).abs() < 1e-12, "{report:?} {worst}");
     let length = "speed = { norm = [\"vx\", \"vy\"], max = \"-1\" }";
     let (report, x, _) = run(&with(length, "[solve]"));
     let longest = x[1..].iter().map(|x| x[2].hypot(x[3])).fold(0.0, f64::max);
-    assert!((report.constraint_violation_max - longest - 1.0).abs() < 1e-12, "{report} {longest}");
+    assert!((report.constraint_violation_max - longest - 1.0).abs() < 1e-12, "{report:?} {longest}");
 }
 
 #[test]

@@ -110,8 +110,8 @@ fn controller(random: &mut Random, system: &System, ocp: &Ocp) -> Box<dyn Contro
         proximal: if random.chance(0.3) { 0.1 } else { 0.0 },
         iterations: 1 + random.below(3),
         preparation: match random.below(4) {
-            0 => Preparation::Ahead { programs: 2 },
-            1 => Preparation::AheadTangential { programs: 1 },
+            0 => Preparation::AdvancedStep { programs: 2 },
+            1 => Preparation::AdvancedStepTangential { programs: 1 },
             _ => Preparation::Linearize,
         },
         time_limit: if random.chance(0.2) { 1e-4 } else { f64::INFINITY },

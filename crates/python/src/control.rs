@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use bracketry::mpc::ControlProblem;
+use bracketry::mpc::{ControlError, ControlProblem, MpcError};
+use bracketry::report::control as report;
 use bracketry::system::System;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
@@ -34,11 +35,16 @@ pub(crate) fn control<'py>(
             problem.conditions.seed = seed;
         }
         problem.stop = stop.clone();
-        let controlled = Arc::new(bracketry::control(&problem)?);
+        let controlled = Arc::new(bracketry::control(&problem).map_err(|e| match e {
+            ControlError::Mpc(MpcError::Plant { .. }) => Failure::new(report::error(&problem, &e)),
+            other => other.into(),
+        })?);
         let problem = Arc::new(problem);
         let drawn = (Arc::clone(&controlled), Arc::clone(&problem));
-        let figures = Figures::default().with("closed_loop", move || drawn.0.figure(&drawn.1));
-        Ok((Answer::of(&controlled.run.report, figures)?, controlled, problem))
+        let figures = Figures::default().with("closed_loop", move || report::figure(&drawn.1, &drawn.0));
+        let outcome = &controlled.run.report;
+        let (json, text) = (serde_json::to_string(outcome)?, report::text(outcome));
+        Ok((Answer { json, text, figures }, controlled, problem))
     })?;
     let run = &controlled.run.closed_loop;
     let (states, inputs) = (problem.plant.state_names(), problem.plant.input_names());

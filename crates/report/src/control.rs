@@ -1,123 +1,143 @@
-//! A control problem run on its plant: exact stick–slip friction where the plant has switching functions, a fixed
-//! Runge–Kutta method where it is smooth.
+//! Closed loops as text, table and figure.
 
-use bracketry_mpc::{ControlProblem, ControlRun, MpcError, Plant, PlantError, RungeKuttaPlant, SymbolicDynamics};
-use bracketry_sim::{
-    Breakdown, Hold, InputError, Inputs, Model, Outcome, Samples, Settings, SimError, Simulation, simulate,
-};
-use bracketry_system::{System, ZeroDenominator};
+use std::fmt;
 
-use crate::simulation;
+use bracketry_mpc::{ClosedLoopReport, ControlError, ControlProblem, Controlled, MpcError, PlantStopped};
+use bracketry_plot::{Dash, Drawing, Panel, PlotError, Series, TimeSeries};
+use bracketry_sim::Breakdown;
+use bracketry_system::{counted, readable};
 
-/// A control problem that could not be run.
-#[derive(Debug, thiserror::Error)]
-pub enum ControlError {
-    /// The problem contradicts itself or the plant stopped.
-    #[error(transparent)]
-    Mpc(#[from] MpcError),
-    /// The plant cannot be simulated.
-    #[error(transparent)]
-    Plant(#[from] bracketry_sim::PlantError),
-    /// The inputs do not fit the plant.
-    #[error(transparent)]
-    Input(#[from] InputError),
-    /// The equations of the model or of the plant divide by zero everywhere.
-    #[error(transparent)]
-    Denominator(#[from] ZeroDenominator),
-    /// The recording was refused.
-    #[error(transparent)]
-    Sim(#[from] SimError),
+use crate::simulation::{self, friction_bands, friction_colors};
+
+/// The figures of a closed loop, one to a line.
+pub fn text(report: &ClosedLoopReport) -> String {
+    Text(report).to_string()
 }
 
-/// A system with set-valued friction as the plant of a control loop.
-pub struct ExactPlant {
-    plant: bracketry_sim::Plant,
-    system: System,
-}
+struct Text<'a>(&'a ClosedLoopReport);
 
-impl ExactPlant {
-    /// The system at time 0 in state `x0`.
-    ///
-    /// # Errors
-    /// If the system cannot be compiled or the state does not fit.
-    pub fn new(system: &System, x0: &[f64]) -> Result<Self, bracketry_sim::PlantError> {
-        let plant = bracketry_sim::Plant::new(system, x0, &Settings::default())?;
-        Ok(Self { plant, system: system.clone() })
-    }
-}
-
-impl Plant for ExactPlant {
-    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
-        if self.plant.state() != x {
-            self.plant.set_state(x)?;
+impl fmt::Display for Text<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let report = self.0;
+        if let Some(p) = &report.plan {
+            let programs = counted(p.programs, "quadratic program", "quadratic programs");
+            writeln!(f, "plan           {}, {programs} in {:.2} s", p.status, p.seconds)?;
         }
-        match self.plant.step(u, dt)? {
-            Outcome::Finished => {
-                x.copy_from_slice(self.plant.state());
-                Ok(())
-            }
-            Outcome::Stopped { reason, t, state } => {
-                let breakdown = Breakdown::find(&self.system, self.plant.model(), &reason, t, &state);
-                let why = breakdown.map_or_else(|| reason.to_string(), |b| simulation::breakdown(&self.system, &b));
-                Err(format!("{why} (t = {t} s)").into())
+        let (cost, predicted) = (readable(report.closed_loop_cost), readable(report.open_loop_cost));
+        writeln!(f, "cost           {cost} in closed loop, {predicted} predicted")?;
+        let c = &report.status;
+        writeln!(
+            f,
+            "samples        {}: {} solved, {} inaccurate, {} infeasible, {} fallback, {} after the plan's end",
+            report.steps, c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
+        )?;
+        let s = &report.solve_ms;
+        writeln!(
+            f,
+            "step time      {:.2} ms median, {:.2} ms 99 %, {:.2} ms longest; sampling period {} ms",
+            s.median,
+            s.p99,
+            s.max,
+            readable(report.period_ms)
+        )?;
+        writeln!(f, "bounds         violated by at most {}", readable(report.constraint_violation_max))?;
+        let width = report.x_final.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(8);
+        for (name, v) in report.x_final.iter() {
+            write!(f, "final {name:<width$} {}", readable(v))?;
+            match report.miss.get(name) {
+                Some(e) => writeln!(f, ", misses its target by {}", readable(e.abs()))?,
+                None => writeln!(f)?,
             }
         }
-    }
-}
-
-/// A closed loop with what the plant did between the samples.
-#[derive(Clone, Debug)]
-pub struct Controlled {
-    /// Figures, samples, plan.
-    pub run: ControlRun,
-    /// The plant between the samples, with its modes: the applied inputs once more, recorded.
-    pub recording: Simulation,
-    /// Names of the plant's switching functions.
-    pub switches: Vec<String>,
-}
-
-/// Runs the closed loop of a problem.
-///
-/// # Errors
-/// [`ControlError`]; infeasible programs, fallbacks and missed targets are figures of the report instead.
-pub fn control(problem: &ControlProblem) -> Result<Controlled, ControlError> {
-    control_watched(problem, |_| {})
-}
-
-/// [`control`], with `progress` called at the start of every sample with its number.
-///
-/// # Errors
-/// As [`control`].
-pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)) -> Result<Controlled, ControlError> {
-    problem.system.check_denominators()?;
-    problem.plant.check_denominators()?;
-    let mut plant_system = problem.plant.clone();
-    // Delays act within a sample, which is for the simulator too.
-    let delayed = plant_system.delay_values().iter().any(|d| *d != Some(0.0));
-    let smooth = plant_system.set_valued_form().switches.is_empty() && !delayed;
-    let mut plant: Box<dyn Plant> = if smooth {
-        let dynamics = Box::new(SymbolicDynamics::new(&problem.plant)?);
-        Box::new(RungeKuttaPlant::new(dynamics, problem.plant_substeps))
-    } else {
-        Box::new(ExactPlant::new(&problem.plant, &problem.x0)?)
-    };
-    let run = problem.run_disturbed(plant.as_mut(), |k, _| progress(k))?;
-    let mut inputs = Inputs::new();
-    let applied = &run.closed_loop.u;
-    for (i, name) in problem.plant.input_names().iter().enumerate() {
-        let mut times = run.closed_loop.t[..applied.len()].to_vec();
-        let mut values: Vec<f64> = applied.iter().map(|u| u[i]).collect();
-        if delayed {
-            // Nothing was commanded before the run.
-            times.insert(0, times.first().copied().unwrap_or(0.0) - problem.ocp.dt);
-            values.insert(0, 0.0);
+        for note in &report.notes {
+            writeln!(f, "note           {note}")?;
         }
-        inputs = inputs.samples(name, Samples::new(times, values, Hold::Previous)?);
+        Ok(())
     }
-    let model = Model::new(&problem.plant, &inputs)?;
-    let switches = model.switch_names().map(str::to_owned).collect();
-    let end = run.closed_loop.t.last().copied().unwrap_or(0.0);
-    let settings = Settings { stop: problem.stop.clone(), ..Settings::default() };
-    let recording = simulate(model, 0.0, &problem.x0, end, &settings)?;
-    Ok(Controlled { run, recording, switches })
+}
+
+/// Why a problem could not be run; where its plant stopped, with the part of the equations that has no value there.
+pub fn error(problem: &ControlProblem, error: &ControlError) -> String {
+    if let ControlError::Mpc(MpcError::Plant { time, source }) = error
+        && let Some(stop) = source.downcast_ref::<PlantStopped>()
+        && let Some(why) = Breakdown::find(&problem.plant, &stop.model, &stop.reason, stop.t, &stop.state)
+    {
+        let why = simulation::breakdown(&problem.plant, &why);
+        return format!("the plant stops at t = {time}: {why} (t = {} s)", stop.t);
+    }
+    error.to_string()
+}
+
+/// Names of the columns and rows of a table: time, states, inputs and, where states are estimated, the estimates.
+pub fn table(problem: &ControlProblem, controlled: &Controlled) -> (Vec<String>, Vec<Vec<f64>>) {
+    let run = &controlled.run.closed_loop;
+    let states = problem.plant.state_names();
+    let estimated = problem.estimation.is_some();
+    let mut header = vec!["t".to_owned()];
+    header.extend(states.iter().cloned());
+    header.extend(problem.plant.input_names());
+    if estimated {
+        header.extend(states.iter().map(|x| format!("estimated {x}")));
+    }
+    // The last state has no sample of its own: the last applied input and the last estimate stand there.
+    let rows = (0..run.t.len())
+        .map(|k| {
+            let last = k.min(run.u.len() - 1);
+            let estimate = run.estimates[last].iter().take(if estimated { states.len() } else { 0 });
+            std::iter::once(&rounded(run.t[k])).chain(&run.x[k]).chain(&run.u[last]).chain(estimate).copied().collect()
+        })
+        .collect();
+    (header, rows)
+}
+
+/// A time without the rounding of k·dt in its last digits.
+fn rounded(t: f64) -> f64 {
+    format!("{t:.12e}").parse().unwrap_or(t)
+}
+
+/// States with targets, bounds and the modes of friction, inputs, and the time of each solution.
+///
+/// # Errors
+/// [`PlotError`] for numbers that no axis holds.
+pub fn figure(problem: &ControlProblem, controlled: &Controlled) -> Result<Drawing, PlotError> {
+    let run = &controlled.run.closed_loop;
+    let (states, inputs) = (problem.plant.state_names(), problem.plant.input_names());
+    let estimated = problem.estimation.is_some();
+    let mut chart = friction_colors(TimeSeries::new()).title(format!("Closed loop, {}", problem.system.name));
+    for (k, name) in states.iter().enumerate() {
+        let values: Vec<f64> = run.x.iter().map(|x| x[k]).collect();
+        let label = if estimated { "true state" } else { "" };
+        let mut panel = Panel::new(name.clone()).series(Series::new(label, run.t.clone(), values));
+        if estimated {
+            let values: Vec<f64> = run.estimates.iter().map(|x| x[k]).collect();
+            panel = panel.series(Series::new("estimate", run.t[..values.len()].to_vec(), values).dash(Dash::Dashed));
+        }
+        for target in problem.ocp.targets.iter().filter(|t| t.state == k) {
+            panel = panel.target(target.value);
+        }
+        let b = problem.ocp.state_bounds[k];
+        for bound in [b.min, b.max].into_iter().filter(|b| b.is_finite()) {
+            panel = panel.bound(bound);
+        }
+        panel = friction_bands(panel, &controlled.recording.trajectory, &controlled.switches, name);
+        chart = chart.panel(panel);
+    }
+    for (k, name) in inputs.iter().enumerate() {
+        let mut panel = Panel::new(format!("input {name}")).series(held(&run.t, run.u.iter().map(|u| u[k])));
+        let (min, max) = problem.ocp.input_bounds[k];
+        for bound in [min, max].into_iter().filter(|b| b.is_finite()) {
+            panel = panel.bound(bound);
+        }
+        chart = chart.panel(panel);
+    }
+    let milliseconds = run.steps.iter().map(|s| 1e3 * s.timings.total());
+    chart = chart.panel(Panel::new("solve time [ms]").series(held(&run.t, milliseconds)));
+    chart.draw()
+}
+
+/// Values that are held from each time to the next, the last one to the end.
+fn held(t: &[f64], values: impl Iterator<Item = f64>) -> Series {
+    let mut values: Vec<f64> = values.collect();
+    values.extend(values.last().copied());
+    Series::new("", t[..values.len().min(t.len())].to_vec(), values).step()
 }

@@ -3,8 +3,7 @@
 mod affinization;
 mod analysis;
 mod analysis_pictures;
-mod closed_loop_figure;
-mod control;
+pub mod control;
 mod diagnosis;
 mod document;
 pub mod html;
@@ -15,7 +14,6 @@ pub mod stiffness;
 
 pub use affinization::{AffinizationReport, InputChange};
 pub use analysis::{Analysis, AnalysisError, analyze};
-pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
 pub use diagnosis::{Diagnosis, RankChange, Ranks};
 pub use html::Figure;
 pub use reach::{Influence, ReachTable, Reached};

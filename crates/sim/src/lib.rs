@@ -7,7 +7,7 @@
 //! A switch may also be a unit vector `s = σ/|σ|`, any vector of the unit ball where `σ = 0`: dry friction on a plane.
 //! Near rest, where its direction is attracted ever faster, the steps are implicit (Radau IIA).
 //!
-//! [`Model`] compiles a [`bracketry_system::System`] with [`Inputs`]; [`simulate`] runs it; [`Stepper`] and [`Plant`] do so
+//! [`Model`] compiles a [`bracketry_system::System`] with [`Inputs`]; [`simulate`] runs it; [`Stepper`] and [`ExactPlant`] do so
 //! piece by piece, as in a control loop.
 
 mod balance;
@@ -33,7 +33,7 @@ pub use contact::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Sli
 pub use friction::{Mode, ModeChange, ModeInterval};
 pub use model::{Hold, InputError, Inputs, Model, Samples};
 pub use outcome::{Outcome, Statistics, StopReason};
-pub use plant::{Plant, PlantError};
+pub use plant::{ExactPlant, PlantError};
 pub use scenario::{SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
 pub use sensitivity::{Path, Saltation, Tangent};
 pub use settings::{Settings, SimError};

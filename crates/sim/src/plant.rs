@@ -6,7 +6,7 @@ use bracketry_system::System;
 /// A [`System`] simulated from one control sample to the next with its inputs held constant, on exact stick and slip.
 ///
 /// ```
-/// use bracketry_sim::{Plant, Settings};
+/// use bracketry_sim::{ExactPlant, Settings};
 /// use bracketry_system::System;
 /// let text = r#"
 ///     states = ["x", "v"]
@@ -14,14 +14,14 @@ use bracketry_system::System;
 ///     dynamics = { x = "v", v = "a - sign(v)" }
 /// "#;
 /// let system = System::parse("block.toml", text).unwrap();
-/// let mut plant = Plant::new(&system, &[0.0, 0.0], &Settings::default()).unwrap();
-/// assert!(plant.step(&[0.9], 0.01).unwrap().is_finished()); // too weak: it holds
+/// let mut plant = ExactPlant::new(&system, &[0.0, 0.0], &Settings::default()).unwrap();
+/// assert!(plant.hold(&[0.9], 0.01).unwrap().is_finished()); // too weak: it holds
 /// assert_eq!(plant.state(), &[0.0, 0.0]);
-/// assert!(plant.step(&[3.0], 0.01).unwrap().is_finished()); // v' = 3 − 1
+/// assert!(plant.hold(&[3.0], 0.01).unwrap().is_finished()); // v' = 3 − 1
 /// assert!((plant.state()[1] - 0.02).abs() < 1e-12);
 /// ```
 #[derive(Debug, Clone)]
-pub struct Plant {
+pub struct ExactPlant {
     stepper: Stepper<Model>,
 }
 
@@ -36,7 +36,7 @@ pub enum PlantError {
     Sim(#[from] SimError),
 }
 
-impl Plant {
+impl ExactPlant {
     /// A plant at time 0 in state `x0`, all inputs held.
     ///
     /// # Errors
@@ -50,7 +50,7 @@ impl Plant {
     ///
     /// # Errors
     /// [`PlantError`] for a wrong number of inputs or a negative `dt`. A solution that ends is an [`Outcome`].
-    pub fn step(&mut self, u: &[f64], dt: f64) -> Result<Outcome, PlantError> {
+    pub fn hold(&mut self, u: &[f64], dt: f64) -> Result<Outcome, PlantError> {
         self.stepper.system_mut().set_inputs(u)?;
         let (from, to) = (self.stepper.time(), self.stepper.time() + dt);
         if !to.is_finite() || to < from {

@@ -1,7 +1,7 @@
 //! Inputs that act later than they are commanded, against the same without delay.
 #![allow(clippy::unwrap_used)]
 
-use bracketry_sim::{Hold, InputError, Inputs, Model, Plant, Samples, Settings, Stepper, simulate};
+use bracketry_sim::{ExactPlant, Hold, InputError, Inputs, Model, Samples, Settings, Stepper, simulate};
 use bracketry_system::System;
 
 const BLOCK: &str = r#"
@@ -59,9 +59,9 @@ fn a_held_value_acts_within_a_later_step() {
     let commands = [1.5, -2.0, 0.7, 0.0, 3.0, -1.0];
     for (delay, text) in [(0.03, "0.03"), (0.07, "0.07"), (0.25, "0.25"), (0.013, "\"d\"")] {
         let mut plant =
-            Plant::new(&block(&format!("[delays]\nF = {text}")), &[0.0, 0.2], &Settings::default()).unwrap();
+            ExactPlant::new(&block(&format!("[delays]\nF = {text}")), &[0.0, 0.2], &Settings::default()).unwrap();
         for u in commands {
-            assert!(plant.step(&[u, 0.0], 0.05).unwrap().is_finished());
+            assert!(plant.hold(&[u, 0.0], 0.05).unwrap().is_finished());
         }
         let times: Vec<f64> = std::iter::once(-1.0).chain((0..6).map(|k| f64::from(k) * 0.05 + delay)).collect();
         let values = std::iter::once(0.0).chain(commands).collect();

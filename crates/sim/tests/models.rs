@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{
-    Closures, Hold, InputError, Inputs, Mode, Model, Outcome, Plant, Samples, Settings, Simulation, Stepper,
+    Closures, ExactPlant, Hold, InputError, Inputs, Mode, Model, Outcome, Samples, Settings, Simulation, Stepper,
     StopReason, simulate,
 };
 use bracketry_system::System;
@@ -191,25 +191,25 @@ fn a_plant_keeps_its_modes_from_sample_to_sample() {
         dynamics = { x = "v", v = "a - sign(v)" }
         "#,
     );
-    let mut plant = Plant::new(&block, &[0.3, 0.0], &Settings::default()).unwrap();
+    let mut plant = ExactPlant::new(&block, &[0.3, 0.0], &Settings::default()).unwrap();
     // Below the friction for a minute: not a nanometre.
     for i in 0..6000 {
         let u = 0.99 * (0.37 * f64::from(i)).sin();
-        assert!(plant.step(&[u], 0.01).unwrap().is_finished());
+        assert!(plant.hold(&[u], 0.01).unwrap().is_finished());
     }
     assert_eq!((plant.state(), plant.modes()), (&[0.3, 0.0][..], &[Mode::Sticking][..]));
     // A push of 3 for 0.1 s: v = 0.2, then 0.2 s to rest.
     for i in 0..50 {
         let u = if i < 10 { 3.0 } else { 0.0 };
-        assert!(plant.step(&[u], 0.01).unwrap().is_finished());
+        assert!(plant.hold(&[u], 0.01).unwrap().is_finished());
     }
     close(plant.state(), &[0.3 + 0.01 + 0.02, 0.0], 1e-12);
     plant.set_state(&[0.0, -1.0]).unwrap();
-    assert!(plant.step(&[0.0], 0.5).unwrap().is_finished());
+    assert!(plant.hold(&[0.0], 0.5).unwrap().is_finished());
     close(plant.state(), &[-0.375, -0.5], 1e-12);
-    assert!(plant.step(&[0.0, 0.0], 0.1).is_err());
-    assert!(plant.step(&[0.0], -0.1).is_err());
-    let outcome = plant.step(&[f64::NAN], 0.1).unwrap();
+    assert!(plant.hold(&[0.0, 0.0], 0.1).is_err());
+    assert!(plant.hold(&[0.0], -0.1).is_err());
+    let outcome = plant.hold(&[f64::NAN], 0.1).unwrap();
     assert!(matches!(outcome, Outcome::Stopped { .. }));
 }
 
@@ -218,14 +218,14 @@ fn a_plant_goes_on_from_where_it_stopped() {
     let block =
         system("states = [\"x\", \"v\"]\ninputs = [\"a\"]\ndynamics = { x = \"v\", v = \"sqrt(a) - sign(v)\" }");
     for (v0, bad) in [(0.0, f64::NAN), (0.0, f64::INFINITY), (0.5, f64::NAN), (0.5, -1.0)] {
-        let mut plant = Plant::new(&block, &[0.0, v0], &Settings::default()).unwrap();
-        assert!(plant.step(&[0.25], 0.1).unwrap().is_finished());
+        let mut plant = ExactPlant::new(&block, &[0.0, v0], &Settings::default()).unwrap();
+        assert!(plant.hold(&[0.25], 0.1).unwrap().is_finished());
         let before = plant.state().to_vec();
         for _ in 0..3 {
-            assert!(matches!(plant.step(&[bad], 0.1).unwrap(), Outcome::Stopped { .. }));
+            assert!(matches!(plant.hold(&[bad], 0.1).unwrap(), Outcome::Stopped { .. }));
             assert_eq!(plant.state(), before);
         }
-        assert!(plant.step(&[0.25], 0.1).unwrap().is_finished());
+        assert!(plant.hold(&[0.25], 0.1).unwrap().is_finished());
         // Friction 1 against a push of 0.5.
         let v = (v0 - 0.1f64).max(0.0);
         close(plant.state(), &[v0 * v0 - v * v, v], 1e-10);

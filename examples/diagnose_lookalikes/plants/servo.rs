@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use bracketry::sim::{Plant, Settings};
+use bracketry::sim::{ExactPlant, Settings};
 use bracketry::system::System;
 use rand::rngs::StdRng;
 
@@ -76,7 +76,7 @@ impl Servo<'_> {
     /// Runs and returns the log.
     pub(super) fn run(&self, random: &mut StdRng) -> String {
         let axes = self.axes.len();
-        let mut plant = Plant::new(self.plant, &vec![0.0; 2 * axes], &Settings::default()).unwrap();
+        let mut plant = ExactPlant::new(self.plant, &vec![0.0; 2 * axes], &Settings::default()).unwrap();
         let mut moves: Vec<Moves> =
             self.axes.iter().map(|_| Moves { from: 0.0, to: 0.0, begin: -1.0, end: -0.5 }).collect();
         let mut encoders: Vec<Encoder> = self.axes.iter().map(|a| Encoder::new(a.step, self.dt)).collect();
@@ -103,10 +103,10 @@ impl Servo<'_> {
             let disturbance: Vec<f64> = unlogged.iter_mut().map(|n| n.next(random)).collect();
             let acts = |f: &[f64]| f.iter().zip(&disturbance).map(|(f, d)| f + d).collect::<Vec<f64>>();
             if part > 0.0 {
-                assert!(plant.step(&acts(&waiting[0]), part).unwrap().is_finished());
+                assert!(plant.hold(&acts(&waiting[0]), part).unwrap().is_finished());
             }
             waiting.pop_front();
-            assert!(plant.step(&acts(&waiting[0]), self.dt - part).unwrap().is_finished());
+            assert!(plant.hold(&acts(&waiting[0]), self.dt - part).unwrap().is_finished());
         }
         table.text()
     }

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use bracketry::mpc::{ControlProblem, MpcError};
-use bracketry::{ControlError, Controlled, control_watched};
+use bracketry::mpc::{ControlError, ControlProblem, Controlled, MpcError, control_watched};
+use bracketry::report::control as printed;
 use clap::Args;
 
 use super::output::{csv, figure, folder, json, line, print, spinner, write};
@@ -40,8 +40,8 @@ pub(crate) fn run(args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Out
     progress.finish_and_clear();
     let controlled = match outcome {
         // The loop ran until its plant ended: an answer, though a negative one.
-        Err(ControlError::Mpc(stop @ MpcError::Plant { .. })) => {
-            warning(&stop.to_string());
+        Err(stop @ ControlError::Mpc(MpcError::Plant { .. })) => {
+            warning(&printed::error(&problem, &stop));
             return Ok(Outcome::Negative);
         }
         other => other?,
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Out
     if output.json {
         print(&json(report)?)?;
     } else {
-        print(&report.to_string())?;
+        print(&printed::text(report))?;
         match &output.out {
             Some(dir) => {
                 let figure = if drawn { ", closed_loop.svg, closed_loop.png" } else { "" };
@@ -68,31 +68,10 @@ pub(crate) fn run(args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Out
     Ok(if report.succeeded { Outcome::Done } else { Outcome::Negative })
 }
 
-/// A time without the rounding of k·dt in its last digits.
-fn rounded(t: f64) -> f64 {
-    format!("{t:.12e}").parse().unwrap_or(t)
-}
-
 /// The table and the figure; says whether there is a figure.
 fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) -> anyhow::Result<bool> {
-    let run = &controlled.run.closed_loop;
-    let (states, inputs) = (problem.plant.state_names(), problem.plant.input_names());
-    let estimated = problem.estimation.is_some();
-    let mut header = vec!["t".to_owned()];
-    header.extend(states.iter().cloned());
-    header.extend(inputs.iter().cloned());
-    if estimated {
-        header.extend(states.iter().map(|x| format!("estimated {x}")));
-    }
-    // The last state has no sample of its own: the last applied input and the last estimate stand there.
-    let rows: Vec<Vec<f64>> = (0..run.t.len())
-        .map(|k| {
-            let last = k.min(run.u.len() - 1);
-            let estimate = run.estimates[last].iter().take(if estimated { states.len() } else { 0 });
-            std::iter::once(&rounded(run.t[k])).chain(&run.x[k]).chain(&run.u[last]).chain(estimate).copied().collect()
-        })
-        .collect();
+    let (header, rows) = printed::table(problem, controlled);
     csv(&dir.join("closed_loop.csv"), &header, rows.iter().map(Vec::as_slice))?;
 
-    Ok(figure(controlled.figure(problem), &dir.join("closed_loop")))
+    Ok(figure(printed::figure(problem, controlled), &dir.join("closed_loop")))
 }

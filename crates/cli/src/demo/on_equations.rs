@@ -5,7 +5,7 @@ use bracketry::plate::{AmplitudeStep, Arrival, Experiment, Shape, TwoStep, plate
 use bracketry::sim::Settings;
 
 use super::settings::{StoryError, StoryEvent, StorySettings};
-use bracketry::report::{Controlled, control};
+use bracketry::mpc::{Controlled, control};
 
 /// Longest time of one stage of the two-step method (s).
 const STAGE_LIMIT: f64 = 30.0;

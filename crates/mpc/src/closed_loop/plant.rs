@@ -4,6 +4,7 @@ use crate::dynamics::Dynamics;
 use crate::error::PlantError;
 use crate::integrator::{Integrator, Interval};
 use crate::transcription::Shooter;
+use bracketry_sim::{ExactPlant, Model, Outcome, StopReason};
 
 /// The thing that is controlled.
 pub trait Plant {
@@ -33,4 +34,38 @@ impl Plant for RungeKuttaPlant {
         self.shooter.advance(self.dynamics.as_mut(), Interval { t, dt, substeps: self.substeps, u }, x);
         Ok(())
     }
+}
+
+/// A simulation with exact stick and slip is a plant; its inputs are held from sample to sample.
+impl Plant for ExactPlant {
+    /// # Errors
+    /// [`PlantStopped`] where the simulation ends, [`bracketry_sim::PlantError`] where a length is wrong.
+    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
+        if self.state() != x {
+            self.set_state(x)?;
+        }
+        match self.hold(u, dt)? {
+            Outcome::Finished => {
+                x.copy_from_slice(self.state());
+                Ok(())
+            }
+            Outcome::Stopped { reason, t, state } => {
+                Err(Box::new(PlantStopped { reason, t, state, model: self.model().clone() }))
+            }
+        }
+    }
+}
+
+/// A simulated plant that cannot go on.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{reason} (t = {t} s)")]
+pub struct PlantStopped {
+    /// Why.
+    pub reason: StopReason,
+    /// When, s.
+    pub t: f64,
+    /// In which state.
+    pub state: Vec<f64>,
+    /// The plant's equations with the inputs of that time.
+    pub model: Model,
 }

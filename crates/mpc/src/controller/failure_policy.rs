@@ -1,7 +1,7 @@
 //! What is applied to the plant when a sample has no solution.
 
 use super::step::InputSource;
-use crate::error::{MpcError, check_length};
+use crate::error::{MpcError, check_length, check_value};
 use crate::trajectory::Trajectory;
 
 /// One input that brakes one velocity: u = rest − rate · v, within the input's bounds.
@@ -46,13 +46,12 @@ impl FailurePolicy {
             if b.input >= inputs {
                 return Err(MpcError::Length { what: "the list of inputs", found: inputs, expected: b.input + 1 });
             }
-            if !(b.rate >= 0.0 && b.rate.is_finite()) {
-                return Err(MpcError::Value {
-                    what: "the rate of a brake".into(),
-                    value: b.rate,
-                    remedy: "give a finite number that is not negative",
-                });
-            }
+            check_value(
+                b.rate >= 0.0 && b.rate.is_finite(),
+                "the rate of a brake",
+                b.rate,
+                "give a finite number that is not negative",
+            )?;
         }
         Ok(())
     }
@@ -189,13 +188,12 @@ pub(crate) fn rest_input(given: &[f64], bounds: &[(f64, f64)]) -> Result<Vec<f64
     }
     check_length("the input of rest", given.len(), bounds.len())?;
     for (&value, b) in given.iter().zip(bounds) {
-        if !(b.0 <= value && value <= b.1 && value.is_finite()) {
-            return Err(MpcError::Value {
-                what: "the input of rest".into(),
-                value,
-                remedy: "give a finite number within the bounds of the input",
-            });
-        }
+        check_value(
+            b.0 <= value && value <= b.1 && value.is_finite(),
+            "the input of rest",
+            value,
+            "give a finite number within the bounds of the input",
+        )?;
     }
     Ok(given.to_vec())
 }

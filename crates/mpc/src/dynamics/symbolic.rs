@@ -1,5 +1,6 @@
 //! Dynamics compiled from expressions.
 
+use super::arguments::{Arguments, sparse_jacobian};
 use super::field::Dynamics;
 use super::second_derivatives::{SecondDerivatives, WeightedHessian};
 use crate::error::MpcError;
@@ -28,8 +29,6 @@ use bracketry_system::{SwitchKind, SwitchedForm, System};
 pub struct SymbolicDynamics {
     states: usize,
     inputs: usize,
-    /// Places of the live parameters among the arguments.
-    live: Vec<usize>,
     field: Function,
     field_and_jacobian: Function,
     rates: Function,
@@ -39,7 +38,7 @@ pub struct SymbolicDynamics {
     hessian: Option<WeightedHessian>,
     smoothed: bool,
     width: f64,
-    arguments: Vec<f64>,
+    arguments: Arguments,
     work: Workspace,
     out: Vec<f64>,
 }
@@ -79,61 +78,32 @@ impl SymbolicDynamics {
     /// [`MpcError::NoSuchParameter`] for another name, [`MpcError::InputDerivative`] if the equations use a derivative of an
     /// input.
     pub fn with_live_parameters(system: &System, live: &[&str]) -> Result<Self, MpcError> {
-        if let Some(d) = system.input_derivatives.first() {
-            return Err(MpcError::InputDerivative { name: system.symbol_name(d.symbol).to_owned() });
-        }
         let mut system = system.clone();
         let form = system.set_valued_form();
         let rates = relaxation_rates(&mut system, &form);
         let width_symbol = system.pool.symbol("smoothing#width");
         let width = system.pool.sym(width_symbol);
         let signs = system.smooth_signs(&form, width);
+        let f = system.pool.substitute_all(&form.dynamics, &signs);
+        let rates = system.pool.substitute_all(&rates, &signs);
+        let arguments = Arguments::new(&mut system, live, &[width_symbol])?;
         let pool = &mut system.pool;
-        let f = pool.substitute_all(&form.dynamics, &signs);
-        let rates = pool.substitute_all(&rates, &signs);
-
-        let time = pool.symbol("t");
-        let parameters: Vec<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
         let columns: Vec<Symbol> = system.states.iter().chain(&system.inputs).copied().collect();
-        let mut all = vec![time];
-        all.extend(columns.iter().chain(&parameters));
-        all.push(width_symbol);
-        let mut pattern = Vec::new();
+        let jacobian = sparse_jacobian(pool, &f, &columns);
         let mut outputs = f.clone();
-        for (i, row) in pool.jacobian(&f, &columns).into_iter().enumerate() {
-            for (j, e) in row.into_iter().enumerate() {
-                if !pool.is_zero(e) {
-                    pattern.push((i, j));
-                    outputs.push(e);
-                }
-            }
-        }
-        let jacobian = pattern.iter().zip(&outputs[f.len()..]).map(|(&(i, j), &e)| (i, j, e)).collect();
-        let first = 1 + columns.len();
-        let place = |name: &&str| {
-            let at = system.parameters.iter().position(|p| pool.name(p.symbol) == *name);
-            at.map(|i| first + i).ok_or_else(|| MpcError::NoSuchParameter {
-                name: (*name).to_owned(),
-                known: system.parameters.iter().map(|p| pool.name(p.symbol).to_owned()).collect(),
-            })
-        };
-        let live = live.iter().map(place).collect::<Result<Vec<usize>, MpcError>>()?;
-        let mut arguments = vec![0.0; all.len()];
-        for (a, p) in arguments[first..].iter_mut().zip(&system.parameters) {
-            *a = p.value.to_f64().value();
-        }
-        let field_and_jacobian = Function::new(Tape::compile(pool, &all, &outputs)?);
+        outputs.extend(jacobian.iter().map(|entry| entry.2));
+        let all = &arguments.symbols;
+        let field_and_jacobian = Function::new(Tape::compile(pool, all, &outputs)?);
         Ok(Self {
             states: system.states.len(),
             inputs: system.inputs.len(),
-            live,
-            field: Function::new(Tape::compile(pool, &all, &f)?),
-            rates: Function::new(Tape::compile(pool, &all, &rates)?),
+            field: Function::new(Tape::compile(pool, all, &f)?),
+            rates: Function::new(Tape::compile(pool, all, &rates)?),
             out: vec![0.0; field_and_jacobian.n_outputs()],
             field_and_jacobian,
-            pattern,
+            pattern: jacobian.iter().map(|&(i, j, _)| (i, j)).collect(),
             smoothed: !form.switches.is_empty(),
-            second: SecondDerivatives::new(pool, all, columns, f.len(), jacobian),
+            second: SecondDerivatives::new(pool, all.clone(), columns, f.len(), jacobian),
             hessian: None,
             width: 0.01,
             arguments,
@@ -142,12 +112,10 @@ impl SymbolicDynamics {
     }
 
     fn load(&mut self, t: f64, x: &[f64], u: &[f64]) {
-        let (n, m) = (self.states, self.inputs);
-        self.arguments[0] = t;
-        self.arguments[1..=n].copy_from_slice(x);
-        self.arguments[1 + n..1 + n + m].copy_from_slice(u);
-        let last = self.arguments.len() - 1;
-        self.arguments[last] = self.width;
+        self.arguments.load(t, x, u);
+        if let Some(width) = self.arguments.values.last_mut() {
+            *width = self.width;
+        }
     }
 }
 
@@ -160,14 +128,14 @@ impl Dynamics for SymbolicDynamics {
     }
     fn field(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) {
         self.load(t, x, u);
-        self.field.call(&self.arguments, &mut self.work, dx);
+        self.field.call(&self.arguments.values, &mut self.work, dx);
     }
     fn jacobian_pattern(&self) -> &[(usize, usize)] {
         &self.pattern
     }
     fn field_and_jacobian(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64], jacobian: &mut [f64]) {
         self.load(t, x, u);
-        self.field_and_jacobian.call(&self.arguments, &mut self.work, &mut self.out);
+        self.field_and_jacobian.call(&self.arguments.values, &mut self.work, &mut self.out);
         dx.copy_from_slice(&self.out[..self.states]);
         jacobian.copy_from_slice(&self.out[self.states..]);
     }
@@ -180,17 +148,15 @@ impl Dynamics for SymbolicDynamics {
     fn weighted_hessian(&mut self, t: f64, x: &[f64], u: &[f64], weights: &[f64], hessian: &mut [f64]) {
         self.load(t, x, u);
         match &mut self.hessian {
-            Some(h) => h.call(&self.arguments, weights, &mut self.work, hessian),
+            Some(h) => h.call(&self.arguments.values, weights, &mut self.work, hessian),
             None => hessian.fill(f64::NAN),
         }
     }
     fn parameters(&self) -> usize {
-        self.live.len()
+        self.arguments.parameters()
     }
     fn set_parameters(&mut self, parameters: &[f64]) {
-        for (&place, &v) in self.live.iter().zip(parameters) {
-            self.arguments[place] = v;
-        }
+        self.arguments.set_parameters(parameters);
     }
     fn is_smoothed(&self) -> bool {
         self.smoothed
@@ -204,7 +170,7 @@ impl Dynamics for SymbolicDynamics {
         }
         self.load(t, x, u);
         let mut rates = vec![0.0; self.rates.n_outputs()];
-        self.rates.call(&self.arguments, &mut self.work, &mut rates);
+        self.rates.call(&self.arguments.values, &mut self.work, &mut rates);
         rates.iter().fold(0.0, |m: f64, r| m.max(r.abs())) / self.width
     }
 }

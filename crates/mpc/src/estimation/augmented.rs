@@ -172,13 +172,18 @@ impl Equations {
 }
 
 impl EstimationProblem {
+    /// The controller's model, with the estimated parameters and then the disturbances as its last parameters.
+    pub(crate) fn controller_model(&self) -> Result<System, MpcError> {
+        Ok(Augmented::disturbed(self)?.0)
+    }
+
     /// The model for a controller, with the estimated parameters and then the disturbances as live parameters:
     /// [`Controller::set_parameters`](crate::Controller::set_parameters) gives it the estimates.
     ///
     /// # Errors
     /// If the problem contradicts itself or names something that the model does not have.
     pub fn controller_dynamics(&self) -> Result<SymbolicDynamics, MpcError> {
-        let (system, _) = Augmented::disturbed(self)?;
+        let system = self.controller_model()?;
         let names = self.live_parameters();
         SymbolicDynamics::with_live_parameters(&system, &names.iter().map(String::as_str).collect::<Vec<_>>())
     }

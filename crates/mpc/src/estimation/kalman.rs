@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 /// Standard deviations of a residual beyond which "it sticks" is no longer believed.
 const SURPRISE: f64 = 4.0;
 /// Samples for which it is not believed after that.
-const DOUBT: usize = 10;
+const DISTRUST: usize = 10;
 
 /// The discrete extended Kalman filter on the exact flow and its exact derivatives, with parameters and disturbances as
 /// further states.
@@ -44,7 +44,7 @@ pub struct ExtendedKalman {
     time: f64,
     dt: f64,
     /// Samples for which friction is not believed to stick, whatever the model says.
-    doubt: usize,
+    distrust: usize,
     pub(crate) z: DVector<f64>,
     pub(crate) p: DMatrix<f64>,
 }
@@ -58,7 +58,7 @@ impl ExtendedKalman {
         let model = Augmented::new(problem)?;
         let z = model.start.clone();
         let p = prior(&model);
-        Ok(Self { model, outliers: problem.outliers, time: 0.0, dt: problem.dt, doubt: 0, z, p })
+        Ok(Self { model, outliers: problem.outliers, time: 0.0, dt: problem.dt, distrust: 0, z, p })
     }
 
     /// Covariance of states, parameters and disturbances, one after the other.
@@ -73,13 +73,13 @@ impl ExtendedKalman {
 
     /// Whether sticking friction hides what acts against it, as far as is known at present.
     pub(crate) fn believes_sticking(&self) -> bool {
-        self.doubt == 0
+        self.distrust == 0
     }
 
     /// Moves on by one interval without a measurement; says what friction hides.
     pub(crate) fn predict(&mut self, u: &[f64]) -> Vec<bool> {
         let rest = vec![0.0; self.model.noise.len()];
-        let step = self.model.interval(self.time, self.z.as_slice(), u, &rest, self.doubt == 0);
+        let step = self.model.interval(self.time, self.z.as_slice(), u, &rest, self.distrust == 0);
         self.p = &step.f * &self.p * step.f.transpose() + &step.g * step.g.transpose();
         self.z = step.end;
         self.time += self.dt;
@@ -96,7 +96,7 @@ impl ExtendedKalman {
             let variance = (row * &self.p * row.transpose())[(0, 0)] + self.model.sensors[i].0;
             residual[i].abs() > SURPRISE * variance.sqrt()
         });
-        self.doubt = if surprised { DOUBT } else { self.doubt.saturating_sub(1) };
+        self.distrust = if surprised { DISTRUST } else { self.distrust.saturating_sub(1) };
         let free = vec![false; hidden.len()];
         let frozen = if surprised { &free } else { hidden };
         let mut lost = 0;

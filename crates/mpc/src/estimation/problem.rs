@@ -1,6 +1,6 @@
 //! The estimation problem as data.
 
-use crate::error::{MpcError, check_length};
+use crate::error::{MpcError, check_length, check_value};
 use crate::integrator::Integrator;
 use crate::ocp::Substeps;
 use bracketry_system::System;
@@ -198,5 +198,5 @@ impl EstimationProblem {
 }
 
 fn number(what: &str, value: f64, good: bool, remedy: &'static str) -> Result<(), MpcError> {
-    if good && value.is_finite() { Ok(()) } else { Err(MpcError::Value { what: what.to_owned(), value, remedy }) }
+    check_value(good && value.is_finite(), what, value, remedy)
 }

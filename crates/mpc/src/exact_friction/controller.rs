@@ -7,7 +7,7 @@ use crate::controller::{
     Controller, FailurePolicy, Failures, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings, rest_input,
 };
 use crate::dynamics::{Dynamics, SymbolicDynamics};
-use crate::error::{MpcError, check_flag, check_length};
+use crate::error::{MpcError, check_flag, check_length, check_value};
 use crate::ocp::Ocp;
 use crate::qp::{Qp, QpSettings, QpStatus};
 use crate::sqp::{Sqp, SqpSettings};
@@ -66,10 +66,7 @@ impl Default for StickSlipSettings {
 impl StickSlipSettings {
     fn check(&self) -> Result<(), MpcError> {
         for &w in self.smoothing.iter().chain([&self.rounding]) {
-            if !(w > 0.0 && w.is_finite()) {
-                let what = "a smoothing width".into();
-                return Err(MpcError::Value { what, value: w, remedy: "give a positive number" });
-            }
+            check_value(w > 0.0 && w.is_finite(), "a smoothing width", w, "give a positive number")?;
         }
         Ok(())
     }

@@ -305,7 +305,7 @@ impl StickSlipFlow {
         }
     }
 
-    /// As [`StickSlipFlow::step`], and the derivative is carried along.
+    /// As [`StickSlipFlow::step`], and the derivative is propagated.
     fn step_with_sensitivity(&mut self, span: Span, x: &[f64], u: &[f64]) {
         let n = x.len();
         let w = n + u.len();

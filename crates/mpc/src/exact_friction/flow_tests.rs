@@ -5,7 +5,7 @@ use super::flow::StickSlipFlow;
 use super::switched_field::SwitchedField;
 use crate::integrator::Interval;
 use approx::assert_relative_eq;
-use bracketry_sim::{Mode, Plant, Settings};
+use bracketry_sim::{ExactPlant, Mode, Settings};
 use bracketry_system::System;
 
 /// Two masses on springs, each rubbing on the ground, with a slider on the first that rubs on it.
@@ -57,8 +57,8 @@ fn end_states_and_modes_are_those_of_the_simulator() {
         let (x0, u) = start(&mut numbers);
         let mut x = x0;
         assert!(flow.advance(Interval { t: 0.0, dt: 0.6, substeps: 40, u: &u }, &mut x, None, &[]));
-        let mut plant = Plant::new(&system, &x0, &Settings::default()).unwrap();
-        plant.step(&u, 0.6).unwrap();
+        let mut plant = ExactPlant::new(&system, &x0, &Settings::default()).unwrap();
+        plant.hold(&u, 0.6).unwrap();
         for (a, b) in x.iter().zip(plant.state()) {
             assert_relative_eq!(a, b, epsilon = 1e-7);
         }

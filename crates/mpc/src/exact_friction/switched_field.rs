@@ -1,6 +1,7 @@
 //! The field with its signs as arguments, and what is needed to hold a switching function at zero.
 
-use crate::error::MpcError;
+use crate::dynamics::{Arguments, sparse_jacobian};
+use crate::error::{MpcError, check_value};
 use bracketry_native::{Function, Workspace};
 use bracketry_symbolic::{Expr, Symbol, Tape};
 use bracketry_system::{SwitchKind, System};
@@ -28,28 +29,22 @@ pub(crate) struct SwitchedField {
     /// ∂σ̇/∂s of every component of a unit vector: divided by the width, the speed at which it relaxes onto rest.
     relaxation: Function,
     rounding: f64,
-    /// Places of the live parameters among the arguments.
-    live: Vec<usize>,
-    arguments: Vec<f64>,
+    arguments: Arguments,
     work: Workspace,
     out: Vec<f64>,
 }
 
 impl SwitchedField {
     pub(crate) fn new(system: &System, live: &[&str], rounding: f64) -> Result<Self, MpcError> {
-        if let Some(d) = system.input_derivatives.first() {
-            return Err(MpcError::InputDerivative { name: system.symbol_name(d.symbol).to_owned() });
-        }
         let mut system = system.clone();
         let form = system.set_valued_form();
         let signs: Vec<Symbol> = form.signs().iter().map(|s| s.sign).collect();
-        if signs.len() > MAX_SWITCHES {
-            return Err(MpcError::Value {
-                what: "the number of switching functions".into(),
-                value: signs.len() as f64,
-                remedy: "give a model with at most 64 for the exact flow, or smooth them",
-            });
-        }
+        check_value(
+            signs.len() <= MAX_SWITCHES,
+            "the number of switching functions",
+            signs.len() as f64,
+            "give a model with at most 64 for the exact flow, or smooth them",
+        )?;
         let width = system.pool.symbol("smoothing#width");
         let width_expr = system.pool.sym(width);
         let mut rounded = system.smooth_signs(&form, width_expr);
@@ -57,11 +52,13 @@ impl SwitchedField {
             let e = system.pool.sym(s);
             rounded.remove(&e);
         }
-        let pool = &mut system.pool;
-        let f = pool.substitute_all(&form.dynamics, &rounded);
+        let f = system.pool.substitute_all(&form.dynamics, &rounded);
         let surfaces: Vec<Expr> = form.signs().iter().map(|s| s.surface).collect();
-        let surfaces = pool.substitute_all(&surfaces, &rounded);
+        let surfaces = system.pool.substitute_all(&surfaces, &rounded);
 
+        let others: Vec<Symbol> = signs.iter().copied().chain([width]).collect();
+        let mut arguments = Arguments::new(&mut system, live, &others)?;
+        let pool = &mut system.pool;
         let time = pool.symbol("t");
         let columns: Vec<Symbol> = system.states.iter().chain(&system.inputs).copied().collect();
         let rates: Vec<Expr> = surfaces
@@ -84,43 +81,21 @@ impl SwitchedField {
 
         let mut outputs = f.clone();
         outputs.extend(surfaces.iter().chain(&rates).chain(&field_by_sign).chain(&rate_by_sign));
-        let mut all = vec![time];
-        all.extend(columns.iter().copied().chain(system.parameters.iter().map(|p| p.symbol)));
-        all.extend(&signs);
-        all.push(width);
-        let values = Function::new(Tape::compile(pool, &all, &outputs)?);
-        let relaxation = Function::new(Tape::compile(pool, &all, &relaxation)?);
+        let values = Function::new(Tape::compile(pool, &arguments.symbols, &outputs)?);
+        let relaxation = Function::new(Tape::compile(pool, &arguments.symbols, &relaxation)?);
 
         outputs.extend(pool.jacobian(&surfaces, &system.states).concat());
-        let mut pattern_of = |rows: &[Expr]| {
-            let mut pattern = Vec::new();
-            for (i, row) in pool.jacobian(rows, &columns).into_iter().enumerate() {
-                for (j, e) in row.into_iter().enumerate() {
-                    if !pool.is_zero(e) {
-                        pattern.push((i, j));
-                        outputs.push(e);
-                    }
-                }
-            }
-            pattern
+        let mut pattern_of = |rows: &[Expr]| -> Vec<(usize, usize)> {
+            let entries = sparse_jacobian(pool, rows, &columns);
+            outputs.extend(entries.iter().map(|entry| entry.2));
+            entries.into_iter().map(|(i, j, _)| (i, j)).collect()
         };
         let field_pattern = pattern_of(&f);
         let rate_pattern = pattern_of(&rates);
-        let derivatives = Function::new(Tape::compile(pool, &all, &outputs)?);
-
-        let place = |name: &&str| {
-            let at = system.parameters.iter().position(|p| pool.name(p.symbol) == *name);
-            at.map(|i| 1 + columns.len() + i).ok_or_else(|| MpcError::NoSuchParameter {
-                name: (*name).to_owned(),
-                known: system.parameters.iter().map(|p| pool.name(p.symbol).to_owned()).collect(),
-            })
-        };
-        let live = live.iter().map(place).collect::<Result<Vec<usize>, MpcError>>()?;
-        let mut arguments = vec![0.0; all.len()];
-        for (a, p) in arguments[1 + columns.len()..].iter_mut().zip(&system.parameters) {
-            *a = p.value.to_f64().value();
+        let derivatives = Function::new(Tape::compile(pool, &arguments.symbols, &outputs)?);
+        if let Some(width) = arguments.values.last_mut() {
+            *width = rounding;
         }
-        *arguments.last_mut().unwrap_or(&mut 0.0) = rounding;
         Ok(Self {
             states: system.states.len(),
             inputs: system.inputs.len(),
@@ -129,7 +104,6 @@ impl SwitchedField {
             affine,
             relaxation,
             rounding,
-            live,
             out: vec![0.0; derivatives.n_outputs()],
             values,
             derivatives,
@@ -142,31 +116,26 @@ impl SwitchedField {
 
     /// Gives the live parameters their values.
     pub(crate) fn set_parameters(&mut self, values: &[f64]) {
-        for (&place, &value) in self.live.iter().zip(values) {
-            self.arguments[place] = value;
-        }
+        self.arguments.set_parameters(values);
     }
 
     fn load(&mut self, t: f64, x: &[f64], u: &[f64], s: &[f64]) {
-        let (n, m, k) = (self.states, self.inputs, self.switches);
-        self.arguments[0] = t;
-        self.arguments[1..=n].copy_from_slice(x);
-        self.arguments[1 + n..1 + n + m].copy_from_slice(u);
-        let first = self.arguments.len() - 1 - k;
-        self.arguments[first..first + k].copy_from_slice(s);
+        self.arguments.load(t, x, u);
+        let first = self.arguments.values.len() - 1 - s.len();
+        self.arguments.values[first..first + s.len()].copy_from_slice(s);
     }
 
     /// Evaluates everything but the derivatives by state and input.
     pub(crate) fn evaluate(&mut self, t: f64, x: &[f64], u: &[f64], s: &[f64]) {
         self.load(t, x, u, s);
         let count = self.values.n_outputs();
-        self.values.call(&self.arguments, &mut self.work, &mut self.out[..count]);
+        self.values.call(&self.arguments.values, &mut self.work, &mut self.out[..count]);
     }
 
     /// Evaluates everything.
     pub(crate) fn differentiate(&mut self, t: f64, x: &[f64], u: &[f64], s: &[f64]) {
         self.load(t, x, u, s);
-        self.derivatives.call(&self.arguments, &mut self.work, &mut self.out);
+        self.derivatives.call(&self.arguments.values, &mut self.work, &mut self.out);
     }
 
     /// f.
@@ -230,7 +199,7 @@ impl SwitchedField {
             return 0.0;
         }
         self.load(t, x, u, s);
-        self.relaxation.call(&self.arguments, &mut self.work, &mut self.out[..count]);
+        self.relaxation.call(&self.arguments.values, &mut self.work, &mut self.out[..count]);
         self.out[..count].iter().fold(0.0_f64, |m, r| m.max(r.abs())) / self.rounding
     }
 }

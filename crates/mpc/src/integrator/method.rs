@@ -1,8 +1,8 @@
 //! Methods of integration.
 
-use crate::error::MpcError;
+use crate::error::{MpcError, check_value};
 
-/// The method that carries the state over an interval.
+/// The method that advances the state over an interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrator {
     /// The classical explicit Runge–Kutta method of order 4.
@@ -36,15 +36,8 @@ impl Integrator {
     }
 
     pub(crate) fn check(self) -> Result<(), MpcError> {
-        match self {
-            Self::GaussLegendre { stages } | Self::RadauIIA { stages } if !(1..=4).contains(&stages) => {
-                Err(MpcError::Value {
-                    what: "the number of stages of the integrator".into(),
-                    value: stages as f64,
-                    remedy: "give 1, 2, 3 or 4",
-                })
-            }
-            _ => Ok(()),
-        }
+        let (Self::GaussLegendre { stages } | Self::RadauIIA { stages }) = self else { return Ok(()) };
+        let what = "the number of stages of the integrator";
+        check_value((1..=4).contains(&stages), what, stages as f64, "give 1, 2, 3 or 4")
     }
 }

@@ -1,6 +1,6 @@
 //! Bounds, and what a violation costs.
 
-use crate::error::MpcError;
+use crate::error::{MpcError, check_value};
 
 /// Violation of a hard constraint, in units of its scale, that costs nothing: programs are solved to a tolerance, and at the
 /// weight of hard constraints its noise would hide the objective.
@@ -79,19 +79,11 @@ impl Softness {
 }
 
 pub(super) fn positive(what: &'static str, value: f64) -> Result<(), MpcError> {
-    if value > 0.0 && value.is_finite() {
-        Ok(())
-    } else {
-        Err(MpcError::Value { what: what.into(), value, remedy: "give a positive number" })
-    }
+    check_value(value > 0.0 && value.is_finite(), what, value, "give a positive number")
 }
 
 pub(super) fn weight(what: impl Into<String>, value: f64) -> Result<(), MpcError> {
-    if value >= 0.0 && value.is_finite() {
-        Ok(())
-    } else {
-        Err(MpcError::Value { what: what.into(), value, remedy: "give a number that is not negative" })
-    }
+    check_value(value >= 0.0 && value.is_finite(), what, value, "give a number that is not negative")
 }
 
 pub(super) fn ordered(what: &'static str, index: usize, min: f64, max: f64) -> Result<(), MpcError> {

@@ -2,7 +2,7 @@
 
 use super::bounds::{Bounds, Softness, positive, soft_weights};
 use super::vector_function::VectorFunction;
-use crate::error::{MpcError, check_length};
+use crate::error::{MpcError, check_length, check_value};
 use nalgebra::{DMatrix, SymmetricEigen};
 use std::ops::Range;
 
@@ -96,42 +96,33 @@ impl TerminalSet {
             check_length("a row of the terminal set's matrix", row.len(), states)?;
         }
         for &value in self.matrix.iter().flatten().chain(&self.center) {
-            if !value.is_finite() {
-                return Err(MpcError::Value {
-                    what: "an entry of the terminal set".into(),
-                    value,
-                    remedy: "give a finite number",
-                });
-            }
+            check_value(value.is_finite(), "an entry of the terminal set", value, "give a finite number")?;
         }
         let size = self.matrix.iter().flatten().fold(0.0, |a: f64, v| a.max(v.abs()));
-        if size == 0.0 {
-            return Err(MpcError::Value {
-                what: "the largest entry of the terminal set's matrix".into(),
-                value: size,
-                remedy: "give a matrix that is not zero",
-            });
-        }
+        check_value(
+            size != 0.0,
+            "the largest entry of the terminal set's matrix",
+            size,
+            "give a matrix that is not zero",
+        )?;
         for i in 0..states {
             for j in 0..i {
                 let value = self.matrix[i][j] - self.matrix[j][i];
-                if value.abs() > SEMIDEFINITE_TOLERANCE * size {
-                    return Err(MpcError::Value {
-                        what: format!("the asymmetry of the terminal set's matrix at ({i}, {j})"),
-                        value,
-                        remedy: "give a symmetric matrix",
-                    });
-                }
+                check_value(
+                    value.abs() <= SEMIDEFINITE_TOLERANCE * size,
+                    format!("the asymmetry of the terminal set's matrix at ({i}, {j})"),
+                    value,
+                    "give a symmetric matrix",
+                )?;
             }
         }
         let value = self.eigen().eigenvalues.min();
-        if value < -SEMIDEFINITE_TOLERANCE * size {
-            return Err(MpcError::Value {
-                what: "the smallest eigenvalue of the terminal set's matrix".into(),
-                value,
-                remedy: "give a positive semidefinite matrix",
-            });
-        }
+        check_value(
+            value >= -SEMIDEFINITE_TOLERANCE * size,
+            "the smallest eigenvalue of the terminal set's matrix",
+            value,
+            "give a positive semidefinite matrix",
+        )?;
         soft_weights("the terminal set", self.softness)
     }
 }

@@ -3,7 +3,7 @@
 use super::bounds::{Bounds, HARD_TOLERANCE, Softness, ordered, positive, weight};
 use super::constraint::{NormConstraint, PathConstraint, TerminalSet};
 use super::cost::CostFunction;
-use crate::error::{MpcError, check_length};
+use crate::error::{MpcError, check_length, check_value};
 use crate::integrator::Integrator;
 use crate::trajectory::Trajectory;
 
@@ -45,7 +45,7 @@ pub struct Ocp {
     pub steps: usize,
     /// Length of an interval, s.
     pub dt: f64,
-    /// Method that carries the state over an interval.
+    /// Method that advances the state over an interval.
     pub integrator: Integrator,
     /// Integration steps per interval.
     pub substeps: Substeps,
@@ -168,9 +168,7 @@ impl Ocp {
             positive("a scale", *s)?;
         }
         for s in self.state_trust.iter().chain(&self.input_trust) {
-            if s.is_nan() || *s <= 0.0 {
-                return Err(MpcError::Value { what: "a trust".into(), value: *s, remedy: "give a positive number" });
-            }
+            check_value(*s > 0.0, "a trust", *s, "give a positive number")?;
         }
         for (index, b) in self.state_bounds.iter().enumerate() {
             ordered("state", index, b.min, b.max)?;
@@ -186,13 +184,7 @@ impl Ocp {
             if t.state >= states {
                 return Err(MpcError::NoSuchState { index: t.state, states });
             }
-            if !t.value.is_finite() {
-                return Err(MpcError::Value {
-                    what: "a target".into(),
-                    value: t.value,
-                    remedy: "give a finite number",
-                });
-            }
+            check_value(t.value.is_finite(), "a target", t.value, "give a finite number")?;
             weight("a target's linear weight", t.linear)?;
             weight("a target's quadratic weight", t.quadratic)?;
         }

@@ -50,11 +50,11 @@ impl Ocp {
         }
         let lost = self.move_blocks.iter().sum::<usize>().saturating_sub(steps);
         let mut starts = Vec::with_capacity(steps);
-        let mut begin = 0;
+        let mut end = 0;
         for &length in &self.move_blocks {
-            let first = begin.max(lost);
-            begin += length;
-            starts.extend((first..begin).map(|_| first - lost));
+            let first = end.max(lost);
+            end += length;
+            starts.extend((first..end).map(|_| first - lost));
         }
         starts
     }

@@ -5,6 +5,7 @@ mod control_problem;
 mod estimation;
 mod method;
 mod notes;
+mod on_plant;
 mod report;
 mod run;
 
@@ -12,5 +13,6 @@ pub use conditions::RunConditions;
 pub use control_problem::{ControlProblem, ProblemError};
 pub use estimation::{Estimation, EstimatorKind};
 pub use method::{Convergence, Feedback, Method};
-pub use report::{ControlReport, NamedValues, PlanReport};
+pub use on_plant::{ControlError, Controlled, control, control_watched};
+pub use report::{ClosedLoopReport, NamedValues, PlanReport};
 pub use run::ControlRun;

@@ -1,10 +1,8 @@
 //! What is to be said about a closed-loop run.
 
 use crate::closed_loop::{Counts, SolveTimes};
-use bracketry_system::{counted, readable};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
-use std::fmt;
 
 /// The plan that was made before the run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -58,7 +56,7 @@ impl Serialize for NamedValues {
 
 /// Figures of a closed-loop run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ControlReport {
+pub struct ClosedLoopReport {
     /// Σ dt·stage cost at the sampled states with the applied inputs.
     pub closed_loop_cost: f64,
     /// Stage and terminal cost, as predicted from the initial state, of the first plan that an input is taken from: with
@@ -88,43 +86,4 @@ pub struct ControlReport {
     /// Whether the run did what was asked: every target met within its tolerance (without targets: the plan, where there is
     /// one, converged), no sample infeasible or fallen back on an old input, and every figure finite.
     pub succeeded: bool,
-}
-
-impl fmt::Display for ControlReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(p) = &self.plan {
-            let programs = counted(p.programs, "quadratic program", "quadratic programs");
-            writeln!(f, "plan           {}, {programs} in {:.2} s", p.status, p.seconds)?;
-        }
-        let (cost, predicted) = (readable(self.closed_loop_cost), readable(self.open_loop_cost));
-        writeln!(f, "cost           {cost} in closed loop, {predicted} predicted")?;
-        let c = &self.status;
-        writeln!(
-            f,
-            "samples        {}: {} solved, {} inaccurate, {} infeasible, {} fallback, {} after the plan's end",
-            self.steps, c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
-        )?;
-        let s = &self.solve_ms;
-        writeln!(
-            f,
-            "step time      {:.2} ms median, {:.2} ms 99 %, {:.2} ms longest; sampling period {} ms",
-            s.median,
-            s.p99,
-            s.max,
-            readable(self.period_ms)
-        )?;
-        writeln!(f, "bounds         violated by at most {}", readable(self.constraint_violation_max))?;
-        let width = self.x_final.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(8);
-        for (name, v) in self.x_final.iter() {
-            write!(f, "final {name:<width$} {}", readable(v))?;
-            match self.miss.get(name) {
-                Some(e) => writeln!(f, ", misses its target by {}", readable(e.abs()))?,
-                None => writeln!(f)?,
-            }
-        }
-        for note in &self.notes {
-            writeln!(f, "note           {note}")?;
-        }
-        Ok(())
-    }
 }

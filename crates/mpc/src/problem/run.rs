@@ -5,7 +5,7 @@ use super::control_problem::ControlProblem;
 use super::estimation::Estimation;
 use super::method::{Convergence, Feedback, Method};
 use super::notes::notes;
-use super::report::{ControlReport, PlanReport};
+use super::report::{ClosedLoopReport, PlanReport};
 use crate::closed_loop::{ClosedLoop, DelayCompensated, LoopSettings, MeasurementFunction, Plant, run_closed_loop};
 use crate::controller::{Controller, StepStatus};
 use crate::dynamics::SymbolicDynamics;
@@ -30,7 +30,7 @@ const LOOP_SHARE: f64 = 0.2;
 #[derive(Clone, Debug)]
 pub struct ControlRun {
     /// The figures.
-    pub report: ControlReport,
+    pub report: ClosedLoopReport,
     /// Sampled states and inputs.
     pub closed_loop: ClosedLoop,
     /// The plan, where one was made.
@@ -257,7 +257,7 @@ impl ControlProblem {
         let bounds = self.ocp.largest_violation(&run.x[1..], &run.u);
         // `f64::max` would drop a NaN.
         let violation = if constraints > bounds || constraints.is_nan() { constraints } else { bounds };
-        let report = ControlReport {
+        let report = ClosedLoopReport {
             succeeded,
             notes: notes(self, &run, open_loop_cost),
             closed_loop_cost: run.cost,

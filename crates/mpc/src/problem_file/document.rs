@@ -91,7 +91,7 @@ impl ControlProblem {
                     "parameters that change over time and an estimator that hands parameters over do not go together";
                 return Err(doc.missing(message, "make one of them constant").into());
             }
-            (problem.system, problem.live) = e.disturbed(&system);
+            (problem.live, problem.system) = (e.problem.live_parameters(), e.problem.controller_model()?);
         }
         let checked = problem.ocp.check(problem.system.states.len(), problem.system.inputs.len());
         checked.map_err(|e| doc.missing(e.to_string(), "change the value that it names"))?;

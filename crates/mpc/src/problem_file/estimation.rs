@@ -23,9 +23,9 @@ const KEYS: [&str; 11] = [
     "outliers",
     "smoothing",
 ];
-/// Default process noise over one second, and default doubt about the initial state, in units of a state's scale.
+/// Default process noise over one second, and default standard deviation of the initial state, in units of a state's scale.
 const DEFAULT_NOISE: f64 = 0.01;
-const DEFAULT_DOUBT: f64 = 0.1;
+const DEFAULT_STD: f64 = 0.1;
 
 /// Most intervals that an estimator looks back on: its programs grow with them, at every sample.
 const MOST_INTERVALS: usize = 5000;
@@ -36,19 +36,13 @@ impl Reader<'_> {
         let Some(t) = self.doc.sub_table(table, "estimation")? else { return Ok(None) };
         let place = table.get("estimation").map_or(0..0, toml::Spanned::span);
         self.doc.only_keys(t, &KEYS, "[estimation]")?;
-        let kind = match (self.doc.string(t, "kind")?.as_deref(), t.get("kind")) {
-            (None | Some("mhe"), _) | (_, None) => EstimatorKind::MovingHorizon,
-            (Some("ekf"), _) => EstimatorKind::ExtendedKalman,
-            (Some(other), Some(v)) => {
-                let message = format!("there is no estimator `{other}`");
-                return Err(self.doc.error(v.span(), message, "write \"mhe\" or \"ekf\"").into());
-            }
-        };
+        let kinds = [("mhe", EstimatorKind::MovingHorizon), ("ekf", EstimatorKind::ExtendedKalman)];
+        let kind = self.choice(t, "kind", "estimator", &kinds)?;
         let mut problem = EstimationProblem::new(self.system, ocp.dt, &start.x0);
         problem.integrator = ocp.integrator;
         problem.substeps = ocp.substeps;
         problem.smoothing = self.positive(t, "smoothing", Some(problem.smoothing))?;
-        problem.initial_std = ocp.state_scale.iter().map(|s| DEFAULT_DOUBT * s).collect();
+        problem.initial_std = ocp.state_scale.iter().map(|s| DEFAULT_STD * s).collect();
         problem.process_noise = ocp.state_scale.iter().map(|s| DEFAULT_NOISE * s).collect();
         for (key, list, least) in [
             ("initial", &mut problem.initial, f64::NEG_INFINITY),

@@ -14,21 +14,16 @@ impl Reader<'_> {
             ocp.substeps = Substeps::Fixed(self.count(horizon, "substeps", None)?);
         }
         let stages = self.count(horizon, "stages", Some(2))?;
-        let limited = |span| self.doc.error(span, "`stages` must be 1, 2, 3 or 4", "2 stages are a good choice").into();
         if let Some(v) = horizon.get("stages").filter(|_| stages > 4) {
-            return Err(limited(v.span()));
+            let remedy = "2 stages are a good choice";
+            return Err(self.doc.error(v.span(), "`stages` must be 1, 2, 3 or 4", remedy).into());
         }
-        let name = self.doc.string(horizon, "integrator")?;
-        ocp.integrator = match (name.as_deref(), horizon.get("integrator")) {
-            (None | Some("rk4"), _) | (_, None) => Integrator::Rk4,
-            (Some("gauss-legendre"), _) => Integrator::GaussLegendre { stages },
-            (Some("radau"), _) => Integrator::RadauIIA { stages },
-            (Some(other), Some(v)) => {
-                let message = format!("there is no integrator `{other}`");
-                let remedy = "write \"rk4\", \"gauss-legendre\" or \"radau\"";
-                return Err(self.doc.error(v.span(), message, remedy).into());
-            }
-        };
+        let methods = [
+            ("rk4", Integrator::Rk4),
+            ("gauss-legendre", Integrator::GaussLegendre { stages }),
+            ("radau", Integrator::RadauIIA { stages }),
+        ];
+        ocp.integrator = self.choice(horizon, "integrator", "integrator", &methods)?;
         if let Some(v) = horizon.get("stages").filter(|_| ocp.integrator == Integrator::Rk4) {
             let remedy = "add integrator = \"gauss-legendre\" or \"radau\", or remove `stages`";
             return Err(self.doc.error(v.span(), "the integrator rk4 always has 4 stages", remedy).into());

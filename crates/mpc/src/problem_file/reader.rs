@@ -105,6 +105,17 @@ impl Reader<'_> {
         }
     }
 
+    /// What the name under `key` stands for, one of the `options`; the first of them where there is none.
+    pub(super) fn choice<T: Copy>(&self, table: &Table<'_>, key: &str, what: &str, options: &[(&str, T)]) -> Parsed<T> {
+        let name = self.doc.string(table, key)?;
+        let (Some(name), Some(v)) = (name, table.get(key)) else { return Ok(options[0].1) };
+        let names: Vec<String> = options.iter().map(|o| format!("\"{}\"", o.0)).collect();
+        options.iter().find(|o| o.0 == name).map(|o| o.1).ok_or_else(|| {
+            let remedy = format!("write {} or {}", names[..names.len() - 1].join(", "), names[names.len() - 1]);
+            self.doc.error(v.span(), format!("there is no {what} `{name}`"), remedy).into()
+        })
+    }
+
     /// A number, or an expression of parameters in quotes.
     pub(super) fn constant(&self, v: Located<'_, '_>, key: &str) -> Parsed<f64> {
         let value = self.over_time(v, key, false)?;

@@ -46,11 +46,20 @@ enum Name {
     StickSlip,
 }
 
+/// Names of the failure policies.
+#[derive(Clone, Copy)]
+enum PolicyName {
+    Shift,
+    Brake,
+    Rest,
+}
+
 impl Reader<'_> {
     /// The table `[solve]`. Every key is checked, also where the method does not use it.
     pub(super) fn solve(&self, solve: &Table<'_>, hard_weight: f64, input_bounds: &[(f64, f64)]) -> Parsed<Solve> {
         self.doc.only_keys(solve, &KEYS, "[solve]")?;
-        let name = self.method(solve)?;
+        let methods = [("rti", Name::Rti), ("sqp", Name::Sqp), ("plan", Name::Plan), ("stick-slip", Name::StickSlip)];
+        let name = self.choice(solve, "method", "method", &methods)?;
         let planned = name == Name::Plan;
         let initial_iterations = self.count(solve, "initial_iterations", Some(1))?;
         let mut feedback = Feedback { iterations: self.count(solve, "iterations", Some(1))?, ..Feedback::default() };
@@ -104,71 +113,46 @@ impl Reader<'_> {
         Ok(rest)
     }
 
-    fn method(&self, solve: &Table<'_>) -> Parsed<Name> {
-        match (self.doc.string(solve, "method")?.as_deref(), solve.get("method")) {
-            (None | Some("rti"), _) | (_, None) => Ok(Name::Rti),
-            (Some("sqp"), _) => Ok(Name::Sqp),
-            (Some("plan"), _) => Ok(Name::Plan),
-            (Some("stick-slip"), _) => Ok(Name::StickSlip),
-            (Some(other), Some(v)) => {
-                let message = format!("there is no method `{other}`");
-                let remedy = "write \"rti\", \"sqp\", \"plan\" or \"stick-slip\"";
-                Err(self.doc.error(v.span(), message, remedy).into())
-            }
-        }
-    }
-
     /// The second derivatives of the programs of a converged solution.
     fn hessian(&self, solve: &Table<'_>, method: Name) -> Parsed<Hessian> {
-        match (self.doc.string(solve, "hessian")?.as_deref(), solve.get("hessian")) {
-            (None | Some("gauss-newton"), _) | (_, None) => Ok(Hessian::GaussNewton),
-            (Some("exact"), _) if matches!(method, Name::Sqp | Name::Plan) => Ok(Hessian::Exact),
-            (Some("exact"), Some(v)) => {
-                let message = "this method does not use the exact Hessian";
-                Err(self.doc.error(v.span(), message, "write method = \"sqp\" or \"plan\", or remove it").into())
-            }
-            (Some(other), Some(v)) => {
-                let message = format!("there is no Hessian `{other}`");
-                Err(self.doc.error(v.span(), message, "write \"gauss-newton\" or \"exact\"").into())
-            }
+        let hessians = [("gauss-newton", Hessian::GaussNewton), ("exact", Hessian::Exact)];
+        let hessian = self.choice(solve, "hessian", "Hessian", &hessians)?;
+        let unused = hessian == Hessian::Exact && !matches!(method, Name::Sqp | Name::Plan);
+        if let Some(v) = solve.get("hessian").filter(|_| unused) {
+            let message = "this method does not use the exact Hessian";
+            return Err(self.doc.error(v.span(), message, "write method = \"sqp\" or \"plan\", or remove it").into());
         }
+        Ok(hessian)
     }
 
     /// The form in which the quadratic programs are solved.
     fn backend(&self, solve: &Table<'_>) -> Parsed<Backend> {
-        let name = self.doc.string(solve, "backend")?;
-        let condensed = name.as_deref() == Some("condensed");
+        let condensed = self.doc.string(solve, "backend")?.as_deref() == Some("condensed");
         if let Some(v) = solve.get("block").filter(|_| !condensed) {
             return Err(self.doc.error(v.span(), "`block` is one of condensing", "add backend = \"condensed\"").into());
         }
-        match (name.as_deref(), solve.get("backend")) {
-            (None | Some("automatic"), _) | (_, None) => Ok(Backend::Automatic),
-            (Some("sparse"), _) => Ok(Backend::Sparse),
-            (Some("condensed"), _) => Ok(Backend::Condensed { block: self.count(solve, "block", Some(1_000_000))? }),
-            (Some(other), Some(v)) => {
-                let message = format!("there is no backend `{other}`");
-                Err(self.doc.error(v.span(), message, "write \"automatic\", \"sparse\" or \"condensed\"").into())
-            }
-        }
+        let block = if condensed { self.count(solve, "block", Some(1_000_000))? } else { 0 };
+        let forms = [
+            ("automatic", Backend::Automatic),
+            ("sparse", Backend::Sparse),
+            ("condensed", Backend::Condensed { block }),
+        ];
+        self.choice(solve, "backend", "backend", &forms)
     }
 
     /// What is applied when a sample has no solution.
     fn policy(&self, solve: &Table<'_>) -> Parsed<FailurePolicy> {
-        let name = self.doc.string(solve, "policy")?;
+        let policies = [("shift", PolicyName::Shift), ("brake", PolicyName::Brake), ("rest", PolicyName::Rest)];
+        let named = self.choice(solve, "policy", "policy", &policies)?;
         let brakes = self.doc.sub_table(solve, "brake")?;
-        let policy = match (name.as_deref(), solve.get("policy")) {
-            (None, _) | (_, None) if brakes.is_none() => FailurePolicy::ShiftedInput,
-            (Some("shift"), _) => FailurePolicy::ShiftedInput,
-            (Some("rest"), _) => FailurePolicy::RestInput,
-            (Some("brake") | None, _) | (_, None) => {
+        let implied = brakes.is_some() && !solve.contains_key("policy");
+        let policy = match if implied { PolicyName::Brake } else { named } {
+            PolicyName::Shift => FailurePolicy::ShiftedInput,
+            PolicyName::Brake => {
                 let after = self.whole(solve, "brake_after", 0)?;
-                let brakes = self.brakes(brakes, solve)?;
-                FailurePolicy::BrakeToRest { after, brakes }
+                FailurePolicy::BrakeToRest { after, brakes: self.brakes(brakes, solve)? }
             }
-            (Some(other), Some(v)) => {
-                let message = format!("there is no policy `{other}`");
-                return Err(self.doc.error(v.span(), message, "write \"shift\", \"brake\" or \"rest\"").into());
-            }
+            PolicyName::Rest => FailurePolicy::RestInput,
         };
         let brakes_are_used = matches!(policy, FailurePolicy::BrakeToRest { .. });
         for key in ["brake", "brake_after"] {

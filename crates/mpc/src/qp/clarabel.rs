@@ -128,17 +128,17 @@ impl QpBackend for Clarabel {
         solver.solve();
         let mut status = status_of(solver);
         solution.iterations = solver.solution.iterations;
-        let mut again = None;
+        let mut equilibrated = None;
         if status == QpStatus::Failed && !self.settings.equilibrate {
             // Sizes that do not fit the problem: once more, with sizes drawn from the numbers.
-            again = self.build(QpSettings { equilibrate: true, ..self.settings })?;
-            if let Some(s) = &mut again {
+            equilibrated = self.build(QpSettings { equilibrate: true, ..self.settings })?;
+            if let Some(s) = &mut equilibrated {
                 s.solve();
                 status = status_of(s);
                 solution.iterations += s.solution.iterations;
             }
         }
-        let Some(solver) = again.as_ref().or(self.solver.as_ref()) else { return Ok(QpStatus::Failed) };
+        let Some(solver) = equilibrated.as_ref().or(self.solver.as_ref()) else { return Ok(QpStatus::Failed) };
         let (x, z) = (&solver.solution.x, &solver.solution.z);
         self.condensing.recover(x, z, &mut solution.z, &mut solution.multipliers, program.states);
         let whole = finite(&solution.z);

@@ -223,12 +223,12 @@ impl Rti {
         self.tangent = None;
         let ahead = match self.settings.preparation {
             Preparation::Linearize => None,
-            Preparation::Ahead { programs } | Preparation::AheadTangential { programs } => {
+            Preparation::AdvancedStep { programs } | Preparation::AdvancedStepTangential { programs } => {
                 self.solve_ahead(programs, start)?
             }
         };
         self.fill();
-        if let (Some(status), Preparation::AheadTangential { .. }) = (ahead, self.settings.preparation) {
+        if let (Some(status), Preparation::AdvancedStepTangential { .. }) = (ahead, self.settings.preparation) {
             let first = first_hessian(&mut self.problem.ocp, self.problem.k0, &self.trajectory);
             let (program, z) = self.qp.stage_program();
             self.tangent = Tangent::of(program, z, &self.lin.jacobian, &first).map(|t| (t, status));
@@ -316,8 +316,8 @@ impl Rti {
         let mut outcome = Err(FallbackReason::TimeLimit);
         let mut last = 0.0;
         for iteration in 0..self.settings.iterations {
-            let began = start.elapsed().as_secs_f64();
-            if iteration > 0 && budget - began < last {
+            let started = start.elapsed().as_secs_f64();
+            if iteration > 0 && budget - started < last {
                 break;
             }
             if iteration == 0 {
@@ -353,7 +353,7 @@ impl Rti {
             if !self.advance() {
                 break;
             }
-            last = start.elapsed().as_secs_f64() - began;
+            last = start.elapsed().as_secs_f64() - started;
         }
         let outcome = match outcome {
             Ok(_) if !self.work.is_finite() => Err(FallbackReason::Linearization),

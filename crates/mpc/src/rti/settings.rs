@@ -1,7 +1,7 @@
 //! Settings of the real-time iteration.
 
 use crate::controller::FailurePolicy;
-use crate::error::MpcError;
+use crate::error::{MpcError, check_value};
 use crate::ocp::Ocp;
 use crate::qp::QpSettings;
 
@@ -25,13 +25,13 @@ pub enum Preparation {
     Linearize,
     /// The advanced step: programs for the state that the model predicts, then linearization along their solution. The
     /// measurement is answered by one more program.
-    Ahead {
+    AdvancedStep {
         /// Number of programs, at least 1; fewer when they settle, or when the time limit comes first.
         programs: usize,
     },
     /// The same, but the measurement is answered by the tangential predictor: the solution moved along its derivative with the
     /// active inequalities held, which needs no program. Where that leads an input out of its bounds, a program is solved.
-    AheadTangential {
+    AdvancedStepTangential {
         /// Number of programs, at least 1.
         programs: usize,
     },
@@ -85,33 +85,22 @@ impl Default for RtiSettings {
 impl RtiSettings {
     /// Whether the settings are in their ranges and fit the problem.
     pub(super) fn check(&self, ocp: &Ocp) -> Result<(), MpcError> {
-        if self.iterations == 0 {
-            return Err(MpcError::Value {
-                what: "the number of iterations per sample".into(),
-                value: 0.0,
-                remedy: "give at least 1",
-            });
-        }
-        if self.time_limit.is_nan() || self.time_limit <= 0.0 {
-            return Err(MpcError::Value {
-                what: "the time limit of a sample".into(),
-                value: self.time_limit,
-                remedy: "give a positive number of seconds, or infinity for none",
-            });
-        }
-        if let Preparation::Ahead { programs: 0 } | Preparation::AheadTangential { programs: 0 } = self.preparation {
-            return Err(MpcError::Value {
-                what: "the number of programs solved ahead".into(),
-                value: 0.0,
-                remedy: "give at least 1",
-            });
-        }
-        if let (Preparation::AheadTangential { .. }, Some(what)) = (self.preparation, not_tangential(ocp)) {
-            return Err(MpcError::Value {
-                what: format!("the number of {what}"),
-                value: 1.0,
-                remedy: "prepare by Preparation::Ahead: the tangential predictor holds bounds and targets alone",
-            });
+        check_value(self.iterations > 0, "the number of iterations per sample", 0.0, "give at least 1")?;
+        check_value(
+            self.time_limit > 0.0,
+            "the time limit of a sample",
+            self.time_limit,
+            "give a positive number of seconds, or infinity for none",
+        )?;
+        let programs = match self.preparation {
+            Preparation::Linearize => 1,
+            Preparation::AdvancedStep { programs } | Preparation::AdvancedStepTangential { programs } => programs,
+        };
+        check_value(programs > 0, "the number of programs solved ahead", 0.0, "give at least 1")?;
+        if let (Preparation::AdvancedStepTangential { .. }, Some(what)) = (self.preparation, not_tangential(ocp)) {
+            let remedy =
+                "prepare by Preparation::AdvancedStep: the tangential predictor holds bounds and targets alone";
+            check_value(false, format!("the number of {what}"), 1.0, remedy)?;
         }
         self.policy.check(ocp.states(), ocp.inputs())
     }

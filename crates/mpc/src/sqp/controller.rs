@@ -1,7 +1,7 @@
 //! Sequential quadratic programming at every sample.
 
-use super::Sqp;
 use super::solution::SolveStatus;
+use super::solver::Sqp;
 use crate::controller::{
     Controller, FailurePolicy, Failures, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings, rest_input,
 };

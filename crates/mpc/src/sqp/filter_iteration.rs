@@ -10,9 +10,9 @@
 //!
 //! Where programs fail, the defects are removed by simulating the inputs (feasibility restoration).
 
-use super::Sqp;
 use super::filter::{Filter, Verdict};
 use super::solution::Iteration;
+use super::solver::Sqp;
 use crate::error::{MpcError, check_flag};
 use crate::qp::QpStatus;
 use crate::trajectory::Trajectory;

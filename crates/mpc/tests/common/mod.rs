@@ -1,7 +1,7 @@
 //! Plants and files that several tests use.
 #![allow(clippy::unwrap_used, dead_code, unreachable_pub)]
 
-use bracketry_mpc::{Plant, PlantError};
+use bracketry_sim::{ExactPlant, Settings};
 use bracketry_system::System;
 use std::path::PathBuf;
 
@@ -16,22 +16,6 @@ pub fn cart_pole() -> System {
 }
 
 /// A system with set-valued friction.
-pub struct ExactPlant(pub bracketry_sim::Plant);
-
-impl ExactPlant {
-    pub fn new(system: &System, x0: &[f64]) -> Self {
-        Self(bracketry_sim::Plant::new(system, x0, &bracketry_sim::Settings::default()).unwrap())
-    }
-}
-
-impl Plant for ExactPlant {
-    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
-        if self.0.state() != x {
-            self.0.set_state(x)?;
-        }
-        let outcome = self.0.step(u, dt)?;
-        assert!(outcome.is_finished(), "{outcome:?}");
-        x.copy_from_slice(self.0.state());
-        Ok(())
-    }
+pub fn exact_plant(system: &System, x0: &[f64]) -> ExactPlant {
+    ExactPlant::new(system, x0, &Settings::default()).unwrap()
 }

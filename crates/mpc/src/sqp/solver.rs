@@ -1,0 +1,268 @@
+//! The solver of a problem, from a guess to convergence.
+
+use super::settings::{Hessian, SqpSettings};
+use super::solution::{Iteration, Solution, SolveStatus};
+use crate::controller::StepLimits;
+use crate::dynamics::Dynamics;
+use crate::error::{MpcError, check_flag, check_length, check_value};
+use crate::ocp::Ocp;
+use crate::qp::{Qp, QpStatus};
+use crate::trajectory::Trajectory;
+use crate::transcription::{Linearization, Merit, Transcription};
+use std::time::Instant;
+
+/// The solver: problem, dynamics and memory.
+pub struct Sqp {
+    pub(crate) problem: Transcription,
+    pub(crate) settings: SqpSettings,
+    pub(crate) qp: Qp,
+    pub(crate) lin: Linearization,
+    /// Places of the field's second derivatives, for the exact Hessian.
+    field: Option<Vec<(usize, usize)>>,
+}
+
+/// How one width ended.
+enum Stop {
+    Converged,
+    Limit,
+    Stalled,
+    QpFailed(QpStatus),
+}
+
+impl Sqp {
+    /// A solver for the problem.
+    ///
+    /// # Errors
+    /// If the problem contradicts itself or the dynamics; [`MpcError::NoSecondDerivatives`] if the exact Hessian is asked of
+    /// dynamics that do not have it.
+    pub fn new(dynamics: Box<dyn Dynamics>, ocp: Ocp, settings: SqpSettings) -> Result<Self, MpcError> {
+        let mut problem = Transcription::new(dynamics, ocp)?;
+        for &w in &settings.smoothing {
+            check_value(w > 0.0 && w.is_finite(), "a smoothing width", w, "give a positive number")?;
+        }
+        let field = match settings.hessian {
+            Hessian::GaussNewton => None,
+            Hessian::Exact => Some(problem.dynamics.second_derivatives()?),
+        };
+        let (steps, closure) = (problem.ocp.steps, problem.shooter.closure());
+        let qp = Qp::with_hessian(&problem.ocp, steps, closure, field.is_some(), settings.qp);
+        Ok(Self { problem, settings, qp, lin: Linearization::default(), field })
+    }
+
+    /// The problem.
+    pub fn ocp(&self) -> &Ocp {
+        &self.problem.ocp
+    }
+
+    /// Sets the grid point of the run at which the horizon starts (time and references follow it).
+    pub fn set_start(&mut self, k0: usize) {
+        self.problem.k0 = k0;
+    }
+
+    /// Limits the programs that follow on top of the settings.
+    pub(crate) fn limit_programs(&mut self, limits: StepLimits) -> Result<(), MpcError> {
+        let qp = &self.settings.qp;
+        self.qp.set_limits(qp.max_iterations.min(limits.iterations), qp.time_limit.min(limits.time))
+    }
+
+    /// Gives the live parameters of the dynamics these values at every grid point, for instance those of an estimator.
+    ///
+    /// # Errors
+    /// If their number is not that of the live parameters.
+    pub fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        self.problem.set_parameters(parameters)
+    }
+
+    /// Inputs put to use from `x0`: a guess whose states obey the dynamics at the first smoothing width.
+    ///
+    /// # Errors
+    /// If a length is wrong.
+    pub fn guess(&mut self, x0: &[f64], inputs: &[Vec<f64>]) -> Result<Trajectory, MpcError> {
+        let n = self.problem.ocp.states();
+        check_length("the initial state", x0.len(), n)?;
+        check_length("the list of inputs", inputs.len(), self.problem.ocp.steps)?;
+        let mut g = Trajectory::from_rows(&vec![x0.to_vec(); inputs.len() + 1], inputs)?;
+        self.problem.check_trajectory(&g)?;
+        if let Some(&w) = self.settings.smoothing.first() {
+            self.problem.dynamics.set_smoothing(w);
+        }
+        self.problem.choose_substeps(&g);
+        self.problem.roll_out(&mut g);
+        Ok(g)
+    }
+
+    /// Solves from a guess, whose first state is replaced by `x0` and whose inputs are brought into their bounds.
+    ///
+    /// # Errors
+    /// If a length is wrong; everything else is a status.
+    pub fn solve(&mut self, x0: &[f64], guess: &Trajectory) -> Result<Solution, MpcError> {
+        let start = Instant::now();
+        check_length("the initial state", x0.len(), self.problem.ocp.states())?;
+        self.problem.check_trajectory(guess)?;
+        let mut z = guess.clone();
+        z.x_mut(0).copy_from_slice(x0);
+        z.clamp_inputs(&self.problem.ocp.input_bounds);
+        let mut log = Vec::new();
+        self.qp.solution.multipliers.fill(0.0);
+        let widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
+        let mut lambda = self.settings.proximal;
+        let mut status = SolveStatus::NotANumber;
+        let found = z.is_finite() && widths.is_empty() && self.filter_method(&mut z, 0.0, &mut log)?;
+        if found {
+            status = SolveStatus::Converged;
+        } else if z.is_finite() {
+            self.qp.solution.multipliers.fill(0.0);
+            let last = widths.len().saturating_sub(1);
+            for i in 0..=last {
+                if let Some(&w) = widths.get(i) {
+                    self.problem.dynamics.set_smoothing(w);
+                }
+                let width = widths.get(i).copied().unwrap_or(0.0);
+                if i > 0 {
+                    lambda = lambda.max(1e-2 * self.settings.proximal);
+                }
+                status = match self.iterate(&mut z, width, i == last, &mut lambda, &mut log)? {
+                    Stop::QpFailed(QpStatus::NotANumber) if self.problem.shooter.take_failure() => {
+                        SolveStatus::IntegratorFailed
+                    }
+                    Stop::QpFailed(QpStatus::NotANumber) => SolveStatus::NotANumber,
+                    Stop::QpFailed(s) => SolveStatus::QpFailed(s),
+                    Stop::Converged => SolveStatus::Converged,
+                    Stop::Limit => SolveStatus::IterationLimit,
+                    Stop::Stalled => SolveStatus::Stalled,
+                };
+                if matches!(status, SolveStatus::NotANumber | SolveStatus::IntegratorFailed) {
+                    break;
+                }
+            }
+        }
+        let unsolved = matches!(status, SolveStatus::IterationLimit | SolveStatus::Stalled);
+        if let Some(&width) = widths.last().filter(|_| unsolved)
+            && self.filter_method(&mut z, width, &mut log)?
+        {
+            status = SolveStatus::Converged;
+        }
+        let violation = self.problem.ocp.hard_violation(self.problem.k0, &z);
+        if status == SolveStatus::Converged && violation > 1e-5 {
+            status = SolveStatus::Infeasible { violation };
+        }
+        let merit = self.problem.merit(&z, self.settings.qp.hard_weight);
+        let ocp = &mut self.problem.ocp;
+        let miss = ocp.targets.iter().map(|t| z.x(z.steps())[t.state] - t.value).collect();
+        let cost = ocp.cost(self.problem.k0, &z);
+        Ok(Solution {
+            trajectory: z,
+            status,
+            cost,
+            defect: merit.worst_defect,
+            miss,
+            iterations: log,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// A trajectory moved on by one interval: the last input is held for one more.
+    pub(crate) fn shifted(&mut self, trajectory: &Trajectory) -> Trajectory {
+        let mut z = trajectory.clone();
+        z.shift();
+        self.problem.extend_last(&mut z);
+        z
+    }
+
+    /// Fills the program in at a trajectory that has been linearized, the exact Hessian with the multipliers of the last program.
+    pub(crate) fn assemble(&mut self, z: &Trajectory, proximal: f64) {
+        if let Some(field) = &self.field {
+            self.problem.curvatures(z, &self.qp.solution.multipliers, field, &mut self.lin);
+        }
+        self.qp.assemble(&mut self.problem.ocp, self.problem.k0, z, &self.lin, proximal);
+    }
+
+    /// The line of the log for a program that has just been solved, before anything is known of its step.
+    pub(crate) fn line(&self, width: f64, now: &Merit, proximal: f64, qp: QpStatus) -> Iteration {
+        Iteration {
+            smoothing: width,
+            objective: now.objective,
+            defect: now.worst_defect,
+            predicted: 0.0,
+            ratio: 0.0,
+            proximal,
+            fraction: 0.0,
+            correction: false,
+            qp,
+            qp_iterations: self.qp.solution.iterations,
+        }
+    }
+
+    fn iterate(
+        &mut self,
+        z: &mut Trajectory,
+        width: f64,
+        last: bool,
+        lambda: &mut f64,
+        log: &mut Vec<Iteration>,
+    ) -> Result<Stop, MpcError> {
+        let s = self.settings.clone();
+        let steps = z.steps();
+        self.problem.choose_substeps(z);
+        self.problem.linearize(z, 0, steps, &mut self.lin);
+        let (limit, tolerance, defect_tolerance) = if last {
+            (s.max_iterations, s.tolerance, s.defect_tolerance)
+        } else {
+            (s.continuation_iterations, s.continuation_tolerance, s.defect_tolerance.max(1e-2))
+        };
+        let mut weight = 0.0_f64;
+        let mut failures = 0;
+        for _ in 0..limit {
+            check_flag(&s.stop)?;
+            let proximal = if *lambda < s.min_proximal { 0.0 } else { *lambda };
+            self.assemble(z, proximal);
+            let now = self.problem.merit_with(z, &self.lin.end, s.qp.hard_weight);
+            let qp = self.qp.solve()?;
+            let mut line = self.line(width, &now, proximal, qp);
+            if !qp.is_usable() {
+                log.push(line);
+                if qp == QpStatus::NotANumber || failures > 8 {
+                    return Ok(Stop::QpFailed(qp));
+                }
+                failures += 1;
+                *lambda = (*lambda * 5.0).max(s.min_proximal * 5.0);
+                continue;
+            }
+            weight = self.problem.penalty_weight(&self.qp.solution.multipliers).max(0.8 * weight);
+            let before = now.value(weight);
+            let (trial, after) = self.trial(z, 1.0);
+            let predicted = before - after.objective;
+            let fall = before - after.value(weight);
+            line.predicted = predicted;
+            line.ratio = fall / predicted.max(f64::MIN_POSITIVE);
+            let taken = fall.is_finite() && line.ratio > 0.05;
+            line.fraction = f64::from(u8::from(taken));
+            log.push(line);
+            let near = predicted <= tolerance * now.objective.abs().max(1e-12);
+            if near && now.worst_defect <= defect_tolerance {
+                // The last step is still worth taking when it helps.
+                if fall > 0.0 {
+                    *z = trial;
+                }
+                return Ok(Stop::Converged);
+            }
+            if taken {
+                *z = trial;
+                self.problem.linearize(z, 0, steps, &mut self.lin);
+                if line.ratio > 0.7 {
+                    *lambda = (*lambda / 5.0).max(s.min_proximal / 5.0);
+                } else if line.ratio < 0.25 {
+                    *lambda *= 2.0;
+                }
+                failures = 0;
+            } else {
+                failures += 1;
+                *lambda = (*lambda * 5.0).max(s.min_proximal * 5.0);
+                if failures > 10 {
+                    return Ok(Stop::Stalled);
+                }
+            }
+        }
+        Ok(Stop::Limit)
+    }
+}
