@@ -13,13 +13,14 @@ pub use bracketry_stiffness as stiffness;
 pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;
 
+pub use bracketry_lie::{Analysis, AnalysisError, Influence, ReachTable, Reached, analyze};
+pub use bracketry_report::analysis::{AffinizationReport, InputChange};
 pub use bracketry_report::{
-    AffinizationReport, Analysis, AnalysisError, AreaLoopPlant, Arrival, ChosenPoses, Comparison, CompensatedLog,
-    CompensatedRow, ControlError, Controlled, Deviation, Diagnosis, ExactPlant, Expectation, FaultCount, Figure,
-    Identification, Influence, InputChange, Jump, LoggedMotion, LoopGain, LostMotionSummary, MethodSummary, MoveError,
-    ParameterSummary, PlateExperiment, PlateLog, PlateModel, PlateOptions, PlateReport, PlateRow, PlateRun,
-    PlateRunError, PlateSetup, PredictedTranslation, RESOLUTION, RankChange, Ranks, ReachTable, Reached, RobotLog,
-    SetupError, StiffnessRunError, Unexplained, Weighing, analyze, control, control_watched, friction_bands,
+    AreaLoopPlant, Arrival, ChosenPoses, Comparison, CompensatedLog, CompensatedRow, ControlError, Controlled,
+    Deviation, Diagnosis, ExactPlant, Expectation, FaultCount, Figure, Identification, Jump, LoggedMotion, LoopGain,
+    LostMotionSummary, MethodSummary, MoveError, ParameterSummary, PlateExperiment, PlateLog, PlateModel, PlateOptions,
+    PlateReport, PlateRow, PlateRun, PlateRunError, PlateSetup, PredictedTranslation, RESOLUTION, RankChange, Ranks,
+    RobotLog, SetupError, StiffnessRunError, Unexplained, Weighing, control, control_watched, friction_bands,
     friction_colors, move_with, outline, plate_move, target_of,
 };
 pub use bracketry_sim::{Breakdown, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};

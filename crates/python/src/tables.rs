@@ -65,7 +65,11 @@ pub(crate) struct Answer {
 
 impl Answer {
     pub(crate) fn of(report: &(impl serde::Serialize + ToString), figures: Figures) -> Result<Self, Failure> {
-        Ok(Self { json: serde_json::to_string(report)?, text: report.to_string(), figures })
+        Self::new(report, report.to_string(), figures)
+    }
+
+    pub(crate) fn new(json: &impl serde::Serialize, text: String, figures: Figures) -> Result<Self, Failure> {
+        Ok(Self { json: serde_json::to_string(json)?, text, figures })
     }
 
     pub(crate) fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {

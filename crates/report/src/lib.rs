@@ -1,8 +1,6 @@
 //! Every result as text, Markdown, LaTeX, HTML with MathML, JSON and figures.
 
-mod affinization;
-mod analysis;
-mod analysis_pictures;
+pub mod analysis;
 mod area_plant;
 mod closed_loop_figure;
 mod control;
@@ -11,12 +9,9 @@ mod document;
 pub mod html;
 mod plate_move;
 mod plate_run;
-mod reach;
 pub mod simulation;
 mod stiffness_run;
 
-pub use affinization::{AffinizationReport, InputChange};
-pub use analysis::{Analysis, AnalysisError, analyze};
 pub use area_plant::AreaLoopPlant;
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
 pub use diagnosis::{Diagnosis, RankChange, Ranks};
@@ -26,7 +21,6 @@ pub use plate_run::{
     Comparison, Deviation, Jump, LoggedMotion, PlateExperiment, PlateLog, PlateModel, PlateOptions, PlateReport,
     PlateRow, PlateRun, PlateRunError, PlateSetup, SetupError, outline,
 };
-pub use reach::{Influence, ReachTable, Reached};
 pub use simulation::{friction_bands, friction_colors};
 pub use stiffness_run::{
     ChosenPoses, CompensatedLog, CompensatedRow, Expectation, FaultCount, Identification, LoopGain, LostMotionSummary,

@@ -18,11 +18,11 @@ use bracketry::plate::{LogSettings, Object, PlateError, PlateLog, Shape, publish
 use bracketry::plot::PlotError;
 use bracketry::system::System;
 
+use bracketry::lie::{Analysis, AnalysisError, analyze};
 use bracketry::report::ControlError;
 use bracketry::report::Diagnosis;
 use bracketry::report::Figure;
 use bracketry::report::MoveError;
-use bracketry::report::{Analysis, AnalysisError, analyze};
 
 pub use figures::StoryAnimation;
 pub use logs::record_logs;
@@ -126,7 +126,7 @@ impl Story {
         watch(StoryEvent::Told(text::FIRST));
         watch(StoryEvent::Working("brackets and ranks"));
         let analysis = analyze(&model, &Options::default())?;
-        watch(StoryEvent::Told(&analysis.to_string()));
+        watch(StoryEvent::Told(&bracketry::report::analysis::text(&analysis)));
 
         watch(StoryEvent::Told(text::SECOND));
         let on_equations = MoveOnEquations::run(shape, settings, watch)?;
