@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).unwrap_or(default);
     let system = System::read(&path)?;
     let analysis = bracketry::analyze(&system, &Options::default())?;
-    print!("{analysis}");
+    print!("{}", bracketry::report::analysis::text(&analysis));
 
     println!("\nfrom the same result, as data:");
     for mode in &analysis.report.modes {

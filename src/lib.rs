@@ -13,11 +13,10 @@ pub use bracketry_stiffness as stiffness;
 pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;
 
+pub use bracketry_lie::{Analysis, AnalysisError, Influence, ReachTable, Reached, analyze};
 pub use bracketry_mpc::{ControlError, Controlled, control, control_watched};
-pub use bracketry_report::{
-    AffinizationReport, Analysis, AnalysisError, Diagnosis, Figure, Influence, InputChange, RankChange, Ranks, ReachTable,
-    Reached, analyze, friction_bands, friction_colors,
-};
+pub use bracketry_report::analysis::{AffinizationReport, InputChange};
+pub use bracketry_report::{Diagnosis, Figure, RankChange, Ranks, friction_bands, friction_colors};
 pub use bracketry_sim::{Breakdown, ExactPlant, SampledScenario, Scenario, ScenarioError, ScenarioRun, SensorError};
 pub use bracketry_system::{PointError, point};
 

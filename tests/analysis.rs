@@ -41,11 +41,11 @@ fn in_one_mode_a_disk_leaves_its_yaw_to_the_tilt_too() {
         assert_eq!(m.dimensions.growth, [3, 5, 7, 7]);
         assert_eq!(m.dimensions.strong_growth, [2, 4, 6, 6]);
         let functions = m.autonomous.known().unwrap();
-        let forward = m.signs.0.iter().any(|(name, sign)| name == "vx" && *sign > 0);
+        let forward = m.signs.0.iter().any(|(name, sign)| *name == "vx" && *sign > 0);
         let expected = if forward { "2*phi + mu*theta" } else { "2*phi - mu*theta" };
-        let same = |f: &String| {
+        let same = |f: &bracketry::lie::Function| {
             let mut p = bracketry::symbolic::Pool::new();
-            let (a, b) = (p.parse(f).unwrap(), p.parse(expected).unwrap());
+            let (a, b) = (p.parse(&f.to_string()).unwrap(), p.parse(expected).unwrap());
             let difference = p.sub(a, b);
             p.zero_test(difference, &bracketry::symbolic::Bindings::default()).is_zero()
         };
@@ -55,7 +55,7 @@ fn in_one_mode_a_disk_leaves_its_yaw_to_the_tilt_too() {
 
 #[test]
 fn the_summary_names_what_stays_and_why_switching_helps() {
-    let summary = analysis(&Shape::REFERENCE_ELLIPSE).summary;
+    let summary = bracketry::report::analysis::summary(&analysis(&Shape::REFERENCE_ELLIPSE));
     for part in ["x + X and vx + Xd", "dimension 8 of 10", "difference of two drifts", "10 of 10", "smoothed model"] {
         assert!(summary.contains(part), "`{part}` in: {summary}");
     }
@@ -81,23 +81,24 @@ fn a_one_sided_input_is_not_called_controllable() {
 #[test]
 fn the_rounds_show_what_one_mode_never_moves_and_switching_does() {
     use bracketry::Influence::{Free, Moves, None};
-    let tables = analysis(&Shape::REFERENCE_ELLIPSE).reach();
+    let tables = analysis(&Shape::REFERENCE_ELLIPSE).report.reach;
     assert_eq!(tables.len(), 2);
-    let row = |t: usize, name: &str| tables[t].rows.iter().find(|r| r.name == name).unwrap().influence.clone();
+    let row = |t: usize, name: &str| tables[t].rows.iter().find(|r| r.function == name).unwrap().influence.clone();
     assert_eq!(row(0, "x + X"), [None; 5]);
     assert_eq!(row(0, "x"), [None, Moves, Moves, Moves, Moves]);
     assert_eq!(row(0, "theta"), [None, Moves, Moves, Free, Free]);
     assert_eq!(row(1, "x + X"), [None, Free]);
     assert_eq!(row(1, "x"), [None, Free]);
-    assert_eq!((tables[0].alike, tables[0].mode.as_deref()), (4, Some("vx > 0, vy > 0")));
+    assert_eq!((tables[0].alike, tables[0].signs.condition().to_string()), (4, "vx > 0, vy > 0".to_owned()));
 }
 
 #[test]
 fn a_state_without_any_input_is_influenced_by_none() {
     let text = "states = ['a', 'b']\ninputs = ['u']\n[dynamics]\na = 'u'\nb = '-b'";
     let system = bracketry::system::System::parse("m", text).unwrap();
-    let tables = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap().reach();
-    let last: Vec<_> = tables[0].rows.iter().map(|r| (r.name.clone(), r.influence.last().copied().unwrap())).collect();
+    let tables = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap().report.reach;
+    let last: Vec<_> =
+        tables[0].rows.iter().map(|r| (r.function.to_string(), r.influence.last().copied().unwrap())).collect();
     assert_eq!(last, [("a".into(), bracketry::Influence::Free), ("b".into(), bracketry::Influence::None)]);
 }
 
@@ -114,12 +115,12 @@ fn integrators_in_front_of_inputs_are_known_states() {
 #[test]
 fn the_affine_form_reaches_as_much_as_the_original_with_constant_inputs() {
     let a = analysis(&Shape::REFERENCE_ELLIPSE);
-    let family = a.affinization.family.as_ref().unwrap();
+    let family = a.family.as_ref().unwrap();
     assert_eq!(family.agrees, bracketry::lie::Answer::Known(true));
-    assert!(a.to_string().contains("agrees"));
+    assert!(bracketry::report::analysis::text(&a).contains("agrees"));
     // Affine as it stands: nothing to compare.
-    let a = bracketry::analyze(&a.affinization.model, &bracketry::lie::Options::default()).unwrap();
-    assert!(a.affinization.family.is_none());
+    let a = bracketry::analyze(&a.affinization.system, &bracketry::lie::Options::default()).unwrap();
+    assert!(a.family.is_none());
 }
 
 #[test]

@@ -287,8 +287,10 @@ fn read(file: &str) -> System {
 fn analyses() -> &'static [Value] {
     static ALL: OnceLock<Vec<Value>> = OnceLock::new();
     ALL.get_or_init(|| {
-        let analysed =
-            |k: &Known| serde_json::to_value(bracketry::analyze(&read(k.file), &Options::default()).unwrap()).unwrap();
+        let analysed = |k: &Known| {
+            let analysis = bracketry::analyze(&read(k.file), &Options::default()).unwrap();
+            serde_json::to_value(bracketry::report::analysis::json(&analysis)).unwrap()
+        };
         let half = SYSTEMS.len() / 2;
         std::thread::scope(|scope| {
             let first = scope.spawn(|| SYSTEMS[..half].iter().map(analysed).collect::<Vec<_>>());

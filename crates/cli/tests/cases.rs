@@ -25,7 +25,8 @@ fn the_library_gives_the_answers_of_the_literature() {
     expect_no_differences(&mut |model, brackets, determined| {
         let system = System::parse("case.toml", model).unwrap();
         let options = Options { brackets: brackets.to_vec(), determined: determined.to_vec(), ..Options::default() };
-        serde_json::to_value(bracketry::analyze(&system, &options).unwrap()).unwrap()
+        serde_json::to_value(bracketry::report::analysis::json(&bracketry::analyze(&system, &options).unwrap()))
+            .unwrap()
     });
 }
 
@@ -92,7 +93,10 @@ fn lists_that_do_not_fit_are_refused() {
 fn a_wrong_answer_and_an_unknown_key_are_seen() {
     let mut analyze = |model: &str, _: &[String], _: &[String]| {
         let system = System::parse("case.toml", model).unwrap();
-        serde_json::to_value(bracketry::analyze(&system, &Options::default()).unwrap()).unwrap()
+        serde_json::to_value(bracketry::report::analysis::json(
+            &bracketry::analyze(&system, &Options::default()).unwrap(),
+        ))
+        .unwrap()
     };
     assert_eq!(differences(&small_case(), &mut analyze), [""; 0]);
     let mut wrong = small_case();

@@ -4,14 +4,22 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
+use crate::reason::Reason;
+
 /// What an analysis found out. Serialized as the value, or as the string `"unknown"`; reports
 /// carry the reason beside it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Answer<T> {
     /// Decided.
     Known(T),
     /// Not decided, with the reason.
-    Unknown(String),
+    Unknown(Reason),
+}
+
+impl<T: Default> Default for Answer<T> {
+    fn default() -> Self {
+        Answer::Known(T::default())
+    }
 }
 
 impl<T> Answer<T> {
@@ -23,8 +31,16 @@ impl<T> Answer<T> {
         }
     }
 
+    /// The answer with another value.
+    pub fn map<U>(self, f: impl FnOnce(T) -> U) -> Answer<U> {
+        match self {
+            Answer::Known(v) => Answer::Known(f(v)),
+            Answer::Unknown(why) => Answer::Unknown(why),
+        }
+    }
+
     /// The reason if there is no value.
-    pub fn reason(&self) -> Option<&str> {
+    pub fn reason(&self) -> Option<&Reason> {
         match self {
             Answer::Known(_) => None,
             Answer::Unknown(r) => Some(r),
@@ -32,11 +48,11 @@ impl<T> Answer<T> {
     }
 }
 
-impl<T, E: fmt::Display> From<Result<T, E>> for Answer<T> {
+impl<T, E: Into<Reason>> From<Result<T, E>> for Answer<T> {
     fn from(r: Result<T, E>) -> Self {
         match r {
             Ok(v) => Answer::Known(v),
-            Err(e) => Answer::Unknown(e.to_string()),
+            Err(e) => Answer::Unknown(e.into()),
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
+use crate::algebra::word::Bracket;
 use crate::answer::Answer;
+use crate::reason::Reason;
 
 /// Dimensions of the accessibility algebra and of its strong part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -11,19 +13,19 @@ pub struct Dimensions {
     pub growth: Vec<usize>,
     /// Dimension of the accessibility algebra.
     pub accessible_dimension: Answer<usize>,
-    /// Names of brackets that span it, the first `growth[k]` of them with at most k + 1 letters; none at a point.
+    /// Brackets that span it, the first `growth[k]` of them with at most k + 1 letters; none at a point.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub basis: Vec<String>,
+    pub basis: Vec<Bracket>,
     /// Entry k: dimension after k rounds of brackets of the g_i with f and the g_i.
     pub strong_growth: Vec<usize>,
     /// Dimension of the strong accessibility algebra.
     pub strongly_accessible_dimension: Answer<usize>,
-    /// Names of brackets that span it, the first `strong_growth[k]` of them after k rounds; none at a point.
+    /// Brackets that span it, the first `strong_growth[k]` of them after k rounds; none at a point.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub strong_basis: Vec<String>,
+    pub strong_basis: Vec<Bracket>,
     /// Why something is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
+    pub reason: Option<Reason>,
 }
 
 impl Dimensions {
@@ -38,7 +40,7 @@ impl Dimensions {
         strong_growth: Vec<usize>,
         strongly_accessible_dimension: Answer<usize>,
     ) -> Self {
-        let reason = accessible_dimension.reason().or(strongly_accessible_dimension.reason()).map(str::to_owned);
+        let reason = accessible_dimension.reason().or(strongly_accessible_dimension.reason()).cloned();
         let (basis, strong_basis) = (Vec::new(), Vec::new());
         Dimensions {
             growth,

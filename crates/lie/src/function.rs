@@ -1,16 +1,83 @@
-//! Functions as text.
+//! Functions of states, inputs and parameters that outlive the analysis that found them.
+
+use crate::as_text::serialized_as_text;
+use std::fmt;
+use std::sync::Arc;
 
 use bracketry_symbolic::{Expr, Pool};
+
+/// An expression with the pool that it belongs to. Its text, also that in JSON, names an expression of more than 4000
+/// characters by its size.
+#[derive(Clone)]
+pub struct Function {
+    pool: Arc<Pool>,
+    expr: Expr,
+}
 
 /// Longer expressions are not written into a report.
 const MAX_TEXT: usize = 4000;
 
-/// The text of an expression, or its size if it is long.
-pub(crate) fn shown(pool: &Pool, e: Expr) -> String {
-    let text = if pool.tree_size(e) < MAX_TEXT as f64 { pool.text(e) } else { String::new() };
-    if text.is_empty() || text.len() > MAX_TEXT {
-        format!("<{} nodes, not shown>", pool.reachable(&[e]).len())
-    } else {
-        text
+impl Function {
+    /// A copy of `e`, which belongs to `pool`.
+    pub fn new(pool: &Pool, e: Expr) -> Self {
+        let mut own = Pool::new();
+        let copied = own.import(&pool.export(&[e])).ok().and_then(|roots| roots.first().copied());
+        // A table that a pool has exported can be read.
+        let expr = copied.unwrap_or_else(|| own.int(0));
+        Function { pool: Arc::new(own), expr }
+    }
+
+    /// The same for each of a list.
+    pub fn list(pool: &Pool, list: &[Expr]) -> Vec<Self> {
+        list.iter().map(|&e| Function::new(pool, e)).collect()
+    }
+
+    /// The pool of [`Function::expr`].
+    pub fn pool(&self) -> &Pool {
+        &self.pool
+    }
+
+    /// The expression, in [`Function::pool`].
+    pub fn expr(&self) -> Expr {
+        self.expr
+    }
+
+    /// The text without a limit on its length.
+    pub fn text(&self) -> String {
+        self.pool.text(self.expr)
     }
 }
+
+impl fmt::Display for Function {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let short = self.pool.tree_size(self.expr) < MAX_TEXT as f64;
+        match short.then(|| self.text()).filter(|text| text.len() <= MAX_TEXT) {
+            Some(text) => f.write_str(&text),
+            None => write!(f, "<{} nodes, not shown>", self.pool.reachable(&[self.expr]).len()),
+        }
+    }
+}
+
+impl fmt::Debug for Function {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
+/// Equal as expressions, node by node.
+impl PartialEq for Function {
+    fn eq(&self, other: &Self) -> bool {
+        let mut pool = (*self.pool).clone();
+        pool.import(&other.pool.export(&[other.expr])).is_ok_and(|roots| roots == [self.expr])
+    }
+}
+
+impl Eq for Function {}
+
+impl PartialEq<&str> for Function {
+    fn eq(&self, text: &&str) -> bool {
+        self.to_string() == **text
+    }
+}
+
+serialized_as_text!(Function);

@@ -4,7 +4,7 @@
 //! decided by the Lie algebra of f and the g_i under the bracket `[a, b] = Db·a − Da·b`. Every
 //! rank is exact, modulo a large prime at random points, with the probability of error in the report.
 //!
-//! [`analyse`] gives the whole report on a [`System`](bracketry_system::System); [`VectorFields`]
+//! [`analyze`] gives the whole report on a [`System`](bracketry_system::System); [`VectorFields`]
 //! has the single analyses.
 //!
 //! ```
@@ -26,7 +26,9 @@
 mod algebra;
 mod analysis;
 mod answer;
+mod as_text;
 mod budget;
+mod condition;
 mod controllability;
 mod dimensions;
 mod error;
@@ -37,8 +39,8 @@ mod modes;
 mod named;
 mod observability;
 mod options;
+mod reason;
 mod residues;
-mod text;
 mod undecided;
 
 pub use algebra::closure::Closure;
@@ -47,15 +49,19 @@ pub use algebra::hall::{HallBasis, HallElement, HallTooLarge, witt, witt_degrees
 pub use algebra::integrals::search::{Integrals, integrals};
 pub use algebra::involutive::involutive_closure;
 pub use algebra::lie_algebra::LieAlgebra;
-pub use algebra::word::Word;
-pub use analysis::analyze::analyze as analyse;
+pub use algebra::word::{Bracket, Generator, Word, generators};
+pub use analysis::affine::analyze_affine;
+pub use analysis::analyze::{Analysis, AnalysisError, analyze};
+pub use analysis::brackets::RequestedBracket;
 pub use analysis::family::{Family, family_dimensions};
+pub use analysis::influence::{Influence, ReachTable, Reached};
 pub use analysis::report::{ModeReport, Report, SmoothedReport};
 pub use answer::Answer;
+pub use condition::Condition;
 pub use controllability::input_values::{InputValues, Side};
 pub use controllability::involutive::InvolutiveClosureReport;
 pub use controllability::local::LocalAccessibility;
-pub use controllability::point::{PointReport, Subject};
+pub use controllability::point::{PointReport, Subject, Vanishing};
 pub use controllability::stlc::{GeneralCondition, Stlc, Verdict};
 pub use controllability::sussmann::Obstruction;
 pub use controllability::switched::{Switchable, SwitchedReport};
@@ -70,10 +76,16 @@ pub use feedback::minimum_phase::MinimumPhase;
 pub use feedback::relative_degree::RelativeDegree;
 pub use feedback::report::{ControlReport, LinearizationReport};
 pub use feedback::static_linearization::{LinearizationFlag, LinearizingOutputs};
-pub use feedback::zero_dynamics::{NoZeroDynamics, ZeroDynamics};
-pub use modes::{ModeFields, mode_fields};
+pub use feedback::zero_dynamics::ZeroDynamics;
+pub use function::Function;
+pub use modes::{ModeFields, Signs, mode_fields};
 pub use named::Named;
 pub use observability::codistribution::Observability;
 pub use observability::report::{Direction, ObservabilityReport, observe};
+pub use observability::symmetry::{Operator, Symmetry};
 pub use options::{Limits, Options};
+pub use reason::{
+    BracketLimit, FamilyReason, FlatnessReason, InputCombination, MinimumPhaseReason, Monotone, NoZeroDynamics, Reason,
+    StabilizableReason, StlcReason,
+};
 pub use undecided::Undecided;

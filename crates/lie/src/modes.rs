@@ -5,14 +5,37 @@ use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use crate::algebra::field::{Field, VectorFields};
+use crate::condition::Condition;
 use crate::error::Error;
+use crate::function::Function;
 use crate::undecided::Undecided;
+use serde::{Serialize, Serializer};
+
+/// Switching functions with their signs, ±1.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Signs(pub Vec<(Function, i8)>);
+
+impl Signs {
+    /// Where all of them hold.
+    pub fn condition(&self) -> Condition {
+        let sign = |(f, sign): &(Function, i8)| {
+            if *sign > 0 { Condition::Positive(f.clone()) } else { Condition::Negative(f.clone()) }
+        };
+        Condition::All(self.0.iter().map(sign).collect())
+    }
+}
+
+impl Serialize for Signs {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(f, sign)| (f, sign)))
+    }
+}
 
 /// The fields that hold while all switching functions keep their signs.
 #[derive(Clone)]
 pub struct ModeFields {
-    /// Switching functions and their signs, ±1; none for a smooth system.
-    pub signs: Vec<(String, i8)>,
+    /// The switching functions and their signs; none for a smooth system.
+    pub signs: Signs,
     /// Drift and input fields, parameters bound to their values.
     pub fields: VectorFields,
 }
@@ -27,6 +50,7 @@ pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
         return Err(Error::NotAffine { equation: "a derivative of an input".to_owned() });
     }
     let form = system.switched_form();
+    let bindings = parameter_bindings(system);
     let pool = &mut system.pool;
     let surfaces: Vec<Expr> = form.switches.iter().map(|s| s.surface).collect();
     if let Some(s) = form.switches.iter().find(|s| system.inputs.iter().any(|&u| pool.depends_on(s.surface, u))) {
@@ -56,11 +80,8 @@ pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
         }
         controls.push(pool.substitute_all(&column, &no_input));
     }
-    let mut bindings = Bindings::new();
-    for p in &system.parameters {
-        bindings.bind(p.symbol, p.value.clone());
-    }
     let k = form.switches.len();
+    let surfaces: Vec<Function> = form.switches.iter().map(|s| Function::new(pool, s.surface)).collect();
     let mut modes = Vec::with_capacity(1 << k);
     for bits in 0..1usize << k {
         let signs: Vec<i8> = (0..k).map(|i| if bits >> (k - 1 - i) & 1 == 0 { 1 } else { -1 }).collect();
@@ -72,8 +93,17 @@ pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
             controls.iter().map(|g| pool.substitute_all(g, &values)).collect(),
             bindings.clone(),
         )?;
-        let signs = form.switches.iter().map(|s| s.name.clone()).zip(signs).collect();
+        let signs = Signs(surfaces.iter().cloned().zip(signs).collect());
         modes.push(ModeFields { signs, fields });
     }
     Ok(modes)
+}
+
+/// The parameters of a system bound to their values.
+pub(crate) fn parameter_bindings(system: &System) -> Bindings {
+    let mut bindings = Bindings::new();
+    for p in &system.parameters {
+        bindings.bind(p.symbol, p.value.clone());
+    }
+    bindings
 }

@@ -8,3 +8,13 @@ pub(crate) const PRIME: u64 = SECOND_PRIME;
 pub(crate) type Fp = Residue<PRIME>;
 /// Reduced row echelon form over this field.
 pub(crate) type Echelon = bracketry_symbolic::Echelon<PRIME>;
+
+/// The row with 1 at place i and 0 elsewhere.
+pub(crate) fn unit_row(i: usize, n: usize) -> Vec<Fp> {
+    (0..n).map(|j| if i == j { Fp::ONE } else { Fp::ZERO }).collect()
+}
+
+/// The product of a matrix, given by its rows, with a vector.
+pub(crate) fn times(rows: &[Vec<Fp>], v: &[Fp]) -> Vec<Fp> {
+    rows.iter().map(|row| row.iter().zip(v).fold(Fp::ZERO, |s, (&x, &y)| s + x * y)).collect()
+}

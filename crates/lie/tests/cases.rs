@@ -11,7 +11,7 @@ mod known_answers;
 
 use std::collections::BTreeMap;
 
-use bracketry_lie::{Evidence, Field, Limits, Options, VectorFields, analyse, bracket};
+use bracketry_lie::{Evidence, Field, Limits, Options, VectorFields, analyze_affine, bracket};
 use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
 use bracketry_system::System;
 use case_file::model_file;
@@ -71,7 +71,7 @@ fn every_answer_of_the_literature_is_found() {
             let system = System::parse("case.toml", model).unwrap();
             let options =
                 Options { brackets: brackets.to_vec(), determined: determined.to_vec(), ..Options::default() };
-            serde_json::to_value(analyse(&system, &options).unwrap()).unwrap()
+            serde_json::to_value(analyze_affine(&system, &options).unwrap()).unwrap()
         }));
     }
     assert!(differences.is_empty(), "{}", differences.join("\n"));

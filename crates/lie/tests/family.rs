@@ -2,7 +2,7 @@
 //! feedback.
 #![allow(clippy::unwrap_used)]
 
-use bracketry_lie::{Answer, Family, Options, Report, analyse, family_dimensions};
+use bracketry_lie::{Answer, Family, Options, Report, analyze_affine, family_dimensions};
 use bracketry_system::{Method, System};
 use proptest::prelude::*;
 
@@ -18,7 +18,7 @@ fn text(states: &str, inputs: &str, equations: &[&str]) -> String {
 }
 
 fn report(system: &System) -> Report {
-    analyse(system, &Options::default()).unwrap()
+    analyze_affine(system, &Options::default()).unwrap()
 }
 
 fn family(original: &System) -> Family {
@@ -54,7 +54,7 @@ fn dimensions_of_the_family_are_those_of_the_affine_form_without_its_integrators
         let f = family(&model(&text(states, inputs, equations)));
         let found = (f.accessible_dimension.clone(), f.strongly_accessible_dimension.clone(), f.integrators);
         assert_eq!(found, (Answer::Known(*all), Answer::Known(*strong), *integrators), "{equations:?}");
-        assert_eq!(f.agrees, Answer::Known(true), "{equations:?}: {f}");
+        assert_eq!(f.agrees, Answer::Known(true), "{equations:?}: {f:?}");
     }
 }
 
@@ -78,13 +78,13 @@ fn a_form_of_another_system_does_not_agree() {
 #[test]
 fn what_does_not_apply_is_unknown() {
     let f = family(&model(&text("x", "u", &["sign(u - x)"])));
-    assert!(f.agrees.reason().unwrap().contains("depends on an input and on the state"));
+    assert!(f.agrees.reason().unwrap().to_string().contains("depends on an input and on the state"));
     // New states that need fewer integrators than the chain of the input has.
     let original = model(&text("x", "u", &["-x + u + der(u)"]));
     let a = original.affinize().unwrap();
     let lower = a.candidates.iter().find(|c| c.method == Method::CoordinateChange).unwrap().system.clone().unwrap();
     let f = family_dimensions(&original, &lower, &report(&lower)).unwrap();
-    assert!(f.agrees.reason().unwrap().contains("does not keep"));
+    assert!(f.agrees.reason().unwrap().to_string().contains("does not keep"));
 }
 
 proptest! {
@@ -105,7 +105,7 @@ proptest! {
         for c in original.affinize().unwrap().candidates {
             let Some(affine) = c.system else { continue };
             let f = family_dimensions(&original, &affine, &report(&affine)).unwrap();
-            prop_assert_eq!(&f.agrees, &Answer::Known(true), "{:?} by {:?}: {}", equations, c.method, f);
+            prop_assert_eq!(&f.agrees, &Answer::Known(true), "{:?} by {:?}: {:?}", equations, c.method, f);
         }
     }
 }

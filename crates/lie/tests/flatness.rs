@@ -3,13 +3,15 @@
 
 mod common;
 
-use bracketry_lie::{Evidence, ExtensionLimits, FlatnessReport, FlatnessVerdict, Options, VectorFields, analyse};
+use bracketry_lie::{
+    Evidence, ExtensionLimits, FlatnessReport, FlatnessVerdict, Function, Options, VectorFields, analyze_affine,
+};
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
 use bracketry_system::System;
-use common::{fields, ratio, system};
+use common::{fields, ratio, shown, system};
 
 fn flatness(s: &System) -> FlatnessReport {
-    analyse(s, &Options::default()).unwrap().control.flatness.unwrap()
+    analyze_affine(s, &Options::default()).unwrap().control.flatness.unwrap()
 }
 
 fn verdict(s: &System) -> FlatnessVerdict {
@@ -26,17 +28,25 @@ fn driftless(states: &[&str], inputs: &[&str], rhs: &[&str]) -> System {
     system(states, inputs, &[], rhs, &[], None)
 }
 
+/// The rates of a compensator as equations.
+fn equations(rates: &[(String, Function)]) -> Vec<String> {
+    rates.iter().map(|(state, rate)| format!("{state}' = {rate}")).collect()
+}
+
 #[test]
 fn unicycle() {
     let s = system(&["x", "y", "th"], &["v", "w"], &[], &["v*cos(th)", "v*sin(th)", "w"], &["x", "y"], None);
-    let report = analyse(&s, &Options::default()).unwrap().control;
+    let report = analyze_affine(&s, &Options::default()).unwrap().control;
     let e = report.dynamic_extension.unwrap();
     assert_eq!(e.integrators.0, [("v".to_owned(), 1)]);
     assert_eq!((e.relative_degree, e.dimension, e.linearizes), (vec![2, 2], 4, true));
-    assert_eq!((e.compensator, e.inputs), (vec!["v' = vd".to_owned()], vec!["vd".to_owned(), "w".to_owned()]));
+    assert_eq!(
+        (equations(&e.compensator), e.inputs),
+        (vec!["v' = vd".to_owned()], vec!["vd".to_owned(), "w".to_owned()])
+    );
     let f = report.flatness.unwrap();
-    assert_eq!((f.verdict, f.flat_outputs.join(", ")), (FlatnessVerdict::Yes, "x, y".to_owned()));
-    assert_eq!(f.singular_set.as_deref(), Some("v = 0"));
+    assert_eq!((f.verdict, shown(&f.flat_outputs).join(", ")), (FlatnessVerdict::Yes, "x, y".to_owned()));
+    assert_eq!(f.singular_set.as_ref().unwrap().to_string(), "v = 0");
 }
 
 #[test]
@@ -57,7 +67,7 @@ fn tractor_with_trailers_is_flat_by_the_last_axle() {
     assert_eq!(f.dynamic_extension.as_ref().unwrap().0, [("v".to_owned(), 3)]);
     assert_eq!(f.relative_degree, [4, 4]);
     // The new state is the speed of the last axle.
-    assert_eq!(f.singular_set.as_deref(), Some("z1 = 0"));
+    assert_eq!(f.singular_set.as_ref().unwrap().to_string(), "z1 = 0");
 }
 
 #[test]
@@ -73,13 +83,13 @@ fn car_seen_from_its_front_axle() {
 fn without_drift_two_inputs_are_flat_just_when_the_derived_flag_grows_by_one() {
     let chained = driftless(&["a", "b", "c", "d", "e"], &["u", "v"], &["u", "v", "b*u", "c*u", "d*u"]);
     let f = flatness(&chained);
-    assert_eq!((f.verdict, f.flat_outputs.join(", ")), (FlatnessVerdict::Yes, "a, e".to_owned()));
+    assert_eq!((f.verdict, shown(&f.flat_outputs).join(", ")), (FlatnessVerdict::Yes, "a, e".to_owned()));
     assert!(adds_up(&chained, &f));
     // Growth 2, 3, 5 (Cartan): no pair of functions of state and inputs is flat.
     let cartan = driftless(&["a", "b", "c", "d", "e"], &["u", "v"], &["u", "v", "b*u", "c*u", "c*v"]);
     let f = flatness(&cartan);
     assert_eq!(f.verdict, FlatnessVerdict::No);
-    assert!(f.reason.contains("2, 3, 5"), "{}", f.reason);
+    assert!(f.reason.to_string().contains("2, 3, 5"), "{}", f.reason);
 }
 
 /// The general trailer with its hitch off the axle (Rouchon, Fliess, Lévine & Martin 1993: two trailers are not flat, one is).
@@ -112,11 +122,11 @@ fn huygens_centre_of_oscillation_is_found_and_verified() {
         let s = vtol(outputs);
         let f = flatness(&s);
         assert_eq!(f.flat_outputs[0], "x - ep*sin(th)");
-        assert!(["y + ep*cos(th)", "ep*cos(th) + y"].contains(&f.flat_outputs[1].as_str()));
+        assert!(["y + ep*cos(th)", "ep*cos(th) + y"].contains(&f.flat_outputs[1].to_string().as_str()));
         assert_eq!(f.dynamic_extension.as_ref().unwrap().0, [("u1".to_owned(), 2)]);
         assert_eq!(f.relative_degree, [4, 4]);
         // u1 = z + ep w², as in the literature, up to the name of the second integrator.
-        assert_eq!(f.compensator, ["u1' = 2*ep*u2*w + z1", "z1' = z1d"]);
+        assert_eq!(equations(&f.compensator), ["u1' = 2*ep*u2*w + z1", "z1' = z1d"]);
     }
 }
 
@@ -139,7 +149,7 @@ fn load_of_a_crane_with_a_winch() {
     );
     let f = flatness(&s);
     assert_eq!(f.verdict, FlatnessVerdict::Yes);
-    assert!(f.flat_outputs.iter().any(|h| h == "r*cos(th)"), "{f:?}");
+    assert!(f.flat_outputs.iter().any(|h| *h == "r*cos(th)"), "{f:?}");
     assert!(adds_up(&s, &f));
 }
 
@@ -170,7 +180,7 @@ fn quadrotor_in_space_by_position_and_yaw() {
     assert_eq!(f.flat_outputs, ["x", "y", "z", "ps"]);
     assert_eq!(f.dynamic_extension.as_ref().unwrap().0, [("T".to_owned(), 2)]);
     assert_eq!(f.relative_degree, [4, 4, 4, 2]);
-    assert_eq!(f.singular_set.as_deref(), Some("T = 0 or cos(ph) = 0"));
+    assert_eq!(f.singular_set.as_ref().unwrap().to_string(), "T = 0 or cos(ph) = 0");
 }
 
 #[test]
@@ -207,7 +217,7 @@ fn what_inputs_do_not_influence_is_not_flat() {
 fn dependent_inputs_count_once() {
     let s = system(&["x", "v"], &["a", "b"], &[], &["v", "a + 2*b"], &[], None);
     let f = flatness(&s);
-    assert_eq!((f.verdict, f.flat_outputs.join(", ")), (FlatnessVerdict::Yes, "x".to_owned()));
+    assert_eq!((f.verdict, shown(&f.flat_outputs).join(", ")), (FlatnessVerdict::Yes, "x".to_owned()));
 }
 
 /// Charlet, Lévine & Marino 1989: accessible with one input less than states.

@@ -3,9 +3,11 @@
 
 mod common;
 
-use bracketry_lie::{Answer, Evidence, Field, Integrals, Options, adjoint, analyse, integrals, involutive_closure};
+use bracketry_lie::{
+    Answer, Evidence, Field, Integrals, Options, adjoint, analyze_affine, integrals, involutive_closure,
+};
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol};
-use common::{ellipse, fields, ratio, system, texts};
+use common::{answered, ellipse, fields, ratio, system, texts};
 
 /// A distribution from text, with the states of the space.
 struct Distribution {
@@ -183,44 +185,44 @@ fn the_closure_of_two_fields_of_heisenberg_is_everything() {
 
 #[test]
 fn lenhart_leaves_a_product_to_itself() {
-    let r = analyse(&system(&["x1", "x2"], &["u"], &[], &["x1*u", "x2 - x2*u"], &[], None), &Options::default());
-    assert_eq!(r.unwrap().modes[0].autonomous, Answer::Known(vec!["x1*x2".into()]));
+    let r = analyze_affine(&system(&["x1", "x2"], &["u"], &[], &["x1*u", "x2 - x2*u"], &[], None), &Options::default());
+    assert_eq!(answered(&r.unwrap().modes[0].autonomous), Answer::Known(vec!["x1*x2".into()]));
 }
 
 /// Per mode the object's absolute position and velocity follow friction of constant direction; that direction changes.
 #[test]
 fn switching_of_friction_reaches_what_no_mode_reaches() {
-    let s = analyse(&ellipse(None), &Options::default()).unwrap().switched.unwrap();
+    let s = analyze_affine(&ellipse(None), &Options::default()).unwrap().switched.unwrap();
     let list = s.only_by_switching.known().unwrap();
-    let found: Vec<_> = list.iter().map(|f| (f.function.as_str(), f.modes.len())).collect();
-    assert_eq!(found, [("x + X", 4), ("vx + Xd", 4)]);
-    assert_eq!(list[1].reached_by, "f(3)-f(1)");
-    assert_eq!(list[0].reached_by, "[f(1),f(3)-f(1)]");
-    assert_eq!(s.autonomous, Answer::Known(Vec::new()));
-    assert!(s.to_string().contains("only by switching      vx + Xd: by f(3)-f(1)\n"), "{s}");
+    let found: Vec<_> = list.iter().map(|f| (f.function.to_string(), f.modes.len())).collect();
+    assert_eq!(found, [("x + X".to_owned(), 4), ("vx + Xd".to_owned(), 4)]);
+    assert_eq!(list[1].reached_by.to_string(), "f(3)-f(1)");
+    assert_eq!(list[0].reached_by.to_string(), "[f(1),f(3)-f(1)]");
+    assert_eq!(answered(&s.autonomous), Answer::Known(Vec::new()));
 }
 
 /// Two masses that exchange momentum through a dry joint: switching moves the difference, never the sum.
 #[test]
 fn what_all_modes_conserve_stays_conserved_by_switching() {
     let model = system(&["p", "q"], &[], &[("c", ratio(1, 2))], &["-c*sign(p - q)", "c*sign(p - q)"], &[], None);
-    let s = analyse(&model, &Options::default()).unwrap().switched.unwrap();
-    assert_eq!(s.autonomous, Answer::Known(vec!["p + q".into()]));
+    let s = analyze_affine(&model, &Options::default()).unwrap().switched.unwrap();
+    assert_eq!(answered(&s.autonomous), Answer::Known(vec!["p + q".into()]));
     let list = s.only_by_switching.known().unwrap();
-    let reached: Vec<&str> = list.iter().map(|f| f.function.as_str()).collect();
+    let reached: Vec<String> = list.iter().map(|f| f.function.to_string()).collect();
     assert_eq!(reached, ["p", "q"]);
-    assert_eq!(list[0].reached_by, "f(2)-f(1)");
+    assert_eq!(list[0].reached_by.to_string(), "f(2)-f(1)");
 }
 
 #[test]
 fn the_closure_of_the_input_fields_is_reported() {
     let closure = |dynamics: &[&str]| {
-        let r = analyse(&system(&["x", "y", "z"], &["u", "v"], &[], dynamics, &[], None), &Options::default());
+        let r = analyze_affine(&system(&["x", "y", "z"], &["u", "v"], &[], dynamics, &[], None), &Options::default());
         r.unwrap().involutive_closure
     };
     let Answer::Known(unicycle) = closure(&["u*cos(z)", "u*sin(z)", "v"]) else { panic!("a closure") };
     assert_eq!((unicycle.dimension, unicycle.growth), (3, vec![2, 3]));
-    assert_eq!(unicycle.basis, ["g1", "g2", "[g1,g2]"]);
+    assert_eq!(unicycle.basis.iter().map(ToString::to_string).collect::<Vec<_>>(), ["g1", "g2", "[g1,g2]"]);
     let Answer::Known(flat) = closure(&["u", "v + z", "u*y + v*x"]) else { panic!("a closure") };
-    assert_eq!((flat.dimension, flat.integrals, flat.integrals_not_found), (2, vec!["z - x*y".to_owned()], None));
+    assert_eq!((flat.dimension, flat.integrals_not_found), (2, None));
+    assert_eq!(flat.integrals, ["z - x*y"]);
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use bracketry_lie::{Answer, Options, PointReport, Report, Verdict, analyse};
+use bracketry_lie::{Answer, Options, PointReport, Report, Verdict, analyze_affine};
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::System;
 use common::system;
@@ -89,7 +89,7 @@ fn model(k: usize) -> System {
 }
 
 fn report(system: &System) -> Report {
-    analyse(system, &Options::default()).unwrap()
+    analyze_affine(system, &Options::default()).unwrap()
 }
 
 fn at_point(r: &Report) -> &PointReport {

@@ -3,7 +3,7 @@
 
 mod common;
 
-use bracketry_lie::{Answer, Direction, Error, Evidence, Named, ObservabilityReport, Options, analyse, observe};
+use bracketry_lie::{Answer, Direction, Error, Evidence, Named, ObservabilityReport, Options, observe};
 use common::{ratio, system};
 
 /// Analyzes `x' = dynamics` with generic-looking values of the parameters.
@@ -31,12 +31,12 @@ fn names(list: Option<&Named<bool>>, value: bool) -> Vec<&str> {
     list.iter().flat_map(|m| &m.0).filter(|v| v.1 == value).map(|v| v.0.as_str()).collect()
 }
 
-fn fields_of(list: &[Direction]) -> Vec<&str> {
-    list.iter().map(|d| d.field.as_str()).collect()
+fn fields_of(list: &[Direction]) -> Vec<String> {
+    list.iter().map(|d| d.field.to_string()).collect()
 }
 
-fn symmetries(list: &[Direction]) -> Vec<&str> {
-    list.iter().filter_map(|d| d.symmetry.as_deref()).collect()
+fn symmetries(list: &[Direction]) -> Vec<String> {
+    list.iter().filter_map(|d| d.symmetry.as_ref()).map(ToString::to_string).collect()
 }
 
 const UNICYCLE: [&str; 3] = ["u1*cos(th)", "u1*sin(th)", "u2"];
@@ -189,17 +189,4 @@ fn a_function_that_cannot_be_read_is_an_error() {
     assert_eq!(text, "x*rat");
     assert_eq!(problem, "`rat` is neither a state nor a parameter; did you mean `rate`?");
     assert!(matches!(ask("x*("), Error::Function { .. }));
-}
-
-#[test]
-fn the_text_names_symmetries_and_remedies() {
-    let s = system(&["x", "v"], &[], &[("k", ratio(3, 2)), ("m", ratio(5, 3))], &["v", "-k/m*x"], &["x"], None);
-    let text = analyse(&s, &Options::default()).unwrap().to_string();
-    for line in [
-        "  parameter k: not identifiable\n",
-        "  with unknown parameters no output changes along k ∂k + m ∂m (scaling of k by s and m by s)\n",
-        "  all parameters are identifiable given k\n",
-    ] {
-        assert!(text.contains(line), "{line} in {text}");
-    }
 }

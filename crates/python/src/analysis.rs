@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use bracketry::AffinizationReport;
 use bracketry::lie::Options;
+use bracketry::report::analysis::{self as report, AffinizationReport};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -31,16 +31,16 @@ pub(crate) fn analyze<'py>(
         }
         let options = Options { brackets, determined: determines, ..Options::default() };
         let analysis = bracketry::analyze(&system, &options)?;
-        let affine = Model::made(analysis.affinization.model.clone());
-        let (markdown, latex) = (analysis.markdown(), analysis.latex());
+        let affine = Model::made(analysis.affinization.system.clone());
+        let (markdown, latex) = (report::markdown(&analysis), report::latex(&analysis));
         let analysis = Arc::new(analysis);
         let mut figures = Figures::default();
         let drawn = Arc::clone(&analysis);
-        figures = figures.with("growth", move || drawn.growth_figure().draw());
-        if let Some(reach) = analysis.reach_figure() {
+        figures = figures.with("growth", move || report::growth_figure(&drawn).draw());
+        if let Some(reach) = report::reach_figure(&analysis) {
             figures = figures.with("reach", move || reach.draw());
         }
-        Ok((Answer::of(analysis.as_ref(), figures)?, markdown, latex, affine.ok()))
+        Ok((Answer::new(&report::json(&analysis), report::text(&analysis), figures)?, markdown, latex, affine.ok()))
     })?;
     let dict = answer.into_dict(py)?;
     dict.set_item("markdown", markdown)?;
@@ -55,8 +55,8 @@ pub(crate) fn affinize<'py>(py: Python<'py>, model: &Bound<'py, Model>) -> PyRes
     let system = model.get().system.clone();
     let (json, changes, affine) = watched(py, move |_| {
         let affinization = system.affinize()?;
-        let report = AffinizationReport::from(&affinization);
-        Ok((serde_json::to_string(&report)?, report.changes(), Model::made(affinization.system)?))
+        let json = serde_json::to_string(&AffinizationReport::new(&affinization, None))?;
+        Ok((json, report::changes(&affinization), Model::made(affinization.system)?))
     })?;
     let dict = PyDict::new(py);
     dict.set_item("json", json)?;

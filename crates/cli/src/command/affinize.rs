@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use bracketry::AffinizationReport;
+use bracketry::report::analysis::{AffinizationReport, changes, method_name};
 use bracketry::system::{Affinization, Candidate, System};
 use clap::Args;
 use serde_json::json as object;
@@ -33,7 +33,7 @@ pub(crate) fn affinize(args: &AffinizeArgs, output: &OutputArgs) -> anyhow::Resu
     let path = args.model.display().to_string();
     let system = System::read(&args.model)?;
     let affinization = system.affinize().with_context(|| path.clone())?;
-    let report = AffinizationReport::from(&affinization);
+    let report = AffinizationReport::new(&affinization, None);
     let candidate = args.candidate.map(|k| numbered(&affinization.candidates, k).context(path)).transpose()?;
     let chosen = candidate.map_or(&affinization.system, |c| c.1);
     let text = chosen.to_toml()?;
@@ -54,7 +54,7 @@ pub(crate) fn affinize(args: &AffinizeArgs, output: &OutputArgs) -> anyhow::Resu
             line(&format!("# {}. {}", k + 1, told(c, &affinization)))?;
         }
     }
-    for change in report.changes().iter().filter(|_| args.candidate.is_none()) {
+    for change in changes(&affinization).iter().filter(|_| args.candidate.is_none()) {
         line(&format!("# {change}"))?;
     }
     print(&text)?;
@@ -84,7 +84,7 @@ fn told(c: &Candidate, a: &Affinization) -> String {
         1 => "adds 1 state".to_owned(),
         n => format!("adds {n} states"),
     };
-    let method = AffinizationReport::way(c.method);
+    let method = method_name(c.method);
     // The reason of the one taken stands above.
     let why = if c.chosen && c.why == a.why { "taken".to_owned() } else { c.why.clone() };
     if c.is_accepted() { format!("{method}, {states}: {why}") } else { format!("{method}, rejected: {why}") }

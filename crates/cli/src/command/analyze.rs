@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use bracketry::Analysis;
 use bracketry::lie::Options;
+use bracketry::report::analysis as report;
 use bracketry::system::System;
 use clap::{Args, ValueEnum};
 
@@ -83,10 +84,10 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
     }
     let format = args.format(output);
     match format {
-        Format::Json => print(&json(&analysis)?)?,
-        Format::Markdown => print(&analysis.markdown())?,
-        Format::Latex => print(&analysis.latex())?,
-        Format::Text => print(&analysis.to_string())?,
+        Format::Json => print(&json(&report::json(&analysis))?)?,
+        Format::Markdown => print(&report::markdown(&analysis))?,
+        Format::Latex => print(&report::latex(&analysis))?,
+        Format::Text => print(&report::text(&analysis))?,
     }
     if let (Some(dir), Format::Text) = (&output.out, format) {
         line(&format!("written to {}: {FILES}", dir.display()))?;
@@ -110,12 +111,12 @@ const FILES: &str =
 /// Writes report, affine model and growth chart.
 pub(crate) fn save(analysis: &Analysis, dir: &Path) -> anyhow::Result<()> {
     folder(dir)?;
-    write(&dir.join("analysis.json"), &json(analysis)?)?;
-    write(&dir.join("analysis.txt"), &analysis.to_string())?;
-    write(&dir.join("analysis.md"), &analysis.markdown())?;
-    write(&dir.join("affine.toml"), &analysis.affinization.model.to_toml()?)?;
-    figure(analysis.growth_figure().draw(), &dir.join("growth"));
-    if let Some(reach) = analysis.reach_figure() {
+    write(&dir.join("analysis.json"), &json(&report::json(analysis))?)?;
+    write(&dir.join("analysis.txt"), &report::text(analysis))?;
+    write(&dir.join("analysis.md"), &report::markdown(analysis))?;
+    write(&dir.join("affine.toml"), &analysis.affinization.system.to_toml()?)?;
+    figure(report::growth_figure(analysis).draw(), &dir.join("growth"));
+    if let Some(reach) = report::reach_figure(analysis) {
         figure(reach.draw(), &dir.join("reach"));
     }
     Ok(())

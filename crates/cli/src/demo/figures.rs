@@ -171,9 +171,9 @@ impl Story {
 
     /// The figures of each chapter.
     pub(super) fn chapters(&self) -> [Vec<Figure>; CHAPTERS] {
-        let growth = self.analysis.growth_figure().draw();
+        let growth = bracketry::report::analysis::growth_figure(&self.analysis).draw();
         let mut first = vec![figure("growth", "Directions that brackets open, by their length.", growth)];
-        if let Some(reach) = self.analysis.reach_figure() {
+        if let Some(reach) = bracketry::report::analysis::reach_figure(&self.analysis) {
             let caption = "What comes under the influence of the inputs, round by round of brackets.";
             first.push(figure("reach", caption, reach.draw()));
         }
@@ -227,7 +227,11 @@ impl Story {
             ));
         }
         let fifth = self.extended_analysis.iter().map(|a| {
-            figure("extended_growth", "Directions that brackets of the extended model open.", a.growth_figure().draw())
+            figure(
+                "extended_growth",
+                "Directions that brackets of the extended model open.",
+                bracketry::report::analysis::growth_figure(a).draw(),
+            )
         });
         [first, second, third, fourth, fifth.collect(), sixth]
     }

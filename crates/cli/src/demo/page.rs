@@ -55,13 +55,13 @@ impl Story {
     }
 
     fn first(&self) -> String {
-        let affine = &self.analysis.affinization.model;
+        let affine = &self.analysis.affinization.system;
         heading(3, "The published equations")
             + &equations(&self.published)
             + &heading(3, "Affine in its inputs")
             + &equations(affine)
             + &heading(3, "What the inputs reach")
-            + &verbatim(&self.analysis.to_string())
+            + &verbatim(&bracketry::report::analysis::text(&self.analysis))
     }
 
     fn table(&self) -> String {

@@ -1,11 +1,11 @@
 //! How the story is told, what is heard of it, and what can go wrong.
 
 use bracketry::diagnose::{DiagnoseError, Settings};
+use bracketry::lie::AnalysisError;
 use bracketry::mpc::ControlError;
 use bracketry::mpc::MpcError;
 use bracketry::plate::{MoveError, PlateError};
 use bracketry::plot::PlotError;
-use bracketry::report::AnalysisError;
 use bracketry_trials::{RecordingSettings, TrialError};
 
 /// How the story is told.

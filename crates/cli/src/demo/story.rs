@@ -1,7 +1,8 @@
 //! The story as data.
 
+use bracketry::lie::Analysis;
 use bracketry::plate::Shape;
-use bracketry::report::{Analysis, Diagnosis};
+use bracketry::report::Diagnosis;
 use bracketry::system::System;
 use bracketry_trials::SyntheticLog;
 

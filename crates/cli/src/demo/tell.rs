@@ -4,8 +4,9 @@ use std::time::Instant;
 
 use bracketry::diagnose::diagnose;
 use bracketry::lie::Options;
+use bracketry::lie::analyze;
 use bracketry::plate::{Object, published};
-use bracketry::report::{Diagnosis, analyze};
+use bracketry::report::Diagnosis;
 
 use super::logs::{self, record_logs};
 use super::on_equations::MoveOnEquations;
@@ -28,7 +29,7 @@ impl Story {
         watch(StoryEvent::Told(text::FIRST));
         watch(StoryEvent::Working("brackets and ranks"));
         let analysis = analyze(&model, &Options::default())?;
-        watch(StoryEvent::Told(&analysis.to_string()));
+        watch(StoryEvent::Told(&bracketry::report::analysis::text(&analysis)));
 
         watch(StoryEvent::Told(text::SECOND));
         let on_equations = MoveOnEquations::run(shape, settings, watch)?;

@@ -8,6 +8,7 @@ use crate::algebra::integrals::fraction::{Values, common, expression, fractions}
 use crate::algebra::integrals::search::{name_constants, parameter_values};
 use crate::algebra::span::independent;
 use crate::evidence::Evidence;
+use crate::residues::unit_row;
 use crate::residues::{Echelon, Fp, PRIME};
 use crate::undecided::Undecided;
 
@@ -54,9 +55,8 @@ pub(crate) fn annihilator(
     }
     let rows: Vec<Vec<Fp>> = sample.values[0].chunks(n).map(<[Fp]>::to_vec).collect();
     let span = Echelon::new(&rows, n);
-    let unit_row = |i: usize| (0..n).map(|j| if i == j { Fp::ONE } else { Fp::ZERO }).collect::<Vec<Fp>>();
     // A variable that the forms determine does not move.
-    let moving: Vec<usize> = (0..n).filter(|&i| !span.contains(&unit_row(i))).collect();
+    let moving: Vec<usize> = (0..n).filter(|&i| !span.contains(&unit_row(i, n))).collect();
     let mut reduced = Echelon::empty(moving.len());
     let mut forms: Vec<Field> = Vec::new();
     for (form, row) in flat.chunks(n).zip(&rows) {

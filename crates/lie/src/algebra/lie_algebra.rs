@@ -1,12 +1,10 @@
 //! The Lie algebra over the constants that the fields of a system generate.
 
-use std::fmt;
-
 use bracketry_symbolic::Pool;
 use serde::Serialize;
 
+use crate::algebra::constant_span::Words;
 use crate::algebra::field::{Field, VectorFields, bracket, is_plain_zero};
-use crate::controllability::local::Words;
 use crate::evidence::Evidence;
 use crate::options::Limits;
 use crate::undecided::Undecided;
@@ -19,16 +17,6 @@ pub struct LieAlgebra {
     /// Length of the longest brackets that do not all vanish; absent if there is no such length.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nilpotent_length: Option<usize>,
-}
-
-impl fmt::Display for LieAlgebra {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "dimension {} over the constants, ", self.dimension)?;
-        match self.nilpotent_length {
-            Some(k) => write!(f, "nilpotent: brackets longer than {k} vanish"),
-            None => write!(f, "not nilpotent"),
-        }
-    }
 }
 
 /// Most dimensions of an algebra that is looked at.

@@ -2,6 +2,7 @@
 
 pub(crate) mod annihilator;
 pub(crate) mod closure;
+pub(crate) mod constant_span;
 pub(crate) mod field;
 pub(crate) mod hall;
 pub(crate) mod integrals;
@@ -13,4 +14,5 @@ pub(crate) mod naming;
 pub(crate) mod rational;
 pub(crate) mod reduce;
 pub(crate) mod span;
+pub(crate) mod subsets;
 pub(crate) mod word;

@@ -106,3 +106,8 @@ impl VectorFields {
         }
     }
 }
+
+/// Whether a function is found to be zero everywhere.
+pub(crate) fn vanishes(pool: &mut Pool, e: Expr, bindings: &Bindings) -> bool {
+    pool.is_zero(e) || matches!(pool.zero_test(e, bindings), ZeroTest::Zero(_))
+}

@@ -1,12 +1,15 @@
 //! Iterated brackets as formal words, read and written as text.
 
-use std::fmt::Write as _;
+use std::fmt;
 use std::sync::Arc;
 
 use bracketry_symbolic::{Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
 
+use std::fmt::Write as _;
+
 use crate::algebra::field::{Field, VectorFields, bracket};
+use crate::as_text::serialized_as_text;
 use crate::budget::check_growth;
 use crate::error::{WordError, WordProblem};
 use crate::undecided::Undecided;
@@ -101,6 +104,76 @@ impl Word {
     }
 }
 
+/// A generator of the Lie algebra of a system or of several modes together; modes have the numbers 1, 2, …
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Generator {
+    /// The drift, of one mode where it is not the same in all.
+    Drift {
+        /// The mode.
+        mode: Option<usize>,
+    },
+    /// The field of an input, of one mode where it is not the same in all.
+    Input {
+        /// The input, from 1.
+        input: usize,
+        /// The mode.
+        mode: Option<usize>,
+    },
+    /// The drift of a mode less that of the first.
+    DriftDifference {
+        /// The mode.
+        mode: usize,
+    },
+}
+
+impl fmt::Display for Generator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Generator::Drift { mode: None } => write!(f, "f"),
+            Generator::Drift { mode: Some(k) } => write!(f, "f({k})"),
+            Generator::Input { input, mode: None } => write!(f, "g{input}"),
+            Generator::Input { input, mode: Some(k) } => write!(f, "g{input}({k})"),
+            Generator::DriftDifference { mode } => write!(f, "f({mode})-f(1)"),
+        }
+    }
+}
+
+/// The generators f, g_1 … g_m of a system with that many inputs.
+pub fn generators(inputs: usize) -> Arc<[Generator]> {
+    let fields = (1..=inputs).map(|input| Generator::Input { input, mode: None });
+    std::iter::once(Generator::Drift { mode: None }).chain(fields).collect()
+}
+
+/// A word with what its letters stand for. Its text is that of [`Word::name`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bracket {
+    /// The word in the numbers of the generators.
+    pub word: Word,
+    /// The generators.
+    pub generators: Arc<[Generator]>,
+}
+
+impl Bracket {
+    pub(crate) fn list(words: &[Word], generators: &Arc<[Generator]>) -> Vec<Self> {
+        words.iter().map(|word| Bracket { word: word.clone(), generators: generators.clone() }).collect()
+    }
+
+    /// The generators that occur, each once.
+    pub fn letters(&self) -> Vec<Generator> {
+        let degrees = self.word.degrees(self.generators.len());
+        self.generators.iter().zip(degrees).filter(|x| x.1 > 0).map(|x| *x.0).collect()
+    }
+}
+
+impl fmt::Display for Bracket {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<String> = self.generators.iter().map(ToString::to_string).collect();
+        f.write_str(&self.word.name(&names))
+    }
+}
+
+serialized_as_text!(Bracket);
+
 /// What the reader waits for: the first factor of a bracket, or, with the first factor, the second.
 enum Open {
     First,
@@ -165,17 +238,12 @@ fn parse(text: &str, generator: impl Fn(&str) -> Result<usize, WordProblem>) -> 
     }
 }
 
-/// Generators 0 … m: the drift and the input fields.
-pub(crate) fn generator_names(controls: usize) -> Vec<String> {
-    std::iter::once("f".to_owned()).chain((1..=controls).map(|i| format!("g{i}"))).collect()
-}
-
 /// Reads a word in the generators `f`, `g1` … `gm`, where an input field also goes by the name of its input.
 ///
 /// # Errors
 /// [`WordError`] with place and remedy; an input called `f` or `g2` that is another generator is ambiguous.
 pub(crate) fn parse_named(text: &str, inputs: &[String]) -> Result<Word, WordError> {
-    let names = generator_names(inputs.len());
+    let names: Vec<String> = generators(inputs.len()).iter().map(ToString::to_string).collect();
     parse(text, |name| {
         let generator = names.iter().position(|n| n == name);
         let input = inputs.iter().position(|n| n == name).map(|i| i + 1);

@@ -21,9 +21,7 @@
 //! Where derivatives of inputs enter, the state of the family is x together with the chain of each input up to, not
 //! including, its highest derivative, and that derivative takes the part of u.
 
-use std::fmt;
-
-use bracketry_symbolic::{Bindings, Expr, Rational, Symbol};
+use bracketry_symbolic::{Expr, Rational, Symbol};
 use bracketry_system::System;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
@@ -34,7 +32,9 @@ use crate::analysis::report::{ModeReport, Report};
 use crate::answer::Answer;
 use crate::error::Error;
 use crate::evidence::Evidence;
-use crate::undecided::Undecided;
+use crate::function::Function;
+use crate::modes::parameter_bindings;
+use crate::reason::{FamilyReason, Reason};
 
 /// Dimensions of the family {f(·, u)} and whether those of the affine form agree.
 #[derive(Clone, Debug, Serialize)]
@@ -49,29 +49,9 @@ pub struct Family {
     pub agrees: Answer<bool>,
     /// Why something stayed open.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
+    pub reason: Option<Reason>,
     /// What the decisions on the family rest on.
     pub certificate: Evidence,
-}
-
-impl fmt::Display for Family {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "family of constant inputs: accessible dimension {}, strongly {}; the affine form",
-            self.accessible_dimension, self.strongly_accessible_dimension,
-        )?;
-        match self.integrators {
-            0 => write!(f, " ")?,
-            1 => write!(f, " with 1 more state ")?,
-            n => write!(f, " with {n} more states ")?,
-        }
-        match &self.agrees {
-            Answer::Known(true) => write!(f, "agrees"),
-            Answer::Known(false) => write!(f, "does NOT agree"),
-            Answer::Unknown(why) => write!(f, "was not compared ({why})"),
-        }
-    }
 }
 
 /// More switching functions than this are not expanded into modes here.
@@ -80,12 +60,12 @@ const MAX_SWITCHES: usize = 4;
 /// Dimensions of the family of a system, compared with the report on its affine form.
 ///
 /// ```
-/// use bracketry_lie::{Answer, Options, analyse, family_dimensions};
+/// use bracketry_lie::{Answer, Options, analyze_affine, family_dimensions};
 /// use bracketry_system::System;
 /// let text = "states = ['x', 'y']\ninputs = ['u']\n[dynamics]\nx = 'cos(u)'\ny = 'sin(u)'";
 /// let original = System::parse("m", text).unwrap();
 /// let affine = original.affinize().unwrap().system;
-/// let report = analyse(&affine, &Options::default()).unwrap();
+/// let report = analyze_affine(&affine, &Options::default()).unwrap();
 /// let family = family_dimensions(&original, &affine, &report).unwrap();
 /// assert_eq!((family.accessible_dimension, family.integrators), (Answer::Known(2), 1));
 /// assert_eq!(family.agrees, Answer::Known(true));
@@ -101,21 +81,18 @@ pub fn family_dimensions(original: &System, affine: &System, report: &Report) ->
             accessible_dimension: Answer::Known(c.all),
             strongly_accessible_dimension: Answer::Known(c.strong),
             integrators: c.integrators,
-            reason: c.agrees.reason().map(str::to_owned),
+            reason: c.agrees.reason().cloned(),
             agrees: c.agrees,
             certificate: evidence,
         },
-        Err(why) => {
-            let why = why.to_string();
-            Family {
-                accessible_dimension: Answer::Unknown(why.clone()),
-                strongly_accessible_dimension: Answer::Unknown(why.clone()),
-                integrators: affine.states.len().saturating_sub(original.states.len()),
-                agrees: Answer::Unknown(why.clone()),
-                reason: Some(why),
-                certificate: evidence,
-            }
-        }
+        Err(why) => Family {
+            accessible_dimension: Answer::Unknown(why.clone()),
+            strongly_accessible_dimension: Answer::Unknown(why.clone()),
+            integrators: affine.states.len().saturating_sub(original.states.len()),
+            agrees: Answer::Unknown(why.clone()),
+            reason: Some(why),
+            certificate: evidence,
+        },
     })
 }
 
@@ -124,19 +101,6 @@ struct Comparison {
     strong: usize,
     integrators: usize,
     agrees: Answer<bool>,
-}
-
-/// Why the family was not analyzed.
-#[derive(Debug, thiserror::Error)]
-enum Open {
-    #[error("the affine form does not keep the states of the system and the derivatives of its inputs")]
-    OtherStates,
-    #[error("the switching function {0} depends on an input and on the state")]
-    Switch(String),
-    #[error("there are {0} switching functions, which gives too many modes")]
-    Modes(usize),
-    #[error(transparent)]
-    Undecided(#[from] Undecided),
 }
 
 /// The state of the family and the highest derivatives as its inputs.
@@ -169,19 +133,16 @@ fn compare(
     affine: &System,
     report: &Report,
     evidence: &mut Evidence,
-) -> Result<Result<Comparison, Open>, Error> {
+) -> Result<Result<Comparison, Reason>, Error> {
     let mut family = extended(original);
     let Some(integrators) = affine.states.len().checked_sub(family.states.len()) else {
-        return Ok(Err(Open::OtherStates));
+        return Ok(Err(FamilyReason::OtherStates.into()));
     };
     let members = match members(&mut family) {
         Ok(m) => m,
         Err(open) => return Ok(Err(open)),
     };
-    let mut bindings = Bindings::new();
-    for p in &family.parameters {
-        bindings.bind(p.symbol, p.value.clone());
-    }
+    let bindings = parameter_bindings(&family);
     let mut least = (family.states.len(), family.states.len());
     let mut agrees = Answer::Known(true);
     for mode in members {
@@ -190,7 +151,7 @@ fn compare(
         for f in &mode.fields[1..] {
             differences.push(subtract(&mut family.pool, f, &first));
         }
-        let dimensions = independent(&mut family.pool, &differences, &bindings, evidence).map_err(Open::from);
+        let dimensions = independent(&mut family.pool, &differences, &bindings, evidence).map_err(Reason::from);
         let dimensions = match dimensions {
             Ok(controls) => {
                 let fields = VectorFields::new(family.states.clone(), first, controls, bindings.clone())?;
@@ -213,17 +174,17 @@ fn compare(
     Ok(Ok(Comparison { all: least.0, strong: least.1, integrators, agrees }))
 }
 
-fn reach(family: &mut System, fields: &VectorFields, evidence: &mut Evidence) -> Result<(usize, usize), Open> {
+fn reach(family: &mut System, fields: &VectorFields, evidence: &mut Evidence) -> Result<(usize, usize), Reason> {
     let all = fields.accessibility(&mut family.pool, evidence)?.dimension();
     let strong = fields.strong_accessibility(&mut family.pool, evidence)?.dimension();
     Ok((all, strong))
 }
 
 /// Whether the affine form has these dimensions in the mode with these signs.
-fn agreement(report: &Report, signs: &[(String, i8)], all: usize, strong: usize) -> Answer<bool> {
+fn agreement(report: &Report, signs: &[(Function, i8)], all: usize, strong: usize) -> Answer<bool> {
     let same = |m: &&ModeReport| m.signs.0.len() == signs.len() && m.signs.0.iter().all(|s| signs.contains(s));
     let Some(mode) = report.modes.iter().find(same) else {
-        return Answer::Unknown("the affine form has other switching functions".to_owned());
+        return Answer::Unknown(FamilyReason::OtherSwitches.into());
     };
     let d = &mode.dimensions;
     match (&d.accessible_dimension, &d.strongly_accessible_dimension) {
@@ -234,7 +195,7 @@ fn agreement(report: &Report, signs: &[(String, i8)], all: usize, strong: usize)
 
 /// Members of the family in one mode: f at enough values of the inputs to span all of them.
 struct Members {
-    signs: Vec<(String, i8)>,
+    signs: Vec<(Function, i8)>,
     fields: Vec<Field>,
 }
 
@@ -251,7 +212,7 @@ fn sample(k: usize, j: usize) -> Rational {
 /// At generic x the fields f(·, u) span over the functions of x a space of at most n dimensions, so that n + 1 generic
 /// values of u give all of it. They are indeterminates; where inputs decide on the sign of a switching function they
 /// are numbers, twice as many.
-fn members(family: &mut System) -> Result<Vec<Members>, Open> {
+fn members(family: &mut System) -> Result<Vec<Members>, Reason> {
     let n = family.states.len();
     let inputs: FxHashSet<Symbol> = family.inputs.iter().copied().collect();
     let states: FxHashSet<Symbol> = family.states.iter().copied().collect();
@@ -260,7 +221,7 @@ fn members(family: &mut System) -> Result<Vec<Members>, Open> {
         let uses = family.pool.symbols_of(&[s.surface]);
         let (of_input, of_state) = (uses.iter().any(|x| inputs.contains(x)), uses.iter().any(|x| states.contains(x)));
         if of_input && of_state {
-            return Err(Open::Switch(s.name.clone()));
+            return Err(FamilyReason::Switch(Function::new(&family.pool, s.surface)).into());
         }
         numbers |= of_input;
     }
@@ -286,10 +247,10 @@ fn members(family: &mut System) -> Result<Vec<Members>, Open> {
     if let Some(s) =
         form.switches.iter().find(|s| all.pool.symbols_of(&[s.surface]).iter().all(|x| !states.contains(x)))
     {
-        return Err(Open::Switch(s.name.clone()));
+        return Err(FamilyReason::Switch(Function::new(&all.pool, s.surface)).into());
     }
     if form.switches.len() > MAX_SWITCHES {
-        return Err(Open::Modes(form.switches.len()));
+        return Err(FamilyReason::Modes(form.switches.len()).into());
     }
     let mut modes = Vec::new();
     for bits in 0..1usize << form.switches.len() {
@@ -301,7 +262,8 @@ fn members(family: &mut System) -> Result<Vec<Members>, Open> {
             .map(|(k, s)| (all.pool.sym(s.sign), all.pool.int(i64::from(sign(k)))))
             .collect();
         let everything = all.pool.substitute_all(&form.dynamics, &map);
-        let signs = form.switches.iter().enumerate().map(|(k, s)| (s.name.clone(), sign(k))).collect();
+        let signs =
+            form.switches.iter().enumerate().map(|(k, s)| (Function::new(&all.pool, s.surface), sign(k))).collect();
         let mut fields: Vec<Field> = everything.chunks(n).map(<[Expr]>::to_vec).collect();
         fields.dedup();
         modes.push(Members { signs, fields });

@@ -3,6 +3,8 @@
 use serde::Serialize;
 
 use crate::algebra::lie_algebra::LieAlgebra;
+use crate::analysis::brackets::{RequestedBracket, by_name};
+use crate::analysis::influence::ReachTable;
 use crate::answer::Answer;
 use crate::controllability::involutive::InvolutiveClosureReport;
 use crate::controllability::point::{PointReport, Subject};
@@ -10,19 +12,21 @@ use crate::controllability::switched::SwitchedReport;
 use crate::dimensions::Dimensions;
 use crate::evidence::Evidence;
 use crate::feedback::report::ControlReport;
-use crate::named::Named;
+use crate::function::Function;
+use crate::modes::Signs;
 use crate::observability::report::ObservabilityReport;
+use crate::reason::Reason;
 
 /// What holds at a generic point while the signs of all switching functions stay as they are.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModeReport {
     /// Sign of each switching function; empty for a smooth system.
-    pub signs: Named<i8>,
+    pub signs: Signs,
     /// Generic dimensions.
     #[serde(flatten)]
     pub dimensions: Dimensions,
     /// Independent functions of the state that no input influences.
-    pub autonomous: Answer<Vec<String>>,
+    pub autonomous: Answer<Vec<Function>>,
     /// How many more such functions exist than were found in closed form; absent if none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub autonomous_not_found: Option<usize>,
@@ -31,8 +35,8 @@ pub struct ModeReport {
     /// Whether static state feedback makes the mode linear near a generic point.
     pub static_feedback_linearizable: Answer<bool>,
     /// The brackets that were asked for, in this mode; only of a system with switching.
-    #[serde(skip_serializing_if = "Named::is_empty")]
-    pub brackets: Named<Answer<Vec<String>>>,
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "by_name")]
+    pub brackets: Vec<RequestedBracket>,
 }
 
 /// The model with every switching function replaced by a smooth one.
@@ -61,7 +65,7 @@ pub struct Report {
     pub at_point: Option<Answer<PointReport>>,
     /// Why the point could not be analyzed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub at_point_reason: Option<String>,
+    pub at_point_reason: Option<Reason>,
     /// Of which model `involutive`, `static_feedback_linearizable` and `observability` are: the
     /// smoothed one if there is switching, absent for a smooth system.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -85,8 +89,23 @@ pub struct Report {
     pub observability: Option<ObservabilityReport>,
     /// The brackets that were asked for, simplified, one component per state; of the smoothed model if there is
     /// switching.
-    #[serde(skip_serializing_if = "Named::is_empty")]
-    pub brackets: Named<Answer<Vec<String>>>,
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "by_name")]
+    pub brackets: Vec<RequestedBracket>,
+    /// In which round of brackets each state, and each function that no input influences within a mode, comes under the
+    /// influence of the inputs: for the first mode and, where the system switches, for all modes together. Generic, as
+    /// the ranks; empty where something cannot be decided or there are more than 40 states.
+    ///
+    /// ```
+    /// use bracketry_lie::Influence::{Free, Moves, None};
+    /// use bracketry_system::System;
+    /// let text = "states = ['p', 'v']\ninputs = ['u']\ndynamics = { p = 'v', v = 'u' }";
+    /// let cart = System::parse("cart", text).unwrap();
+    /// let table = &bracketry_lie::analyze(&cart, &Default::default()).unwrap().report.reach[0];
+    /// assert_eq!(table.rows[0].influence, [None, Free]); // p: by [f, g1]
+    /// assert_eq!(table.rows[1].influence, [Free, Free]); // v: by g1 itself
+    /// ```
+    #[serde(skip)]
+    pub reach: Vec<ReachTable>,
     /// What the exact decisions rest on.
     pub certificate: Evidence,
     /// Wall-clock time of the analysis.
@@ -113,8 +132,8 @@ impl Report {
             .chain(self.switched.as_ref().map(|s| &s.dimensions))
             .chain(self.smoothed.as_ref().map(|s| &s.dimensions))
             .all(Dimensions::decided);
-        let brackets = self.modes.iter().flat_map(|m| &m.brackets.0).chain(&self.brackets.0);
-        decided && brackets.map(|(_, b)| b).all(|b| b.known().is_some())
+        let brackets = self.modes.iter().flat_map(|m| &m.brackets).chain(&self.brackets);
+        decided && brackets.map(|b| &b.components).all(|b| b.known().is_some())
     }
 
     /// The same of the dimensions at the point of the model; false without one.

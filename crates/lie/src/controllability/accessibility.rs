@@ -1,5 +1,7 @@
 //! Functions of the state that no input influences.
 
+use std::sync::Arc;
+
 use bracketry_symbolic::Pool;
 
 use crate::algebra::closure::{Closure, close};
@@ -7,6 +9,7 @@ use crate::algebra::field::{Field, VectorFields, is_plain_zero};
 use crate::algebra::integrals::search::{Integrals, integrals_of_involutive};
 use crate::algebra::span::{Spanning, independent, involutive};
 use crate::algebra::word::Word;
+use crate::algebra::word::{Bracket, Generator};
 use crate::answer::Answer;
 use crate::budget::check_analysis;
 use crate::dimensions::Dimensions;
@@ -92,14 +95,14 @@ impl Reach {
         Reach { all, strong }
     }
 
-    /// `names` are those of the generators f, g_1 … g_m.
-    pub(crate) fn dimensions(&self, names: &[String]) -> Dimensions {
+    /// The words of the closures are in these generators.
+    pub(crate) fn dimensions(&self, generators: &Arc<[Generator]>) -> Dimensions {
         let growth = |c: &Result<Closure, Undecided>| c.as_ref().map(|c| c.growth.clone()).unwrap_or_default();
         let dimension = |c: &Result<Closure, Undecided>| -> Answer<usize> {
-            c.as_ref().map(Closure::dimension).map_err(ToString::to_string).into()
+            c.as_ref().map(Closure::dimension).map_err(Clone::clone).into()
         };
-        let basis = |c: &Result<Closure, Undecided>| -> Vec<String> {
-            c.iter().flat_map(|c| &c.words).map(|w| w.name(names)).collect()
+        let basis = |c: &Result<Closure, Undecided>| -> Vec<Bracket> {
+            c.iter().flat_map(|c| Bracket::list(&c.words, generators)).collect()
         };
         Dimensions {
             basis: basis(&self.all),

@@ -1,13 +1,16 @@
 //! Brockett's necessary condition for stabilization by continuous state feedback.
 
-use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
+use bracketry_symbolic::{Expr, Pool};
 use rustc_hash::FxHashMap;
 
+use crate::algebra::span::vanishes;
+use crate::algebra::subsets::subsets;
 use crate::answer::Answer;
 use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
 use crate::controllability::sign::{NearOrigin, Sign};
 use crate::evidence::Evidence;
+use crate::reason::Reason;
 use crate::residues::Echelon;
 use crate::undecided::Undecided;
 
@@ -33,8 +36,8 @@ pub(crate) fn brockett_condition(
 ) -> Answer<bool> {
     match decide(pool, frame, linearization, evidence) {
         Ok(Some(holds)) => Answer::Known(holds),
-        Ok(None) => Answer::Unknown("neither a submersion nor seen to miss a direction".to_owned()),
-        Err(why) => Answer::Unknown(why.to_string()),
+        Ok(None) => Answer::Unknown(Reason::NoSubmersion),
+        Err(why) => Answer::Unknown(why.into()),
     }
 }
 
@@ -109,25 +112,4 @@ fn decide(
         }
     }
     Ok(None)
-}
-
-fn vanishes(pool: &mut Pool, e: Expr, bindings: &Bindings) -> bool {
-    pool.is_zero(e) || matches!(pool.zero_test(e, bindings), ZeroTest::Zero(_))
-}
-
-/// All subsets of 0 … n − 1 with `size` elements.
-fn subsets(n: usize, size: usize) -> impl Iterator<Item = Vec<usize>> {
-    let mut next: Option<Vec<usize>> = (size <= n).then(|| (0..size).collect());
-    std::iter::from_fn(move || {
-        let now = next.clone()?;
-        next = (0..size).rev().find(|&i| now[i] < n - size + i).map(|i| {
-            let mut s = now.clone();
-            s[i] += 1;
-            for j in i + 1..size {
-                s[j] = s[j - 1] + 1;
-            }
-            s
-        });
-        Some(now)
-    })
 }

@@ -9,6 +9,7 @@ use crate::controllability::local::Frame;
 use crate::controllability::sign::definite;
 use crate::controllability::sussmann::Inputs;
 use crate::evidence::Evidence;
+use crate::reason::InputCombination;
 use crate::residues::{Echelon, Fp};
 use crate::undecided::Undecided;
 
@@ -22,7 +23,7 @@ const ROUNDS: usize = 500;
 const MAX_INPUTS: usize = 6;
 
 /// Inputs v, u = L·diag(√s)·v, for which Σ_i [h_i, [f, h_i]](x0) lies in the span of the values of
-/// ad_f^k g_i and [g_i, g_j], with their fields as text; `None` if none are found.
+/// ad_f^k g_i and [g_i, g_j], with their fields in the given ones; `None` if none are found.
 ///
 /// STLC is not changed by linear changes of the inputs, but which brackets are bad is. With
 /// S = L diag(s) Lᵀ the sum is Σ S_ij [g_i, [f, g_j]]; a positive definite S for which it lies in
@@ -33,7 +34,7 @@ pub(crate) fn cancelling(
     pool: &mut Pool,
     frame: &Frame,
     evidence: &mut Evidence,
-) -> Result<Option<(Inputs, Vec<String>)>, Undecided> {
+) -> Result<Option<(Inputs, Vec<InputCombination>)>, Undecided> {
     let (states, drift, g) = (&frame.fields.states, &frame.fields.drift, &frame.fields.controls);
     let (n, m) = (states.len(), g.len());
     if m > MAX_INPUTS {
@@ -114,7 +115,7 @@ pub(crate) fn cancelling(
         scales.push(x);
     }
     let mut fields = Vec::new();
-    let mut names = Vec::new();
+    let mut combinations = Vec::new();
     for j in 0..m {
         let coefficients: Vec<Expr> = (0..m).map(|i| pool.rational(l[i][j].clone())).collect();
         let field: Field = (0..n)
@@ -124,15 +125,10 @@ pub(crate) fn cancelling(
             })
             .collect();
         fields.push(field);
-        let terms: Vec<String> = (0..m)
-            .filter(|&i| l[i][j] != Rational::ZERO)
-            .map(|i| if l[i][j] == Rational::ONE { format!("g{}", i + 1) } else { format!("{}*g{}", l[i][j], i + 1) })
-            .collect();
-        let sum = terms.join(" + ").replace("+ -", "- ");
-        let root = if s[j] == Rational::ONE { String::new() } else { format!("sqrt({})*", s[j]) };
-        names.push(if root.is_empty() { sum } else { format!("{root}({sum})") });
+        let coefficients = (0..m).map(|i| l[i][j].clone()).collect();
+        combinations.push(InputCombination { scale: s[j].clone(), coefficients });
     }
-    Ok(Some((Inputs { fields, scales }, names)))
+    Ok(Some((Inputs { fields, scales }, combinations)))
 }
 
 fn rational_rows(rows: &[Vec<Fp>]) -> Option<Vec<Vec<Rational>>> {

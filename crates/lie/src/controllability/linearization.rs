@@ -7,6 +7,8 @@ use crate::algebra::field::Field;
 use crate::answer::Answer;
 use crate::controllability::local::Frame;
 use crate::evidence::Evidence;
+use crate::reason::Reason;
+use crate::residues::times;
 use crate::residues::{Echelon, Fp};
 use crate::undecided::Undecided;
 
@@ -32,16 +34,12 @@ impl Linearization {
         let mut queue: Vec<Vec<Fp>> = self.b.clone();
         while let Some(v) = queue.pop() {
             if span.insert(v.clone()) {
-                queue.push(
-                    self.a.iter().map(|row| row.iter().zip(&v).fold(Fp::ZERO, |s, (&x, &y)| s + x * y)).collect(),
-                );
+                queue.push(times(&self.a, &v));
             }
         }
         span
     }
-}
 
-impl Linearization {
     /// The least k for which {A^j b_i, j < k} spans what all A^j b_i span, at least 1.
     pub(crate) fn index(&self) -> usize {
         let mut span = Echelon::new(&self.b, self.a.len());
@@ -49,8 +47,7 @@ impl Linearization {
         let mut k = 1;
         loop {
             for v in &mut block {
-                *v =
-                    self.a.iter().map(|row| row.iter().zip(v.iter()).fold(Fp::ZERO, |s, (&x, &y)| s + x * y)).collect();
+                *v = times(&self.a, v);
             }
             let before = span.rank();
             for v in &block {
@@ -75,7 +72,7 @@ pub(crate) fn uncontrollable_modes_decay(pool: &mut Pool, frame: &Frame, rank: u
     }
     let (block, tolerance) = match uncontrollable_block(pool, frame, rank) {
         Ok(found) => found,
-        Err(why) => return Answer::Unknown(why.to_owned()),
+        Err(why) => return Answer::Unknown(why),
     };
     let worst = block.complex_eigenvalues().iter().map(|z| z.re).fold(f64::NEG_INFINITY, f64::max);
     if worst < -tolerance {
@@ -83,21 +80,16 @@ pub(crate) fn uncontrollable_modes_decay(pool: &mut Pool, frame: &Frame, rank: u
     } else if worst > tolerance {
         Answer::Known(false)
     } else {
-        let why = "the linearisation has an uncontrollable eigenvalue on, or too near, the imaginary axis";
-        Answer::Unknown(why.to_owned())
+        Answer::Unknown(Reason::NearAxis)
     }
 }
 
 /// The matrix of the linearization on the states modulo the controllable subspace, whose exact
 /// dimension is `rank`, with the accuracy of its eigenvalues; or why there is none.
-pub(crate) fn uncontrollable_block(
-    pool: &mut Pool,
-    frame: &Frame,
-    rank: usize,
-) -> Result<(DMatrix<f64>, f64), &'static str> {
+pub(crate) fn uncontrollable_block(pool: &mut Pool, frame: &Frame, rank: usize) -> Result<(DMatrix<f64>, f64), Reason> {
     let n = frame.fields.states.len();
-    let (a, b) = matrices(pool, frame).ok_or("the linearisation has no numerical value: a parameter has none")?;
-    let rest = complement(&a, &b, rank).ok_or("the controllable subspace is not clear of rounding")?;
+    let (a, b) = matrices(pool, frame).ok_or(Reason::NoNumbers)?;
+    let rest = complement(&a, &b, rank).ok_or(Reason::Rounding)?;
     let block = rest.transpose() * &a * &rest;
     let scale = a.norm().max(f64::MIN_POSITIVE);
     // An eigenvalue of multiplicity k moves by the k-th root of a perturbation.

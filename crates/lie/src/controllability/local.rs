@@ -1,16 +1,16 @@
 //! Accessibility at a given point, where pruning by functional dependence is not allowed.
 
-use std::ops::Range;
-
 use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::closure::Closure;
+use crate::algebra::constant_span::Words;
 use crate::algebra::field::{Field, VectorFields, bracket, is_plain_zero, subtract};
 use crate::answer::Answer;
 use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::options::Limits;
+use crate::reason::{BracketLimit, Reason};
 use crate::residues::{Echelon, Fp, PRIME};
 use crate::undecided::Undecided;
 
@@ -42,8 +42,6 @@ pub(crate) struct Frame {
     generators: Vec<Field>,
 }
 
-/// Seed of the samples that decide linear dependence over the constants.
-const CONSTANTS_SEED: u64 = 0x6272_6163_6b65_7401;
 /// Seed of the evaluation at a point (random only for transcendental constants and unbound parameters).
 const POINT_SEED: u64 = 0x6272_6163_6b65_7402;
 
@@ -214,59 +212,6 @@ impl Frame {
     }
 }
 
-/// Fields that are linearly independent over the constants, grown by brackets.
-#[derive(Default)]
-pub(crate) struct Words {
-    /// Right-normed brackets.
-    pub(crate) kept: Vec<Field>,
-    /// Those that were kept last.
-    pub(crate) fresh: Range<usize>,
-}
-
-impl Words {
-    /// Keeps of `candidates` a maximal set that is independent, over the constants, of itself and what is kept.
-    ///
-    /// k functions are dependent over the constants just when their values at k random points,
-    /// written one after the other, are: each point takes one dimension off the combinations
-    /// that vanish at all points so far, until only those that vanish everywhere are left. A bracket that is a constant
-    /// combination of kept ones adds nothing, nor do its own brackets. (A transcendental or
-    /// unbound constant counts as a function here, which keeps more than necessary.)
-    pub(crate) fn extend(
-        &mut self,
-        pool: &mut Pool,
-        bindings: &Bindings,
-        candidates: Vec<Field>,
-        evidence: &mut Evidence,
-    ) -> Result<(), Undecided> {
-        let start = self.kept.len();
-        let mut all = self.kept.clone();
-        for c in candidates {
-            if !is_plain_zero(pool, &c) && !all.contains(&c) {
-                all.push(c);
-            }
-        }
-        if all.len() > start {
-            let n = all[0].len();
-            let certain = all.len() + 1;
-            // Independence at fewer points is independence; only dependence needs them all.
-            for points in [(all.len() / n + 2).min(certain), certain] {
-                let samples = pool.sample_in::<PRIME>(&all.concat(), bindings, points, CONSTANTS_SEED)?;
-                let mut echelon = Echelon::empty(points * n);
-                let row = |i: usize| samples.values.iter().flat_map(move |v| v[i * n..(i + 1) * n].iter().copied());
-                let independent: Vec<bool> = (0..all.len()).map(|i| echelon.insert(row(i).collect())).collect();
-                if echelon.rank() == all.len() || points == certain {
-                    evidence.add_rank(&samples, all.len())?;
-                    let new = all.into_iter().zip(independent).skip(start);
-                    self.kept.extend(new.filter_map(|(field, keep)| keep.then_some(field)));
-                    break;
-                }
-            }
-        }
-        self.fresh = start..self.kept.len();
-        Ok(())
-    }
-}
-
 /// Ends a list after one repetition of its last dimension, or at once where that is full.
 fn end_after_last_growth(growth: &mut Vec<usize>, full: usize, proven: bool) {
     let last = growth.last().copied().unwrap_or(0);
@@ -336,7 +281,7 @@ impl Frame {
         let (mut growth, mut strong_growth) = (Vec::new(), Vec::new());
         let (mut dimension, mut strong_dimension) = (None, None);
         let mut length = 1;
-        let unknown = loop {
+        let limit = loop {
             let mut values = self.evaluate(pool, &words.kept, evidence)?;
             let strong = Echelon::new(&values, n).rank();
             values.extend(self.evaluate(pool, std::slice::from_ref(&self.fields.drift), evidence)?);
@@ -365,13 +310,13 @@ impl Frame {
                 }
             }
             if dimension.is_some() && strong_dimension.is_some() {
-                break String::new();
+                break BracketLimit::Length;
             }
             if length >= limits.length {
-                break format!("brackets longer than {length} were not formed");
+                break BracketLimit::Length;
             }
             if words.kept.len() > limits.brackets {
-                break format!("brackets longer than {length} were not formed: they are too many");
+                break BracketLimit::Count;
             }
             let mut candidates = Vec::new();
             for (x, i) in generators.iter().flat_map(|x| words.fresh.clone().map(move |i| (x, i))) {
@@ -381,17 +326,17 @@ impl Frame {
                 candidates.push(bracket(pool, &self.fields.states, x, &words.kept[i]));
             }
             if pool.len() - first_node > limits.nodes {
-                break format!("brackets longer than {length} were not formed: they are too large");
+                break BracketLimit::Size;
             }
             words.extend(pool, bindings, candidates, evidence)?;
             length += 1;
         };
         let answer = |found: Option<usize>, list: &[usize]| match found {
             Some(d) => Answer::Known(d),
-            None => Answer::Unknown(format!(
-                "at least {} (the generic dimension bounds it above): {unknown}",
-                list.last().copied().unwrap_or(0)
-            )),
+            None => {
+                let least = list.last().copied().unwrap_or(0);
+                Answer::Unknown(Reason::Brackets { least, length, limit })
+            }
         };
         let dimension = answer(dimension, &growth);
         let strong_dimension = answer(strong_dimension, &strong_growth);

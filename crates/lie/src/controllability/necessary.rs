@@ -1,19 +1,24 @@
 //! Necessary conditions for small-time local controllability; each holds for every bound on the inputs.
 
-use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
+use bracketry_symbolic::{Expr, Pool};
 use nalgebra::{DMatrix, DVector};
 use rustc_hash::FxHashMap;
 
+use crate::algebra::constant_span::Words;
 use crate::algebra::field::{Field, bracket};
 use crate::algebra::involutive::involutive_closure;
 use crate::algebra::span::independent;
+use crate::algebra::span::vanishes;
 use crate::budget::check_growth;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::complement;
-use crate::controllability::local::{Frame, Words};
+use crate::controllability::local::Frame;
 use crate::controllability::sign::{NearOrigin, Sign, definite};
 use crate::evidence::Evidence;
+use crate::function::Function;
 use crate::options::Limits;
+use crate::reason::{Monotone, StlcReason};
+use crate::residues::times;
 use crate::residues::{Echelon, Fp, PRIME};
 use crate::undecided::Undecided;
 
@@ -93,7 +98,7 @@ pub(crate) fn half_space(
     frame: &Frame,
     sides: &[Option<Side>],
     evidence: &mut Evidence,
-) -> Result<Option<String>, Undecided> {
+) -> Result<Option<StlcReason>, Undecided> {
     let states = frame.fields.states.clone();
     let n = states.len();
     let (variables, offsets) = frame.deviations(pool);
@@ -153,22 +158,17 @@ pub(crate) fn half_space(
                 .collect();
             let function = pool.sum(named);
             let function = pool.simplify(function);
-            let verb = match (up, down) {
-                (true, true) => "neither rise nor fall",
-                (true, false) => "not fall",
-                _ => "not rise",
+            let change = match (up, down) {
+                (true, true) => Monotone::Constant,
+                (true, false) => Monotone::Rises,
+                _ => Monotone::Falls,
             };
-            return Ok(Some(format!(
-                "from its value at the point {} can {verb}, whatever the inputs",
-                pool.text(function)
-            )));
+            let function = Function::new(pool, function);
+            let one_sided = sides.iter().any(Option::is_some);
+            return Ok(Some(StlcReason::HalfSpace { function, change, one_sided }));
         }
     }
     Ok(None)
-}
-
-fn vanishes(pool: &mut Pool, e: Expr, bindings: &Bindings) -> bool {
-    pool.is_zero(e) || matches!(pool.zero_test(e, bindings), ZeroTest::Zero(_))
 }
 
 /// Seed of the points at which constant covectors are sought; largest numerator and denominator in them.
@@ -280,9 +280,7 @@ pub(crate) fn definite_form(
         let mut queue = frame.evaluate(pool, &d, evidence)?;
         while let Some(v) = queue.pop() {
             if hull.insert(v.clone()) {
-                queue.push(
-                    a_exact.iter().map(|row| row.iter().zip(&v).fold(Fp::ZERO, |s, (&x, &y)| s + x * y)).collect(),
-                );
+                queue.push(times(&a_exact, &v));
             }
         }
         let q = n - hull.rank();

@@ -14,7 +14,9 @@ use crate::controllability::necessary::half_space;
 use crate::controllability::stlc::{Stlc, Verdict, decide};
 use crate::error::Error;
 use crate::evidence::Evidence;
+use crate::function::Function;
 use crate::options::Limits;
+use crate::reason::StlcReason;
 use crate::residues::{Echelon, Fp};
 
 /// STLC of the system around the point with these inputs there, all free to move.
@@ -58,14 +60,13 @@ pub(crate) fn one_sided(
         return Ok(unrestricted);
     }
     if !frame.is_equilibrium(pool, evidence)? {
-        return Ok(Stlc::inconclusive("inputs move to one side only and the point is no equilibrium"));
+        return Ok(Stlc::inconclusive(StlcReason::OneSidedNoEquilibrium));
     }
     if let Some(reason) = half_space(pool, frame, sides, evidence)? {
-        return Ok(Stlc::new(Verdict::No, format!("{reason} in their one-sided ranges")));
+        return Ok(Stlc::new(Verdict::No, reason));
     }
     if points_to_one_side(pool, frame, sides, evidence)? {
-        let reason = "all inputs that act at the point push to one side of it, and their ranges are one-sided";
-        return Ok(Stlc::new(Verdict::No, reason));
+        return Ok(Stlc::new(Verdict::No, StlcReason::OneSidedCone));
     }
     let free_inputs: Vec<usize> = (0..sides.len()).filter(|&i| sides[i].is_none()).collect();
     if !free_inputs.is_empty() {
@@ -75,7 +76,7 @@ pub(crate) fn one_sided(
         let zeros = vec![pool.int(0); free_inputs.len()];
         let stlc = free(pool, &rest, frame.point(), &zeros, limits, evidence)?;
         if stlc.verdict == Verdict::Yes {
-            let reason = format!("{} with the inputs alone that move to both sides", stlc.reason);
+            let reason = StlcReason::TwoSidedInputs(Box::new(stlc.reason));
             return Ok(Stlc { reason, ..stlc });
         }
     }
@@ -83,11 +84,11 @@ pub(crate) fn one_sided(
         // The drift of the frame holds the inputs at the point already.
         let stlc = free(pool, &frame.fields, frame.point(), &inside, limits, evidence)?;
         if stlc.verdict == Verdict::Yes {
-            let reason = format!("{} around constant inputs inside their ranges that hold the point", stlc.reason);
+            let reason = StlcReason::InsideRanges(Box::new(stlc.reason));
             return Ok(Stlc { reason, ..stlc });
         }
     }
-    Ok(Stlc::inconclusive("inputs move to one side only, and no condition for such inputs decides"))
+    Ok(Stlc::inconclusive(StlcReason::OneSidedOpen))
 }
 
 /// Rounds of a search by perceptron.
@@ -125,7 +126,7 @@ fn points_to_one_side(
 
 /// Largest numerator and denominator of constant inputs; most vectors that are combined.
 const BOUND: u64 = 1 << 16;
-const MAX_KERNEL: usize = 4;
+const MAX_COMBINED: usize = 4;
 
 /// Deviations of the inputs, strictly inside the one-sided ranges, that leave the state at rest.
 fn inside_ranges(
@@ -137,13 +138,14 @@ fn inside_ranges(
     let (n, m) = (frame.fields.states.len(), sides.len());
     let values = frame.evaluate(pool, &frame.fields.controls, evidence)?;
     let rows: Vec<Vec<Fp>> = (0..n).map(|c| values.iter().map(|v| v[c]).collect()).collect();
-    let kernel: Option<Vec<Vec<(i64, i64)>>> =
+    let annihilator: Option<Vec<Vec<(i64, i64)>>> =
         Echelon::new(&rows, m).nullspace().iter().map(|v| v.iter().map(|x| x.to_fraction(BOUND)).collect()).collect();
-    let Some(kernel) = kernel.filter(|k| k.len() <= MAX_KERNEL) else { return Ok(None) };
-    for code in 0..3usize.pow(kernel.len() as u32) {
-        let factors: Vec<i64> = (0..kernel.len() as u32).map(|k| (code / 3usize.pow(k) % 3) as i64 - 1).collect();
+    let Some(annihilator) = annihilator.filter(|k| k.len() <= MAX_COMBINED) else { return Ok(None) };
+    for code in 0..3usize.pow(annihilator.len() as u32) {
+        let factors: Vec<i64> = (0..annihilator.len() as u32).map(|k| (code / 3usize.pow(k) % 3) as i64 - 1).collect();
         let inside = |i: usize| {
-            let sum: f64 = kernel.iter().zip(&factors).map(|(v, &c)| c as f64 * v[i].0 as f64 / v[i].1 as f64).sum();
+            let sum: f64 =
+                annihilator.iter().zip(&factors).map(|(v, &c)| c as f64 * v[i].0 as f64 / v[i].1 as f64).sum();
             sides[i].is_none_or(|s| sum * s.sign() as f64 > 1e-9)
         };
         if !(0..m).all(inside) {
@@ -151,7 +153,8 @@ fn inside_ranges(
         }
         let mut found = Vec::new();
         for i in 0..m {
-            let terms: Vec<Expr> = kernel.iter().zip(&factors).map(|(v, &c)| pool.ratio(c * v[i].0, v[i].1)).collect();
+            let terms: Vec<Expr> =
+                annihilator.iter().zip(&factors).map(|(v, &c)| pool.ratio(c * v[i].0, v[i].1)).collect();
             found.push(pool.sum(terms));
         }
         return Ok(Some(found));
@@ -254,12 +257,10 @@ pub(crate) fn balanced(
     let stlc = decide(pool, &frame, dimension, Some(&linearization), limits, evidence);
     let stlc = one_sided(pool, &frame, &sides, stlc, limits, evidence)?;
     // Other inputs, farther on in their ranges, may hold the point as well.
-    let reason = if stlc.verdict == Verdict::No && sides.iter().any(Option::is_some) {
+    if stlc.verdict == Verdict::No && sides.iter().any(Option::is_some) {
         return Ok(None);
-    } else {
-        let values: Vec<String> =
-            set.names.iter().zip(&inputs).map(|(n, &u)| format!("{n} = {}", pool.text(u))).collect();
-        format!("around {}, which holds the point: {}", values.join(", "), stlc.reason)
-    };
+    }
+    let inputs = set.names.iter().zip(&inputs).map(|(n, &u)| (n.clone(), Function::new(pool, u))).collect();
+    let reason = StlcReason::Around { inputs, reason: Box::new(stlc.reason) };
     Ok(Some(Stlc { reason, ..stlc }))
 }

@@ -1,12 +1,16 @@
 //! Statements at the point of a model.
 
+use std::fmt;
+
 use bracketry_symbolic::{Bindings, Expr, Pool, Rational, ZeroTest};
 use bracketry_system::{Point, System};
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use crate::algebra::field::VectorFields;
+use crate::algebra::field::is_plain_zero;
 use crate::answer::Answer;
+use crate::as_text::serialized_as_text;
 use crate::budget::release;
 use crate::controllability::accessibility::Reach;
 use crate::controllability::brockett::brockett_condition;
@@ -19,8 +23,10 @@ use crate::controllability::uncontrollable::{Mode, uncontrollable_modes};
 use crate::dimensions::Dimensions;
 use crate::error::Error;
 use crate::evidence::Evidence;
+use crate::function::Function;
 use crate::modes::ModeFields;
 use crate::options::Options;
+use crate::reason::{Reason, StabilizableReason, StlcReason};
 use crate::undecided::Undecided;
 
 /// What governs the motion at a point.
@@ -28,7 +34,7 @@ pub(crate) enum Regime {
     /// The mode with this index: no switching function vanishes.
     Mode(usize),
     /// The switching functions and unit vectors that vanish.
-    Switching(Vec<String>),
+    Switching(Vec<Vanishing>),
 }
 
 /// The regime that holds at `point`.
@@ -46,7 +52,7 @@ pub(crate) fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -
         at.insert(s, v);
     }
     let mut signs: Vec<i8> = Vec::new();
-    let mut vanishing: Vec<String> = Vec::new();
+    let mut vanishing: Vec<Vanishing> = Vec::new();
     for s in switches {
         for (t, &v) in switches.iter().zip(&signs) {
             let inner = system.pool.sym(t.sign);
@@ -55,7 +61,7 @@ pub(crate) fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -
         }
         let value = system.pool.substitute(s.surface, &at);
         match system.pool.zero_test(value, &Bindings::new()) {
-            ZeroTest::Zero(_) => vanishing.push(s.name.clone()),
+            ZeroTest::Zero(_) => vanishing.push(Vanishing::Switch(Function::new(&system.pool, s.surface))),
             ZeroTest::Unknown(why) if vanishing.is_empty() => return Err(Undecided::from(why).into()),
             ZeroTest::Unknown(_) | ZeroTest::NonZero => {}
         }
@@ -72,29 +78,25 @@ pub(crate) fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -
         let components = &form.switches[vector.switches.clone()];
         let values: Vec<Expr> = components.iter().map(|s| system.pool.substitute(s.surface, &at)).collect();
         if values.into_iter().all(|v| matches!(system.pool.zero_test(v, &Bindings::new()), ZeroTest::Zero(_))) {
-            vanishing.push(format!("({})", vector.name));
+            let components = components.iter().map(|s| Function::new(&system.pool, s.surface));
+            vanishing.push(Vanishing::UnitVector(components.collect()));
         }
     }
     if !vanishing.is_empty() {
         return Ok(Regime::Switching(vanishing));
     }
-    let mode = modes.iter().position(|m| m.signs.iter().map(|s| s.1).eq(signs.iter().copied()));
+    let mode = modes.iter().position(|m| m.signs.0.iter().map(|s| s.1).eq(signs.iter().copied()));
     Ok(mode.map_or(Regime::Switching(vanishing), Regime::Mode))
 }
 
 /// Says that the statements at a point are those of the smoothed model.
-pub(crate) fn of_smoothed(report: PointReport, vanishing: Vec<String>, epsilon: &Rational) -> PointReport {
-    let say = |reason: &str| {
-        format!(
-            "of the smoothed model: {reason}; exact dry friction may hold the state where the inputs do not overcome it"
-        )
-    };
+pub(crate) fn of_smoothed(report: PointReport, vanishing: Vec<Vanishing>, epsilon: &Rational) -> PointReport {
     PointReport {
         of: Subject::Smoothed,
         epsilon: Some(epsilon.to_f64().value()),
         vanishing,
-        stabilizable_reason: report.stabilizable_reason.map(|r| say(&r)),
-        stlc: Stlc { reason: say(&report.stlc.reason), ..report.stlc },
+        stabilizable_reason: report.stabilizable_reason.map(|r| StabilizableReason::Smoothed(Box::new(r))),
+        stlc: Stlc { reason: StlcReason::Smoothed(Box::new(report.stlc.reason)), ..report.stlc },
         ..report
     }
 }
@@ -145,34 +147,24 @@ pub(crate) fn point_report(
         (Some(around), _) => around,
         (None, Some(sides)) => one_sided(pool, &frame, &sides, stlc, limits, evidence)?,
         (None, None) if stlc.verdict == Verdict::No => stlc,
-        (None, None) => Stlc::inconclusive("the inputs at the point are not seen to lie in their ranges"),
+        (None, None) => Stlc::inconclusive(StlcReason::NotInRanges),
     };
     let rank = linearization.as_ref().map(|l| l.controllable().rank());
+    let driftless = is_plain_zero(pool, &fields.drift);
     let stabilizable = rank.map(|rank| match uncontrollable_modes_decay(pool, &frame, rank) {
-        Answer::Known(true) if rank == n => (Answer::Known(true), "the linearisation is controllable"),
-        Answer::Known(true) => (Answer::Known(true), "the uncontrollable modes of the linearisation decay"),
-        Answer::Known(false) if is_linear(pool, fields) => {
-            (Answer::Known(false), "the linearisation has an unstable uncontrollable mode")
-        }
+        Answer::Known(true) if rank == n => (Answer::Known(true), StabilizableReason::Controllable),
+        Answer::Known(true) => (Answer::Known(true), StabilizableReason::ModesDecay),
+        Answer::Known(false) if is_linear(pool, fields) => (Answer::Known(false), StabilizableReason::UnstableMode),
         // Feedback with kinks, other values of the inputs at the point, or time may do what smooth feedback cannot.
-        Answer::Known(false) => (
-            Answer::Unknown(
-                "the linearisation has an unstable uncontrollable mode: no continuously differentiable feedback that \
-                 keeps the inputs of the point there stabilises"
-                    .to_owned(),
-            ),
-            "",
-        ),
+        Answer::Known(false) => (Answer::Unknown(Reason::UnstableMode), StabilizableReason::Open(Reason::UnstableMode)),
         // Coron 1995: the sufficient conditions for STLC used here give stabilization by
         // continuous, periodic feedback in any dimension but 2 and 3; without drift (Coron 1992) in all.
-        Answer::Unknown(_)
-            if stlc.verdict == Verdict::Yes && (n != 2 && n != 3 || fields.drift.iter().all(|&e| pool.is_zero(e))) =>
-        {
-            (Answer::Known(true), "by continuous time-periodic feedback, from small-time controllability (Coron)")
+        Answer::Unknown(_) if stlc.verdict == Verdict::Yes && (n != 2 && n != 3 || driftless) => {
+            (Answer::Known(true), StabilizableReason::Periodic)
         }
-        unknown @ Answer::Unknown(_) => (unknown, ""),
+        Answer::Unknown(why) => (Answer::Unknown(why.clone()), StabilizableReason::Open(why)),
     });
-    let stabilizable_reason = stabilizable.as_ref().map(|(a, why)| a.reason().map_or((*why).to_owned(), str::to_owned));
+    let (stabilizable, stabilizable_reason) = stabilizable.unzip();
     Ok(PointReport {
         of: Subject::Model,
         epsilon: None,
@@ -180,7 +172,7 @@ pub(crate) fn point_report(
         equilibrium: Answer::Known(equilibrium),
         dimensions: Dimensions::new(local.growth, local.dimension, local.strong_growth, local.strong_dimension),
         linear_controllability_rank: rank,
-        stabilizable: stabilizable.map(|s| s.0),
+        stabilizable,
         stabilizable_reason,
         uncontrollable_modes: linearization
             .as_ref()
@@ -202,6 +194,29 @@ pub enum Subject {
     Smoothed,
 }
 
+/// What vanishes at a point and is set-valued there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Vanishing {
+    /// A switching function.
+    Switch(Function),
+    /// All components of a unit vector.
+    UnitVector(Vec<Function>),
+}
+
+impl fmt::Display for Vanishing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Vanishing::Switch(function) => write!(f, "{function}"),
+            Vanishing::UnitVector(list) => {
+                let list: Vec<String> = list.iter().map(ToString::to_string).collect();
+                write!(f, "({})", list.join(", "))
+            }
+        }
+    }
+}
+
+serialized_as_text!(Vanishing);
+
 /// What holds at the point of the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PointReport {
@@ -213,7 +228,7 @@ pub struct PointReport {
     pub epsilon: Option<f64>,
     /// Switching functions that vanish at the point; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub vanishing: Vec<String>,
+    pub vanishing: Vec<Vanishing>,
     /// Whether the state rests there under the inputs given with the point.
     pub equilibrium: Answer<bool>,
     /// Dimensions at the point.
@@ -227,7 +242,7 @@ pub struct PointReport {
     pub stabilizable: Option<Answer<bool>>,
     /// What `stabilizable` rests on.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub stabilizable_reason: Option<String>,
+    pub stabilizable_reason: Option<StabilizableReason>,
     /// Eigenvalues of the linearization that no input reaches; absent if the point is no equilibrium.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncontrollable_modes: Option<Answer<Vec<Mode>>>,

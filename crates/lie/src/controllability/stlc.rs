@@ -14,6 +14,7 @@ use crate::controllability::necessary::{definite_form, half_space, stefani};
 use crate::controllability::sussmann::{Brackets, Inputs, Obstruction, Outcome, choices, shortened};
 use crate::evidence::Evidence;
 use crate::options::Limits;
+use crate::reason::StlcReason;
 use crate::residues::Echelon;
 use crate::undecided::Undecided;
 
@@ -52,12 +53,12 @@ pub enum GeneralCondition {
 }
 
 /// Small-time local controllability (STLC) with inputs around their values at the point.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stlc {
     /// The verdict.
     pub verdict: Verdict,
     /// The condition that holds or fails.
-    pub reason: String,
+    pub reason: StlcReason,
     /// Weights, of the drift and then of the inputs (one number if they are all equal), for which
     /// Sussmann's condition holds.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -74,15 +75,8 @@ pub struct Stlc {
 }
 
 impl Stlc {
-    pub(crate) fn new(verdict: Verdict, reason: impl Into<String>) -> Self {
-        Stlc {
-            verdict,
-            reason: reason.into(),
-            weights: None,
-            general_condition: None,
-            weights_tried: Vec::new(),
-            obstruction: None,
-        }
+    pub(crate) fn new(verdict: Verdict, reason: StlcReason) -> Self {
+        Stlc { verdict, reason, weights: None, general_condition: None, weights_tried: Vec::new(), obstruction: None }
     }
 
     /// With the weights for which Sussmann's condition holds.
@@ -91,14 +85,13 @@ impl Stlc {
     }
 
     /// No verdict, for a reason that lies outside of the brackets.
-    pub fn inconclusive(reason: impl Into<String>) -> Self {
+    pub fn inconclusive(reason: StlcReason) -> Self {
         Stlc::new(Verdict::Inconclusive, reason)
     }
 
     /// The orbit is a manifold of lower dimension (Nagano–Sussmann).
     pub(crate) fn not_accessible(dimension: usize, states: usize) -> Self {
-        let reason = format!("the accessibility algebra has dimension {dimension} < {states} at the point");
-        Stlc::new(Verdict::No, reason)
+        Stlc::new(Verdict::No, StlcReason::NotAccessible { dimension, states })
     }
 }
 
@@ -121,7 +114,7 @@ pub(crate) fn decide(
     evidence: &mut Evidence,
 ) -> Stlc {
     attempt(pool, frame, dimension, linearization, limits, evidence)
-        .unwrap_or_else(|why| Stlc::inconclusive(why.to_string()))
+        .unwrap_or_else(|why| Stlc::inconclusive(why.into()))
 }
 
 /// Most new nodes that the weights of a condition may take that is known to hold.
@@ -140,9 +133,9 @@ fn attempt(
         let mut span = Echelon::new(&frame.evaluate(pool, &frame.fields.controls, evidence)?, n);
         let drift = frame.evaluate(pool, std::slice::from_ref(&frame.fields.drift), evidence)?;
         return Ok(if drift.into_iter().any(|f| span.insert(f)) {
-            Stlc::new(Verdict::No, "the drift does not vanish at the point and no input balances it")
+            Stlc::new(Verdict::No, StlcReason::NotBalanced)
         } else {
-            Stlc::inconclusive("the point is no equilibrium for the inputs given with it")
+            Stlc::inconclusive(StlcReason::NoEquilibrium)
         });
     };
     match dimension {
@@ -161,7 +154,7 @@ fn attempt(
         let equal = vec![1; inputs + 1];
         let holds = matches!(brackets.test(pool, &equal, evidence), Ok(Outcome::Holds));
         let weights = if holds { vec![1, 1] } else { vec![1, linearization.index() as u32] };
-        return Ok(Stlc::new(Verdict::Yes, "the linearisation is controllable").holding(weights));
+        return Ok(Stlc::new(Verdict::Yes, StlcReason::Controllable).holding(weights));
     }
     if let Some(reason) = half_space(pool, frame, &vec![None; inputs], evidence)? {
         let mut stlc = Stlc::new(Verdict::No, reason);
@@ -174,11 +167,11 @@ fn attempt(
         return Ok(stlc);
     }
     if let Answer::Unknown(why) = dimension {
-        return Ok(Stlc::inconclusive(format!("the accessible dimension is not decided: {why}")));
+        return Ok(Stlc::inconclusive(StlcReason::DimensionOpen(why.clone())));
     }
     if is_plain_zero(pool, &frame.fields.drift) {
         // No bracket with f is left to be neutralized.
-        return Ok(Stlc::new(Verdict::Yes, "no drift and full dimension (Chow–Rashevskii)").holding(vec![1, 1]));
+        return Ok(Stlc::new(Verdict::Yes, StlcReason::NoDrift).holding(vec![1, 1]));
     }
     let mut stlc = general(pool, frame, limits, evidence)?;
     if stlc.verdict == Verdict::Yes {
@@ -188,16 +181,12 @@ fn attempt(
         && let Some(k) = stefani(pool, frame, g, &controllable, limits, evidence)?
     {
         stlc.verdict = Verdict::No;
-        stlc.reason = format!(
-            "ad_g^{k} f at the point is no combination of brackets with fewer factors g (Stefani's necessary condition)"
-        );
+        stlc.reason = StlcReason::Stefani(k);
         return Ok(stlc);
     }
     if let Some(k) = definite_form(pool, frame, evidence)? {
         stlc.verdict = Verdict::No;
-        let d = if k == 0 { "the inputs".to_owned() } else { format!("the inputs and their first {k} brackets") };
-        stlc.reason =
-            format!("second-order brackets of {d} with f are definite across all that the linearisation reaches");
+        stlc.reason = StlcReason::DefiniteForm(k);
     }
     Ok(stlc)
 }
@@ -210,10 +199,10 @@ fn general(pool: &mut Pool, frame: &Frame, limits: &Limits, evidence: &mut Evide
     if given.verdict == Verdict::Yes || m < 2 {
         return Ok(given);
     }
-    if let Some((inputs, names)) = cancelling(pool, frame, evidence)? {
+    if let Some((inputs, combinations)) = cancelling(pool, frame, evidence)? {
         let changed = search(pool, frame, inputs, limits, evidence)?;
         if changed.verdict == Verdict::Yes {
-            let reason = format!("{} for the inputs along {}", changed.reason, names.join(", "));
+            let reason = StlcReason::InputsAlong { reason: Box::new(changed.reason), inputs: combinations };
             return Ok(Stlc { reason, ..changed });
         }
     }
@@ -229,14 +218,14 @@ fn search(
 ) -> Result<Stlc, Undecided> {
     let m = inputs.fields.len();
     let mut brackets = Brackets::new(pool, frame, inputs, limits);
-    let mut stlc = Stlc::inconclusive("");
+    let mut stlc = Stlc::inconclusive(StlcReason::TooManyBrackets);
     let mut open = false;
     for weights in choices(m) {
         stlc.weights_tried.push(shortened(&weights));
         match brackets.test(pool, &weights, evidence)? {
             Outcome::Holds => {
                 let weights = shortened(&weights);
-                let reason = format!("Sussmann's condition holds with weights {weights:?} of drift and inputs");
+                let reason = StlcReason::Sussmann { weights: weights.clone() };
                 let holds = Stlc::new(Verdict::Yes, reason).holding(weights);
                 return Ok(Stlc { weights_tried: stlc.weights_tried, ..holds });
             }
@@ -247,15 +236,13 @@ fn search(
         }
     }
     stlc.general_condition = Some(if open { GeneralCondition::Unknown } else { GeneralCondition::Obstructed });
-    stlc.reason = match &stlc.obstruction {
-        Some(o) => format!(
-            "the bad bracket {} is not neutralised with weights {:?}, nor are others with {} further choices of weights{}",
-            o.bracket,
-            o.weights,
-            stlc.weights_tried.len() - 1,
-            if open { ", of which some take too many brackets" } else { "" }
-        ),
-        None => "the brackets that Sussmann's condition asks for are too many".to_owned(),
-    };
+    if let Some(o) = &stlc.obstruction {
+        stlc.reason = StlcReason::Obstructed {
+            bracket: o.bracket.clone(),
+            weights: o.weights.clone(),
+            further: stlc.weights_tried.len() - 1,
+            too_many: open,
+        };
+    }
     Ok(stlc)
 }

@@ -5,6 +5,7 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use crate::algebra::field::{Field, bracket, is_plain_zero};
+use crate::algebra::word::{Bracket, Word, generators};
 use crate::controllability::local::Frame;
 use crate::evidence::Evidence;
 use crate::named::Named;
@@ -13,15 +14,15 @@ use crate::residues::{Echelon, Fp, PRIME};
 use crate::undecided::Undecided;
 
 /// A right-normed bracket [w_0, [w_1, … ]]; letter 0 is f, letter i is g_i.
-type Word = Vec<u8>;
+type Letters = Vec<u8>;
 /// How often each letter occurs in a bracket.
 type Degrees = Vec<u8>;
 
 /// A bad bracket that brackets of smaller weight do not neutralize.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Obstruction {
-    /// The bracket, as `[g1,[f,g1]]`.
-    pub bracket: String,
+    /// The bracket.
+    pub bracket: Bracket,
     /// How often the drift f and each input field g_i occur in it.
     pub degrees: Named<usize>,
     /// The weights for which it obstructs, of f and of the inputs (one number if they are all equal).
@@ -36,7 +37,7 @@ pub(crate) enum Outcome {
 }
 
 struct Entry {
-    word: Word,
+    word: Letters,
     field: Field,
     /// At the point.
     value: Vec<Fp>,
@@ -99,7 +100,7 @@ impl<'a> Brackets<'a> {
 
     /// Forms all brackets of these degrees, whose shorter ones are known; false if there are too many.
     fn form(&mut self, pool: &mut Pool, wanted: &[Degrees], evidence: &mut Evidence) -> Result<bool, Undecided> {
-        let mut formed: Vec<(Degrees, Word, Field)> = Vec::new();
+        let mut formed: Vec<(Degrees, Letters, Field)> = Vec::new();
         for degrees in wanted {
             if self.entries.contains_key(degrees) {
                 continue;
@@ -209,7 +210,7 @@ impl<'a> Brackets<'a> {
         let mut sum = vec![Fp::ZERO; n];
         for p in permutations {
             let to = |l: u8| if l == 0 { 0 } else { p[usize::from(l) - 1] + 1 };
-            let image: Word = entry.word.iter().map(|&l| to(l)).collect();
+            let image: Letters = entry.word.iter().map(|&l| to(l)).collect();
             let mut of_image = vec![0; degrees.len()];
             let mut scale = Fp::ONE;
             for (l, &d) in degrees.iter().enumerate() {
@@ -256,16 +257,17 @@ fn of_weight(weights: &[u32], total: u32) -> Vec<Degrees> {
 }
 
 fn obstruction(word: &[u8], degrees: &[u8], weights: &[u32]) -> Obstruction {
-    let name = |l: usize| if l == 0 { "f".to_owned() } else { format!("g{l}") };
-    let mut letters: Vec<String> = word.iter().map(|&l| name(usize::from(l))).collect();
+    let mut letters: Vec<Word> = word.iter().map(|&l| Word::Generator(usize::from(l))).collect();
     // Up to sign; [f,g] is how the bracket is usually written.
     let k = letters.len();
-    if k >= 2 && letters[k - 1] == "f" {
+    if k >= 2 && letters[k - 1] == Word::Generator(0) {
         letters.swap(k - 2, k - 1);
     }
-    let innermost = letters.pop().unwrap_or_default();
-    let bracket = letters.iter().rev().fold(innermost, |inner, l| format!("[{l},{inner}]"));
-    let degrees = Named(degrees.iter().enumerate().map(|(l, &d)| (name(l), usize::from(d))).collect());
+    let innermost = letters.pop().unwrap_or(Word::Generator(0));
+    let word = letters.into_iter().rev().fold(innermost, |inner, l| Word::bracket(l, inner));
+    let generators = generators(degrees.len() - 1);
+    let degrees = Named(generators.iter().zip(degrees).map(|(g, &d)| (g.to_string(), usize::from(d))).collect());
+    let bracket = Bracket { word, generators };
     Obstruction { bracket, degrees, weights: shortened(weights) }
 }
 

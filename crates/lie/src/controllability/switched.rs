@@ -1,15 +1,17 @@
 //! What switching between modes reaches that no mode reaches alone.
 
-use std::fmt;
+use std::sync::Arc;
 
 use bracketry_symbolic::{Expr, Pool};
 use serde::Serialize;
 
 use crate::algebra::closure::Closure;
 use crate::algebra::field::VectorFields;
+use crate::algebra::word::{Bracket, Generator};
 use crate::answer::Answer;
 use crate::dimensions::Dimensions;
 use crate::evidence::Evidence;
+use crate::function::Function;
 use crate::undecided::Undecided;
 
 /// Most functions of single modes that are followed.
@@ -19,11 +21,11 @@ const MAX_FUNCTIONS: usize = 40;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Switchable {
     /// The function of the state.
-    pub function: String,
+    pub function: Function,
     /// The modes in which no input influences it, by number from 1.
     pub modes: Vec<usize>,
     /// The shortest bracket of fields of several modes, or difference of their drifts, that changes it.
-    pub reached_by: String,
+    pub reached_by: Bracket,
 }
 
 /// All modes together.
@@ -33,7 +35,7 @@ pub struct SwitchedReport {
     #[serde(flatten)]
     pub dimensions: Dimensions,
     /// Independent functions of the state that neither the inputs nor switching influences.
-    pub autonomous: Answer<Vec<String>>,
+    pub autonomous: Answer<Vec<Function>>,
     /// How many more such functions exist than were found in closed form; absent if none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub autonomous_not_found: Option<usize>,
@@ -41,14 +43,14 @@ pub struct SwitchedReport {
     pub only_by_switching: Answer<Vec<Switchable>>,
 }
 
-/// The family `all` of several modes with its strong accessibility distribution and the names of
+/// The family `all` of several modes with its strong accessibility distribution and
 /// its generators; `in_modes` are the functions that no input influences in each mode.
 pub(crate) fn switched_report(
     pool: &mut Pool,
     dimensions: Dimensions,
     all: &VectorFields,
     strong: Result<&Closure, &Undecided>,
-    names: &[String],
+    generators: &Arc<[Generator]>,
     in_modes: &[Vec<Expr>],
     evidence: &mut Evidence,
 ) -> SwitchedReport {
@@ -60,9 +62,10 @@ pub(crate) fn switched_report(
     };
     let found = strong.map_err(Clone::clone).and_then(|s| all.autonomous(pool, &s.basis, evidence));
     report.autonomous_not_found = found.as_ref().ok().map(|a| a.missing).filter(|&m| m > 0);
-    report.autonomous = found.map(|a| a.functions.iter().map(|&e| pool.text(e)).collect::<Vec<_>>()).into();
-    let switchable = strong.map_err(Clone::clone).and_then(|s| switchable(pool, all, s, names, in_modes, evidence));
-    report.only_by_switching = switchable.map_err(|why| why.to_string()).into();
+    report.autonomous = found.map(|a| Function::list(pool, &a.functions)).into();
+    let switchable =
+        strong.map_err(Clone::clone).and_then(|s| switchable(pool, all, s, generators, in_modes, evidence));
+    report.only_by_switching = switchable.into();
     report
 }
 
@@ -70,7 +73,7 @@ fn switchable(
     pool: &mut Pool,
     all: &VectorFields,
     strong: &Closure,
-    names: &[String],
+    generators: &Arc<[Generator]>,
     in_modes: &[Vec<Expr>],
     evidence: &mut Evidence,
 ) -> Result<Vec<Switchable>, Undecided> {
@@ -94,32 +97,9 @@ fn switchable(
             !pool.is_zero(along) && pool.zero_test(along, &all.bindings).is_nonzero()
         });
         if let Some((_, word)) = reached {
-            result.push(Switchable { function: pool.text(phi), modes, reached_by: word.name(names) });
+            let reached_by = Bracket { word: word.clone(), generators: generators.clone() };
+            result.push(Switchable { function: Function::new(pool, phi), modes, reached_by });
         }
     }
     Ok(result)
-}
-
-impl fmt::Display for SwitchedReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.dimensions)?;
-        match &self.autonomous {
-            Answer::Known(list) if !list.is_empty() => writeln!(f, "  nothing influences     {}", list.join(",  "))?,
-            Answer::Known(_) => {}
-            Answer::Unknown(why) => writeln!(f, "  nothing influences     unknown ({why})")?,
-        }
-        if let Some(k) = self.autonomous_not_found {
-            let noun = if k == 1 { "function that was" } else { "functions that were" };
-            writeln!(f, "  and {k} further independent {noun} not found in closed form")?;
-        }
-        match &self.only_by_switching {
-            Answer::Known(list) => {
-                for s in list {
-                    writeln!(f, "  only by switching      {}: by {}", s.function, s.reached_by)?;
-                }
-            }
-            Answer::Unknown(why) => writeln!(f, "  only by switching      unknown ({why})")?,
-        }
-        Ok(())
-    }
 }

@@ -1,13 +1,12 @@
 //! Modes of the linearization that no input reaches.
 
-use std::fmt;
-
 use bracketry_symbolic::{Expr, Pool, Rational};
 use serde::Serialize;
 
 use crate::answer::Answer;
 use crate::controllability::linearization::{Linearization, uncontrollable_block};
 use crate::controllability::local::Frame;
+use crate::function::Function;
 use crate::residues::{Echelon, Fp};
 
 /// An eigenvalue of the linearization x' = A x + B u that no input reaches: rank [A − λ, B] < n
@@ -23,23 +22,7 @@ pub struct Mode {
     /// Combinations w·x of the states (deviations from the point) with (w·x)' = λ w·x to first
     /// order whatever the inputs; known, and the eigenvalue exact, where λ and w are rational.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub combinations: Vec<String>,
-}
-
-impl fmt::Display for Mode {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.6}", self.re)?;
-        if self.im != 0.0 {
-            write!(f, "{:+.6}i", self.im)?;
-        }
-        if self.multiplicity > 1 {
-            write!(f, " ({} times)", self.multiplicity)?;
-        }
-        if !self.combinations.is_empty() {
-            write!(f, " along {}", self.combinations.join(", "))?;
-        }
-        Ok(())
-    }
+    pub combinations: Vec<Function>,
 }
 
 /// Largest denominator of an eigenvalue that is tried as a rational number.
@@ -63,7 +46,7 @@ pub(crate) fn uncontrollable_modes(
     }
     let (block, tolerance) = match uncontrollable_block(pool, frame, rank) {
         Ok(found) => found,
-        Err(why) => return Answer::Unknown(why.to_owned()),
+        Err(why) => return Answer::Unknown(why),
     };
     let eigenvalues: Vec<(f64, f64)> = block.complex_eigenvalues().iter().map(|z| (z.re, z.im)).collect();
     let mut clusters: Vec<Vec<(f64, f64)>> = Vec::new();
@@ -127,8 +110,13 @@ fn rational_near(x: f64, tolerance: f64) -> Option<(i64, i64)> {
     None
 }
 
-/// A basis of {w : wᵀA = λ wᵀ, wᵀB = 0} as text; empty if it is trivial or not of small rationals.
-fn left_eigenvectors(pool: &mut Pool, frame: &Frame, linearization: &Linearization, value: (i64, i64)) -> Vec<String> {
+/// A basis of {w : wᵀA = λ wᵀ, wᵀB = 0}; empty if it is trivial or not of small rationals.
+fn left_eigenvectors(
+    pool: &mut Pool,
+    frame: &Frame,
+    linearization: &Linearization,
+    value: (i64, i64),
+) -> Vec<Function> {
     let n = frame.fields.states.len();
     let Some(inverse) = Fp::from_i64(value.1).inv() else { return Vec::new() };
     let lambda = Fp::from_i64(value.0) * inverse;
@@ -155,7 +143,7 @@ fn left_eigenvectors(pool: &mut Pool, frame: &Frame, linearization: &Linearizati
                 .collect();
             let sum = pool.sum(terms);
             let sum = pool.simplify(sum);
-            pool.text(sum)
+            Function::new(pool, sum)
         })
         .collect()
 }

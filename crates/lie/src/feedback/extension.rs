@@ -6,6 +6,7 @@ use rustc_hash::FxHashMap;
 use crate::algebra::field::VectorFields;
 use crate::algebra::matrix::{generic_rank, solve};
 use crate::algebra::rational::readable::{common_factor, tidy};
+use crate::algebra::subsets::subsets;
 use crate::budget::check_size;
 use crate::evidence::Evidence;
 use crate::feedback::relative_degree::RelativeDegree;
@@ -161,7 +162,8 @@ impl DynamicExtension {
         // Combinations of inputs: B⁻¹ A of independent rows, with pivot columns where that is shortest.
         let top: Vec<Vec<Expr>> = rows[..rank].iter().map(|&i| a[i].clone()).collect();
         let mut best: Option<(usize, Vec<usize>, Vec<Vec<Expr>>)> = None;
-        for pivots in subsets(&present, rank) {
+        for places in subsets(present.len(), rank) {
+            let pivots: Vec<usize> = places.into_iter().map(|k| present[k]).collect();
             let b: Vec<Vec<Expr>> = top.iter().map(|row| pivots.iter().map(|&j| row[j]).collect()).collect();
             if generic_rank(pool, &b, &self.fields.bindings, evidence)? < rank {
                 continue;
@@ -254,19 +256,4 @@ impl DynamicExtension {
             *e = if new == *e { new } else { tidy(pool, new) };
         }
     }
-}
-
-/// All subsets of `size` elements, in order.
-pub(crate) fn subsets(list: &[usize], size: usize) -> Vec<Vec<usize>> {
-    if size == 0 {
-        return vec![Vec::new()];
-    }
-    let mut all = Vec::new();
-    for (i, &first) in list.iter().enumerate() {
-        for mut rest in subsets(&list[i + 1..], size - 1) {
-            rest.insert(0, first);
-            all.push(rest);
-        }
-    }
-    all
 }

@@ -8,10 +8,12 @@ use crate::algebra::involutive::involutive_closure;
 use crate::algebra::matrix::{generic_rank, reduced};
 use crate::algebra::rational::readable::tidy;
 use crate::algebra::span::{independent, involutive};
+use crate::algebra::subsets::subsets;
 use crate::budget::check_size;
 use crate::evidence::Evidence;
-use crate::feedback::extension::{DynamicExtension, ExtensionLimits, subsets};
+use crate::feedback::extension::{DynamicExtension, ExtensionLimits};
 use crate::feedback::static_linearization::LinearizationFlag;
+use crate::reason::FlatnessReason;
 use crate::undecided::Undecided;
 
 /// Whether a system is flat near a generic point (Fliess, Lévine, Martin and Rouchon 1995).
@@ -25,7 +27,7 @@ pub(crate) struct Flatness {
     /// found, or none is needed.
     pub(crate) extension: Option<DynamicExtension>,
     /// What the verdict rests on.
-    pub(crate) reason: String,
+    pub(crate) reason: FlatnessReason,
 }
 
 /// Most tuples of outputs for which the dynamic extension algorithm is run.
@@ -55,15 +57,15 @@ pub(crate) struct Known<'a> {
 }
 
 impl Flatness {
-    fn no(reason: &str) -> Self {
-        Flatness { flat: Some(false), outputs: Vec::new(), extension: None, reason: reason.to_owned() }
+    fn no(reason: FlatnessReason) -> Self {
+        Flatness { flat: Some(false), outputs: Vec::new(), extension: None, reason }
     }
 
-    fn yes(reason: String) -> Self {
+    fn yes(reason: FlatnessReason) -> Self {
         Flatness { flat: Some(true), outputs: Vec::new(), extension: None, reason }
     }
 
-    fn by_extension(extension: DynamicExtension, outputs: Vec<Expr>, reason: String) -> Self {
+    fn by_extension(extension: DynamicExtension, outputs: Vec<Expr>, reason: FlatnessReason) -> Self {
         let needed = extension.integrators.iter().any(|&k| k > 0);
         Flatness { flat: Some(true), outputs, extension: needed.then_some(extension), reason }
     }
@@ -79,18 +81,15 @@ impl VectorFields {
     ) -> Result<Flatness, Undecided> {
         let (n, m) = (self.states.len(), self.controls.len());
         if known.strong_dimension.is_some_and(|d| d < n) {
-            return Ok(Flatness::no("not strongly accessible: some function of the state no input influences"));
+            return Ok(Flatness::no(FlatnessReason::NotAccessible));
         }
         if known.flag.linearizable() {
-            let reason = "linearisable by static feedback".to_owned();
             let found = self.linearizing_outputs(pool, known.flag, known.functions, evidence)?;
             let outputs = found.map_or(Vec::new(), |f| f.functions);
-            return Ok(Flatness { outputs, ..Flatness::yes(reason) });
+            return Ok(Flatness { outputs, ..Flatness::yes(FlatnessReason::StaticFeedback) });
         }
         if m == 1 {
-            return Ok(Flatness::no(
-                "a system with one input is flat only if it is linearisable by static feedback (Charlet, Lévine and Marino 1989)",
-            ));
+            return Ok(Flatness::no(FlatnessReason::OneInput));
         }
         let mut search = Search { system: self, known, first: pool.len(), tuples: 0 };
         let driftless = is_plain_zero(pool, &self.drift);
@@ -102,16 +101,12 @@ impl VectorFields {
                 found => proven = found,
             }
         } else if accessible && n == m + 1 {
-            proven = Some(Flatness::yes(
-                "accessible with one input less than states (Charlet, Lévine and Marino 1989)".to_owned(),
-            ));
+            proven = Some(Flatness::yes(FlatnessReason::OneInputLess));
         } else if accessible && driftless && n == m + 2 {
-            proven = Some(Flatness::yes(
-                "accessible without drift, with two inputs less than states (Martin and Rouchon 1995)".to_owned(),
-            ));
+            proven = Some(Flatness::yes(FlatnessReason::TwoInputsLess));
         }
-        if proven.as_ref().is_some_and(|p| !p.outputs.is_empty()) {
-            return Ok(proven.unwrap_or_else(|| Flatness::yes(String::new())));
+        if let Some(found) = proven.take_if(|p| !p.outputs.is_empty()) {
+            return Ok(found);
         }
         let found = search.outputs(pool, evidence);
         if let Ok(Some(found)) = found {
@@ -125,8 +120,8 @@ impl VectorFields {
             return Ok(found);
         }
         let reason = match found {
-            Err(why) => why.to_string(),
-            Ok(_) => "no flat outputs were found among the functions tried, and no criterion excludes them".to_owned(),
+            Err(why) => why.into(),
+            Ok(_) => FlatnessReason::NotFound,
         };
         Ok(Flatness { flat: None, outputs: Vec::new(), extension: None, reason })
     }
@@ -197,11 +192,10 @@ impl Search<'_> {
     fn outputs(&mut self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Option<Flatness>, Undecided> {
         let m = self.system.controls.len();
         let model = &self.known.functions[..self.known.outputs];
-        let reason = |what: &str| format!("dynamic feedback linearises the system by {what}");
         if model.len() == m
             && let Some(found) = self.attempt(pool, model, evidence)?
         {
-            return Ok(Some(Flatness::by_extension(found, model.to_vec(), reason("the outputs of the model"))));
+            return Ok(Some(Flatness::by_extension(found, model.to_vec(), FlatnessReason::ModelOutputs)));
         }
         if let Some(found) = self.integrals(pool, evidence)? {
             return Ok(Some(found));
@@ -212,8 +206,7 @@ impl Search<'_> {
                 candidates.push(h);
             }
         }
-        let indices: Vec<usize> = (0..candidates.len().min(12)).collect();
-        for tuple in subsets(&indices, m) {
+        for tuple in subsets(candidates.len().min(12), m) {
             if self.exhausted(pool) {
                 break;
             }
@@ -222,7 +215,7 @@ impl Search<'_> {
                 continue;
             }
             if let Some(found) = self.attempt(pool, &outputs, evidence)? {
-                return Ok(Some(Flatness::by_extension(found, outputs, reason("these functions"))));
+                return Ok(Some(Flatness::by_extension(found, outputs, FlatnessReason::Functions)));
             }
         }
         Ok(None)
@@ -265,9 +258,8 @@ impl Search<'_> {
         if is_plain_zero(pool, &self.system.drift) || n <= m {
             return Ok(None);
         }
-        let all: Vec<usize> = (0..m).collect();
         for size in 0..m {
-            for subset in subsets(&all, size) {
+            for subset in subsets(m, size) {
                 let mut span = self.system.controls.clone();
                 let mut last: Vec<Field> = subset.iter().map(|&i| self.system.controls[i].clone()).collect();
                 for _ in 0..n {
@@ -287,8 +279,7 @@ impl Search<'_> {
                         if outputs.len() == m
                             && let Some(extension) = self.attempt(pool, &outputs, evidence)?
                         {
-                            let reason = "dynamic feedback linearises the system by these functions".to_owned();
-                            return Ok(Some(Flatness::by_extension(extension, outputs, reason)));
+                            return Ok(Some(Flatness::by_extension(extension, outputs, FlatnessReason::Functions)));
                         }
                     }
                     if left <= m || last.is_empty() {
@@ -311,7 +302,7 @@ impl Search<'_> {
 
     /// Martin and Rouchon 1994: x' = u1 g1 + u2 g2 is flat near a generic point just when the
     /// derived flag E_{k+1} = E_k + [E_k, E_k] has dimensions 2, 3, 4, …, n. Outputs φ1, φ2 are then flat
-    /// just when their common kernel lies in E_{n−3} (Li and Respondek 2012).
+    /// just when their common annihilator lies in E_{n−3} (Li and Respondek 2012).
     fn two_inputs_without_drift(
         &mut self,
         pool: &mut Pool,
@@ -320,13 +311,11 @@ impl Search<'_> {
         let system = self.system;
         let (n, states, bindings) = (system.states.len(), &system.states, &system.bindings);
         let flag = involutive_closure(pool, states, &system.controls, bindings, evidence)?;
-        let list: Vec<String> = flag.growth.iter().map(ToString::to_string).collect();
-        let dimensions = format!("the derived flag of the two inputs has dimensions {}", list.join(", "));
+        let reason = |expected| FlatnessReason::DerivedFlag { dimensions: flag.growth.clone(), expected };
         if flag.growth.iter().copied().ne(2..=n) {
-            let reason = format!("{dimensions}, which do not grow by one up to {n} (Martin and Rouchon 1994)");
-            return Ok(Some(Flatness::no(&reason)));
+            return Ok(Some(Flatness::no(reason(Some(n)))));
         }
-        let mut found = Flatness::yes(format!("{dimensions} (Martin and Rouchon 1994)"));
+        let mut found = Flatness::yes(reason(None));
         if n < 3 {
             return Ok(Some(found));
         }
@@ -338,10 +327,9 @@ impl Search<'_> {
                 candidates.push(x);
             }
         }
-        let all: Vec<usize> = (0..candidates.len()).collect();
-        for pair in subsets(&all, 2) {
+        for pair in subsets(candidates.len(), 2) {
             let pair: Vec<Expr> = pair.into_iter().map(|i| candidates[i]).collect();
-            if self.kernel_within(pool, &pair, corank_one, evidence)? {
+            if self.annihilator_within(pool, &pair, corank_one, evidence)? {
                 found.outputs = pair;
                 break;
             }
@@ -365,9 +353,9 @@ impl Search<'_> {
         Ok(Some(found))
     }
 
-    /// Whether two functions with independent differentials have a common kernel inside a
+    /// Whether two functions with independent differentials have a common annihilator inside a
     /// distribution with one dimension less than the space: their derivatives along it have rank one.
-    fn kernel_within(
+    fn annihilator_within(
         &self,
         pool: &mut Pool,
         pair: &[Expr],
@@ -405,7 +393,7 @@ impl Search<'_> {
             }
         }
         let Some(p) = pivot else { return Ok(None) };
-        let mut kernel = Vec::new();
+        let mut constant = Vec::new();
         for (i, y) in distribution.iter().enumerate().filter(|x| x.0 != p) {
             let share = pool.div(slopes[i], slopes[p]);
             let field: Field = y
@@ -417,18 +405,18 @@ impl Search<'_> {
                     tidy(pool, e)
                 })
                 .collect();
-            kernel.push(field);
+            constant.push(field);
         }
-        if !involutive(pool, &system.states, &kernel, 0, &system.bindings, evidence)? {
+        if !involutive(pool, &system.states, &constant, 0, &system.bindings, evidence)? {
             return Ok(None);
         }
         let mut known = vec![h];
         known.extend(self.known.functions);
         known.extend(self.circular_functions(pool));
-        let found = integrals(pool, &system.states, &kernel, &known, &system.bindings, evidence)?;
+        let found = integrals(pool, &system.states, &constant, &known, &system.bindings, evidence)?;
         for &second in &found.functions {
             let pair = [h, tidy(pool, second)];
-            if self.kernel_within(pool, &pair, distribution, evidence)? {
+            if self.annihilator_within(pool, &pair, distribution, evidence)? {
                 return Ok(Some(pair.to_vec()));
             }
         }
@@ -445,11 +433,8 @@ impl Search<'_> {
                 let extended = self.system.prolonged(pool, input, count);
                 let Ok(flag) = extended.linearization_flag(pool, evidence) else { continue };
                 if flag.linearizable() {
-                    let name = pool.name(self.known.inputs[input]).to_owned();
-                    let integrators =
-                        if count == 1 { "an integrator".to_owned() } else { format!("{count} integrators") };
-                    let reason = format!("linearisable by static feedback after {integrators} in front of {name}");
-                    return Some(Flatness::yes(reason));
+                    let input = pool.name(self.known.inputs[input]).to_owned();
+                    return Some(Flatness::yes(FlatnessReason::Prolongation { integrators: count, input }));
                 }
             }
         }

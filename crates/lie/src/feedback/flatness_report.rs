@@ -1,22 +1,21 @@
 //! The parts of the report on dynamic extension and flatness.
 
-use std::fmt;
-
 use bracketry_symbolic::{Expr, Pool, Symbol};
 use bracketry_system::System;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::algebra::field::{VectorFields, is_plain_zero};
 use crate::algebra::rational::readable::tidy;
 use crate::budget::check_analysis;
+use crate::condition::Condition;
 use crate::evidence::Evidence;
 use crate::feedback::extension::{DynamicExtension, ExtensionLimits};
 use crate::feedback::flatness::{Flatness, Known, MAX_INTEGRATORS};
 use crate::feedback::outputs::{fed_through, named_functions};
 use crate::feedback::static_linearization::LinearizationFlag;
-use crate::function::shown;
+use crate::function::Function;
 use crate::named::Named;
-use crate::text::readable;
+use crate::reason::FlatnessReason;
 use crate::undecided::Undecided;
 
 /// A dynamic feedback after which the outputs of the model have a vector relative degree.
@@ -28,8 +27,9 @@ pub struct ExtensionReport {
     pub relative_degree: Vec<usize>,
     /// Number of states after that.
     pub dimension: usize,
-    /// The integrators as equations, `u1' = u1d`.
-    pub compensator: Vec<String>,
+    /// The integrators: states with their time derivatives.
+    #[serde(serialize_with = "rates")]
+    pub compensator: Vec<(String, Function)>,
     /// The inputs after that.
     pub inputs: Vec<String>,
     /// Whether the relative degrees add up to the dimension: the outputs are flat.
@@ -55,7 +55,7 @@ pub struct FlatnessReport {
     pub verdict: FlatnessVerdict,
     /// Flat outputs, if they were found.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub flat_outputs: Vec<String>,
+    pub flat_outputs: Vec<Function>,
     /// Integrators in front of each input with which these outputs linearize the system; empty if
     /// none are needed, absent if that was not found.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -63,14 +63,14 @@ pub struct FlatnessReport {
     /// Relative degrees of the flat outputs after that.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relative_degree: Vec<usize>,
-    /// The integrators as equations.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub compensator: Vec<String>,
-    /// Where that is singular, `none` if nowhere.
+    /// The integrators: states with their time derivatives.
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "rates")]
+    pub compensator: Vec<(String, Function)>,
+    /// Where that is singular.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub singular_set: Option<String>,
+    pub singular_set: Option<Condition>,
     /// What the verdict rests on.
-    pub reason: String,
+    pub reason: FlatnessReason,
 }
 
 /// Most new nodes of the pool in the dynamic extension for the outputs of the model.
@@ -81,8 +81,8 @@ fn integrators(system: &System, inputs: &[Symbol], extension: &DynamicExtension)
     Named(counts.map(|(&u, &k)| (system.pool.name(u).to_owned(), k)).collect())
 }
 
-fn compensator(pool: &Pool, extension: &DynamicExtension) -> Vec<String> {
-    extension.added.iter().map(|&(s, e)| format!("{}' = {}", pool.name(s), shown(pool, e))).collect()
+fn compensator(pool: &Pool, extension: &DynamicExtension) -> Vec<(String, Function)> {
+    extension.added.iter().map(|&(s, e)| (pool.name(s).to_owned(), Function::new(pool, e))).collect()
 }
 
 fn degrees(extension: &DynamicExtension) -> Vec<usize> {
@@ -132,7 +132,7 @@ pub(crate) fn flatness_report(
     first: usize,
     evidence: &mut Evidence,
 ) -> FlatnessReport {
-    let unknown = |reason: String| FlatnessReport {
+    let unknown = |reason: FlatnessReason| FlatnessReport {
         verdict: FlatnessVerdict::Unknown,
         flat_outputs: Vec::new(),
         dynamic_extension: None,
@@ -157,7 +157,7 @@ pub(crate) fn flatness_report(
     });
     let (Flatness { flat, outputs, extension, reason }, fields, inputs) = match found {
         Ok(f) => f,
-        Err(why) => return unknown(why.to_string()),
+        Err(why) => return unknown(why.into()),
     };
     let mut report = unknown(reason);
     report.verdict = match flat {
@@ -168,7 +168,7 @@ pub(crate) fn flatness_report(
     let pool = &mut system.pool;
     for &h in &outputs {
         let h = tidy(pool, h);
-        report.flat_outputs.push(shown(pool, h));
+        report.flat_outputs.push(Function::new(pool, h));
     }
     if let Some(extension) = extension {
         report.dynamic_extension = Some(integrators(system, &inputs, &extension));
@@ -186,43 +186,7 @@ pub(crate) fn flatness_report(
     report
 }
 
-fn counted(list: &Named<usize>) -> String {
-    list.0.iter().map(|(name, k)| format!("{k} in front of {name}")).collect::<Vec<_>>().join(", ")
-}
-
-fn sum(degrees: &[usize]) -> String {
-    degrees.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
-}
-
-impl fmt::Display for ExtensionReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "  {:<22} {}", "dynamic extension", counted(&self.integrators))?;
-        writeln!(f, "  {:<22} {}", "", readable(&self.compensator.join(", ")))?;
-        let (degrees, n) = (sum(&self.relative_degree), self.dimension);
-        writeln!(f, "  {:<22} relative degrees {degrees} in dimension {n}", "")
-    }
-}
-
-impl fmt::Display for FlatnessReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let verdict = match self.verdict {
-            FlatnessVerdict::Yes => "yes",
-            FlatnessVerdict::No => "no",
-            FlatnessVerdict::Unknown => "unknown",
-        };
-        writeln!(f, "differentially flat: {verdict}: {}", self.reason)?;
-        if !self.flat_outputs.is_empty() {
-            writeln!(f, "  {:<22} {}", "flat outputs", readable(&self.flat_outputs.join(", ")))?;
-        }
-        if let Some(list) = self.dynamic_extension.as_ref().filter(|l| !l.0.is_empty()) {
-            writeln!(f, "  {:<22} {}", "with integrators", counted(list))?;
-            writeln!(f, "  {:<22} {}", "", readable(&self.compensator.join(", ")))?;
-            let list: Vec<String> = self.relative_degree.iter().map(ToString::to_string).collect();
-            writeln!(f, "  {:<22} {}", "relative degrees", list.join(", "))?;
-            if let Some(set) = self.singular_set.as_ref().filter(|s| *s != "none") {
-                writeln!(f, "  {:<22} {}", "which fails where", readable(set))?;
-            }
-        }
-        Ok(())
-    }
+/// Writes rates as equations, `u1' = u1d`.
+fn rates<S: Serializer>(list: &[(String, Function)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(list.iter().map(|(state, rate)| format!("{state}' = {rate}")))
 }

@@ -1,7 +1,5 @@
 //! What the inputs do to the outputs: the part of the report on relative degrees and zero dynamics.
 
-use std::fmt;
-
 use bracketry_symbolic::Expr;
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
@@ -11,47 +9,48 @@ use crate::algebra::field::VectorFields;
 use crate::algebra::rational::readable::tidy;
 use crate::answer::Answer;
 use crate::budget::check_analysis;
+use crate::condition::Condition;
 use crate::evidence::Evidence;
 use crate::feedback::minimum_phase::MinimumPhase;
 use crate::feedback::relative_degree::RelativeDegree;
-use crate::feedback::zero_dynamics::{NoZeroDynamics, ZeroDynamics};
-use crate::function::shown;
+use crate::feedback::zero_dynamics::ZeroDynamics;
+use crate::function::Function;
+use crate::reason::{MinimumPhaseReason, NoZeroDynamics, Reason};
+
 use crate::named::Named;
-use crate::text::{assignments, readable};
 
 /// Relative degrees of the outputs, at a generic point, and what follows from them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct InputOutputReport {
     /// Per output the smallest r with some `L_gj L_f^(r−1) h ≠ 0`; null where no input reaches the output.
     pub relative_degree: Answer<Vec<Option<usize>>>,
     /// Why the relative degree is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub relative_degree_reason: Option<String>,
+    pub relative_degree_reason: Option<Reason>,
     /// `L_gj L_f^(r_i−1) h_i`, one row per output.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub decoupling_matrix: Vec<Vec<String>>,
+    pub decoupling_matrix: Vec<Vec<Function>>,
     /// Its generic rank.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub decoupling_rank: Option<usize>,
     /// Its determinant; absent unless there are as many outputs as inputs.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub decoupling_determinant: Option<String>,
+    pub decoupling_determinant: Option<Function>,
     /// Whether the decoupling matrix has full row rank at a generic point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vector_relative_degree: Option<bool>,
-    /// Where the determinant vanishes, `none` if it is seen to vanish nowhere; absent for a
-    /// determinant that is zero everywhere.
+    /// Where the determinant vanishes; absent for a determinant that is zero everywhere.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub singular_set: Option<String>,
+    pub singular_set: Option<Condition>,
     /// The inputs that make the r-th derivatives of the outputs equal to v1, v2, …
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub decoupling_feedback: Option<Named<String>>,
+    pub decoupling_feedback: Option<Named<Function>>,
     /// The motion left while the outputs are held.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub zero_dynamics: Option<Answer<ZeroDynamicsReport>>,
     /// Why there are no zero dynamics.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub zero_dynamics_reason: Option<String>,
+    pub zero_dynamics_reason: Option<Reason>,
     /// Names of the outputs.
     #[serde(skip)]
     pub outputs: Vec<String>,
@@ -74,18 +73,18 @@ pub struct ZeroDynamicsReport {
     /// How many they are.
     pub dimension: usize,
     /// Time derivative of each coordinate.
-    pub equations: Vec<String>,
+    pub equations: Vec<Function>,
     /// The other states.
-    pub on: Named<String>,
+    pub on: Named<Function>,
     /// The inputs that hold the outputs; one that stays free is absent.
-    pub inputs: Named<String>,
+    pub inputs: Named<Function>,
     /// Outputs that are held at another value than zero: theirs at the point of the model or, without a
     /// point and where zero is no value that they can keep, any constant.
-    #[serde(skip_serializing_if = "no_entry")]
-    pub held_at: Named<String>,
+    #[serde(skip_serializing_if = "Named::is_empty")]
+    pub held_at: Named<Function>,
     /// Where the equations hold, such as `cos(q2) ≠ 0`; absent if everywhere.
     #[serde(rename = "where", skip_serializing_if = "Option::is_none")]
-    pub valid: Option<String>,
+    pub valid: Option<Condition>,
     /// Eigenvalues of the linearization at the equilibrium.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub eigenvalues: Vec<Eigenvalue>,
@@ -93,11 +92,7 @@ pub struct ZeroDynamicsReport {
     pub minimum_phase: Answer<bool>,
     /// What that rests on, or why it is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub minimum_phase_reason: Option<String>,
-}
-
-fn no_entry(list: &Named<String>) -> bool {
-    list.0.is_empty()
+    pub minimum_phase_reason: Option<MinimumPhaseReason>,
 }
 
 /// The report for the outputs of `system`, whose smooth fields are `fields`, with `references` as the
@@ -111,52 +106,40 @@ pub(crate) fn input_output(
 ) -> (InputOutputReport, Option<RelativeDegree>) {
     let names: Vec<String> = system.outputs.iter().map(|o| o.0.clone()).collect();
     let outputs: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
-    let mut report = InputOutputReport {
-        relative_degree: Answer::Known(Vec::new()),
-        relative_degree_reason: None,
-        decoupling_matrix: Vec::new(),
-        decoupling_rank: None,
-        decoupling_determinant: None,
-        vector_relative_degree: None,
-        singular_set: None,
-        decoupling_feedback: None,
-        zero_dynamics: None,
-        zero_dynamics_reason: None,
-        outputs: names,
-    };
+    let mut report = InputOutputReport { outputs: names, ..InputOutputReport::default() };
     let found =
         check_analysis(&system.pool, first).and_then(|()| fields.relative_degree(&mut system.pool, &outputs, evidence));
     let degree = match found {
         Ok(d) => d,
         Err(why) => {
-            report.relative_degree_reason = Some(why.to_string());
-            report.relative_degree = Answer::Unknown(why.to_string());
+            report.relative_degree_reason = Some(why.clone().into());
+            report.relative_degree = Answer::Unknown(why.into());
             return (report, None);
         }
     };
     let pool = &mut system.pool;
     report.relative_degree = Answer::Known(degree.degrees.clone());
-    report.decoupling_matrix =
-        degree.decoupling.iter().map(|row| row.iter().map(|&e| shown(pool, e)).collect()).collect();
+    report.decoupling_matrix = degree.decoupling.iter().map(|row| Function::list(pool, row)).collect();
     report.decoupling_rank = Some(degree.rank);
     report.vector_relative_degree = Some(degree.is_vector());
     if outputs.len() == fields.controls.len() {
         if degree.is_vector() {
-            report.decoupling_determinant = degree.determinant(pool).map(|d| shown(pool, d));
+            report.decoupling_determinant = degree.determinant(pool).map(|d| Function::new(pool, d));
             report.singular_set = degree.singular_set(pool, fields);
             let inputs: Vec<String> = system.inputs.iter().map(|&u| pool.name(u).to_owned()).collect();
             report.decoupling_feedback = degree
                 .feedback(pool, references)
-                .map(|list| Named(inputs.into_iter().zip(list.iter().map(|&e| shown(pool, e))).collect()));
+                .map(|list| Named(inputs.into_iter().zip(Function::list(pool, &list)).collect()));
         } else {
-            report.decoupling_determinant = Some("0".to_owned());
+            let zero = pool.int(0);
+            report.decoupling_determinant = Some(Function::new(pool, zero));
         }
     }
     match zero_dynamics(system, fields, &degree, first, evidence) {
         Ok(z) => report.zero_dynamics = Some(Answer::Known(z)),
         Err(why) => {
-            report.zero_dynamics_reason = Some(why.to_string());
-            report.zero_dynamics = Some(Answer::Unknown(why.to_string()));
+            report.zero_dynamics_reason = Some(why.clone().into());
+            report.zero_dynamics = Some(Answer::Unknown(why.into()));
         }
     }
     (report, Some(degree))
@@ -193,7 +176,7 @@ fn zero_dynamics(
                 let value = pool.substitute(h, &at);
                 let value = tidy(pool, value);
                 if !fields.vanishes(pool, value, evidence)? {
-                    held_at.push((name.clone(), shown(pool, value)));
+                    held_at.push((name.clone(), Function::new(pool, value)));
                     h = pool.sub(h, value);
                 }
             }
@@ -207,7 +190,7 @@ fn zero_dynamics(
                 for (name, h) in &system.outputs {
                     let constant = pool.var(&format!("{name}_0"));
                     outputs.push(pool.sub(*h, constant));
-                    held_at.push((name.clone(), shown(pool, constant)));
+                    held_at.push((name.clone(), Function::new(pool, constant)));
                 }
                 let constants = fields.zero_dynamics(pool, &outputs, &inputs, &point, evidence);
                 if constants.is_err() {
@@ -219,94 +202,19 @@ fn zero_dynamics(
         }
     };
     let MinimumPhase { holds, reason, eigenvalues } = found.minimum_phase(pool, fields, &point, evidence);
-    let text = |list: &[Expr]| -> Vec<String> { list.iter().map(|&e| shown(pool, e)).collect() };
     let states: Vec<String> = found.states.iter().map(|&s| pool.name(s).to_owned()).collect();
-    let valid: Vec<String> = text(&found.nonzero).into_iter().map(|e| format!("{e} ≠ 0")).collect();
+    let valid: Vec<Condition> = found.nonzero.iter().map(|&e| Condition::Differs(Function::new(pool, e))).collect();
     let held = system.inputs.iter().zip(&found.inputs);
     Ok(ZeroDynamicsReport {
         dimension: states.len(),
-        equations: text(&found.equations),
+        equations: Function::list(pool, &found.equations),
         states,
-        on: Named(found.solved.iter().map(|&(s, e)| (pool.name(s).to_owned(), shown(pool, e))).collect()),
-        inputs: Named(held.filter_map(|(&u, e)| Some((pool.name(u).to_owned(), shown(pool, (*e)?)))).collect()),
+        on: Named(found.solved.iter().map(|&(s, e)| (pool.name(s).to_owned(), Function::new(pool, e))).collect()),
+        inputs: Named(held.filter_map(|(&u, e)| Some((pool.name(u).to_owned(), Function::new(pool, (*e)?)))).collect()),
         held_at: Named(held_at),
-        valid: (!valid.is_empty()).then(|| valid.join(", ")),
+        valid: (!valid.is_empty()).then_some(Condition::All(valid)),
         eigenvalues: eigenvalues.into_iter().map(|(re, im)| Eigenvalue { re, im }).collect(),
-        minimum_phase_reason: holds.reason().map(str::to_owned).or(reason),
+        minimum_phase_reason: holds.reason().cloned().map(Into::into).or(reason),
         minimum_phase: holds,
     })
-}
-
-impl fmt::Display for InputOutputReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "from inputs to outputs")?;
-        let degrees = match &self.relative_degree {
-            Answer::Known(d) => d,
-            Answer::Unknown(why) => return writeln!(f, "  relative degree        unknown ({why})"),
-        };
-        for (i, (name, degree)) in self.outputs.iter().zip(degrees).enumerate() {
-            let label = if i == 0 { "relative degree" } else { "" };
-            match degree {
-                Some(r) => writeln!(f, "  {label:<22} {r} of {name}")?,
-                None => writeln!(f, "  {label:<22} none of {name}: no input reaches it")?,
-            }
-        }
-        for (i, row) in self.decoupling_matrix.iter().enumerate() {
-            let label = if i == 0 { "decoupling matrix" } else { "" };
-            writeln!(f, "  {label:<22} {}", readable(&format!("[{}]", row.join(", "))))?;
-        }
-        match (&self.decoupling_determinant, &self.singular_set) {
-            (Some(d), Some(set)) => {
-                let set = if set == "none" { "zero nowhere".to_owned() } else { format!("zero where {set}") };
-                writeln!(f, "  {:<22} {}", "its determinant", readable(&format!("{d}, {set}")))?;
-            }
-            (Some(d), None) => writeln!(f, "  {:<22} {}", "its determinant", readable(d))?,
-            (None, _) => {}
-        }
-        if self.vector_relative_degree == Some(false)
-            && let Some(rank) = self.decoupling_rank
-        {
-            writeln!(f, "  {:<22} no: the decoupling matrix has rank {rank}", "vector rel. degree")?;
-        }
-        if let Some(feedback) = &self.decoupling_feedback {
-            for (i, (name, e)) in feedback.0.iter().enumerate() {
-                let label = if i == 0 { "decoupling feedback" } else { "" };
-                writeln!(f, "  {label:<22} {}", readable(&format!("{name} = {e}")))?;
-            }
-        }
-        match &self.zero_dynamics {
-            Some(Answer::Known(z)) => write!(f, "{z}"),
-            Some(Answer::Unknown(why)) => writeln!(f, "  zero dynamics          unknown ({why})"),
-            None => Ok(()),
-        }
-    }
-}
-
-impl fmt::Display for ZeroDynamicsReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let label = "zero dynamics";
-        if self.dimension == 0 {
-            return writeln!(f, "  {label:<22} none: outputs that are held leave no motion");
-        }
-        let equations = Named(self.states.iter().cloned().zip(self.equations.iter().cloned()).collect());
-        writeln!(f, "  {label:<22} {}", readable(&assignments(&equations, "'")))?;
-        let mut on = assignments(&self.on, "");
-        if let Some(valid) = &self.valid {
-            on = format!("{on}, away from {}", valid.replace(" ≠ 0", " = 0"));
-        }
-        writeln!(f, "  {:<22} {}", "on", readable(&on))?;
-        if !self.held_at.0.is_empty() {
-            writeln!(f, "  {:<22} {}", "outputs held at", readable(&assignments(&self.held_at, "")))?;
-        }
-        if !self.inputs.0.is_empty() {
-            writeln!(f, "  {:<22} {}", "held by", readable(&assignments(&self.inputs, "")))?;
-        }
-        let why = self.minimum_phase_reason.as_deref().unwrap_or("");
-        let verdict = match &self.minimum_phase {
-            Answer::Known(true) => "yes",
-            Answer::Known(false) => "no",
-            Answer::Unknown(_) => "unknown",
-        };
-        writeln!(f, "  {:<22} {verdict}: {why}", "minimum phase")
-    }
 }

@@ -7,6 +7,7 @@ use crate::algebra::field::VectorFields;
 use crate::answer::Answer;
 use crate::evidence::Evidence;
 use crate::feedback::zero_dynamics::{Set, ZeroDynamics};
+use crate::reason::{MinimumPhaseReason, Reason};
 
 /// Whether the zero dynamics are asymptotically stable at an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +15,7 @@ pub struct MinimumPhase {
     /// The verdict.
     pub holds: Answer<bool>,
     /// What it rests on; absent for an unknown verdict, which has its own reason.
-    pub reason: Option<String>,
+    pub reason: Option<MinimumPhaseReason>,
     /// Eigenvalues of the linearization, real and imaginary parts; empty if there is no equilibrium or no coordinate.
     pub eigenvalues: Vec<(f64, f64)>,
 }
@@ -29,21 +30,17 @@ impl ZeroDynamics {
         point: &[Expr],
         evidence: &mut Evidence,
     ) -> MinimumPhase {
-        let decided = |holds: bool, reason: String, eigenvalues| MinimumPhase {
+        let decided = |holds: bool, reason, eigenvalues| MinimumPhase {
             holds: Answer::Known(holds),
             reason: Some(reason),
             eigenvalues,
         };
-        let open = |reason: &str| MinimumPhase {
-            holds: Answer::Unknown(reason.to_owned()),
-            reason: None,
-            eigenvalues: Vec::new(),
-        };
+        let open = |reason| MinimumPhase { holds: Answer::Unknown(reason), reason: None, eigenvalues: Vec::new() };
         if self.states.is_empty() {
-            return decided(true, "no motion is left".to_owned(), Vec::new());
+            return decided(true, MinimumPhaseReason::NoMotion, Vec::new());
         }
         if self.inputs.iter().any(Option::is_none) {
-            return open("the outputs leave inputs free, which may stabilise what is left");
+            return open(Reason::FreeInputs);
         }
         let mut conditions = self.equations.clone();
         for &(s, value) in &self.solved {
@@ -61,8 +58,8 @@ impl ZeroDynamics {
         for c in conditions {
             match set.vanishes_at_point(pool, c, evidence) {
                 Some(true) => {}
-                Some(false) => return open("the point is not an equilibrium of the zero dynamics"),
-                None => return open("whether the point is an equilibrium of the zero dynamics is not decided"),
+                Some(false) => return open(Reason::NoEquilibrium),
+                None => return open(Reason::EquilibriumOpen),
             }
         }
         let mut divergence = pool.int(0);
@@ -73,17 +70,13 @@ impl ZeroDynamics {
         if fields.vanishes(pool, divergence, evidence) == Ok(true) && self.states.len() > 1 {
             // Liouville: an attracting equilibrium would make volumes shrink.
             let eigenvalues = self.eigenvalues(pool, &set).unwrap_or_default();
-            return decided(
-                false,
-                "the zero dynamics preserve volume, so no equilibrium attracts".to_owned(),
-                eigenvalues,
-            );
+            return decided(false, MinimumPhaseReason::PreservesVolume, eigenvalues);
         }
         if let &[z] = self.states.as_slice() {
             return self.scalar(pool, &set, z, evidence);
         }
         let Some(eigenvalues) = self.eigenvalues(pool, &set) else {
-            return open("the linearisation of the zero dynamics has no numerical value");
+            return open(Reason::ZeroDynamicsNoNumbers);
         };
         let k = self.states.len();
         let size = eigenvalues.iter().map(|z| z.0.hypot(z.1)).fold(f64::MIN_POSITIVE, f64::max);
@@ -91,12 +84,11 @@ impl ZeroDynamics {
         let tolerance = 10.0 * size * (k as f64 * f64::EPSILON).powf(1.0 / k as f64);
         let worst = eigenvalues.iter().map(|z| z.0).fold(f64::NEG_INFINITY, f64::max);
         if worst < -tolerance {
-            decided(true, "the eigenvalues of the zero dynamics have negative real parts".to_owned(), eigenvalues)
+            decided(true, MinimumPhaseReason::Stable, eigenvalues)
         } else if worst > tolerance {
-            decided(false, "the zero dynamics have an eigenvalue with positive real part".to_owned(), eigenvalues)
+            decided(false, MinimumPhaseReason::Unstable, eigenvalues)
         } else {
-            let reason = "the zero dynamics have eigenvalues on, or too near, the imaginary axis".to_owned();
-            MinimumPhase { holds: Answer::Unknown(reason), reason: None, eigenvalues }
+            MinimumPhase { eigenvalues, ..open(Reason::ZeroDynamicsNearAxis) }
         }
     }
 
@@ -114,7 +106,7 @@ impl ZeroDynamics {
         let mut d = self.equations[0];
         let mut eigenvalues = Vec::new();
         if pool.is_zero(d) {
-            let reason = "every point of the zero dynamics is at rest".to_owned();
+            let reason = MinimumPhaseReason::AtRest;
             return MinimumPhase { holds: Answer::Known(false), reason: Some(reason), eigenvalues: vec![(0.0, 0.0)] };
         }
         for order in 1..=MAX_ORDER {
@@ -127,17 +119,15 @@ impl ZeroDynamics {
             }
             if value != 0.0 {
                 let stable = order % 2 == 1 && value < 0.0;
-                let name = pool.name(z);
                 let reason = match (order, stable) {
-                    (1, true) => "the eigenvalue of the zero dynamics is negative".to_owned(),
-                    (1, false) => "the eigenvalue of the zero dynamics is positive".to_owned(),
-                    _ => format!("the zero dynamics begin with a multiple of {name}^{order}"),
+                    (1, true) => MinimumPhaseReason::Negative,
+                    (1, false) => MinimumPhaseReason::Positive,
+                    _ => MinimumPhaseReason::Order { state: pool.name(z).to_owned(), order },
                 };
                 return MinimumPhase { holds: Answer::Known(stable), reason: Some(reason), eigenvalues };
             }
         }
-        let reason = "the derivatives of the zero dynamics at the point do not decide".to_owned();
-        MinimumPhase { holds: Answer::Unknown(reason), reason: None, eigenvalues }
+        MinimumPhase { holds: Answer::Unknown(Reason::Derivatives), reason: None, eigenvalues }
     }
 }
 

@@ -7,8 +7,8 @@ use crate::algebra::field::VectorFields;
 use crate::algebra::matrix::{determinant, generic_rank, solve};
 use crate::algebra::rational::readable::{tidy, vanishing_factors};
 use crate::budget::check_growth;
+use crate::condition::Condition;
 use crate::evidence::Evidence;
-use crate::function::shown;
 use crate::undecided::Undecided;
 
 /// How the inputs enter the derivatives of the outputs (Isidori 1995, sec. 5.1), at a generic point.
@@ -59,16 +59,11 @@ impl RelativeDegree {
         Some(factors)
     }
 
-    /// Where det A vanishes or an output has no value, as text: `a = 0 or b = 0`, `none` if that is seen to be nowhere;
-    /// `None` if it is zero everywhere, too large, or A is not square.
-    pub fn singular_set(&self, pool: &mut Pool, fields: &VectorFields) -> Option<String> {
-        if !self.is_vector() {
-            return None;
-        }
-        let mut list: Vec<String> =
-            self.singular_factors(pool, fields)?.iter().map(|&f| format!("{} = 0", shown(pool, f))).collect();
-        list.sort_by_key(|t| (t.len(), t.clone()));
-        Some(if list.is_empty() { "none".to_owned() } else { list.join(" or ") })
+    /// Where det A vanishes or an output has no value; `None` if det A is zero everywhere or too large, or A is not
+    /// square.
+    pub fn singular_set(&self, pool: &mut Pool, fields: &VectorFields) -> Option<Condition> {
+        let factors = self.is_vector().then(|| self.singular_factors(pool, fields))??;
+        Some(Condition::any_vanishes(pool, &factors))
     }
 
     /// The feedback `u = A⁻¹(v − L_f^r h)` that makes `y_i^(r_i) = v_i`, where A is square and invertible.

@@ -1,12 +1,11 @@
 //! The parts of the report that are about control: outputs, linearization, flatness.
 
-use std::fmt;
-
 use bracketry_symbolic::Expr;
 use bracketry_system::System;
 use serde::Serialize;
 
 use crate::algebra::field::VectorFields;
+use crate::condition::Condition;
 use crate::evidence::Evidence;
 use crate::feedback::flatness_report::{
     ExtensionReport, FlatnessReport, extension_of_outputs, extension_report, flatness_report,
@@ -15,9 +14,9 @@ use crate::feedback::input_output::{InputOutputReport, input_output};
 use crate::feedback::outputs::{fed_through, fresh_symbols, named_functions};
 use crate::feedback::relative_degree::RelativeDegree;
 use crate::feedback::static_linearization::{LinearizationFlag, LinearizingOutputs};
-use crate::function::shown;
+use crate::function::Function;
 use crate::named::Named;
-use crate::text::{assignments, readable};
+use crate::reason::Reason;
 use crate::undecided::Undecided;
 
 /// What feedback can do with the system; every part is absent where it does not apply.
@@ -39,7 +38,7 @@ pub struct ControlReport {
 }
 
 /// The distributions `D_i = span{ad_f^k g_j, k ≤ i}` and, for a linearizable system, its linear form.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct LinearizationReport {
     /// dim D_0, dim D_1, … until the dimension is full or repeats.
     pub dims: Vec<usize>,
@@ -50,19 +49,19 @@ pub struct LinearizationReport {
     pub controllability_indices: Vec<usize>,
     /// Functions whose relative degrees are the controllability indices, if they were found.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub linearizing_outputs: Vec<String>,
+    pub linearizing_outputs: Vec<Function>,
     /// The linearizing coordinates: each output with its derivatives.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub coordinates: Vec<Vec<String>>,
+    pub coordinates: Vec<Vec<Function>>,
     /// The feedback that makes the last derivatives equal to the new inputs v1, v2, …
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub feedback: Option<Named<String>>,
-    /// Where this feedback is not defined; `none` if it is seen to be defined everywhere.
+    pub feedback: Option<Named<Function>>,
+    /// Where this feedback is not defined.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub singular_set: Option<String>,
+    pub singular_set: Option<Condition>,
     /// Why something is missing.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
+    pub reason: Option<Reason>,
 }
 
 /// Relative degrees, linearization and flatness of a smooth system with the given fields.
@@ -104,16 +103,8 @@ fn linearization(
     references: &[Expr],
     evidence: &mut Evidence,
 ) -> LinearizationReport {
-    let mut report = LinearizationReport {
-        dims: flag.dims.clone(),
-        involutive: flag.involutive.clone(),
-        controllability_indices: Vec::new(),
-        linearizing_outputs: Vec::new(),
-        coordinates: Vec::new(),
-        feedback: None,
-        singular_set: None,
-        reason: None,
-    };
+    let (dims, involutive) = (flag.dims.clone(), flag.involutive.clone());
+    let mut report = LinearizationReport { dims, involutive, ..LinearizationReport::default() };
     if !flag.linearizable() {
         return report;
     }
@@ -121,18 +112,17 @@ fn linearization(
     match outputs_of(system, fields, flag, evidence) {
         Ok(Some(found)) => {
             let pool = &mut system.pool;
-            let text = |pool: &_, list: &[Expr]| -> Vec<String> { list.iter().map(|&e| shown(pool, e)).collect() };
-            report.linearizing_outputs = text(pool, &found.functions);
-            report.coordinates = found.degrees.derivatives.iter().map(|list| text(pool, list)).collect();
+            report.linearizing_outputs = Function::list(pool, &found.functions);
+            report.coordinates = found.degrees.derivatives.iter().map(|list| Function::list(pool, list)).collect();
             let names = system.inputs.iter().map(|&u| pool.name(u).to_owned()).collect::<Vec<_>>();
             report.feedback = found
                 .degrees
                 .feedback(pool, references)
-                .map(|list| Named(names.into_iter().zip(text(pool, &list)).collect()));
+                .map(|list| Named(names.into_iter().zip(Function::list(pool, &list)).collect()));
             report.singular_set = found.degrees.singular_set(pool, fields);
         }
-        Ok(None) => report.reason = Some("the linearising outputs were not found in closed form".to_owned()),
-        Err(why) => report.reason = Some(why.to_string()),
+        Ok(None) => report.reason = Some(Reason::NoLinearizingOutputs),
+        Err(why) => report.reason = Some(why.into()),
     }
     report
 }
@@ -145,55 +135,4 @@ fn outputs_of(
 ) -> Result<Option<LinearizingOutputs>, Undecided> {
     let preferred = named_functions(system);
     fields.linearizing_outputs(&mut system.pool, flag, &preferred, evidence)
-}
-
-impl fmt::Display for ControlReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(r) = &self.input_output {
-            write!(f, "{r}")?;
-        }
-        let of_flat_outputs = self.flatness.as_ref().and_then(|r| r.dynamic_extension.as_ref());
-        if let Some(r) = &self.dynamic_extension
-            && of_flat_outputs != Some(&r.integrators)
-        {
-            write!(f, "{r}")?;
-        }
-        if let Some(r) = &self.feedback_linearization {
-            write!(f, "{r}")?;
-        }
-        if let Some(r) = &self.flatness {
-            write!(f, "{r}")?;
-        }
-        Ok(())
-    }
-}
-
-impl fmt::Display for LinearizationReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let dims: Vec<String> = self
-            .dims
-            .iter()
-            .enumerate()
-            .map(|(i, d)| match self.involutive.get(i) {
-                Some(false) => format!("{d} (not involutive)"),
-                _ => d.to_string(),
-            })
-            .collect();
-        writeln!(f, "linearisation by static feedback")?;
-        writeln!(f, "  {:<22} {}", "dimensions of D_i", dims.join(", "))?;
-        for (i, (h, list)) in self.linearizing_outputs.iter().zip(&self.coordinates).enumerate() {
-            let label = if i == 0 { "linearising outputs" } else { "" };
-            writeln!(f, "  {label:<22} {} (chain of {})", readable(h), list.len())?;
-        }
-        if let Some(feedback) = &self.feedback {
-            writeln!(f, "  {:<22} {}", "linearising feedback", readable(&assignments(feedback, "")))?;
-        }
-        if let Some(set) = self.singular_set.as_ref().filter(|s| *s != "none") {
-            writeln!(f, "  {:<22} {}", "which fails where", readable(set))?;
-        }
-        if let Some(why) = &self.reason {
-            writeln!(f, "  {why}")?;
-        }
-        Ok(())
-    }
 }

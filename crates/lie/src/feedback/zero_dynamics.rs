@@ -8,6 +8,8 @@ use crate::algebra::matrix::{determinant, solve};
 use crate::algebra::rational::readable::{tidy, vanishing_factors};
 use crate::budget::check_size;
 use crate::evidence::Evidence;
+use crate::function::Function;
+use crate::reason::NoZeroDynamics;
 use crate::undecided::Undecided;
 
 /// The system restricted to the largest set on which some input keeps all outputs at zero
@@ -24,38 +26,6 @@ pub struct ZeroDynamics {
     pub inputs: Vec<Option<Expr>>,
     /// Functions on the set that were divided by: what is said holds where none vanishes.
     pub nonzero: Vec<Expr>,
-}
-
-/// Why there are no zero dynamics in closed form.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NoZeroDynamics {
-    /// A function on the set that must vanish was not solved for a state.
-    #[error("{constraint} = 0 was not solved for a state")]
-    Unsolved {
-        /// The function, as text.
-        constraint: String,
-    },
-    /// Several functions may vanish, and the point does not tell which.
-    #[error("{constraint} = 0 has several branches; a point on one of them would select it")]
-    Branches {
-        /// The product, as text.
-        constraint: String,
-    },
-    /// A derivative of an output cannot vanish.
-    #[error("no input keeps the outputs there: {derivative} would have to vanish")]
-    Empty {
-        /// The function, as text.
-        derivative: String,
-    },
-    /// An exact test cannot tell.
-    #[error(transparent)]
-    Undecided(#[from] Undecided),
-}
-
-impl From<bracketry_symbolic::Undecided> for NoZeroDynamics {
-    fn from(why: bracketry_symbolic::Undecided) -> Self {
-        NoZeroDynamics::Undecided(why.into())
-    }
 }
 
 impl VectorFields {
@@ -138,9 +108,9 @@ impl Set<'_> {
             return Ok(());
         }
         let factors = vanishing_factors(pool, c, &self.free, &self.fields.bindings)
-            .ok_or_else(|| NoZeroDynamics::Unsolved { constraint: pool.text(c) })?;
+            .ok_or_else(|| NoZeroDynamics::Unsolved { constraint: Function::new(pool, c) })?;
         let factor = match factors.as_slice() {
-            [] => return Err(NoZeroDynamics::Empty { derivative: pool.text(c) }),
+            [] => return Err(NoZeroDynamics::Empty { derivative: Function::new(pool, c) }),
             [one] => *one,
             several => {
                 let mut here = Vec::new();
@@ -151,13 +121,13 @@ impl Set<'_> {
                 }
                 match here.as_slice() {
                     [one] => *one,
-                    _ => return Err(NoZeroDynamics::Branches { constraint: pool.text(c) }),
+                    _ => return Err(NoZeroDynamics::Branches { constraint: Function::new(pool, c) }),
                 }
             }
         };
         let (s, value) = self
             .solve(pool, factor, evidence)
-            .ok_or_else(|| NoZeroDynamics::Unsolved { constraint: pool.text(factor) })?;
+            .ok_or_else(|| NoZeroDynamics::Unsolved { constraint: Function::new(pool, factor) })?;
         let x = pool.sym(s);
         let map: FxHashMap<Expr, Expr> = std::iter::once((x, value)).collect();
         for i in 0..self.solved.len() {

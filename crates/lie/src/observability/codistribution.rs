@@ -7,6 +7,7 @@ use crate::algebra::field::{Field, VectorFields, is_plain_zero};
 use crate::algebra::span::independent;
 use crate::budget::check_growth;
 use crate::evidence::Evidence;
+use crate::residues::unit_row;
 use crate::residues::{Echelon, Fp, PRIME};
 use crate::undecided::Undecided;
 
@@ -50,7 +51,7 @@ impl Observability {
             return Ok(vec![true; n]);
         }
         if let Some(spans) = self.spans(pool, evidence)? {
-            return Ok((0..n).map(|i| spans.iter().any(|s| s.contains(&unit(i, n)))).collect());
+            return Ok((0..n).map(|i| spans.iter().any(|s| s.contains(&unit_row(i, n)))).collect());
         }
         let mut list = Vec::with_capacity(n);
         for &s in &self.variables {
@@ -79,7 +80,7 @@ impl Observability {
         let Some(span) = spans.first_mut() else { return Ok(None) };
         let n = self.variables.len();
         let place = |s: &Symbol| self.variables.iter().position(|v| v == s);
-        Ok(Some(candidates.iter().filter(|s| place(s).is_some_and(|i| span.insert(unit(i, n)))).copied().collect()))
+        Ok(Some(candidates.iter().filter(|s| place(s).is_some_and(|i| span.insert(unit_row(i, n)))).copied().collect()))
     }
 
     /// Independent vector fields on the variables along which no output changes, whatever the
@@ -115,10 +116,6 @@ impl Observability {
         let full: Vec<Echelon> = spans.filter(|s| s.rank() == self.rank()).collect();
         Ok((!full.is_empty()).then_some(full))
     }
-}
-
-fn unit(i: usize, n: usize) -> Vec<Fp> {
-    (0..n).map(|j| if i == j { Fp::ONE } else { Fp::ZERO }).collect()
 }
 
 impl VectorFields {

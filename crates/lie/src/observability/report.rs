@@ -1,7 +1,5 @@
 //! The report on what the outputs tell: observability, identifiability and the symmetries that stand in their way.
 
-use std::fmt;
-
 use bracketry_symbolic::{Expr, Pool, Symbol, closest_name};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
@@ -11,25 +9,26 @@ use crate::algebra::field::{Field, VectorFields};
 use crate::answer::Answer;
 use crate::error::Error;
 use crate::evidence::Evidence;
-use crate::modes::mode_fields;
+use crate::modes::{mode_fields, parameter_bindings};
 use crate::named::Named;
 use crate::observability::codistribution::Observability;
-use crate::observability::symmetry::{operator_text, symmetry_name};
+use crate::observability::symmetry::{Operator, Symmetry};
 use crate::options::Options;
+use crate::reason::Reason;
 use crate::undecided::Undecided;
 
 /// A vector field along which no output changes, whatever the inputs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Direction {
-    /// The field as a differential operator, such as `-y ∂x + x ∂y + ∂th`.
-    pub field: String,
+    /// The field.
+    pub field: Operator,
     /// What its flow does, if that has a name: a translation, a scaling or a rotation.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub symmetry: Option<String>,
+    pub symmetry: Option<Symmetry>,
 }
 
 /// What the outputs determine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ObservabilityReport {
     /// Generic rank of the observability codistribution, parameters known.
     pub rank: Answer<usize>,
@@ -61,7 +60,7 @@ pub struct ObservabilityReport {
     pub determined: Option<Named<bool>>,
     /// Why something is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
+    pub reason: Option<Reason>,
 }
 
 /// What the outputs of a system tell about its states and parameters, while the inputs are known
@@ -151,10 +150,7 @@ fn with_inputs_as_states(system: &mut System) -> Result<(VectorFields, Vec<Symbo
     let (zero, one) = (system.pool.int(0), system.pool.int(1));
     let controls: Vec<Field> =
         free.iter().map(|&k| (0..states.len()).map(|j| if j == k { one } else { zero }).collect()).collect();
-    let mut bindings = bracketry_symbolic::Bindings::new();
-    for p in &system.parameters {
-        bindings.bind(p.symbol, p.value.clone());
-    }
+    let bindings = parameter_bindings(system);
     Ok((VectorFields::new(states, drift, controls, bindings)?, known))
 }
 
@@ -168,28 +164,16 @@ pub(crate) fn report(
 ) -> ObservabilityReport {
     let outputs: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
     let parameters: Vec<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
-    let mut report = ObservabilityReport {
-        rank: Answer::Known(0),
-        unobservable: Vec::new(),
-        unobservable_directions: Vec::new(),
-        identifiable: None,
-        identifiable_states: None,
-        identifiable_without_inputs: None,
-        rank_with_parameters: None,
-        unidentifiable_directions: Vec::new(),
-        fix_to_identify: None,
-        determined: None,
-        reason: None,
-    };
+    let mut report = ObservabilityReport::default();
     let pool = &mut system.pool;
     if let Err(why) = report.states(pool, fields, &outputs, known, evidence) {
-        report.rank = Answer::Unknown(why.to_string());
-        report.reason = Some(why.to_string());
+        report.rank = Answer::Unknown(why.clone().into());
+        report.reason = Some(why.into());
     }
     if !parameters.is_empty() || !asked.is_empty() {
         let found = report.parameters(pool, fields, &outputs, known, &parameters, asked, evidence);
         if let Err(why) = found {
-            report.reason.get_or_insert(why.to_string());
+            report.reason.get_or_insert(why.into());
         }
     }
     let driven = !fields.controls.is_empty() || !known.is_empty();
@@ -295,57 +279,8 @@ fn directions(pool: &mut Pool, o: &Observability, evidence: &mut Evidence) -> Ve
     fields
         .iter()
         .map(|field| Direction {
-            field: operator_text(pool, &o.variables, field),
-            symmetry: symmetry_name(pool, &o.variables, field),
+            field: Operator::new(pool, &o.variables, field),
+            symmetry: Symmetry::of(pool, &o.variables, field),
         })
         .collect()
-}
-
-impl ObservabilityReport {
-    /// Writes the report, naming the model that it is `of`.
-    pub(crate) fn write(&self, f: &mut fmt::Formatter<'_>, of: &str) -> fmt::Result {
-        writeln!(f, "{of}observability rank: {}", self.rank)?;
-        if !self.unobservable.is_empty() {
-            writeln!(f, "  not determined by the outputs: {}", self.unobservable.join(", "))?;
-        }
-        for d in &self.unobservable_directions {
-            writeln!(f, "  no output changes along {d}")?;
-        }
-        for (name, yes) in self.identifiable.iter().flat_map(|m| &m.0) {
-            writeln!(f, "  parameter {name}: {}", if *yes { "identifiable" } else { "not identifiable" })?;
-        }
-        let hidden = |list: &Option<Named<bool>>| -> Vec<String> {
-            list.iter().flat_map(|m| &m.0).filter(|v| !v.1).map(|v| v.0.clone()).collect()
-        };
-        let states = hidden(&self.identifiable_states);
-        if !states.is_empty() {
-            writeln!(f, "  states not determined while parameters are unknown: {}", states.join(", "))?;
-        }
-        if self.identifiable_without_inputs != self.identifiable {
-            let names = hidden(&self.identifiable_without_inputs);
-            if !names.is_empty() {
-                writeln!(f, "  with all inputs at zero not identifiable: {}", names.join(", "))?;
-            }
-        }
-        for d in self.unidentifiable_directions.iter().filter(|d| !self.unobservable_directions.contains(d)) {
-            writeln!(f, "  with unknown parameters no output changes along {d}")?;
-        }
-        if let Some(fix) = &self.fix_to_identify {
-            writeln!(f, "  all parameters are identifiable given {}", fix.join(", "))?;
-        }
-        for (text, yes) in self.determined.iter().flat_map(|m| &m.0) {
-            writeln!(f, "  {text}: {}", if *yes { "determined" } else { "not determined" })?;
-        }
-        Ok(())
-    }
-}
-
-impl fmt::Display for Direction {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.field)?;
-        if let Some(s) = &self.symmetry {
-            write!(f, " ({s})")?;
-        }
-        Ok(())
-    }
 }

@@ -1,9 +1,19 @@
 //! Systems for the tests.
 #![allow(clippy::unwrap_used, dead_code)]
 
-use bracketry_lie::{VectorFields, mode_fields};
+use bracketry_lie::{Answer, Function, VectorFields, mode_fields};
 use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
 use bracketry_system::{Parameter, Point, System};
+
+/// Functions as text.
+pub(crate) fn answered(functions: &Answer<Vec<Function>>) -> Answer<Vec<String>> {
+    functions.clone().map(|list| shown(&list))
+}
+
+/// What the items of a list display.
+pub(crate) fn shown(list: &[impl std::fmt::Display]) -> Vec<String> {
+    list.iter().map(ToString::to_string).collect()
+}
 
 /// `x' = rhs` from text; parameters with values; the point by name.
 pub(crate) fn system(

@@ -2,11 +2,9 @@
 
 use std::fmt;
 
-use bracketry_lie::{Answer, Dimensions, Options};
+use bracketry_lie::{Answer, Dimensions, Options, analyze};
 use bracketry_system::System;
 use serde::Serialize;
-
-use crate::analysis::analyze;
 
 /// Dimensions of what the inputs of a model reach.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,13 +1,15 @@
 //! Sections on what the inputs do to the outputs and on linearisation by feedback.
 
 use bracketry_lie::{
-    Answer, FlatnessReport, FlatnessVerdict, InputOutputReport, LinearizationReport, Subject, ZeroDynamicsReport,
+    Answer, Condition, FlatnessReport, FlatnessVerdict, Function, InputOutputReport, LinearizationReport, Subject,
+    ZeroDynamicsReport,
 };
 
 use super::blocks::{Block, Line, math, text, words};
-use super::formulas::{condition, list, matrix, printed, symbol};
-use super::sections::{item, section, yes_no};
-use crate::Analysis;
+use super::formulas::{condition, function, list, matrix, symbol};
+use super::sections::{item, section};
+use crate::analysis::text::yes_no;
+use bracketry_lie::Analysis;
 
 /// Relative degrees, decoupling matrix, zero dynamics.
 pub(super) fn input_output(a: &Analysis, out: &mut Vec<Block>) {
@@ -42,7 +44,7 @@ fn decoupling(io: &InputOutputReport, degrees: &[Option<usize>], out: &mut Vec<B
     if io.decoupling_matrix.is_empty() {
         return;
     }
-    let rows: Vec<Vec<String>> = io.decoupling_matrix.iter().map(|r| r.iter().map(|e| printed(e)).collect()).collect();
+    let rows: Vec<Vec<String>> = io.decoupling_matrix.iter().map(|r| r.iter().map(function).collect()).collect();
     let derivatives: Vec<String> = io
         .outputs
         .iter()
@@ -52,7 +54,7 @@ fn decoupling(io: &InputOutputReport, degrees: &[Option<usize>], out: &mut Vec<B
     let mut formulas = vec![format!("{} &= b(x) + A(x)\\,u", super::formulas::column(&derivatives))];
     formulas.push(format!("A &= {}", matrix(&rows)));
     if let Some(d) = &io.decoupling_determinant {
-        formulas.push(format!("\\det A &= {}", printed(d)));
+        formulas.push(format!("\\det A &= {}", function(d)));
     }
     out.push(words("Highest derivatives of the outputs, with the decoupling matrix A:"));
     out.push(Block::Display(formulas));
@@ -76,16 +78,16 @@ fn decoupling(io: &InputOutputReport, degrees: &[Option<usize>], out: &mut Vec<B
     }
 }
 
-/// `words` with the set, which may be `none`.
-fn singular(set: &str, words: &str) -> Line {
-    if set == "none" {
+/// `words` with the set, which may be empty.
+fn singular(set: &Condition, words: &str) -> Line {
+    if set.is_nowhere() {
         return vec![text(words.replace("not defined where ", "defined everywhere").replace("where ", "nowhere"))];
     }
     vec![text(words), math(condition(set))]
 }
 
-fn feedback_line(words: &str, feedback: &[(String, String)]) -> Line {
-    let formulas: Vec<String> = feedback.iter().map(|(u, e)| format!("{} = {}", symbol(u), printed(e))).collect();
+fn feedback_line(words: &str, feedback: &[(String, Function)]) -> Line {
+    let formulas: Vec<String> = feedback.iter().map(|(u, e)| format!("{} = {}", symbol(u), function(e))).collect();
     vec![text(words), math(formulas.join(",\\quad "))]
 }
 
@@ -96,7 +98,7 @@ fn zero_dynamics(z: &ZeroDynamicsReport, out: &mut Vec<Block>) {
     } else {
         out.push(words(format!("Zero dynamics, of dimension {}, while the outputs are held {held}:", z.dimension)));
         let rates = z.states.iter().zip(&z.equations);
-        out.push(Block::Display(rates.map(|(s, e)| format!("\\dot{{{}}} &= {}", symbol(s), printed(e))).collect()));
+        out.push(Block::Display(rates.map(|(s, e)| format!("\\dot{{{}}} &= {}", symbol(s), function(e))).collect()));
     }
     let mut items = Vec::new();
     if !z.on.0.is_empty() {
@@ -113,7 +115,7 @@ fn zero_dynamics(z: &ZeroDynamicsReport, out: &mut Vec<Block>) {
         items.push(vec![text("eigenvalues at the equilibrium: "), math(list.join(",\\ "))]);
     }
     if z.dimension > 0 {
-        let why = z.minimum_phase_reason.as_deref().filter(|_| z.minimum_phase.known().is_some());
+        let why = z.minimum_phase_reason.as_ref().filter(|_| z.minimum_phase.known().is_some());
         let why = why.map_or(String::new(), |w| format!(" ({w})"));
         items.push(item("minimum phase", format!("{}{why}", yes_no(&z.minimum_phase))));
     }
@@ -182,7 +184,7 @@ fn flatness(f: &FlatnessReport, out: &mut Vec<Block>) {
     };
     let mut items = vec![item("differentially flat", format!("{verdict} ({})", f.reason))];
     if !f.flat_outputs.is_empty() {
-        let outputs: Vec<String> = f.flat_outputs.iter().map(|y| printed(y)).collect();
+        let outputs: Vec<String> = f.flat_outputs.iter().map(function).collect();
         items.push(vec![text("flat outputs: "), math(outputs.join(",\\ "))]);
     }
     if let Some(extension) = f.dynamic_extension.as_ref().filter(|e| !e.is_empty()) {
@@ -215,7 +217,7 @@ fn flag(l: &LinearizationReport, items: &mut Vec<Line>) {
         items.push(vec![text("lengths of the chains of integrators: "), math(list(&l.controllability_indices))]);
     }
     if let Some(why) = &l.reason {
-        items.push(vec![text(why.clone())]);
+        items.push(vec![text(why.to_string())]);
     }
 }
 
@@ -227,7 +229,7 @@ fn linear_form(l: &LinearizationReport, out: &mut Vec<Block>) {
     let rows = l.coordinates.iter().enumerate().flat_map(|(k, chain)| {
         chain.iter().enumerate().map(move |(j, e)| {
             let dots = if j == 0 { String::new() } else { format!("^{{({j})}}") };
-            format!("y_{{{}}}{dots} &= {}", k + 1, printed(e))
+            format!("y_{{{}}}{dots} &= {}", k + 1, function(e))
         })
     });
     out.push(Block::Display(rows.collect()));

@@ -1,7 +1,6 @@
-//! From the texts of a report to formulas in LaTeX.
+//! From what an analysis found to formulas in LaTeX.
 
-use std::fmt::Write as _;
-
+use bracketry_lie::{Bracket, Condition, Function, Generator, Word};
 use bracketry_symbolic::{Expr, Pool};
 
 /// Longer formulas are named by their size: nobody reads them, and they break a page.
@@ -17,7 +16,7 @@ pub(super) fn expression(pool: &Pool, e: Expr) -> String {
     }
 }
 
-/// A text that an analysis printed.
+/// A text in the syntax of model files.
 pub(super) fn printed(text: &str) -> String {
     let mut pool = Pool::new();
     match pool.parse(text) {
@@ -43,36 +42,28 @@ pub(super) fn list(numbers: &[usize]) -> String {
     numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// A bracket such as `[g1,[f,g2]]`, or a generator; `g2(3)` is g2 in mode 3.
-pub(super) fn bracket(name: &str) -> String {
-    let mut out = String::new();
-    let mut chars = name.chars().peekable();
-    let number = |chars: &mut std::iter::Peekable<std::str::Chars<'_>>| {
-        let mut digits = String::new();
-        while let Some(c) = chars.next_if(char::is_ascii_digit) {
-            digits.push(c);
-        }
-        digits
-    };
-    while let Some(c) = chars.next() {
-        match c {
-            '(' => {
-                let mode = number(&mut chars);
-                chars.next_if_eq(&')');
-                let _ = write!(out, "^{{({mode})}}");
+/// A function that an analysis found.
+pub(super) fn function(f: &Function) -> String {
+    expression(f.pool(), f.expr())
+}
+
+/// A bracket of generators, such as `[g_{1}, [f, g_{2}]]`; `g_{2}^{(3)}` is g2 in mode 3.
+pub(super) fn bracket(b: &Bracket) -> String {
+    word(&b.word, &b.generators)
+}
+
+fn word(w: &Word, generators: &[Generator]) -> String {
+    match w {
+        Word::Bracket(ab) => format!("[{}, {}]", word(&ab[0], generators), word(&ab[1], generators)),
+        Word::Generator(i) => generators.get(*i).map_or(String::new(), |g| {
+            let of_mode = |mode: &Option<usize>| mode.map_or(String::new(), |k| format!("^{{({k})}}"));
+            match g {
+                Generator::Drift { mode } => format!("f{}", of_mode(mode)),
+                Generator::Input { input, mode } => format!("g_{{{input}}}{}", of_mode(mode)),
+                Generator::DriftDifference { mode } => format!("f^{{({mode})}}-f^{{(1)}}"),
             }
-            'f' | 'g' => {
-                let index = number(&mut chars);
-                out.push(c);
-                if !index.is_empty() {
-                    let _ = write!(out, "_{{{index}}}");
-                }
-            }
-            ',' => out.push_str(", "),
-            _ => out.push(c),
-        }
+        }),
     }
-    out
 }
 
 /// Rows of entries.
@@ -81,51 +72,48 @@ pub(super) fn matrix(rows: &[Vec<String>]) -> String {
     format!("\\begin{{pmatrix}}{}\\end{{pmatrix}}", rows.join("\\\\ "))
 }
 
-/// A condition such as `v = 0 or cos(q) = 0`.
-pub(super) fn condition(text: &str) -> String {
-    let part = |p: &str| {
-        for (sign, latex) in
-            [(" = ", "="), (" ≠ ", "\\ne"), (" > ", ">"), (" < ", "<"), (" ≥ ", "\\ge"), (" ≤ ", "\\le")]
-        {
-            if let Some((a, b)) = p.split_once(sign) {
-                return format!("{} {latex} {}", printed(a), printed(b));
-            }
-        }
-        printed(p)
-    };
-    // Commas stand between conditions too, but not within a function of two arguments.
-    let listed = |p: &str| {
-        let mut parts = vec![String::new()];
-        let mut depth = 0;
-        for c in p.chars() {
-            depth += i32::from(c == '(') - i32::from(c == ')');
-            match parts.last_mut() {
-                Some(last) if c != ',' || depth > 0 => last.push(c),
-                _ => parts.push(String::new()),
-            }
-        }
-        parts.iter().map(|p| part(p.trim())).collect::<Vec<_>>().join(",\\ ")
-    };
-    let join = |list: Vec<String>, word: &str| list.join(&format!("\\ \\text{{{word}}}\\ "));
-    let clause = |c: &str| join(c.split(" and ").map(listed).collect(), "and");
-    join(text.split(" or ").map(clause).collect(), "or")
+/// A condition on functions.
+pub(super) fn condition(c: &Condition) -> String {
+    let joined = |list: &[Condition], between: &str| list.iter().map(condition).collect::<Vec<_>>().join(between);
+    match c {
+        Condition::Vanishes(e) => format!("{} = 0", function(e)),
+        Condition::Differs(e) => format!("{} \\ne 0", function(e)),
+        Condition::Positive(e) => format!("{} > 0", function(e)),
+        Condition::Negative(e) => format!("{} < 0", function(e)),
+        Condition::All(list) => joined(list, ",\\ "),
+        Condition::Any(list) => joined(list, "\\ \\text{or}\\ "),
+    }
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 
+    fn of(text: &str) -> Function {
+        let mut pool = Pool::new();
+        let e = pool.parse(text).unwrap();
+        Function::new(&pool, e)
+    }
+
     #[test]
     fn conditions_keep_their_words_and_signs() {
-        assert_eq!(condition("v = 0"), "v = 0");
-        assert_eq!(condition("x1 ≠ 0, cos(y) ≠ 0"), "x_{1} \\ne 0,\\ \\cos\\left(y\\right) \\ne 0");
-        assert_eq!(condition("a = 0 or b > 0"), "a = 0\\ \\text{or}\\ b > 0");
+        use Condition::{All, Any, Differs, Positive, Vanishes};
+        assert_eq!(condition(&Vanishes(of("v"))), "v = 0");
+        let both = All(vec![Differs(of("x1")), Differs(of("cos(y)"))]);
+        assert_eq!(condition(&both), "x_{1} \\ne 0,\\ \\cos\\left(y\\right) \\ne 0");
+        assert_eq!(condition(&Any(vec![Vanishes(of("a")), Positive(of("b"))])), "a = 0\\ \\text{or}\\ b > 0");
     }
 
     #[test]
     fn brackets_have_indices() {
-        assert_eq!(bracket("[g1,[f,g12]]"), "[g_{1}, [f, g_{12}]]");
-        assert_eq!(bracket("[f(3)-f(1),g2(4)]"), "[f^{(3)}-f^{(1)}, g_{2}^{(4)}]");
+        let [f, g] = [0, 1].map(Word::Generator);
+        let nested = Word::bracket(g.clone(), Word::bracket(f.clone(), g.clone()));
+        let input = |input, mode| Generator::Input { input, mode };
+        let names = [Generator::Drift { mode: None }, input(12, None)];
+        assert_eq!(word(&nested, &names), "[g_{12}, [f, g_{12}]]");
+        let names = [Generator::DriftDifference { mode: 3 }, input(2, Some(4))];
+        assert_eq!(word(&Word::bracket(f, g), &names), "[f^{(3)}-f^{(1)}, g_{2}^{(4)}]");
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! The section on what holds at the point of the model.
 
-use bracketry_lie::{Answer, Mode, PointReport, Stlc};
+use bracketry_lie::{Analysis, Answer, Mode, PointReport, Stlc, Vanishing};
 
 use super::blocks::{Block, Line, math, text, words};
 use super::control::complex;
-use super::formulas::{bracket, printed};
-use super::sections::{item, section, yes_no};
-use crate::Analysis;
+use super::formulas::{bracket, function};
+use super::sections::{item, section};
+use crate::analysis::text::yes_no;
 
 /// Statements at the point of the model.
 pub(super) fn at_the_point(a: &Analysis, out: &mut Vec<Block>) {
@@ -42,7 +42,10 @@ fn local(p: &PointReport, out: &mut Vec<Block>) {
             if k > 0 {
                 line.push(text(", "));
             }
-            line.push(math(printed(s)));
+            line.push(math(match s {
+                Vanishing::Switch(surface) => function(surface),
+                unit_vector @ Vanishing::UnitVector(_) => format!("\\text{{{unit_vector}}}"),
+            }));
         }
         line.push(text(if p.vanishing.len() == 1 { " vanishes." } else { " vanish." }));
         out.push(Block::Paragraph(line));
@@ -52,7 +55,7 @@ fn local(p: &PointReport, out: &mut Vec<Block>) {
         items.push(item("rank of the linearisation's controllability matrix", rank.to_string()));
     }
     if let Some(s) = &p.stabilizable {
-        let why = p.stabilizable_reason.as_deref().filter(|_| s.known().is_some());
+        let why = p.stabilizable_reason.as_ref().filter(|_| s.known().is_some());
         items.push(item("stabilizable", format!("{}{}", yes_no(s), why.map_or(String::new(), |w| format!(" ({w})")))));
     }
     if let Some(modes) = &p.uncontrollable_modes {
@@ -89,7 +92,7 @@ fn uncontrollable(modes: &Answer<Vec<Mode>>) -> Line {
             line.push(text(format!(" ({} times)", m.multiplicity)));
         }
         if !m.combinations.is_empty() {
-            let list: Vec<String> = m.combinations.iter().map(|c| printed(c)).collect();
+            let list: Vec<String> = m.combinations.iter().map(function).collect();
             line.push(text(" along "));
             line.push(math(list.join(",\\ ")));
         }

@@ -9,16 +9,14 @@ mod markdown;
 mod outputs;
 mod sections;
 
-use crate::Analysis;
+use bracketry_lie::Analysis;
 
-impl Analysis {
-    /// The report as Markdown with LaTeX formulas between dollar signs.
-    pub fn markdown(&self) -> String {
-        markdown::written(&sections::document(self))
-    }
+/// The report as Markdown with LaTeX formulas between dollar signs.
+pub fn markdown(analysis: &Analysis) -> String {
+    markdown::written(&sections::document(analysis))
+}
 
-    /// The report as a LaTeX document of its own.
-    pub fn latex(&self) -> String {
-        latex::written(&sections::document(self))
-    }
+/// The report as a LaTeX document of its own.
+pub fn latex(analysis: &Analysis) -> String {
+    latex::written(&sections::document(analysis))
 }

@@ -1,11 +1,10 @@
 //! The section on what the outputs tell.
 
-use bracketry_lie::{Answer, Direction, Named};
+use bracketry_lie::{Analysis, Answer, Direction, Named};
 
 use super::blocks::{Block, Line, code, math, text};
 use super::formulas::{printed, symbol};
 use super::sections::{item, section};
-use crate::Analysis;
 
 /// Observability, identifiability and the symmetries that stand in their way.
 pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
@@ -50,7 +49,7 @@ pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
         items.push(line);
     }
     if let Some(why) = &o.reason {
-        items.push(vec![text(why.clone())]);
+        items.push(vec![text(why.to_string())]);
     }
     out.push(Block::List(items));
 }
@@ -69,7 +68,7 @@ fn names(list: &[String]) -> Line {
 }
 
 fn direction(words: &str, d: &Direction) -> Line {
-    let mut line = vec![text(words), code(d.field.clone())];
+    let mut line = vec![text(words), code(d.field.to_string())];
     if let Some(symmetry) = &d.symmetry {
         line.push(text(format!(" ({symmetry})")));
     }

@@ -1,17 +1,19 @@
 //! The sections of the report.
 
-use bracketry_lie::{Answer, Dimensions, ModeReport, Switchable};
+use bracketry_lie::{Analysis, Answer, Dimensions, ModeReport, Switchable};
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::{AffineForm, Candidate, Parameter, System};
 
 use super::blocks::{Block, Line, Span, code, math, text, words};
-use super::formulas::{bracket, column, expression, list, printed, symbol};
+use super::formulas::{bracket, column, condition, expression, function, list, printed, symbol};
 use super::{control, local, outputs};
-use crate::{AffinizationReport, Analysis};
+use crate::analysis::affinization::method_name;
+use crate::analysis::summary::summary;
+use crate::analysis::text::{family, lie_algebra};
 
 /// The whole report.
 pub(super) fn document(a: &Analysis) -> Vec<Block> {
-    let mut out = vec![Block::Heading(1, format!("Analysis of {}", a.model)), words(&a.summary)];
+    let mut out = vec![Block::Heading(1, format!("Analysis of {}", a.model)), words(summary(a))];
     model(a, &mut out);
     affine_form(a, &mut out);
     reach(a, &mut out);
@@ -94,7 +96,10 @@ fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
     section(out, "Affine form");
     out.push(Block::Paragraph(capital(vec![text(format!("{}.", a.affinization.why))])));
     for v in &a.affinization.input_change {
-        let mut line = vec![text("New input "), math(format!("{} = {}", symbol(&v.name), printed(&v.function)))];
+        let mut line = vec![
+            text("New input "),
+            math(format!("{} = {}", symbol(&v.name), expression(&a.affinization.system.pool, v.function))),
+        ];
         if let Some(range) = &v.range {
             line.push(text(format!(", limited to {range}")));
         }
@@ -110,11 +115,11 @@ fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
             text("."),
         ]));
     }
-    if let Some(family) = &a.affinization.family {
-        out.push(Block::Paragraph(capital(vec![text(format!("{family}."))])));
+    if let Some(r) = &a.family {
+        out.push(Block::Paragraph(capital(vec![text(format!("{}.", family(r)))])));
     }
     candidates(a, out);
-    let affine = &a.affinization.model;
+    let affine = &a.affinization.system;
     if !a.affine {
         out.push(equations(affine));
     }
@@ -137,7 +142,7 @@ fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
 
 /// The ways that were tried, where there was a choice.
 fn candidates(a: &Analysis, out: &mut Vec<Block>) {
-    if a.affinization.candidates.len() < 2 {
+    if a.affine || a.affinization.candidates.len() < 2 {
         return;
     }
     let row = |c: &Candidate| {
@@ -147,7 +152,7 @@ fn candidates(a: &Analysis, out: &mut Vec<Block>) {
             (false, false) => "rejected",
         };
         let states = if c.is_accepted() { vec![math(c.added_states.to_string())] } else { Vec::new() };
-        vec![vec![text(AffinizationReport::way(c.method))], states, vec![text(verdict)], vec![text(&c.why)]]
+        vec![vec![text(method_name(c.method))], states, vec![text(verdict)], vec![text(&c.why)]]
     };
     let header = ["way", "added states", "", "why"].map(|h| vec![text(h)]).to_vec();
     out.push(Block::Table(header, a.affinization.candidates.iter().map(row).collect()));
@@ -174,9 +179,7 @@ fn mode_name(m: &ModeReport) -> Line {
     if m.signs.0.is_empty() {
         return vec![text("at a generic point")];
     }
-    let signs: Vec<String> =
-        m.signs.0.iter().map(|(s, v)| format!("{} {} 0", printed(s), if *v > 0 { ">" } else { "<" })).collect();
-    vec![text("while "), math(signs.join(",\\ "))]
+    vec![text("while "), math(condition(&m.signs.condition()))]
 }
 
 fn reach(a: &Analysis, out: &mut Vec<Block>) {
@@ -220,7 +223,7 @@ fn brackets(a: &Analysis, out: &mut Vec<Block>) {
     let mut items = Vec::new();
     let mut spanned = |what: Line, d: &Dimensions| {
         if !d.basis.is_empty() {
-            let list: Vec<String> = d.basis.iter().map(|b| bracket(b)).collect();
+            let list: Vec<String> = d.basis.iter().map(bracket).collect();
             items.push([what, vec![text(": "), math(list.join(",\\ "))]].concat());
         }
     };
@@ -242,11 +245,10 @@ fn brackets(a: &Analysis, out: &mut Vec<Block>) {
     }
     let asked: Vec<String> = report
         .brackets
-        .0
         .iter()
-        .filter_map(|(name, components)| {
-            let components: Vec<String> = components.known()?.iter().map(|c| printed(c)).collect();
-            Some(format!("{} &= {}", bracket(name), column(&components)))
+        .filter_map(|b| {
+            let components: Vec<String> = b.components.known()?.iter().map(function).collect();
+            Some(format!("{} &= {}", bracket(&b.bracket), column(&components)))
         })
         .collect();
     if !asked.is_empty() {
@@ -275,7 +277,7 @@ fn autonomous(when: Line, m: &ModeReport, out: &mut Vec<Block>) {
                 if k > 0 {
                     line.push(text(", "));
                 }
-                line.push(math(printed(f)));
+                line.push(math(function(f)));
             }
             if let Some(k) = m.autonomous_not_found {
                 let and = if functions.is_empty() { "" } else { " and " };
@@ -286,14 +288,6 @@ fn autonomous(when: Line, m: &ModeReport, out: &mut Vec<Block>) {
         Answer::Unknown(why) => line.push(text(format!(", what no input influences is unknown ({why})."))),
     }
     out.push(Block::Paragraph(line));
-}
-
-pub(super) fn yes_no(answer: &Answer<bool>) -> String {
-    match answer {
-        Answer::Known(true) => "yes".to_owned(),
-        Answer::Known(false) => "no".to_owned(),
-        Answer::Unknown(why) => format!("unknown ({why})"),
-    }
 }
 
 /// `name: value` as an item.
@@ -309,7 +303,11 @@ fn by_switching(a: &Analysis, out: &mut Vec<Block>) {
         Answer::Known(list) => {
             let row = |s: &Switchable| {
                 let modes: Vec<String> = s.modes.iter().map(ToString::to_string).collect();
-                vec![vec![math(printed(&s.function))], vec![text(modes.join(", "))], vec![code(s.reached_by.clone())]]
+                vec![
+                    vec![math(function(&s.function))],
+                    vec![text(modes.join(", "))],
+                    vec![code(s.reached_by.to_string())],
+                ]
             };
             let header = ["reached only by switching", "left alone in modes", "first reached by"];
             out.push(Block::Table(header.map(|h| vec![text(h)]).to_vec(), list.iter().map(row).collect()));
@@ -321,7 +319,7 @@ fn by_switching(a: &Analysis, out: &mut Vec<Block>) {
 /// The Lie algebra over the constants, where it is finite-dimensional.
 fn algebra(a: &Analysis, out: &mut Vec<Block>) {
     if let Some(algebra) = &a.report.lie_algebra {
-        out.push(words(format!("Lie algebra generated by the fields: {algebra}.")));
+        out.push(words(format!("Lie algebra generated by the fields: {}.", lie_algebra(algebra))));
     }
 }
 

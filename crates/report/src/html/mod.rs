@@ -1,6 +1,6 @@
 //! Pages that need no network and no other file: one style, and the pieces that they are made of.
 
-mod mathml;
+mod formula;
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use bracketry_plot::{Drawing, PlotError};
 use bracketry_system::System;
 
-pub use mathml::{escaped, formula, math};
+pub use formula::{escaped, formula};
 
 const STYLE: &str = "\
 body{font:16px/1.5 system-ui,sans-serif;color:#262626;max-width:52rem;margin:2rem auto;padding:0 1rem}\
@@ -86,7 +86,7 @@ pub fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> St
 pub fn equations(system: &System) -> String {
     let names = system.state_names();
     let rates = names.iter().zip(&system.dynamics);
-    table(&[], rates.map(|(name, rate)| vec![format!("{} ′ =", formula(name)), math(&system.pool.latex(*rate))]))
+    table(&[], rates.map(|(name, rate)| vec![format!("{} ′ =", formula(name)), system.pool.notation(*rate).mathml()]))
 }
 
 /// Figures inside the page; those that cannot be drawn are left out.

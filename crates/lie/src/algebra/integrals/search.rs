@@ -11,6 +11,7 @@ use crate::algebra::field::{Field, is_plain_zero};
 use crate::algebra::involutive::involutive_closure;
 use crate::algebra::span::independent;
 use crate::evidence::Evidence;
+use crate::residues::unit_row;
 use crate::residues::{Echelon, Fp, PRIME};
 use crate::undecided::Undecided;
 
@@ -157,8 +158,7 @@ impl Search {
         evidence.add_rank(&samples, n)?;
         let rows: Vec<Vec<Fp>> = samples.values[0].chunks(n).map(<[Fp]>::to_vec).collect();
         let echelon = Echelon::new(&rows, n);
-        let unit = |i: usize| (0..n).map(|j| if i == j { Fp::ONE } else { Fp::ZERO }).collect::<Vec<Fp>>();
-        let kept: Vec<usize> = (0..n).filter(|&i| !echelon.contains(&unit(i))).collect();
+        let kept: Vec<usize> = (0..n).filter(|&i| !echelon.contains(&unit_row(i, n))).collect();
         let mut projected = Echelon::empty(kept.len());
         let mut reduced = Vec::new();
         for (field, row) in fields.iter().zip(&rows) {

@@ -1,9 +1,11 @@
 //! The report says of which model it speaks, what it did not check, and nothing that it did not find.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../lie/tests/common/mod.rs"]
 mod common;
 
-use bracketry_lie::{Answer, Options, PointReport, Report, Subject, Verdict, analyse};
+use bracketry_lie::{Answer, Options, PointReport, Report, Subject, Verdict, analyze_affine};
+use bracketry_report::analysis::report_text;
 use common::{ellipse, ratio, system};
 use serde_json::{Value, json};
 
@@ -25,16 +27,19 @@ fn masses(point: &[(&str, &str)]) -> Report {
         &["x1"],
         Some(point),
     );
-    analyse(&model, &Options::default()).unwrap()
+    analyze_affine(&model, &Options::default()).unwrap()
 }
 
 #[test]
 fn at_rest_with_dry_friction_the_statements_are_of_the_smoothed_model() {
     let r = masses(&[]);
     let p = at_point(&r);
-    assert_eq!((p.of, p.epsilon, p.vanishing.join(", ")), (Subject::Smoothed, Some(0.01), "v1, v2".to_owned()));
+    assert_eq!(
+        (p.of, p.epsilon, p.vanishing.iter().map(ToString::to_string).collect::<Vec<_>>()),
+        (Subject::Smoothed, Some(0.01), vec!["v1".to_owned(), "v2".to_owned()])
+    );
     assert_eq!(p.stlc.verdict, Verdict::Yes);
-    for reason in [&p.stlc.reason, p.stabilizable_reason.as_ref().unwrap()] {
+    for reason in [p.stlc.reason.to_string(), p.stabilizable_reason.as_ref().unwrap().to_string()] {
         assert!(reason.starts_with("of the smoothed model: the linearisation is controllable"), "{reason}");
         assert!(
             reason.ends_with("exact dry friction may hold the state where the inputs do not overcome it"),
@@ -45,33 +50,33 @@ fn at_rest_with_dry_friction_the_statements_are_of_the_smoothed_model() {
     assert_eq!(json["at_point"]["of"], "smoothed");
     assert_eq!(json["at_point"]["epsilon"], 0.01);
     assert_eq!(json["at_point"]["vanishing"], json!(["v1", "v2"]));
-    let text = r.to_string();
+    let text = report_text(&r);
     assert!(text.contains("\nat the point of the model, smoothed with width 0.01 (v1, v2 vanish there)\n"), "{text}");
 }
 
 #[test]
 fn where_one_switching_function_vanishes_it_alone_is_named() {
     let r = masses(&[("v2", "1")]);
-    assert_eq!(at_point(&r).vanishing, ["v1"]);
-    assert!(r.to_string().contains("(v1 vanishes there)"));
+    assert_eq!(at_point(&r).vanishing.iter().map(ToString::to_string).collect::<Vec<_>>(), ["v1"]);
+    assert!(report_text(&r).contains("(v1 vanishes there)"));
 }
 
 #[test]
 fn away_from_switching_the_statements_are_of_the_model() {
     let r = masses(&[("v1", "1"), ("v2", "-1")]);
     assert_eq!(at_point(&r).of, Subject::Model);
-    assert!(!at_point(&r).stlc.reason.contains("smoothed"));
+    assert!(!at_point(&r).stlc.reason.to_string().contains("smoothed"));
     let json = json_of(&r);
     assert_eq!(json["at_point"]["of"], "model");
     assert_eq!(json["at_point"].get("epsilon"), None);
-    assert!(r.to_string().contains("\nat the point of the model\n"));
+    assert!(report_text(&r).contains("\nat the point of the model\n"));
 }
 
 #[test]
 fn global_statements_of_a_switched_model_are_labelled() {
     let r = masses(&[]);
     assert_eq!(json_of(&r)["global_statements_of"], "smoothed");
-    let text = r.to_string();
+    let text = report_text(&r);
     for line in [
         "input fields involutive: yes",
         "linearizable by static feedback near a generic point: ",
@@ -79,19 +84,21 @@ fn global_statements_of_a_switched_model_are_labelled() {
     ] {
         assert!(text.contains(&format!("\nsmoothed model: {line}")), "{line} in {text}");
     }
-    let smooth = analyse(&system(&["x", "v"], &["u"], &[], &["v", "u"], &[], None), &Options::default()).unwrap();
+    let smooth =
+        analyze_affine(&system(&["x", "v"], &["u"], &[], &["v", "u"], &[], None), &Options::default()).unwrap();
     assert_eq!(json_of(&smooth).get("global_statements_of"), None);
-    assert!(!smooth.to_string().contains("smoothed"));
+    assert!(!report_text(&smooth).contains("smoothed"));
 }
 
 #[test]
 fn what_cannot_be_evaluated_leaves_everything_undecided() {
     // The denominator is zero everywhere.
     let rhs = ["u/(sin(x)^2 + cos(x)^2 - 1)", "1/(sin(x)^2 + cos(x)^2 - 1)"];
-    let r = analyse(&system(&["x", "y"], &["u"], &[], &rhs, &[], Some(&[("x", "1")])), &Options::default()).unwrap();
+    let r =
+        analyze_affine(&system(&["x", "y"], &["u"], &[], &rhs, &[], Some(&[("x", "1")])), &Options::default()).unwrap();
     assert_eq!(r.modes[0].dimensions.accessible_dimension.known(), None);
     assert!(!r.decided());
-    let text = r.to_string();
+    let text = report_text(&r);
     assert!(!text.contains("growth") && !text.contains("error probability") && !text.contains("points"), "{text}");
     assert_eq!(json_of(&r)["certificate"].get("error_probability"), None);
     assert!(masses(&[]).decided());
@@ -99,15 +106,15 @@ fn what_cannot_be_evaluated_leaves_everything_undecided() {
 
 #[test]
 fn one_other_mode_is_singular() {
-    let one = analyse(&system(&["v"], &["u"], &[], &["u - sign(v)"], &[], None), &Options::default()).unwrap();
-    let text = one.to_string();
+    let one = analyze_affine(&system(&["v"], &["u"], &[], &["u - sign(v)"], &[], None), &Options::default()).unwrap();
+    let text = report_text(&one);
     assert!(text.contains("the same in 1 other mode\n"), "{text}");
     assert!(!text.contains("whether each occurs"), "{text}");
 }
 
 #[test]
 fn combinations_of_signs_are_not_claimed_to_occur() {
-    let text = analyse(&ellipse(None), &Options::default()).unwrap().to_string();
+    let text = report_text(&analyze_affine(&ellipse(None), &Options::default()).unwrap());
     assert!(text.starts_with("modes are combinations of signs; whether each occurs is not checked\n"), "{text}");
     assert!(text.contains("the same in 3 other modes\n"), "{text}");
 }
@@ -116,8 +123,37 @@ fn combinations_of_signs_are_not_claimed_to_occur() {
 #[test]
 fn all_dimensions_have_to_be_decided_for_all_to_count() {
     let divided = "u/(sin(x)^2 + cos(x)^2 - sign(x))";
-    let r = analyse(&system(&["x"], &["u"], &[], &[divided], &[], None), &Options::default()).unwrap();
+    let r = analyze_affine(&system(&["x"], &["u"], &[], &[divided], &[], None), &Options::default()).unwrap();
     let known: Vec<bool> = r.modes.iter().map(|m| m.dimensions.accessible_dimension.known().is_some()).collect();
-    assert!(known.contains(&true) && known.contains(&false), "{r}");
+    assert!(known.contains(&true) && known.contains(&false), "{}", report_text(&r));
     assert!(r.decided() && !r.dimensions_decided() && !r.point_decided());
+}
+
+#[test]
+fn the_text_names_symmetries_and_remedies() {
+    let s = system(&["x", "v"], &[], &[("k", ratio(3, 2)), ("m", ratio(5, 3))], &["v", "-k/m*x"], &["x"], None);
+    let text = report_text(&analyze_affine(&s, &Options::default()).unwrap());
+    for line in [
+        "  parameter k: not identifiable\n",
+        "  with unknown parameters no output changes along k ∂k + m ∂m (scaling of k by s and m by s)\n",
+        "  all parameters are identifiable given k\n",
+    ] {
+        assert!(text.contains(line), "{line} in {text}");
+    }
+}
+
+#[test]
+fn the_text_names_the_brackets_that_span_and_what_only_switching_reaches() {
+    let car = system(
+        &["x", "y", "th", "phi"],
+        &["drive", "steer"],
+        &[],
+        &["drive*cos(th)", "drive*sin(th)", "drive*tan(phi)", "steer"],
+        &[],
+        None,
+    );
+    let text = report_text(&analyze_affine(&car, &Options::default()).unwrap());
+    assert!(text.contains("spanned by           g1, g2, [g1,g2], [g1,[g1,g2]]"), "{text}");
+    let text = report_text(&analyze_affine(&ellipse(None), &Options::default()).unwrap());
+    assert!(text.contains("only by switching      vx + Xd: by f(3)-f(1)\n"), "{text}");
 }

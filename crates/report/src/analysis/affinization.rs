@@ -1,4 +1,4 @@
-//! How a model became affine in its inputs, as a result of an analysis.
+//! How a model became affine in its inputs.
 
 use bracketry_lie::Family;
 use bracketry_system::{Affinization, AtPoint, Candidate, Method, NewState, System};
@@ -44,8 +44,9 @@ pub struct AffinizationReport {
     pub family: Option<Family>,
 }
 
-impl From<&Affinization> for AffinizationReport {
-    fn from(a: &Affinization) -> Self {
+impl AffinizationReport {
+    /// The affine form with the family of constant inputs, where that was looked at.
+    pub fn new(a: &Affinization, family: Option<&Family>) -> Self {
         AffinizationReport {
             method: a.method,
             integrators: a.integrators.clone(),
@@ -63,33 +64,31 @@ impl From<&Affinization> for AffinizationReport {
             model: a.system.clone(),
             why: a.why.clone(),
             candidates: if a.method == Method::None { Vec::new() } else { a.candidates.clone() },
-            family: None,
+            family: family.cloned(),
         }
     }
 }
 
-impl AffinizationReport {
-    /// A way to an affine form in words.
-    pub fn way(method: Method) -> &'static str {
-        match method {
-            Method::None => "as it stands",
-            Method::InputChange => "new inputs",
-            Method::Feedback => "new inputs that depend on the state",
-            Method::InputAugmentation => "integrators",
-            Method::CoordinateChange => "new states",
-        }
+/// A way to an affine form in words.
+pub fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::None => "as it stands",
+        Method::InputChange => "new inputs",
+        Method::Feedback => "new inputs that depend on the state",
+        Method::InputAugmentation => "integrators",
+        Method::CoordinateChange => "new states",
     }
+}
 
-    /// New inputs and new states in short, one line each, in formulas of the model file.
-    pub fn changes(&self) -> Vec<String> {
-        let inputs = self.input_change.iter().map(|v| {
-            let range = v.range.as_ref().map_or(String::new(), |r| format!(", limited to {r}"));
-            format!("new input {} = {}{range}", v.name, v.function)
-        });
-        let states = self
-            .coordinate_change
-            .iter()
-            .map(|z| format!("new state {} = {} in place of {} = {}", z.name, z.function, z.replaces, z.inverse));
-        inputs.chain(states).collect()
-    }
+/// New inputs and new states in short, one line each, in formulas of the model file.
+pub fn changes(a: &Affinization) -> Vec<String> {
+    let inputs = a.input_change.iter().map(|v| {
+        let range = v.range.as_ref().map_or(String::new(), |r| format!(", limited to {r}"));
+        format!("new input {} = {}{range}", v.name, a.system.pool.text(v.function))
+    });
+    let states = a
+        .coordinate_change
+        .iter()
+        .map(|z| format!("new state {} = {} in place of {} = {}", z.name, z.function, z.replaces, z.inverse));
+    inputs.chain(states).collect()
 }

@@ -1,0 +1,256 @@
+//! The analysis of a control-affine system.
+
+use std::time::Instant;
+
+use bracketry_symbolic::{Expr, Pool};
+use bracketry_system::System;
+
+use crate::algebra::closure::Closure;
+use crate::algebra::field::VectorFields;
+use crate::algebra::integrals::search::Among;
+use crate::algebra::word::generators;
+use crate::analysis::brackets;
+use crate::analysis::influence::{ReachTable, Reached, influence};
+use crate::analysis::report::{ModeReport, Report, SmoothedReport};
+use crate::answer::Answer;
+use crate::budget::{check_analysis, release};
+use crate::controllability::accessibility::Reach;
+use crate::controllability::point::Vanishing;
+use crate::controllability::point::{PointReport, Regime, Subject, of_smoothed, point_report, regime};
+use crate::controllability::switched::{SwitchedReport, switched_report};
+use crate::error::Error;
+use crate::evidence::Evidence;
+use crate::feedback::report::{ControlReport, control_report};
+use crate::feedback::static_linearization::LinearizationFlag;
+use crate::function::Function;
+use crate::modes::Signs;
+use crate::modes::{ModeFields, mode_fields};
+use crate::observability::report::{read_functions, report};
+use crate::options::Options;
+use crate::reason::Reason;
+use crate::undecided::Undecided;
+
+/// Analyzes a system that is affine in its inputs (see `System::affinize`).
+///
+/// Statements at the point are made of the mode that holds there; where a switching function
+/// vanishes at the point, of the smoothed model.
+///
+/// # Errors
+/// [`Error::NotAffine`], [`Error::NoStates`], [`Error::Modes`], [`Error::Bracket`], [`Undecided::Stopped`] once the stop flag
+/// of the system's pool is raised; what an exact test cannot decide becomes an unknown of the report instead.
+pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Error> {
+    let start = Instant::now();
+    let mut evidence = Evidence::default();
+    let mut system = system.clone();
+    let asked = read_functions(&mut system, &options.determined)?;
+    let words = brackets::read(&system, &options.brackets)?;
+    let names = system.input_names();
+    let mut told = options.ranges.iter().map(|r| &r.0).chain(options.one_sided.iter().map(|o| &o.0));
+    if let Some(name) = told.find(|name| !names.contains(name)) {
+        return Err(Error::UnknownInput { name: name.clone() });
+    }
+    let modes = mode_fields(&mut system)?;
+    let smooth = modes.len() == 1 && modes[0].signs.0.is_empty();
+    let pool = &mut system.pool;
+    let first = pool.made();
+    let reach: Vec<Reach> = modes.iter().map(|m| Reach::of(pool, &m.fields, first, &mut evidence)).collect();
+    let flags: Vec<Result<LinearizationFlag, Undecided>> = modes
+        .iter()
+        .map(|m| check_analysis(pool, first).and_then(|()| m.fields.linearization_flag(pool, &mut evidence)))
+        .collect();
+    let (mut mode_reports, autonomous): (Vec<ModeReport>, Vec<Vec<Expr>>) = modes
+        .iter()
+        .zip(reach.iter().zip(&flags))
+        .map(|(m, (r, flag))| {
+            let before = pool.len();
+            let (report, mut functions) = mode_report(pool, m, r, flag, first, &mut evidence);
+            release(pool, before, std::slice::from_mut(&mut functions));
+            (report, functions)
+        })
+        .unzip();
+    let (mut together, mut smoothed) = (None, None);
+    let (mut control, mut degree) = (ControlReport::default(), None);
+    if smooth {
+        let strong = reach[0].strong.as_ref().ok().map(Closure::dimension);
+        (control, degree) = control_report(&mut system, &modes[0].fields, &flags[0], strong, first, &mut evidence);
+    } else {
+        for (mode, report) in modes.iter().zip(&mut mode_reports) {
+            report.brackets = brackets::components(pool, &mode.fields, &words);
+        }
+        together = Some(switching(pool, &modes, &autonomous, first, &mut evidence)?);
+        smoothed = Some(Smoothed::of(&mut system, options, first, &mut evidence)?);
+    }
+    let smoothed_report = smoothed.as_ref().map(|s| s.report(options));
+    let at_point = match &system.point.clone() {
+        None => None,
+        Some(point) => Some(match (regime(&mut system, point, &modes), &mut smoothed) {
+            (Ok(Regime::Mode(mode)), _) => {
+                let (pool, fields) = (&mut system.pool, &modes[mode].fields);
+                let mut report = point_report(pool, fields, &names, &reach[mode], point, options, &mut evidence);
+                if let (Ok(report), Some(degree)) = (&mut report, &degree) {
+                    let rank = degree.rank_at(pool, fields, &point.states, &mut evidence);
+                    report.relative_degree_defined = Some(rank.map(|rank| rank == degree.degrees.len()).into());
+                }
+                report.into()
+            }
+            (Ok(Regime::Switching(vanishing)), Some(s)) => s.at_point(&names, options, vanishing, &mut evidence),
+            // Smooth but where a unit vector vanishes, as it does here.
+            (Ok(Regime::Switching(vanishing)), None) => Smoothed::of(&mut system, options, first, &mut evidence)?
+                .at_point(&names, options, vanishing, &mut evidence),
+            (Err(why), _) => Answer::Unknown(why.into()),
+        }),
+    };
+    let (of, fields, among) = match &mut smoothed {
+        // Smoothed signs have no elementary integrals in general.
+        Some(s) => (&mut s.system, &s.fields, Among::States),
+        None => (&mut system, &modes[0].fields, Among::All),
+    };
+    let before = of.pool.len();
+    let observability = (!of.outputs.is_empty()).then(|| report(of, fields, &[], &asked, &mut evidence));
+    let pool = &mut of.pool;
+    let (involutive, static_feedback_linearizable) = if smooth {
+        (mode_reports[0].involutive.clone(), mode_reports[0].static_feedback_linearizable.clone())
+    } else {
+        (
+            check_analysis(pool, first).and_then(|()| fields.is_involutive(pool, &mut evidence)).into(),
+            check_analysis(pool, first).and_then(|()| fields.static_feedback_linearizable(pool, &mut evidence)).into(),
+        )
+    };
+    let involutive_closure =
+        check_analysis(pool, first).and_then(|()| fields.involutive_closure_report(pool, among, &mut evidence)).into();
+    release(pool, before, &mut []);
+    let brackets = brackets::components(pool, fields, &words);
+    let lie_algebra = if smooth {
+        check_analysis(pool, first)
+            .and_then(|()| fields.lie_algebra(pool, &options.limits, &mut evidence))
+            .unwrap_or_default()
+    } else {
+        None
+    };
+    let (switched, rows) = together.unzip();
+    let reach = reach_tables(&mut system.pool, &modes[0], &reach[0], &autonomous[0], &mode_reports, rows.flatten());
+    // Whatever is unknown now, it is not for a reason of its own.
+    if system.pool.stop_flag().is_raised() {
+        return Err(Undecided::Stopped.into());
+    }
+    Ok(Report {
+        modes: mode_reports,
+        switched,
+        smoothed: smoothed_report,
+        at_point_reason: at_point.as_ref().and_then(Answer::reason).cloned(),
+        at_point,
+        global_statements_of: (!smooth).then_some(Subject::Smoothed),
+        lie_algebra,
+        involutive,
+        involutive_closure,
+        static_feedback_linearizable,
+        control,
+        observability,
+        brackets,
+        reach,
+        certificate: evidence,
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// What all modes together reach, and in which round.
+fn switching(
+    pool: &mut Pool,
+    modes: &[ModeFields],
+    autonomous: &[Vec<Expr>],
+    first: usize,
+    evidence: &mut Evidence,
+) -> Result<(SwitchedReport, Option<Vec<Reached>>), Error> {
+    let before = pool.len();
+    let family: Vec<VectorFields> = modes.iter().map(|m| m.fields.clone()).collect();
+    let all = VectorFields::switched(pool, &family)?;
+    let generators = brackets::family_generators(pool, &family, &all);
+    let reach = Reach::of(pool, &all, first, evidence);
+    let (dimensions, strong) = (reach.dimensions(&generators), reach.strong.as_ref());
+    let report = switched_report(pool, dimensions, &all, strong, &generators, autonomous, evidence);
+    let rows = strong.ok().and_then(|s| influence(pool, &all.states, s, &autonomous[0], &all.bindings));
+    release(pool, before, &mut []);
+    Ok((report, rows))
+}
+
+/// The model with every switching function replaced by a smooth one.
+struct Smoothed {
+    system: System,
+    fields: VectorFields,
+    reach: Reach,
+}
+
+impl Smoothed {
+    /// `first` is how many nodes the pool had made when the analysis began.
+    fn of(system: &mut System, options: &Options, first: usize, evidence: &mut Evidence) -> Result<Self, Error> {
+        let width = system.pool.rational(options.epsilon.clone());
+        let mut system = system.smoothed(width);
+        let fields = mode_fields(&mut system)?.remove(0).fields;
+        let reach = Reach::of(&mut system.pool, &fields, first, evidence);
+        Ok(Smoothed { system, fields, reach })
+    }
+
+    fn report(&self, options: &Options) -> SmoothedReport {
+        let dimensions = self.reach.dimensions(&generators(self.fields.controls.len()));
+        SmoothedReport { epsilon: options.epsilon.to_f64().value(), dimensions }
+    }
+
+    /// The statements at the point, where these functions vanish.
+    fn at_point(
+        &mut self,
+        names: &[String],
+        options: &Options,
+        vanishing: Vec<Vanishing>,
+        evidence: &mut Evidence,
+    ) -> Answer<PointReport> {
+        let Some(point) = self.system.point.clone() else { return Answer::Unknown(Reason::NoPoint) };
+        point_report(&mut self.system.pool, &self.fields, names, &self.reach, &point, options, evidence)
+            .map(|p| of_smoothed(p, vanishing, &options.epsilon))
+            .into()
+    }
+}
+
+/// The report on a mode, with the functions that no input influences there.
+fn mode_report(
+    pool: &mut Pool,
+    mode: &ModeFields,
+    reach: &Reach,
+    flag: &Result<LinearizationFlag, Undecided>,
+    first: usize,
+    evidence: &mut Evidence,
+) -> (ModeReport, Vec<Expr>) {
+    let strong = reach.strong.as_ref().map_err(Clone::clone);
+    let found = strong.and_then(|s| mode.fields.autonomous(pool, &s.basis, evidence));
+    let missing = found.as_ref().map_or(0, |a| a.missing);
+    let functions = found.as_ref().map(|a| a.functions.clone()).unwrap_or_default();
+    let report = ModeReport {
+        signs: mode.signs.clone(),
+        dimensions: reach.dimensions(&generators(mode.fields.controls.len())),
+        autonomous: found.map(|a| Function::list(pool, &a.functions)).into(),
+        autonomous_not_found: (missing > 0).then_some(missing),
+        involutive: check_analysis(pool, first).and_then(|()| mode.fields.is_involutive(pool, evidence)).into(),
+        static_feedback_linearizable: flag.as_ref().map(LinearizationFlag::linearizable).map_err(Clone::clone).into(),
+        brackets: Vec::new(),
+    };
+    (report, functions)
+}
+
+/// The table of the first mode and, where the system switches, that of all modes together.
+fn reach_tables(
+    pool: &mut Pool,
+    mode: &ModeFields,
+    reach: &Reach,
+    functions: &[Expr],
+    reports: &[ModeReport],
+    together: Option<Vec<Reached>>,
+) -> Vec<ReachTable> {
+    let fields = &mode.fields;
+    let rows = reach.strong.as_ref().ok().and_then(|s| influence(pool, &fields.states, s, functions, &fields.bindings));
+    let alike = |m: &&ModeReport| {
+        m.dimensions.strong_growth == reports[0].dimensions.strong_growth && m.autonomous == reports[0].autonomous
+    };
+    let alike = reports.iter().filter(alike).count();
+    let first = rows.map(|rows| ReachTable { signs: mode.signs.clone(), all_modes: false, alike, rows });
+    let together = together.map(|rows| ReachTable { signs: Signs::default(), all_modes: true, alike: 1, rows });
+    first.into_iter().chain(together).collect()
+}

@@ -1,0 +1,133 @@
+//! What a statement on the affine form says of the original.
+
+use bracketry_symbolic::Rational;
+use bracketry_system::{Affinization, AtPoint, InputRange, Method, NewInput, Range, System};
+
+use crate::analysis::report::Report;
+use crate::answer::Answer;
+use crate::controllability::input_values::{InputValues, Side};
+use crate::controllability::stlc::{Stlc, Verdict};
+use crate::function::Function;
+use crate::options::Options;
+use crate::reason::{Reason, StlcReason};
+
+/// The options with what is known of the inputs of the affine form.
+pub(crate) fn with_input_ranges(options: &Options, affinization: &Affinization, original: &System) -> Options {
+    let mut options = options.clone();
+    if affinization.method == Method::None {
+        options.ranges.extend(declared(original));
+        options.one_sided.extend(at_an_end(original));
+    } else {
+        options.one_sided.extend(one_sided(affinization));
+        options.ranges.extend(ranges(affinization, original));
+    }
+    options
+}
+
+/// New inputs that can move from their value at the point to one side only, as u² can at u = 0.
+fn one_sided(affinization: &Affinization) -> Vec<(String, Side)> {
+    let side = |v: &NewInput| match v.at_point {
+        AtPoint::AtLower => Some(Side::Above),
+        AtPoint::AtUpper => Some(Side::Below),
+        AtPoint::Interior | AtPoint::Unknown => None,
+    };
+    affinization.input_change.iter().filter_map(|v| Some((v.name.clone(), side(v)?))).collect()
+}
+
+/// The ranges of a model's inputs.
+fn declared(system: &System) -> Vec<(String, InputValues)> {
+    let end = |e: &Option<Rational>, open: f64| e.as_ref().map_or(open, |e| e.to_f64().value());
+    let values = |r: &InputRange| InputValues::Between(end(&r.min, f64::NEG_INFINITY), end(&r.max, f64::INFINITY));
+    system.input_ranges.iter().map(|r| (system.symbol_name(r.input).to_owned(), values(r))).collect()
+}
+
+/// Inputs whose value at the point is an end of their range.
+fn at_an_end(system: &System) -> Vec<(String, Side)> {
+    let Some((_, inputs)) = system.point_values() else { return Vec::new() };
+    let side = |r: &InputRange| {
+        let value = *inputs.get(system.inputs.iter().position(|u| *u == r.input)?)?;
+        let is = |e: &Option<Rational>| e.as_ref().is_some_and(|e| e.to_f64().value() == value);
+        match (is(&r.min), is(&r.max)) {
+            (true, _) => Some(Side::Above),
+            (_, true) => Some(Side::Below),
+            _ => None,
+        }
+    };
+    let ranges = system.input_ranges.iter();
+    ranges.filter_map(|r| Some((system.symbol_name(r.input).to_owned(), side(r)?))).collect()
+}
+
+/// The values of new inputs that do not take all real numbers.
+fn ranges(affinization: &Affinization, original: &System) -> Vec<(String, InputValues)> {
+    let values = |v: &NewInput| match &v.values {
+        _ if !original.input_ranges.is_empty() => Some(InputValues::Unknown),
+        Range::Onto => None,
+        Range::Interval { lower, upper } => {
+            let lower = lower.as_ref().map_or(f64::NEG_INFINITY, |b| b.value);
+            Some(InputValues::Between(lower, upper.as_ref().map_or(f64::INFINITY, |b| b.value)))
+        }
+        Range::Unknown { .. } => Some(InputValues::Unknown),
+    };
+    affinization.input_change.iter().filter_map(|v| Some((v.name.clone(), values(v)?))).collect()
+}
+
+/// Whether a positive verdict on the affine system, in which each new input takes the values of its range by itself,
+/// transfers to the original: the values that the new inputs take together must contain what it was concluded from.
+struct Transfer {
+    /// From small feedback of the new inputs: together they take all values near those at the point.
+    feedback: bool,
+    /// From new inputs in their ranges.
+    in_ranges: bool,
+}
+
+impl Transfer {
+    fn of(affinization: &Affinization, equilibrium: bool) -> Transfer {
+        let new = &affinization.input_change;
+        // Where the point is no equilibrium, other values than that at the point hold it.
+        let free = new.is_empty() || affinization.interior_at_point == Some(true) && equilibrium;
+        let chosen = affinization.candidates.iter().find(|c| c.chosen);
+        let independent = new.len() == 1 || chosen.and_then(|c| c.independent_ranges) == Some(true);
+        // At one end of a range the other end is taken to be far away.
+        let seen = |v: &NewInput| match (v.at_point, &v.values) {
+            (AtPoint::Interior, _) => true,
+            (AtPoint::AtLower, Range::Interval { upper, .. }) => upper.is_none(),
+            (AtPoint::AtUpper, Range::Interval { lower, .. }) => lower.is_none(),
+            _ => false,
+        };
+        // Small feedback needs the values themselves, not mixtures of them over short times.
+        let feedback = new.is_empty() || affinization.covers_at_point == Some(true) && equilibrium;
+        Transfer { feedback, in_ranges: free || independent && new.iter().all(seen) }
+    }
+}
+
+/// Where the new inputs do not cover what a positive conclusion was drawn from, as u² at u = 0, it is open; what is
+/// negative even with more inputs stays.
+pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization, original: &System) {
+    let Some(Answer::Known(point)) = &mut report.at_point else { return };
+    let (why, transfer) = match at_an_end(original).into_iter().next() {
+        // One-sided inputs are known to the verdict on the model itself, not to one on an affine form of it.
+        Some((input, _)) => {
+            let transfer = Transfer { feedback: false, in_ranges: affinization.method == Method::None };
+            (Reason::EndOfRange { input }, transfer)
+        }
+        None => {
+            let function = |v: &NewInput| Function::new(&affinization.system.pool, v.function);
+            let inputs = affinization.input_change.iter().map(|v| (v.name.clone(), function(v))).collect();
+            let transfer = Transfer::of(affinization, point.equilibrium == Answer::Known(true));
+            (Reason::InputsNotFree { inputs }, transfer)
+        }
+    };
+    if point.stlc.verdict == Verdict::Yes && !transfer.in_ranges {
+        point.stlc = Stlc::inconclusive(StlcReason::Withheld(why.clone()));
+    }
+    if transfer.feedback {
+        return;
+    }
+    if let Some(stabilizable @ Answer::Known(true)) = &mut point.stabilizable {
+        *stabilizable = Answer::Unknown(why.clone());
+        point.stabilizable_reason = None;
+    }
+    if let Some(brockett @ Answer::Known(true)) = &mut point.brockett_condition {
+        *brockett = Answer::Unknown(why);
+    }
+}

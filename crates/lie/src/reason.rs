@@ -1,0 +1,448 @@
+//! What verdicts rest on, and why questions stay open.
+
+use std::fmt;
+
+use crate::as_text::serialized_as_text;
+use bracketry_symbolic::Rational;
+
+use crate::algebra::word::Bracket;
+use crate::error::Error;
+use crate::function::Function;
+use crate::undecided::Undecided;
+
+/// Why a question stays open.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Reason {
+    /// An exact test cannot tell.
+    #[error(transparent)]
+    Undecided(#[from] Undecided),
+    /// The question has no meaning there.
+    #[error(transparent)]
+    Error(#[from] Error),
+    /// The zero dynamics were not found.
+    #[error(transparent)]
+    ZeroDynamics(#[from] NoZeroDynamics),
+    /// The family of constant inputs was not compared with the affine form.
+    #[error(transparent)]
+    Family(#[from] FamilyReason),
+    /// A bracket has too long an expression.
+    #[error("too long to print")]
+    Unprintable,
+    /// The smoothed model has no point.
+    #[error("the smoothed model has no point")]
+    NoPoint,
+    /// Not all brackets were formed at the point.
+    #[error(
+        "at least {least} (the generic dimension bounds it above): brackets longer than {length} were not formed{limit}"
+    )]
+    Brackets {
+        /// Dimension that was found.
+        least: usize,
+        /// Length of the longest brackets that were formed.
+        length: usize,
+        /// What ended the search.
+        limit: BracketLimit,
+    },
+    /// Brockett's condition: [A B] has not full rank and no direction is seen to be missed.
+    #[error("neither a submersion nor seen to miss a direction")]
+    NoSubmersion,
+    /// The linearization cannot be evaluated.
+    #[error("the linearisation has no numerical value: a parameter has none")]
+    NoNumbers,
+    /// The exact rank of Kalman's matrix is not found again in floating point.
+    #[error("the controllable subspace is not clear of rounding")]
+    Rounding,
+    /// An uncontrollable eigenvalue decides nothing.
+    #[error("the linearisation has an uncontrollable eigenvalue on, or too near, the imaginary axis")]
+    NearAxis,
+    /// Smooth feedback cannot stabilize; other feedback may.
+    #[error(
+        "the linearisation has an unstable uncontrollable mode: no continuously differentiable feedback that keeps the \
+         inputs of the point there stabilises"
+    )]
+    UnstableMode,
+    /// The zero dynamics have inputs left.
+    #[error("the outputs leave inputs free, which may stabilise what is left")]
+    FreeInputs,
+    /// The point is no equilibrium of the zero dynamics.
+    #[error("the point is not an equilibrium of the zero dynamics")]
+    NoEquilibrium,
+    /// Whether it is one is open.
+    #[error("whether the point is an equilibrium of the zero dynamics is not decided")]
+    EquilibriumOpen,
+    /// The zero dynamics cannot be evaluated.
+    #[error("the linearisation of the zero dynamics has no numerical value")]
+    ZeroDynamicsNoNumbers,
+    /// The linearized zero dynamics decide nothing.
+    #[error("the zero dynamics have eigenvalues on, or too near, the imaginary axis")]
+    ZeroDynamicsNearAxis,
+    /// Nor do higher derivatives.
+    #[error("the derivatives of the zero dynamics at the point do not decide")]
+    Derivatives,
+    /// The integrals that linearize were not found.
+    #[error("the linearising outputs were not found in closed form")]
+    NoLinearizingOutputs,
+    /// The verdict on the affine form does not transfer: its inputs are not free at the point.
+    #[error("at the point the old inputs do not move {} freely to all sides", equations(.inputs))]
+    InputsNotFree {
+        /// The new inputs as functions of the old ones.
+        inputs: Vec<(String, Function)>,
+    },
+    /// The verdict does not transfer: an input is at an end of its range.
+    #[error("{input} is at an end of its range at the point")]
+    EndOfRange {
+        /// The input.
+        input: String,
+    },
+}
+
+/// What ended a search among brackets at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BracketLimit {
+    /// The length that is allowed.
+    Length,
+    /// The number that is allowed.
+    Count,
+    /// The size that is allowed.
+    Size,
+}
+
+impl fmt::Display for BracketLimit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            BracketLimit::Length => "",
+            BracketLimit::Count => ": they are too many",
+            BracketLimit::Size => ": they are too large",
+        })
+    }
+}
+
+/// Why there are no zero dynamics in closed form.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoZeroDynamics {
+    /// A function on the set that must vanish was not solved for a state.
+    #[error("{constraint} = 0 was not solved for a state")]
+    Unsolved {
+        /// The function.
+        constraint: Function,
+    },
+    /// Several functions may vanish, and the point does not tell which.
+    #[error("{constraint} = 0 has several branches; a point on one of them would select it")]
+    Branches {
+        /// The product.
+        constraint: Function,
+    },
+    /// A derivative of an output cannot vanish.
+    #[error("no input keeps the outputs there: {derivative} would have to vanish")]
+    Empty {
+        /// The derivative.
+        derivative: Function,
+    },
+    /// An exact test cannot tell.
+    #[error(transparent)]
+    Undecided(#[from] Undecided),
+}
+
+impl From<bracketry_symbolic::Undecided> for NoZeroDynamics {
+    fn from(why: bracketry_symbolic::Undecided) -> Self {
+        NoZeroDynamics::Undecided(why.into())
+    }
+}
+
+/// Why the family of constant inputs was not compared with the affine form.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FamilyReason {
+    /// The affine form has other states.
+    #[error("the affine form does not keep the states of the system and the derivatives of its inputs")]
+    OtherStates,
+    /// A switching function that is not expanded into modes.
+    #[error("the switching function {0} depends on an input and on the state")]
+    Switch(Function),
+    /// More modes than are looked at.
+    #[error("there are {0} switching functions, which gives too many modes")]
+    Modes(usize),
+    /// The modes do not correspond.
+    #[error("the affine form has other switching functions")]
+    OtherSwitches,
+}
+
+/// What a verdict on small-time local controllability rests on, or why there is none.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StlcReason {
+    /// Bounded inputs cannot hold the state.
+    #[error("the drift does not vanish at the point and no input balances it")]
+    NotBalanced,
+    /// Other inputs may hold the state.
+    #[error("the point is no equilibrium for the inputs given with it")]
+    NoEquilibrium,
+    /// The orbit is a manifold of lower dimension (Nagano–Sussmann).
+    #[error("the accessibility algebra has dimension {dimension} < {states} at the point")]
+    NotAccessible {
+        /// Dimension of the algebra.
+        dimension: usize,
+        /// Number of states.
+        states: usize,
+    },
+    /// Kalman's condition.
+    #[error("the linearisation is controllable")]
+    Controllable,
+    /// A half-space that no trajectory leaves (Nagumo).
+    #[error("from its value at the point {function} can {change}, whatever the inputs{}",
+        if *.one_sided { " in their one-sided ranges" } else { "" })]
+    HalfSpace {
+        /// The linear function that bounds it.
+        function: Function,
+        /// How the function can not change.
+        change: Monotone,
+        /// Whether that takes the one-sided ranges of inputs.
+        one_sided: bool,
+    },
+    /// Without the dimension at the point nothing is decided.
+    #[error("the accessible dimension is not decided: {0}")]
+    DimensionOpen(Reason),
+    /// Chow and Rashevskii.
+    #[error("no drift and full dimension (Chow–Rashevskii)")]
+    NoDrift,
+    /// Sussmann's general sufficient condition holds.
+    #[error("Sussmann's condition holds with weights {weights:?} of drift and inputs")]
+    Sussmann {
+        /// Weights of drift and inputs.
+        weights: Vec<u32>,
+    },
+    /// It is obstructed.
+    #[error("the bad bracket {bracket} is not neutralised with weights {weights:?}, nor are others with {further} \
+        further choices of weights{}", if *.too_many { ", of which some take too many brackets" } else { "" })]
+    Obstructed {
+        /// The bad bracket.
+        bracket: Bracket,
+        /// Weights of drift and inputs.
+        weights: Vec<u32>,
+        /// Number of other choices of weights.
+        further: usize,
+        /// Whether some of these took too many brackets.
+        too_many: bool,
+    },
+    /// Its brackets are too many.
+    #[error("the brackets that Sussmann's condition asks for are too many")]
+    TooManyBrackets,
+    /// Stefani's necessary condition fails for this even power.
+    #[error(
+        "ad_g^{0} f at the point is no combination of brackets with fewer factors g (Stefani's necessary condition)"
+    )]
+    Stefani(usize),
+    /// A definite quadratic form, of brackets of this depth.
+    #[error("second-order brackets of {} with f are definite across all that the linearisation reaches",
+        if *.0 == 0 { "the inputs".to_owned() } else { format!("the inputs and their first {} brackets", .0) })]
+    DefiniteForm(usize),
+    /// A condition holds after a change of the inputs.
+    #[error("{reason} for the inputs along {}", texts(.inputs))]
+    InputsAlong {
+        /// The condition.
+        reason: Box<StlcReason>,
+        /// The inputs in which it holds.
+        inputs: Vec<InputCombination>,
+    },
+    /// An exact test cannot tell.
+    #[error(transparent)]
+    Undecided(#[from] Undecided),
+    /// One-sided inputs away from an equilibrium.
+    #[error("inputs move to one side only and the point is no equilibrium")]
+    OneSidedNoEquilibrium,
+    /// All inputs push to one side.
+    #[error("all inputs that act at the point push to one side of it, and their ranges are one-sided")]
+    OneSidedCone,
+    /// No condition for one-sided inputs decides.
+    #[error("inputs move to one side only, and no condition for such inputs decides")]
+    OneSidedOpen,
+    /// The other inputs suffice.
+    #[error("{0} with the inputs alone that move to both sides")]
+    TwoSidedInputs(Box<StlcReason>),
+    /// Inputs inside their ranges hold the point.
+    #[error("{0} around constant inputs inside their ranges that hold the point")]
+    InsideRanges(Box<StlcReason>),
+    /// Other inputs than those given hold the point.
+    #[error("around {}, which holds the point: {reason}", equations(.inputs))]
+    Around {
+        /// These inputs.
+        inputs: Vec<(String, Function)>,
+        /// The verdict around them.
+        reason: Box<StlcReason>,
+    },
+    /// The ranges do not tell.
+    #[error("the inputs at the point are not seen to lie in their ranges")]
+    NotInRanges,
+    /// The statement is of the smoothed model.
+    #[error("{}", of_smoothed(.0))]
+    Smoothed(Box<StlcReason>),
+    /// The verdict on the affine form does not transfer to the original.
+    #[error(transparent)]
+    Withheld(Reason),
+}
+
+/// How the inputs can not change a function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Monotone {
+    /// It stays constant.
+    Constant,
+    /// It does not fall.
+    Rises,
+    /// It does not rise.
+    Falls,
+}
+
+impl fmt::Display for Monotone {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Monotone::Constant => "neither rise nor fall",
+            Monotone::Rises => "not fall",
+            Monotone::Falls => "not rise",
+        })
+    }
+}
+
+/// An input that moves along `√scale·Σ coefficients_i g_i`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputCombination {
+    /// Square of the factor.
+    pub scale: Rational,
+    /// One number per given input.
+    pub coefficients: Vec<Rational>,
+}
+
+impl fmt::Display for InputCombination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let nonzero = self.coefficients.iter().zip(1..).filter(|(c, _)| **c != Rational::ZERO);
+        let terms: Vec<String> =
+            nonzero.map(|(c, i)| if *c == Rational::ONE { format!("g{i}") } else { format!("{c}*g{i}") }).collect();
+        let sum = terms.join(" + ").replace("+ -", "- ");
+        if self.scale == Rational::ONE { f.write_str(&sum) } else { write!(f, "sqrt({})*({sum})", self.scale) }
+    }
+}
+
+/// What a verdict on stabilizability rests on, or why there is none.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StabilizableReason {
+    /// Kalman's condition.
+    #[error("the linearisation is controllable")]
+    Controllable,
+    /// The uncontrollable eigenvalues have negative real parts.
+    #[error("the uncontrollable modes of the linearisation decay")]
+    ModesDecay,
+    /// A linear system with an uncontrollable eigenvalue in the right half-plane.
+    #[error("the linearisation has an unstable uncontrollable mode")]
+    UnstableMode,
+    /// Coron's theorem.
+    #[error("by continuous time-periodic feedback, from small-time controllability (Coron)")]
+    Periodic,
+    /// Not decided.
+    #[error(transparent)]
+    Open(Reason),
+    /// The statement is of the smoothed model.
+    #[error("{}", of_smoothed(.0))]
+    Smoothed(Box<StabilizableReason>),
+}
+
+/// What a verdict on the zero dynamics rests on, or why there is none.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MinimumPhaseReason {
+    /// The outputs determine the state.
+    #[error("no motion is left")]
+    NoMotion,
+    /// The divergence vanishes (Liouville).
+    #[error("the zero dynamics preserve volume, so no equilibrium attracts")]
+    PreservesVolume,
+    /// All eigenvalues are in the left half-plane.
+    #[error("the eigenvalues of the zero dynamics have negative real parts")]
+    Stable,
+    /// One eigenvalue is in the right half-plane.
+    #[error("the zero dynamics have an eigenvalue with positive real part")]
+    Unstable,
+    /// The only eigenvalue is negative.
+    #[error("the eigenvalue of the zero dynamics is negative")]
+    Negative,
+    /// The only eigenvalue is positive.
+    #[error("the eigenvalue of the zero dynamics is positive")]
+    Positive,
+    /// z' = 0.
+    #[error("every point of the zero dynamics is at rest")]
+    AtRest,
+    /// z' = c z^k + …
+    #[error("the zero dynamics begin with a multiple of {state}^{order}")]
+    Order {
+        /// The coordinate.
+        state: String,
+        /// The first power that occurs.
+        order: usize,
+    },
+    /// Not decided.
+    #[error(transparent)]
+    Open(#[from] Reason),
+}
+
+/// What a verdict on flatness rests on, or why there is none.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FlatnessReason {
+    /// Flat systems are strongly accessible.
+    #[error("not strongly accessible: some function of the state no input influences")]
+    NotAccessible,
+    /// Flat by static feedback.
+    #[error("linearisable by static feedback")]
+    StaticFeedback,
+    /// With one input, flatness is linearizability by static feedback.
+    #[error(
+        "a system with one input is flat only if it is linearisable by static feedback (Charlet, Lévine and Marino 1989)"
+    )]
+    OneInput,
+    /// m = n − 1.
+    #[error("accessible with one input less than states (Charlet, Lévine and Marino 1989)")]
+    OneInputLess,
+    /// m = n − 2 without drift.
+    #[error("accessible without drift, with two inputs less than states (Martin and Rouchon 1995)")]
+    TwoInputsLess,
+    /// Outputs of the model with which the dynamic extension algorithm ends.
+    #[error("dynamic feedback linearises the system by the outputs of the model")]
+    ModelOutputs,
+    /// Other functions with which it does.
+    #[error("dynamic feedback linearises the system by these functions")]
+    Functions,
+    /// Two inputs without drift: the derived flag decides.
+    #[error("the derived flag of the two inputs has dimensions {}{} (Martin and Rouchon 1994)", texts(.dimensions),
+        .expected.map_or(String::new(), |n| format!(", which do not grow by one up to {n}")))]
+    DerivedFlag {
+        /// Dimensions of the derived flag.
+        dimensions: Vec<usize>,
+        /// The number of states, where the dimensions do not grow by one up to it.
+        expected: Option<usize>,
+    },
+    /// Integrators in front of one input.
+    #[error("linearisable by static feedback after {} in front of {input}",
+        if *.integrators == 1 { "an integrator".to_owned() } else { format!("{} integrators", .integrators) })]
+    Prolongation {
+        /// How many.
+        integrators: usize,
+        /// The input.
+        input: String,
+    },
+    /// No criterion applies.
+    #[error("no flat outputs were found among the functions tried, and no criterion excludes them")]
+    NotFound,
+    /// An exact test cannot tell.
+    #[error(transparent)]
+    Undecided(#[from] Undecided),
+}
+
+serialized_as_text!(Reason, StlcReason, StabilizableReason, MinimumPhaseReason, FlatnessReason);
+
+fn texts(list: &[impl fmt::Display]) -> String {
+    list.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+fn equations(list: &[(String, Function)]) -> String {
+    texts(&list.iter().map(|(name, e)| format!("{name} = {e}")).collect::<Vec<_>>())
+}
+
+fn of_smoothed(reason: &impl fmt::Display) -> String {
+    format!(
+        "of the smoothed model: {reason}; exact dry friction may hold the state where the inputs do not overcome it"
+    )
+}

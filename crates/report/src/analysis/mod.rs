@@ -1,0 +1,16 @@
+//! What inputs reach and outputs tell, and affine forms: as text, Markdown, LaTeX, JSON and figures.
+
+pub(crate) mod affinization;
+mod feedback_text;
+mod figures;
+mod json;
+mod lists;
+pub(crate) mod summary;
+pub(crate) mod text;
+
+pub use crate::document::{latex, markdown};
+pub use affinization::{AffinizationReport, InputChange, changes, method_name};
+pub use figures::{growth_figure, reach_figure};
+pub use json::{AnalysisJson, json};
+pub use summary::summary;
+pub use text::{report_text, text};

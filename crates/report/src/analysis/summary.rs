@@ -1,0 +1,115 @@
+//! What the ranks mean, in plain language.
+
+use std::fmt::Write as _;
+
+use bracketry_lie::{Analysis, Dimensions, Function};
+
+use super::lists::joined;
+
+/// One paragraph for who does not know the terms.
+pub fn summary(a: &Analysis) -> String {
+    let delays = about_delays(a).map_or(String::new(), |delays| format!(" {delays}"));
+    plain_language(a) + &delays
+}
+
+/// What delays of inputs change of all this.
+fn about_delays(a: &Analysis) -> Option<String> {
+    if a.input_delays.is_empty() {
+        return None;
+    }
+    let list: Vec<String> = a.input_delays.iter().map(|(name, d)| format!("{name} by {d} s")).collect();
+    Some(format!(
+        "Inputs act later than they are commanded ({}). All this is about the inputs as they arrive: what they reach from the \
+         state at which the first command arrives is reached that much later, ranks and dimensions are the same. A \
+         feedback of the state, as for linearisation or stabilisation, would have to know the state that much ahead.",
+        list.join(", ")
+    ))
+}
+
+/// What the ranks mean, in one paragraph.
+fn plain_language(a: &Analysis) -> String {
+    let n = a.states;
+    if a.inputs == 0 {
+        return "There are no inputs: nothing can be steered, and what there is to ask is what the outputs tell."
+            .to_owned();
+    }
+    let Some(worst) = a.report.modes.iter().min_by_key(|m| m.dimensions.strongly_accessible_dimension.known().copied())
+    else {
+        return String::new();
+    };
+    let Some(&inside) = worst.dimensions.strongly_accessible_dimension.known() else {
+        return "What the inputs reach is undecided; the report above gives the reason.".to_owned();
+    };
+    let functions = worst.autonomous.known().cloned().unwrap_or_default();
+    let full = |d: &Dimensions| d.strongly_accessible_dimension.known().copied();
+    if worst.signs.0.is_empty() {
+        return if inside == n {
+            format!(
+                "From almost every state, and at every later time, the inputs reach an open set of the {n}-dimensional \
+                 state space."
+            )
+        } else {
+            format!(
+                "At each time the inputs reach only a set of dimension {inside} of {n}. {}",
+                fixed_functions(&functions, "")
+            )
+        };
+    }
+    let signs = worst.signs.condition();
+    let mut text = if inside == n {
+        format!("Even while no switching function changes its sign, the inputs reach a set of full dimension {n}.")
+    } else {
+        format!(
+            "While no switching function changes its sign (here: {signs}), the inputs reach at each time only a set of \
+             dimension {inside} of {n}. {}",
+            fixed_functions(&functions, " there")
+        )
+    };
+    if let Some(all) = a.report.switched.as_ref().and_then(|s| full(&s.dimensions)).filter(|all| *all > inside) {
+        let _ = write!(
+            text,
+            " Where the motion changes from one mode to another the drift changes, and the difference of two drifts acts \
+             like one more input: with all modes together the dimension is {all} of {n}. So directions that one mode \
+             leaves out can be gained by switching, which for dry friction means sliding to and fro, as far as the inputs \
+             overcome the friction."
+        );
+    }
+    if let Some(s) = &a.report.smoothed
+        && let Some(all) = full(&s.dimensions).filter(|all| *all > inside)
+    {
+        let _ = write!(
+            text,
+            " The smoothed model, in which sign(σ) is tanh(σ/{}), has dimension {all} in one piece, because the smooth \
+             sign depends on the state and so couples the directions. That rank speaks of the smoothed model alone: exact \
+             dry friction holds whatever the inputs do not overcome.",
+            s.epsilon
+        );
+    }
+    if worst.signs.0.len() > 1 {
+        text += " Modes are combinations of signs; whether each of them occurs is not checked.";
+    }
+    text
+}
+
+fn fixed_functions(functions: &[Function], place: &str) -> String {
+    match functions.len() {
+        0 => String::new(),
+        1 => format!("The function {} evolves{place} as if there were no input.", functions[0]),
+        _ => format!("The functions {} evolve{place} as if there were no input.", joined(functions, " and ")),
+    }
+}
+
+/// Lines of at most `width` characters, broken at spaces.
+pub(crate) fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}

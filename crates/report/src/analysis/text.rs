@@ -1,0 +1,354 @@
+//! The analysis as plain text.
+
+use std::fmt::{self, Write as _};
+
+use bracketry_lie::{
+    Analysis, Answer, Bracket, Dimensions, Direction, Family, Function, InvolutiveClosureReport, LieAlgebra, Mode,
+    ModeReport, Named, ObservabilityReport, PointReport, Report, RequestedBracket, Subject, SwitchedReport,
+};
+
+use super::affinization::changes;
+use super::feedback_text::feedback;
+use super::lists::joined;
+use super::summary::{summary, wrapped};
+
+/// The whole analysis.
+pub fn text(analysis: &Analysis) -> String {
+    let mut out = String::new();
+    // Writing to a string does not fail.
+    let _ = whole(&mut out, analysis);
+    out
+}
+
+/// Ranks, growth vectors and verdicts of an affine system.
+pub fn report_text(r: &Report) -> String {
+    let mut out = String::new();
+    let _ = report(&mut out, r);
+    out
+}
+
+fn whole(f: &mut String, a: &Analysis) -> fmt::Result {
+    writeln!(f, "{}", a.model)?;
+    writeln!(f, "affine form: {}", a.affinization.why)?;
+    let model = &a.affinization.system;
+    let plural = |k: usize| if k == 1 { "" } else { "s" };
+    writeln!(f, "  {} state{}: {}", a.states, plural(a.states), model.state_names().join(", "))?;
+    if a.inputs == 0 {
+        writeln!(f, "  no inputs")?;
+    } else {
+        writeln!(f, "  {} input{}: {}", a.inputs, plural(a.inputs), model.input_names().join(", "))?;
+    }
+    if let Some(r) = &a.family {
+        writeln!(f, "  {}", family(r))?;
+    }
+    for change in changes(&a.affinization) {
+        writeln!(f, "  {change}")?;
+    }
+    for (s, e) in model.states.iter().zip(&model.dynamics) {
+        writeln!(f, "  {}' = {}", model.pool.name(*s), model.pool.text(*e))?;
+    }
+    report(f, &a.report)?;
+    writeln!(f)?;
+    for line in wrapped(&summary(a), 110) {
+        writeln!(f, "{line}")?;
+    }
+    Ok(())
+}
+
+fn report(f: &mut String, r: &Report) -> fmt::Result {
+    if r.modes.iter().any(|m| m.signs.0.len() > 1) {
+        writeln!(f, "modes are combinations of signs; whether each occurs is not checked")?;
+    }
+    // Modes that agree in everything but their signs are told together.
+    let mut told: Vec<&ModeReport> = Vec::new();
+    for mode in &r.modes {
+        let same = |o: &&ModeReport| {
+            o.dimensions == mode.dimensions
+                && o.autonomous == mode.autonomous
+                && o.involutive == mode.involutive
+                && o.static_feedback_linearizable == mode.static_feedback_linearizable
+                && o.brackets == mode.brackets
+        };
+        if told.iter().any(same) {
+            continue;
+        }
+        told.push(mode);
+        self::mode(f, mode)?;
+        let others = r.modes.iter().filter(|o| same(o)).count() - 1;
+        match others {
+            0 => {}
+            1 => writeln!(f, "  the same in 1 other mode")?,
+            _ => writeln!(f, "  the same in {others} other modes")?,
+        }
+    }
+    if let Some(d) = &r.switched {
+        writeln!(f, "switching between all modes")?;
+        switched(f, d)?;
+    }
+    if let Some(s) = &r.smoothed {
+        writeln!(f, "smoothed, width {}", s.epsilon)?;
+        dimensions(f, &s.dimensions)?;
+    }
+    match &r.at_point {
+        Some(Answer::Known(p)) => {
+            write!(f, "at the point of the model")?;
+            if let Some(width) = p.epsilon {
+                let verb = if p.vanishing.len() == 1 { "vanishes" } else { "vanish" };
+                write!(f, ", smoothed with width {width} ({} {verb} there)", joined(&p.vanishing, ", "))?;
+            }
+            writeln!(f)?;
+            point(f, p)?;
+        }
+        Some(Answer::Unknown(why)) => writeln!(f, "at the point of the model: unknown ({why})")?,
+        None => {}
+    }
+    let of = if r.global_statements_of == Some(Subject::Smoothed) { "smoothed model: " } else { "" };
+    if let Some(algebra) = &r.lie_algebra {
+        writeln!(f, "Lie algebra: {}", lie_algebra(algebra))?;
+    }
+    writeln!(f, "{of}input fields involutive: {}", yes_no(&r.involutive))?;
+    if !matches!(r.involutive, Answer::Known(true)) {
+        let closure = match &r.involutive_closure {
+            Answer::Known(closure) => involutive_closure(closure),
+            Answer::Unknown(why) => format!("unknown ({why})"),
+        };
+        writeln!(f, "{of}involutive closure of the input fields: {closure}")?;
+    }
+    writeln!(
+        f,
+        "{of}linearizable by static feedback near a generic point: {}",
+        yes_no(&r.static_feedback_linearizable)
+    )?;
+    feedback(f, &r.control)?;
+    if let Some(o) = &r.observability {
+        observability(f, o, of)?;
+    }
+    if !r.brackets.is_empty() {
+        writeln!(f, "{of}brackets")?;
+        brackets(f, &r.brackets)?;
+    }
+    if r.decided() && r.certificate.decisions() > 0 {
+        let points = r.certificate.points();
+        let noun = if points == 1 { "point" } else { "points" };
+        let error = r.certificate.error_text();
+        write!(f, "exact modulo 2^61-1 at {points} {noun}, error probability {error}; ")?;
+    }
+    writeln!(f, "{:.3} s", r.seconds)
+}
+
+fn mode(f: &mut String, r: &ModeReport) -> fmt::Result {
+    if r.signs.0.is_empty() {
+        writeln!(f, "at a generic point")?;
+    } else {
+        writeln!(f, "while {}", r.signs.condition())?;
+    }
+    dimensions(f, &r.dimensions)?;
+    match &r.autonomous {
+        Answer::Known(list) => {
+            if !list.is_empty() {
+                writeln!(f, "  no input influences    {}", joined(list, ",  "))?;
+            }
+            match r.autonomous_not_found {
+                None => {}
+                Some(1) => writeln!(f, "  and 1 further independent function that was not found in closed form")?,
+                Some(k) => {
+                    writeln!(f, "  and {k} further independent functions that were not found in closed form")?;
+                }
+            }
+        }
+        Answer::Unknown(why) => writeln!(f, "  no input influences    unknown ({why})")?,
+    }
+    if !r.signs.0.is_empty() {
+        writeln!(f, "  involutive inputs      {}", yes_no(&r.involutive))?;
+        writeln!(f, "  feedback linearizable  {}", yes_no(&r.static_feedback_linearizable))?;
+    }
+    brackets(f, &r.brackets)
+}
+
+fn switched(f: &mut String, r: &SwitchedReport) -> fmt::Result {
+    dimensions(f, &r.dimensions)?;
+    match &r.autonomous {
+        Answer::Known(list) if !list.is_empty() => writeln!(f, "  nothing influences     {}", joined(list, ",  "))?,
+        Answer::Known(_) => {}
+        Answer::Unknown(why) => writeln!(f, "  nothing influences     unknown ({why})")?,
+    }
+    if let Some(k) = r.autonomous_not_found {
+        let noun = if k == 1 { "function that was" } else { "functions that were" };
+        writeln!(f, "  and {k} further independent {noun} not found in closed form")?;
+    }
+    match &r.only_by_switching {
+        Answer::Known(list) => {
+            for s in list {
+                writeln!(f, "  only by switching      {}: by {}", s.function, s.reached_by)?;
+            }
+        }
+        Answer::Unknown(why) => writeln!(f, "  only by switching      unknown ({why})")?,
+    }
+    Ok(())
+}
+
+fn point(f: &mut String, r: &PointReport) -> fmt::Result {
+    dimensions(f, &r.dimensions)?;
+    writeln!(f, "  equilibrium            {}", yes_no(&r.equilibrium))?;
+    if let Some(rank) = r.linear_controllability_rank {
+        writeln!(f, "  linear rank            {rank}")?;
+    }
+    if let Some(s) = &r.stabilizable {
+        let why = r.stabilizable_reason.as_ref().filter(|_| s.known().is_some());
+        writeln!(f, "  stabilizable           {}{}", yes_no(s), why.map_or(String::new(), |w| format!(": {w}")))?;
+    }
+    if let Some(modes) = r.uncontrollable_modes.as_ref().and_then(Answer::known).filter(|m| !m.is_empty()) {
+        let modes: Vec<String> = modes.iter().map(eigenvalue).collect();
+        writeln!(f, "  uncontrollable modes   {}", modes.join(";  "))?;
+    }
+    if let Some(brockett) = &r.brockett_condition {
+        let what = match brockett {
+            Answer::Known(true) => "holds".to_owned(),
+            Answer::Known(false) => "fails: no continuous state feedback stabilises".to_owned(),
+            Answer::Unknown(why) => format!("unknown ({why})"),
+        };
+        writeln!(f, "  Brockett's condition   {what}")?;
+    }
+    writeln!(f, "  small-time control     {}: {}", r.stlc.verdict, r.stlc.reason)?;
+    match &r.relative_degree_defined {
+        Some(defined) => writeln!(f, "  vector relative degree {}", yes_no(defined)),
+        None => Ok(()),
+    }
+}
+
+fn dimensions(f: &mut String, r: &Dimensions) -> fmt::Result {
+    dimension_line(f, "accessible", &r.accessible_dimension, &r.growth)?;
+    span_line(f, &r.basis)?;
+    dimension_line(f, "strongly accessible", &r.strongly_accessible_dimension, &r.strong_growth)?;
+    if r.strong_basis == r.basis { Ok(()) } else { span_line(f, &r.strong_basis) }
+}
+
+/// The family of constant inputs beside the affine form.
+pub(crate) fn family(r: &Family) -> String {
+    let states = match r.integrators {
+        0 => String::new(),
+        1 => " with 1 more state".to_owned(),
+        n => format!(" with {n} more states"),
+    };
+    let agrees = match &r.agrees {
+        Answer::Known(true) => "agrees".to_owned(),
+        Answer::Known(false) => "does NOT agree".to_owned(),
+        Answer::Unknown(why) => format!("was not compared ({why})"),
+    };
+    format!(
+        "family of constant inputs: accessible dimension {}, strongly {}; the affine form{states} {agrees}",
+        r.accessible_dimension, r.strongly_accessible_dimension,
+    )
+}
+
+fn eigenvalue(m: &Mode) -> String {
+    let imaginary = if m.im == 0.0 { String::new() } else { format!("{:+.6}i", m.im) };
+    let times = if m.multiplicity > 1 { format!(" ({} times)", m.multiplicity) } else { String::new() };
+    let along =
+        if m.combinations.is_empty() { String::new() } else { format!(" along {}", joined(&m.combinations, ", ")) };
+    format!("{:.6}{imaginary}{times}{along}", m.re)
+}
+
+fn involutive_closure(r: &InvolutiveClosureReport) -> String {
+    let integrals = if r.integrals.is_empty() {
+        String::new()
+    } else {
+        format!(", constant along it {}", joined(&r.integrals, ",  "))
+    };
+    let missing = r.integrals_not_found.map_or(String::new(), |k| format!(", {k} not found in closed form"));
+    format!("dimension {} (growth {}){integrals}{missing}", r.dimension, joined(&r.growth, ", "))
+}
+
+/// The Lie algebra over the constants.
+pub(crate) fn lie_algebra(r: &LieAlgebra) -> String {
+    let nilpotent = match r.nilpotent_length {
+        Some(k) => format!("nilpotent: brackets longer than {k} vanish"),
+        None => "not nilpotent".to_owned(),
+    };
+    format!("dimension {} over the constants, {nilpotent}", r.dimension)
+}
+
+fn direction(d: &Direction) -> String {
+    d.symmetry.as_ref().map_or_else(|| d.field.to_string(), |s| format!("{} ({s})", d.field))
+}
+
+pub(crate) fn yes_no(answer: &Answer<bool>) -> String {
+    match answer {
+        Answer::Known(true) => "yes".to_owned(),
+        Answer::Known(false) => "no".to_owned(),
+        Answer::Unknown(why) => format!("unknown ({why})"),
+    }
+}
+
+/// A dimension among n, with the growth that leads to it.
+fn dimension_line(f: &mut String, label: &str, dimension: &Answer<usize>, growth: &[usize]) -> fmt::Result {
+    let list: Vec<String> = growth.iter().map(ToString::to_string).collect();
+    write!(f, "  {label:<22} {dimension}")?;
+    if !list.is_empty() {
+        write!(f, "   (growth {})", joined(&list, ", "))?;
+    }
+    writeln!(f)
+}
+
+/// More names than this are told in part.
+const MAX_NAMES: usize = 16;
+
+/// The brackets that a dimension counts.
+fn span_line(f: &mut String, basis: &[Bracket]) -> fmt::Result {
+    if basis.is_empty() {
+        return Ok(());
+    }
+    let told = &basis[..basis.len().min(MAX_NAMES)];
+    let rest = if told.len() < basis.len() { ", …" } else { "" };
+    writeln!(f, "    spanned by           {}{rest}", joined(told, ", "))
+}
+
+fn brackets(f: &mut String, brackets: &[RequestedBracket]) -> fmt::Result {
+    for RequestedBracket { name, components, .. } in brackets {
+        match components {
+            Answer::Known(list) => {
+                let list: Vec<String> = list.iter().map(Function::text).collect();
+                writeln!(f, "  {name} = ({})", list.join(", "))?;
+            }
+            Answer::Unknown(why) => writeln!(f, "  {name} = unknown ({why})")?,
+        }
+    }
+    Ok(())
+}
+
+/// What the outputs tell, naming the model that it is `of`.
+fn observability(f: &mut String, r: &ObservabilityReport, of: &str) -> fmt::Result {
+    writeln!(f, "{of}observability rank: {}", r.rank)?;
+    if !r.unobservable.is_empty() {
+        writeln!(f, "  not determined by the outputs: {}", joined(&r.unobservable, ", "))?;
+    }
+    for d in &r.unobservable_directions {
+        writeln!(f, "  no output changes along {}", direction(d))?;
+    }
+    for (name, yes) in r.identifiable.iter().flat_map(|m| &m.0) {
+        writeln!(f, "  parameter {name}: {}", if *yes { "identifiable" } else { "not identifiable" })?;
+    }
+    let hidden = |list: &Option<Named<bool>>| -> Vec<String> {
+        list.iter().flat_map(|m| &m.0).filter(|v| !v.1).map(|v| v.0.clone()).collect()
+    };
+    let states = hidden(&r.identifiable_states);
+    if !states.is_empty() {
+        writeln!(f, "  states not determined while parameters are unknown: {}", joined(&states, ", "))?;
+    }
+    if r.identifiable_without_inputs != r.identifiable {
+        let names = hidden(&r.identifiable_without_inputs);
+        if !names.is_empty() {
+            writeln!(f, "  with all inputs at zero not identifiable: {}", joined(&names, ", "))?;
+        }
+    }
+    for d in r.unidentifiable_directions.iter().filter(|d| !r.unobservable_directions.contains(d)) {
+        writeln!(f, "  with unknown parameters no output changes along {}", direction(d))?;
+    }
+    if let Some(fix) = &r.fix_to_identify {
+        writeln!(f, "  all parameters are identifiable given {}", joined(&fix, ", "))?;
+    }
+    for (text, yes) in r.determined.iter().flat_map(|m| &m.0) {
+        writeln!(f, "  {text}: {}", if *yes { "determined" } else { "not determined" })?;
+    }
+    Ok(())
+}
