@@ -3,15 +3,12 @@
 use bracketry_symbolic::{Expr, Func};
 use rustc_hash::FxHashMap;
 
-use super::apply::ModelNames;
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
+use super::limits::{STRIBECK_RANGE, STRIBECK_TRIALS};
+use super::names::ModelNames;
 use super::structure::{Coordinate, Kind, is_constant};
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
-
-/// Stribeck velocities are tried between these parts of the velocities in the data.
-const STRIBECK_RANGE: (f64, f64) = (0.005, 0.5);
-const STRIBECK_TRIALS: usize = 7;
 
 impl Builder {
     /// Effects of friction against each rate.

@@ -3,7 +3,7 @@
 use bracketry_symbolic::Expr;
 
 use super::builder::{Builder, amplitude};
-use super::probe::derivative_name;
+use super::names::derivative_name;
 use super::structure::{Coordinate, Kind, is_angle, is_constant};
 use super::terms::physical_terms;
 use crate::effect::{Cause, Coefficient};

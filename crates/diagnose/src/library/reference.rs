@@ -5,9 +5,8 @@ use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use super::builder::{Builder, amplitude, dissipation};
-use super::structure::Kind;
+use super::structure::{Kind, is_constant};
 use super::terms::{physical_terms, summands};
-use super::{builder_for, structure};
 use crate::effect::{Cause, Coefficient, Effect, Role};
 use crate::error::DiagnoseError;
 
@@ -33,7 +32,7 @@ pub fn reference_candidates(system: &System, reference: &System) -> Result<Vec<E
             known: system.state_names().join(", "),
         });
     }
-    let mut builder = builder_for(system, &[]);
+    let mut builder = Builder::new(system, &[]);
     let mut theirs = reference.clone();
     let directed = !theirs.set_valued_form().unit_vectors.is_empty();
     if directed {
@@ -190,7 +189,7 @@ fn classify(builder: &mut Builder, row: usize, term: Expr) -> Cause {
         [s] if Some(s) == position => {
             let slope = system.pool.diff(term, s);
             let slope = system.pool.simplify(slope);
-            if structure::is_constant(system, slope) { Cause::LinearStiffness } else { Cause::UnknownTerm }
+            if is_constant(system, slope) { Cause::LinearStiffness } else { Cause::UnknownTerm }
         }
         [s] if rates.contains(&s) => Cause::InertialCoupling,
         _ => Cause::UnknownTerm,

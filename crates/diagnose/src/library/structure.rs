@@ -146,6 +146,12 @@ impl Structure {
         Structure { coordinates, others, gravity }
     }
 
+    /// The structure of a model by itself.
+    pub(crate) fn of_model(system: &mut System) -> Self {
+        let pairs = pairs(system);
+        Self::of(system, &pairs)
+    }
+
     /// The translations among the coordinates.
     pub(crate) fn translations(&self) -> impl Iterator<Item = &Coordinate> {
         self.coordinates.iter().filter(|c| c.kind == Kind::Translation)

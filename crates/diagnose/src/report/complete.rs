@@ -1,10 +1,10 @@
 //! What follows from the fits of a report: intervals, the extended model, the gain.
 
-use super::table::significant;
 use super::{Report, Verdict};
 use crate::error::DiagnoseError;
 use crate::extend::ExtendedModel;
 use crate::gain::{Fitted, NO_FORCE, bootstrap, measure_gain};
+use crate::numbers::significant;
 use crate::record::Record;
 use crate::study::{Estimate, Fit, Linearization, Study, StudySettings};
 

@@ -2,8 +2,10 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use super::table::{Table, measured, percent, probability, short, significant};
-use super::{Candidate, Gain, NamedCause, RefittedParameter, Report, Value, Verdict};
+use super::table::{Table, percent, short};
+use super::{Candidate, NamedCause, RefittedParameter, Report, Value, Verdict};
+use crate::gain::Gain;
+use crate::numbers::{measured, probability, significant};
 
 /// Candidates that the text lists; JSON has them all.
 const LISTED: usize = 8;

@@ -5,69 +5,28 @@ use std::time::Instant;
 use bracketry_system::System;
 
 use super::curves::{curved, curved_where_better};
-use super::held_out::{HeldOut, thinned};
+use super::explanation::Explanation;
+use super::findings::{Ending, Findings};
+use super::held_out::{UnseenWindows, thinned};
 use super::hold::{half_a_sample, other_hold};
+use super::limits::{LEAST_EXPLAINED, NEAR_NOISE, SHORTER, WITHIN_REACH};
 use super::motion::{driven, still, uninformative};
-use super::noise::Scatter;
 use super::places::{Places, places};
 use super::proven::drop_unproven;
 use super::repeats::{Distinct, distinct};
-use super::rivals::{Rivals, rivals};
+use super::rivals::rivals;
 use super::scale::{factors, rescaled};
-use super::search::{Explanation, NEAR_NOISE, Search};
+use super::search::Search;
 use super::select::{Selection, backwards, select};
+use super::settings::{Settings, Stage};
 use super::units::other_units;
 use super::unnamed::unnamed;
 use super::validation::mispredicted;
-use super::{Settings, Stage, periods, scale, write};
+use super::{periods, scale, write};
 use crate::gain::NO_FORCE;
 use crate::library::{candidates, dictionary};
 use crate::report::Fits;
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
-
-/// Share of the excess over noise that named causes must explain where structure remains; with less the verdict is that the
-/// data are unexplained.
-pub(crate) const LEAST_EXPLAINED: f64 = 0.5;
-
-/// Lengths of windows, as parts of the longest, with which parameters that are far off begin.
-const SHORTER: [f64; 2] = [0.25, 0.0625];
-/// Long windows are worth a search if some pair of candidates promises a residual of at most this many times the noise.
-const WITHIN_REACH: f64 = 3.0;
-
-/// What was found, before it is written down.
-pub(crate) struct Findings {
-    /// The model with parameters refitted.
-    pub(crate) base: Explanation,
-    /// The explanation, empty if there is none.
-    pub(crate) chosen: Explanation,
-    /// Rivals of each of its members.
-    pub(crate) rivals: Vec<Rivals>,
-    /// The scatter around it.
-    pub(crate) scatter: Scatter,
-    /// Candidates at their trials that were put against the data.
-    pub(crate) tests: f64,
-    /// Smallest of the p-values by which the alarm was raised.
-    pub(crate) alarm: f64,
-    /// How it ended.
-    pub(crate) ending: Ending,
-}
-
-/// How the search for causes ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Ending {
-    /// The residual is noise.
-    Quiet,
-    /// The residual is correlated, but no candidate explains it, and it is hardly larger than the noise.
-    Coloured,
-    /// The named causes explain the residual.
-    Explained,
-    /// The named causes explain the given share of the excess.
-    Partly(f64),
-    /// They explain too little; the share of the best attempt.
-    Unexplained(f64),
-    /// What was tried explains the given share of the excess in the data of the fit, but predicts held-out data no better.
-    Refuted(f64),
-}
 
 /// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
 /// measured.
@@ -167,7 +126,7 @@ fn investigated(
         }
         if !chosen.members.is_empty() {
             progress(Stage::Rivals);
-            let held_out = HeldOut::new(search.study, &search.windows);
+            let held_out = UnseenWindows::new(search.study, &search.windows);
             found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref(), settings.significance)?;
             let best = chosen.clone();
             if drop_idle(&mut search, &mut chosen, held_out.as_ref())? {
@@ -204,7 +163,7 @@ fn investigated(
 fn drop_idle(
     search: &mut Search<'_>,
     chosen: &mut Explanation,
-    held_out: Option<&HeldOut>,
+    held_out: Option<&UnseenWindows>,
 ) -> Result<bool, DiagnoseError> {
     let Some(held_out) = held_out else { return Ok(false) };
     let mut dropped = false;

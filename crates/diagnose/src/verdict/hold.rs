@@ -3,18 +3,14 @@
 use bracketry_sim::Hold;
 use bracketry_system::System;
 
-use super::Settings;
 use super::alarm::Alarm;
-use super::diagnose::Findings;
+use super::findings::Findings;
 use super::held_out::{thinned, window_length};
+use super::limits::{NEAR_HALF_SAMPLE, OTHER_HOLD_WORTH};
 use super::search::Search;
+use super::settings::Settings;
 use crate::report::NamedCause;
 use crate::{Cause, DiagnoseError, Record, Study, StudySettings};
-
-/// The other way is worth a word if without any cause it leaves over at most this share of the excess.
-const WORTH_A_WORD: f64 = 0.5;
-/// A delay is half a sampling time if it differs by at most this share of one, or by two standard deviations.
-const NEAR_HALF: f64 = 0.05;
 
 /// What the refitted model leaves over when inputs go on between samples the other way.
 pub(super) struct OtherHold {
@@ -50,7 +46,7 @@ pub(super) fn other_hold(
     let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
     let stays = beyond(alarm.size) / excess;
     let noise = alarm.p_value >= settings.significance;
-    Ok((noise || stays <= WORTH_A_WORD).then_some(OtherHold { hold, stays, noise }))
+    Ok((noise || stays <= OTHER_HOLD_WORTH).then_some(OtherHold { hold, stays, noise }))
 }
 
 /// All inputs, by index, but those whose derivatives the model uses, which are motions.
@@ -103,7 +99,7 @@ pub(super) fn half_a_sample(cause: &NamedCause, records: &[Record]) -> Option<St
     let mut steps: Vec<f64> = record.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);
     let step = *steps.get(steps.len() / 2)?;
-    if (delay.value - 0.5 * step).abs() > (NEAR_HALF * step).max(2.0 * delay.std) || delay.std > 0.25 * step {
+    if (delay.value - 0.5 * step).abs() > (NEAR_HALF_SAMPLE * step).max(2.0 * delay.std) || delay.std > 0.25 * step {
         return None;
     }
     let linear = record.inputs.first().is_some_and(|signal| signal.hold == Hold::Linear);

@@ -1,5 +1,6 @@
 //! Whether data hold any motion.
 
+use super::limits::{MOTION_SPREAD, NINE_TENTHS};
 use std::time::Instant;
 
 use bracketry_system::System;
@@ -7,14 +8,9 @@ use bracketry_system::System;
 use crate::report::Evidence;
 use crate::{Measured, Record, Report, Verdict};
 
-/// A column holds motion if nine tenths of its values spread more than this many times as far as its noise alone would.
-const STANDS_OUT: f64 = 1.5;
-/// Nine tenths of a normal variable lie within this many standard deviations around its mean, to both sides.
-const NINE_TENTHS: f64 = 1.645;
-
 /// Measured columns that stand out of their noise in no record, by name, and whether those are all. Single outliers are no motion.
 pub(super) fn still(records: &[Record]) -> (Vec<String>, bool) {
-    let moves = |m: &Measured| spread(&m.values) > STANDS_OUT * 2.0 * NINE_TENTHS * m.noise;
+    let moves = |m: &Measured| spread(&m.values) > MOTION_SPREAD * 2.0 * NINE_TENTHS * m.noise;
     let mut names: Vec<&str> = Vec::new();
     for m in records.iter().flat_map(|r| &r.measured) {
         if !names.contains(&m.name.as_str()) {

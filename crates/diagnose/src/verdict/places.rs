@@ -1,23 +1,14 @@
 //! Where the refitted model is wrong: in which equation, and when.
 
+use super::limits::{LEAST_PLACE_SHARE, LINGERING, MOST_ANGLES, MOST_VALUES, NEAR_REST};
 use bracketry_symbolic::Symbol;
 use bracketry_system::System;
 
 use crate::gain::{Missing, MissingIn, missing};
 use crate::library::{Kind, Structure, is_angle};
-use crate::report::{Place, ResidualAcceleration, significant};
+use crate::numbers::significant;
+use crate::report::{Place, ResidualAcceleration};
 use crate::{DiagnoseError, Fit, Record};
-
-/// A velocity below this share of its root mean square counts as near rest.
-const NEAR_REST: f64 = 0.1;
-/// Near rest for this many times as long as a reversal at typical acceleration takes is rest.
-const LINGERING: f64 = 4.0;
-/// Equations with a smaller share of the error are not looked at by acceleration, position and tilt.
-const LEAST_SHARE: f64 = 0.01;
-/// Angles by whose sign the error is told apart, per equation.
-const MOST_ANGLES: usize = 3;
-/// Most values over time that the report keeps per equation and stretch.
-const MOST_VALUES: usize = 500;
 
 /// Where the refitted model is wrong.
 #[derive(Default)]
@@ -64,7 +55,7 @@ pub(super) fn places(system: &System, records: &[Record], fit: &Fit) -> Result<P
     let over_time = stretches.iter().flat_map(|s| s.equations.iter().map(|m| over_time(records, s, m))).collect();
     let (motion, mut regimes) = tally.places();
     let share = |equation: &str| motion.iter().filter(|p| p.equation == equation).map(|p| p.share).sum::<f64>();
-    regimes.retain(|p| share(&p.equation) >= LEAST_SHARE);
+    regimes.retain(|p| share(&p.equation) >= LEAST_PLACE_SHARE);
     Ok(Places { motion, regimes, over_time })
 }
 

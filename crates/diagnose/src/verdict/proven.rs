@@ -1,9 +1,12 @@
 //! What a cause must be worth to be named.
 
-use super::Settings;
+use super::explanation::Explanation;
+use super::limits::SURE;
 use super::noise::Scatter;
-use super::search::{Explanation, Search};
-use crate::report::{Gain, Report, Verdict};
+use super::search::Search;
+use super::settings::Settings;
+use crate::gain::Gain;
+use crate::report::{Report, Verdict};
 use crate::{Effect, Role};
 
 /// Improvement by a member of an explanation: decrease of the sum of squares and its p-value, corrected for the number of
@@ -20,10 +23,6 @@ pub(super) fn worth(
     let p_value = scatter.p_value(gained, search.candidates[member].coefficients.len()) * tests;
     Some((gained, p_value.min(1.0), rest))
 }
-
-/// Standard deviations that some amplitude of a cause must exceed where structure is left over, which takes what the cause's
-/// shape is not certain of; where only noise is, one will do.
-const SURE: f64 = 2.0;
 
 /// Takes out, one after the other, causes that are not significant or none of whose amplitudes exceeds its standard
 /// deviation, twice that where structure is left over, first the one that gains least; says whether there were any.

@@ -4,11 +4,12 @@ use std::f64::consts::PI;
 
 use bracketry_system::System;
 
-use super::Settings;
 use super::alarm::Alarm;
-use super::diagnose::{Ending, Findings};
+use super::findings::{Ending, Findings};
 use super::held_out::window_length;
+use super::limits::{OUTDONE, UNIT_CHANGE, UNIT_EXPLAINS, UNIT_WINDOWS, UNITS_ALIKE};
 use super::search::Search;
+use super::settings::Settings;
 use crate::{Cause, DiagnoseError, Estimate, Record, Study, StudySettings};
 
 /// By what columns are multiplied if they have another unit or sign, and what that would mean.
@@ -19,17 +20,6 @@ const FACTORS: [(f64, &str); 5] = [
     (PI / 180.0, "degrees"),
     (180.0 / PI, "radians where the model wants degrees"),
 ];
-/// Windows that are looked at.
-const LOOKED_AT: usize = 8;
-/// Another unit must leave over at most this share of the excess, without any cause.
-const EXPLAINED: f64 = 0.1;
-/// Another unit that leaves this many times as much over as the causes that were named is none.
-const OUTDONE: f64 = 1.5;
-/// Columns that explain the data within this factor of the best one are named with it.
-const ALIKE: f64 = 1.05;
-/// A parameter that changes by more than this factor is a sign of a wrong unit.
-const FAR: f64 = 2.0;
-
 /// What columns are scaled together.
 #[derive(Clone, Debug, PartialEq)]
 enum Scaled {
@@ -58,7 +48,7 @@ pub(super) fn other_units(
     let records = search.study.records();
     let plain = Study::new(system, records, &of)?;
     let count = plain.windows().len();
-    let windows: Vec<usize> = (0..count).step_by(count.div_ceil(LOOKED_AT).max(1)).collect();
+    let windows: Vec<usize> = (0..count).step_by(count.div_ceil(UNIT_WINDOWS).max(1)).collect();
     let refitted = Alarm::of(&plain.evaluate(&base.fit, &windows)?, system.states.len(), 0);
     let mut tried: Vec<(f64, Scaled, usize)> = Vec::new();
     for scaled in ways(&records[0]) {
@@ -76,7 +66,7 @@ pub(super) fn other_units(
     let Ok(fit) = study.fit(&[], &windows, None) else { return Ok(None) };
     let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
     let excess = |alarm: &Alarm| (alarm.square - alarm.floor).max(0.0);
-    let explains = excess(&alarm) <= EXPLAINED * excess(&refitted) || alarm.square <= ALIKE * refitted.square;
+    let explains = excess(&alarm) <= UNIT_EXPLAINS * excess(&refitted) || alarm.square <= UNITS_ALIKE * refitted.square;
     let near = fit.values.iter().enumerate().all(|(j, e)| !far(e) || fit.unidentified.contains(&j));
     // What was named explains the data far better.
     let outdone = !findings.chosen.members.is_empty() && alarm.size > OUTDONE * findings.chosen.alarm.size;
@@ -84,7 +74,7 @@ pub(super) fn other_units(
         return Ok(None);
     }
     // In a linear model it is the same which column it is.
-    let alike = tried.iter().filter(|t| t.0 <= ALIKE * square).map(|(_, scaled, k)| {
+    let alike = tried.iter().filter(|t| t.0 <= UNITS_ALIKE * square).map(|(_, scaled, k)| {
         let (factor, meaning) = FACTORS[*k];
         let name = match scaled {
             Scaled::Measured(c) => format!("`{}`", records[0].measured[*c].name),
@@ -116,9 +106,9 @@ fn suspicious(search: &Search<'_>, findings: &Findings) -> bool {
     }
 }
 
-/// Whether a parameter has moved by more than [`FAR`].
+/// Whether a parameter has moved by more than [`UNIT_CHANGE`].
 fn far(e: &Estimate) -> bool {
-    e.nominal != 0.0 && !(1.0 / FAR..=FAR).contains(&(e.value / e.nominal))
+    e.nominal != 0.0 && !(1.0 / UNIT_CHANGE..=UNIT_CHANGE).contains(&(e.value / e.nominal))
 }
 
 fn ways(record: &Record) -> Vec<Scaled> {

@@ -2,14 +2,12 @@
 
 use bracketry_system::System;
 
-use super::Settings;
 use super::alarm::Alarm;
+use super::explanation::Explanation;
 use super::held_out::{thinned, window_length};
-use super::search::{Explanation, NEAR_NOISE};
+use super::limits::{MUCH_MORE, NEAR_NOISE};
+use super::settings::Settings;
 use crate::{DiagnoseError, Record, Study, StudySettings};
-
-/// A run for validation that leaves over this many times what the data of the fit leave over is told of.
-const MUCH_MORE: f64 = 1.5;
 
 /// The runs for validation, with the size of their residual over noise, that the explanation predicts much worse than the data
 /// of its fit: parameters and coefficients stay, only initial states are fitted.

@@ -6,18 +6,14 @@ use bracketry_sim::Hold;
 use bracketry_system::System;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::Settings;
-use super::diagnose::{Ending, Findings, LEAST_EXPLAINED};
-use super::held_out::DIFFERENT;
+use super::findings::{Ending, Findings, Rivals};
+use super::limits::{DIFFERENT, LEAST_EXPLAINED, MARGIN, OUTSIDE_TOLERANCE};
 use super::proven::worth;
 use super::ranking::ranking;
-use super::rivals::{MARGIN, Rivals};
 use super::search::Search;
+use super::settings::Settings;
 use crate::report::{Evidence, Excess, NamedCause, RefittedParameter, Report, Rival, Value, Verdict};
 use crate::{Cause, Change, Effect, Estimate, Path, Role, separating_experiment};
-
-/// One-sided level at which a parameter must have left its tolerance.
-const OUTSIDE: f64 = 0.05;
 
 pub(super) fn report(
     system: &System,
@@ -183,7 +179,7 @@ fn parameter_errors(
                 .max(known.max.as_ref().map_or(0.0, |m| p.after - bound(m)));
             let beyond = (moved - settings.tolerance * p.before.abs()).max(beyond_range);
             let std = p.std.max(f64::MIN_POSITIVE);
-            if beyond <= 0.0 || tail(beyond / std) > OUTSIDE {
+            if beyond <= 0.0 || tail(beyond / std) > OUTSIDE_TOLERANCE {
                 return None;
             }
             let p_value = (2.0 * tail(moved / std) * parameters.len() as f64).min(1.0);

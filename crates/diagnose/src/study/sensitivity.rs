@@ -1,61 +1,32 @@
-//! Sensitivities of a window from one simulation: small changes of the initial state and of the equations, carried along the way.
+//! Sensitivities of a window from one simulation: small changes of the initial state and of the equations, propagated along its
+//! trajectory.
 
 use super::compiled::Target;
 use super::runner::{Failure, Runner};
 use crate::record::Quantity;
-use bracketry_sim::{Path, Tangent};
-
-/// A way that was simulated.
-#[derive(Default)]
-pub(super) struct Way {
-    pub(super) path: Path,
-    /// By reading, the number of pieces until then.
-    pub(super) marks: Vec<usize>,
-    /// By reading, angle and spin of a body whose tracked point lies off its centre of mass; empty without one.
-    pub(super) turns: Vec<(f64, f64)>,
-    /// The unknowns and the initial state that it belongs to.
-    pub(super) of: Option<(Vec<f64>, Vec<f64>)>,
-    /// The linear maps along it, where they have been made.
-    tangent: Tangent,
-    mapped: bool,
-}
-
-impl Way {
-    /// Whether the linear maps along it have been made.
-    pub(super) fn is_mapped(&self) -> bool {
-        self.mapped
-    }
-
-    /// Forgets what it belongs to.
-    pub(super) fn forget(&mut self) {
-        self.of = None;
-        self.mapped = false;
-        self.marks.clear();
-        self.turns.clear();
-    }
-}
 
 impl Runner<'_> {
-    /// Makes the linear maps along the way from `x0`; false where the model does not have them.
+    /// Makes the linear maps along the trajectory from `x0`; false where the model does not have them.
     pub(super) fn map(&mut self, theta: &[f64], x0: &[f64]) -> Result<bool, Failure> {
         let states_alone = self.record.measured.iter().all(|m| matches!(m.quantity, Quantity::State(_)));
         if !states_alone || !self.compiled.differentiable {
             return Ok(false);
         }
         let there = |of: &(Vec<f64>, Vec<f64>)| of.0 == theta && of.1 == x0;
-        if !self.way.of.as_ref().is_some_and(there) {
+        if !self.trajectory.of.as_ref().is_some_and(there) {
             let mut simulated = vec![0.0; self.target.len()];
             self.simulate(theta, x0, &mut simulated)?;
         }
-        if !self.way.mapped {
-            self.way.mapped = self.stepper.system_mut().tangent(&self.way.path, &mut self.way.tangent);
+        if !self.trajectory.mapped {
+            self.trajectory.mapped =
+                self.stepper.system_mut().tangent(&self.trajectory.path, &mut self.trajectory.tangent);
         }
-        Ok(self.way.mapped)
+        Ok(self.trajectory.mapped)
     }
 
     /// Changes of the simulated columns over their noise, by columns: by the initial state, in natural units, where `initial`, then
     /// for each of `changes` of the field. They are by piece `n` numbers each. The maps must have been made.
-    fn carry<'b>(&self, initial: bool, count: usize, changes: impl Fn(usize) -> &'b [f64], out: &mut [Vec<f64>]) {
+    fn propagate<'b>(&self, initial: bool, count: usize, changes: impl Fn(usize) -> &'b [f64], out: &mut [Vec<f64>]) {
         let n = self.stepper.state().len();
         let own = if initial { n } else { 0 };
         let mut x = vec![0.0; n * (own + count)];
@@ -64,18 +35,18 @@ impl Runner<'_> {
         let mut piece = 0;
         let samples = self.samples();
         let tracked = self.tracked();
-        for (number, (reading, &mark)) in self.schedule.iter().zip(&self.way.marks).enumerate() {
+        for (number, (reading, &mark)) in self.schedule.iter().zip(&self.trajectory.marks).enumerate() {
             while piece < mark {
                 let (by_state, by_field) = x.split_at_mut(own * n);
-                self.way.tangent.carry(piece, by_state, &[], &mut scratch);
-                self.way.tangent.carry(piece, by_field, changes(piece), &mut scratch);
+                self.trajectory.tangent.carry(piece, by_state, &[], &mut scratch);
+                self.trajectory.tangent.carry(piece, by_field, changes(piece), &mut scratch);
                 piece += 1;
             }
             let Quantity::State(state) = self.record.measured[reading.column].quantity else { continue };
             let at = reading.column * samples + reading.sample;
             if self.present[at] {
-                let turned =
-                    tracked.and_then(|(point, d)| Some((point, point.shift(state, *self.way.turns.get(number)?, d))));
+                let turned = tracked
+                    .and_then(|(point, d)| Some((point, point.shift(state, *self.trajectory.turns.get(number)?, d))));
                 for (column, values) in out.iter_mut().enumerate() {
                     let moved = &x[column * n..(column + 1) * n];
                     let with_it = turned.map_or(0.0, |(point, shift)| {
@@ -91,7 +62,7 @@ impl Runner<'_> {
     pub(super) fn by_state_and_equations(&self, numbers: bool) -> Vec<Vec<f64>> {
         let count = if numbers { self.compiled.targets.iter().filter(|t| **t == Target::Equations).count() } else { 0 };
         let mut out = vec![vec![0.0; self.target.len()]; self.stepper.state().len() + count];
-        self.carry(true, count, |piece| self.way.tangent.by_number(piece), &mut out);
+        self.propagate(true, count, |piece| self.trajectory.tangent.by_number(piece), &mut out);
         out
     }
 
@@ -105,28 +76,26 @@ impl Runner<'_> {
     ) -> Result<Option<Vec<Vec<f64>>>, Failure> {
         candidate.set(values)?;
         let mut changes = Vec::new();
-        if !candidate.stepper.system_mut().along(self.stepper.system(), &self.way.path, &mut changes) {
+        if !candidate.stepper.system_mut().along(self.stepper.system(), &self.trajectory.path, &mut changes) {
             return Ok(None);
         }
         let size = self.stepper.state().len() * count;
         let mut out = vec![vec![0.0; self.target.len()]; count];
-        self.carry(false, count, |piece| &changes[piece * size..(piece + 1) * size], &mut out);
+        self.propagate(false, count, |piece| &changes[piece * size..(piece + 1) * size], &mut out);
         Ok(Some(out))
     }
-}
 
-impl Runner<'_> {
     /// Change of the simulated columns when a candidate, whose model another runner has, changes the samples of inputs, to first order
     /// in their change. None where the models differ otherwise.
     pub(super) fn by_samples(&self, candidate: &mut Runner<'_>, values: &[f64]) -> Result<Option<Vec<f64>>, Failure> {
         candidate.set(values)?;
         let mut changes = Vec::new();
-        if !candidate.stepper.system_mut().by_samples(self.stepper.system(), &self.way.path, &mut changes) {
+        if !candidate.stepper.system_mut().by_samples(self.stepper.system(), &self.trajectory.path, &mut changes) {
             return Ok(None);
         }
         let n = self.stepper.state().len();
         let mut out = vec![vec![0.0; self.target.len()]];
-        self.carry(false, 1, |piece| &changes[piece * n..(piece + 1) * n], &mut out);
+        self.propagate(false, 1, |piece| &changes[piece * n..(piece + 1) * n], &mut out);
         Ok(out.pop())
     }
 }
@@ -141,7 +110,7 @@ mod tests {
     use bracketry_sim::Hold;
     use bracketry_system::System;
 
-    /// Sensitivities of one window of 0.4 s by initial states and parameters: carried along the way, and by finite differences. All
+    /// Sensitivities of one window of 0.4 s by initial states and parameters: propagated, and by finite differences. All
     /// states are measured with unit noise; inputs are two sines.
     fn both(text: &str, start: &[f64], hold: Hold) -> (nalgebra::DMatrix<f64>, nalgebra::DMatrix<f64>) {
         let system = System::parse("model.toml", text).unwrap();
@@ -183,8 +152,8 @@ mod tests {
     }
 
     fn assert_alike(text: &str, start: &[f64], hold: Hold) {
-        let (carried, differences) = both(text, start, hold);
-        for (j, (a, b)) in carried.column_iter().zip(differences.column_iter()).enumerate() {
+        let (propagated, differences) = both(text, start, hold);
+        for (j, (a, b)) in propagated.column_iter().zip(differences.column_iter()).enumerate() {
             let size = b.amax();
             assert!((a - b).amax() < 0.01 * size, "column {j}: off by {} of {size}", (a - b).amax());
         }

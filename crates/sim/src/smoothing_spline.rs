@@ -12,7 +12,7 @@ const WIDTH: usize = 2 * N + 1;
 pub enum Bandwidth {
     /// The frequency in Hz at which half of the amplitude passes.
     Cutoff(f64),
-    /// As generalised cross validation asks for (Craven and Wahba, Numer. Math. 31, 1979).
+    /// As generalized cross validation asks for (Craven and Wahba, Numer. Math. 31, 1979).
     CrossValidated,
 }
 
@@ -251,7 +251,7 @@ fn advance(known: &Known, h: f64, unit: f64) -> (Link, Known) {
         rows[N + i][..N].copy_from_slice(&known[i][..N]);
         rows[N + i][2 * N] = known[i][N];
     }
-    triangularise(&mut rows);
+    triangularize(&mut rows);
     let mut link = [[0.0; WIDTH]; N];
     let mut next = [[0.0; N + 1]; N];
     for i in 0..N {
@@ -262,7 +262,7 @@ fn advance(known: &Known, h: f64, unit: f64) -> (Link, Known) {
 }
 
 /// Householder reflections, as far as there are unknowns.
-fn triangularise(rows: &mut [[f64; WIDTH]; 2 * N]) {
+fn triangularize(rows: &mut [[f64; WIDTH]; 2 * N]) {
     for j in 0..2 * N - 1 {
         let norm = rows[j..].iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt();
         if norm == 0.0 {

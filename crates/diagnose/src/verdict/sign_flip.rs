@@ -1,21 +1,20 @@
 //! Terms of the model that may have the opposite sign.
 
-use super::search::{Explanation, Search, begun};
+use super::explanation::Explanation;
+use super::limits::LITTLE_LEFT;
+use super::search::{Search, started};
 use crate::{Coefficient, Effect, Fit, Role};
-
-/// A term of which less than this part is left hides its sign: there is little for friction to resist.
-const LITTLE: f64 = 0.5;
 
 impl Search<'_> {
     /// A term of the wrong sign and friction that is missing hide each other: without friction the best that a factor can do is to
     /// take the term out, and nothing is left then for friction to act on. Where an explanation has such a factor, these are the
-    /// exact fits that begin with the term turned round and friction on the same equation. Where that cannot be simulated in all
+    /// exact fits that begin with the sign flipped and friction on the same equation. Where that cannot be simulated in all
     /// windows, a cause that was taken for what the two do stands in the way: each of the others is left out then.
-    pub(crate) fn with_turned_terms(&mut self, current: &Explanation) -> Vec<Explanation> {
+    pub(crate) fn with_sign_flips(&mut self, current: &Explanation) -> Vec<Explanation> {
         // Initial states were fitted to the term that is nearly gone.
         let near = Fit { windows: Vec::new(), ..current.fit.clone() };
         let mut fits = Vec::new();
-        for (factor, turned) in self.hidden(current) {
+        for (factor, flipped) in self.hidden(current) {
             let equation = self.candidates[factor].equation.clone();
             for candidate in 0..self.candidates.len() {
                 let effect = &self.candidates[candidate];
@@ -23,10 +22,10 @@ impl Search<'_> {
                     continue;
                 }
                 for mut start in starts(effect) {
-                    start.push(turned.clone());
+                    start.push(flipped.clone());
                     let members: Vec<usize> = current.members.iter().copied().chain([candidate]).collect();
                     let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
-                    let first = self.study.fit(&effects, &self.windows, Some(&begun(near.clone(), &start)));
+                    let first = self.study.fit(&effects, &self.windows, Some(&started(near.clone(), &start)));
                     let Ok(first) = first else { continue };
                     let begin = with_windows_of(first, &current.fit);
                     if let Some(found) = self.again(members.clone(), &begin) {
@@ -43,16 +42,17 @@ impl Search<'_> {
         fits
     }
 
-    /// Factors of an explanation that leave little of their term: the member, its name and its value with the term turned round.
+    /// Factors of an explanation that leave little of their term: the member, its name and its value with the sign flipped.
     fn hidden(&self, explanation: &Explanation) -> Vec<(usize, (String, f64))> {
         let members = explanation.members.iter();
         let factors = members.flat_map(|&m| self.candidates[m].coefficients.iter().map(move |c| (m, c)));
         factors
             .filter_map(|(member, c)| {
-                let turned = c.turned?;
+                let flipped = c.turned?;
                 let value = explanation.fit.values.iter().find(|e| e.name == c.name)?.value;
-                let gone = 0.5 * (c.nominal + turned);
-                ((value - gone).abs() < LITTLE * (turned - gone).abs()).then(|| (member, (c.name.clone(), turned)))
+                let gone = 0.5 * (c.nominal + flipped);
+                ((value - gone).abs() < LITTLE_LEFT * (flipped - gone).abs())
+                    .then(|| (member, (c.name.clone(), flipped)))
             })
             .collect()
     }

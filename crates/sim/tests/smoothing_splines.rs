@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
-use bracketry_diagnose::{Bandwidth, SmoothingSpline, smooth};
+use bracketry_sim::{Bandwidth, SmoothingSpline, smooth};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal};
