@@ -1,5 +1,7 @@
 //! The extended model: the given one with fitted parameters and the effects that were found.
 
+use std::fmt;
+
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::{InputDelay, InputDerivative, System, WriteError};
 use rustc_hash::FxHashMap;
@@ -21,8 +23,28 @@ const EXTRA_DIGITS: i32 = 5;
 pub struct ExtendedModel {
     /// The equations.
     pub system: System,
-    /// What was found on the way of signals and is no part of the model: delays of measured columns.
-    pub notes: Vec<String>,
+    /// Delays that are no part of the model.
+    pub notes: Vec<OutsideDelay>,
+}
+
+/// A delay that a model's equations cannot say: of measured columns, or a negative one of inputs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutsideDelay {
+    /// The delay, s.
+    pub delay: f64,
+    /// Whether inputs are late; otherwise measured columns are.
+    pub inputs: bool,
+    /// Names of the inputs or columns.
+    pub signals: Vec<String>,
+}
+
+impl fmt::Display for OutsideDelay {
+    /// As a comment in the model file.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = if self.inputs { "input" } else { "measured column" };
+        let names = self.signals.join(", ");
+        write!(f, "a delay of {:.3e} s of the {what} {names} is no part of these equations", self.delay)
+    }
 }
 
 impl ExtendedModel {
@@ -77,9 +99,8 @@ impl ExtendedModel {
         let Some(coefficient) = effect.coefficients.first() else { return Ok(()) };
         let value = values.iter().find(|e| e.name == coefficient.name).map_or(coefficient.nominal, |e| e.value);
         if path == Path::SensorDelay || path == Path::InputDelay && value < 0.0 {
-            let what = if path == Path::InputDelay { "input" } else { "measured column" };
-            let names = signals.join(", ");
-            self.notes.push(format!("a delay of {value:.3e} s of the {what} {names} is no part of these equations"));
+            let inputs = path == Path::InputDelay;
+            self.notes.push(OutsideDelay { delay: value, inputs, signals: signals.to_vec() });
             return Ok(());
         }
         let symbol = self.system.pool.symbol(&coefficient.name);

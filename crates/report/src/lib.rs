@@ -16,7 +16,7 @@ mod stiffness_run;
 pub use affinization::{AffinizationReport, InputChange};
 pub use analysis::{Analysis, AnalysisError, analyze};
 pub use control::{ControlError, Controlled, ExactPlant, control, control_watched};
-pub use diagnosis::{Diagnosis, RankChange, Ranks};
+pub use diagnosis::{Diagnosis, DiagnosisJson, RankChange, Ranks, text as diagnosis_text};
 pub use html::Figure;
 pub use reach::{Influence, ReachTable, Reached};
 pub use simulation::{friction_bands, friction_colors};

@@ -9,10 +9,6 @@ use crate::error::DiagnoseError;
 use crate::record::Record;
 use crate::study::Estimate;
 
-/// Why there may be no force residual, for notes.
-pub(crate) const NO_FORCE: &str =
-    "no equation has all its states measured, in an even stretch long enough for derivatives above their noise";
-
 /// What one equation leaves over in one stretch of a record, over time.
 #[derive(Clone, Debug)]
 pub struct ForceResidual {

@@ -16,7 +16,7 @@ use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::extend::equations;
 use crate::library::{Structure, TIME_INPUT};
-use crate::record::{Record, Signal};
+use crate::record::{Measured, Record, Signal};
 use crate::study::{Estimate, lagged, stretches};
 
 /// One stretch of a record without a gap, with the equations evaluated at all of its samples.
@@ -221,18 +221,7 @@ impl Equations {
         let lost = (LOST_PERIODS / (bandwidth * stretch.dt)).ceil() as usize;
         let kept = lost..times.len().checked_sub(lost).filter(|&end| end > lost)?;
 
-        // Value, first and second derivative of every column, without its delay and offset.
-        let columns: Vec<Vec<[f64; 3]>> = record
-            .measured
-            .iter()
-            .map(|m| {
-                let ways = self.columns.iter().filter(|way| way.0 == m.name);
-                let (delay, offset) = ways.fold((0.0, 0.0), |sum, way| (sum.0 + way.1, sum.1 + way.2));
-                let cutoff = Bandwidth::Cutoff(STATE_BANDWIDTH * bandwidth);
-                let spline = SmoothingSpline::fit(times, &m.values[range.clone()], cutoff)?;
-                Some(times.iter().map(|t| spline.at(t + delay)).map(|[x, d, dd]| [x - offset, d, dd]).collect())
-            })
-            .collect::<Option<_>>()?;
+        let columns = self.columns(record, stretch, STATE_BANDWIDTH * bandwidth)?;
         let signals = self.signals(record, derivatives, stretch);
         let of = |o: &Origin| columns[o.column].iter().map(|x| x[o.order]).collect::<Vec<f64>>();
         let states: Vec<Option<Vec<f64>>> = origins.iter().map(|o| o.as_ref().map(of)).collect();
@@ -289,6 +278,19 @@ impl Equations {
             inputs: signals,
             forces,
         })
+    }
+
+    /// Value, first and second derivative of every measured column, without its delay and offset, up to a bandwidth in Hz.
+    fn columns(&self, record: &Record, stretch: &Stretch, bandwidth: f64) -> Option<Vec<Vec<[f64; 3]>>> {
+        let range = stretch.from..stretch.to;
+        let times = &record.times[range.clone()];
+        let of_column = |m: &Measured| {
+            let paths = self.columns.iter().filter(|path| path.0 == m.name);
+            let (delay, offset) = paths.fold((0.0, 0.0), |sum, path| (sum.0 + path.1, sum.1 + path.2));
+            let spline = SmoothingSpline::fit(times, &m.values[range.clone()], Bandwidth::Cutoff(bandwidth))?;
+            Some(times.iter().map(|t| spline.at(t + delay)).map(|[x, d, dd]| [x - offset, d, dd]).collect())
+        };
+        record.measured.iter().map(of_column).collect()
     }
 
     /// Inputs, then input derivatives, at the samples of a stretch as they reach the equations.

@@ -14,7 +14,6 @@ mod trial;
 
 pub use bootstrap::bootstrap;
 pub(crate) use bootstrap::middle;
-pub(crate) use equation::NO_FORCE;
 pub use equation::{ForceResidual, force_error, force_residuals};
 pub use horizon::Predicted;
 pub(crate) use limits::RESAMPLES;

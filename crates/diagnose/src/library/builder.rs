@@ -38,7 +38,8 @@ pub(crate) fn amplitude(name: String, unit: impl Into<String>, about: impl Into<
         max: f64::INFINITY,
         trials: Vec::new(),
         physical_sign: 0,
-        turned: None,
+        sign_flipped: None,
+        period_of: None,
         unit: unit.into(),
         about: about.into(),
     }

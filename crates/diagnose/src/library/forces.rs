@@ -145,7 +145,7 @@ impl Builder {
         let coefficients = vec![
             amplitude(a.clone(), c.force_unit.clone(), about("sine part")),
             amplitude(b.clone(), c.force_unit.clone(), about("cosine part")),
-            shape(p.clone(), trials, unit, about("period")),
+            Coefficient { period_of: Some(along.to_owned()), ..shape(p.clone(), trials, unit, about("period")) },
         ];
         let law = format!("({a}*sin(2*pi*{along}/{p}) + {b}*cos(2*pi*{along}/{p}))");
         self.along(Cause::PeriodicDisturbance, c.rate, &c.force, &law, coefficients)

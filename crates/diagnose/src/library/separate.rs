@@ -253,7 +253,9 @@ fn isolating(e: &Effect, system: &System) -> String {
         Cause::InputGain | Cause::ParameterError => "scale the input by two".to_owned(),
         Cause::InputDelay | Cause::ActuatorLag | Cause::SensorDelay => "add fast content to the input".to_owned(),
         Cause::SensorBias => format!("read {v} at rest against a second instrument"),
-        Cause::PeriodicDisturbance if e.term.contains(TIME_INPUT) => "record once with the input at rest".to_owned(),
+        Cause::PeriodicDisturbance if e.coefficients.iter().any(|c| c.period_of.as_deref() == Some(TIME_INPUT)) => {
+            "record once with the input at rest".to_owned()
+        }
         Cause::PeriodicDisturbance => format!("move {q} slowly at two constant speeds"),
         Cause::InertialCoupling => "repeat the motion at half the frequency".to_owned(),
         Cause::JointCoupling => format!("move the other joints with {v} held"),

@@ -9,6 +9,7 @@ use super::held_out::window_length;
 use super::hold::free_inputs;
 use super::limits::{CURVES_WORTH, EVEN_STEPS};
 use super::settings::Settings;
+use crate::report::Note;
 use crate::{DiagnoseError, Fit, Record, Study, StudySettings};
 
 /// The records with curves in place of straight lines through the samples of the inputs, where `explanation` leaves over more than
@@ -19,7 +20,7 @@ pub(super) fn curved_where_better(
     study: &Study,
     explanation: &Explanation,
     settings: &Settings,
-) -> Result<Option<(Vec<Record>, String)>, DiagnoseError> {
+) -> Result<Option<(Vec<Record>, Note)>, DiagnoseError> {
     if explanation.alarm.p_value >= settings.significance {
         return Ok(None);
     }
@@ -34,11 +35,7 @@ pub(super) fn curved_where_better(
     let Ok(fit) = study.fit(&explanation.fit.effects, &windows, Some(&start)) else { return Ok(None) };
     let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
     let stays = alarm.excess() / explanation.alarm.excess();
-    let note = format!(
-        "smooth curves through the samples of the inputs leave over {} of the excess that straight lines do, and take their place",
-        if stays < 1e-3 { "less than 0.1 %".to_owned() } else { format!("{:.1} %", 100.0 * stays) }
-    );
-    Ok((stays <= CURVES_WORTH).then_some((records, note)))
+    Ok((stays <= CURVES_WORTH).then_some((records, Note::Curves(stays))))
 }
 
 /// The records with every straight line between samples of an input shifted by the mean of what a parabola would add to it.

@@ -6,11 +6,12 @@ use bracketry_system::System;
 
 use super::curves::{curved, curved_where_better};
 use super::explanation::Explanation;
-use super::findings::{Ending, Findings};
+use super::findings::{Ending, Findings, Rivals};
 use super::held_out::{UnseenWindows, thinned};
 use super::hold::{half_a_sample, other_hold};
 use super::limits::{LEAST_EXPLAINED, NEAR_NOISE, SHORTER, WITHIN_REACH};
 use super::motion::{driven, still, uninformative};
+use super::noise::Scatter;
 use super::places::{Places, places};
 use super::proven::drop_unproven;
 use super::repeats::{Distinct, distinct};
@@ -23,9 +24,8 @@ use super::units::other_units;
 use super::unnamed::unnamed;
 use super::validation::mispredicted;
 use super::{periods, scale, write};
-use crate::gain::NO_FORCE;
 use crate::library::{candidates, dictionary};
-use crate::report::Fits;
+use crate::report::{Caveat, Fits, Note};
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
 /// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
@@ -50,12 +50,12 @@ pub fn diagnose(
         let name = "the number of causes that are named together (--max-causes)";
         return Err(DiagnoseError::Setting { name, value: 0.0, requirement: "at least 1" });
     }
-    investigated(system, distinct(records, validate), true, settings, begin, progress)
+    examined(system, distinct(records, validate), true, settings, begin, progress)
 }
 
 /// The diagnosis of records of which each is there once. Where inputs go on along straight `lines` between their samples and curves
 /// leave over much less, it begins anew with these.
-fn investigated(
+fn examined(
     system: &System,
     data: Distinct,
     lines: bool,
@@ -89,7 +89,7 @@ fn investigated(
         attempt = Attempt::new(study, None, &library, settings, progress)?;
     }
     let structured = attempt.selection.chosen.alarm.p_value < settings.significance
-        && !attempt.selection.chosen.exhausts(&attempt.base);
+        && !attempt.selection.chosen.spans(&attempt.base);
     if structured && settings.study.window.is_none() {
         progress(Stage::Refit);
         let near = attempt.selection.chosen.fit.clone();
@@ -102,43 +102,17 @@ fn investigated(
     if lines && let Some((better, note)) = curved_where_better(system, search.study, &selection.chosen, settings)? {
         notes.push(note);
         let data = Distinct { records: better, validate: curved(system, &validate), notes };
-        return investigated(system, data, false, settings, begin, progress);
+        return examined(system, data, false, settings, begin, progress);
     }
     let (records, validate) = (records.as_slice(), validate.as_slice());
-    let named: Vec<usize> = (0..library.len()).collect();
-    let Selection { mut chosen, mut scatter, mut tests, screened } = selection;
+    let Selection { chosen, scatter, tests, screened } = selection;
     let mut alarm = base.alarm.p_value.min(screened);
-    let mut found = Vec::new();
-    let mut refuted = None;
-    if alarm < settings.significance {
-        let mut among = named;
-        // Structure that is hardly worth a name; several causes or parameters far off that one law may say more simply.
-        let structured = chosen.alarm.p_value < settings.significance && !chosen.exhausts(&base);
-        if structured || chosen.members.len() > 1 || chosen.strayed(settings.tolerance) > 0 {
-            let terms = search.extend(dictionary(system, records)?);
-            let lists = (among.as_slice(), terms.as_slice());
-            if let Some(better) = unnamed(&mut search, &base, &chosen, lists, settings, progress)? {
-                (chosen, scatter) = better;
-                tests += terms.len() as f64;
-                among.extend(terms);
-                backwards(&mut search, &mut chosen, &scatter, tests, settings);
-            }
-        }
-        if !chosen.members.is_empty() {
-            progress(Stage::Rivals);
-            let held_out = UnseenWindows::new(search.study, &search.windows);
-            found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref(), settings.significance)?;
-            let best = chosen.clone();
-            if drop_idle(&mut search, &mut chosen, held_out.as_ref())? {
-                found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref(), settings.significance)?;
-            }
-            refuted = chosen.members.is_empty().then(|| share(&base, &best));
-            // Each round leaves fewer causes.
-            while drop_unproven(&mut search, &mut chosen, &scatter, tests, settings) {
-                found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref(), settings.significance)?;
-            }
-        }
-    }
+    let chosen = Chosen { explanation: chosen, scatter, tests, rivals: Vec::new(), refuted: None };
+    let Chosen { explanation: mut chosen, scatter, tests, rivals, refuted } = if alarm < settings.significance {
+        weigh(system, &mut search, &base, chosen, settings, progress)?
+    } else {
+        chosen
+    };
     if let Some(better) = search.base().filter(|b| b.square() < base.square()) {
         base = better.clone();
         alarm = base.alarm.p_value;
@@ -149,7 +123,7 @@ fn investigated(
         chosen.fit = search.study.fit(&chosen.fit.effects, &every, Some(&chosen.fit))?;
     }
     let ending = if alarm < settings.significance { ending(&base, &chosen, refuted, settings) } else { Ending::Quiet };
-    let findings = Findings { base, chosen, rivals: found, scatter, tests, alarm, ending };
+    let findings = Findings { base, chosen, rivals, scatter, tests, alarm, ending };
     let mut report = written(system, &mut search, &findings, validate, settings, begin, progress)?;
     report.notes.extend(notes);
     // What failed since was not the model's fault.
@@ -157,6 +131,62 @@ fn investigated(
         return Err(DiagnoseError::Stopped);
     }
     Ok(report)
+}
+
+/// What the search has chosen so far.
+struct Chosen {
+    explanation: Explanation,
+    scatter: Scatter,
+    tests: f64,
+    /// Of each of its members.
+    rivals: Vec<Rivals>,
+    /// Share of the excess that was explained by what held-out data did not bear out, if nothing else is left.
+    refuted: Option<f64>,
+}
+
+/// Weighs an explanation after an alarm: terms without a name take its place where they say the same more simply, rivals the
+/// place of causes where they are better, and causes that held-out data do not bear out or that are not significant leave.
+fn weigh(
+    system: &System,
+    search: &mut Search<'_>,
+    base: &Explanation,
+    mut now: Chosen,
+    settings: &Settings,
+    progress: &mut dyn FnMut(Stage),
+) -> Result<Chosen, DiagnoseError> {
+    let mut among: Vec<usize> = (0..search.candidates.len()).collect();
+    let chosen = &now.explanation;
+    // Structure that is hardly worth a name; several causes or parameters far off that one law may say more simply.
+    let structured = chosen.alarm.p_value < settings.significance && !chosen.spans(base);
+    if structured || chosen.members.len() > 1 || chosen.moved_parameters(settings.tolerance) > 0 {
+        let terms = search.extend(dictionary(system, search.study.records())?);
+        let lists = (among.as_slice(), terms.as_slice());
+        if let Some((better, scatter)) = unnamed(search, base, chosen, lists, settings, progress)? {
+            (now.explanation, now.scatter) = (better, scatter);
+            now.tests += terms.len() as f64;
+            among.extend(terms);
+            backwards(search, &mut now.explanation, &now.scatter, now.tests, settings);
+        }
+    }
+    if now.explanation.members.is_empty() {
+        return Ok(now);
+    }
+    progress(Stage::Rivals);
+    let unseen = UnseenWindows::new(search.study, &search.windows);
+    let mut compare = |search: &mut Search<'_>, explanation: &mut Explanation| {
+        rivals(search, explanation, &now.scatter, &among, unseen.as_ref(), settings.significance)
+    };
+    now.rivals = compare(search, &mut now.explanation)?;
+    let best = now.explanation.clone();
+    if drop_idle(search, &mut now.explanation, unseen.as_ref())? {
+        now.rivals = compare(search, &mut now.explanation)?;
+    }
+    now.refuted = now.explanation.members.is_empty().then(|| share(base, &best));
+    // Each round leaves fewer causes.
+    while drop_unproven(search, &mut now.explanation, &now.scatter, now.tests, settings) {
+        now.rivals = compare(search, &mut now.explanation)?;
+    }
+    Ok(now)
 }
 
 /// Takes out causes without which held-out data are predicted no worse; says whether there were any.
@@ -192,7 +222,7 @@ fn written(
         let Places { motion, regimes, over_time } = places(system, search.study.records(), &findings.base.fit)?;
         (report.places, report.regimes, report.residual_acceleration) = (motion, regimes, over_time);
         if report.places.is_empty() {
-            report.notes.push(format!("where the model is wrong is not shown: {NO_FORCE}"));
+            report.notes.push(Note::NoPlaces);
         }
     }
     progress(Stage::Gain);
@@ -200,14 +230,14 @@ fn written(
     let fits = Fits { refitted: &findings.base.fit, extended: &findings.chosen.fit, width };
     report.complete(search.study, fits, validate, &settings.study, settings.seed)?;
     report.withdraw_if_refuted();
-    doubt(&mut report, system, search, findings, validate, settings)?;
+    add_caveats(&mut report, system, search, findings, validate, settings)?;
     report.seconds = begin.elapsed().as_secs_f64();
     Ok(report)
 }
 
 /// Adds what speaks against the verdict: columns without motion, inputs that go on otherwise between samples, other units, runs for
 /// validation that are not predicted.
-fn doubt(
+fn add_caveats(
     report: &mut Report,
     system: &System,
     search: &Search<'_>,
@@ -218,35 +248,27 @@ fn doubt(
     let records = search.study.records();
     let (still, _) = still(records);
     if !still.is_empty() {
-        report.notes.push(format!(
-            "{} does not stand out of its noise and tells nothing: leave outliers empty, or remove the column",
-            still.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-        ));
+        report.notes.push(Note::StillColumns(still));
     }
     // Inputs that never change go on in the same way either way; another fit would only find another minimum.
     if findings.ending != Ending::Quiet
         && driven(records)
         && let Some(other) = other_hold(system, search, findings, settings)?
     {
-        report.reason = format!("{}; but {}", report.reason, other.clause());
-        if other.noise && report.verdict == Verdict::CauseFound {
+        report.reason.caveats.push(Caveat::OtherHold(other));
+        if other.stays.is_none() && report.verdict == Verdict::CauseFound {
             report.withdraw();
         }
-        report.notes.push(format!("{}: find out how the inputs go on before believing a cause", other.clause()));
+        report.notes.push(Note::OtherHold(other));
     }
     report.notes.extend(other_units(system, search, findings, settings)?);
     for cause in &mut report.causes {
         cause.flags.extend(half_a_sample(cause, records));
     }
     if report.verdict != Verdict::Unexplained {
-        for (name, size) in mispredicted(system, search.study, &findings.chosen, validate, settings)? {
-            let sentence = format!(
-                "{name}, which no fit has seen, is mispredicted: the residual there is {size:.3} times the noise"
-            );
-            report.reason = format!("{}; but {sentence}", report.reason);
-            report.notes.push(format!(
-                "{sentence}: something is there that the data of the fit do not show; diagnose it as data of the fit"
-            ));
+        for run in mispredicted(system, search.study, &findings.chosen, validate, settings)? {
+            report.reason.caveats.push(Caveat::Mispredicted(run.clone()));
+            report.notes.push(Note::Mispredicted(run));
         }
     }
     Ok(())
@@ -303,10 +325,10 @@ fn from_short_windows(study: &Study, mut fit: Fit, windows: &[usize]) -> Result<
     let length = times[first.to - 1] - times[first.from];
     for part in SHORTER {
         let short = study.with_windows(part * length)?;
-        let begin = short.fit(&[], &thinned(short.windows().len()), None)?;
-        let again = study.fit(&[], windows, Some(&Fit { windows: Vec::new(), ..begin }))?;
-        if failures(&again) <= failures(&fit) && square(&again) < square(&fit) {
-            fit = again;
+        let start = short.fit(&[], &thinned(short.windows().len()), None)?;
+        let refit = study.fit(&[], windows, Some(&Fit { windows: Vec::new(), ..start }))?;
+        if failures(&refit) <= failures(&fit) && square(&refit) < square(&fit) {
+            fit = refit;
         }
     }
     Ok(fit)
@@ -329,7 +351,7 @@ fn ending(base: &Explanation, chosen: &Explanation, refuted: Option<f64>, settin
     let share = share(base, chosen);
     if chosen.members.is_empty() {
         if base.alarm.size < NEAR_NOISE {
-            Ending::Coloured
+            Ending::Correlated
         } else {
             refuted.map_or(Ending::Unexplained(0.0), Ending::Refuted)
         }

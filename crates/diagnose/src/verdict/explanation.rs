@@ -26,7 +26,7 @@ impl Explanation {
 
     /// Whether causes take away all of what `base` leaves over but for what the inexactness of any law does, and that is near
     /// the noise: a further name would be given to it.
-    pub(crate) fn exhausts(&self, base: &Explanation) -> bool {
+    pub(crate) fn spans(&self, base: &Explanation) -> bool {
         !self.members.is_empty() && self.alarm.size < NEAR_NOISE && self.alarm.excess() < INEXACT * base.alarm.excess()
     }
 
@@ -51,7 +51,7 @@ impl Explanation {
     }
 
     /// Parameters of the model that had to change by more than `tolerance`, relative to their value.
-    pub(crate) fn strayed(&self, tolerance: f64) -> usize {
+    pub(crate) fn moved_parameters(&self, tolerance: f64) -> usize {
         let parameters = self.fit.values.len() - self.coefficients;
         (0..parameters)
             .filter(|i| !self.fit.unidentified.contains(i))

@@ -30,7 +30,7 @@ pub(crate) enum Ending {
     /// The residual is noise.
     Quiet,
     /// The residual is correlated, but no candidate explains it, and it is hardly larger than the noise.
-    Coloured,
+    Correlated,
     /// The named causes explain the residual.
     Explained,
     /// The named causes explain the given share of the excess.

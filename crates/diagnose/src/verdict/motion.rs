@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use bracketry_system::System;
 
-use crate::report::Evidence;
+use crate::report::{Evidence, NoMotion, Outcome, Reason};
 use crate::{Measured, Record, Report, Verdict};
 
 /// Measured columns that stand out of their noise in no record, by name, and whether those are all. Single outliers are no motion.
@@ -29,22 +29,15 @@ pub(super) fn driven(records: &[Record]) -> bool {
 
 /// The report on records in which nothing moves: no fit, since it would only give the prior back, or what a dead sensor feigns.
 pub(super) fn uninformative(system: &System, records: &[Record], begin: Instant) -> Report {
-    let remedy = match (records.iter().any(|r| !r.inputs.is_empty()), driven(records)) {
-        (false, _) => "record a run that begins away from rest, long enough for a motion above the noise",
-        (true, false) => {
-            "no input moves: drive the device, above its friction and above the noise of its sensors, and record that"
-        }
-        (true, true) => {
-            "the inputs move, but nothing that was measured does: if the device did move, a sensor is dead, or the columns are not \
-             those of its motion; if not, drive it above its friction and above the noise"
-        }
+    let no_motion = match (records.iter().any(|r| !r.inputs.is_empty()), driven(records)) {
+        (false, _) => NoMotion::NoInputs,
+        (true, false) => NoMotion::StillInputs,
+        (true, true) => NoMotion::DrivenInputs,
     };
     Report {
         model: system.name.clone(),
         verdict: Verdict::Uninformative,
-        reason: format!(
-            "no measured column stands out of its noise, so that the data cannot tell whether the model is right; {remedy}"
-        ),
+        reason: Reason { outcome: Outcome::NoMotion(no_motion), caveats: Vec::new() },
         causes: Vec::new(),
         places: Vec::new(),
         regimes: Vec::new(),

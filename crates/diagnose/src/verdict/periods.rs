@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::library::TIME_INPUT;
-use crate::{Cause, Effect, Fit, Quantity, Record, Role, Study, Window};
+use crate::{Cause, Effect, Fit, Quantity, Record, Study, Window};
 
 /// What a force wave does to a measured column while the rest of the dynamics is left alone.
 #[derive(Clone, Copy)]
@@ -29,22 +29,15 @@ enum Response {
 pub(super) fn tune(study: &Study, fit: &Fit, effects: &mut [Effect]) {
     let system = study.system();
     for effect in effects.iter_mut().filter(|e| e.cause == Cause::PeriodicDisturbance) {
-        let Some(shape) = effect.coefficients.iter().position(|c| c.role == Role::Shape) else { continue };
-        let Some(along) = along(system, effect, &effect.coefficients[shape].name) else { continue };
-        let peaks = peaks(&lanes(system, study, fit, &effect.equation, &along));
+        let Some(period) = effect.coefficients.iter_mut().find(|c| c.period_of.is_some()) else { continue };
+        let Some(along) = &period.period_of else { continue };
+        let peaks = peaks(&lanes(system, study, fit, &effect.equation, along));
         let (Some(&first), Some(shortest)) = (peaks.first(), peaks.iter().copied().reduce(f64::min)) else { continue };
-        let period = &mut effect.coefficients[shape];
         period.nominal = first;
         period.scale = first;
         period.min = 0.1 * shortest;
         period.trials = peaks;
     }
-}
-
-/// The state, or the time, in which an effect repeats.
-fn along(system: &System, effect: &Effect, period: &str) -> Option<String> {
-    let names = system.state_names().into_iter().chain([TIME_INPUT.to_owned()]);
-    names.into_iter().find(|name| effect.term.contains(&format!("pi*{name}/{period}")))
 }
 
 /// One window of one measured column.

@@ -6,7 +6,7 @@ use super::noise::Scatter;
 use super::search::Search;
 use super::settings::Settings;
 use crate::gain::Gain;
-use crate::report::{Report, Verdict};
+use crate::report::{Note, Outcome, Report, Verdict};
 use crate::{Effect, Role};
 
 /// Improvement by a member of an explanation: decrease of the sum of squares and its p-value, corrected for the number of
@@ -67,11 +67,7 @@ impl Report {
         if !refuted {
             return;
         }
-        let names: Vec<String> = self.causes.iter().map(|c| c.name.to_string()).collect();
-        self.reason = format!(
-            "{} explains the data of the fit, but data held out are predicted worse with it at every horizon",
-            names.join(" and ")
-        );
+        self.reason.outcome = Outcome::PredictsWorse(self.causes.iter().map(|c| c.name).collect());
         self.withdraw();
     }
 
@@ -84,7 +80,7 @@ impl Report {
         if let Some(excess) = &mut self.excess {
             excess.extended = None;
         }
-        self.notes.retain(|note| !note.starts_with("extended model: "));
+        self.notes.retain(|note| !matches!(note, Note::ExtendedModel(_)));
         self.evidence.extended = None;
         self.evidence.model = None;
         self.evidence.held_out = None;

@@ -2,7 +2,8 @@
 
 use super::alarm::Alarm;
 use super::limits::NOISE_OFF;
-use crate::Record;
+use crate::report::Note;
+use crate::{Measured, Record};
 
 /// By what the estimates of noise of the columns are to be multiplied, if what a fit leaves over is noise and says that the columns weigh
 /// wrongly against each other. Where it is not noise, high frequencies may be the model's. `None` for records with other columns.
@@ -33,16 +34,11 @@ pub(super) fn rescaled(records: &[Record], factors: &[f64]) -> Vec<Record> {
     records
 }
 
-/// What is to be said of columns whose noise is another than they show by themselves.
-pub(super) fn notes(records: &[Record], factors: &[f64]) -> Vec<String> {
+/// Columns whose noise is another than they show by themselves.
+pub(super) fn notes(records: &[Record], factors: &[f64]) -> Vec<Note> {
     let Some(record) = records.first() else { return Vec::new() };
     let off = record.measured.iter().zip(factors).filter(|(_, f)| !(1.0 / NOISE_OFF..=NOISE_OFF).contains(*f));
-    off.map(|(m, factor)| {
-        format!(
-            "the noise of `{}` is {:.2e}, as the residual says, {factor:.2} times what the column alone shows: fitted again with it",
-            m.name,
-            m.noise * factor
-        )
-    })
-    .collect()
+    let note =
+        |(m, &factor): (&Measured, &f64)| Note::NoiseOfColumn { column: m.name.clone(), std: m.noise * factor, factor };
+    off.map(note).collect()
 }

@@ -45,7 +45,7 @@ pub(crate) fn select(
         let room = settings.max_causes - selection.chosen.members.len();
         let still = selection.chosen.alarm.p_value < settings.significance
             || screened(&promises, &selection.scatter, tests) < settings.significance;
-        if !still || promises.is_empty() || selection.chosen.exhausts(base) {
+        if !still || promises.is_empty() || selection.chosen.spans(base) {
             break;
         }
         progress(Stage::Fit { causes: selection.chosen.members.len() + 1 });

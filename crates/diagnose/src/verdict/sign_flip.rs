@@ -48,7 +48,7 @@ impl Search<'_> {
         let factors = members.flat_map(|&m| self.candidates[m].coefficients.iter().map(move |c| (m, c)));
         factors
             .filter_map(|(member, c)| {
-                let flipped = c.turned?;
+                let flipped = c.sign_flipped?;
                 let value = explanation.fit.values.iter().find(|e| e.name == c.name)?.value;
                 let gone = 0.5 * (c.nominal + flipped);
                 ((value - gone).abs() < LITTLE_LEFT * (flipped - gone).abs())

@@ -62,7 +62,8 @@ pub(crate) fn unnamed(
     let scatter = Scatter::around(&closest.alarm, &around.scores);
     let Some(best) = leading(search, &tried, &scatter).cloned() else { return Ok(None) };
     let substantial = chosen.square() - best.square() >= SUBSTANTIAL * chosen.alarm.excess();
-    let price = |e: &Explanation| merit(search, e, &scatter) + scatter.price() * e.strayed(settings.tolerance) as f64;
+    let price =
+        |e: &Explanation| merit(search, e, &scatter) + scatter.price() * e.moved_parameters(settings.tolerance) as f64;
     let better = price(&best) < price(chosen);
     Ok(((substantial || !structured) && better).then_some((best, scatter)))
 }

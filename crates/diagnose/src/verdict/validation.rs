@@ -7,6 +7,7 @@ use super::explanation::Explanation;
 use super::held_out::{thinned, window_length};
 use super::limits::{MUCH_MORE, NEAR_NOISE};
 use super::settings::Settings;
+use crate::report::Mispredicted;
 use crate::{DiagnoseError, Record, Study, StudySettings};
 
 /// The runs for validation, with the size of their residual over noise, that the explanation predicts much worse than the data
@@ -20,7 +21,7 @@ pub(super) fn mispredicted(
     explanation: &Explanation,
     validate: &[Record],
     settings: &Settings,
-) -> Result<Vec<(String, f64)>, DiagnoseError> {
+) -> Result<Vec<Mispredicted>, DiagnoseError> {
     let mut found = Vec::new();
     for record in validate {
         let length = StudySettings { window: window_length(like), ..settings.study.clone() };
@@ -28,7 +29,7 @@ pub(super) fn mispredicted(
         let windows = study.evaluate(&explanation.fit, &thinned(study.windows().len()))?;
         let alarm = Alarm::of(&windows, system.states.len(), 0);
         if alarm.p_value < settings.significance && alarm.size > NEAR_NOISE.max(MUCH_MORE * explanation.alarm.size) {
-            found.push((record.name.clone(), alarm.size));
+            found.push(Mispredicted { record: record.name.clone(), size: alarm.size });
         }
     }
     Ok(found)

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::numbers::significant;
+use bracketry_diagnose::significant;
 
 /// Rows of cells; the first row is the header.
 #[derive(Default)]

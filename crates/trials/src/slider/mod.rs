@@ -3,14 +3,16 @@
 //! The plant `m v' = u − Fc Sgn(v) + (hidden effect)` is simulated with exact sticking and slipping; what is handed out as the log is
 //! measured and noisy, and the model that belongs to it has the nominal equations with wrong parameters. The truth is kept apart.
 
+mod effect;
 mod error;
 mod excitation;
-mod hidden;
+mod experiment;
 mod score;
-mod slider;
+mod trial;
 
+pub use effect::SliderEffect;
 pub use error::SyntheticError;
 pub use excitation::Excitation;
-pub use hidden::HiddenEffect;
+pub use experiment::{Hidden, Slider, SliderLog, SliderSensors, SliderTruth};
 pub use score::Score;
-pub use slider::{Hidden, Slider, SliderLog, SliderSensors, SliderTruth};
+pub use trial::{Choice, SliderTrial};

@@ -1,9 +1,10 @@
-//! Hides an effect that is chosen at random in a log of a slider and diagnoses it from its CSV and the model text alone.
+//! One trial: an effect chosen at random is hidden in a log of a slider, which is diagnosed from its CSV and the model text alone.
 
-use bracketry_diagnose::{
-    HiddenEffect, RecordSettings, Report, Score, Settings, Slider, SliderLog, SliderSensors, SyntheticError, diagnose,
-    read_record,
-};
+use super::effect::SliderEffect;
+use super::error::SyntheticError;
+use super::experiment::{Slider, SliderLog, SliderSensors};
+use super::score::Score;
+use bracketry_diagnose::{RecordSettings, Report, Settings, diagnose, read_record};
 use bracketry_system::System;
 use rand::rngs::StdRng;
 use rand::seq::IndexedRandom;
@@ -16,10 +17,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Files written so far: tests run side by side, each log has a file of its own.
 static FILES: AtomicUsize = AtomicUsize::new(0);
 
-/// What may be hidden. Tests and examples use some each.
-#[allow(dead_code)]
+/// What may be hidden.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Choice {
+pub enum Choice {
     /// Nothing.
     Nothing,
     /// One of the basic effects.
@@ -31,30 +31,30 @@ pub(crate) enum Choice {
     /// One that has no name in the library.
     Outside,
     /// This one.
-    Only(HiddenEffect),
+    Only(SliderEffect),
 }
 
 /// One log to be diagnosed.
-pub(crate) struct Trial {
+pub struct SliderTrial {
     /// Everything about it follows from this number and the settings.
-    pub(crate) seed: u64,
+    pub seed: u64,
     /// What is hidden.
-    pub(crate) hidden: Vec<HiddenEffect>,
+    pub hidden: Vec<SliderEffect>,
     /// The experiment.
-    pub(crate) slider: Slider,
+    pub slider: Slider,
 }
 
-impl Trial {
+impl SliderTrial {
     /// Draws effects and experiment. `general`: sampling, noise, excitation and sizes at random as well.
-    pub(crate) fn draw(choice: Choice, sensors: SliderSensors, size: f64, general: bool, seed: u64) -> Self {
+    pub fn draw(choice: Choice, sensors: SliderSensors, size: f64, general: bool, seed: u64) -> Self {
         let mut random = StdRng::seed_from_u64(seed);
         let hidden = match choice {
             Choice::Nothing => Vec::new(),
-            Choice::Any => one(&HiddenEffect::BASIC, &mut random),
-            Choice::Further => one(&HiddenEffect::FURTHER, &mut random),
-            Choice::Outside => one(&HiddenEffect::OUTSIDE, &mut random),
+            Choice::Any => one(&SliderEffect::BASIC, &mut random),
+            Choice::Further => one(&SliderEffect::FURTHER, &mut random),
+            Choice::Outside => one(&SliderEffect::OUTSIDE, &mut random),
             Choice::Only(effect) => vec![effect],
-            Choice::Pair => HiddenEffect::BASIC.sample(&mut random, 2).copied().collect(),
+            Choice::Pair => SliderEffect::BASIC.sample(&mut random, 2).copied().collect(),
         };
         let slider = if general {
             Slider::random(sensors, &mut random)
@@ -65,12 +65,18 @@ impl Trial {
     }
 
     /// The log.
-    pub(crate) fn log(&self) -> Result<SliderLog, SyntheticError> {
+    ///
+    /// # Errors
+    /// As [`Slider::run`].
+    pub fn log(&self) -> Result<SliderLog, SyntheticError> {
         self.slider.run(&self.hidden, self.seed)
     }
 
     /// Diagnoses the log and compares with the truth.
-    pub(crate) fn run(&self, settings: &Settings) -> Result<(Report, Score), Box<dyn Error>> {
+    ///
+    /// # Errors
+    /// A log that cannot be made, and what the diagnosis refuses.
+    pub fn run(&self, settings: &Settings) -> Result<(Report, Score), Box<dyn Error>> {
         let log = self.log()?;
         let (process, number) = (std::process::id(), FILES.fetch_add(1, Ordering::Relaxed));
         let path = std::env::temp_dir().join(format!("hidden_effect_{process}_{number}.csv"));
@@ -90,6 +96,6 @@ fn verdict(csv: &Path, model: &str, settings: &Settings) -> Result<Report, Box<d
     Ok(diagnose(&system, &[record], &[], settings, &mut |_| {})?)
 }
 
-fn one(effects: &[HiddenEffect], random: &mut StdRng) -> Vec<HiddenEffect> {
+fn one(effects: &[SliderEffect], random: &mut StdRng) -> Vec<SliderEffect> {
     vec![effects[random.random_range(0..effects.len())]]
 }

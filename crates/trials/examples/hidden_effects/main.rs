@@ -1,15 +1,14 @@
 //! Hides effects in logs of a slider, diagnoses them and counts what was named:
-//! `cargo run --release -p bracketry-diagnose --example hidden_effects -- --runs 200 --seed 1 --measured xv --size 0.1 --effect any`
+//! `cargo run --release -p bracketry-trials --example hidden_effects -- --runs 200 --seed 1 --measured xv --size 0.1 --effect any`
 //!
 //! `--help` lists the options; `--export DIR` writes the logs, models and truths for other programs instead.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod export;
 mod tally;
-#[path = "../../tests/common/trial.rs"]
-mod trial;
 
-use bracketry_diagnose::{HiddenEffect, Settings, SliderSensors};
+use bracketry_diagnose::Settings;
+use bracketry_trials::{Choice, SliderEffect, SliderSensors, SliderTrial};
 use clap::Parser;
 use rayon::prelude::*;
 use std::fs::File;
@@ -19,7 +18,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use tally::{Row, table};
-use trial::{Choice, Trial};
 
 /// Hides effects in logs of a slider, diagnoses them and counts what was named.
 #[derive(Parser)]
@@ -71,14 +69,14 @@ fn choice(text: &str) -> Result<Choice, String> {
         "pair" => Choice::Pair,
         "further" => Choice::Further,
         "outside" => Choice::Outside,
-        name => Choice::Only(HiddenEffect::from_name(name).ok_or("any, none, pair, further, outside or an effect")?),
+        name => Choice::Only(SliderEffect::from_name(name).ok_or("any, none, pair, further, outside or an effect")?),
     })
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = Options::parse();
-    let trials: Vec<Trial> = (options.seed..options.seed + options.runs)
-        .map(|seed| Trial::draw(options.effect, options.measured, options.size, options.general, seed))
+    let trials: Vec<SliderTrial> = (options.seed..options.seed + options.runs)
+        .map(|seed| SliderTrial::draw(options.effect, options.measured, options.size, options.general, seed))
         .collect();
     if let Some(directory) = &options.export {
         return export::export(&trials, directory);
@@ -87,7 +85,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut settings = Settings::default();
     settings.study.window = options.window;
     let file = options.json.as_ref().map(File::create).transpose()?.map(Mutex::new);
-    let run = |trial: &Trial| {
+    let run = |trial: &SliderTrial| {
         let start = Instant::now();
         let outcome = trial.run(&settings);
         let row = Row::new(trial, outcome, start.elapsed().as_secs_f64());

@@ -1,6 +1,8 @@
 //! A slider on a rail, its measured run and the model that lacks something.
 
-use super::{Excitation, HiddenEffect, SyntheticError};
+use super::effect::SliderEffect;
+use super::error::SyntheticError;
+use super::excitation::Excitation;
 use bracketry_sim::{Hold, Inputs, Model, Samples, Settings, simulate};
 use bracketry_system::System;
 use rand::rngs::StdRng;
@@ -58,7 +60,7 @@ pub struct Slider {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hidden {
     /// The effect.
-    pub effect: HiddenEffect,
+    pub effect: SliderEffect,
     /// Its coefficient in SI units: factor of its force, delay, lag, compliance of a spring or of bristles, limit
     /// to the power −8.
     pub strength: f64,
@@ -129,7 +131,7 @@ impl Slider {
     ///
     /// # Errors
     /// [`SyntheticError`] for settings without meaning and for an effect that cannot be given the wanted size.
-    pub fn run(&self, hidden: &[HiddenEffect], seed: u64) -> Result<SliderLog, SyntheticError> {
+    pub fn run(&self, hidden: &[SliderEffect], seed: u64) -> Result<SliderLog, SyntheticError> {
         self.check()?;
         let mut random = StdRng::seed_from_u64(seed);
         let (before, count) = ((self.lead * self.rate).round() as i64, (self.duration * self.rate).round() as i64);
@@ -229,7 +231,7 @@ impl Slider {
         before: usize,
     ) -> Result<Vec<Vec<f64>>, SyntheticError> {
         let system = System::parse("slider with a hidden effect", &self.plant(effects))?;
-        let delay = |hidden: &&Hidden| hidden.effect == HiddenEffect::InputDelay;
+        let delay = |hidden: &&Hidden| hidden.effect == SliderEffect::InputDelay;
         let late: f64 = effects.iter().filter(delay).map(|hidden| hidden.strength).sum();
         // No force before the experiment.
         let signal = |late: f64| {

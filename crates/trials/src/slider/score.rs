@@ -1,7 +1,7 @@
 //! What counts as finding a hidden effect.
 
-use super::SliderTruth;
-use crate::{Cause, Report, Verdict};
+use super::experiment::SliderTruth;
+use bracketry_diagnose::{Cause, Report, Verdict};
 
 /// How a verdict compares with the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

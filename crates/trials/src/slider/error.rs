@@ -1,6 +1,6 @@
 //! Synthetic logs that cannot be made.
 
-use super::HiddenEffect;
+use super::effect::SliderEffect;
 use bracketry_sim::{InputError, Outcome, SimError};
 use bracketry_system::FileError;
 
@@ -19,7 +19,7 @@ pub enum SyntheticError {
     #[error("{} reaches {reached} instead of {wanted} times the drive's rms: choose another size or excitation", .effect.name())]
     Size {
         /// The effect.
-        effect: HiddenEffect,
+        effect: SliderEffect,
         /// The size wanted, relative to the drive's rms.
         wanted: f64,
         /// The size reached.

@@ -1,12 +1,12 @@
 //! Effects that are hidden in synthetic logs.
 
-use crate::Cause;
+use bracketry_diagnose::Cause;
 use rand::RngExt;
 use rand::rngs::StdRng;
 
 /// An effect that the slider has and its model lacks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum HiddenEffect {
+pub enum SliderEffect {
     /// A force −c v.
     Viscous,
     /// Friction that falls with speed: −F exp(−(v/s)²) sign v on top of Coulomb's.
@@ -60,7 +60,7 @@ pub(super) struct Physics {
     pub(super) strength: f64,
 }
 
-impl HiddenEffect {
+impl SliderEffect {
     /// The effects of the basic trial.
     pub const BASIC: [Self; 5] = [Self::Viscous, Self::Stribeck, Self::Tilt, Self::InputDelay, Self::QuadraticDrag];
     /// Further effects with a name in the library.

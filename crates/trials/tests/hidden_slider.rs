@@ -1,13 +1,10 @@
 //! An effect chosen at random is hidden in the log of a slider, and the diagnosis must name it from the CSV alone.
 //!
-//! Seeds are fixed here; `cargo run --release -p bracketry-diagnose --example hidden_effects` takes any, and many more.
+//! Seeds are fixed here; `cargo run --release -p bracketry-trials --example hidden_effects` takes any, and many more.
 #![allow(clippy::unwrap_used)]
 
-#[path = "common/trial.rs"]
-mod trial;
-
-use bracketry_diagnose::{Score, Settings, SliderSensors};
-use trial::{Choice, Trial};
+use bracketry_diagnose::Settings;
+use bracketry_trials::{Choice, Score, SliderSensors, SliderTrial};
 
 const XV: SliderSensors = SliderSensors::PositionAndVelocity;
 const X: SliderSensors = SliderSensors::Position;
@@ -15,10 +12,10 @@ const X: SliderSensors = SliderSensors::Position;
 /// Diagnoses one log per seed, sampled at 250 Hz to be quick, and returns what they scored with a text for messages.
 fn scores(choice: Choice, sensors: SliderSensors, size: f64, seeds: std::ops::Range<u64>) -> Vec<(Score, String)> {
     let score = |seed| {
-        let mut trial = Trial::draw(choice, sensors, size, false, seed);
+        let mut trial = SliderTrial::draw(choice, sensors, size, false, seed);
         trial.slider.rate = 250.0;
         let (report, score) = trial.run(&Settings::default()).unwrap();
-        (score, format!("seed {seed}, {:?} hidden:\n{report}", trial.hidden))
+        (score, format!("seed {seed}, {:?} hidden:\n{report:?}", trial.hidden))
     };
     seeds.map(score).collect()
 }

@@ -1,8 +1,8 @@
 //! Synthetic logs hold what they promise: equations, sizes, noise, and a truth that the log does not tell.
 #![allow(clippy::unwrap_used)]
 
-use bracketry_diagnose::{Excitation, Hidden, HiddenEffect, Slider, SliderLog, SliderSensors, SyntheticError};
 use bracketry_system::System;
+use bracketry_trials::{Excitation, Hidden, Slider, SliderEffect, SliderLog, SliderSensors, SyntheticError};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 
@@ -27,32 +27,32 @@ fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
 fn force(hidden: &Hidden, x: f64, v: f64, t: f64) -> f64 {
     let Hidden { strength: a, shape: b, .. } = *hidden;
     match hidden.effect {
-        HiddenEffect::Viscous => -a * v,
-        HiddenEffect::Stribeck => -a * (-(v / b).powi(2)).exp() * v.signum(),
-        HiddenEffect::Tilt => a,
-        HiddenEffect::QuadraticDrag => -a * v * v.abs(),
-        HiddenEffect::FrictionAsymmetry => -a,
-        HiddenEffect::LinearStiffness => -a * x,
-        HiddenEffect::CubicStiffness => -a * x * x * x,
-        HiddenEffect::PeriodicDisturbance => a * (std::f64::consts::TAU * b * t).sin(),
-        HiddenEffect::PositionDependentFriction => -a * (b * x).sin() * v.signum(),
-        HiddenEffect::Cogging => a * (b * x).sin(),
-        HiddenEffect::CubicDrag => -a * v.powi(3),
-        HiddenEffect::WarmingFriction => -a * (1.0 - (-t / b).exp()) * v.signum(),
+        SliderEffect::Viscous => -a * v,
+        SliderEffect::Stribeck => -a * (-(v / b).powi(2)).exp() * v.signum(),
+        SliderEffect::Tilt => a,
+        SliderEffect::QuadraticDrag => -a * v * v.abs(),
+        SliderEffect::FrictionAsymmetry => -a,
+        SliderEffect::LinearStiffness => -a * x,
+        SliderEffect::CubicStiffness => -a * x * x * x,
+        SliderEffect::PeriodicDisturbance => a * (std::f64::consts::TAU * b * t).sin(),
+        SliderEffect::PositionDependentFriction => -a * (b * x).sin() * v.signum(),
+        SliderEffect::Cogging => a * (b * x).sin(),
+        SliderEffect::CubicDrag => -a * v.powi(3),
+        SliderEffect::WarmingFriction => -a * (1.0 - (-t / b).exp()) * v.signum(),
         other => panic!("{other:?} needs more than position, speed and time"),
     }
 }
 
 /// Whether the effect's force follows from position, speed and time alone.
-fn of_motion(effect: HiddenEffect) -> bool {
-    use HiddenEffect::{ActuatorLag, BristleFriction, ElasticMass, ForceLimit, InputDelay};
+fn of_motion(effect: SliderEffect) -> bool {
+    use SliderEffect::{ActuatorLag, BristleFriction, ElasticMass, ForceLimit, InputDelay};
     !matches!(effect, InputDelay | ActuatorLag | ElasticMass | BristleFriction | ForceLimit)
 }
 
 #[test]
 fn momentum_is_what_the_forces_leave() {
     // Between samples at which the slider moves in one direction, m Δv = ∫ (u − F sign v + effect) dt (Simpson's rule for the effect).
-    for (seed, effect) in HiddenEffect::all().filter(|&e| of_motion(e)).enumerate() {
+    for (seed, effect) in SliderEffect::all().filter(|&e| of_motion(e)).enumerate() {
         let slider = noiseless(seed as u64);
         let log = slider.run(&[effect], seed as u64).unwrap();
         let (t, u, x, v) = (column(&log, "t"), column(&log, "u"), column(&log, "x"), column(&log, "v"));
@@ -93,21 +93,21 @@ fn it_sticks_exactly_while_friction_holds_the_drive() {
 
 #[test]
 fn effects_have_the_size_that_was_asked_for() {
-    for (seed, effect) in HiddenEffect::all().enumerate() {
+    for (seed, effect) in SliderEffect::all().enumerate() {
         for size in [0.1, 0.03] {
             let slider = Slider { size, duration: 4.0, ..noiseless(seed as u64) };
             let log = slider.run(&[effect], seed as u64).unwrap();
             let hidden = &log.truth.hidden[0];
             let (t, u, x, v) = (column(&log, "t"), column(&log, "u"), column(&log, "x"), column(&log, "v"));
             assert!((rms(u.iter().copied()) - 3.0).abs() < 1e-9);
-            if matches!(effect, HiddenEffect::InputDelay | HiddenEffect::BristleFriction) {
-                let strength = if effect == HiddenEffect::InputDelay { 0.08 } else { 2e-3 } * size;
+            if matches!(effect, SliderEffect::InputDelay | SliderEffect::BristleFriction) {
+                let strength = if effect == SliderEffect::InputDelay { 0.08 } else { 2e-3 } * size;
                 assert!((hidden.strength - strength).abs() < 1e-12);
                 assert!((0.5..4.0).contains(&(hidden.size / size)), "{hidden:?}");
                 continue;
             }
             assert!((hidden.size / size - 1.0).abs() <= 0.2, "{hidden:?}");
-            if of_motion(effect) && !matches!(effect, HiddenEffect::FrictionAsymmetry) {
+            if of_motion(effect) && !matches!(effect, SliderEffect::FrictionAsymmetry) {
                 let at = |k: usize| {
                     if v[k] == 0.0 && force(hidden, x[k], 1.0, t[k]) != force(hidden, x[k], -1.0, t[k]) {
                         0.0
@@ -126,7 +126,7 @@ fn effects_have_the_size_that_was_asked_for() {
 fn a_late_force_is_the_force_at_an_earlier_time() {
     // The same slider under a force that is 5 samples late: its motion is 5 samples late, as it starts at rest.
     let slider = Slider { size: 0.0625, ..noiseless(3) };
-    let (late, punctual) = (slider.run(&[HiddenEffect::InputDelay], 3).unwrap(), slider.run(&[], 3).unwrap());
+    let (late, punctual) = (slider.run(&[SliderEffect::InputDelay], 3).unwrap(), slider.run(&[], 3).unwrap());
     assert_eq!(column(&late, "u"), column(&punctual, "u"));
     let (a, b) = (column(&late, "v"), column(&punctual, "v"));
     let difference = (5..a.len()).map(|k| (a[k] - b[k - 5]).abs()).fold(0.0, f64::max);
@@ -136,7 +136,7 @@ fn a_late_force_is_the_force_at_an_earlier_time() {
 #[test]
 fn a_limited_force_is_the_force_up_to_its_limit() {
     let slider = noiseless(4);
-    let log = slider.run(&[HiddenEffect::ForceLimit], 4).unwrap();
+    let log = slider.run(&[SliderEffect::ForceLimit], 4).unwrap();
     let (u, v) = (column(&log, "u"), column(&log, "v"));
     let limit = log.truth.hidden[0].strength.powf(-0.125);
     let (mut limited, h) = (0, 1.0 / slider.rate);
@@ -155,7 +155,7 @@ fn noise_is_white_and_a_share_of_the_column() {
     let clean = noiseless(5);
     let noisy = Slider { noise: 0.01, ..clean.clone() };
     let (clean, noisy) =
-        (clean.run(&[HiddenEffect::Viscous], 5).unwrap(), noisy.run(&[HiddenEffect::Viscous], 5).unwrap());
+        (clean.run(&[SliderEffect::Viscous], 5).unwrap(), noisy.run(&[SliderEffect::Viscous], 5).unwrap());
     assert_eq!(column(&clean, "u"), column(&noisy, "u"));
     for name in ["x", "v"] {
         let (a, b) = (column(&clean, name), column(&noisy, name));
@@ -172,7 +172,7 @@ fn noise_is_white_and_a_share_of_the_column() {
 #[test]
 fn the_model_is_off_as_stated_and_the_log_keeps_the_secret() {
     for seed in 0..8 {
-        let log = basic(seed).run(&[HiddenEffect::Stribeck], seed).unwrap();
+        let log = basic(seed).run(&[SliderEffect::Stribeck], seed).unwrap();
         let model = System::parse("slider.toml", &log.model).unwrap();
         let off: Vec<f64> = model.parameters.iter().map(|p| (p.value.to_f64().value() - 1.0).abs()).collect();
         assert!((off[0] - 0.03).abs() < 1e-12 && (off[1] - 0.05).abs() < 1e-12, "{off:?}");
@@ -186,14 +186,14 @@ fn the_model_is_off_as_stated_and_the_log_keeps_the_secret() {
 
 #[test]
 fn the_same_seed_gives_the_same_log_and_another_one_another() {
-    let run = |seed| basic(seed).run(&[HiddenEffect::Tilt], seed).unwrap();
+    let run = |seed| basic(seed).run(&[SliderEffect::Tilt], seed).unwrap();
     assert_eq!(run(7), run(7));
     assert_ne!(run(7).columns, run(8).columns);
 }
 
 #[test]
 fn two_effects_have_a_size_each() {
-    let log = basic(2).run(&[HiddenEffect::Viscous, HiddenEffect::Tilt], 2).unwrap();
+    let log = basic(2).run(&[SliderEffect::Viscous, SliderEffect::Tilt], 2).unwrap();
     assert!(log.truth.hidden.iter().all(|hidden| (hidden.size / 0.1 - 1.0).abs() < 0.02), "{:?}", log.truth);
 }
 
@@ -203,7 +203,7 @@ fn random_experiments_can_be_run() {
     for seed in 0..6 {
         let slider = Slider::random(SliderSensors::PositionAndVelocity, &mut random);
         assert!((200.0..=2000.0).contains(&slider.rate));
-        let log = slider.run(&[HiddenEffect::Viscous], seed).unwrap();
+        let log = slider.run(&[SliderEffect::Viscous], seed).unwrap();
         assert!(log.columns.iter().all(|(_, values)| values.iter().all(|v| v.is_finite())));
     }
 }
@@ -216,5 +216,5 @@ fn settings_without_meaning_are_refused() {
     assert!(matches!(wrong.run(&[], 1), Err(SyntheticError::Setting { name: "noise", .. })));
     // Too weak a drive: it never moves, and no viscous friction shows.
     let still = Slider { drive: 0.2, excitation: Excitation::Chirp { low: 1.0, high: 2.0 }, ..basic(1) };
-    assert!(matches!(still.run(&[HiddenEffect::Viscous], 1), Err(SyntheticError::Size { .. })));
+    assert!(matches!(still.run(&[SliderEffect::Viscous], 1), Err(SyntheticError::Size { .. })));
 }

@@ -1,7 +1,8 @@
 //! Verdicts counted by what was hidden.
 
-use crate::trial::Trial;
-use bracketry_diagnose::{Report, Score};
+use bracketry_diagnose::Report;
+use bracketry_report::DiagnosisJson;
+use bracketry_trials::{Score, SliderTrial};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -20,7 +21,7 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    pub(crate) fn new(trial: &Trial, outcome: Result<(Report, Score), Box<dyn Error>>, seconds: f64) -> Self {
+    pub(crate) fn new(trial: &SliderTrial, outcome: Result<(Report, Score), Box<dyn Error>>, seconds: f64) -> Self {
         let names: Vec<&str> = trial.hidden.iter().map(|effect| effect.name()).collect();
         let hidden = if names.is_empty() { "nothing".to_owned() } else { names.join(" + ") };
         let slider = format!("{:?}", trial.slider);
@@ -35,7 +36,7 @@ impl Row {
                     })
                     .collect();
                 let named = if named.is_empty() { report.verdict.to_string() } else { named.join(" + ") };
-                (Some(score), named, serde_json::to_value(report).unwrap_or_default())
+                (Some(score), named, serde_json::to_value(DiagnosisJson::of(&report)).unwrap_or_default())
             }
             Err(error) => (None, format!("error: {error}"), Value::Null),
         };

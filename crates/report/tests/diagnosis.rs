@@ -2,16 +2,19 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{
-    Candidate, Cause, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, Rival, Value, Verdict,
+    Candidate, Cause, Closeness, Evidence, Excess, Gain, NamedCause, Note, Outcome, Place, Reason, RefittedParameter,
+    Regime, Report, Rival, Value, Verdict,
 };
+use bracketry_report::{DiagnosisJson, diagnosis_text};
 use serde_json::{Value as Json, json, to_value};
 
 fn report() -> Report {
     let c = Value { value: 0.52, std: 0.01, interval: Some([0.5, 0.54]), unit: "kg/s".into() };
+    let sliding = Regime::Motion { name: "v".into(), sliding: true, positive: true };
     Report {
         model: "slider".into(),
         verdict: Verdict::CauseFound,
-        reason: "one effect explains the residual".into(),
+        reason: Reason { outcome: Outcome::Explained, caveats: Vec::new() },
         causes: vec![NamedCause {
             name: Cause::ViscousFriction,
             equation: "v".into(),
@@ -24,12 +27,12 @@ fn report() -> Report {
                 name: Cause::QuadraticDrag,
                 equation: "v".into(),
                 term: "-c*v*abs(v)".into(),
-                why: "predicts as well".into(),
+                closeness: Closeness::Equal,
             }],
             share: Some(0.93),
             flags: Vec::new(),
         }],
-        places: vec![Place { equation: "v".into(), regime: "sliding, v > 0".into(), share: 0.8, time: Some(0.4) }],
+        places: vec![Place { equation: "v".into(), regime: sliding, share: 0.8, time: Some(0.4) }],
         regimes: Vec::new(),
         residual_acceleration: Vec::new(),
         gain: Some(Gain {
@@ -65,7 +68,7 @@ fn report() -> Report {
             chosen: true,
         }],
         data: Vec::new(),
-        notes: vec!["one of the notes".into()],
+        notes: vec![Note::OnlyParameters],
         seconds: 3.1,
         evidence: Evidence::default(),
     }
@@ -105,14 +108,14 @@ fn json_has_the_documented_form() {
         "extended_model": "out/extended.toml",
         "seconds": 3.1
     });
-    assert_contains(&to_value(report()).unwrap(), &expected, "");
+    assert_contains(&to_value(DiagnosisJson::of(&report())).unwrap(), &expected, "");
 }
 
 #[test]
 fn what_was_not_found_out_is_absent_from_json() {
     let nothing =
         Report { verdict: Verdict::NothingFound, causes: Vec::new(), gain: None, extended_model: None, ..report() };
-    let found = to_value(nothing).unwrap();
+    let found = to_value(DiagnosisJson::of(&nothing)).unwrap();
     assert_eq!(found["verdict"], "nothing_found");
     assert_eq!(found["causes"], json!([]));
     assert!(found.get("gain").is_none() && found.get("extended_model").is_none());
@@ -120,7 +123,7 @@ fn what_was_not_found_out_is_absent_from_json() {
 
 #[test]
 fn text_names_the_cause_its_value_its_rival_and_the_gain() {
-    let text = report().to_string();
+    let text = diagnosis_text(&report());
     for part in [
         "slider: cause found",
         "viscous_friction in v: -c*v",

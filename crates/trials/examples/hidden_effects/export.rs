@@ -1,13 +1,13 @@
 //! Logs, models and truths as files.
 
-use crate::trial::Trial;
+use bracketry_trials::SliderTrial;
 use serde_json::json;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
 
 /// Writes `SEED.csv`, `SEED.toml` and, apart from them, `truth/SEED.json` per trial.
-pub(crate) fn export(trials: &[Trial], directory: &Path) -> Result<(), Box<dyn Error>> {
+pub(crate) fn export(trials: &[SliderTrial], directory: &Path) -> Result<(), Box<dyn Error>> {
     let truths = directory.join("truth");
     fs::create_dir_all(&truths)?;
     for trial in trials {
