@@ -12,6 +12,7 @@ mod numbers;
 mod read;
 mod record;
 mod report;
+mod statistics;
 mod study;
 mod verdict;
 

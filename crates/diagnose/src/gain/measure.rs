@@ -10,6 +10,7 @@ use super::report::Gain;
 use super::trial::Trial;
 use crate::error::DiagnoseError;
 use crate::record::Record;
+use crate::statistics::median;
 use crate::study::{Fit, Linearization, Study, StudySettings, Window};
 
 /// The refitted and the extended model with their least-squares problems, both over all windows of a study.
@@ -97,16 +98,11 @@ pub fn measure_gain(
 
 /// Median length of the windows, s.
 fn typical_window(study: &Study) -> f64 {
-    let mut lengths: Vec<f64> = study
-        .windows()
-        .iter()
-        .map(|w| {
-            let times = &study.records()[w.record].times;
-            times[w.to - 1] - times[w.from]
-        })
-        .collect();
-    lengths.sort_by(f64::total_cmp);
-    lengths.get(lengths.len() / 2).copied().unwrap_or(0.0)
+    let length = |w: &Window| {
+        let times = &study.records()[w.record].times;
+        times[w.to - 1] - times[w.from]
+    };
+    median(study.windows().iter().map(length).collect()).unwrap_or(0.0)
 }
 
 /// Windows that follow each other without a gap, as one.

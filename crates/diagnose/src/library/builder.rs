@@ -6,11 +6,12 @@ use rustc_hash::FxHashSet;
 
 use super::limits::TYPICAL_SHARE;
 use super::names::{ModelNames, symbols};
-use super::probe::{Probe, rms};
+use super::probe::Probe;
 use super::structure::{Structure, pairs};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path, Role};
 use crate::error::DiagnoseError;
 use crate::record::Record;
+use crate::statistics::rms;
 
 /// Collects the effects for one model.
 pub(crate) struct Builder {

@@ -11,6 +11,7 @@ mod joints;
 mod limits;
 mod names;
 mod paths;
+mod physical_terms;
 mod probe;
 mod reference;
 mod replace;

@@ -2,11 +2,11 @@
 
 use super::builder::{Builder, amplitude, dissipation, log_grid};
 use super::limits::{LONGEST_DELAY, SMALL_OFFSET, TIME_TRIALS};
-use super::probe::rms;
 use super::structure::{Coordinate, Kind};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::record::{Quantity, Record};
+use crate::statistics::{median, rms, steps};
 
 /// A measured column and the states that it shows.
 struct Sensor {
@@ -168,9 +168,7 @@ impl Builder {
 
 /// The median sampling interval, s.
 fn interval(records: &[Record]) -> f64 {
-    let mut steps: Vec<f64> = records.iter().flat_map(|r| r.times.windows(2).map(|w| w[1] - w[0])).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().filter(|s| *s > 0.0).unwrap_or(1e-3)
+    median(records.iter().flat_map(|r| steps(&r.times)).collect()).filter(|s| *s > 0.0).unwrap_or(1e-3)
 }
 
 /// A name made of the characters that names may have.

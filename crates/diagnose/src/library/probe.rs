@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 use super::limits::{CLEAR_OF_NOISE, MOST_POINTS};
 use super::names::{TIME_INPUT, derivative_name};
 use crate::record::{Measured, Quantity, Record};
+use crate::statistics::rms;
 
 /// Values of states, inputs and derivatives of inputs by name.
 #[derive(Clone, Debug)]
@@ -96,15 +97,6 @@ impl Probe {
         let last = sizes.len().checked_sub(1)?;
         Some(sizes[last * 99 / 100]).filter(|s| *s > 0.0)
     }
-}
-
-pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (mut sum, mut n) = (0.0, 0usize);
-    for v in values.filter(|v| v.is_finite()) {
-        sum += v * v;
-        n += 1;
-    }
-    if n == 0 { 0.0 } else { (sum / n as f64).sqrt() }
 }
 
 /// Every quantity of a record that the names of the model stand for.

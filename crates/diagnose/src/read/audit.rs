@@ -11,6 +11,7 @@ use super::limits::{CORRELATED, FLAT_SAMPLES, MOSTLY_NOISE, UNEVEN};
 use super::noise::Noise;
 use crate::Signal;
 use crate::numbers::significant;
+use crate::statistics::extremes;
 
 /// Something about the data that may spoil a conclusion.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -56,8 +57,7 @@ pub struct ColumnAudit {
 
 impl ColumnAudit {
     fn new(name: &str, input: bool, values: &[f64]) -> Self {
-        let finite = values.iter().filter(|v| v.is_finite());
-        let (min, max) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+        let (min, max) = extremes(values.iter().copied().filter(|v| v.is_finite()));
         Self {
             name: name.to_owned(),
             input,

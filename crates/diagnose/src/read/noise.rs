@@ -4,6 +4,7 @@ use super::limits::{
     DIFFERENCE_ORDERS, FARTHEST_NEIGHBOR, FEWEST_DIFFERENCES, FINEST_RESOLUTION, HIGHEST_DIFFERENCE, MOTION_GROWTH,
     SAME_SCALE,
 };
+use crate::statistics::extremes;
 /// What the noise of a column is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
@@ -24,8 +25,7 @@ pub struct Noise {
 /// and where it does not it is followed until it does, or until motion sets in. Noise is at least q/√12 for a resolution q,
 /// and a millionth of the range.
 pub fn estimate_noise(times: &[f64], values: &[f64]) -> Noise {
-    let finite = values.iter().filter(|v| v.is_finite());
-    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+    let (low, high) = extremes(values.iter().copied().filter(|v| v.is_finite()));
     let size = (high - low).max(high.abs() * FINEST_RESOLUTION);
     let resolution = resolution(values);
     let floor = (size * FINEST_RESOLUTION).max(resolution.unwrap_or(0.0) / 12f64.sqrt()).max(f64::MIN_POSITIVE);

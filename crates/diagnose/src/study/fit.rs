@@ -80,6 +80,23 @@ pub struct Fit {
     pub status: FitStatus,
 }
 
+impl Fit {
+    /// The estimate of a parameter or coefficient.
+    pub(crate) fn estimate(&self, name: &str) -> Option<&Estimate> {
+        self.values.iter().find(|e| e.name == name)
+    }
+
+    /// The fit without its initial states, which belong to windows of one length and to inputs held in one way.
+    pub(crate) fn without_windows(&self) -> Self {
+        Self { windows: Vec::new(), ..self.clone() }
+    }
+
+    /// Sum of squares over all windows.
+    pub(crate) fn square(&self) -> f64 {
+        self.windows.iter().map(|w| w.square).sum()
+    }
+}
+
 /// A window in a fit.
 pub(super) struct Slot<'a> {
     pub(super) index: usize,

@@ -112,7 +112,7 @@ impl Study {
         let theta: Vec<f64> = compiled
             .unknowns
             .iter()
-            .map(|u| start.and_then(|s| value_of(s, &u.name)).unwrap_or(u.start).max(u.min).min(u.max))
+            .map(|u| start.and_then(|s| s.estimate(&u.name)).map_or(u.start, |e| e.value).max(u.min).min(u.max))
             .collect();
         let mut slots = self.slots(&compiled, windows, start)?;
         let share = if compiled.unknowns.is_empty() { SETTLED_SHARE } else { ROUGH_SHARE };
@@ -254,10 +254,6 @@ impl Study {
 /// Fits the initial states for the given values of the unknowns, until the sums of squares fall by less than `share` of them.
 fn settle_all(slots: &mut [Slot<'_>], compiled: &Compiled, theta: &[f64], share: f64) {
     slots.par_iter_mut().for_each(|slot| slot.settle(compiled, theta, share));
-}
-
-fn value_of(fit: &Fit, name: &str) -> Option<f64> {
-    fit.values.iter().find(|e| e.name == name).map(|e| e.value)
 }
 
 pub(super) fn theta_of(fit: &Fit) -> Vec<f64> {

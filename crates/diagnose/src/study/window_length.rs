@@ -45,7 +45,7 @@ fn choose(study: &Study, effects: &[Effect], start: Option<&Fit>) -> Result<(Stu
         lengths.push(0.5 * lengths[lengths.len() - 1]);
     }
     // Initial states belong to other windows.
-    let mut start = start.map(|s| Fit { windows: Vec::new(), ..s.clone() });
+    let mut start = start.map(Fit::without_windows);
     let mut tried: Vec<(WindowLength, Study, Fit)> = Vec::new();
     let last = lengths.len() - 1;
     for (i, &seconds) in lengths.iter().rev().enumerate() {
@@ -59,7 +59,7 @@ fn choose(study: &Study, effects: &[Effect], start: Option<&Fit>) -> Result<(Stu
         };
         let uncertainty = uncertainty(&normals, &prior).unwrap_or(f64::INFINITY);
         if certain(&normals, &prior) {
-            start = Some(Fit { windows: Vec::new(), ..fit.clone() });
+            start = Some(fit.without_windows());
         }
         tried.push((WindowLength { seconds, uncertainty }, trial, fit));
     }

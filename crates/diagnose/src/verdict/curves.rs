@@ -10,7 +10,7 @@ use super::hold::free_inputs;
 use super::limits::{CURVES_WORTH, EVEN_STEPS};
 use super::settings::Settings;
 use crate::report::Note;
-use crate::{DiagnoseError, Fit, Record, Study, StudySettings};
+use crate::{DiagnoseError, Record, Study, StudySettings};
 
 /// The records with curves in place of straight lines through the samples of the inputs, where `explanation` leaves over more than
 /// noise and much less with them. Beside little noise (data of another simulation have none at all) what the lines cut off at the
@@ -31,7 +31,7 @@ pub(super) fn curved_where_better(
     let length = window_length(study);
     let study = Study::new(system, &records, &StudySettings { window: length, ..settings.study.clone() })?;
     let windows: Vec<usize> = explanation.fit.windows.iter().map(|w| w.window).collect();
-    let start = Fit { windows: Vec::new(), ..explanation.fit.clone() };
+    let start = explanation.fit.without_windows();
     let Ok(fit) = study.fit(&explanation.fit.effects, &windows, Some(&start)) else { return Ok(None) };
     let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
     let stays = alarm.excess() / explanation.alarm.excess();

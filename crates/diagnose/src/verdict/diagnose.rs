@@ -104,7 +104,7 @@ fn examined(
         let data = Distinct { records: better, validate: curved(system, &validate), notes };
         return examined(system, data, false, settings, begin, progress);
     }
-    let (records, validate) = (records.as_slice(), validate.as_slice());
+    let validate = validate.as_slice();
     let Selection { chosen, scatter, tests, screened } = selection;
     let mut alarm = base.alarm.p_value.min(screened);
     let chosen = Chosen { explanation: chosen, scatter, tests, rivals: Vec::new(), refuted: None };
@@ -173,7 +173,7 @@ fn weigh(
     }
     progress(Stage::Rivals);
     let unseen = UnseenWindows::new(search.study, &search.windows);
-    let mut compare = |search: &mut Search<'_>, explanation: &mut Explanation| {
+    let compare = |search: &mut Search<'_>, explanation: &mut Explanation| {
         rivals(search, explanation, &now.scatter, &among, unseen.as_ref(), settings.significance)
     };
     now.rivals = compare(search, &mut now.explanation)?;
@@ -290,7 +290,7 @@ impl<'a> Attempt<'a> {
         progress: &mut dyn FnMut(Stage),
     ) -> Result<Self, DiagnoseError> {
         // Only the parameters carry over: windows of another length have other initial states.
-        let start = near.map(|fit| Fit { windows: Vec::new(), ..fit.clone() });
+        let start = near.map(Fit::without_windows);
         let windows = thinned(study.windows().len());
         let mut fit = study.fit(&[], &windows, start.as_ref())?;
         if near.is_none() && !fit.limited.is_empty() {
@@ -318,7 +318,6 @@ impl<'a> Attempt<'a> {
 /// The fit, or a better one that begins with the parameters that short windows give: over long ones, parameters that are far
 /// off leave local minima, in which motions fall out of step.
 fn from_short_windows(study: &Study, mut fit: Fit, windows: &[usize]) -> Result<Fit, DiagnoseError> {
-    let square = |fit: &Fit| fit.windows.iter().map(|w| w.square).sum::<f64>();
     let failures = |fit: &Fit| fit.windows.iter().filter(|w| w.count == 0).count();
     let Some(first) = study.windows().first() else { return Ok(fit) };
     let times = &study.records()[first.record].times;
@@ -326,8 +325,8 @@ fn from_short_windows(study: &Study, mut fit: Fit, windows: &[usize]) -> Result<
     for part in SHORTER {
         let short = study.with_windows(part * length)?;
         let start = short.fit(&[], &thinned(short.windows().len()), None)?;
-        let refit = study.fit(&[], windows, Some(&Fit { windows: Vec::new(), ..start }))?;
-        if failures(&refit) <= failures(&fit) && square(&refit) < square(&fit) {
+        let refit = study.fit(&[], windows, Some(&start.without_windows()))?;
+        if failures(&refit) <= failures(&fit) && refit.square() < fit.square() {
             fit = refit;
         }
     }

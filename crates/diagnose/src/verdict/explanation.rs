@@ -45,7 +45,7 @@ impl Explanation {
     pub(crate) fn expected_cost(&self, effect: &Effect) -> f64 {
         let amplitudes = effect.coefficients.iter().filter(|c| c.role == Role::Amplitude);
         amplitudes
-            .filter_map(|c| Some((c, self.fit.values.iter().find(|e| e.name == c.name)?)))
+            .filter_map(|c| Some((c, self.fit.estimate(&c.name)?)))
             .map(|(c, e)| ((e.value - c.nominal) / e.std.max(f64::MIN_POSITIVE)).powi(2))
             .sum()
     }

@@ -10,6 +10,7 @@ use super::limits::{NEAR_HALF_SAMPLE, OTHER_HOLD_WORTH};
 use super::search::Search;
 use super::settings::Settings;
 use crate::report::{Flag, NamedCause, OtherHold};
+use crate::statistics::{median, steps};
 use crate::{Cause, DiagnoseError, Record, Study, StudySettings};
 
 /// Refits the model once with inputs that go on between samples the other way. `None` without such an input, or where it
@@ -31,7 +32,7 @@ pub(super) fn other_hold(
     let Some((records, hold)) = with_other_hold(system, search.study.records()) else { return Ok(None) };
     let length = window_length(search.study);
     let study = Study::new(system, &records, &StudySettings { window: length, ..settings.study.clone() })?;
-    let start = crate::Fit { windows: Vec::new(), ..findings.base.fit.clone() };
+    let start = findings.base.fit.without_windows();
     let fit = study.fit(&[], &thinned(study.windows().len()), Some(&start))?;
     let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
     let stays = beyond(alarm.size) / excess;
@@ -67,9 +68,7 @@ pub(super) fn half_a_sample(cause: &NamedCause, records: &[Record]) -> Option<Fl
     }
     let (_, delay) = cause.parameters.first()?;
     let record = records.first()?;
-    let mut steps: Vec<f64> = record.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    let step = *steps.get(steps.len() / 2)?;
+    let step = median(steps(&record.times))?;
     if (delay.value - 0.5 * step).abs() > (NEAR_HALF_SAMPLE * step).max(2.0 * delay.std) || delay.std > 0.25 * step {
         return None;
     }

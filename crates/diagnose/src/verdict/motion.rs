@@ -6,6 +6,7 @@ use std::time::Instant;
 use bracketry_system::System;
 
 use crate::report::{Evidence, NoMotion, Outcome, Reason};
+use crate::statistics::quantile;
 use crate::{Measured, Record, Report, Verdict};
 
 /// Measured columns that stand out of their noise in no record, by name, and whether those are all. Single outliers are no motion.
@@ -56,8 +57,6 @@ pub(super) fn uninformative(system: &System, records: &[Record], begin: Instant)
 
 /// Distance between the 5th and the 95th percentile of the values that are there.
 fn spread(values: &[f64]) -> f64 {
-    let mut known: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    known.sort_by(f64::total_cmp);
-    let at = |share: f64| known.get((share * known.len().saturating_sub(1) as f64).round() as usize).copied();
-    at(0.95).zip(at(0.05)).map_or(0.0, |(high, low)| high - low)
+    let known: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    quantile(known.clone(), 0.95).zip(quantile(known, 0.05)).map_or(0.0, |(high, low)| high - low)
 }

@@ -7,6 +7,7 @@ use bracketry_system::System;
 use crate::gain::{Missing, MissingIn, missing};
 use crate::library::{Kind, Structure, is_angle};
 use crate::report::{Place, Regime, ResidualAcceleration};
+use crate::statistics::extremes;
 use crate::{DiagnoseError, Fit, Record};
 
 /// Where the refitted model is wrong.
@@ -160,7 +161,7 @@ impl View {
         let values = |i: usize| parts.iter().filter_map(move |(s, _)| s.states[i].as_ref()).flatten();
         let position = coordinate.map_or(Some(state), |c| c.position);
         let thirds = position.and_then(|i| {
-            let (low, high) = values(i).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (v.min(a), v.max(b)));
+            let (low, high) = extremes(values(i).copied());
             let third = (high - low) / 3.0;
             let name = system.symbol_name(system.states[i]).to_owned();
             (third > 0.0 && third.is_finite()).then_some((i, name, [low + third, high - third]))

@@ -55,7 +55,7 @@ pub(super) fn drop_unproven(
 fn sizeable(effect: &Effect, explanation: &Explanation, times: f64, scatter: &Scatter) -> bool {
     let width = times * scatter.width();
     effect.coefficients.iter().filter(|c| c.role == Role::Amplitude).any(|c| {
-        let estimate = explanation.fit.values.iter().find(|e| e.name == c.name);
+        let estimate = explanation.fit.estimate(&c.name);
         estimate.is_some_and(|e| (e.value - c.nominal).abs() > width * e.std)
     })
 }

@@ -9,6 +9,7 @@ use super::alarm::Alarm;
 use super::explanation::{Explanation, Promise};
 use super::limits::{DOUBTFUL, FAR_PARAMETER, FARTHEST, MARGIN, MOST_RETURNS, NEARER, STOPPED_SHORT};
 use super::score::{Group, Scores};
+use crate::statistics::extremes;
 use crate::{Cause, Change, DiagnoseError, Effect, Estimate, Fit, Linearization, Path, Role, Study};
 
 /// What a pair of groups gains, the groups' places, and the step.
@@ -124,7 +125,7 @@ impl<'a> Search<'a> {
     fn fit_from(&self, effects: &[Effect], mut begin: Fit, near: &Fit, start: &[(String, f64)]) -> Option<Fit> {
         let mut best = self.study.fit(effects, &self.windows, Some(&begin)).ok();
         for _ in 0..MOST_RETURNS {
-            let astray = best.as_ref().is_none_or(|fit| square(fit) > square(near));
+            let astray = best.as_ref().is_none_or(|fit| fit.square() > near.square());
             if start.is_empty() || !astray {
                 break;
             }
@@ -135,7 +136,7 @@ impl<'a> Search<'a> {
                 }
             }
             let again = self.study.fit(effects, &self.windows, Some(&begin)).ok();
-            if again.as_ref().is_some_and(|a| best.as_ref().is_none_or(|b| square(a) < square(b))) {
+            if again.as_ref().is_some_and(|a| best.as_ref().is_none_or(|b| a.square() < b.square())) {
                 best = again;
             }
         }
@@ -158,9 +159,7 @@ impl<'a> Search<'a> {
         explanation.members.iter().map(|&m| &self.candidates[m]).all(|effect| {
             let Change::Path { path: Path::SensorBias, signals } = &effect.change else { return true };
             let range = signals.iter().map(|s| self.range(s)).fold(0.0, f64::max);
-            effect.coefficients.iter().all(|c| {
-                explanation.fit.values.iter().find(|e| e.name == c.name).is_none_or(|e| e.value.abs() <= range)
-            })
+            effect.coefficients.iter().all(|c| explanation.fit.estimate(&c.name).is_none_or(|e| e.value.abs() <= range))
         })
     }
 
@@ -168,7 +167,7 @@ impl<'a> Search<'a> {
     fn range(&self, column: &str) -> f64 {
         let columns = self.study.records().iter().flat_map(|r| &r.measured).filter(|m| m.name == column);
         let values = columns.flat_map(|m| &m.values).copied().filter(|v| v.is_finite());
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (v.min(l), v.max(h)));
+        let (low, high) = extremes(values);
         high - low
     }
 
@@ -177,7 +176,7 @@ impl<'a> Search<'a> {
         let coefficients = members.iter().map(|&m| self.candidates[m].coefficients.len()).sum();
         let physical = members.iter().all(|&m| {
             self.candidates[m].coefficients.iter().all(|c| {
-                let value = fit.values.iter().find(|e| e.name == c.name).map_or(c.nominal, |e| e.value);
+                let value = fit.estimate(&c.name).map_or(c.nominal, |e| e.value);
                 f64::from(c.physical_sign) * (value - c.nominal) >= 0.0
             })
         });
@@ -290,10 +289,6 @@ impl<'a> Search<'a> {
             })
             .collect()
     }
-}
-
-fn square(fit: &Fit) -> f64 {
-    fit.windows.iter().map(|w| w.square).sum()
 }
 
 /// The fit with other values, or more of them, to begin from.

@@ -12,7 +12,7 @@ impl Search<'_> {
     /// windows, a cause that was taken for what the two do stands in the way: each of the others is left out then.
     pub(crate) fn with_sign_flips(&mut self, current: &Explanation) -> Vec<Explanation> {
         // Initial states were fitted to the term that is nearly gone.
-        let near = Fit { windows: Vec::new(), ..current.fit.clone() };
+        let near = current.fit.without_windows();
         let mut fits = Vec::new();
         for (factor, flipped) in self.hidden(current) {
             let equation = self.candidates[factor].equation.clone();
@@ -49,7 +49,7 @@ impl Search<'_> {
         factors
             .filter_map(|(member, c)| {
                 let flipped = c.sign_flipped?;
-                let value = explanation.fit.values.iter().find(|e| e.name == c.name)?.value;
+                let value = explanation.fit.estimate(&c.name)?.value;
                 let gone = 0.5 * (c.nominal + flipped);
                 ((value - gone).abs() < LITTLE_LEFT * (flipped - gone).abs())
                     .then(|| (member, (c.name.clone(), flipped)))

@@ -191,8 +191,7 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
         let excess = rest.alarm.excess();
         (excess > 0.0).then(|| gained / excess)
     });
-    let estimates: Vec<&Estimate> =
-        effect.coefficients.iter().filter_map(|c| chosen.fit.values.iter().find(|e| e.name == c.name)).collect();
+    let estimates: Vec<&Estimate> = effect.coefficients.iter().filter_map(|c| chosen.fit.estimate(&c.name)).collect();
     let parameters = effect
         .coefficients
         .iter()
