@@ -14,13 +14,14 @@
 #![allow(clippy::print_stdout)]
 
 use anyhow::Context;
+use bracketry::report::diagnosis_text;
 use bracketry_diagnose::{
-    Cause, Record, RecordSettings, Report, Score, Settings, diagnose, read_record, reference_candidates,
+    Cause, Record, RecordSettings, Report, Settings, diagnose, read_record, reference_candidates,
 };
 use bracketry_plate::{Experiment, Object, PlateLog, Shape};
 use bracketry_sim::Hold;
 use bracketry_system::System;
-use bracketry_trials::{PlateMismatch, RecordingSettings, TrialError, multisine, synthetic_log};
+use bracketry_trials::{PlateMismatch, RecordingSettings, Score, TrialError, multisine, synthetic_log};
 use clap::Parser;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -104,7 +105,7 @@ fn independent(folder: &Path, system: &System, settings: &Settings, full: bool) 
             report.seconds
         );
         if full {
-            println!("\n{report}\n");
+            println!("\n{}\n", diagnosis_text(&report));
         }
     }
     Ok(())
@@ -240,7 +241,7 @@ fn main() -> anyhow::Result<()> {
         let score = Score::of_causes(&hidden, &report).name();
         println!("| {run} | {effect:?} | {} | {score} | {:.1} |", named(&report), report.seconds);
         if options.full {
-            println!("\n{report}\n");
+            println!("\n{}\n", diagnosis_text(&report));
         }
         *scores.entry(effect.kind()).or_default().entry(score).or_default() += 1;
     }

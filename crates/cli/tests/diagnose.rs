@@ -5,7 +5,7 @@ mod common;
 
 use std::fs;
 
-use bracketry::diagnose::{HiddenEffect, Slider, SliderSensors};
+use bracketry_trials::{Slider, SliderEffect, SliderSensors};
 use common::{bracketry, code, file, json, scratch};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
@@ -19,7 +19,7 @@ fn slider() -> Slider {
 #[test]
 fn a_hidden_slope_is_found_and_the_extended_model_goes_into_the_controller() {
     let dir = scratch("diagnose_to_control");
-    let log = slider().run(&[HiddenEffect::Tilt], 11).unwrap();
+    let log = slider().run(&[SliderEffect::Tilt], 11).unwrap();
     let (model, data) = (file(&dir, "given.toml", &log.model), file(&dir, "run.csv", &log.csv()));
     let out = dir.join("out");
     let found = json(&["diagnose", &model, &data, "--json", "--out", out.to_str().unwrap()]);

@@ -99,9 +99,9 @@ fn the_extended_model_predicts_five_times_better_and_reaches_the_target() {
     assert!(story.on_equations.arrival.settled_s.is_some(), "{:?}", story.on_equations.arrival);
     assert!(!story.as_published.reached(), "{:?}", story.as_published.arrival);
     let report = &story.diagnosis.report;
-    assert_eq!(report.verdict, Verdict::CauseFound, "{report}");
+    assert_eq!(report.verdict, Verdict::CauseFound, "{report:?}");
     for cause in [Cause::FrictionCoupling, Cause::InertialCoupling, Cause::YawFriction] {
-        assert!(report.causes.iter().any(|c| c.name == cause), "{cause} in {report}");
+        assert!(report.causes.iter().any(|c| c.name == cause), "{cause} in {report:?}");
     }
     assert!(report.gain.as_ref().unwrap().held_out);
     let gain = story.gain();

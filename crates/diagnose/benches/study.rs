@@ -1,9 +1,8 @@
 //! Refitting and linearizing: a slider over 8 s at 1 kHz, position and velocity measured. Items are samples of the record.
 
-use bracketry_diagnose::{
-    Cause, Change, Coefficient, Effect, Record, RecordSettings, Role, Slider, SliderSensors, Study, StudySettings,
-};
+use bracketry_diagnose::{Cause, Change, Coefficient, Effect, Record, RecordSettings, Role, Study, StudySettings};
 use bracketry_system::System;
+use bracketry_trials::{Slider, SliderSensors};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use rand::SeedableRng;
@@ -47,7 +46,8 @@ fn candidates(count: usize) -> Vec<Effect> {
                 max: f64::INFINITY,
                 trials: Vec::new(),
                 physical_sign: 0,
-                turned: None,
+                sign_flipped: None,
+                period_of: None,
                 unit: String::new(),
                 about: String::new(),
             }],

@@ -72,7 +72,9 @@ pub struct Coefficient {
     /// +1 or −1 where physics wants (value − nominal) of that sign, 0 where both are possible.
     pub physical_sign: i8,
     /// Value at which a term of the model that this coefficient scales has the opposite sign; `None` where it scales none.
-    pub turned: Option<f64>,
+    pub sign_flipped: Option<f64>,
+    /// Of a period: the state in which the effect repeats, or [`crate::TIME_INPUT`].
+    pub period_of: Option<String>,
     /// Unit, as free text; may be empty.
     pub unit: String,
     /// What it is.

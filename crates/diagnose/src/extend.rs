@@ -1,13 +1,17 @@
 //! The extended model: the given one with fitted parameters and the effects that were found.
 
+use std::fmt;
+
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::{InputDelay, InputDerivative, System, WriteError};
 use rustc_hash::FxHashMap;
 
 use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
-use crate::library::{ModelNames, TIME_INPUT, apply_all, decimal, parameter};
-use crate::report::significant;
+use crate::library::{
+    ModelNames, TIME_INPUT, apply_all, decimal, derivative_name, input_index, parameter, symbols, unknown,
+};
+use crate::numbers::significant;
 use crate::study::{Estimate, Fit};
 
 /// Digits that a fitted value keeps below its standard deviation: enough for a simulation to stay the same where two values are
@@ -19,8 +23,28 @@ const EXTRA_DIGITS: i32 = 5;
 pub struct ExtendedModel {
     /// The equations.
     pub system: System,
-    /// What was found on the way of signals and is no part of the model: delays of measured columns.
-    pub notes: Vec<String>,
+    /// Delays that are no part of the model.
+    pub notes: Vec<OutsideDelay>,
+}
+
+/// A delay that a model's equations cannot say: of measured columns, or a negative one of inputs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutsideDelay {
+    /// The delay, s.
+    pub delay: f64,
+    /// Whether inputs are late; otherwise measured columns are.
+    pub inputs: bool,
+    /// Names of the inputs or columns.
+    pub signals: Vec<String>,
+}
+
+impl fmt::Display for OutsideDelay {
+    /// As a comment in the model file.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = if self.inputs { "input" } else { "measured column" };
+        let names = self.signals.join(", ");
+        write!(f, "a delay of {:.3e} s of the {what} {names} is no part of these equations", self.delay)
+    }
 }
 
 impl ExtendedModel {
@@ -75,9 +99,8 @@ impl ExtendedModel {
         let Some(coefficient) = effect.coefficients.first() else { return Ok(()) };
         let value = values.iter().find(|e| e.name == coefficient.name).map_or(coefficient.nominal, |e| e.value);
         if path == Path::SensorDelay || path == Path::InputDelay && value < 0.0 {
-            let what = if path == Path::InputDelay { "input" } else { "measured column" };
-            let names = signals.join(", ");
-            self.notes.push(format!("a delay of {value:.3e} s of the {what} {names} is no part of these equations"));
+            let inputs = path == Path::InputDelay;
+            self.notes.push(OutsideDelay { delay: value, inputs, signals: signals.to_vec() });
             return Ok(());
         }
         let symbol = self.system.pool.symbol(&coefficient.name);
@@ -199,14 +222,6 @@ fn add_delay(system: &mut System, input: &str, delay: Symbol) -> Result<(), Diag
     Ok(())
 }
 
-fn input_index(system: &System, input: &str) -> Result<usize, DiagnoseError> {
-    system.input_index(input).ok_or_else(|| DiagnoseError::UnknownName {
-        what: "input",
-        name: input.to_owned(),
-        known: system.input_names().join(", "),
-    })
-}
-
 /// Replaces an input by a state that follows it with the time constant `tau`.
 fn add_lag(system: &mut System, input: &str, tau: Symbol) -> Result<(), DiagnoseError> {
     let index = input_index(system, input)?;
@@ -223,8 +238,7 @@ fn add_lag(system: &mut System, input: &str, tau: Symbol) -> Result<(), Diagnose
     let symbol_of = |pool: &mut bracketry_symbolic::Pool, order: u32| {
         let known = used.iter().find(|d| d.order == order).map(|d| d.symbol);
         let base = pool.name(input).to_owned();
-        let text = if order == 1 { format!("der({base})") } else { format!("der({base}, {order})") };
-        known.unwrap_or_else(|| pool.symbol(&text))
+        known.unwrap_or_else(|| pool.symbol(&derivative_name(&base, order)))
     };
     let mut map: FxHashMap<Expr, Expr> = FxHashMap::from_iter([(u, y)]);
     let mut derivatives = Vec::new();
@@ -264,11 +278,8 @@ fn add_offset(system: &mut System, column: &str, offset: Expr) -> Result<(), Dia
         system.outputs[k].1 = system.pool.add(exact, offset);
         return Ok(());
     }
-    let index = system.state_index(column).ok_or_else(|| DiagnoseError::UnknownName {
-        what: "measured column",
-        name: column.to_owned(),
-        known: system.state_names().join(", "),
-    })?;
+    let known = system.state_index(column);
+    let index = known.ok_or_else(|| unknown("measured column", column, &system.state_names()))?;
     let name = free_name(system, &format!("{column}_measured"));
     let state = system.pool.sym(system.states[index]);
     let measured = system.pool.add(state, offset);
@@ -279,8 +290,7 @@ fn add_offset(system: &mut System, column: &str, offset: Expr) -> Result<(), Dia
 /// `wanted`, with underscores after it while the model has such a name.
 fn free_name(system: &System, wanted: &str) -> String {
     let taken = |name: &str| {
-        let symbols = system.states.iter().chain(&system.inputs).copied();
-        symbols.chain(system.parameters.iter().map(|p| p.symbol)).any(|s| system.symbol_name(s) == name)
+        symbols(system).any(|s| system.symbol_name(s) == name)
             || system.definitions.iter().chain(&system.outputs).any(|(n, _)| n == name)
     };
     let mut name = wanted.to_owned();

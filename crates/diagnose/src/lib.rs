@@ -8,31 +8,32 @@ mod error;
 mod extend;
 mod gain;
 mod library;
+mod numbers;
 mod read;
 mod record;
 mod report;
+mod statistics;
 mod study;
-mod synthetic;
 mod verdict;
 
+pub use bracketry_sim::{Bandwidth, SmoothingSpline, smooth};
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
-pub use extend::ExtendedModel;
-pub use gain::{Fitted, ForceResidual, HeldOut, Predicted, bootstrap, force_error, force_residuals, measure_gain};
-pub use library::{TIME_INPUT, candidates, dictionary, reference_candidates, separating_experiment};
-pub use read::{
-    Audit, Bandwidth, ColumnAudit, Noise, RecordSettings, SmoothingSpline, Warning, estimate_noise, read_record, smooth,
+pub use extend::{ExtendedModel, OutsideDelay};
+pub use gain::{
+    Fitted, ForceResidual, Gain, HeldOut, Predicted, bootstrap, force_error, force_residuals, measure_gain,
 };
+pub use library::{TIME_INPUT, candidates, dictionary, reference_candidates, separating_experiment};
+pub use numbers::{measured, probability, significant};
+pub use read::{Audit, ColumnAudit, Noise, RecordSettings, Warning, estimate_noise, read_record};
 pub use record::{Measured, Quantity, Record, Signal};
 pub use report::{
-    Candidate, Evidence, Excess, Gain, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration, Rival,
-    Value, Verdict, measured, probability, significant,
+    Candidate, Caveat, Closeness, Evidence, Excess, Flag, Mispredicted, NamedCause, NoMotion, Note, OtherHold, Outcome,
+    Place, Reason, RefittedParameter, Regime, Repetition, Report, Rescaling, ResidualAcceleration, Rival, ScaledColumn,
+    Value, Verdict,
 };
 pub use study::{
     Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, StudySettings, Window, WindowFit,
     WindowLength,
-};
-pub use synthetic::{
-    Excitation, Hidden, HiddenEffect, Score, Slider, SliderLog, SliderSensors, SliderTruth, SyntheticError,
 };
 pub use verdict::{Settings, Stage, diagnose};

@@ -30,7 +30,8 @@ fn coefficient(name: &str) -> Coefficient {
         max: f64::INFINITY,
         trials: Vec::new(),
         physical_sign: 0,
-        turned: None,
+        sign_flipped: None,
+        period_of: None,
         unit: "1/m".to_owned(),
         about: String::new(),
     }

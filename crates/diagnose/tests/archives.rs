@@ -8,10 +8,9 @@ use std::path::{Path, PathBuf};
 use bracketry_diagnose::{RecordSettings, read_record};
 use bracketry_system::System;
 use npyz::WriterBuilder;
-use npyz::npz::NpzWriter;
-use npyz::zip::CompressionMethod;
-use npyz::zip::write::FileOptions;
 use proptest::prelude::*;
+use zip::write::FileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 const SLIDER: &str = r#"
 name = "slider"
@@ -29,22 +28,26 @@ fn path(name: &str) -> PathBuf {
 }
 
 fn store<T: npyz::Serialize + npyz::AutoSerialize + Copy>(
-    npz: &mut NpzWriter<File>,
+    npz: &mut ZipWriter<File>,
     name: &str,
     shape: &[u64],
     values: &[T],
 ) {
     let options = FileOptions::default().compression_method(CompressionMethod::Deflated);
-    let builder = npz.array::<T>(name, options).unwrap().default_dtype();
+    npz.start_file(format!("{name}.npy"), options).unwrap();
+    let mut array = Vec::new();
+    let builder = npyz::WriteOptions::new().default_dtype().writer(&mut array);
     let mut writer = builder.shape(shape).begin_nd().unwrap();
     writer.extend(values.iter().copied()).unwrap();
     writer.finish().unwrap();
+    npz.write_all(&array).unwrap();
 }
 
-fn archive(name: &str, fill: impl FnOnce(&mut NpzWriter<File>)) -> PathBuf {
+fn archive(name: &str, fill: impl FnOnce(&mut ZipWriter<File>)) -> PathBuf {
     let path = path(name);
-    let mut npz = NpzWriter::new(File::create(&path).unwrap());
+    let mut npz = ZipWriter::new(File::create(&path).unwrap());
     fill(&mut npz);
+    npz.finish().unwrap();
     path
 }
 
@@ -138,8 +141,8 @@ proptest! {
         array.extend(header.as_bytes());
         array.extend(&data);
         let path = archive("header.npz", |npz| {
-            npz.zip_writer().start_file("t.npy", FileOptions::default()).unwrap();
-            npz.zip_writer().write_all(&array).unwrap();
+            npz.start_file("t.npy", FileOptions::default()).unwrap();
+            npz.write_all(&array).unwrap();
         });
         prop_assert!(read_record(&path, &slider(), &RecordSettings::default()).is_err());
     }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{
-    Cause, Change, Coefficient, DiagnoseError, Effect, Fit, FitStatus, Measured, Path, Quantity, Record, Role,
+    Cause, Change, Coefficient, DiagnoseError, Effect, Fit, FitStatus, Measured, Note, Path, Quantity, Record, Role,
     Settings as Diagnosing, Signal, Study, StudySettings, Window, diagnose,
 };
 use bracketry_sim::{Hold, Inputs, Model, Samples, Settings, Stepper};
@@ -77,7 +77,8 @@ fn amplitude(name: &str, nominal: f64, scale: f64, min: f64) -> Coefficient {
         max: f64::INFINITY,
         trials: Vec::new(),
         physical_sign: 1,
-        turned: None,
+        sign_flipped: None,
+        period_of: None,
         unit: String::new(),
         about: String::new(),
     }
@@ -341,7 +342,14 @@ fn a_value_at_its_limit_has_a_note_and_no_interval() {
     let report = diagnose(&model, &[spring_log(15)], &[], &Diagnosing::default(), &mut |_| {}).unwrap();
     let k = report.parameters.iter().find(|p| p.name == "k").unwrap();
     assert_eq!((k.after, k.interval), (19.9, None));
-    assert!(report.notes.iter().any(|n| n.starts_with("k stopped at its limit, 19.90")), "{:?}", report.notes);
+    assert!(
+        report
+            .notes
+            .iter()
+            .any(|n| matches!(n, Note::AtLimit { name, value, .. } if name == "k" && (value - 19.9).abs() < 0.005)),
+        "{:?}",
+        report.notes
+    );
     for p in report.parameters.iter().filter(|p| p.name != "k") {
         let [low, high] = p.interval.unwrap();
         assert!(low <= p.after && p.after <= high, "{p:?}");

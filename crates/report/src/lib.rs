@@ -9,6 +9,6 @@ pub mod plate;
 pub mod simulation;
 pub mod stiffness;
 
-pub use diagnosis::{Diagnosis, RankChange, Ranks};
+pub use diagnosis::{Diagnosis, DiagnosisJson, RankChange, Ranks, text as diagnosis_text};
 pub use html::Figure;
 pub use simulation::{friction_bands, friction_colors};

@@ -23,6 +23,7 @@ mod scenario;
 mod sensitivity;
 mod settings;
 mod simulate;
+mod smoothing_spline;
 mod stepper;
 mod switched;
 mod trajectory;
@@ -38,6 +39,7 @@ pub use scenario::{SampledScenario, Scenario, ScenarioError, ScenarioRun, Sensor
 pub use sensitivity::{Path, Saltation, Tangent};
 pub use settings::{Settings, SimError};
 pub use simulate::{Simulation, simulate};
+pub use smoothing_spline::{Bandwidth, SmoothingSpline, smooth};
 pub use stepper::Stepper;
 pub use switched::{Closures, Coupled, Switched};
 pub use trajectory::Trajectory;

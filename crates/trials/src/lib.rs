@@ -5,6 +5,7 @@ mod error;
 mod monte_carlo;
 mod plate_log;
 mod random;
+mod slider;
 
 pub use baseline::{AveragedController, Cycle, CycleGrid, CycleMap, TwoStepController};
 pub use error::TrialError;
@@ -14,3 +15,7 @@ pub use monte_carlo::{
     pose_error, quantile, run_trial, run_trials, time_to_target,
 };
 pub use plate_log::{PlateMismatch, RecordingSettings, SyntheticLog, multisine, synthetic_log};
+pub use slider::{
+    Choice, Excitation, Hidden, Score, Slider, SliderEffect, SliderLog, SliderSensors, SliderTrial, SliderTruth,
+    SyntheticError,
+};

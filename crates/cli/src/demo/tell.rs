@@ -6,7 +6,7 @@ use bracketry::diagnose::diagnose;
 use bracketry::lie::Options;
 use bracketry::lie::analyze;
 use bracketry::plate::{Object, published};
-use bracketry::report::Diagnosis;
+use bracketry::report::{Diagnosis, diagnosis_text};
 
 use super::logs::{self, record_logs};
 use super::on_equations::MoveOnEquations;
@@ -50,7 +50,7 @@ impl Story {
             |stage: bracketry::diagnose::Stage| watch(StoryEvent::Working(&format!("diagnosis: {stage}")));
         let mut report = diagnose(&model, &records, &held_out, &settings.diagnosis, &mut progress)?;
         report.data = audits;
-        watch(StoryEvent::Told(&report.to_string()));
+        watch(StoryEvent::Told(&diagnosis_text(&report)));
 
         watch(StoryEvent::Told(text::FIFTH));
         watch(StoryEvent::Working("what the extended model changes"));

@@ -1,15 +1,12 @@
 //! Intervals from resampling windows.
 
+use super::limits::{INTERVAL_ENDS, RESAMPLES};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
+use crate::statistics::quantile;
 use crate::study::Linearization;
-
-/// Resamples.
-pub(crate) const RESAMPLES: usize = 1000;
-/// Ends of the interval of 95 %.
-const ENDS: [f64; 2] = [0.025, 0.975];
 
 /// How far each column of a linearization goes, in its natural unit, when some windows count more than once and others not
 /// at all: `(Σ wG + P)⁻¹(Σ wg + P pull)`; those that are `held` stay. `None` if the weighted windows do not determine a step.
@@ -68,10 +65,9 @@ pub fn bootstrap(linearization: &Linearization, held: &[usize], seed: u64) -> Op
 }
 
 /// The 2.5th and the 97.5th percentile of a list; `None` of an empty one.
-pub(crate) fn middle(mut list: Vec<f64>) -> Option<[f64; 2]> {
-    list.sort_by(f64::total_cmp);
-    let last = list.len().checked_sub(1)?;
-    Some(ENDS.map(|p| list[(last as f64 * p).round() as usize]))
+pub(crate) fn middle(list: Vec<f64>) -> Option<[f64; 2]> {
+    let [low, high] = INTERVAL_ENDS;
+    Some([quantile(list.clone(), low)?, quantile(list, high)?])
 }
 
 #[cfg(test)]

@@ -3,17 +3,11 @@
 use bracketry_system::System;
 
 use super::evaluation::{Equations, Evaluated};
+use super::limits::WEAK_INPUT;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::record::Record;
 use crate::study::Estimate;
-
-/// Share of the root mean square of ∂f/∂u below which the input hardly acts.
-const WEAK: f64 = 0.1;
-
-/// Why there may be no force residual, for notes.
-pub(crate) const NO_FORCE: &str =
-    "no equation has all its states measured, in an even stretch long enough for derivatives above their noise";
 
 /// What one equation leaves over in one stretch of a record, over time.
 #[derive(Clone, Debug)]
@@ -75,7 +69,7 @@ pub fn force_residuals(
 fn in_stretch(equations: &Equations, stretch: &Evaluated) -> Vec<ForceResidual> {
     let made = stretch.rows.iter().filter_map(|row| {
         let weights = weights(&row.gain);
-        let weak: Vec<bool> = weights.iter().map(|w| *w < WEAK).collect();
+        let weak: Vec<bool> = weights.iter().map(|w| *w < WEAK_INPUT).collect();
         let missing: Vec<f64> = row
             .model
             .iter()

@@ -3,33 +3,21 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use bracketry_sim::Hold;
+use bracketry_sim::{Bandwidth, Hold, SmoothingSpline};
 use bracketry_symbolic::{Expr, Node, Symbol, Tape};
 use bracketry_system::System;
 
+use super::limits::{
+    FEWEST_PERIODS, LOST_PERIODS, MOST_DERIVATIVE_NOISE, NARROWER, SAMPLES_PER_PERIOD, STATE_BANDWIDTH,
+};
 use super::motion::{Origin, origins};
 use super::rest::Rest;
 use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::extend::equations;
-use crate::library::{Structure, TIME_INPUT, mechanics};
-use crate::read::{Bandwidth, SmoothingSpline};
-use crate::record::{Record, Signal};
+use crate::library::{Structure, TIME_INPUT};
+use crate::record::{Measured, Record, Signal};
 use crate::study::{Estimate, lagged, stretches};
-
-/// Samples per period of the fastest motion that counts: about 48 Hz at 1 kHz. A force error grows with its bandwidth; with this one the
-/// published errors of the EMPS benchmark (Janot, Gautier and Brunot 2019; filtered differently) are met on both of its runs.
-const SAMPLES_PER_PERIOD: f64 = 21.0;
-/// Most of the acceleration's size that may be noise of the sensor.
-const MOST_NOISE: f64 = 0.02;
-/// The states on the right-hand side are smoothed less than what is left over, by this factor, so that friction stays steep.
-const WIDER: f64 = 2.5;
-/// Ratio of the bandwidths that are tried one after the other.
-const NARROWER: f64 = 0.84;
-/// Periods of the bandwidth that are left out at each end, where splines are less exact.
-const LOST_PERIODS: f64 = 3.0;
-/// Fewest periods of the bandwidth in a stretch.
-const FEWEST_PERIODS: f64 = 12.0;
 
 /// One stretch of a record without a gap, with the equations evaluated at all of its samples.
 pub(super) struct Evaluated {
@@ -153,7 +141,7 @@ impl Equations {
             };
             rows.push(Row { state, gain, needs });
         }
-        let mechanics = forces.then(|| mechanics(&mut system));
+        let mechanics = forces.then(|| Structure::of_model(&mut system));
         let entries = mechanics.iter().flat_map(|m| &m.coordinates).map(|coordinate| {
             let entry = |(row, e): &(usize, Expr)| {
                 expressions.push(*e);
@@ -233,18 +221,7 @@ impl Equations {
         let lost = (LOST_PERIODS / (bandwidth * stretch.dt)).ceil() as usize;
         let kept = lost..times.len().checked_sub(lost).filter(|&end| end > lost)?;
 
-        // Value, first and second derivative of every column, without its delay and offset.
-        let columns: Vec<Vec<[f64; 3]>> = record
-            .measured
-            .iter()
-            .map(|m| {
-                let ways = self.columns.iter().filter(|way| way.0 == m.name);
-                let (delay, offset) = ways.fold((0.0, 0.0), |sum, way| (sum.0 + way.1, sum.1 + way.2));
-                let cutoff = Bandwidth::Cutoff(WIDER * bandwidth);
-                let spline = SmoothingSpline::fit(times, &m.values[range.clone()], cutoff)?;
-                Some(times.iter().map(|t| spline.at(t + delay)).map(|[x, d, dd]| [x - offset, d, dd]).collect())
-            })
-            .collect::<Option<_>>()?;
+        let columns = self.columns(record, stretch, STATE_BANDWIDTH * bandwidth)?;
         let signals = self.signals(record, derivatives, stretch);
         let of = |o: &Origin| columns[o.column].iter().map(|x| x[o.order]).collect::<Vec<f64>>();
         let states: Vec<Option<Vec<f64>>> = origins.iter().map(|o| o.as_ref().map(of)).collect();
@@ -268,7 +245,9 @@ impl Equations {
         let noise: Vec<f64> = origins
             .iter()
             .map(|o| {
-                o.map_or(0.0, |o| deviation(record.measured[o.column].noise, o.order, WIDER * bandwidth, stretch.dt))
+                o.map_or(0.0, |o| {
+                    deviation(record.measured[o.column].noise, o.order, STATE_BANDWIDTH * bandwidth, stretch.dt)
+                })
             })
             .collect();
         for k in 0..times.len() {
@@ -299,6 +278,19 @@ impl Equations {
             inputs: signals,
             forces,
         })
+    }
+
+    /// Value, first and second derivative of every measured column, without its delay and offset, up to a bandwidth in Hz.
+    fn columns(&self, record: &Record, stretch: &Stretch, bandwidth: f64) -> Option<Vec<Vec<[f64; 3]>>> {
+        let range = stretch.from..stretch.to;
+        let times = &record.times[range.clone()];
+        let of_column = |m: &Measured| {
+            let paths = self.columns.iter().filter(|path| path.0 == m.name);
+            let (delay, offset) = paths.fold((0.0, 0.0), |sum, path| (sum.0 + path.1, sum.1 + path.2));
+            let spline = SmoothingSpline::fit(times, &m.values[range.clone()], Bandwidth::Cutoff(bandwidth))?;
+            Some(times.iter().map(|t| spline.at(t + delay)).map(|[x, d, dd]| [x - offset, d, dd]).collect())
+        };
+        record.measured.iter().map(of_column).collect()
     }
 
     /// Inputs, then input derivatives, at the samples of a stretch as they reach the equations.
@@ -344,7 +336,7 @@ fn shifted(values: &[f64], by: f64) -> Vec<f64> {
     (0..=last).map(|k| (1.0 - part) * at(k - whole) + part * at(k - whole - 1)).collect()
 }
 
-/// The largest bandwidth up to [`SAMPLES_PER_PERIOD`] at which noise of the sensor makes up no more than [`MOST_NOISE`] of the
+/// The largest bandwidth up to [`SAMPLES_PER_PERIOD`] at which noise of the sensor makes up no more than [`MOST_DERIVATIVE_NOISE`] of the
 /// derivative of the given order.
 fn bandwidth(times: &[f64], values: &[f64], noise: f64, order: usize, dt: f64) -> Option<f64> {
     let mut b = 1.0 / (SAMPLES_PER_PERIOD * dt);
@@ -353,7 +345,7 @@ fn bandwidth(times: &[f64], values: &[f64], noise: f64, order: usize, dt: f64) -
         let spline = SmoothingSpline::fit(times, values, Bandwidth::Cutoff(b))?;
         let derivative = if order == 1 { &spline.first } else { &spline.second };
         let mean_square = derivative.iter().map(|v| v * v).sum::<f64>() / derivative.len() as f64;
-        if deviation(noise, order, b, dt) <= MOST_NOISE * mean_square.sqrt() {
+        if deviation(noise, order, b, dt) <= MOST_DERIVATIVE_NOISE * mean_square.sqrt() {
             return Some(b);
         }
         b *= NARROWER;

@@ -2,19 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::Trial;
+use super::limits::{FEWEST_PREDICTIONS, HORIZON_SHARES, HORIZONS, MOST_PREDICTIONS};
+use super::trial::Trial;
 use crate::error::DiagnoseError;
 use crate::record::Record;
 use crate::study::{Fit, Predictor, Study, Window};
-
-/// Horizons in seconds, where the data allow.
-const HORIZONS: [f64; 3] = [0.1, 0.5, 1.0];
-/// Shares of the longest stretch that stand in where it is too short for all of [`HORIZONS`] but the first.
-const SHARES: [f64; 2] = [0.25, 0.5];
-/// Most predictions per horizon: with more, neighbours overlap and tell the same.
-const MOST: usize = 150;
-/// Fewest predictions for a horizon to be reported.
-const FEWEST: usize = 5;
 
 /// Mean squared errors by model (as given, refitted, extended), in units of the columns' variance, and their number.
 #[derive(Clone, Debug, Default)]
@@ -66,7 +58,7 @@ fn horizons(longest: f64) -> Vec<f64> {
     if standard.len() >= 2 {
         return standard;
     }
-    SHARES.iter().map(|s| (s * longest * 1e3).round() / 1e3).filter(|h| *h > 0.0).collect()
+    HORIZON_SHARES.iter().map(|s| (s * longest * 1e3).round() / 1e3).filter(|h| *h > 0.0).collect()
 }
 
 /// Sets of predictions over held-out stretches.
@@ -87,7 +79,7 @@ pub(super) fn predict(
         horizons.iter().map(|&seconds| AtHorizon { seconds, ..AtHorizon::default() }).collect();
     // Starts as densely as the number of predictions allows, at least a tenth of the shortest horizon apart.
     let total: f64 = stretches().map(|w| (seconds(w) - window).max(0.0)).sum();
-    let spacing = (total / MOST as f64).max(0.1 * horizons.first().copied().unwrap_or(total));
+    let spacing = (total / MOST_PREDICTIONS as f64).max(0.1 * horizons.first().copied().unwrap_or(total));
     let variances: Vec<Vec<f64>> =
         records.iter().map(|r| r.measured.iter().map(|m| variance(&m.values)).collect()).collect();
     let mut drawn: Vec<Predicted> = Vec::new();
@@ -110,7 +102,7 @@ pub(super) fn predict(
             drawn.push(predicted);
         }
     }
-    found.retain(|h| h.predictions >= FEWEST);
+    found.retain(|h| h.predictions >= FEWEST_PREDICTIONS);
     Ok((found, drawn))
 }
 

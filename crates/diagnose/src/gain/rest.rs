@@ -1,14 +1,10 @@
 //! Equations where dry friction holds: there they give a set of rates.
 
+use super::limits::{MOST_UNDECIDED, UNDECIDED_SIGN};
 use bracketry_symbolic::{Expr, Symbol, Tape};
 use bracketry_system::{SwitchKind, System};
 
 use crate::error::DiagnoseError;
-
-/// A switching function below this many standard deviations of its noise cannot be told from zero.
-const UNDECIDED: f64 = 3.0;
-/// Most signs that are undecided at once: more corners are not looked at.
-const MOST: usize = 6;
 
 /// The signs in the equations of a model, and the equations with these as arguments.
 #[derive(Clone)]
@@ -73,8 +69,8 @@ impl Rest {
             gradient.iter().zip(noise).map(|(g, s)| (g * s).powi(2)).sum::<f64>().sqrt()
         };
         let undecided: Vec<usize> =
-            (0..n).filter(|&i| self.jumps[i] && surfaces[i].abs() <= UNDECIDED * deviation(i)).collect();
-        if undecided.is_empty() || undecided.len() > MOST {
+            (0..n).filter(|&i| self.jumps[i] && surfaces[i].abs() <= UNDECIDED_SIGN * deviation(i)).collect();
+        if undecided.is_empty() || undecided.len() > MOST_UNDECIDED {
             return None;
         }
         let first = arguments.len();

@@ -1,109 +1,12 @@
 //! Changing a model by an effect.
 
-use bracketry_symbolic::{Expr, Names, Pool, Rational, Symbol};
-use bracketry_system::{InputDerivative, Parameter, System};
-use rustc_hash::FxHashMap;
+use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
+use bracketry_system::{Parameter, System};
 
+use super::names::{ModelNames, state_index, symbols};
 use super::replace::replace_all;
 use crate::effect::{Change, Coefficient, Effect};
 use crate::error::DiagnoseError;
-
-/// What terms call the time since the beginning of a record, in seconds.
-///
-/// Equations of a model contain no time. An effect that needs it adds an input of this name, to be driven by the times
-/// of the record.
-pub const TIME_INPUT: &str = "time";
-
-/// The names of a model, for reading terms. Derivatives of inputs that the model does not use yet are made.
-pub(crate) struct ModelNames {
-    plain: FxHashMap<String, Expr>,
-    inputs: Vec<(String, Symbol)>,
-    /// Derivatives used so far; those of the model come first.
-    derivatives: Vec<InputDerivative>,
-    /// Whether [`TIME_INPUT`] stands for an input that the model does not have.
-    time_is_free: bool,
-    /// Set when a term uses the time.
-    uses_time: bool,
-}
-
-impl ModelNames {
-    pub(crate) fn new(system: &mut System) -> Self {
-        let mut plain: FxHashMap<String, Expr> = system.definitions.iter().cloned().collect();
-        let symbols: Vec<Symbol> = system
-            .states
-            .iter()
-            .chain(&system.inputs)
-            .copied()
-            .chain(system.parameters.iter().map(|p| p.symbol))
-            .collect();
-        for s in symbols {
-            let e = system.pool.sym(s);
-            plain.insert(system.pool.name(s).to_owned(), e);
-        }
-        let inputs = system.input_names().into_iter().zip(system.inputs.iter().copied()).collect();
-        ModelNames {
-            time_is_free: !plain.contains_key(TIME_INPUT),
-            plain,
-            inputs,
-            derivatives: system.input_derivatives.clone(),
-            uses_time: false,
-        }
-    }
-
-    /// Lets expressions use the coefficients of an effect that is not applied yet.
-    pub(crate) fn with_coefficients(mut self, pool: &mut Pool, coefficients: &[Coefficient]) -> Self {
-        for c in coefficients {
-            let e = pool.var(&c.name);
-            self.plain.insert(c.name.clone(), e);
-        }
-        self
-    }
-
-    /// Reads an expression.
-    pub(crate) fn read(&mut self, pool: &mut Pool, text: &str) -> Result<Expr, DiagnoseError> {
-        pool.parse_with(text, self).map_err(|e| DiagnoseError::Term { text: text.to_owned(), message: e.to_string() })
-    }
-
-    /// Registers in the system what terms have used beyond what it had.
-    fn register(self, system: &mut System) {
-        system.input_derivatives = self.derivatives;
-        if self.uses_time {
-            let symbol = system.pool.symbol(TIME_INPUT);
-            system.inputs.push(symbol);
-            if let Some(point) = &mut system.point {
-                point.inputs.push(system.pool.int(0));
-            }
-        }
-    }
-}
-
-impl Names for ModelNames {
-    fn lookup(&mut self, pool: &mut Pool, name: &str) -> Option<Expr> {
-        if self.time_is_free && name == TIME_INPUT {
-            self.uses_time = true;
-            return Some(pool.var(TIME_INPUT));
-        }
-        self.plain.get(name).copied()
-    }
-
-    fn derivative(&mut self, pool: &mut Pool, name: &str, order: u32) -> Option<Expr> {
-        let input = self.inputs.iter().position(|(n, _)| n == name)?;
-        let known = self.derivatives.iter().find(|d| d.input == input && d.order == order).map(|d| d.symbol);
-        let symbol = known.unwrap_or_else(|| {
-            let text = if order == 1 { format!("der({name})") } else { format!("der({name}, {order})") };
-            let symbol = pool.symbol(&text);
-            self.derivatives.push(InputDerivative { input, order, symbol });
-            symbol
-        });
-        Some(pool.sym(symbol))
-    }
-
-    fn known(&self) -> Vec<String> {
-        let mut known: Vec<String> = self.plain.keys().cloned().collect();
-        known.sort_unstable();
-        known
-    }
-}
 
 /// Makes the changes of several effects in a model: terms first, then substitutions, so that these act on what others
 /// add as well (friction that is coupled over the axes is so in every term). Coefficients
@@ -160,9 +63,7 @@ impl Effect {
 
     fn add_coefficients(&self, system: &mut System) -> Result<(), DiagnoseError> {
         for c in &self.coefficients {
-            let taken = |s: Symbol| system.pool.name(s) == c.name;
-            let symbols = system.states.iter().chain(&system.inputs).copied();
-            if symbols.chain(system.parameters.iter().map(|p| p.symbol)).any(taken)
+            if symbols(system).any(|s| system.pool.name(s) == c.name)
                 || system.definitions.iter().any(|(n, _)| *n == c.name)
             {
                 return Err(DiagnoseError::NameTaken { name: c.name.clone() });
@@ -178,7 +79,7 @@ fn change_equations(change: &Change, system: &mut System, names: &mut ModelNames
     match change {
         Change::Terms(terms) => {
             for (state, text) in terms {
-                let row = equation(system, state)?;
+                let row = state_index(system, state)?;
                 let term = names.read(&mut system.pool, text)?;
                 system.dynamics[row] = system.pool.add(system.dynamics[row], term);
             }
@@ -192,7 +93,7 @@ fn change_equations(change: &Change, system: &mut System, names: &mut ModelNames
             let rows: Vec<usize> = if states.is_empty() {
                 (0..system.states.len()).collect()
             } else {
-                states.iter().map(|s| equation(system, s)).collect::<Result<_, _>>()?
+                states.iter().map(|s| state_index(system, s)).collect::<Result<_, _>>()?
             };
             let old: Vec<Expr> = rows.iter().map(|&r| system.dynamics[r]).collect();
             let new = replace_all(&mut system.pool, &old, &replaced);
@@ -208,14 +109,6 @@ fn change_equations(change: &Change, system: &mut System, names: &mut ModelNames
         Change::Path { .. } | Change::TrackedPoint { .. } => {}
     }
     Ok(())
-}
-
-fn equation(system: &System, state: &str) -> Result<usize, DiagnoseError> {
-    system.state_index(state).ok_or_else(|| DiagnoseError::UnknownName {
-        what: "state",
-        name: state.to_owned(),
-        known: system.state_names().join(", "),
-    })
 }
 
 /// The decimal that a model file would show, not the binary fraction behind it; `None` if `x` is not finite.

@@ -4,14 +4,14 @@ use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashSet;
 
-use super::apply::ModelNames;
-use super::probe::{Probe, rms};
-use super::structure::Structure;
+use super::limits::TYPICAL_SHARE;
+use super::names::{ModelNames, symbols};
+use super::probe::Probe;
+use super::structure::{Structure, pairs};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path, Role};
 use crate::error::DiagnoseError;
-
-/// Part of the typical acceleration that an amplitude at its scale makes.
-const TYPICAL_SHARE: f64 = 0.1;
+use crate::record::Record;
+use crate::statistics::rms;
 
 /// Collects the effects for one model.
 pub(crate) struct Builder {
@@ -39,7 +39,8 @@ pub(crate) fn amplitude(name: String, unit: impl Into<String>, about: impl Into<
         max: f64::INFINITY,
         trials: Vec::new(),
         physical_sign: 0,
-        turned: None,
+        sign_flipped: None,
+        period_of: None,
         unit: unit.into(),
         about: about.into(),
     }
@@ -71,14 +72,13 @@ pub(crate) fn log_grid(from: f64, to: f64, count: usize) -> Vec<f64> {
 }
 
 impl Builder {
-    pub(crate) fn new(system: System, structure: Structure, data: Probe) -> Self {
-        let symbols = system
-            .states
-            .iter()
-            .chain(&system.inputs)
-            .copied()
-            .chain(system.parameters.iter().map(|p| p.symbol))
-            .map(|s| system.symbol_name(s).to_owned());
+    /// Finds the structure of a model; records give the points on the way of the data.
+    pub(crate) fn new(system: &System, records: &[Record]) -> Self {
+        let mut system = system.clone();
+        let pairs = pairs(&mut system);
+        let data = Probe::of_records(&system, records, &pairs);
+        let structure = Structure::of(&mut system, &pairs);
+        let symbols = symbols(&system).map(|s| system.symbol_name(s).to_owned());
         let taken = symbols.chain(system.definitions.iter().map(|d| d.0.clone())).collect();
         let fixed = Probe::fixed(&system);
         Builder { system, structure, data, fixed, taken, effects: Vec::new(), known: Vec::new() }

@@ -6,16 +6,11 @@ use bracketry_symbolic::Expr;
 use bracketry_system::System;
 
 use super::builder::{Builder, amplitude, log_grid, shape};
-use super::builder_for;
+use super::limits::{MOST_WAVES, SPEED_TRIALS};
 use super::structure::Kind;
 use crate::effect::{Cause, Coefficient, Effect};
 use crate::error::DiagnoseError;
 use crate::record::Record;
-
-/// Waves are tried from a quarter over the range of the coordinate up to this many, in powers of two.
-const MOST_WAVES: i32 = 5;
-/// Trials of the speed scale of saturating and fading functions.
-const SPEED_TRIALS: usize = 4;
 
 /// The equation that a term is added to.
 struct Place {
@@ -38,7 +33,7 @@ struct Place {
 /// # Errors
 /// As [`super::candidates`].
 pub fn dictionary(system: &System, records: &[Record]) -> Result<Vec<Effect>, DiagnoseError> {
-    let mut builder = builder_for(system, records);
+    let mut builder = Builder::new(system, records);
     let one = builder.system.pool.int(1);
     let mut places: Vec<Place> = Vec::new();
     for c in builder.structure.coordinates.clone() {

@@ -4,14 +4,12 @@ use std::f64::consts::TAU;
 
 use bracketry_symbolic::{Expr, Symbol};
 
-use super::apply::TIME_INPUT;
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
-use super::structure::{Coordinate, Kind, is_angle};
+use super::limits::RIPPLES_PER_TURN;
+use super::names::TIME_INPUT;
+use super::structure::{Coordinate, Kind, is_angle, is_constant};
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
-
-/// Periods per turn that are tried for a disturbance in the position of a rotation.
-const ORDERS: [f64; 6] = [1.0, 2.0, 4.0, 6.0, 8.0, 12.0];
 
 impl Builder {
     /// Forces that depend on position or time, or on nothing.
@@ -124,7 +122,7 @@ impl Builder {
         if let Some(q) = c.position.map(|q| self.state(q)) {
             let extent = self.data.extent(&q).unwrap_or(1.0);
             let trials = match c.kind {
-                Kind::Angle => ORDERS.iter().map(|n| TAU / n).collect(),
+                Kind::Angle => RIPPLES_PER_TURN.iter().map(|n| TAU / n).collect(),
                 Kind::Translation => log_grid(extent / 20.0, extent, 6),
             };
             self.wave(c, "ripple", &q, &q, trials, c.kind.unit())?;
@@ -147,7 +145,7 @@ impl Builder {
         let coefficients = vec![
             amplitude(a.clone(), c.force_unit.clone(), about("sine part")),
             amplitude(b.clone(), c.force_unit.clone(), about("cosine part")),
-            shape(p.clone(), trials, unit, about("period")),
+            Coefficient { period_of: Some(along.to_owned()), ..shape(p.clone(), trials, unit, about("period")) },
         ];
         let law = format!("({a}*sin(2*pi*{along}/{p}) + {b}*cos(2*pi*{along}/{p}))");
         self.along(Cause::PeriodicDisturbance, c.rate, &c.force, &law, coefficients)
@@ -203,7 +201,7 @@ impl Builder {
                 let sum = self.system.pool.add(by_own, by_other);
                 let sum = self.system.pool.simplify(sum);
                 let stiffness = self.system.pool.simplify(by_other);
-                let constant = super::structure::is_constant(&self.system, stiffness);
+                let constant = is_constant(&self.system, stiffness);
                 if !self.system.pool.is_zero(sum) || self.system.pool.is_zero(stiffness) || !constant {
                     continue;
                 }

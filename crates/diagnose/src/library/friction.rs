@@ -3,15 +3,13 @@
 use bracketry_symbolic::{Expr, Func};
 use rustc_hash::FxHashMap;
 
-use super::apply::ModelNames;
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
+use super::limits::{STRIBECK_RANGE, STRIBECK_TRIALS};
+use super::names::ModelNames;
 use super::structure::{Coordinate, Kind, is_constant};
+use super::terms::slope;
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
-
-/// Stribeck velocities are tried between these parts of the velocities in the data.
-const STRIBECK_RANGE: (f64, f64) = (0.005, 0.5);
-const STRIBECK_TRIALS: usize = 7;
 
 impl Builder {
     /// Effects of friction against each rate.
@@ -62,14 +60,7 @@ impl Builder {
     fn friction_unit(&mut self, c: &Coordinate) -> (Vec<(usize, Expr)>, String, f64) {
         let Some(friction) = &c.friction else { return (c.force.clone(), c.force_unit.clone(), 0.0) };
         let Some(p) = friction.coefficient else { return (friction.level.clone(), "1".to_owned(), 1.0) };
-        let level = friction
-            .level
-            .iter()
-            .map(|&(row, e)| {
-                let per_unit = self.system.pool.diff(e, p);
-                (row, self.system.pool.simplify(per_unit))
-            })
-            .collect();
+        let level = friction.level.iter().map(|&(row, e)| (row, slope(&mut self.system.pool, e, p))).collect();
         let parameter = self.system.parameters.iter().find(|q| q.symbol == p);
         let unit = parameter.and_then(|q| q.unit.clone()).unwrap_or_default();
         (level, unit, parameter.map_or(1.0, |q| q.value.to_f64().value()))

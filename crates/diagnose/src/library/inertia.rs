@@ -3,9 +3,10 @@
 use bracketry_symbolic::Expr;
 
 use super::builder::{Builder, amplitude};
-use super::probe::derivative_name;
+use super::names::derivative_name;
+use super::physical_terms::physical_terms;
 use super::structure::{Coordinate, Kind, is_angle, is_constant};
-use super::terms::physical_terms;
+use super::terms::slope;
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
 
@@ -74,8 +75,7 @@ impl Builder {
         for c in self.structure.translations().cloned().collect::<Vec<_>>() {
             let Some((friction, p)) = c.friction.clone().and_then(|f| f.coefficient.map(|p| (f, p))) else { continue };
             let Some(level) = friction.level.iter().find(|l| l.0 == c.rate).map(|l| l.1) else { continue };
-            let load = self.system.pool.diff(level, p);
-            let load = self.system.pool.simplify(load);
+            let load = slope(&mut self.system.pool, level, p);
             let constant = is_constant(&self.system, load);
             loads.push((c, friction, p, load, constant));
         }
@@ -198,7 +198,7 @@ impl Builder {
                 let v = self.state(c.rate);
                 let k = self.name("scale", &v);
                 let about = format!("relative change of a term in the equation of {v}: 0 as it stands");
-                let coefficient = Coefficient { turned: Some(-2.0), ..amplitude(k.clone(), "1", about) };
+                let coefficient = Coefficient { sign_flipped: Some(-2.0), ..amplitude(k.clone(), "1", about) };
                 self.along(Cause::InertialCoupling, c.rate, &[(c.rate, term)], &k, vec![coefficient])?;
             }
         }

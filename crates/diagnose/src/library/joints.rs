@@ -3,12 +3,10 @@
 use bracketry_symbolic::Expr;
 
 use super::builder::{Builder, amplitude, dissipation, shape};
+use super::limits::RATIOS;
 use super::structure::Coordinate;
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
-
-/// Ratios tried for what turns with two joints; the first is that of a differential.
-const RATIOS: [f64; 4] = [-1.0, -0.5, 0.5, 1.0];
 
 impl Builder {
     /// Couplings between joints.

@@ -1,16 +1,12 @@
 //! Effects on the way of signals: gains, delays, lags, offsets.
 
 use super::builder::{Builder, amplitude, dissipation, log_grid};
+use super::limits::{LONGEST_DELAY, SMALL_OFFSET, TIME_TRIALS};
 use super::structure::{Coordinate, Kind};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::record::{Quantity, Record};
-
-/// Delays and lags are tried from half a sampling interval up to this, s.
-const LONGEST: f64 = 0.1;
-const TIME_TRIALS: usize = 6;
-/// A typical offset of a tracked point, m.
-const SMALL_OFFSET: f64 = 0.01;
+use crate::statistics::{median, rms, steps};
 
 /// A measured column and the states that it shows.
 struct Sensor {
@@ -132,9 +128,9 @@ impl Builder {
         };
         let c = Coefficient {
             min: 0.0,
-            max: 10.0 * LONGEST.max(interval),
+            max: 10.0 * LONGEST_DELAY.max(interval),
             scale: interval,
-            trials: log_grid(0.5 * interval, LONGEST.max(20.0 * interval), TIME_TRIALS),
+            trials: log_grid(0.5 * interval, LONGEST_DELAY.max(20.0 * interval), TIME_TRIALS),
             ..dissipation(k, "s", format!("{shown} {what}"))
         };
         self.path(cause, path, signals, term, c);
@@ -155,7 +151,7 @@ impl Builder {
                     (0..self.system.states.len()).filter(|&i| used.contains(&self.system.states[i])).collect()
                 }
             };
-            let size = super::probe::rms(m.values.iter().copied());
+            let size = rms(m.values.iter().copied());
             sensors.push(Sensor { name: m.name.clone(), states, noise: m.noise, size });
         }
         sensors
@@ -172,9 +168,7 @@ impl Builder {
 
 /// The median sampling interval, s.
 fn interval(records: &[Record]) -> f64 {
-    let mut steps: Vec<f64> = records.iter().flat_map(|r| r.times.windows(2).map(|w| w[1] - w[0])).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().filter(|s| *s > 0.0).unwrap_or(1e-3)
+    median(records.iter().flat_map(|r| steps(&r.times)).collect()).filter(|s| *s > 0.0).unwrap_or(1e-3)
 }
 
 /// A name made of the characters that names may have.

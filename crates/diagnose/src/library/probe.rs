@@ -4,13 +4,10 @@ use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
-use super::apply::TIME_INPUT;
+use super::limits::{CLEAR_OF_NOISE, MOST_POINTS};
+use super::names::{TIME_INPUT, derivative_name};
 use crate::record::{Measured, Quantity, Record};
-
-/// Points taken from all records together, at most.
-const MAX_POINTS: usize = 2000;
-/// A difference quotient is taken over so many samples that differences are this many times the noise, if possible.
-const CLEAR_OF_NOISE: f64 = 20.0;
+use crate::statistics::rms;
 
 /// Values of states, inputs and derivatives of inputs by name.
 #[derive(Clone, Debug)]
@@ -25,11 +22,6 @@ fn scattered(index: u64) -> f64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-}
-
-/// The name of a derivative of an input, as expressions print it.
-pub(crate) fn derivative_name(input: &str, order: u32) -> String {
-    if order == 1 { format!("der({input})") } else { format!("der({input}, {order})") }
 }
 
 impl Probe {
@@ -53,7 +45,7 @@ impl Probe {
     /// rates of measured ones, and stay 0 otherwise. Meant for typical sizes, not for estimates.
     pub(crate) fn of_records(system: &System, records: &[Record], pairs: &[(usize, usize)]) -> Self {
         let total: usize = records.iter().map(|r| r.times.len()).sum();
-        let stride = total.div_ceil(MAX_POINTS).max(1);
+        let stride = total.div_ceil(MOST_POINTS).max(1);
         let mut probe = Probe { columns: FxHashMap::default(), len: 0 };
         for record in records {
             let columns = columns(system, record, pairs);
@@ -105,15 +97,6 @@ impl Probe {
         let last = sizes.len().checked_sub(1)?;
         Some(sizes[last * 99 / 100]).filter(|s| *s > 0.0)
     }
-}
-
-pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (mut sum, mut n) = (0.0, 0usize);
-    for v in values.filter(|v| v.is_finite()) {
-        sum += v * v;
-        n += 1;
-    }
-    if n == 0 { 0.0 } else { (sum / n as f64).sqrt() }
 }
 
 /// Every quantity of a record that the names of the model stand for.

@@ -5,9 +5,9 @@ use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use super::builder::{Builder, amplitude, dissipation};
-use super::structure::Kind;
-use super::terms::{physical_terms, summands};
-use super::{builder_for, structure};
+use super::physical_terms::physical_terms;
+use super::structure::{Kind, is_constant};
+use super::terms::{slope, summands};
 use crate::effect::{Cause, Coefficient, Effect, Role};
 use crate::error::DiagnoseError;
 
@@ -33,7 +33,7 @@ pub fn reference_candidates(system: &System, reference: &System) -> Result<Vec<E
             known: system.state_names().join(", "),
         });
     }
-    let mut builder = builder_for(system, &[]);
+    let mut builder = Builder::new(system, &[]);
     let mut theirs = reference.clone();
     let directed = !theirs.set_valued_form().unit_vectors.is_empty();
     if directed {
@@ -188,9 +188,8 @@ fn classify(builder: &mut Builder, row: usize, term: Expr) -> Cause {
         [] => Cause::ConstantBias,
         [s] if s == own => own_rate(&mut system.pool, term, own),
         [s] if Some(s) == position => {
-            let slope = system.pool.diff(term, s);
-            let slope = system.pool.simplify(slope);
-            if structure::is_constant(system, slope) { Cause::LinearStiffness } else { Cause::UnknownTerm }
+            let slope = slope(&mut system.pool, term, s);
+            if is_constant(system, slope) { Cause::LinearStiffness } else { Cause::UnknownTerm }
         }
         [s] if rates.contains(&s) => Cause::InertialCoupling,
         _ => Cause::UnknownTerm,
@@ -216,8 +215,7 @@ fn own_rate(pool: &mut Pool, term: Expr, rate: Symbol) -> Cause {
         (false, true, false) => Cause::CoulombFriction,
         (false, _, true) if opposes(pool, term, rate) => Cause::QuadraticDrag,
         _ if opposes(pool, term, rate) => {
-            let slope = pool.diff(term, rate);
-            let slope = pool.simplify(slope);
+            let slope = slope(pool, term, rate);
             if pool.depends_on(slope, rate) { Cause::UnknownTerm } else { Cause::ViscousFriction }
         }
         _ => Cause::UnknownTerm,

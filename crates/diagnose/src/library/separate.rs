@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use bracketry_system::System;
 
+use super::names::TIME_INPUT;
 use crate::effect::{Cause, Change, Effect};
 
 /// A sentence that names an experiment after which two causes would not be confused.
@@ -252,7 +253,7 @@ fn isolating(e: &Effect, system: &System) -> String {
         Cause::InputGain | Cause::ParameterError => "scale the input by two".to_owned(),
         Cause::InputDelay | Cause::ActuatorLag | Cause::SensorDelay => "add fast content to the input".to_owned(),
         Cause::SensorBias => format!("read {v} at rest against a second instrument"),
-        Cause::PeriodicDisturbance if e.term.contains(super::TIME_INPUT) => {
+        Cause::PeriodicDisturbance if e.coefficients.iter().any(|c| c.period_of.as_deref() == Some(TIME_INPUT)) => {
             "record once with the input at rest".to_owned()
         }
         Cause::PeriodicDisturbance => format!("move {q} slowly at two constant speeds"),

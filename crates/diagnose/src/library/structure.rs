@@ -5,6 +5,7 @@ use bracketry_system::{SwitchKind, System};
 use rustc_hash::FxHashMap;
 
 use super::probe::Probe;
+use super::terms::{proportional, slope};
 
 /// What a coordinate measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,6 +147,12 @@ impl Structure {
         Structure { coordinates, others, gravity }
     }
 
+    /// The structure of a model by itself.
+    pub(crate) fn of_model(system: &mut System) -> Self {
+        let pairs = pairs(system);
+        Self::of(system, &pairs)
+    }
+
     /// The translations among the coordinates.
     pub(crate) fn translations(&self) -> impl Iterator<Item = &Coordinate> {
         self.coordinates.iter().filter(|c| c.kind == Kind::Translation)
@@ -168,12 +175,7 @@ pub(crate) fn pairs(system: &mut System) -> Vec<(usize, usize)> {
         let used: Vec<Symbol> = system.pool.symbols_of(&[f]).into_iter().filter(|s| moving.contains(s)).collect();
         let [only] = used[..] else { continue };
         let Some(v) = states.iter().position(|&s| s == only).filter(|&v| v != q) else { continue };
-        let slope = system.pool.diff(f, only);
-        let x = system.pool.sym(only);
-        let line = system.pool.mul(slope, x);
-        let difference = system.pool.sub(f, line);
-        let difference = system.pool.simplify(difference);
-        if is_constant(system, slope) && system.pool.is_zero(difference) {
+        if proportional(&mut system.pool, f, only).is_some_and(|slope| is_constant(system, slope)) {
             edges.push((q, v));
         }
     }
@@ -258,8 +260,7 @@ pub(crate) fn is_angle(system: &mut System, s: Symbol) -> bool {
     roots.extend(system.outputs.iter().map(|o| o.1));
     system.pool.reachable(&roots).into_iter().any(|e| match system.pool.node(e) {
         Node::Call(Func::Sin | Func::Cos | Func::Tan, a) => {
-            let slope = system.pool.diff(a, s);
-            let slope = system.pool.simplify(slope);
+            let slope = slope(&mut system.pool, a, s);
             system.pool.number(slope).is_some() && !system.pool.is_zero(slope)
         }
         _ => false,
@@ -271,8 +272,7 @@ fn column(system: &mut System, input: usize, rate: usize) -> Vec<(usize, Expr)> 
     let u = system.inputs[input];
     let mut rows = Vec::new();
     for row in 0..system.dynamics.len() {
-        let d = system.pool.diff(system.dynamics[row], u);
-        let d = system.pool.simplify(d);
+        let d = slope(&mut system.pool, system.dynamics[row], u);
         if !system.pool.is_zero(d) {
             rows.push((row, d));
         }
@@ -297,8 +297,7 @@ fn own_input(system: &mut System, probe: &Probe, rate: usize, taken: &[usize]) -
             continue;
         }
         let u = system.inputs[input];
-        let d = system.pool.diff(system.dynamics[rate], u);
-        let d = system.pool.simplify(d);
+        let d = slope(&mut system.pool, system.dynamics[rate], u);
         if system.pool.is_zero(d) {
             continue;
         }
@@ -317,13 +316,9 @@ fn own_input(system: &mut System, probe: &Probe, rate: usize, taken: &[usize]) -
 fn dry_friction(system: &mut System, rate: usize) -> Option<DryFriction> {
     let form = system.set_valued_form();
     let v = system.states[rate];
-    let v_expr = system.pool.sym(v);
-    let proportional = |system: &mut System, e: Expr| {
-        let d = system.pool.diff(e, v);
-        let line = system.pool.mul(d, v_expr);
-        let difference = system.pool.sub(e, line);
-        let difference = system.pool.simplify(difference);
-        system.pool.is_zero(difference) && !system.pool.is_zero(d) && is_constant(system, d)
+    let follows = |system: &mut System, e: Expr| {
+        let factor = proportional(&mut system.pool, e, v);
+        factor.is_some_and(|d| !system.pool.is_zero(d) && is_constant(system, d))
     };
     let mut directions: FxHashMap<Expr, Expr> = FxHashMap::default();
     for (i, s) in form.switches.iter().enumerate() {
@@ -339,7 +334,7 @@ fn dry_friction(system: &mut System, rate: usize) -> Option<DryFriction> {
         directions.insert(symbol, written);
     }
     for (i, s) in form.switches.iter().enumerate() {
-        if s.kind != SwitchKind::Jump || !proportional(system, s.surface) {
+        if s.kind != SwitchKind::Jump || !follows(system, s.surface) {
             continue;
         }
         let symbol = system.pool.sym(s.sign);
@@ -384,15 +379,9 @@ fn friction_coefficient(
     let without: Vec<Expr> = system.pool.substitute_all(dynamics, &frictionless);
     let mut best = None;
     for p in parameters {
-        let proportional = level.iter().all(|&(_, e)| {
-            let d = system.pool.diff(e, p);
-            let p = system.pool.sym(p);
-            let line = system.pool.mul(d, p);
-            let difference = system.pool.sub(e, line);
-            let difference = system.pool.simplify(difference);
-            !system.pool.is_zero(d) && system.pool.is_zero(difference)
-        });
-        if !proportional {
+        let is_factor =
+            |&(_, e): &(usize, Expr)| proportional(&mut system.pool, e, p).is_some_and(|d| !system.pool.is_zero(d));
+        if !level.iter().all(is_factor) {
             continue;
         }
         let elsewhere = level.iter().any(|&(row, _)| system.pool.depends_on(without[row], p));

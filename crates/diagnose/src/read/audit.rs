@@ -7,9 +7,11 @@ use bracketry_system::{counted, readable};
 use serde::Serialize;
 
 use super::clock::Clock;
+use super::limits::{CORRELATED, FLAT_SAMPLES, MOSTLY_NOISE, UNEVEN};
 use super::noise::Noise;
 use crate::Signal;
-use crate::report::significant;
+use crate::numbers::significant;
+use crate::statistics::extremes;
 
 /// Something about the data that may spoil a conclusion.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -55,8 +57,7 @@ pub struct ColumnAudit {
 
 impl ColumnAudit {
     fn new(name: &str, input: bool, values: &[f64]) -> Self {
-        let finite = values.iter().filter(|v| v.is_finite());
-        let (min, max) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+        let (min, max) = extremes(values.iter().copied().filter(|v| v.is_finite()));
         Self {
             name: name.to_owned(),
             input,
@@ -134,20 +135,11 @@ impl ColumnAudit {
     }
 }
 
-/// Noise above this share of the range.
-const MOSTLY_NOISE: f64 = 0.25;
-/// Correlation of neighbours that is worth a word.
-const CORRELATED: f64 = 0.3;
-/// Standard deviation of the steps in time over the step that is worth a word.
-const UNEVEN: f64 = 0.02;
-/// Shortest row of equal values that counts as flat.
-const FLAT: usize = 5;
-
 /// Number of samples in rows of at least five at the smallest or the largest value, if at least half of all such rows are
 /// there: a column that rests or is coarse has them everywhere.
 fn saturated(values: &[f64], min: f64, max: f64) -> Option<usize> {
     let (mut rows_there, mut rows_elsewhere, mut there) = (0, 0, 0);
-    for row in values.chunk_by(|a, b| a == b).filter(|row| row.len() >= FLAT) {
+    for row in values.chunk_by(|a, b| a == b).filter(|row| row.len() >= FLAT_SAMPLES) {
         if row[0] == min || row[0] == max {
             rows_there += 1;
             there += row.len();

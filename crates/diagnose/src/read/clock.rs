@@ -2,10 +2,8 @@
 
 use bracketry_system::FileError;
 
-use super::Origin;
-
-/// A step in time longer than this many usual ones is a gap.
-const GAP: f64 = 2.5;
+use super::limits::GAP;
+use super::origin::Origin;
 
 /// What the times of a run are like.
 #[derive(Clone, Debug, PartialEq)]

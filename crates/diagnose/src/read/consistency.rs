@@ -3,19 +3,10 @@
 use bracketry_symbolic::{Func, Node};
 use bracketry_system::{FileError, System};
 
-use super::{Origin, Warning};
+use super::audit::Warning;
+use super::limits::{CALIBRATION, DISPLACEMENTS, LEAST_CORRELATION, MOST_TURNS, SIGNIFICANT_DISPLACEMENT};
+use super::origin::Origin;
 use crate::{Quantity, Record};
-
-/// Number of parts of the run over which displacements are compared.
-const PARTS: usize = 100;
-/// A displacement counts where it stands out of the noise by this factor.
-const STANDS_OUT: f64 = 5.0;
-/// Smallest correlation of what one column says and what the others say.
-const ALIKE: f64 = 0.7;
-/// Largest deviation of the slope from one, or from that of another unit, that passes as calibration.
-const CALIBRATION: f64 = 0.15;
-/// More than this many turns each way are not likely.
-const TURNS: f64 = 5.0;
 
 /// Slopes of other units, and what they mean.
 const UNITS: [(f64, &str); 6] = [
@@ -57,7 +48,7 @@ pub(super) fn check_rates(origin: &Origin<'_>, record: &Record, system: &System)
         };
         let (name, says) = (system.symbol_name(system.states[state]), system.symbol_name(rate));
         let near = |factor: f64| (slope / factor - 1.0).abs() < CALIBRATION;
-        if correlation.abs() < ALIKE {
+        if correlation.abs() < LEAST_CORRELATION {
             warnings.push(Warning {
                 message: format!("`{name}` does not move as `{says}` says (correlation {correlation:.2})"),
                 remedy: "check that these columns belong together and to the same axis".into(),
@@ -100,7 +91,7 @@ pub(super) fn check_angles(record: &Record, system: &System) -> Vec<Warning> {
         let largest = values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).fold(0.0, f64::max);
         let name = system.symbol_name(symbol);
         let message = format!("the angle `{name}` reaches {largest:.4} rad");
-        if largest > TURNS * std::f64::consts::TAU && !warnings.iter().any(|w: &Warning| w.message == message) {
+        if largest > MOST_TURNS * std::f64::consts::TAU && !warnings.iter().any(|w: &Warning| w.message == message) {
             warnings.push(Warning { message, remedy: "multiply it by pi/180 if it is in degrees".into() });
         }
     }
@@ -128,7 +119,7 @@ fn stuck<'a>(
     }
     let mean =
         rates.iter().filter(|v| v.is_finite()).sum::<f64>() / rates.iter().filter(|v| v.is_finite()).count() as f64;
-    let length = (position.len() / PARTS).max(4);
+    let length = (position.len() / DISPLACEMENTS).max(4);
     let (mut moved, mut of_noise, mut count) = (0.0, 0.0, 0);
     for start in (0..position.len().saturating_sub(length)).step_by(length) {
         let end = start + length;
@@ -151,7 +142,7 @@ fn stuck<'a>(
             count += 1;
         }
     }
-    let moves = count >= 8 && moved > STANDS_OUT * STANDS_OUT * of_noise;
+    let moves = count >= 8 && moved > SIGNIFICANT_DISPLACEMENT * SIGNIFICANT_DISPLACEMENT * of_noise;
     moves.then_some(if still { (name, rate) } else { (rate, name) })
 }
 
@@ -159,7 +150,7 @@ fn stuck<'a>(
 /// out of the noise.
 fn compare(record: &Record, position: &[f64], noise: f64, rates: &[f64]) -> Option<(f64, f64)> {
     let n = position.len();
-    let length = (n / PARTS).max(4);
+    let length = (n / DISPLACEMENTS).max(4);
     let (mut dd, mut di, mut ii, mut count) = (0.0, 0.0, 0.0, 0.0);
     for start in (0..n.saturating_sub(length)).step_by(length) {
         let end = start + length;
@@ -176,6 +167,6 @@ fn compare(record: &Record, position: &[f64], noise: f64, rates: &[f64]) -> Opti
             count += 1.0;
         }
     }
-    let moves = dd > STANDS_OUT * STANDS_OUT * 2.0 * noise * noise * count;
+    let moves = dd > SIGNIFICANT_DISPLACEMENT * SIGNIFICANT_DISPLACEMENT * 2.0 * noise * noise * count;
     (count >= 8.0 && moves && ii > 0.0).then(|| (di / ii, di / (dd * ii).sqrt()))
 }

@@ -2,15 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_sim::Hold;
+use bracketry_sim::{Bandwidth, Hold, SmoothingSpline};
 use bracketry_system::{FileError, System};
 
-use super::spline::{Bandwidth, SmoothingSpline};
-use super::{ColumnAudit, Origin, RecordSettings};
+use super::audit::ColumnAudit;
+use super::limits::HIGHEST_DERIVATIVE;
+use super::origin::Origin;
+use super::settings::RecordSettings;
 use crate::{Record, Signal};
-
-/// Highest derivative that is taken from a spline; the next one jumps.
-const HIGHEST: u32 = 2;
 
 /// Inputs and derivatives in the order of the model, and what is to be said of them.
 pub(super) struct Driving {
@@ -51,7 +50,7 @@ impl Driving {
                 out.derivatives.push(Signal { values: zeros(), hold: moving });
                 continue;
             };
-            if d.order > HIGHEST {
+            if d.order > HIGHEST_DERIVATIVE {
                 let message = format!("the model uses {name}, which no column gives");
                 return Err(origin.whole(message, format!("add a column {name}: no spline gives order {}", d.order)));
             }
@@ -83,7 +82,7 @@ impl Record {
     /// A derivative of an input, of order 1 or 2, by a smoothing spline of the input's samples whose bandwidth generalised
     /// cross validation chooses, separately between gaps in time. None for another order.
     pub fn differentiated_input(&self, input: usize, order: u32) -> Option<Signal> {
-        let signal = self.inputs.get(input).filter(|_| (1..=HIGHEST).contains(&order))?;
+        let signal = self.inputs.get(input).filter(|_| (1..=HIGHEST_DERIVATIVE).contains(&order))?;
         let smoothed = Smoothed::of(&self.times, &self.gaps, &signal.values);
         Some(Signal { values: smoothed.column(order), hold: Hold::Linear })
     }

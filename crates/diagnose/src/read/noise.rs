@@ -1,5 +1,10 @@
 //! The noise of a column, from the column itself.
 
+use super::limits::{
+    DIFFERENCE_ORDERS, FARTHEST_NEIGHBOR, FEWEST_DIFFERENCES, FINEST_RESOLUTION, HIGHEST_DIFFERENCE, MOTION_GROWTH,
+    SAME_SCALE,
+};
+use crate::statistics::extremes;
 /// What the noise of a column is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
@@ -11,21 +16,6 @@ pub struct Noise {
     pub resolution: Option<f64>,
 }
 
-/// Smallest noise, as a share of the column's range: no instrument resolves more than 20 bits.
-const RESOLUTION: f64 = 1.0 / (1 << 20) as f64;
-/// Orders of differences, from the least spread to the least influenced by the motion.
-const ORDERS: [usize; 5] = [3, 4, 5, 6, 8];
-const HIGHEST: usize = 8;
-/// Fewest differences that give a scale.
-const FEWEST: usize = 12;
-/// An order that lowers the estimate by less than this share is no better than the one before.
-const SAME: f64 = 1.03;
-/// Growth from one distance of samples to twice that, beyond which it is motion and no noise: noise behind a filter of second
-/// order grows by less than 2^1.5, motion in differences of eighth order by up to 2^8.
-const MOTION: f64 = 1.7;
-/// Largest distance, in samples, at which correlated noise is followed.
-const FARTHEST: usize = 32;
-
 /// The noise of a column in which NaN stands for lost values: standard deviation, correlation, resolution.
 ///
 /// Differences of order p vanish on motion that is smooth on the scale of p samples, and leave noise of known variance
@@ -35,25 +25,25 @@ const FARTHEST: usize = 32;
 /// and where it does not it is followed until it does, or until motion sets in. Noise is at least q/√12 for a resolution q,
 /// and a millionth of the range.
 pub fn estimate_noise(times: &[f64], values: &[f64]) -> Noise {
-    let finite = values.iter().filter(|v| v.is_finite());
-    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-    let size = (high - low).max(high.abs() * RESOLUTION);
+    let (low, high) = extremes(values.iter().copied().filter(|v| v.is_finite()));
+    let size = (high - low).max(high.abs() * FINEST_RESOLUTION);
     let resolution = resolution(values);
-    let floor = (size * RESOLUTION).max(resolution.unwrap_or(0.0) / 12f64.sqrt()).max(f64::MIN_POSITIVE);
+    let floor = (size * FINEST_RESOLUTION).max(resolution.unwrap_or(0.0) / 12f64.sqrt()).max(f64::MIN_POSITIVE);
     let floor = if floor.is_finite() { floor } else { 1.0 };
     let column = Column::new(times, values);
-    let scales: Vec<f64> = ORDERS.iter().map_while(|order| column.scale(*order, 1)).collect();
+    let scales: Vec<f64> = DIFFERENCE_ORDERS.iter().map_while(|order| column.scale(*order, 1)).collect();
     let lowest = |k: usize| scales[k + 1..].iter().copied().fold(f64::INFINITY, f64::min);
-    let Some(white) = (0..scales.len()).find(|k| scales[*k] <= SAME * lowest(*k)).map(|k| scales[k]) else {
+    let Some(white) = (0..scales.len()).find(|k| scales[*k] <= SAME_SCALE * lowest(*k)).map(|k| scales[k]) else {
         return Noise { std: floor, correlation: 0.0, resolution };
     };
     // Beyond the statistical error of the ratio of two scales.
     let tolerance = 1.05 + 4.0 / (values.len() as f64).sqrt();
     let (mut std, mut distance, mut correlation) = (white, 1, 0.0);
-    let nearest = column.scale(HIGHEST, 1).unwrap_or(white);
+    let nearest = column.scale(HIGHEST_DIFFERENCE, 1).unwrap_or(white);
     let mut here = nearest;
-    while let Some(next) = column.scale(HIGHEST, 2 * distance).filter(|_| 2 * distance <= FARTHEST) {
-        if !(next > here * tolerance || next < here / tolerance) || next > MOTION * here {
+    while let Some(next) = column.scale(HIGHEST_DIFFERENCE, 2 * distance).filter(|_| 2 * distance <= FARTHEST_NEIGHBOR)
+    {
+        if !(next > here * tolerance || next < here / tolerance) || next > MOTION_GROWTH * here {
             break;
         }
         (std, here, distance) = (next, next, 2 * distance);
@@ -111,7 +101,7 @@ impl<'a> Column<'a> {
                 sizes.push(d.abs());
             }
         }
-        if sizes.len() < FEWEST { None } else { Some(robust_scale(&mut sizes)) }
+        if sizes.len() < FEWEST_DIFFERENCES { None } else { Some(robust_scale(&mut sizes)) }
     }
 }
 
@@ -146,7 +136,7 @@ fn robust_scale(sizes: &mut [f64]) -> f64 {
 /// Correlation φ of neighbours in noise whose correlation at k samples is φ^k, from its standard deviation as differences of
 /// the highest order see it, over the true one.
 fn correlation_of(ratio: f64) -> f64 {
-    let binomial = weights(&(0..=HIGHEST).map(|k| k as f64).collect::<Vec<_>>());
+    let binomial = weights(&(0..=HIGHEST_DIFFERENCE).map(|k| k as f64).collect::<Vec<_>>());
     let seen = |correlation: f64| -> f64 {
         let mut sum = 0.0;
         for (i, a) in binomial.iter().enumerate() {
@@ -172,7 +162,7 @@ fn resolution(values: &[f64]) -> Option<f64> {
     let size = sorted.last()?.abs().max(sorted.first()?.abs());
     let rounding = 64.0 * f64::EPSILON * size;
     let steps: Vec<f64> = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|d| *d > rounding).collect();
-    if steps.len() < FEWEST {
+    if steps.len() < FEWEST_DIFFERENCES {
         return None;
     }
     let step = steps.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,18 +1,14 @@
 //! Columns of NumPy archives.
 
+use super::limits::{MOST_BYTES, MOST_PARENTHESES};
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
 use bracketry_system::{Document, FileError};
-use npyz::npz::NpzArchive;
 use npyz::{DType, Deserialize, NpyFile, TypeChar};
-
-/// Files, and arrays in them, larger than this are refused.
-const MAX_BYTES: u64 = 512 << 20;
-/// The header of an array of numbers opens one brace and one parenthesis. The parser of headers tries every way to read what
-/// is nested, which takes for ever on what is nested deeply.
-const MOST_PARENTHESES: usize = 6;
+use zip::ZipArchive;
+use zip::result::ZipError;
 
 /// Columns by name, and the names that were not read.
 type Columns = (BTreeMap<String, Vec<f64>>, Vec<String>);
@@ -29,15 +25,15 @@ pub(super) fn read(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Columns
     if !meta.is_file() {
         return Err(doc.missing("is not a file", "name an archive made by numpy.savez"));
     }
-    if meta.len() > MAX_BYTES {
-        let message = format!("is larger than {} MiB", MAX_BYTES >> 20);
+    if meta.len() > MOST_BYTES {
+        let message = format!("is larger than {} MiB", MOST_BYTES >> 20);
         return Err(doc.missing(message, "give fewer samples, or use the run in parts"));
     }
     let bytes = std::fs::read(path).map_err(cannot)?;
     let no_archive =
-        |e: std::io::Error| doc.missing(format!("is no NumPy archive: {e}"), "write it by numpy.savez(file, t=…, x=…)");
-    let mut archive = NpzArchive::new(Cursor::new(bytes)).map_err(no_archive)?;
-    let names: Vec<String> = archive.array_names().map(str::to_owned).collect();
+        |e: ZipError| doc.missing(format!("is no NumPy archive: {e}"), "write it by numpy.savez(file, t=…, x=…)");
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(no_archive)?;
+    let names: Vec<String> = archive.file_names().filter_map(|f| f.strip_suffix(".npy")).map(str::to_owned).collect();
     let mut columns = BTreeMap::new();
     let mut ignored = Vec::new();
     for name in names {
@@ -52,9 +48,8 @@ pub(super) fn read(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Columns
             )
         };
         let mut bytes = Vec::new();
-        let file = npyz::npz::file_name_from_array_name(&name);
-        let entry = archive.zip_archive().by_name(&file).map_err(|e| refuse(e.to_string()))?;
-        entry.take(MAX_BYTES).read_to_end(&mut bytes).map_err(|e| refuse(e.to_string()))?;
+        let entry = archive.by_name(&format!("{name}.npy")).map_err(|e| refuse(e.to_string()))?;
+        entry.take(MOST_BYTES).read_to_end(&mut bytes).map_err(|e| refuse(e.to_string()))?;
         let values = array(&bytes).map_err(refuse)?;
         columns.insert(name, values);
     }
@@ -118,7 +113,7 @@ fn check_header(bytes: &[u8]) -> Result<(), String> {
     let mut count = 1u64;
     for digits in sizes {
         let size: u64 = digits.parse().map_err(|_| format!("has {digits} entries"))?;
-        count = count.checked_mul(size).filter(|n| *n <= MAX_BYTES).ok_or("has too many entries")?;
+        count = count.checked_mul(size).filter(|n| *n <= MOST_BYTES).ok_or("has too many entries")?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use bracketry_system::symbolic::{Node, Symbol};
 use bracketry_system::{Columns, FileError, System};
 
-use super::Origin;
+use super::origin::Origin;
 use crate::Quantity;
 
 /// What a column means to a model.

@@ -1,10 +1,10 @@
 //! What follows from the fits of a report: intervals, the extended model, the gain.
 
-use super::table::significant;
-use super::{Report, Verdict};
+use super::diagnosis::{Report, Verdict};
+use super::note::Note;
 use crate::error::DiagnoseError;
 use crate::extend::ExtendedModel;
-use crate::gain::{Fitted, NO_FORCE, bootstrap, measure_gain};
+use crate::gain::{Fitted, bootstrap, measure_gain};
 use crate::record::Record;
 use crate::study::{Estimate, Fit, Linearization, Study, StudySettings};
 
@@ -46,7 +46,7 @@ impl Report {
                 // What the data do not tell keeps near the prior in every resample.
                 let Some([low, high]) = step.filter(|_| !hardly.contains(&j)) else { continue };
                 if high - low < NARROWEST * 2.0 * NORMAL * estimate.widened(width) {
-                    alike.push(estimate.name.as_str());
+                    alike.push(estimate.name.clone());
                 } else {
                     let (min, max) = allowed(extended, &estimate.name);
                     let interval = [low, high].map(|s| (estimate.value + s).max(min).min(max));
@@ -55,16 +55,13 @@ impl Report {
             }
         }
         self.note_limits(refitted, extended);
-        let name = |&j: &usize| extended.values.get(j).map(|e| e.name.as_str());
-        let hardly: Vec<&str> = hardly.iter().filter_map(name).collect();
+        let name = |&j: &usize| extended.values.get(j).map(|e| e.name.clone());
+        let hardly: Vec<String> = hardly.iter().filter_map(name).collect();
         if !hardly.is_empty() {
-            self.notes.push(format!("the data hardly tell {}: no interval", hardly.join(", ")));
+            self.notes.push(Note::HardlyIdentifiable(hardly));
         }
         if !alike.is_empty() {
-            self.notes.push(format!(
-                "no interval of {}: the model misses all parts of the data in the same way, so that resampling them says nothing",
-                alike.join(", ")
-            ));
+            self.notes.push(Note::NoInterval(alike));
         }
         self.evidence.refitted = Some(refitted.clone());
         if self.verdict != Verdict::CauseFound {
@@ -72,40 +69,35 @@ impl Report {
         }
         self.evidence.extended = Some(extended.clone());
         let model = ExtendedModel::new(study.system(), extended, width)?;
-        self.notes.extend(model.notes.iter().map(|note| format!("extended model: {note}")));
+        self.notes.extend(model.notes.iter().cloned().map(Note::ExtendedModel));
         self.evidence.model = Some(model);
         let at_refitted = study.linearize(refitted, &[], &all)?;
         let fitted = Fitted { refitted, at_refitted: &at_refitted, extended, at_extended: &at_extended };
         match measure_gain(study, &fitted, validate, settings)? {
             Some((gain, held_out)) => {
                 if gain.equation_error_after.is_none() {
-                    self.notes.push(format!("no force error: {NO_FORCE}"));
+                    self.notes.push(Note::NoForceError);
                 }
                 self.gain = Some(gain);
                 if extended.effects.is_empty() {
-                    let note = "gain: only parameters are wrong, so that `before` is the model as given";
-                    self.notes.push(note.to_owned());
+                    self.notes.push(Note::OnlyParameters);
                 }
                 self.evidence.held_out = Some(held_out);
             }
-            None => self.notes.push("the data are too short to measure the gain on a part of their own".to_owned()),
+            None => self.notes.push(Note::TooShortForGain),
         }
         Ok(())
     }
 
     /// Says which numbers stopped at a limit: they have no interval.
     fn note_limits(&mut self, refitted: &Fit, extended: &Fit) {
-        for (fit, which) in [(extended, ""), (refitted, " of the model without causes")] {
-            if !which.is_empty() && extended.effects.is_empty() {
+        for (fit, without_causes) in [(extended, false), (refitted, true)] {
+            if without_causes && extended.effects.is_empty() {
                 continue;
             }
             for estimate in fit.limited.iter().filter_map(|&j| fit.values.get(j)) {
-                self.notes.push(format!(
-                    "{}{which} stopped at its limit, {}: the best value lies there or beyond; a wider min or max in the model \
-                     file, or a value nearer to the truth, lets it move on",
-                    estimate.name,
-                    significant(estimate.value, 4)
-                ));
+                let (name, value) = (estimate.name.clone(), estimate.value);
+                self.notes.push(Note::AtLimit { name, value, without_causes });
             }
         }
     }

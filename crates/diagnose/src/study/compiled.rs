@@ -1,10 +1,11 @@
 //! A model with effects, compiled once for all values of its unknowns.
 
+use super::limits::{DIFFERENCE_STEP, TIME_STEP};
 use super::tracked::TrackedPoint;
 use super::unknown::Unknown;
 use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
-use crate::library::{TIME_INPUT, apply_all};
+use crate::library::{TIME_INPUT, apply_all, input_index, unknown};
 use crate::record::{Record, Signal};
 use bracketry_sim::{Hold, Inputs, Model, Samples};
 use bracketry_symbolic::StopFlag;
@@ -147,23 +148,13 @@ fn target(system: &System, records: &[Record], effect: &Effect, number: usize) -
     };
     match path {
         Path::InputDelay | Path::ActuatorLag => {
-            let index = |name: &String| {
-                system.input_index(name).ok_or_else(|| DiagnoseError::UnknownName {
-                    what: "input",
-                    name: name.clone(),
-                    known: system.input_names().join(", "),
-                })
-            };
-            Ok(Target::Input(*path, signals.iter().map(index).collect::<Result<_, _>>()?))
+            let inputs = signals.iter().map(|name| input_index(system, name));
+            Ok(Target::Input(*path, inputs.collect::<Result<_, _>>()?))
         }
         Path::SensorDelay | Path::SensorBias => {
-            let known: Vec<&str> = records.iter().flat_map(|r| &r.measured).map(|m| m.name.as_str()).collect();
-            match signals.iter().find(|s| !known.contains(&s.as_str())) {
-                Some(name) => Err(DiagnoseError::UnknownName {
-                    what: "measured column",
-                    name: name.clone(),
-                    known: known.join(", "),
-                }),
+            let known: Vec<String> = records.iter().flat_map(|r| &r.measured).map(|m| m.name.clone()).collect();
+            match signals.iter().find(|s| !known.contains(s)) {
+                Some(name) => Err(unknown("measured column", name, &known)),
                 None => Ok(Target::Column(*path, signals.clone())),
             }
         }
@@ -224,12 +215,11 @@ fn compile(
 }
 
 impl Compiled {
-    /// A step for finite differences in an unknown. Times (delays and lags) move by a fraction of the sampling time: what a held
-    /// input does is linear in its delay within an interval.
+    /// A step for finite differences in an unknown. Times (delays and lags) move by a fraction of the sampling time.
     pub(super) fn step(&self, unknown: usize, sampling: f64) -> f64 {
         match &self.targets[unknown] {
-            Target::Input(..) | Target::Column(Path::SensorDelay, _) => 0.05 * sampling,
-            _ => 1e-4 * self.unknowns[unknown].scale,
+            Target::Input(..) | Target::Column(Path::SensorDelay, _) => TIME_STEP * sampling,
+            _ => DIFFERENCE_STEP * self.unknowns[unknown].scale,
         }
     }
 }

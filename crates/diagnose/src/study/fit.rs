@@ -1,10 +1,13 @@
 //! Fits by simulation error over windows: multiple shooting with the initial states eliminated.
 
 use super::compiled::Compiled;
+use super::limits::{
+    FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING, RANGE_MOVES, SETTLED_FALL, SETTLED_SHARE, UNIDENTIFIED_SHARE,
+};
 use super::linearization::Normal;
-use super::normal::{Eliminated, Full, Point, SETTLED, SHARE, States, full, residual, sensitivities, settle, simulate};
+use super::normal::{Eliminated, Full, Point, States, full, residual, sensitivities, settle, simulate};
 use super::runner::{Failure, Runner};
-use super::unknown::{MOVES, Range, Unknown};
+use super::unknown::{Range, Unknown};
 use crate::effect::Effect;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
@@ -77,6 +80,23 @@ pub struct Fit {
     pub status: FitStatus,
 }
 
+impl Fit {
+    /// The estimate of a parameter or coefficient.
+    pub(crate) fn estimate(&self, name: &str) -> Option<&Estimate> {
+        self.values.iter().find(|e| e.name == name)
+    }
+
+    /// The fit without its initial states, which belong to windows of one length and to inputs held in one way.
+    pub(crate) fn without_windows(&self) -> Self {
+        Self { windows: Vec::new(), ..self.clone() }
+    }
+
+    /// Sum of squares over all windows.
+    pub(crate) fn square(&self) -> f64 {
+        self.windows.iter().map(|w| w.square).sum()
+    }
+}
+
 /// A window in a fit.
 pub(super) struct Slot<'a> {
     pub(super) index: usize,
@@ -111,7 +131,7 @@ impl Slot<'_> {
         if self.known {
             self.state = simulate(&mut self.runner, theta, &self.start);
         } else {
-            self.settle(compiled, theta, SHARE);
+            self.settle(compiled, theta, SETTLED_SHARE);
         }
     }
 
@@ -197,14 +217,14 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], 
     let states: Vec<_> = slots.iter().map(|s| s.state.clone()).collect();
     let mut theta = first.theta.clone();
     let mut moved = ends.clone();
-    for round in 1..=MOVES {
+    for round in 1..=RANGE_MOVES {
         for &j in &ends {
             ranges[j] = unknowns[j].range(theta[j]);
         }
         let next = minimise(slots, compiled, theta, &ranges, iterations);
         ends = stopped(&next, &ranges);
         moved.extend(&ends);
-        let vanished = round == MOVES && ends.iter().all(|&j| next.theta[j].abs() < unknowns[j].nominal.abs());
+        let vanished = round == RANGE_MOVES && ends.iter().all(|&j| next.theta[j].abs() < unknowns[j].nominal.abs());
         if ends.is_empty() || vanished {
             if moved.iter().any(|j| next.unidentified.contains(j)) {
                 break;
@@ -230,7 +250,7 @@ fn minimise(
     let unknowns = &compiled.unknowns;
     let p = unknowns.len();
     let mut theta = start;
-    let mut lambda = 1e-4;
+    let mut lambda = FIRST_DAMPING;
     let mut status = FitStatus::IterationLimit;
     if p == 0 {
         return Solution {
@@ -248,7 +268,7 @@ fn minimise(
         let settled = settled(slots, cost);
         let mut found = None;
         let mut rejected = false;
-        while lambda < 1e8 {
+        while lambda < MOST_DAMPING {
             let Some(step) = Step::new(slots, unknowns, &theta, ranges, &normals, lambda) else { break };
             if step.fall < settled {
                 if !rejected {
@@ -260,7 +280,7 @@ fn minimise(
                 let next = squares + penalty(unknowns, &step.theta);
                 if next < cost {
                     found = Some((step.theta, points, cost - next));
-                    lambda = (0.1 * lambda).max(1e-9);
+                    lambda = (0.1 * lambda).max(LEAST_DAMPING);
                     break;
                 }
             }
@@ -298,7 +318,7 @@ fn settled(slots: &[Slot<'_>], cost: f64) -> f64 {
     let (count, numbers) = running.fold((0, 0), |(count, numbers), slot| {
         (count + slot.runner.present.iter().filter(|p| **p).count(), numbers + slot.runner.weights.len())
     });
-    SETTLED + SHARE * cost + SETTLED * (cost - count as f64).max(0.0) / numbers.max(1) as f64
+    SETTLED_FALL + SETTLED_SHARE * cost + SETTLED_FALL * (cost - count as f64).max(0.0) / numbers.max(1) as f64
 }
 
 /// The Jacobian of every window that can be simulated, initial state first; the others are marked.
@@ -453,6 +473,7 @@ fn uncertainty(normals: &[Normal], unknowns: &[Unknown], states: usize) -> (DMat
     );
     let unit = |j: usize| if unknowns[j].is_settled() { 0.0 } else { unknowns[j].scale };
     let covariance = DMatrix::from_fn(p, p, |i, j| scaled[(i, j)] * unit(i) * unit(j));
-    let unidentified = (0..p).filter(|&j| covariance[(j, j)] > 0.25 * unknowns[j].prior.powi(2)).collect();
+    let unidentified =
+        (0..p).filter(|&j| covariance[(j, j)] > (UNIDENTIFIED_SHARE * unknowns[j].prior).powi(2)).collect();
     (covariance, unidentified)
 }

@@ -3,9 +3,9 @@
 use super::compiled::{Compiled, Target};
 use super::fit::{Fit, Slot};
 use super::linearization::{Column, Linearization};
+use super::multiple_shooting::{Study, theta_of};
 use super::normal::{Point, difference, full, sensitivities, step_of};
 use super::runner::Runner;
-use super::{Study, theta_of};
 use crate::effect::{Change, Coefficient, Effect, Role};
 use crate::error::DiagnoseError;
 use nalgebra::DMatrix;
@@ -89,7 +89,7 @@ impl Study {
             .map(|slot| {
                 let point = slot.state.as_ref().ok()?;
                 let jacobian = sensitivities(&mut slot.runner, &compiled, &theta, point, &slot.scales, true).ok()?;
-                // For the candidates; finite differences may have left another way behind.
+                // For the candidates; finite differences may have left another trajectory behind.
                 slot.runner.map(&theta, &point.x0).ok()?;
                 Some(jacobian)
             })
@@ -162,8 +162,8 @@ impl Study {
             candidate.coefficients.iter().filter(|c| c.role == Role::Amplitude).collect();
         let names: Vec<String> = amplitudes.iter().map(|c| c.name.clone()).collect();
         let smooth = amplitudes.iter().all(|c| c.trials.is_empty());
-        let carried = smooth && !matches!(candidate.change, Change::Path { .. } | Change::TrackedPoint { .. });
-        let by = if carried { names.as_slice() } else { &[] };
+        let propagated = smooth && !matches!(candidate.change, Change::Path { .. } | Change::TrackedPoint { .. });
+        let by = if propagated { names.as_slice() } else { &[] };
         let compiled = Compiled::with_derivatives(&self.system, &self.sources, &self.parameters, &effects, Some(by))?;
         let sampling = slots.first().map_or(1e-3, |s| s.runner.sampling());
         let first = theta.len();
@@ -179,12 +179,13 @@ impl Study {
                 let mut runner = Runner::new(records, &compiled, slot.runner.window, noise, slot.scales.len())?;
                 let mut columns = Columns::with_capacity(secants.len());
                 for of_trial in secants.chunk_by(|a, b| a.from == b.from) {
-                    let by_amplitudes = if carried && of_trial.len() == names.len() && slot.runner.way.is_mapped() {
-                        let values: Vec<f64> = theta.iter().chain(&of_trial[0].from).copied().collect();
-                        slot.runner.by_amplitudes(&mut runner, &values, names.len()).unwrap_or(None)
-                    } else {
-                        None
-                    };
+                    let by_amplitudes =
+                        if propagated && of_trial.len() == names.len() && slot.runner.trajectory.is_mapped() {
+                            let values: Vec<f64> = theta.iter().chain(&of_trial[0].from).copied().collect();
+                            slot.runner.by_amplitudes(&mut runner, &values, names.len()).unwrap_or(None)
+                        } else {
+                            None
+                        };
                     match by_amplitudes {
                         Some(all) => columns.extend(all.into_iter().map(Ok)),
                         None => columns.extend(of_trial.iter().map(|s| {
@@ -210,7 +211,7 @@ fn by_samples(
     secant: &Secant,
 ) -> Option<Vec<f64>> {
     let unknown = theta.len() + secant.coefficient;
-    if !matches!(compiled.targets[unknown], Target::Input(..)) || !base.way.is_mapped() {
+    if !matches!(compiled.targets[unknown], Target::Input(..)) || !base.trajectory.is_mapped() {
         return None;
     }
     let mut values: Vec<f64> = theta.iter().chain(&secant.from).copied().collect();

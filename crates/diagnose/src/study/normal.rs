@@ -1,20 +1,13 @@
 //! Sensitivities of one window, and its normal equations.
 
 use super::compiled::{Compiled, Target};
+use super::limits::{
+    DIFFERENCE_STEP, FIRST_DAMPING, LEAST_DAMPING, MOST_STATE_DAMPING, ROUGH_STATE_ITERATIONS, SETTLED_FALL,
+    SETTLED_SHARE, STATE_ITERATIONS, STATE_PRIOR,
+};
 use super::runner::{Failure, Runner};
 use super::unknown::Unknown;
 use nalgebra::{Cholesky, DMatrix, DVector};
-
-/// Standard deviation of the prior of an initial state over its scale: only states that the data do not show feel it.
-const STATE_PRIOR: f64 = 100.0;
-/// Most iterations for an initial state alone.
-const ITERATIONS: usize = 15;
-/// Most of them where the unknowns will move it again.
-const ROUGH_ITERATIONS: usize = 3;
-/// Damping at which steps are too short to be worth another simulation.
-const HOPELESS: f64 = 1e4;
-/// Step of finite differences over the scale.
-const STEP: f64 = 1e-4;
 
 /// A window with the values at which it was simulated last.
 #[derive(Clone, Debug)]
@@ -63,7 +56,7 @@ pub(super) fn step_of(unknown: &Unknown, value: f64, size: f64) -> f64 {
     if value + size <= unknown.max { size } else { -size }
 }
 
-/// Sensitivities by the initial state in scaled units, then by the unknowns if wanted: carried along the way where the model has
+/// Sensitivities by the initial state in scaled units, then by the unknowns if wanted: propagated along the trajectory where the model has
 /// derivatives, by finite differences otherwise.
 pub(super) fn sensitivities(
     runner: &mut Runner<'_>,
@@ -78,28 +71,28 @@ pub(super) fn sensitivities(
     let rows = runner.target.len();
     let mut jacobian = DMatrix::zeros(rows, n + unknowns);
     let mut moved = vec![0.0; rows];
-    let mut carried = if runner.map(theta, &point.x0)? {
+    let mut propagated = if runner.map(theta, &point.x0)? {
         runner.by_state_and_equations(with_unknowns).into_iter()
     } else {
         Vec::new().into_iter()
     };
     for i in 0..n {
-        if let Some(by_state) = carried.next() {
+        if let Some(by_state) = propagated.next() {
             let mut column = jacobian.column_mut(i);
             column.copy_from_slice(&by_state);
             column *= scales[i];
             continue;
         }
         let mut x0 = point.x0.clone();
-        x0[i] += STEP * scales[i];
+        x0[i] += DIFFERENCE_STEP * scales[i];
         runner.simulate(theta, &x0, &mut moved)?;
-        difference(&moved, &point.simulated, STEP, jacobian.column_mut(i).as_mut_slice());
+        difference(&moved, &point.simulated, DIFFERENCE_STEP, jacobian.column_mut(i).as_mut_slice());
     }
     for j in 0..unknowns {
         let unknown = &compiled.unknowns[j];
         let mut column = jacobian.column_mut(n + j);
         if compiled.targets[j] == Target::Equations
-            && let Some(by_number) = carried.next()
+            && let Some(by_number) = propagated.next()
         {
             column.copy_from_slice(&by_number);
             column *= unknown.scale;
@@ -189,17 +182,17 @@ pub(super) fn settle(
 ) -> Result<Point, Failure> {
     let mut point = simulate(runner, theta, start)?;
     let mut cost = point.square + states.penalty(start);
-    let mut lambda = 1e-4;
-    let iterations = if share > SHARE { ROUGH_ITERATIONS } else { ITERATIONS };
+    let mut lambda = FIRST_DAMPING;
+    let iterations = if share > SETTLED_SHARE { ROUGH_STATE_ITERATIONS } else { STATE_ITERATIONS };
     for _ in 0..iterations {
         let jacobian = sensitivities(runner, compiled, theta, &point, states.scales, false)?;
         let full = full(runner, &point, &jacobian);
-        let settled = SETTLED + share * cost;
+        let settled = SETTLED_FALL + share * cost;
         if Eliminated::new(&full, &point.x0, states, 0.0).is_some_and(|e| e.gain < settled) {
             break;
         }
         let mut improved = None;
-        while lambda < HOPELESS {
+        while lambda < MOST_STATE_DAMPING {
             let Some(eliminated) = Eliminated::new(&full, &point.x0, states, lambda) else { break };
             let step = eliminated.step(&DVector::zeros(0));
             let x0: Vec<f64> = (0..start.len()).map(|i| point.x0[i] + step[i] * states.scales[i]).collect();
@@ -207,7 +200,7 @@ pub(super) fn settle(
                 let next_cost = next.square + states.penalty(&x0);
                 if next_cost < cost {
                     improved = Some((next, next_cost));
-                    lambda = (0.1 * lambda).max(1e-9);
+                    lambda = (0.1 * lambda).max(LEAST_DAMPING);
                     break;
                 }
             }
@@ -223,9 +216,3 @@ pub(super) fn settle(
     }
     Ok(point)
 }
-
-/// A fall of the sum of squares relative to it that ends an iteration.
-pub(super) const SHARE: f64 = 1e-6;
-
-/// A fall of the sum of squares (in noise units) that ends an iteration: a hundredth of what one standard deviation is worth.
-pub(super) const SETTLED: f64 = 1e-2;

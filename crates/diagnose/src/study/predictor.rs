@@ -1,11 +1,12 @@
 //! Predictions of a fitted model over any stretch of a record.
 
 use super::compiled::Compiled;
-use super::fit::{Fit, Slot};
-use super::normal::SHARE;
+use super::fit::{Estimate, Fit, FitStatus, Slot};
+use super::limits::SETTLED_SHARE;
+use super::multiple_shooting::{Study, theta_of};
 use super::runner::{Failure, Runner};
 use super::unknown::Unknown;
-use super::{Estimate, FitStatus, Study, Window, theta_of};
+use super::window::Window;
 use crate::error::DiagnoseError;
 use nalgebra::{DMatrix, DVector};
 
@@ -66,7 +67,7 @@ impl Predictor<'_> {
             scales: guess.scales.clone(),
             state: Err(Failure::not_simulated()),
         };
-        slot.settle(&self.compiled, &self.theta, SHARE);
+        slot.settle(&self.compiled, &self.theta, SETTLED_SHARE);
         Ok(slot.state.map(|point| point.x0).map_err(|failure| failure.to_string()))
     }
 

@@ -1,9 +1,10 @@
 //! The simulation of one window, for any values of the unknowns.
 
-use super::carried::Way;
 use super::compiled::{Compiled, Target};
+use super::limits::{MOST_STEPS, TOLERANCE};
 use super::signal_path::through_path;
 use super::tracked::TrackedPoint;
+use super::trajectory::Trajectory;
 use super::window::{Window, stretches};
 use crate::effect::Path;
 use crate::error::DiagnoseError;
@@ -38,9 +39,9 @@ pub(super) struct Reading {
     pub(super) sample: usize,
 }
 
-/// What is on the way of the signals, for some values of the unknowns.
+/// The paths of the signals, for some values of the unknowns.
 #[derive(Clone, Debug, PartialEq)]
-struct Ways {
+struct SignalPaths {
     /// Delay and lag of each input.
     inputs: Vec<(f64, f64)>,
     /// Delay and offset of each column.
@@ -59,8 +60,8 @@ pub(super) struct Runner<'a> {
     usable: (usize, usize),
     pub(super) stepper: Stepper<Model>,
     /// What was simulated last.
-    pub(super) way: Way,
-    ways: Option<Ways>,
+    pub(super) trajectory: Trajectory,
+    paths: Option<SignalPaths>,
     pub(super) schedule: Vec<Reading>,
     start: f64,
     /// Measured values over their noise, column by column; 0 where lost.
@@ -95,9 +96,8 @@ impl<'a> Runner<'a> {
         }
         let model = compiled.models[window.record].clone();
         let t0 = record.times[window.from];
-        // The tolerance is far below any noise; a window that takes this many steps per sample is not worth its time.
-        let mut settings = Settings::default().with_tolerance(1e-6, 1e-8);
-        settings.max_steps = 10_000;
+        let mut settings = Settings::default().with_tolerance(TOLERANCE.0, TOLERANCE.1);
+        settings.max_steps = MOST_STEPS;
         settings.stop = compiled.stop.clone();
         let stepper = Stepper::new(model, t0, &vec![0.0; n], &settings)?;
         let schedule = Vec::with_capacity(target.len());
@@ -108,8 +108,8 @@ impl<'a> Runner<'a> {
             window,
             usable,
             stepper,
-            way: Way::default(),
-            ways: None,
+            trajectory: Trajectory::default(),
+            paths: None,
             schedule,
             start: t0,
             target,
@@ -128,8 +128,8 @@ impl<'a> Runner<'a> {
         (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64
     }
 
-    fn ways(&self, theta: &[f64]) -> Ways {
-        let mut ways = Ways {
+    fn paths(&self, theta: &[f64]) -> SignalPaths {
+        let mut paths = SignalPaths {
             inputs: vec![(0.0, 0.0); self.record.inputs.len()],
             columns: vec![(0.0, 0.0); self.record.measured.len()],
             tracked: None,
@@ -138,51 +138,51 @@ impl<'a> Runner<'a> {
             match target {
                 Target::Equations => {}
                 Target::Tracked(point, number) => {
-                    ways.tracked.get_or_insert((*point, [0.0; 2])).1[*number] = *value;
+                    paths.tracked.get_or_insert((*point, [0.0; 2])).1[*number] = *value;
                 }
                 Target::Input(path, inputs) => {
                     for &i in inputs {
                         match path {
-                            Path::ActuatorLag => ways.inputs[i].1 += value,
-                            _ => ways.inputs[i].0 += value,
+                            Path::ActuatorLag => paths.inputs[i].1 += value,
+                            _ => paths.inputs[i].0 += value,
                         }
                     }
                 }
                 Target::Column(path, names) => {
-                    for (way, m) in ways.columns.iter_mut().zip(&self.record.measured) {
+                    for (column, m) in paths.columns.iter_mut().zip(&self.record.measured) {
                         if names.contains(&m.name) {
                             match path {
-                                Path::SensorBias => way.1 += value,
-                                _ => way.0 += value,
+                                Path::SensorBias => column.1 += value,
+                                _ => column.0 += value,
                             }
                         }
                     }
                 }
             }
         }
-        ways
+        paths
     }
 
     /// Gives the unknowns their values; tables and schedule are made anew only where they change.
     pub(super) fn set(&mut self, theta: &[f64]) -> Result<(), Failure> {
-        let ways = self.ways(theta);
+        let paths = self.paths(theta);
         let model = self.stepper.system_mut();
         for ((value, unknown), target) in theta.iter().zip(&self.compiled.unknowns).zip(&self.compiled.targets) {
             if *target == Target::Equations {
                 model.set_live(&unknown.name, *value);
             }
         }
-        let old = self.ways.as_ref();
-        let delays = |w: &Ways| w.columns.iter().map(|c| c.0).collect::<Vec<_>>();
-        if old.is_none_or(|old| delays(old) != delays(&ways)) {
-            self.make_schedule(&ways);
+        let old = self.paths.as_ref();
+        let delays = |w: &SignalPaths| w.columns.iter().map(|c| c.0).collect::<Vec<_>>();
+        if old.is_none_or(|old| delays(old) != delays(&paths)) {
+            self.make_schedule(&paths);
         }
-        let start = self.record.times[self.window.from] - ways.columns.iter().map(|c| c.0).fold(0.0, f64::max);
+        let start = self.record.times[self.window.from] - paths.columns.iter().map(|c| c.0).fold(0.0, f64::max);
         let moved = start != self.start;
         self.start = start;
         for d in &self.compiled.driven {
-            let (delay, lag) = ways.inputs[d.input];
-            if !moved && self.ways.as_ref().is_some_and(|old| old.inputs[d.input] == (delay, lag)) {
+            let (delay, lag) = paths.inputs[d.input];
+            if !moved && self.paths.as_ref().is_some_and(|old| old.inputs[d.input] == (delay, lag)) {
                 continue;
             }
             let signal = d.signal(self.window.record, self.records);
@@ -194,20 +194,20 @@ impl<'a> Runner<'a> {
                 .map_err(|e| Failure { t: start, reason: e.to_string() })?;
             self.stepper.system_mut().set_samples(&d.name, d.order, samples);
         }
-        self.ways = Some(ways);
+        self.paths = Some(paths);
         Ok(())
     }
 
     /// A tracked point off the centre of mass, and where it is.
     pub(super) fn tracked(&self) -> Option<(TrackedPoint, [f64; 2])> {
-        self.ways.as_ref()?.tracked
+        self.paths.as_ref()?.tracked
     }
 
-    fn make_schedule(&mut self, ways: &Ways) {
+    fn make_schedule(&mut self, paths: &SignalPaths) {
         self.schedule.clear();
         for sample in 0..self.samples() {
-            for (column, way) in ways.columns.iter().enumerate() {
-                self.schedule.push(Reading { t: self.record.times[self.window.from + sample] - way.0, column, sample });
+            for (column, (delay, _)) in paths.columns.iter().enumerate() {
+                self.schedule.push(Reading { t: self.record.times[self.window.from + sample] - delay, column, sample });
             }
         }
         // Stable, so that columns of one time stay together.
@@ -217,14 +217,14 @@ impl<'a> Runner<'a> {
     /// Simulates from `x0` at the window's beginning (earlier by the longest sensor delay) and writes what the columns would
     /// show, over their noise, column by column; 0 where the measurement was lost.
     pub(super) fn simulate(&mut self, theta: &[f64], x0: &[f64], out: &mut [f64]) -> Result<(), Failure> {
-        self.way.forget();
+        self.trajectory.forget();
         if self.compiled.differentiable {
-            self.stepper.follow(std::mem::take(&mut self.way.path));
+            self.stepper.follow(std::mem::take(&mut self.trajectory.path));
         }
         let simulated = self.run(theta, x0, out);
         if self.compiled.differentiable {
-            self.way.path = self.stepper.take_path();
-            self.way.of = simulated.is_ok().then(|| (theta.to_vec(), x0.to_vec()));
+            self.trajectory.path = self.stepper.take_path();
+            self.trajectory.of = simulated.is_ok().then(|| (theta.to_vec(), x0.to_vec()));
         }
         simulated
     }
@@ -234,7 +234,7 @@ impl<'a> Runner<'a> {
         let m = self.samples();
         let start = self.start;
         self.stepper.set_state(start, x0).map_err(|e| Failure { t: start, reason: e.to_string() })?;
-        let offsets: Vec<f64> = self.ways.iter().flat_map(|w| w.columns.iter().map(|c| c.1)).collect();
+        let offsets: Vec<f64> = self.paths.iter().flat_map(|w| w.columns.iter().map(|c| c.1)).collect();
         let tracked = self.tracked();
         let mut outputs: Option<(f64, Vec<f64>)> = None;
         for reading in &self.schedule {
@@ -243,10 +243,10 @@ impl<'a> Runner<'a> {
             {
                 return Err(Failure { t, reason: reason.to_string() });
             }
-            self.way.marks.push(self.stepper.followed());
+            self.trajectory.marks.push(self.stepper.followed());
             if let Some((point, _)) = tracked {
                 let x = self.stepper.state();
-                self.way.turns.push((x[point.angle], x[point.spin]));
+                self.trajectory.turns.push((x[point.angle], x[point.spin]));
             }
             let value = match self.record.measured[reading.column].quantity {
                 Quantity::State(i) => {

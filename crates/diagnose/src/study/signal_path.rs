@@ -1,5 +1,6 @@
 //! What a delay and a first-order lag do to the samples of an input.
 
+use super::limits::LAG_HISTORY;
 use crate::record::Signal;
 use bracketry_sim::{Hold, InputError, Samples};
 
@@ -19,8 +20,7 @@ pub(super) fn through_path(
     delay: f64,
     lag: f64,
 ) -> Result<Samples, InputError> {
-    // e^-40 of what was before is left.
-    let needed = start - delay - 40.0 * lag;
+    let needed = start - delay - LAG_HISTORY * lag;
     let first = (history + times[history..=last].partition_point(|&t| t <= needed)).saturating_sub(1).max(history);
     let mut kept: Vec<f64> = times[first..=last].to_vec();
     let mut values: Vec<f64> = signal.values[first..=last].to_vec();

@@ -5,19 +5,12 @@ use std::f64::consts::PI;
 use bracketry_system::System;
 use nalgebra::DMatrix;
 
-use super::Study;
 use super::compiled::Compiled;
+use super::limits::{EXAMINED_WINDOWS, MOST_STEPS_IN_ALL, MOST_STEPS_PER_SAMPLE, ZERO_EIGENVALUE};
+use super::multiple_shooting::Study;
+use super::window::Window;
 use crate::error::DiagnoseError;
 use crate::record::Record;
-
-/// Windows at whose beginning the model is linearised.
-const LOOKED_AT: usize = 8;
-/// Eigenvalues below this share of the largest are zero: motions that go on for ever.
-const ZERO: f64 = 1e-6;
-/// A simulation that takes more steps than this between two samples …
-const MOST_PER_SAMPLE: f64 = 50.0;
-/// … and more than this over all samples is not worth its time: a diagnosis takes about a thousand of them.
-const MOST_STEPS: f64 = 50_000.0;
 
 impl Study {
     /// Refuses data between whose samples the model, with the parameters that it has, does all that it ever does, and data over
@@ -27,7 +20,7 @@ impl Study {
     /// ever turns by more than half a turn between two samples, and some motion oscillates, the data are aliased.
     pub(crate) fn check_time_scale(&self) -> Result<(), DiagnoseError> {
         let mut fast: Vec<Option<f64>> = Vec::new();
-        let every = self.windows.len().div_ceil(LOOKED_AT).max(1);
+        let every = self.windows.len().div_ceil(EXAMINED_WINDOWS).max(1);
         let mut jacobian = Jacobian::new(&self.system)?;
         for window in self.windows.iter().step_by(every) {
             let record = &self.sources.records[window.record];
@@ -49,7 +42,7 @@ impl Study {
     }
 
     /// Mean time between the samples of a window, s.
-    fn step(&self, window: &super::Window) -> f64 {
+    fn step(&self, window: &Window) -> f64 {
         let times = &self.sources.records[window.record].times[window.from..window.to];
         (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64
     }
@@ -65,7 +58,7 @@ impl Study {
         let Some(steps) = slot.runner.steps(&theta, &slot.start, &mut out) else { return Ok(()) };
         let per_sample = steps as f64 / slot.runner.samples() as f64;
         let samples: f64 = self.sources.records.iter().map(|r| r.times.len() as f64).sum();
-        if per_sample > MOST_PER_SAMPLE && per_sample * samples > MOST_STEPS {
+        if per_sample > MOST_STEPS_PER_SAMPLE && per_sample * samples > MOST_STEPS_IN_ALL {
             let window = self.windows[0];
             return Err(DiagnoseError::Effort {
                 record: self.sources.records[window.record].name.clone(),
@@ -112,7 +105,7 @@ impl Jacobian {
         }
         let values = DMatrix::from_row_slice(self.states, self.states, &entries).complex_eigenvalues();
         let largest = values.iter().map(|v| v.norm()).fold(0.0, f64::max);
-        let moving = || values.iter().filter(|v| v.norm() > ZERO * largest);
+        let moving = || values.iter().filter(|v| v.norm() > ZERO_EIGENVALUE * largest);
         let oscillates = moving().any(|v| v.im.abs() > v.re.abs());
         oscillates.then(|| moving().map(|v| v.norm()).fold(f64::INFINITY, f64::min))
     }

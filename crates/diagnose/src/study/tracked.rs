@@ -2,6 +2,7 @@
 
 use crate::effect::Change;
 use crate::error::DiagnoseError;
+use crate::library::state_index;
 use bracketry_system::System;
 
 /// The states of a body in the plane whose tracked point lies off its centre of mass, by index; see [`Change::TrackedPoint`].
@@ -28,13 +29,7 @@ impl TrackedPoint {
     /// The states of a change by name; absent for other changes.
     pub(super) fn new(system: &System, change: &Change) -> Result<Option<Self>, DiagnoseError> {
         let Change::TrackedPoint { position, velocity, angle, spin } = change else { return Ok(None) };
-        let index = |name: &String| {
-            system.state_index(name).ok_or_else(|| DiagnoseError::UnknownName {
-                what: "state",
-                name: name.clone(),
-                known: system.state_names().join(", "),
-            })
-        };
+        let index = |name: &String| state_index(system, name);
         Ok(Some(Self {
             position: [index(&position[0])?, index(&position[1])?],
             velocity: [index(&velocity[0])?, index(&velocity[1])?],

@@ -1,23 +1,8 @@
 //! The unknowns of a fit: refitted parameters, then the coefficients of effects.
 
+use super::limits::{AMPLITUDE_PRIOR, LARGEST_CHANGE, ONE_VALUE_PRIOR, PARAMETER_PRIOR, RANGE_MOVES, SHAPE_PRIOR};
 use crate::effect::{Coefficient, Role};
 use bracketry_system::{Parameter, System};
-
-/// Standard deviation of the prior of a parameter over its nominal value. Weak: it decides only where the data do not.
-const PARAMETER_PRIOR: f64 = 0.5;
-/// A parameter stays within this factor of the value it comes from, on the sides where the model file has no limit: a refit is a
-/// calibration. Windows that are short against the time constants of a model that is wrong by far are explained best by their
-/// initial states alone, with masses beyond all bounds.
-const LARGEST_CHANGE: f64 = 3.0;
-/// How often the range of a parameter may move on to where the fit has come.
-pub(super) const MOVES: i32 = 3;
-/// Standard deviation of the prior of an effect's amplitude over its scale.
-const AMPLITUDE_PRIOR: f64 = 100.0;
-/// Standard deviation of the prior of an effect's shape over its scale.
-const SHAPE_PRIOR: f64 = 2.0;
-
-/// The same of what has one value only: it need not move at all.
-const SETTLED_PRIOR: f64 = 1e-3;
 
 /// A number that is fitted.
 #[derive(Clone, Debug)]
@@ -58,7 +43,7 @@ impl Unknown {
 
     pub(super) fn coefficient(c: &Coefficient) -> Self {
         let prior = match c.role {
-            _ if c.settled().is_some() => SETTLED_PRIOR * c.scale,
+            _ if c.settled().is_some() => ONE_VALUE_PRIOR * c.scale,
             Role::Amplitude => AMPLITUDE_PRIOR * c.scale,
             Role::Shape => SHAPE_PRIOR * c.scale.max(c.nominal.abs()),
         };
@@ -80,13 +65,13 @@ impl Unknown {
     }
 
     /// The range of a fit that comes from `value`: the limits, and where there is none a factor of [`LARGEST_CHANGE`], but no
-    /// further from the nominal value than [`MOVES`] moves lead; the last of them towards zero reaches it, for a term may not be
+    /// further from the nominal value than [`RANGE_MOVES`] moves lead; the last of them towards zero reaches it, for a term may not be
     /// there at all.
     pub(super) fn range(&self, value: f64) -> Range {
         if !self.calibrated {
             return Range { min: self.min, max: self.max };
         }
-        let farthest = LARGEST_CHANGE.powi(MOVES + 1);
+        let farthest = LARGEST_CHANGE.powi(RANGE_MOVES + 1);
         let factor = (value / self.nominal).clamp(1.0 / farthest, farthest);
         let near = if factor <= LARGEST_CHANGE / farthest { 0.0 } else { self.nominal * factor / LARGEST_CHANGE };
         let far = self.nominal * (factor * LARGEST_CHANGE).min(farthest);

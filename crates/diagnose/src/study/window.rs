@@ -1,5 +1,6 @@
 //! Windows: disjoint stretches of a record, each with an initial state of its own.
 
+use super::limits::{FEWEST_SAMPLES, FEWEST_WINDOWS};
 use crate::record::Record;
 
 /// A stretch of a record.
@@ -47,4 +48,33 @@ pub(super) fn cut(records: &[Record], length: f64, fewest: usize) -> Vec<Window>
         }
     }
     windows
+}
+
+/// A length that was tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowLength {
+    /// Length, s.
+    pub seconds: f64,
+    /// Mean over the unknowns of the logarithm of their standard deviation over their scale; the smaller, the better.
+    pub uncertainty: f64,
+}
+
+/// The stretches that hold a window: durations, s, and intervals between samples.
+fn usable(records: &[Record]) -> impl Iterator<Item = (f64, usize)> {
+    let all = records.iter().flat_map(|r| stretches(r).into_iter().map(move |(from, to)| (r, from, to)));
+    all.filter(|(_, from, to)| to - from >= FEWEST_SAMPLES)
+        .map(|(r, from, to)| (r.times[to - 1] - r.times[from], to - from - 1))
+}
+
+/// The length that leaves the fewest windows, s.
+pub(super) fn longest_window(records: &[Record]) -> f64 {
+    let total: f64 = usable(records).map(|(duration, _)| duration).sum();
+    let stretch = usable(records).map(|(duration, _)| duration).fold(0.0, f64::max);
+    (total / FEWEST_WINDOWS).min(stretch).max(f64::MIN_POSITIVE)
+}
+
+/// The shortest window, s: of the fewest samples, and of ten per state.
+pub(super) fn shortest_window(records: &[Record], states: usize) -> f64 {
+    let (total, intervals) = usable(records).fold((0.0, 0), |(t, n), (duration, steps)| (t + duration, n + steps));
+    FEWEST_SAMPLES.max(10 * states) as f64 * total / f64::max(intervals as f64, 1.0)
 }

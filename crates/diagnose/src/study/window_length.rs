@@ -6,61 +6,46 @@
 //! (White, "Maximum likelihood estimation of misspecified models", Econometrica 50, 1982).
 
 use super::fit::Fit;
+use super::limits::{CERTAIN_SHARE, INDIFFERENT};
 use super::linearization::Normal;
-use super::window::stretches;
-use super::{FEWEST_SAMPLES, Study};
+use super::multiple_shooting::Study;
+use super::window::{WindowLength, longest_window, shortest_window};
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-/// Fewest windows: blocks from which scatter is estimated.
-const FEWEST_WINDOWS: f64 = 16.0;
-/// Differences of the mean log standard deviation below this do not count; the longer window is taken.
-const INDIFFERENT: f64 = 0.03;
-/// Estimates lead on to the next length if they are this much more certain than the prior.
-const CERTAIN: f64 = 0.2;
-
-/// A length that was tried.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WindowLength {
-    /// Length, s.
-    pub seconds: f64,
-    /// Mean over the unknowns of the logarithm of their standard deviation over their scale; the smaller, the better.
-    pub uncertainty: f64,
-}
-
-/// What the data can be cut into: the longest and the shortest window, s.
-fn limits(study: &Study) -> (f64, f64) {
-    let (mut total, mut intervals, mut stretch) = (0.0, 0, 0.0);
-    for record in study.records() {
-        for (from, to) in stretches(record) {
-            if to - from >= FEWEST_SAMPLES {
-                let duration = record.times[to - 1] - record.times[from];
-                total += duration;
-                stretch = f64::max(stretch, duration);
-                intervals += to - from - 1;
-            }
-        }
+impl Study {
+    /// The same study with windows of the length that makes the unknowns most certain with `effects` in the model, and the fit
+    /// over all of them. Where the settings give the length, it stays.
+    ///
+    /// Long windows let noise average out, since fewer initial states are fitted; short windows forget sooner what the model
+    /// gets wrong slowly, which in long ones swamps everything else. Lengths are tried from the fewest samples that a window may
+    /// have, doubling, to a sixteenth of the data. The one taken is the longest whose unknowns have, within 3 %, the least
+    /// standard deviations by the sandwich covariance with windows as blocks (White, "Maximum likelihood estimation of
+    /// misspecified models", Econometrica 50, 1982). With causes found, another length may suit better than without.
+    ///
+    /// # Errors
+    /// [`DiagnoseError`] as [`Study::fit`].
+    pub fn with_best_windows(&self, effects: &[Effect], start: Option<&Fit>) -> Result<(Self, Fit), DiagnoseError> {
+        choose(self, effects, start)
     }
-    let fewest = FEWEST_SAMPLES.max(10 * study.system.states.len());
-    let shortest = fewest as f64 * total / f64::max(intervals as f64, 1.0);
-    ((total / FEWEST_WINDOWS).min(stretch).max(f64::MIN_POSITIVE), shortest)
-}
 
-/// The length that leaves the fewest windows.
-pub(super) fn longest(study: &Study) -> f64 {
-    limits(study).0
+    /// The lengths of windows that were tried by [`Study::with_best_windows`], shortest first.
+    pub fn window_lengths(&self) -> &[WindowLength] {
+        &self.lengths
+    }
 }
 
 /// Tries all lengths, the shortest first: there a fit converges from afar, and its estimates start the next.
-pub(super) fn choose(study: &Study, effects: &[Effect], start: Option<&Fit>) -> Result<(Study, Fit), DiagnoseError> {
-    let (longest, shortest) = limits(study);
+fn choose(study: &Study, effects: &[Effect], start: Option<&Fit>) -> Result<(Study, Fit), DiagnoseError> {
+    let longest = longest_window(study.records());
+    let shortest = shortest_window(study.records(), study.system.states.len());
     let mut lengths = vec![study.settings.window.unwrap_or(longest)];
     while study.settings.window.is_none() && 0.5 * lengths[lengths.len() - 1] >= shortest {
         lengths.push(0.5 * lengths[lengths.len() - 1]);
     }
     // Initial states belong to other windows.
-    let mut start = start.map(|s| Fit { windows: Vec::new(), ..s.clone() });
+    let mut start = start.map(Fit::without_windows);
     let mut tried: Vec<(WindowLength, Study, Fit)> = Vec::new();
     let last = lengths.len() - 1;
     for (i, &seconds) in lengths.iter().rev().enumerate() {
@@ -74,7 +59,7 @@ pub(super) fn choose(study: &Study, effects: &[Effect], start: Option<&Fit>) -> 
         };
         let uncertainty = uncertainty(&normals, &prior).unwrap_or(f64::INFINITY);
         if certain(&normals, &prior) {
-            start = Some(Fit { windows: Vec::new(), ..fit.clone() });
+            start = Some(fit.without_windows());
         }
         tried.push((WindowLength { seconds, uncertainty }, trial, fit));
     }
@@ -117,6 +102,6 @@ fn information(normals: &[Normal], prior: &[f64]) -> DMatrix<f64> {
 fn certain(normals: &[Normal], prior: &[f64]) -> bool {
     Cholesky::new(information(normals, prior)).is_some_and(|c| {
         let covariance = c.inverse();
-        prior.iter().enumerate().all(|(j, weight)| covariance[(j, j)] * weight < CERTAIN * CERTAIN)
+        prior.iter().enumerate().all(|(j, weight)| covariance[(j, j)] * weight < CERTAIN_SHARE * CERTAIN_SHARE)
     })
 }

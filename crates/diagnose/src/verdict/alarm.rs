@@ -1,15 +1,9 @@
 //! Whether a fit leaves over more than noise.
 
+use super::limits::{FEWEST_SPECTRUM_SAMPLES, LEAST_NOISE};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::WindowFit;
-
-/// Fewest samples of a column in a window for which low and high frequencies can be told apart.
-const FEWEST: usize = 12;
-
-/// Least standard deviation of the noise, relative to the estimate from the column itself. Smaller residuals, of data without noise,
-/// may be the inexactness of the simulation.
-const FINEST: f64 = 0.2;
 
 /// What is left over after a fit, against noise.
 ///
@@ -49,7 +43,7 @@ impl Alarm {
             let own = spectra.iter().filter(|s| s.0 == column).map(|s| &s.1);
             let (sum, count) = own.fold((0.0, 0), |(sum, count), s| (sum + s.high, count + s.high_count));
             if count > 0 {
-                *noise = (sum / count as f64).max(FINEST * FINEST);
+                *noise = (sum / count as f64).max(LEAST_NOISE * LEAST_NOISE);
             }
             reference += count as f64;
         }
@@ -114,7 +108,7 @@ impl Spectrum {
     fn of(values: &[f64]) -> Option<Self> {
         let samples: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
         let n = samples.len();
-        if n < FEWEST || 5 * n < 4 * values.len() {
+        if n < FEWEST_SPECTRUM_SAMPLES || 5 * n < 4 * values.len() {
             return None;
         }
         let total: f64 = samples.iter().map(|v| v * v).sum();

@@ -3,17 +3,14 @@
 use bracketry_sim::Hold;
 use bracketry_system::System;
 
-use super::Settings;
 use super::alarm::Alarm;
+use super::explanation::Explanation;
 use super::held_out::window_length;
 use super::hold::free_inputs;
-use super::search::Explanation;
-use crate::{DiagnoseError, Fit, Record, Study, StudySettings};
-
-/// Curves take the place of straight lines if they leave over at most this share of the excess.
-const WORTH_IT: f64 = 0.5;
-/// Two steps of time are alike if they differ by at most this part.
-const ALIKE: f64 = 0.01;
+use super::limits::{CURVES_WORTH, EVEN_STEPS};
+use super::settings::Settings;
+use crate::report::Note;
+use crate::{DiagnoseError, Record, Study, StudySettings};
 
 /// The records with curves in place of straight lines through the samples of the inputs, where `explanation` leaves over more than
 /// noise and much less with them. Beside little noise (data of another simulation have none at all) what the lines cut off at the
@@ -23,7 +20,7 @@ pub(super) fn curved_where_better(
     study: &Study,
     explanation: &Explanation,
     settings: &Settings,
-) -> Result<Option<(Vec<Record>, String)>, DiagnoseError> {
+) -> Result<Option<(Vec<Record>, Note)>, DiagnoseError> {
     if explanation.alarm.p_value >= settings.significance {
         return Ok(None);
     }
@@ -34,15 +31,11 @@ pub(super) fn curved_where_better(
     let length = window_length(study);
     let study = Study::new(system, &records, &StudySettings { window: length, ..settings.study.clone() })?;
     let windows: Vec<usize> = explanation.fit.windows.iter().map(|w| w.window).collect();
-    let start = Fit { windows: Vec::new(), ..explanation.fit.clone() };
+    let start = explanation.fit.without_windows();
     let Ok(fit) = study.fit(&explanation.fit.effects, &windows, Some(&start)) else { return Ok(None) };
     let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
     let stays = alarm.excess() / explanation.alarm.excess();
-    let note = format!(
-        "smooth curves through the samples of the inputs leave over {} of the excess that straight lines do, and take their place",
-        if stays < 1e-3 { "less than 0.1 %".to_owned() } else { format!("{:.1} %", 100.0 * stays) }
-    );
-    Ok((stays <= WORTH_IT).then_some((records, note)))
+    Ok((stays <= CURVES_WORTH).then_some((records, Note::Curves(stays))))
 }
 
 /// The records with every straight line between samples of an input shifted by the mean of what a parabola would add to it.
@@ -69,7 +62,7 @@ fn shifted(times: &[f64], gaps: &[usize], values: &[f64]) -> Vec<f64> {
     for k in 1..values.len().saturating_sub(1) {
         let (before, after) = (times[k] - times[k - 1], times[k + 1] - times[k]);
         let begins = |k: usize| gaps.binary_search(&k).is_ok();
-        let even = (after - before).abs() <= ALIKE * before && !begins(k) && !begins(k + 1);
+        let even = (after - before).abs() <= EVEN_STEPS * before && !begins(k) && !begins(k + 1);
         if even {
             shifted[k] -= (values[k - 1] - 2.0 * values[k] + values[k + 1]) / 12.0;
         }

@@ -5,69 +5,28 @@ use std::time::Instant;
 use bracketry_system::System;
 
 use super::curves::{curved, curved_where_better};
-use super::held_out::{HeldOut, thinned};
+use super::explanation::Explanation;
+use super::findings::{Ending, Findings, Rivals};
+use super::held_out::{UnseenWindows, thinned};
 use super::hold::{half_a_sample, other_hold};
+use super::limits::{LEAST_EXPLAINED, NEAR_NOISE, SHORTER, WITHIN_REACH};
 use super::motion::{driven, still, uninformative};
 use super::noise::Scatter;
 use super::places::{Places, places};
 use super::proven::drop_unproven;
 use super::repeats::{Distinct, distinct};
-use super::rivals::{Rivals, rivals};
+use super::rivals::rivals;
 use super::scale::{factors, rescaled};
-use super::search::{Explanation, NEAR_NOISE, Search};
+use super::search::Search;
 use super::select::{Selection, backwards, select};
+use super::settings::{Settings, Stage};
 use super::units::other_units;
 use super::unnamed::unnamed;
 use super::validation::mispredicted;
-use super::{Settings, Stage, periods, scale, write};
-use crate::gain::NO_FORCE;
+use super::{periods, scale, write};
 use crate::library::{candidates, dictionary};
-use crate::report::Fits;
+use crate::report::{Caveat, Fits, Note};
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
-
-/// Share of the excess over noise that named causes must explain where structure remains; with less the verdict is that the
-/// data are unexplained.
-pub(crate) const LEAST_EXPLAINED: f64 = 0.5;
-
-/// Lengths of windows, as parts of the longest, with which parameters that are far off begin.
-const SHORTER: [f64; 2] = [0.25, 0.0625];
-/// Long windows are worth a search if some pair of candidates promises a residual of at most this many times the noise.
-const WITHIN_REACH: f64 = 3.0;
-
-/// What was found, before it is written down.
-pub(crate) struct Findings {
-    /// The model with parameters refitted.
-    pub(crate) base: Explanation,
-    /// The explanation, empty if there is none.
-    pub(crate) chosen: Explanation,
-    /// Rivals of each of its members.
-    pub(crate) rivals: Vec<Rivals>,
-    /// The scatter around it.
-    pub(crate) scatter: Scatter,
-    /// Candidates at their trials that were put against the data.
-    pub(crate) tests: f64,
-    /// Smallest of the p-values by which the alarm was raised.
-    pub(crate) alarm: f64,
-    /// How it ended.
-    pub(crate) ending: Ending,
-}
-
-/// How the search for causes ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Ending {
-    /// The residual is noise.
-    Quiet,
-    /// The residual is correlated, but no candidate explains it, and it is hardly larger than the noise.
-    Coloured,
-    /// The named causes explain the residual.
-    Explained,
-    /// The named causes explain the given share of the excess.
-    Partly(f64),
-    /// They explain too little; the share of the best attempt.
-    Unexplained(f64),
-    /// What was tried explains the given share of the excess in the data of the fit, but predicts held-out data no better.
-    Refuted(f64),
-}
 
 /// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
 /// measured.
@@ -91,12 +50,12 @@ pub fn diagnose(
         let name = "the number of causes that are named together (--max-causes)";
         return Err(DiagnoseError::Setting { name, value: 0.0, requirement: "at least 1" });
     }
-    investigated(system, distinct(records, validate), true, settings, begin, progress)
+    examined(system, distinct(records, validate), true, settings, begin, progress)
 }
 
 /// The diagnosis of records of which each is there once. Where inputs go on along straight `lines` between their samples and curves
 /// leave over much less, it begins anew with these.
-fn investigated(
+fn examined(
     system: &System,
     data: Distinct,
     lines: bool,
@@ -130,7 +89,7 @@ fn investigated(
         attempt = Attempt::new(study, None, &library, settings, progress)?;
     }
     let structured = attempt.selection.chosen.alarm.p_value < settings.significance
-        && !attempt.selection.chosen.exhausts(&attempt.base);
+        && !attempt.selection.chosen.spans(&attempt.base);
     if structured && settings.study.window.is_none() {
         progress(Stage::Refit);
         let near = attempt.selection.chosen.fit.clone();
@@ -143,43 +102,17 @@ fn investigated(
     if lines && let Some((better, note)) = curved_where_better(system, search.study, &selection.chosen, settings)? {
         notes.push(note);
         let data = Distinct { records: better, validate: curved(system, &validate), notes };
-        return investigated(system, data, false, settings, begin, progress);
+        return examined(system, data, false, settings, begin, progress);
     }
-    let (records, validate) = (records.as_slice(), validate.as_slice());
-    let named: Vec<usize> = (0..library.len()).collect();
-    let Selection { mut chosen, mut scatter, mut tests, screened } = selection;
+    let validate = validate.as_slice();
+    let Selection { chosen, scatter, tests, screened } = selection;
     let mut alarm = base.alarm.p_value.min(screened);
-    let mut found = Vec::new();
-    let mut refuted = None;
-    if alarm < settings.significance {
-        let mut among = named;
-        // Structure that is hardly worth a name; several causes or parameters far off that one law may say more simply.
-        let structured = chosen.alarm.p_value < settings.significance && !chosen.exhausts(&base);
-        if structured || chosen.members.len() > 1 || chosen.strayed(settings.tolerance) > 0 {
-            let terms = search.extend(dictionary(system, records)?);
-            let lists = (among.as_slice(), terms.as_slice());
-            if let Some(better) = unnamed(&mut search, &base, &chosen, lists, settings, progress)? {
-                (chosen, scatter) = better;
-                tests += terms.len() as f64;
-                among.extend(terms);
-                backwards(&mut search, &mut chosen, &scatter, tests, settings);
-            }
-        }
-        if !chosen.members.is_empty() {
-            progress(Stage::Rivals);
-            let held_out = HeldOut::new(search.study, &search.windows);
-            found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref(), settings.significance)?;
-            let best = chosen.clone();
-            if drop_idle(&mut search, &mut chosen, held_out.as_ref())? {
-                found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref(), settings.significance)?;
-            }
-            refuted = chosen.members.is_empty().then(|| share(&base, &best));
-            // Each round leaves fewer causes.
-            while drop_unproven(&mut search, &mut chosen, &scatter, tests, settings) {
-                found = rivals(&mut search, &mut chosen, &scatter, &among, held_out.as_ref(), settings.significance)?;
-            }
-        }
-    }
+    let chosen = Chosen { explanation: chosen, scatter, tests, rivals: Vec::new(), refuted: None };
+    let Chosen { explanation: mut chosen, scatter, tests, rivals, refuted } = if alarm < settings.significance {
+        weigh(system, &mut search, &base, chosen, settings, progress)?
+    } else {
+        chosen
+    };
     if let Some(better) = search.base().filter(|b| b.square() < base.square()) {
         base = better.clone();
         alarm = base.alarm.p_value;
@@ -190,7 +123,7 @@ fn investigated(
         chosen.fit = search.study.fit(&chosen.fit.effects, &every, Some(&chosen.fit))?;
     }
     let ending = if alarm < settings.significance { ending(&base, &chosen, refuted, settings) } else { Ending::Quiet };
-    let findings = Findings { base, chosen, rivals: found, scatter, tests, alarm, ending };
+    let findings = Findings { base, chosen, rivals, scatter, tests, alarm, ending };
     let mut report = written(system, &mut search, &findings, validate, settings, begin, progress)?;
     report.notes.extend(notes);
     // What failed since was not the model's fault.
@@ -200,11 +133,67 @@ fn investigated(
     Ok(report)
 }
 
+/// What the search has chosen so far.
+struct Chosen {
+    explanation: Explanation,
+    scatter: Scatter,
+    tests: f64,
+    /// Of each of its members.
+    rivals: Vec<Rivals>,
+    /// Share of the excess that was explained by what held-out data did not bear out, if nothing else is left.
+    refuted: Option<f64>,
+}
+
+/// Weighs an explanation after an alarm: terms without a name take its place where they say the same more simply, rivals the
+/// place of causes where they are better, and causes that held-out data do not bear out or that are not significant leave.
+fn weigh(
+    system: &System,
+    search: &mut Search<'_>,
+    base: &Explanation,
+    mut now: Chosen,
+    settings: &Settings,
+    progress: &mut dyn FnMut(Stage),
+) -> Result<Chosen, DiagnoseError> {
+    let mut among: Vec<usize> = (0..search.candidates.len()).collect();
+    let chosen = &now.explanation;
+    // Structure that is hardly worth a name; several causes or parameters far off that one law may say more simply.
+    let structured = chosen.alarm.p_value < settings.significance && !chosen.spans(base);
+    if structured || chosen.members.len() > 1 || chosen.moved_parameters(settings.tolerance) > 0 {
+        let terms = search.extend(dictionary(system, search.study.records())?);
+        let lists = (among.as_slice(), terms.as_slice());
+        if let Some((better, scatter)) = unnamed(search, base, chosen, lists, settings, progress)? {
+            (now.explanation, now.scatter) = (better, scatter);
+            now.tests += terms.len() as f64;
+            among.extend(terms);
+            backwards(search, &mut now.explanation, &now.scatter, now.tests, settings);
+        }
+    }
+    if now.explanation.members.is_empty() {
+        return Ok(now);
+    }
+    progress(Stage::Rivals);
+    let unseen = UnseenWindows::new(search.study, &search.windows);
+    let compare = |search: &mut Search<'_>, explanation: &mut Explanation| {
+        rivals(search, explanation, &now.scatter, &among, unseen.as_ref(), settings.significance)
+    };
+    now.rivals = compare(search, &mut now.explanation)?;
+    let best = now.explanation.clone();
+    if drop_idle(search, &mut now.explanation, unseen.as_ref())? {
+        now.rivals = compare(search, &mut now.explanation)?;
+    }
+    now.refuted = now.explanation.members.is_empty().then(|| share(base, &best));
+    // Each round leaves fewer causes.
+    while drop_unproven(search, &mut now.explanation, &now.scatter, now.tests, settings) {
+        now.rivals = compare(search, &mut now.explanation)?;
+    }
+    Ok(now)
+}
+
 /// Takes out causes without which held-out data are predicted no worse; says whether there were any.
 fn drop_idle(
     search: &mut Search<'_>,
     chosen: &mut Explanation,
-    held_out: Option<&HeldOut>,
+    held_out: Option<&UnseenWindows>,
 ) -> Result<bool, DiagnoseError> {
     let Some(held_out) = held_out else { return Ok(false) };
     let mut dropped = false;
@@ -233,7 +222,7 @@ fn written(
         let Places { motion, regimes, over_time } = places(system, search.study.records(), &findings.base.fit)?;
         (report.places, report.regimes, report.residual_acceleration) = (motion, regimes, over_time);
         if report.places.is_empty() {
-            report.notes.push(format!("where the model is wrong is not shown: {NO_FORCE}"));
+            report.notes.push(Note::NoPlaces);
         }
     }
     progress(Stage::Gain);
@@ -241,14 +230,14 @@ fn written(
     let fits = Fits { refitted: &findings.base.fit, extended: &findings.chosen.fit, width };
     report.complete(search.study, fits, validate, &settings.study, settings.seed)?;
     report.withdraw_if_refuted();
-    doubt(&mut report, system, search, findings, validate, settings)?;
+    add_caveats(&mut report, system, search, findings, validate, settings)?;
     report.seconds = begin.elapsed().as_secs_f64();
     Ok(report)
 }
 
 /// Adds what speaks against the verdict: columns without motion, inputs that go on otherwise between samples, other units, runs for
 /// validation that are not predicted.
-fn doubt(
+fn add_caveats(
     report: &mut Report,
     system: &System,
     search: &Search<'_>,
@@ -259,35 +248,27 @@ fn doubt(
     let records = search.study.records();
     let (still, _) = still(records);
     if !still.is_empty() {
-        report.notes.push(format!(
-            "{} does not stand out of its noise and tells nothing: leave outliers empty, or remove the column",
-            still.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-        ));
+        report.notes.push(Note::StillColumns(still));
     }
     // Inputs that never change go on in the same way either way; another fit would only find another minimum.
     if findings.ending != Ending::Quiet
         && driven(records)
         && let Some(other) = other_hold(system, search, findings, settings)?
     {
-        report.reason = format!("{}; but {}", report.reason, other.clause());
-        if other.noise && report.verdict == Verdict::CauseFound {
+        report.reason.caveats.push(Caveat::OtherHold(other));
+        if other.stays.is_none() && report.verdict == Verdict::CauseFound {
             report.withdraw();
         }
-        report.notes.push(format!("{}: find out how the inputs go on before believing a cause", other.clause()));
+        report.notes.push(Note::OtherHold(other));
     }
     report.notes.extend(other_units(system, search, findings, settings)?);
     for cause in &mut report.causes {
         cause.flags.extend(half_a_sample(cause, records));
     }
     if report.verdict != Verdict::Unexplained {
-        for (name, size) in mispredicted(system, search.study, &findings.chosen, validate, settings)? {
-            let sentence = format!(
-                "{name}, which no fit has seen, is mispredicted: the residual there is {size:.3} times the noise"
-            );
-            report.reason = format!("{}; but {sentence}", report.reason);
-            report.notes.push(format!(
-                "{sentence}: something is there that the data of the fit do not show; diagnose it as data of the fit"
-            ));
+        for run in mispredicted(system, search.study, &findings.chosen, validate, settings)? {
+            report.reason.caveats.push(Caveat::Mispredicted(run.clone()));
+            report.notes.push(Note::Mispredicted(run));
         }
     }
     Ok(())
@@ -309,7 +290,7 @@ impl<'a> Attempt<'a> {
         progress: &mut dyn FnMut(Stage),
     ) -> Result<Self, DiagnoseError> {
         // Only the parameters carry over: windows of another length have other initial states.
-        let start = near.map(|fit| Fit { windows: Vec::new(), ..fit.clone() });
+        let start = near.map(Fit::without_windows);
         let windows = thinned(study.windows().len());
         let mut fit = study.fit(&[], &windows, start.as_ref())?;
         if near.is_none() && !fit.limited.is_empty() {
@@ -337,17 +318,16 @@ impl<'a> Attempt<'a> {
 /// The fit, or a better one that begins with the parameters that short windows give: over long ones, parameters that are far
 /// off leave local minima, in which motions fall out of step.
 fn from_short_windows(study: &Study, mut fit: Fit, windows: &[usize]) -> Result<Fit, DiagnoseError> {
-    let square = |fit: &Fit| fit.windows.iter().map(|w| w.square).sum::<f64>();
     let failures = |fit: &Fit| fit.windows.iter().filter(|w| w.count == 0).count();
     let Some(first) = study.windows().first() else { return Ok(fit) };
     let times = &study.records()[first.record].times;
     let length = times[first.to - 1] - times[first.from];
     for part in SHORTER {
         let short = study.with_windows(part * length)?;
-        let begin = short.fit(&[], &thinned(short.windows().len()), None)?;
-        let again = study.fit(&[], windows, Some(&Fit { windows: Vec::new(), ..begin }))?;
-        if failures(&again) <= failures(&fit) && square(&again) < square(&fit) {
-            fit = again;
+        let start = short.fit(&[], &thinned(short.windows().len()), None)?;
+        let refit = study.fit(&[], windows, Some(&start.without_windows()))?;
+        if failures(&refit) <= failures(&fit) && refit.square() < fit.square() {
+            fit = refit;
         }
     }
     Ok(fit)
@@ -370,7 +350,7 @@ fn ending(base: &Explanation, chosen: &Explanation, refuted: Option<f64>, settin
     let share = share(base, chosen);
     if chosen.members.is_empty() {
         if base.alarm.size < NEAR_NOISE {
-            Ending::Coloured
+            Ending::Correlated
         } else {
             refuted.map_or(Ending::Unexplained(0.0), Ending::Refuted)
         }

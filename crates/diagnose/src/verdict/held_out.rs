@@ -1,10 +1,8 @@
 //! Windows that no fit has seen.
 
-use super::search::Explanation;
+use super::explanation::Explanation;
+use super::limits::MOST_WINDOWS;
 use crate::{DiagnoseError, Study};
-
-/// Windows that a search or a comparison uses at most.
-const MOST_WINDOWS: usize = 330;
 
 /// Evenly spread windows out of `count`, where not all are needed.
 pub(crate) fn thinned(count: usize) -> Vec<usize> {
@@ -19,18 +17,14 @@ pub(crate) fn window_length(study: &Study) -> Option<f64> {
     })
 }
 
-/// Two explanations differ on data that no fit has seen if the mean difference over windows is this many standard errors:
-/// one-sided 1 %.
-pub(crate) const DIFFERENT: f64 = 2.33;
-
 /// Windows kept apart: parameters and coefficients stay, only initial states are fitted. Records for validation play no part, so
 /// that the gain which they show is independent of what was chosen.
-pub(crate) struct HeldOut {
+pub(crate) struct UnseenWindows {
     study: Study,
     windows: Vec<usize>,
 }
 
-impl HeldOut {
+impl UnseenWindows {
     /// The windows of a study that are not among `seen`; `None` if there are none.
     pub(crate) fn new(study: &Study, seen: &[usize]) -> Option<Self> {
         let unseen: Vec<usize> = (0..study.windows().len()).filter(|w| !seen.contains(w)).collect();

@@ -3,28 +3,15 @@
 use bracketry_sim::Hold;
 use bracketry_system::System;
 
-use super::Settings;
 use super::alarm::Alarm;
-use super::diagnose::Findings;
+use super::findings::Findings;
 use super::held_out::{thinned, window_length};
+use super::limits::{NEAR_HALF_SAMPLE, OTHER_HOLD_WORTH};
 use super::search::Search;
-use crate::report::NamedCause;
+use super::settings::Settings;
+use crate::report::{Flag, NamedCause, OtherHold};
+use crate::statistics::{median, steps};
 use crate::{Cause, DiagnoseError, Record, Study, StudySettings};
-
-/// The other way is worth a word if without any cause it leaves over at most this share of the excess.
-const WORTH_A_WORD: f64 = 0.5;
-/// A delay is half a sampling time if it differs by at most this share of one, or by two standard deviations.
-const NEAR_HALF: f64 = 0.05;
-
-/// What the refitted model leaves over when inputs go on between samples the other way.
-pub(super) struct OtherHold {
-    /// The other way.
-    hold: Hold,
-    /// Share of the excess that stays.
-    stays: f64,
-    /// Whether no more than noise is left over: then any cause may be the image of the wrong way.
-    pub(super) noise: bool,
-}
 
 /// Refits the model once with inputs that go on between samples the other way. `None` without such an input, or where it
 /// leaves over most of the excess.
@@ -42,15 +29,15 @@ pub(super) fn other_hold(
     if excess == 0.0 {
         return Ok(None);
     }
-    let Some((records, hold)) = turned(system, search.study.records()) else { return Ok(None) };
+    let Some((records, hold)) = with_other_hold(system, search.study.records()) else { return Ok(None) };
     let length = window_length(search.study);
     let study = Study::new(system, &records, &StudySettings { window: length, ..settings.study.clone() })?;
-    let start = crate::Fit { windows: Vec::new(), ..findings.base.fit.clone() };
+    let start = findings.base.fit.without_windows();
     let fit = study.fit(&[], &thinned(study.windows().len()), Some(&start))?;
     let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
     let stays = beyond(alarm.size) / excess;
     let noise = alarm.p_value >= settings.significance;
-    Ok((noise || stays <= WORTH_A_WORD).then_some(OtherHold { hold, stays, noise }))
+    Ok((noise || stays <= OTHER_HOLD_WORTH).then_some(OtherHold { hold, stays: (!noise).then_some(stays) }))
 }
 
 /// All inputs, by index, but those whose derivatives the model uses, which are motions.
@@ -59,7 +46,7 @@ pub(super) fn free_inputs(system: &System) -> Vec<usize> {
 }
 
 /// The records with the other hold of all free inputs; `None` if there are none.
-fn turned(system: &System, records: &[Record]) -> Option<(Vec<Record>, Hold)> {
+fn with_other_hold(system: &System, records: &[Record]) -> Option<(Vec<Record>, Hold)> {
     let free = free_inputs(system);
     let hold = match records.first()?.inputs.get(*free.first()?)?.hold {
         Hold::Previous => Hold::Linear,
@@ -74,43 +61,17 @@ fn turned(system: &System, records: &[Record]) -> Option<(Vec<Record>, Hold)> {
     Some((records, hold))
 }
 
-fn name(hold: Hold) -> &'static str {
-    match hold {
-        Hold::Linear => "straight lines between the samples of the inputs (--hold linear)",
-        Hold::Previous => "inputs held from each sample to the next (--hold previous)",
-    }
-}
-
-impl OtherHold {
-    /// The same as a clause.
-    pub(super) fn clause(&self) -> String {
-        let left = if self.noise {
-            "leaves over no more than noise".to_owned()
-        } else {
-            format!("leaves over {:.0} % of the excess", 100.0 * self.stays)
-        };
-        format!("with {} the model without any cause {left}", name(self.hold))
-    }
-}
-
 /// What is odd about a cause that says inputs are late: whether it is half a sampling time.
-pub(super) fn half_a_sample(cause: &NamedCause, records: &[Record]) -> Option<String> {
+pub(super) fn half_a_sample(cause: &NamedCause, records: &[Record]) -> Option<Flag> {
     if cause.name != Cause::InputDelay {
         return None;
     }
     let (_, delay) = cause.parameters.first()?;
     let record = records.first()?;
-    let mut steps: Vec<f64> = record.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    let step = *steps.get(steps.len() / 2)?;
-    if (delay.value - 0.5 * step).abs() > (NEAR_HALF * step).max(2.0 * delay.std) || delay.std > 0.25 * step {
+    let step = median(steps(&record.times))?;
+    if (delay.value - 0.5 * step).abs() > (NEAR_HALF_SAMPLE * step).max(2.0 * delay.std) || delay.std > 0.25 * step {
         return None;
     }
-    let linear = record.inputs.first().is_some_and(|signal| signal.hold == Hold::Linear);
-    let remedy = if linear {
-        "inputs that are held between samples look like this when they are read as straight lines; try --hold previous"
-    } else {
-        "check at which moment of the sampling time the inputs were written down"
-    };
-    Some(format!("the delay is half the sampling time: {remedy}"))
+    let lines = record.inputs.first().is_some_and(|signal| signal.hold == Hold::Linear);
+    Some(Flag::HalfSample { lines })
 }

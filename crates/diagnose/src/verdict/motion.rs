@@ -1,20 +1,17 @@
 //! Whether data hold any motion.
 
+use super::limits::{MOTION_SPREAD, NINE_TENTHS};
 use std::time::Instant;
 
 use bracketry_system::System;
 
-use crate::report::Evidence;
+use crate::report::{Evidence, NoMotion, Outcome, Reason};
+use crate::statistics::quantile;
 use crate::{Measured, Record, Report, Verdict};
-
-/// A column holds motion if nine tenths of its values spread more than this many times as far as its noise alone would.
-const STANDS_OUT: f64 = 1.5;
-/// Nine tenths of a normal variable lie within this many standard deviations around its mean, to both sides.
-const NINE_TENTHS: f64 = 1.645;
 
 /// Measured columns that stand out of their noise in no record, by name, and whether those are all. Single outliers are no motion.
 pub(super) fn still(records: &[Record]) -> (Vec<String>, bool) {
-    let moves = |m: &Measured| spread(&m.values) > STANDS_OUT * 2.0 * NINE_TENTHS * m.noise;
+    let moves = |m: &Measured| spread(&m.values) > MOTION_SPREAD * 2.0 * NINE_TENTHS * m.noise;
     let mut names: Vec<&str> = Vec::new();
     for m in records.iter().flat_map(|r| &r.measured) {
         if !names.contains(&m.name.as_str()) {
@@ -33,22 +30,15 @@ pub(super) fn driven(records: &[Record]) -> bool {
 
 /// The report on records in which nothing moves: no fit, since it would only give the prior back, or what a dead sensor feigns.
 pub(super) fn uninformative(system: &System, records: &[Record], begin: Instant) -> Report {
-    let remedy = match (records.iter().any(|r| !r.inputs.is_empty()), driven(records)) {
-        (false, _) => "record a run that begins away from rest, long enough for a motion above the noise",
-        (true, false) => {
-            "no input moves: drive the device, above its friction and above the noise of its sensors, and record that"
-        }
-        (true, true) => {
-            "the inputs move, but nothing that was measured does: if the device did move, a sensor is dead, or the columns are not \
-             those of its motion; if not, drive it above its friction and above the noise"
-        }
+    let no_motion = match (records.iter().any(|r| !r.inputs.is_empty()), driven(records)) {
+        (false, _) => NoMotion::NoInputs,
+        (true, false) => NoMotion::StillInputs,
+        (true, true) => NoMotion::DrivenInputs,
     };
     Report {
         model: system.name.clone(),
         verdict: Verdict::Uninformative,
-        reason: format!(
-            "no measured column stands out of its noise, so that the data cannot tell whether the model is right; {remedy}"
-        ),
+        reason: Reason { outcome: Outcome::NoMotion(no_motion), caveats: Vec::new() },
         causes: Vec::new(),
         places: Vec::new(),
         regimes: Vec::new(),
@@ -67,8 +57,6 @@ pub(super) fn uninformative(system: &System, records: &[Record], begin: Instant)
 
 /// Distance between the 5th and the 95th percentile of the values that are there.
 fn spread(values: &[f64]) -> f64 {
-    let mut known: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    known.sort_by(f64::total_cmp);
-    let at = |share: f64| known.get((share * known.len().saturating_sub(1) as f64).round() as usize).copied();
-    at(0.95).zip(at(0.05)).map_or(0.0, |(high, low)| high - low)
+    let known: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    quantile(known.clone(), 0.95).zip(quantile(known, 0.05)).map_or(0.0, |(high, low)| high - low)
 }

@@ -1,6 +1,7 @@
 //! How sure a difference of sums of squares is.
 
 use super::alarm::{Alarm, upper_tail};
+use super::score::Scores;
 
 /// The scatter by which differences of sums of squares are judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +20,19 @@ impl Scatter {
     /// Of a residual that is taken as white.
     pub(crate) fn of(alarm: &Alarm) -> Self {
         Self { variance: alarm.square / alarm.freedom, inflation: 1.0, freedom: alarm.freedom, samples: alarm.freedom }
+    }
+
+    /// Of the residual of the best explanation so far, by the linearized problem around it.
+    pub(crate) fn around(alarm: &Alarm, scores: &Scores) -> Self {
+        let variance = alarm.square / alarm.freedom;
+        let (inflation, independent) = scores.inflation(variance);
+        let windows = scores.window_count() as f64;
+        Self {
+            variance,
+            inflation: inflation.max(1.0),
+            freedom: ((windows - 1.0) * independent).clamp(1.0, alarm.freedom),
+            samples: alarm.freedom,
+        }
     }
 
     /// Decrease of the sum of squares that a useless coefficient brings on average.

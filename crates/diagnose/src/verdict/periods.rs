@@ -1,5 +1,6 @@
 //! Periods worth trying: where the residual of the refitted model repeats.
 
+use super::limits::{FINER_STEPS, MOST_CYCLES, MOST_PERIODS, MOST_REFINED_PEAKS, STEPS_PER_CYCLE};
 use std::f64::consts::TAU;
 
 use bracketry_symbolic::Node;
@@ -8,21 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::library::TIME_INPUT;
-use crate::{Cause, Effect, Fit, Quantity, Record, Role, Study, Window};
-
-/// Frequencies are half a cycle per range of the data apart: between two of them a wave loses step by a quarter of a cycle
-/// towards the ends of the data.
-const STEPS_PER_CYCLE: usize = 2;
-/// Most cycles over the range of the data.
-const MOST_CYCLES: usize = 200;
-/// Steps between two neighbouring frequencies around a peak. Where a motion turns, a wave pushes longest in one direction, so
-/// that the turnings dominate: frequencies a whole cycle apart fit them nearly as well as the true one, and half a cycle
-/// is too coarse to tell which crest of the comb is the highest.
-const FINER: usize = 16;
-/// Most peaks that are looked at closely.
-const MOST_REFINED: usize = 24;
-/// Most periods that are tried.
-const MOST_PEAKS: usize = 6;
+use crate::{Cause, Effect, Fit, Quantity, Record, Study, Window};
 
 /// What a force wave does to a measured column while the rest of the dynamics is left alone.
 #[derive(Clone, Copy)]
@@ -42,22 +29,15 @@ enum Response {
 pub(super) fn tune(study: &Study, fit: &Fit, effects: &mut [Effect]) {
     let system = study.system();
     for effect in effects.iter_mut().filter(|e| e.cause == Cause::PeriodicDisturbance) {
-        let Some(shape) = effect.coefficients.iter().position(|c| c.role == Role::Shape) else { continue };
-        let Some(along) = along(system, effect, &effect.coefficients[shape].name) else { continue };
-        let peaks = peaks(&lanes(system, study, fit, &effect.equation, &along));
+        let Some(period) = effect.coefficients.iter_mut().find(|c| c.period_of.is_some()) else { continue };
+        let Some(along) = &period.period_of else { continue };
+        let peaks = peaks(&lanes(system, study, fit, &effect.equation, along));
         let (Some(&first), Some(shortest)) = (peaks.first(), peaks.iter().copied().reduce(f64::min)) else { continue };
-        let period = &mut effect.coefficients[shape];
         period.nominal = first;
         period.scale = first;
         period.min = 0.1 * shortest;
         period.trials = peaks;
     }
-}
-
-/// The state, or the time, in which an effect repeats.
-fn along(system: &System, effect: &Effect, period: &str) -> Option<String> {
-    let names = system.state_names().into_iter().chain([TIME_INPUT.to_owned()]);
-    names.into_iter().find(|name| effect.term.contains(&format!("pi*{name}/{period}")))
 }
 
 /// One window of one measured column.
@@ -120,13 +100,13 @@ fn peaks(lanes: &[Lane]) -> Vec<f64> {
         .filter(|&i| coarse[i] > beside(i.checked_sub(1)) && coarse[i] >= beside(i.checked_add(1)))
         .collect();
     highest.sort_by(|&a, &b| coarse[b].total_cmp(&coarse[a]));
-    highest.truncate(MOST_REFINED);
+    highest.truncate(MOST_REFINED_PEAKS);
     let mut crests: Vec<(f64, f64)> = highest
         .into_par_iter()
         .map(|i| {
             let middle = step * (i + STEPS_PER_CYCLE) as f64;
-            (0..2 * FINER)
-                .map(|j| middle + step * (j as f64 / FINER as f64 - 1.0))
+            (0..2 * FINER_STEPS)
+                .map(|j| middle + step * (j as f64 / FINER_STEPS as f64 - 1.0))
                 .map(|cycles| (cycles, if cycles == middle { coarse[i] } else { at(cycles) }))
                 .max_by(|a, b| a.1.total_cmp(&b.1))
                 .unwrap_or((middle, coarse[i]))
@@ -140,7 +120,7 @@ fn peaks(lanes: &[Lane]) -> Vec<f64> {
             periods.push(range / cycles);
         }
     }
-    periods.truncate(MOST_PEAKS);
+    periods.truncate(MOST_PERIODS);
     periods
 }
 

@@ -1,23 +1,14 @@
 //! Where the refitted model is wrong: in which equation, and when.
 
+use super::limits::{LEAST_PLACE_SHARE, LINGERING, MOST_ANGLES, MOST_VALUES, NEAR_REST};
 use bracketry_symbolic::Symbol;
 use bracketry_system::System;
 
 use crate::gain::{Missing, MissingIn, missing};
 use crate::library::{Kind, Structure, is_angle};
-use crate::report::{Place, ResidualAcceleration, significant};
+use crate::report::{Place, Regime, ResidualAcceleration};
+use crate::statistics::extremes;
 use crate::{DiagnoseError, Fit, Record};
-
-/// A velocity below this share of its root mean square counts as near rest.
-const NEAR_REST: f64 = 0.1;
-/// Near rest for this many times as long as a reversal at typical acceleration takes is rest.
-const LINGERING: f64 = 4.0;
-/// Equations with a smaller share of the error are not looked at by acceleration, position and tilt.
-const LEAST_SHARE: f64 = 0.01;
-/// Angles by whose sign the error is told apart, per equation.
-const MOST_ANGLES: usize = 3;
-/// Most values over time that the report keeps per equation and stretch.
-const MOST_VALUES: usize = 500;
 
 /// Where the refitted model is wrong.
 #[derive(Default)]
@@ -55,8 +46,8 @@ pub(super) fn places(system: &System, records: &[Record], fit: &Fit) -> Result<P
             let view = View::new(&mut system, mechanics.as_ref(), &parts);
             for (stretch, m) in &parts {
                 tally.add(name, &view.motion(stretch, m), m, needed, true);
-                for labels in view.others(stretch, m) {
-                    tally.add(name, &labels, m, needed, false);
+                for regimes in view.others(stretch, m) {
+                    tally.add(name, &regimes, m, needed, false);
                 }
             }
         }
@@ -64,7 +55,7 @@ pub(super) fn places(system: &System, records: &[Record], fit: &Fit) -> Result<P
     let over_time = stretches.iter().flat_map(|s| s.equations.iter().map(|m| over_time(records, s, m))).collect();
     let (motion, mut regimes) = tally.places();
     let share = |equation: &str| motion.iter().filter(|p| p.equation == equation).map(|p| p.share).sum::<f64>();
-    regimes.retain(|p| share(&p.equation) >= LEAST_SHARE);
+    regimes.retain(|p| share(&p.equation) >= LEAST_PLACE_SHARE);
     Ok(Places { motion, regimes, over_time })
 }
 
@@ -93,19 +84,19 @@ struct Tally {
 
 struct Row {
     equation: String,
-    regime: String,
+    regime: Regime,
     is_motion: bool,
     excess: f64,
     samples: usize,
 }
 
 impl Tally {
-    fn add(&mut self, equation: &str, labels: &[String], m: &MissingIn, needed: f64, is_motion: bool) {
-        for (k, label) in labels.iter().enumerate() {
+    fn add(&mut self, equation: &str, regimes: &[Regime], m: &MissingIn, needed: f64, is_motion: bool) {
+        for (k, regime) in regimes.iter().enumerate() {
             let excess = (m.force[k] * m.force[k] - m.noise[k]) / (needed * needed);
-            let at = self.rows.iter().position(|r| r.equation == equation && r.regime == *label);
+            let at = self.rows.iter().position(|r| r.equation == equation && r.regime == *regime);
             let at = at.unwrap_or_else(|| {
-                let (equation, regime) = (equation.to_owned(), label.clone());
+                let (equation, regime) = (equation.to_owned(), regime.clone());
                 self.rows.push(Row { equation, regime, is_motion, excess: 0.0, samples: 0 });
                 self.rows.len() - 1
             });
@@ -148,8 +139,8 @@ struct View {
     name: String,
     /// Whether the state is the rate of a coordinate.
     is_rate: bool,
-    /// `sliding` with dry friction, else `moving`.
-    verb: &'static str,
+    /// Whether the coordinate has dry friction.
+    sliding: bool,
     near_rest: f64,
     typical_rate: f64,
     /// The quantity whose thirds are told apart, and where they end.
@@ -170,7 +161,7 @@ impl View {
         let values = |i: usize| parts.iter().filter_map(move |(s, _)| s.states[i].as_ref()).flatten();
         let position = coordinate.map_or(Some(state), |c| c.position);
         let thirds = position.and_then(|i| {
-            let (low, high) = values(i).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (v.min(a), v.max(b)));
+            let (low, high) = extremes(values(i).copied());
             let third = (high - low) / 3.0;
             let name = system.symbol_name(system.states[i]).to_owned();
             (third > 0.0 && third.is_finite()).then_some((i, name, [low + third, high - third]))
@@ -193,7 +184,7 @@ impl View {
         Self {
             name: parts[0].1.name.clone(),
             is_rate: coordinate.is_some(),
-            verb: if coordinate.is_some_and(|c| c.has_dry_friction) { "sliding" } else { "moving" },
+            sliding: coordinate.is_some_and(|c| c.has_dry_friction),
             near_rest: NEAR_REST * rms(values(state)),
             typical_rate: rms(parts.iter().flat_map(|(_, m)| &m.rate_of_state)),
             thirds,
@@ -202,35 +193,34 @@ impl View {
     }
 
     /// Rest, reversal, or motion either way; for a state that is no velocity, its thirds.
-    fn motion(&self, stretch: &Missing, m: &MissingIn) -> Vec<String> {
+    fn motion(&self, stretch: &Missing, m: &MissingIn) -> Vec<Regime> {
         let Some(v) = stretch.states[m.state].as_ref() else { return Vec::new() };
         if !self.is_rate {
             return self.by_thirds(stretch).unwrap_or_default();
         }
-        let name = &self.name;
-        let limit = self.near_rest;
-        let mut labels: Vec<String> =
-            v.iter().map(|v| format!("{}, {name} {} 0", self.verb, if *v > 0.0 { '>' } else { '<' })).collect();
+        let (name, limit) = (&self.name, self.near_rest);
+        let moving = |v: &f64| Regime::Motion { name: name.clone(), sliding: self.sliding, positive: *v > 0.0 };
+        let mut regimes: Vec<Regime> = v.iter().map(moving).collect();
         let longest = LINGERING * 2.0 * limit / self.typical_rate.max(f64::MIN_POSITIVE);
         let mut from = 0;
         for run in v.chunk_by(|a, b| (a.abs() <= limit) == (b.abs() <= limit)) {
             let to = from + run.len();
             if run[0].abs() <= limit {
+                let name = name.clone();
                 let rests = stretch.times[to - 1] - stretch.times[from] > longest;
-                let what = if rests { "at rest" } else { "reversal" };
-                labels[from..to].fill(format!("{what}, |{name}| < {}", significant(limit, 2)));
+                let near_zero = if rests { Regime::Rest { name, limit } } else { Regime::Reversal { name, limit } };
+                regimes[from..to].fill(near_zero);
             }
             from = to;
         }
-        labels
+        regimes
     }
 
     /// By acceleration, position and tilt.
-    fn others(&self, stretch: &Missing, m: &MissingIn) -> Vec<Vec<String>> {
+    fn others(&self, stretch: &Missing, m: &MissingIn) -> Vec<Vec<Regime>> {
         let typical = self.typical_rate;
-        let limit = significant(typical, 2);
-        let label = |a: &f64| format!("|{}'| {} {limit}", self.name, if a.abs() > typical { '>' } else { '<' });
-        let mut all = vec![m.rate_of_state.iter().map(label).collect()];
+        let rate = |a: &f64| Regime::Rate { name: self.name.clone(), above: a.abs() > typical, typical };
+        let mut all = vec![m.rate_of_state.iter().map(rate).collect()];
         if self.is_rate {
             all.extend(self.by_thirds(stretch));
         }
@@ -239,21 +229,20 @@ impl View {
                 Angle::State(i) => stretch.states[*i].as_ref(),
                 Angle::Input(i) => stretch.inputs.get(*i),
             };
-            let sign = |v: &f64| format!("{name} {} 0", if *v > 0.0 { '>' } else { '<' });
-            all.extend(values.map(|values| values.iter().map(sign).collect()));
+            let tilt = |v: &f64| Regime::Tilt { name: name.clone(), positive: *v > 0.0 };
+            all.extend(values.map(|values| values.iter().map(tilt).collect()));
         }
         all
     }
 
-    fn by_thirds(&self, stretch: &Missing) -> Option<Vec<String>> {
+    fn by_thirds(&self, stretch: &Missing) -> Option<Vec<Regime>> {
         let (state, name, [low, high]) = self.thirds.as_ref()?;
-        let (from, to) = (significant(*low, 2), significant(*high, 2));
-        let label = |v: &f64| match *v {
-            v if v < *low => format!("{name} < {from}"),
-            v if v > *high => format!("{name} > {to}"),
-            _ => format!("{name} {from} … {to}"),
+        let third = |v: &f64| Regime::Third {
+            name: name.clone(),
+            from: (*v >= *low).then_some(if *v > *high { *high } else { *low }),
+            to: (*v <= *high).then_some(if *v < *low { *low } else { *high }),
         };
-        Some(stretch.states[*state].as_ref()?.iter().map(label).collect())
+        Some(stretch.states[*state].as_ref()?.iter().map(third).collect())
     }
 }
 

@@ -1,9 +1,12 @@
 //! What a cause must be worth to be named.
 
-use super::Settings;
+use super::explanation::Explanation;
+use super::limits::SURE;
 use super::noise::Scatter;
-use super::search::{Explanation, Search};
-use crate::report::{Gain, Report, Verdict};
+use super::search::Search;
+use super::settings::Settings;
+use crate::gain::Gain;
+use crate::report::{Note, Outcome, Report, Verdict};
 use crate::{Effect, Role};
 
 /// Improvement by a member of an explanation: decrease of the sum of squares and its p-value, corrected for the number of
@@ -20,10 +23,6 @@ pub(super) fn worth(
     let p_value = scatter.p_value(gained, search.candidates[member].coefficients.len()) * tests;
     Some((gained, p_value.min(1.0), rest))
 }
-
-/// Standard deviations that some amplitude of a cause must exceed where structure is left over, which takes what the cause's
-/// shape is not certain of; where only noise is, one will do.
-const SURE: f64 = 2.0;
 
 /// Takes out, one after the other, causes that are not significant or none of whose amplitudes exceeds its standard
 /// deviation, twice that where structure is left over, first the one that gains least; says whether there were any.
@@ -56,7 +55,7 @@ pub(super) fn drop_unproven(
 fn sizeable(effect: &Effect, explanation: &Explanation, times: f64, scatter: &Scatter) -> bool {
     let width = times * scatter.width();
     effect.coefficients.iter().filter(|c| c.role == Role::Amplitude).any(|c| {
-        let estimate = explanation.fit.values.iter().find(|e| e.name == c.name);
+        let estimate = explanation.fit.estimate(&c.name);
         estimate.is_some_and(|e| (e.value - c.nominal).abs() > width * e.std)
     })
 }
@@ -68,11 +67,7 @@ impl Report {
         if !refuted {
             return;
         }
-        let names: Vec<String> = self.causes.iter().map(|c| c.name.to_string()).collect();
-        self.reason = format!(
-            "{} explains the data of the fit, but data held out are predicted worse with it at every horizon",
-            names.join(" and ")
-        );
+        self.reason.outcome = Outcome::PredictsWorse(self.causes.iter().map(|c| c.name).collect());
         self.withdraw();
     }
 
@@ -85,7 +80,7 @@ impl Report {
         if let Some(excess) = &mut self.excess {
             excess.extended = None;
         }
-        self.notes.retain(|note| !note.starts_with("extended model: "));
+        self.notes.retain(|note| !matches!(note, Note::ExtendedModel(_)));
         self.evidence.extended = None;
         self.evidence.model = None;
         self.evidence.held_out = None;

@@ -3,16 +3,13 @@
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
-use super::Settings;
-use super::diagnose::Findings;
-use super::search::{Explanation, Search};
+use super::explanation::Explanation;
+use super::findings::Findings;
+use super::limits::{FEWEST_RESAMPLED, LISTED_CANDIDATES};
+use super::search::Search;
+use super::settings::Settings;
 use crate::gain::{RESAMPLES, middle};
 use crate::report::Candidate;
-
-/// Candidates that the report lists.
-const LISTED: usize = 15;
-/// Fewest windows that are resampled.
-const FEWEST: usize = 5;
 
 /// Candidates by what their exact fit alone explains, with intervals from resampling windows.
 pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Settings) -> Vec<Candidate> {
@@ -22,7 +19,7 @@ pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Setti
     singles.sort_by(|a, b| a.square().total_cmp(&b.square()).then_with(|| a.members.cmp(&b.members)));
     singles
         .iter()
-        .take(LISTED)
+        .take(LISTED_CANDIDATES)
         .map(|e| {
             let member = e.members[0];
             let effect = &search.candidates[member];
@@ -54,7 +51,7 @@ fn interval(base: &Explanation, explanation: &Explanation, share: f64, seed: u64
             Some([b.square - e.square, b.square - noise * b.count as f64])
         })
         .collect();
-    if pairs.len() < FEWEST {
+    if pairs.len() < FEWEST_RESAMPLED {
         return None;
     }
     let mut random = StdRng::seed_from_u64(seed);

@@ -1,6 +1,7 @@
 //! The same data given twice.
 
 use crate::Record;
+use crate::report::{Note, Repetition};
 
 /// Records of which each is there once, and what was left out.
 pub(super) struct Distinct {
@@ -8,32 +9,31 @@ pub(super) struct Distinct {
     pub(super) records: Vec<Record>,
     /// Records that no fit sees.
     pub(super) validate: Vec<Record>,
-    /// One sentence per record left out.
-    pub(super) notes: Vec<String>,
+    /// One per record left out.
+    pub(super) notes: Vec<Note>,
 }
 
 /// Leaves out records with the same numbers as an earlier one: windows that are there twice are taken for independent and
 /// feign certainty, and data that the fit has seen validate nothing.
 pub(super) fn distinct(records: &[Record], validate: &[Record]) -> Distinct {
     let mut kept = Distinct { records: Vec::new(), validate: Vec::new(), notes: Vec::new() };
+    let twice = |record: &Record, first: &Record, place| Note::Repeated {
+        record: record.name.clone(),
+        first: first.name.clone(),
+        place,
+    };
+    let find = |list: &[Record], record: &Record| list.iter().find(|r| same(r, record)).cloned();
     for record in records {
-        match kept.records.iter().find(|r| same(r, record)) {
-            Some(first) => kept.notes.push(format!(
-                "{} holds the same data as {}: it is left out, for repeated data are no further evidence",
-                record.name, first.name
-            )),
+        match find(&kept.records, record) {
+            Some(first) => kept.notes.push(twice(record, &first, Repetition::InFit)),
             None => kept.records.push(record.clone()),
         }
     }
     for record in validate {
-        if let Some(first) = kept.records.iter().find(|r| same(r, record)) {
-            kept.notes.push(format!(
-                "{} for validation holds the same data as {}, which the fit has seen: it does not count as held out",
-                record.name, first.name
-            ));
-        } else if let Some(first) = kept.validate.iter().find(|r| same(r, record)) {
-            kept.notes
-                .push(format!("{} for validation holds the same data as {}: it is left out", record.name, first.name));
+        if let Some(first) = find(&kept.records, record) {
+            kept.notes.push(twice(record, &first, Repetition::FitAndValidation));
+        } else if let Some(first) = find(&kept.validate, record) {
+            kept.notes.push(twice(record, &first, Repetition::InValidation));
         } else {
             kept.validate.push(record.clone());
         }

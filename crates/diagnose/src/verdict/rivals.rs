@@ -3,29 +3,16 @@
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
-use super::held_out::{DIFFERENT, HeldOut};
+use super::explanation::Explanation;
+use super::findings::Rivals;
+use super::held_out::UnseenWindows;
+use super::limits::{
+    BESIDE, DIFFERENT, INEXACT, LEAST_SHARE, MARGIN, MOST_RIVAL_FITS, MOST_SWAPS, NEAR_NOISE, UNDERRATED,
+};
 use super::noise::Scatter;
-use super::search::{Explanation, INEXACT, NEAR_NOISE, Search};
-use super::select::{LEAST_SHARE, add, merit};
+use super::search::Search;
+use super::select::{add, merit};
 use crate::DiagnoseError;
-
-/// A rival stays if its sum of squares exceeds the chosen one's by less than this many units of scatter.
-///
-/// If the rival is the truth, at distance d (in standard deviations) from the chosen explanation, the difference is
-/// normal with mean −d² and standard deviation 2d. It exceeds 9 with probability Φ(−(d² + 9)/(2d)), at most Φ(−3) = 0.13 %
-/// whatever d is: so seldom is the truth left out.
-pub(crate) const MARGIN: f64 = 9.0;
-/// The linearised problem may underrate what an exact fit gains by this factor.
-const UNDERRATED: f64 = 0.6;
-/// What gains beside a cause at least this share of what it gains in its place explains something else.
-const OWN: f64 = 0.5;
-/// Most times that a rival takes a cause's place.
-const MOST_SWAPS: usize = 4;
-/// Most exact fits per cause.
-const MOST_FITS: usize = 8;
-
-/// A cause's rivals: candidate and explanation with it in the cause's place, the best first.
-pub(crate) type Rivals = Vec<(usize, Explanation)>;
 
 /// Puts each other candidate in the place of each cause; where one turns out better, the explanation changes.
 ///
@@ -43,7 +30,7 @@ pub(crate) fn rivals(
     chosen: &mut Explanation,
     scatter: &Scatter,
     among: &[usize],
-    held_out: Option<&HeldOut>,
+    held_out: Option<&UnseenWindows>,
     significance: f64,
 ) -> Result<Vec<Rivals>, DiagnoseError> {
     let mut swaps = 0;
@@ -87,7 +74,7 @@ pub(crate) fn rivals(
                     better = Some(rival.clone());
                 }
                 let own = rest.square() - rival.square();
-                let other = beside.get(&candidate).is_some_and(|&b| b > MARGIN * scatter.unit() && b > OWN * own);
+                let other = beside.get(&candidate).is_some_and(|&b| b > MARGIN * scatter.unit() && b > BESIDE * own);
                 if (rival.square() <= limit || told) && !other {
                     near.push((candidate, rival));
                 }
@@ -128,7 +115,7 @@ fn of_one(
     let needed = UNDERRATED * told - MARGIN * scatter.unit();
     let mut found = Vec::new();
     let near = promises.iter().filter(|p| p.candidates != [member] && p.square >= needed);
-    for promise in near.take(MOST_FITS) {
+    for promise in near.take(MOST_RIVAL_FITS) {
         if let Some(explanation) = add(search, rest, promise) {
             found.push((promise.candidates[0], explanation));
         }

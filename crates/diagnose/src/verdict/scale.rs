@@ -1,11 +1,9 @@
 //! The noise of the columns, once more from what a fit leaves over.
 
 use super::alarm::Alarm;
-use crate::Record;
-
-/// Standard deviations of the noise of two columns that differ by more than this factor more than their estimates do weigh the columns
-/// wrongly; one that differs from its estimate by this factor is told of.
-const OFF: f64 = 1.5;
+use super::limits::NOISE_OFF;
+use crate::report::Note;
+use crate::{Measured, Record};
 
 /// By what the estimates of noise of the columns are to be multiplied, if what a fit leaves over is noise and says that the columns weigh
 /// wrongly against each other. Where it is not noise, high frequencies may be the model's. `None` for records with other columns.
@@ -22,7 +20,7 @@ pub(super) fn factors<'a>(
     let factors: Vec<f64> = alarm.noise.iter().map(|variance| variance.sqrt()).collect();
     let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
     let most = factors.iter().copied().fold(0.0, f64::max);
-    (alarm.p_value >= significance && least > 0.0 && most.is_finite() && most > OFF * least).then_some(factors)
+    (alarm.p_value >= significance && least > 0.0 && most.is_finite() && most > NOISE_OFF * least).then_some(factors)
 }
 
 /// The records with the noise of their columns times the factors.
@@ -36,16 +34,11 @@ pub(super) fn rescaled(records: &[Record], factors: &[f64]) -> Vec<Record> {
     records
 }
 
-/// What is to be said of columns whose noise is another than they show by themselves.
-pub(super) fn notes(records: &[Record], factors: &[f64]) -> Vec<String> {
+/// Columns whose noise is another than they show by themselves.
+pub(super) fn notes(records: &[Record], factors: &[f64]) -> Vec<Note> {
     let Some(record) = records.first() else { return Vec::new() };
-    let off = record.measured.iter().zip(factors).filter(|(_, f)| !(1.0 / OFF..=OFF).contains(*f));
-    off.map(|(m, factor)| {
-        format!(
-            "the noise of `{}` is {:.2e}, as the residual says, {factor:.2} times what the column alone shows: fitted again with it",
-            m.name,
-            m.noise * factor
-        )
-    })
-    .collect()
+    let off = record.measured.iter().zip(factors).filter(|(_, f)| !(1.0 / NOISE_OFF..=NOISE_OFF).contains(*f));
+    let note =
+        |(m, &factor): (&Measured, &f64)| Note::NoiseOfColumn { column: m.name.clone(), std: m.noise * factor, factor };
+    off.map(note).collect()
 }

@@ -6,98 +6,11 @@ use std::rc::Rc;
 use nalgebra::DVector;
 
 use super::alarm::Alarm;
-use super::noise::Scatter;
-use super::rivals::MARGIN;
+use super::explanation::{Explanation, Promise};
+use super::limits::{DOUBTFUL, FAR_PARAMETER, FARTHEST, MARGIN, MOST_RETURNS, NEARER, STOPPED_SHORT};
 use super::score::{Group, Scores};
+use crate::statistics::extremes;
 use crate::{Cause, Change, DiagnoseError, Effect, Estimate, Fit, Linearization, Path, Role, Study};
-
-/// An amplitude that begins from a secant may leave it by this factor at most: farther out the secant says nothing.
-const FARTHEST: f64 = 2.0;
-/// How often a fit that went astray begins anew, and the factor by which its amplitudes are then nearer to none.
-const MOST_RETURNS: usize = 2;
-const NEARER: f64 = 0.25;
-
-/// Share of the model's excess below which, near the noise, what an explanation leaves over is its own inexactness: three per
-/// cent in amplitude, as no real part follows its law more exactly.
-pub(crate) const INEXACT: f64 = 1e-3;
-/// Residuals with a root mean square below this many times the noise are near it.
-pub(crate) const NEAR_NOISE: f64 = 1.5;
-/// A parameter below this share of its value in the model has taken its term out.
-const VANISHED: f64 = 0.05;
-/// An effect whose amplitudes are below five standard deviations is doubtful; where leaving it out nevertheless costs ten times
-/// what these say, the fit without it has stopped elsewhere.
-const DOUBTFUL: f64 = 25.0;
-const STRAYED: f64 = 10.0;
-
-/// A set of candidates, fitted together.
-#[derive(Clone, Debug)]
-pub(crate) struct Explanation {
-    /// Places among the candidates, in the order in which they came.
-    pub(crate) members: Vec<usize>,
-    /// The fit.
-    pub(crate) fit: Fit,
-    /// What it leaves over.
-    pub(crate) alarm: Alarm,
-    /// Number of the effects' coefficients.
-    pub(crate) coefficients: usize,
-    /// Whether every amplitude has the sign that physics wants.
-    pub(crate) physical: bool,
-}
-
-impl Explanation {
-    pub(crate) fn square(&self) -> f64 {
-        self.alarm.square
-    }
-
-    /// Whether causes take away all of what `base` leaves over but for what the inexactness of any law does, and that is near
-    /// the noise: a further name would be given to it.
-    pub(crate) fn exhausts(&self, base: &Explanation) -> bool {
-        !self.members.is_empty() && self.alarm.size < NEAR_NOISE && self.alarm.excess() < INEXACT * base.alarm.excess()
-    }
-
-    /// Names of the model's parameters that stopped at a limit, but for those that nearly vanished there with their term.
-    pub(crate) fn stopped(&self) -> impl Iterator<Item = &str> {
-        let parameters = self.fit.values.len() - self.coefficients;
-        let limited = self.fit.limited.iter().filter(move |&&i| i < parameters);
-        limited
-            .map(|&i| &self.fit.values[i])
-            .filter(|e| e.value.abs() > VANISHED * e.nominal.abs())
-            .map(|e| e.name.as_str())
-    }
-
-    /// Sum of squares of an effect's amplitudes over their standard deviations: about what it costs to leave it out, in units
-    /// of the residual's variance.
-    fn expected_cost(&self, effect: &Effect) -> f64 {
-        let amplitudes = effect.coefficients.iter().filter(|c| c.role == Role::Amplitude);
-        amplitudes
-            .filter_map(|c| Some((c, self.fit.values.iter().find(|e| e.name == c.name)?)))
-            .map(|(c, e)| ((e.value - c.nominal) / e.std.max(f64::MIN_POSITIVE)).powi(2))
-            .sum()
-    }
-
-    /// Parameters of the model that had to change by more than `tolerance`, relative to their value.
-    pub(crate) fn strayed(&self, tolerance: f64) -> usize {
-        let parameters = self.fit.values.len() - self.coefficients;
-        (0..parameters)
-            .filter(|i| !self.fit.unidentified.contains(i))
-            .map(|i| &self.fit.values[i])
-            .filter(|e| (e.value - e.nominal).abs() > tolerance * e.nominal.abs())
-            .count()
-    }
-}
-
-/// A set of candidates with what the linearised problem promises.
-#[derive(Clone, Debug)]
-pub(crate) struct Promise {
-    /// Candidates to add.
-    pub(crate) candidates: Vec<usize>,
-    /// Decrease of the sum of squares.
-    pub(crate) square: f64,
-    /// Coefficients that it takes, shapes included.
-    pub(crate) coefficients: usize,
-    /// Where an exact fit should begin: names and values.
-    pub(crate) start: Vec<(String, f64)>,
-}
 
 /// What a pair of groups gains, the groups' places, and the step.
 type PairGain = (f64, usize, usize, DVector<f64>);
@@ -122,9 +35,6 @@ pub(crate) struct Around {
     /// Candidates in it, by place in the list of all.
     others: Vec<usize>,
 }
-
-/// A parameter is far from its nominal value beyond this part of it.
-const FAR: f64 = 0.5;
 
 impl<'a> Search<'a> {
     /// Fits will be made over `windows` of the study.
@@ -160,7 +70,7 @@ impl<'a> Search<'a> {
             return known.clone();
         }
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
-        let begin = begun(near.clone(), start);
+        let begin = started(near.clone(), start);
         let again = returned(&begin, &effects).and_then(|b| self.study.fit(&effects, &self.windows, Some(&b)).ok());
         let found = self
             .fit_from(&effects, begin, near, start)
@@ -182,7 +92,7 @@ impl<'a> Search<'a> {
         let unit = explanation.alarm.square / explanation.alarm.freedom;
         let expected = explanation.expected_cost(&self.candidates[member]);
         let gained = gained / unit.max(1.0);
-        if gained < MARGIN || expected > DOUBTFUL || gained < STRAYED * expected {
+        if gained < MARGIN || expected > DOUBTFUL || gained < STOPPED_SHORT * expected {
             return Some(found);
         }
         self.again(rest, &explanation.fit)
@@ -215,7 +125,7 @@ impl<'a> Search<'a> {
     fn fit_from(&self, effects: &[Effect], mut begin: Fit, near: &Fit, start: &[(String, f64)]) -> Option<Fit> {
         let mut best = self.study.fit(effects, &self.windows, Some(&begin)).ok();
         for _ in 0..MOST_RETURNS {
-            let astray = best.as_ref().is_none_or(|fit| square(fit) > square(near));
+            let astray = best.as_ref().is_none_or(|fit| fit.square() > near.square());
             if start.is_empty() || !astray {
                 break;
             }
@@ -226,7 +136,7 @@ impl<'a> Search<'a> {
                 }
             }
             let again = self.study.fit(effects, &self.windows, Some(&begin)).ok();
-            if again.as_ref().is_some_and(|a| best.as_ref().is_none_or(|b| square(a) < square(b))) {
+            if again.as_ref().is_some_and(|a| best.as_ref().is_none_or(|b| a.square() < b.square())) {
                 best = again;
             }
         }
@@ -249,9 +159,7 @@ impl<'a> Search<'a> {
         explanation.members.iter().map(|&m| &self.candidates[m]).all(|effect| {
             let Change::Path { path: Path::SensorBias, signals } = &effect.change else { return true };
             let range = signals.iter().map(|s| self.range(s)).fold(0.0, f64::max);
-            effect.coefficients.iter().all(|c| {
-                explanation.fit.values.iter().find(|e| e.name == c.name).is_none_or(|e| e.value.abs() <= range)
-            })
+            effect.coefficients.iter().all(|c| explanation.fit.estimate(&c.name).is_none_or(|e| e.value.abs() <= range))
         })
     }
 
@@ -259,7 +167,7 @@ impl<'a> Search<'a> {
     fn range(&self, column: &str) -> f64 {
         let columns = self.study.records().iter().flat_map(|r| &r.measured).filter(|m| m.name == column);
         let values = columns.flat_map(|m| &m.values).copied().filter(|v| v.is_finite());
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (v.min(l), v.max(h)));
+        let (low, high) = extremes(values);
         high - low
     }
 
@@ -268,7 +176,7 @@ impl<'a> Search<'a> {
         let coefficients = members.iter().map(|&m| self.candidates[m].coefficients.len()).sum();
         let physical = members.iter().all(|&m| {
             self.candidates[m].coefficients.iter().all(|c| {
-                let value = fit.values.iter().find(|e| e.name == c.name).map_or(c.nominal, |e| e.value);
+                let value = fit.estimate(&c.name).map_or(c.nominal, |e| e.value);
                 f64::from(c.physical_sign) * (value - c.nominal) >= 0.0
             })
         });
@@ -383,12 +291,8 @@ impl<'a> Search<'a> {
     }
 }
 
-fn square(fit: &Fit) -> f64 {
-    fit.windows.iter().map(|w| w.square).sum()
-}
-
 /// The fit with other values, or more of them, to begin from.
-pub(crate) fn begun(mut near: Fit, start: &[(String, f64)]) -> Fit {
+pub(crate) fn started(mut near: Fit, start: &[(String, f64)]) -> Fit {
     for (name, value) in start {
         match near.values.iter_mut().find(|e| e.name == *name) {
             Some(estimate) => estimate.value = *value,
@@ -403,7 +307,10 @@ pub(crate) fn begun(mut near: Fit, start: &[(String, f64)]) -> Fit {
 fn returned(begin: &Fit, effects: &[Effect]) -> Option<Fit> {
     let mut back = begin.clone();
     let own = |name: &str| effects.iter().flat_map(|e| &e.coefficients).all(|c| c.name != name);
-    let far = back.values.iter_mut().filter(|e| own(&e.name) && (e.value - e.nominal).abs() > FAR * e.nominal.abs());
+    let far = back
+        .values
+        .iter_mut()
+        .filter(|e| own(&e.name) && (e.value - e.nominal).abs() > FAR_PARAMETER * e.nominal.abs());
     let moved = far.map(|e| e.value = e.nominal).count();
     (moved > 0).then_some(back)
 }
@@ -443,18 +350,4 @@ fn start(
             (c.name.clone(), value.clamp(c.min, c.max))
         })
         .collect()
-}
-
-/// The scatter by which gains are judged, from the best explanation so far and the linearised problem around it.
-pub(crate) fn scatter(best: &Explanation, scores: &Scores) -> Scatter {
-    let alarm = &best.alarm;
-    let variance = alarm.square / alarm.freedom;
-    let (inflation, independent) = scores.inflation(variance);
-    let windows = scores.window_count() as f64;
-    Scatter {
-        variance,
-        inflation: inflation.max(1.0),
-        freedom: ((windows - 1.0) * independent).clamp(1.0, alarm.freedom),
-        samples: alarm.freedom,
-    }
 }

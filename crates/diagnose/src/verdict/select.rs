@@ -1,17 +1,12 @@
 //! Forward selection with pairs, then backwards.
 
+use super::explanation::{Explanation, Promise};
+use super::limits::{LEAST_SHARE, MOST_PAIR_FITS, MOST_SINGLE_FITS, NEAR_BEST};
 use super::noise::Scatter;
-use super::search::{Explanation, Promise, Search, scatter};
-use super::{Settings, Stage, precedence::surprise};
+use super::precedence::surprise;
+use super::search::Search;
+use super::settings::{Settings, Stage};
 use crate::DiagnoseError;
-
-/// Exact fits are made of single candidates that promise at least this share of what the best one promises.
-const NEAR: f64 = 0.5;
-/// Most exact fits of singles, and of pairs, per round.
-const MOST_FITS: usize = 5;
-const MOST_PAIRS: usize = 3;
-/// A cause must take away this share of the excess that is there without it.
-pub(crate) const LEAST_SHARE: f64 = 0.1;
 
 /// What a selection ends with.
 pub(crate) struct Selection {
@@ -43,14 +38,14 @@ pub(crate) fn select(
     let around = search.around(base, among)?;
     let mut promises = search.singles(&around);
     let tests = around.scores.groups.len().max(1) as f64;
-    let scatter_at_base = scatter(base, &around.scores);
+    let scatter_at_base = Scatter::around(&base.alarm, &around.scores);
     let screened_at_base = screened(&promises, &scatter_at_base, tests);
     let mut selection = Selection { chosen: base.clone(), scatter: scatter_at_base, tests, screened: screened_at_base };
     while selection.chosen.members.len() < settings.max_causes {
         let room = settings.max_causes - selection.chosen.members.len();
         let still = selection.chosen.alarm.p_value < settings.significance
             || screened(&promises, &selection.scatter, tests) < settings.significance;
-        if !still || promises.is_empty() || selection.chosen.exhausts(base) {
+        if !still || promises.is_empty() || selection.chosen.spans(base) {
             break;
         }
         progress(Stage::Fit { causes: selection.chosen.members.len() + 1 });
@@ -92,15 +87,15 @@ fn attempts(
     let current = &selection.chosen;
     let mut tried = Vec::new();
     let top = promises.first().map_or(0.0, |p| p.square);
-    for promise in promises.iter().take_while(|p| p.square >= NEAR * top).take(MOST_FITS) {
+    for promise in promises.iter().take_while(|p| p.square >= NEAR_BEST * top).take(MOST_SINGLE_FITS) {
         tried.extend(add(search, current, promise));
     }
-    tried.extend(search.with_turned_terms(current));
+    tried.extend(search.with_sign_flips(current));
     let reached = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())).unwrap_or(current).clone();
     if room >= 2 {
         let around = search.around(current, among)?;
         let scatter = Scatter::of(&reached.alarm);
-        for promise in search.pairs(&around, MOST_PAIRS) {
+        for promise in search.pairs(&around, MOST_PAIR_FITS) {
             let more = promise.square - (current.square() - reached.square());
             let added = (current.coefficients + promise.coefficients).saturating_sub(reached.coefficients);
             if more > 0.0 && scatter.p_value(more, added) * selection.tests.powi(2) < settings.significance {
@@ -127,7 +122,7 @@ fn best(
     let Some(closest) = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())) else { return Ok(None) };
     // As if the closest left over white noise; then with the scatter that is there.
     let first = leading(search, tried, &Scatter::of(&closest.alarm)).unwrap_or(closest);
-    let scatter = scatter(first, &search.around(first, among)?.scores);
+    let scatter = Scatter::around(&first.alarm, &search.around(first, among)?.scores);
     Ok(leading(search, tried, &scatter).map(|e| (e.clone(), scatter)))
 }
 

@@ -163,7 +163,8 @@ fn friction_that_may_vanish_at_rest_loses_its_name() {
         max: f64::INFINITY,
         trials: Vec::new(),
         physical_sign: 1,
-        turned: None,
+        sign_flipped: None,
+        period_of: None,
         unit: "N".to_owned(),
         about: String::new(),
     };

@@ -1,34 +1,15 @@
 //! Whether a column has another unit or sign.
 
-use std::f64::consts::PI;
-
 use bracketry_system::System;
 
-use super::Settings;
 use super::alarm::Alarm;
-use super::diagnose::{Ending, Findings};
+use super::findings::{Ending, Findings};
 use super::held_out::window_length;
+use super::limits::{OUTDONE, UNIT_CHANGE, UNIT_EXPLAINS, UNIT_WINDOWS, UNITS_ALIKE};
 use super::search::Search;
+use super::settings::Settings;
+use crate::report::{Note, Rescaling, ScaledColumn};
 use crate::{Cause, DiagnoseError, Estimate, Record, Study, StudySettings};
-
-/// By what columns are multiplied if they have another unit or sign, and what that would mean.
-const FACTORS: [(f64, &str); 5] = [
-    (-1.0, "the other sign"),
-    (1e-3, "thousandths, as mm or mN"),
-    (1e3, "thousands, as km or kN"),
-    (PI / 180.0, "degrees"),
-    (180.0 / PI, "radians where the model wants degrees"),
-];
-/// Windows that are looked at.
-const LOOKED_AT: usize = 8;
-/// Another unit must leave over at most this share of the excess, without any cause.
-const EXPLAINED: f64 = 0.1;
-/// Another unit that leaves this many times as much over as the causes that were named is none.
-const OUTDONE: f64 = 1.5;
-/// Columns that explain the data within this factor of the best one are named with it.
-const ALIKE: f64 = 1.05;
-/// A parameter that changes by more than this factor is a sign of a wrong unit.
-const FAR: f64 = 2.0;
 
 /// What columns are scaled together.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +20,7 @@ enum Scaled {
 }
 
 /// Puts every measured column, all of them together and every input times the factors of other units and signs before the model
-/// as it stands, and refits it with the best. A sentence if that explains the data as well without any cause and with parameters near
+/// as it stands, and refits it with the best. A note if that explains the data as well without any cause and with parameters near
 /// their values, where what was found looks like a wrong unit.
 ///
 /// # Errors
@@ -49,7 +30,7 @@ pub(super) fn other_units(
     search: &Search<'_>,
     findings: &Findings,
     settings: &Settings,
-) -> Result<Option<String>, DiagnoseError> {
+) -> Result<Option<Note>, DiagnoseError> {
     let base = &findings.base;
     if !suspicious(search, findings) {
         return Ok(None);
@@ -58,25 +39,25 @@ pub(super) fn other_units(
     let records = search.study.records();
     let plain = Study::new(system, records, &of)?;
     let count = plain.windows().len();
-    let windows: Vec<usize> = (0..count).step_by(count.div_ceil(LOOKED_AT).max(1)).collect();
+    let windows: Vec<usize> = (0..count).step_by(count.div_ceil(UNIT_WINDOWS).max(1)).collect();
     let refitted = Alarm::of(&plain.evaluate(&base.fit, &windows)?, system.states.len(), 0);
-    let mut tried: Vec<(f64, Scaled, usize)> = Vec::new();
-    for scaled in ways(&records[0]) {
-        for (k, (factor, _)) in FACTORS.iter().enumerate() {
-            let study = Study::new(system, &scale(system, records, &scaled, *factor), &of)?;
+    let mut tried: Vec<(f64, Scaled, Rescaling)> = Vec::new();
+    for scaled in scalable(&records[0]) {
+        for rescaling in Rescaling::ALL {
+            let study = Study::new(system, &scale(system, records, &scaled, rescaling.factor()), &of)?;
             let fits = study.evaluate(&study.nominal(), &windows)?;
             if fits.iter().all(|w| w.count > 0) {
-                tried.push((fits.iter().map(|w| w.square).sum(), scaled.clone(), k));
+                tried.push((fits.iter().map(|w| w.square).sum(), scaled.clone(), rescaling));
             }
         }
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((square, scaled, k)) = tried.first() else { return Ok(None) };
-    let study = Study::new(system, &scale(system, records, scaled, FACTORS[*k].0), &of)?;
+    let Some((square, scaled, rescaling)) = tried.first() else { return Ok(None) };
+    let study = Study::new(system, &scale(system, records, scaled, rescaling.factor()), &of)?;
     let Ok(fit) = study.fit(&[], &windows, None) else { return Ok(None) };
     let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
     let excess = |alarm: &Alarm| (alarm.square - alarm.floor).max(0.0);
-    let explains = excess(&alarm) <= EXPLAINED * excess(&refitted) || alarm.square <= ALIKE * refitted.square;
+    let explains = excess(&alarm) <= UNIT_EXPLAINS * excess(&refitted) || alarm.square <= UNITS_ALIKE * refitted.square;
     let near = fit.values.iter().enumerate().all(|(j, e)| !far(e) || fit.unidentified.contains(&j));
     // What was named explains the data far better.
     let outdone = !findings.chosen.members.is_empty() && alarm.size > OUTDONE * findings.chosen.alarm.size;
@@ -84,20 +65,15 @@ pub(super) fn other_units(
         return Ok(None);
     }
     // In a linear model it is the same which column it is.
-    let alike = tried.iter().filter(|t| t.0 <= ALIKE * square).map(|(_, scaled, k)| {
-        let (factor, meaning) = FACTORS[*k];
-        let name = match scaled {
-            Scaled::Measured(c) => format!("`{}`", records[0].measured[*c].name),
-            Scaled::AllMeasured => "everything measured".to_owned(),
-            Scaled::Input(i) => format!("`{}`", system.symbol_name(system.inputs[*i])),
+    let alike = tried.iter().filter(|t| t.0 <= UNITS_ALIKE * square).map(|(_, scaled, rescaling)| {
+        let column = match scaled {
+            Scaled::Measured(c) => ScaledColumn::Column(records[0].measured[*c].name.clone()),
+            Scaled::AllMeasured => ScaledColumn::AllMeasured,
+            Scaled::Input(i) => ScaledColumn::Column(system.symbol_name(system.inputs[*i]).to_owned()),
         };
-        format!("{name} times {} ({meaning})", format!("{factor:.4}").trim_end_matches('0').trim_end_matches('.'))
+        (column, *rescaling)
     });
-    Ok(Some(format!(
-        "units or sign? With {} the model without any cause leaves over {:.1} times the noise: check this column",
-        alike.collect::<Vec<_>>().join(", or "),
-        alarm.size
-    )))
+    Ok(Some(Note::OtherUnits { columns: alike.collect(), size: alarm.size }))
 }
 
 /// Whether what was found looks as if columns had another unit: structure remains, parameters have moved far or stopped at a
@@ -110,25 +86,25 @@ fn suspicious(search: &Search<'_>, findings: &Findings) -> bool {
         .iter()
         .any(|&m| matches!(search.candidates[m].cause, Cause::InputGain | Cause::UnknownTerm));
     match findings.ending {
-        Ending::Quiet | Ending::Coloured => moved,
+        Ending::Quiet | Ending::Correlated => moved,
         Ending::Explained => moved || gain,
         Ending::Partly(_) | Ending::Unexplained(_) | Ending::Refuted(_) => true,
     }
 }
 
-/// Whether a parameter has moved by more than [`FAR`].
+/// Whether a parameter has moved by more than [`UNIT_CHANGE`].
 fn far(e: &Estimate) -> bool {
-    e.nominal != 0.0 && !(1.0 / FAR..=FAR).contains(&(e.value / e.nominal))
+    e.nominal != 0.0 && !(1.0 / UNIT_CHANGE..=UNIT_CHANGE).contains(&(e.value / e.nominal))
 }
 
-fn ways(record: &Record) -> Vec<Scaled> {
+fn scalable(record: &Record) -> Vec<Scaled> {
     let measured = record.measured.len();
-    let mut ways: Vec<Scaled> = (0..measured).map(Scaled::Measured).collect();
+    let mut all: Vec<Scaled> = (0..measured).map(Scaled::Measured).collect();
     if measured > 1 {
-        ways.push(Scaled::AllMeasured);
+        all.push(Scaled::AllMeasured);
     }
-    ways.extend((0..record.inputs.len()).map(Scaled::Input));
-    ways
+    all.extend((0..record.inputs.len()).map(Scaled::Input));
+    all
 }
 
 fn scale(system: &System, records: &[Record], scaled: &Scaled, factor: f64) -> Vec<Record> {

@@ -1,21 +1,14 @@
 //! Terms without a name, for what no named cause explains.
 
+use super::explanation::Explanation;
+use super::limits::{
+    LEAST_SHARE, MOST_TERM_PAIRS, MOST_TERMS_ALONE, MOST_TERMS_BESIDE, NEAR_BEST_TERM, SHORTLIST, SUBSTANTIAL,
+};
 use super::noise::Scatter;
-use super::search::{Explanation, Search, scatter};
-use super::select::{LEAST_SHARE, add, leading, merit};
-use super::{Settings, Stage};
+use super::search::Search;
+use super::select::{add, leading, merit};
+use super::settings::{Settings, Stage};
 use crate::DiagnoseError;
-
-/// Terms that are put against all windows, after a look at a part of them.
-const SHORTLIST: usize = 25;
-/// What terms without a name must take away: this share of the excess that the named causes leave over.
-const SUBSTANTIAL: f64 = 0.2;
-/// Beyond the first few, terms alone are fitted exactly if they promise at least this share of what the best one does.
-const NEAR: f64 = 0.8;
-/// Most exact fits of terms alone, of terms beside named causes, and of pairs.
-const MOST_ALONE: usize = 8;
-const MOST_FITS: usize = 3;
-const MOST_PAIRS: usize = 2;
 
 /// An explanation with terms among `terms` that is better than the one of named causes, if there is one.
 ///
@@ -43,21 +36,22 @@ pub(crate) fn unnamed(
     let mut tried = Vec::new();
     let promises = search.singles(&around);
     let top = promises.first().map_or(0.0, |p| p.square);
-    let near = promises.iter().enumerate().take_while(|(i, p)| *i < MOST_FITS || p.square >= NEAR * top);
-    for (_, promise) in near.take(MOST_ALONE) {
+    let near =
+        promises.iter().enumerate().take_while(|(i, p)| *i < MOST_TERMS_BESIDE || p.square >= NEAR_BEST_TERM * top);
+    for (_, promise) in near.take(MOST_TERMS_ALONE) {
         tried.extend(add(search, base, promise));
     }
     let alone = tried.iter().map(Explanation::square).fold(base.square(), f64::min);
     if structured {
         let own = LEAST_SHARE * base.alarm.excess();
         let worth = |e: &Explanation, less: f64| e.alarm.p_value >= settings.significance || e.square() < less - own;
-        let pairs = if settings.max_causes < 2 { Vec::new() } else { search.pairs(&around, MOST_PAIRS) };
+        let pairs = if settings.max_causes < 2 { Vec::new() } else { search.pairs(&around, MOST_TERM_PAIRS) };
         for promise in pairs {
             tried.extend(add(search, base, &promise).filter(|e| worth(e, alone)));
         }
         if (1..settings.max_causes).contains(&chosen.members.len()) {
             let around = search.around(chosen, terms)?;
-            for promise in search.singles(&around).iter().take(MOST_FITS) {
+            for promise in search.singles(&around).iter().take(MOST_TERMS_BESIDE) {
                 tried.extend(add(search, chosen, promise).filter(|e| worth(e, alone.min(chosen.square()))));
             }
         }
@@ -65,10 +59,11 @@ pub(crate) fn unnamed(
     tried.retain(|e| e.stopped().next().is_none());
     let Some(closest) = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())) else { return Ok(None) };
     let around = search.around(closest, named)?;
-    let scatter = scatter(closest, &around.scores);
+    let scatter = Scatter::around(&closest.alarm, &around.scores);
     let Some(best) = leading(search, &tried, &scatter).cloned() else { return Ok(None) };
     let substantial = chosen.square() - best.square() >= SUBSTANTIAL * chosen.alarm.excess();
-    let price = |e: &Explanation| merit(search, e, &scatter) + scatter.price() * e.strayed(settings.tolerance) as f64;
+    let price =
+        |e: &Explanation| merit(search, e, &scatter) + scatter.price() * e.moved_parameters(settings.tolerance) as f64;
     let better = price(&best) < price(chosen);
     Ok(((substantial || !structured) && better).then_some((best, scatter)))
 }

@@ -2,14 +2,13 @@
 
 use bracketry_system::System;
 
-use super::Settings;
 use super::alarm::Alarm;
+use super::explanation::Explanation;
 use super::held_out::{thinned, window_length};
-use super::search::{Explanation, NEAR_NOISE};
+use super::limits::{MUCH_MORE, NEAR_NOISE};
+use super::settings::Settings;
+use crate::report::Mispredicted;
 use crate::{DiagnoseError, Record, Study, StudySettings};
-
-/// A run for validation that leaves over this many times what the data of the fit leave over is told of.
-const MUCH_MORE: f64 = 1.5;
 
 /// The runs for validation, with the size of their residual over noise, that the explanation predicts much worse than the data
 /// of its fit: parameters and coefficients stay, only initial states are fitted.
@@ -22,7 +21,7 @@ pub(super) fn mispredicted(
     explanation: &Explanation,
     validate: &[Record],
     settings: &Settings,
-) -> Result<Vec<(String, f64)>, DiagnoseError> {
+) -> Result<Vec<Mispredicted>, DiagnoseError> {
     let mut found = Vec::new();
     for record in validate {
         let length = StudySettings { window: window_length(like), ..settings.study.clone() };
@@ -30,7 +29,7 @@ pub(super) fn mispredicted(
         let windows = study.evaluate(&explanation.fit, &thinned(study.windows().len()))?;
         let alarm = Alarm::of(&windows, system.states.len(), 0);
         if alarm.p_value < settings.significance && alarm.size > NEAR_NOISE.max(MUCH_MORE * explanation.alarm.size) {
-            found.push((record.name.clone(), alarm.size));
+            found.push(Mispredicted { record: record.name.clone(), size: alarm.size });
         }
     }
     Ok(found)

@@ -6,18 +6,17 @@ use bracketry_sim::Hold;
 use bracketry_system::System;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::Settings;
-use super::diagnose::{Ending, Findings, LEAST_EXPLAINED};
-use super::held_out::DIFFERENT;
+use super::findings::{Ending, Findings, Rivals};
+use super::limits::{DIFFERENT, LEAST_EXPLAINED, MARGIN, OUTSIDE_TOLERANCE};
 use super::proven::worth;
 use super::ranking::ranking;
-use super::rivals::{MARGIN, Rivals};
 use super::search::Search;
-use crate::report::{Evidence, Excess, NamedCause, RefittedParameter, Report, Rival, Value, Verdict};
+use super::settings::Settings;
+use crate::report::{
+    Closeness, Evidence, Excess, Flag, NamedCause, Note, Outcome, Reason, RefittedParameter, Report, Rival, Value,
+    Verdict,
+};
 use crate::{Cause, Change, Effect, Estimate, Path, Role, separating_experiment};
-
-/// One-sided level at which a parameter must have left its tolerance.
-const OUTSIDE: f64 = 0.05;
 
 pub(super) fn report(
     system: &System,
@@ -39,7 +38,7 @@ pub(super) fn report(
         let room = settings.max_causes.saturating_sub(causes.len());
         // Beside structure that is not explained or has no name, a moved parameter says nothing: it takes what it can of
         // that. Beside named causes, several that moved together did so for the same reason.
-        let clear = matches!(findings.ending, Ending::Quiet | Ending::Explained | Ending::Coloured)
+        let clear = matches!(findings.ending, Ending::Quiet | Ending::Explained | Ending::Correlated)
             && causes.iter().all(|c: &NamedCause| c.name != Cause::UnknownTerm);
         let errors = if clear { parameter_errors(system, findings, &parameters, settings) } else { Vec::new() };
         if causes.is_empty() || (errors.len() == 1 && room > 0) {
@@ -76,59 +75,25 @@ pub(super) fn report(
     }
 }
 
-fn reason(findings: &Findings, causes: &[NamedCause]) -> String {
+fn reason(findings: &Findings, causes: &[NamedCause]) -> Reason {
     let size = findings.base.alarm.size;
-    match findings.ending {
-        Ending::Quiet if causes.is_empty() => {
-            "with its parameters refitted, the model leaves over no more than noise".to_owned()
-        }
-        Ending::Quiet => {
-            "a parameter is off by more than its tolerance; with it refitted, noise is left over".to_owned()
-        }
-        Ending::Coloured if !causes.is_empty() => format!(
-            "a parameter is off by more than its tolerance; with it refitted, a correlated residual of {size:.2} times the noise \
-             is left over"
-        ),
-        Ending::Coloured => format!(
-            "the residual is correlated ({size:.2} times the noise), but no effect explains it in all parts of the data"
-        ),
-        Ending::Explained => "with the named causes the model leaves over no more than noise".to_owned(),
-        Ending::Partly(share) => format!(
-            "the named causes explain {} of what the refitted model leaves over beyond noise; what they leave, {:.2} times the \
-             noise, is structured still",
-            most(share),
-            findings.chosen.alarm.size
-        ),
-        Ending::Refuted(share) => format!(
-            "the refitted model leaves over {size:.2} times the noise; effects that explain {} of the excess in the data of \
-             the fit predict the held-out data no better",
-            most(share)
-        ),
-        Ending::Unexplained(0.0) => format!(
-            "the refitted model leaves over {size:.2} times the noise, and no effect tried explains it significantly"
-        ),
-        Ending::Unexplained(share) => format!(
-            "the refitted model leaves over {size:.2} times the noise; the best effects tried explain {} of the excess",
-            most(share)
-        ),
-    }
+    let parameter_off = !causes.is_empty();
+    let outcome = match findings.ending {
+        Ending::Quiet => Outcome::Noise { parameter_off },
+        Ending::Correlated => Outcome::Correlated { size, parameter_off },
+        Ending::Explained => Outcome::Explained,
+        Ending::Partly(share) => Outcome::PartlyExplained { share, size: findings.chosen.alarm.size },
+        Ending::Refuted(share) => Outcome::NotBorneOut { size, share },
+        Ending::Unexplained(share) => Outcome::Unexplained { size, share: (share != 0.0).then_some(share) },
+    };
+    Reason { outcome, caveats: Vec::new() }
 }
 
-/// A note where structure is left over and the most causes allowed are there.
-fn limit(findings: &Findings, settings: &Settings) -> Option<String> {
-    let members = findings.chosen.members.len();
+/// A note where structure remains and the most causes allowed are there.
+fn limit(findings: &Findings, settings: &Settings) -> Option<Note> {
+    let causes = findings.chosen.members.len();
     let structured = matches!(findings.ending, Ending::Partly(_) | Ending::Unexplained(_));
-    (structured && members >= settings.max_causes).then(|| {
-        format!(
-            "the search ended with the {members} causes that were allowed; more may be there: --max-causes {}",
-            2 * settings.max_causes
-        )
-    })
-}
-
-/// A share as per cent, which is all only if it is.
-fn most(share: f64) -> String {
-    if (0.995..1.0).contains(&share) { "more than 99.5 %".to_owned() } else { format!("{:.0} %", 100.0 * share) }
+    (structured && causes >= settings.max_causes).then_some(Note::MostCauses { causes, allowed: settings.max_causes })
 }
 
 /// Estimate with the width that correlation within windows gives it. A number without a dimension has no unit to be shown.
@@ -183,7 +148,7 @@ fn parameter_errors(
                 .max(known.max.as_ref().map_or(0.0, |m| p.after - bound(m)));
             let beyond = (moved - settings.tolerance * p.before.abs()).max(beyond_range);
             let std = p.std.max(f64::MIN_POSITIVE);
-            if beyond <= 0.0 || tail(beyond / std) > OUTSIDE {
+            if beyond <= 0.0 || tail(beyond / std) > OUTSIDE_TOLERANCE {
                 return None;
             }
             let p_value = (2.0 * tail(moved / std) * parameters.len() as f64).min(1.0);
@@ -226,8 +191,7 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
         let excess = rest.alarm.excess();
         (excess > 0.0).then(|| gained / excess)
     });
-    let estimates: Vec<&Estimate> =
-        effect.coefficients.iter().filter_map(|c| chosen.fit.values.iter().find(|e| e.name == c.name)).collect();
+    let estimates: Vec<&Estimate> = effect.coefficients.iter().filter_map(|c| chosen.fit.estimate(&c.name)).collect();
     let parameters = effect
         .coefficients
         .iter()
@@ -236,22 +200,22 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
         .collect();
     let (name, mut flags) = physical_name(&effect, &estimates, findings.scatter.width());
     flags.extend(hold_delays(search, &effect, &estimates));
-    flags.extend(chosen.stopped().map(|p| format!("{p} stopped at a limit: beyond it, this cause may not be needed")));
+    flags.extend(chosen.stopped().map(|p| Flag::ParameterAtLimit(p.to_owned())));
     let others: Vec<Rival> = rivals
         .iter()
         .map(|(candidate, explanation)| {
             let rival = &search.candidates[*candidate];
             let more = (explanation.square() - chosen.square()) / findings.scatter.unit();
-            let why = if more.abs() < 0.5 {
-                "explains these data equally well".to_owned()
+            let closeness = if more.abs() < 0.5 {
+                Closeness::Equal
             } else if more < 0.0 {
-                format!("explains these data better by {:.1} units, but less simply", -more)
+                Closeness::Better(-more)
             } else if more <= MARGIN {
-                format!("explains these data worse by {more:.1} units only, where {MARGIN} would rule it out")
+                Closeness::Worse { by: more, margin: MARGIN }
             } else {
-                "leaves little more over, compared with what no cause explains".to_owned()
+                Closeness::LittleMore
             };
-            Rival { name: rival.cause, equation: rival.equation.clone(), term: rival.term.clone(), why }
+            Rival { name: rival.cause, equation: rival.equation.clone(), term: rival.term.clone(), closeness }
         })
         .collect();
     let mut confusable_with: Vec<Cause> = Vec::new();
@@ -283,9 +247,7 @@ pub(super) fn withhold_doubtful(causes: &mut [NamedCause]) {
     }
     for cause in causes.iter_mut().filter(|c| c.name != Cause::UnknownTerm) {
         if cause.share.is_some_and(|share| share < LEAST_EXPLAINED) {
-            cause
-                .flags
-                .push(format!("smaller than what remains without a name, of which {} may be the image", cause.name));
+            cause.flags.push(Flag::SmallerThanUnknown(cause.name));
             cause.confusable_with.insert(0, cause.name);
             cause.name = Cause::UnknownTerm;
         }
@@ -319,21 +281,20 @@ fn separating(system: &System, search: &Search<'_>, effect: &Effect, name: Cause
 /// keeps it, for friction that rises from rest is found in real machines. Friction that may as well be none at rest is no dry
 /// friction: something yields before it slips, or flows, which Stribeck's law does not describe. `width` is the factor by
 /// which correlation widens standard deviations.
-pub(super) fn physical_name(effect: &Effect, estimates: &[&Estimate], width: f64) -> (Cause, Vec<String>) {
+pub(super) fn physical_name(effect: &Effect, estimates: &[&Estimate], width: f64) -> (Cause, Vec<Flag>) {
     let mut name = effect.cause;
     let mut flags = Vec::new();
     for (c, e) in effect.coefficients.iter().zip(estimates) {
         let moved = e.value - c.nominal;
         if effect.cause == Cause::StribeckFriction && c.role == Role::Amplitude && moved < 0.0 {
             if e.value - c.min < DIFFERENT * width * e.std {
-                flags.push(format!("{} may take away all friction at rest: what is there is no dry friction", c.name));
+                flags.push(Flag::NoFrictionAtRest(c.name.clone()));
                 name = Cause::UnknownTerm;
             } else {
-                flags.push(format!("{} is negative: friction rises from rest instead of falling", c.name));
+                flags.push(Flag::RisingFriction(c.name.clone()));
             }
         } else if f64::from(c.physical_sign) * moved < 0.0 {
-            let sign = if c.physical_sign > 0 { "above" } else { "below" };
-            flags.push(format!("{} is not {sign} {}, as physics wants it", c.name, c.nominal));
+            flags.push(Flag::Unphysical { name: c.name.clone(), above: c.physical_sign > 0, nominal: c.nominal });
             name = Cause::UnknownTerm;
         }
     }
@@ -341,7 +302,7 @@ pub(super) fn physical_name(effect: &Effect, estimates: &[&Estimate], width: f64
 }
 
 /// What is to be added to a delay of held inputs for one who takes the logged value for the force at its instant.
-fn hold_delays(search: &Search<'_>, effect: &Effect, estimates: &[&Estimate]) -> Option<String> {
+fn hold_delays(search: &Search<'_>, effect: &Effect, estimates: &[&Estimate]) -> Option<Flag> {
     let Change::Path { path, .. } = &effect.change else { return None };
     let record = search.study.records().first()?;
     let delayed = matches!(path, Path::InputDelay | Path::ActuatorLag | Path::SensorDelay);
@@ -349,9 +310,5 @@ fn hold_delays(search: &Search<'_>, effect: &Effect, estimates: &[&Estimate]) ->
         return None;
     }
     let half = 0.5 * (record.times.last()? - record.times.first()?) / (record.times.len() - 1) as f64;
-    let all = estimates.first()?.value + half;
-    Some(format!(
-        "counted beyond the hold of inputs from sample to sample, which is half a sample, {half:.2e} s, on average: {all:.2e} s \
-         in all where logged values are taken for those at their instants"
-    ))
+    Some(Flag::BeyondHold { half, all: estimates.first()?.value + half })
 }

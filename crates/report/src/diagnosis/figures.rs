@@ -4,6 +4,7 @@ use bracketry_diagnose::{Cause, ForceResidual, HeldOut, Place, Predicted, Report
 use bracketry_plot::{BarChart, Color, IntervalChart, Panel, Role, Series, TimeSeries, XyChart};
 
 use super::Diagnosis;
+use super::sentences::brief;
 use crate::html::Figure;
 
 /// Names of the models in legends, and what they are.
@@ -164,9 +165,8 @@ fn of_places(places: &[Place], name: &str, title: &str) -> Option<Figure> {
     let several = places.iter().any(|p| p.equation != places[0].equation);
     let places = &places[..places.len().min(MOST_PLACES)];
     let label = |p: &Place| {
-        // Below a bar there is no room for the speed up to which a reversal counts as one.
-        let regime = p.regime.split_once(", |").map_or(p.regime.as_str(), |(name, _)| name);
-        if several { format!("{}: {regime}", p.equation) } else { regime.to_owned() }
+        let regime = brief(&p.regime);
+        if several { format!("{}: {regime}", p.equation) } else { regime }
     };
     let shares: Vec<f64> = places.iter().map(|p| 100.0 * p.share).collect();
     let mut chart = BarChart::new("share [%]", places.iter().map(label)).series("of the excess error", shares);
@@ -186,12 +186,12 @@ fn of_places(places: &[Place], name: &str, title: &str) -> Option<Figure> {
 
 /// Name of a row of the ranking, with the term where others are called alike.
 fn row_name(cause: Cause, equation: &str, term: &str, alike: bool) -> String {
-    let term = if alike { format!(": {}", brief(term)) } else { String::new() };
+    let term = if alike { format!(": {}", shortened(term)) } else { String::new() };
     format!("{} in {equation}{term}", cause.to_string().replace('_', " "))
 }
 
 /// A term as short as a row of a chart has room for.
-fn brief(term: &str) -> String {
+fn shortened(term: &str) -> String {
     if term.chars().count() <= LONGEST_TERM {
         return term.to_owned();
     }

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use bracketry_diagnose::{Gain, NamedCause, Report, measured, probability, significant};
 
 use super::Diagnosis;
+use super::sentences::{self, closeness, reason, regime};
 use crate::html::{self, Figure, equations, escaped, formula, heading, paragraph, percent, table, verbatim};
 
 impl Diagnosis {
@@ -18,8 +19,11 @@ impl Diagnosis {
     /// The same as a part of a page, with headings from this level on.
     pub fn section(&self, figures: &[Figure], level: usize) -> String {
         let report = &self.report;
-        let mut out =
-            format!("<p class=\"verdict\"><strong>{}</strong>: {}.</p>\n", report.verdict, escaped(&report.reason));
+        let mut out = format!(
+            "<p class=\"verdict\"><strong>{}</strong>: {}.</p>\n",
+            report.verdict,
+            escaped(&reason(&report.reason))
+        );
         for cause in &report.causes {
             out += &of_cause(cause);
         }
@@ -76,7 +80,7 @@ fn of_cause(cause: &NamedCause) -> String {
         let _ = write!(out, "<li>without it {} of the excess error would remain</li>", percent(share));
     }
     for flag in &cause.flags {
-        let _ = write!(out, "<li>caution: {}</li>", escaped(flag));
+        let _ = write!(out, "<li>caution: {}</li>", escaped(&sentences::flag(flag)));
     }
     out += "</ul>\n";
     if !cause.rivals.is_empty() {
@@ -89,7 +93,7 @@ fn of_cause(cause: &NamedCause) -> String {
                 escaped(&name),
                 formula(&rival.equation),
                 formula(&rival.term),
-                escaped(&rival.why)
+                escaped(&closeness(rival.closeness))
             );
         }
         out += "</ul>";
@@ -126,7 +130,7 @@ fn tables(report: &Report, level: usize) -> String {
     if !report.places.is_empty() {
         let rows = report.places.iter().chain(&report.regimes).map(|p| {
             let time = p.time.map_or_else(String::new, percent);
-            vec![formula(&p.equation), escaped(&p.regime), percent(p.share), time]
+            vec![formula(&p.equation), escaped(&regime(&p.regime)), percent(p.share), time]
         });
         out += &heading(level, "Where the refitted model is wrong");
         out += &table(&["equation", "when", "share of the excess error", "share of the time"], rows);
@@ -178,7 +182,7 @@ fn data(report: &Report, level: usize) -> String {
     if !report.notes.is_empty() {
         out += &(heading(level, "Notes") + "<ul>");
         for note in &report.notes {
-            let _ = write!(out, "<li>{}</li>", escaped(note));
+            let _ = write!(out, "<li>{}</li>", escaped(&sentences::note(note)));
         }
         out += "</ul>\n";
     }

@@ -1,0 +1,155 @@
+//! Reading a run.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use bracketry_system::{Columns, Entries, FileError, System};
+
+use super::audit::{Audit, ColumnAudit};
+use super::clock::Clock;
+use super::consistency::{check_angles, check_rates};
+use super::driving::Driving;
+use super::limits::{MOST_LOST, SIZES};
+use super::noise::estimate_noise;
+use super::npz;
+use super::origin::Origin;
+use super::roles::{Role, Roles, role};
+use super::settings::RecordSettings;
+use crate::error::DiagnoseError;
+use crate::record::{Measured, Record};
+
+/// Reads a run from a table: a column `t` in seconds, one per measured state or output, one per input, `der(X,2)` for its
+/// derivatives; other columns are ignored, and the [`Audit`] says so. A file `….npz` is a NumPy archive of one array per
+/// column, any other text (CSV).
+///
+/// # Errors
+/// [`DiagnoseError::File`] with file, line, column and remedy for what is no such table.
+pub fn read_record(path: &Path, system: &System, settings: &RecordSettings) -> Result<(Record, Audit), DiagnoseError> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy")) {
+        let name = path.display().to_string();
+        return Err(Origin { name: &name, table: None }
+            .whole(
+                "is a single NumPy array, whose columns have no names",
+                "write an archive of one array per column: numpy.savez('run.npz', t=…, x=…)",
+            )
+            .into());
+    }
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) {
+        let (columns, ignored) = npz::read(path, |name| role(settings.renamed(name), system).is_some())?;
+        let name = path.display().to_string();
+        let origin = Origin { name: &name, table: None };
+        let header: Vec<String> = columns.keys().cloned().chain(ignored.iter().cloned()).collect();
+        settings.check(&origin, &header, system)?;
+        return build(&origin, settings.apply(&origin, columns)?, ignored, system, settings);
+    }
+    let doc = Columns::document(path, "name a CSV file: a table with a column t, the inputs and what was measured")?;
+    let entries = |name: &str| match role(settings.renamed(name), system) {
+        None => Entries::Ignored,
+        Some(Role::Measured(_)) => Entries::MayBeLost,
+        Some(_) => Entries::Finite,
+    };
+    let Columns { columns, header, lines } = Columns::parse(&doc, entries)?;
+    let origin = Origin { name: doc.file(), table: Some((&doc, &header, &lines)) };
+    settings.check(&origin, &header, system)?;
+    let ignored = header.iter().filter(|name| !columns.contains_key(*name)).cloned().collect();
+    build(&origin, settings.apply(&origin, columns)?, ignored, system, settings)
+}
+
+impl Record {
+    /// A run from columns by name, `times` in seconds; otherwise as [`read_record`]. NaN in a measured column is a lost
+    /// value.
+    ///
+    /// # Errors
+    /// [`DiagnoseError::File`] as [`read_record`], with the index of the sample in place of the line.
+    pub fn from_columns(
+        name: &str,
+        times: Vec<f64>,
+        columns: BTreeMap<String, Vec<f64>>,
+        system: &System,
+        settings: &RecordSettings,
+    ) -> Result<(Record, Audit), DiagnoseError> {
+        let origin = Origin { name, table: None };
+        for (column, values) in &columns {
+            if values.len() != times.len() {
+                let message = format!("column `{column}` has {} entries for {} times", values.len(), times.len());
+                return Err(origin.whole(message, "give one entry per time").into());
+            }
+        }
+        let header: Vec<String> = columns.keys().cloned().collect();
+        settings.check(&origin, &header, system)?;
+        let known = |column: &String| role(settings.renamed(column), system).is_some();
+        let (columns, others): (BTreeMap<_, _>, BTreeMap<_, _>) =
+            columns.into_iter().partition(|(column, _)| known(column));
+        let ignored = others.into_keys().collect();
+        let mut columns = settings.apply(&origin, columns)?;
+        columns.insert("t".to_owned(), times);
+        build(&origin, columns, ignored, system, settings)
+    }
+}
+
+/// Refuses a column that is too large or too small to be squared.
+fn check_size(origin: &Origin<'_>, column: &str, values: &[f64]) -> Result<(), FileError> {
+    let size = values.iter().map(|v| v.abs()).fold(0.0, f64::max);
+    if size == 0.0 || SIZES.contains(&size) {
+        return Ok(());
+    }
+    let row = values.iter().position(|v| v.abs() == size).unwrap_or(0);
+    let problem = format!("the largest value of the column, {size:e}, is beyond what can be reckoned with");
+    Err(origin.at(
+        row,
+        column,
+        &problem,
+        "correct the row, or give the column in a unit in which its values are near 1",
+    ))
+}
+
+/// The record of columns that all mean something, `t` among them.
+fn build(
+    origin: &Origin<'_>,
+    columns: BTreeMap<String, Vec<f64>>,
+    ignored: Vec<String>,
+    system: &System,
+    settings: &RecordSettings,
+) -> Result<(Record, Audit), DiagnoseError> {
+    let mut roles = Roles::of(origin, columns, &ignored, system)?;
+    let clock = Clock::of(origin, &roles.times)?;
+    for (column, values) in roles.driving() {
+        if let Some(row) = values.iter().position(|v| !v.is_finite()) {
+            let remedy = "an input must be known at all times: correct or remove the row";
+            return Err(origin.at(row, &column, "not a finite number", remedy).into());
+        }
+        check_size(origin, &column, values)?;
+    }
+    let mut measured = Vec::new();
+    let mut audits = Vec::new();
+    for (name, quantity, mut values) in std::mem::take(&mut roles.measured) {
+        for v in &mut values {
+            if !v.is_finite() {
+                *v = f64::NAN;
+            }
+        }
+        let lost = values.iter().filter(|v| v.is_nan()).count();
+        if lost as f64 > MOST_LOST * values.len() as f64 {
+            let message = format!("column `{name}`: {lost} of {} values were lost", values.len());
+            return Err(origin.whole(message, "remove the column, or the part of the run without it").into());
+        }
+        check_size(origin, &name, &values)?;
+        let noise = estimate_noise(&roles.times, &values);
+        audits.push(ColumnAudit::measured(&name, &values, noise));
+        measured.push(Measured { name, quantity, values, noise: noise.std });
+    }
+    let driving = Driving::of(origin, roles.inputs, roles.derivatives, &roles.times, &clock.gaps, system, settings)?;
+    audits.extend(driving.audits);
+    let mut audit = Audit::new(origin.name, &roles.times, &clock, audits, ignored);
+    let record = Record {
+        name: origin.name.to_owned(),
+        times: roles.times,
+        gaps: clock.gaps,
+        inputs: driving.inputs,
+        input_derivatives: driving.derivatives,
+        measured,
+    };
+    audit.warnings.extend(check_rates(origin, &record, system)?);
+    audit.warnings.extend(check_angles(&record, system));
+    Ok((record, audit))
+}

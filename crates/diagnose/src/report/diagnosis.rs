@@ -1,0 +1,245 @@
+//! What a diagnosis found, as data.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::note::{Closeness, Flag, Note};
+use super::reason::Reason;
+use super::regime::Regime;
+use crate::effect::Cause;
+use crate::extend::ExtendedModel;
+use crate::gain::{Gain, HeldOut};
+use crate::numbers::{measured, significant};
+use crate::read::Audit;
+use crate::study::Fit;
+
+/// What a diagnosis ended with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The model lacks something that has a name, or a parameter is wrong by more than its tolerance.
+    CauseFound,
+    /// What the refitted model leaves over is noise.
+    NothingFound,
+    /// The refitted model leaves over more than noise, and nothing that was tried explains it.
+    Unexplained,
+    /// Nothing measured stands out of its noise: the data can tell neither for the model nor against it.
+    Uninformative,
+}
+
+/// A number with its uncertainty.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Value {
+    /// The estimate.
+    pub value: f64,
+    /// Its standard deviation.
+    pub std: f64,
+    /// The interval that holds the true value with 95 % probability, from resampling windows; absent where it was not made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<[f64; 2]>,
+    /// Unit; may be empty.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+}
+
+/// Something that the experiment cannot tell from a cause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rival {
+    /// Its name.
+    pub name: Cause,
+    /// The state, input or measured column that it acts on.
+    pub equation: String,
+    /// The formula for the reader.
+    pub term: String,
+    /// Why it cannot be ruled out.
+    pub closeness: Closeness,
+}
+
+/// A cause of what the model gets wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedCause {
+    /// Its name.
+    pub name: Cause,
+    /// The state, input or measured column that it acts on.
+    pub equation: String,
+    /// The formula for the reader, in the names of the model and of `parameters`.
+    pub term: String,
+    /// Its parameters by name; for [`Cause::ParameterError`] the parameter of the model.
+    pub parameters: Vec<(String, Value)>,
+    /// Probability of such an improvement by chance, corrected for the number of candidates; absent where some of the data cannot be
+    /// simulated without the cause.
+    pub p_value: Option<f64>,
+    /// Names that this experiment cannot tell from it, without repetition.
+    pub confusable_with: Vec<Cause>,
+    /// What to measure in order to tell them apart; empty if there is nothing to tell apart.
+    pub separating_experiment: String,
+    /// The same causes as in `confusable_with`, each with its place and the reason.
+    pub rivals: Vec<Rival>,
+    /// Share of the excess error on held-out data that this cause alone takes away from the model with the other causes.
+    pub share: Option<f64>,
+    /// What is odd about the values, as a negative friction coefficient; empty if nothing is.
+    pub flags: Vec<Flag>,
+}
+
+/// Where the refitted model is wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The state in whose time derivative the error acts, or the measured column.
+    pub equation: String,
+    /// When.
+    pub regime: Regime,
+    /// Share of the excess error.
+    pub share: f64,
+    /// Share of the samples of the equation: an error that is alike everywhere has the same share of both.
+    pub time: Option<f64>,
+}
+
+/// What the equation of a state misses over time, measured minus modelled rate: of a velocity, the force per mass that is missing.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ResidualAcceleration {
+    /// Name of the record.
+    pub record: String,
+    /// The state.
+    pub equation: String,
+    /// Bandwidth of the derivatives, Hz.
+    pub bandwidth_hz: f64,
+    /// Standard deviation of the values by noise of the sensor, in their unit.
+    pub std: f64,
+    /// Times in seconds.
+    #[serde(rename = "t")]
+    pub times: Vec<f64>,
+    /// What is missing, in the unit of the state over seconds.
+    #[serde(rename = "value")]
+    pub values: Vec<f64>,
+}
+
+/// A parameter of the given model, refitted.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RefittedParameter {
+    /// Its name.
+    #[serde(skip)]
+    pub name: String,
+    /// Value in the model file.
+    pub before: f64,
+    /// Value in the final fit.
+    pub after: f64,
+    /// Standard deviation of `after`.
+    pub std: f64,
+    /// The interval that holds the true value with 95 % probability, from resampling windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<[f64; 2]>,
+    /// Unit; may be empty.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+}
+
+/// One explanation that was tried, in the order of merit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Candidate {
+    /// Its name.
+    pub name: Cause,
+    /// The state, input or measured column that it acts on.
+    pub equation: String,
+    /// The formula for the reader.
+    pub term: String,
+    /// Share of the excess error that it takes away; negative if it makes things worse, absent where the refitted model leaves
+    /// over no more than noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+    /// The interval of 95 % for `share`, from resampling windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<[f64; 2]>,
+    /// Probability of such an improvement by chance, corrected for the number of candidates.
+    pub p_value: f64,
+    /// Whether it is among the causes.
+    pub chosen: bool,
+}
+
+/// Size of what a model leaves over, in units of the noise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Excess {
+    /// Root mean square of residual over noise, 1 for noise alone: the given model with its parameters refitted.
+    pub refitted: f64,
+    /// The same for the extended model; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extended: Option<f64>,
+    /// Probability of a residual like the refitted model's if there were only noise.
+    pub p_value: f64,
+}
+
+/// The result of a diagnosis.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Name of the model.
+    pub model: String,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Why.
+    pub reason: Reason,
+    /// What the model lacks, the most important first.
+    pub causes: Vec<NamedCause>,
+    /// Where the refitted model is wrong, the largest share first.
+    pub places: Vec<Place>,
+    /// The same by acceleration, position and tilt: regimes of one kind add up to the share of their equation.
+    pub regimes: Vec<Place>,
+    /// What the equations of the refitted model miss over time.
+    pub residual_acceleration: Vec<ResidualAcceleration>,
+    /// What the extended model is worth; absent where there is none or the data were too short to tell.
+    pub gain: Option<Gain>,
+    /// The refitted parameters by name, in the order of the model.
+    pub parameters: Vec<RefittedParameter>,
+    /// The file of the extended model, once it is written.
+    pub extended_model: Option<PathBuf>,
+    /// Residual against noise.
+    pub excess: Option<Excess>,
+    /// What was tried, the best first.
+    pub candidates: Vec<Candidate>,
+    /// What was noticed in the data, one per record; filled by whoever read them.
+    pub data: Vec<Audit>,
+    /// What else the reader should know.
+    pub notes: Vec<Note>,
+    /// Time that it took.
+    pub seconds: f64,
+    /// The fits behind the report, for files and figures.
+    pub evidence: Evidence,
+}
+
+/// What files and figures are made from.
+#[derive(Clone, Debug, Default)]
+pub struct Evidence {
+    /// The fit of the given model's parameters.
+    pub refitted: Option<Fit>,
+    /// The fit with the causes.
+    pub extended: Option<Fit>,
+    /// The extended model.
+    pub model: Option<ExtendedModel>,
+    /// What figures of the gain are made from.
+    pub held_out: Option<HeldOut>,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Verdict::CauseFound => "cause found",
+            Verdict::NothingFound => "nothing found",
+            Verdict::Unexplained => "unexplained",
+            Verdict::Uninformative => "the data cannot tell",
+        })
+    }
+}
+
+impl fmt::Display for Value {
+    /// `0.520 ± 0.010 kg/s (95 %: 0.50 … 0.54)`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ± {}", measured(self.value, self.std), significant(self.std, 2))?;
+        if !self.unit.is_empty() {
+            write!(f, " {}", self.unit)?;
+        }
+        match self.interval {
+            Some([low, high]) => write!(f, " (95 %: {} … {})", measured(low, self.std), measured(high, self.std)),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! What else the reader of a report should know.
+
+use super::reason::{Mispredicted, OtherHold};
+use crate::effect::Cause;
+use crate::extend::OutsideDelay;
+
+/// What else the reader of a report should know.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Note {
+    /// A record holds the same data as an earlier one and is left out.
+    Repeated {
+        /// The record.
+        record: String,
+        /// The earlier one.
+        first: String,
+        /// Where the two were given.
+        place: Repetition,
+    },
+    /// The noise of a column is another than the column alone shows.
+    NoiseOfColumn {
+        /// The column.
+        column: String,
+        /// Its noise as the residual says, in the unit of the column.
+        std: f64,
+        /// The same over what the column alone shows.
+        factor: f64,
+    },
+    /// Curves through the samples of the inputs take the place of straight lines; the share of the excess that stays.
+    Curves(f64),
+    /// The search ended with as many causes as were allowed, and structure remains.
+    MostCauses {
+        /// How many there are.
+        causes: usize,
+        /// How many were allowed.
+        allowed: usize,
+    },
+    /// Where the model is wrong cannot be shown: no equation can be evaluated on the data.
+    NoPlaces,
+    /// There is no force error: no equation can be evaluated on the data.
+    NoForceError,
+    /// A number stopped at the limit of its range.
+    AtLimit {
+        /// Its name.
+        name: String,
+        /// The limit.
+        value: f64,
+        /// Whether in the model without causes.
+        without_causes: bool,
+    },
+    /// Numbers that the data hardly tell; they have no interval.
+    HardlyIdentifiable(Vec<String>),
+    /// Numbers without an interval, because the model misses all parts of the data in the same way.
+    NoInterval(Vec<String>),
+    /// What the extended model's equations cannot say.
+    ExtendedModel(OutsideDelay),
+    /// Only parameters are wrong, so that the gain compares with the model as given.
+    OnlyParameters,
+    /// The data are too short to measure the gain on a part of their own.
+    TooShortForGain,
+    /// Measured columns that do not stand out of their noise.
+    StillColumns(Vec<String>),
+    /// Inputs that continue otherwise between samples explain the data without any cause.
+    OtherHold(OtherHold),
+    /// Columns in another unit or of another sign explain the data without any cause.
+    OtherUnits {
+        /// Columns that explain the data equally well.
+        columns: Vec<(ScaledColumn, Rescaling)>,
+        /// Size of what is left over the noise.
+        size: f64,
+    },
+    /// A run for validation is mispredicted.
+    Mispredicted(Mispredicted),
+}
+
+/// Where the same data were given twice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Repetition {
+    /// Both among the data of the fit.
+    InFit,
+    /// For validation, and among the data of the fit.
+    FitAndValidation,
+    /// Both for validation.
+    InValidation,
+}
+
+/// What may have another unit or sign.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ScaledColumn {
+    /// A measured column or an input, by name.
+    Column(String),
+    /// Everything measured.
+    AllMeasured,
+}
+
+/// By what a column is multiplied if it has another unit or sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rescaling {
+    /// −1: the other sign.
+    Sign,
+    /// 1/1000: it is in thousandths.
+    Thousandths,
+    /// 1000: it is in thousands.
+    Thousands,
+    /// π/180: it is in degrees.
+    Degrees,
+    /// 180/π: it is in radians where the model wants degrees.
+    Radians,
+}
+
+impl Rescaling {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Sign, Self::Thousandths, Self::Thousands, Self::Degrees, Self::Radians];
+
+    /// The factor.
+    pub fn factor(self) -> f64 {
+        use std::f64::consts::PI;
+        match self {
+            Self::Sign => -1.0,
+            Self::Thousandths => 1e-3,
+            Self::Thousands => 1e3,
+            Self::Degrees => PI / 180.0,
+            Self::Radians => 180.0 / PI,
+        }
+    }
+}
+
+/// What is odd about a cause or its values.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Flag {
+    /// A coefficient of Stribeck's law may take away all friction at rest: what is there is no dry friction.
+    NoFrictionAtRest(String),
+    /// A coefficient of Stribeck's law is negative: friction rises from rest instead of falling.
+    RisingFriction(String),
+    /// A coefficient has the sign that physics does not want.
+    Unphysical {
+        /// Its name.
+        name: String,
+        /// Whether it should lie above its nominal value.
+        above: bool,
+        /// The nominal value.
+        nominal: f64,
+    },
+    /// A delay is counted beyond the hold of the inputs.
+    BeyondHold {
+        /// Half a sampling time, s.
+        half: f64,
+        /// Both together, s.
+        all: f64,
+    },
+    /// A parameter stopped at a limit: beyond it, the cause may not be needed.
+    ParameterAtLimit(String),
+    /// A cause is smaller than what remains without a name, of which it may be the image.
+    SmallerThanUnknown(Cause),
+    /// A delay is half the sampling time.
+    HalfSample {
+        /// Whether the inputs were read as straight lines.
+        lines: bool,
+    },
+}
+
+/// How well a rival explains the data compared with the cause that was chosen, in units of the scatter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Closeness {
+    /// Equally well.
+    Equal,
+    /// Better by so many units, but less simply.
+    Better(f64),
+    /// Worse by so many units only.
+    Worse {
+        /// The units.
+        by: f64,
+        /// Those that would rule it out.
+        margin: f64,
+    },
+    /// It leaves little more, compared with what no cause explains.
+    LittleMore,
+}

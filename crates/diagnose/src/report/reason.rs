@@ -1,0 +1,96 @@
+//! Why a diagnosis ended with its verdict.
+
+use bracketry_sim::Hold;
+
+use crate::effect::Cause;
+
+/// Why a diagnosis ended with its verdict.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reason {
+    /// How the search for causes ended.
+    pub outcome: Outcome,
+    /// What speaks against it.
+    pub caveats: Vec<Caveat>,
+}
+
+/// How the search for causes ended. Sizes are root mean squares over the noise, shares those of the excess over it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// With its parameters refitted, the model leaves noise.
+    Noise {
+        /// Whether a parameter is off by more than its tolerance.
+        parameter_off: bool,
+    },
+    /// The residual is correlated, but hardly larger than the noise, and no effect explains it in all parts of the data.
+    Correlated {
+        /// Size of the residual.
+        size: f64,
+        /// Whether a parameter is off by more than its tolerance.
+        parameter_off: bool,
+    },
+    /// With the named causes the model leaves noise.
+    Explained,
+    /// The named causes explain a part of the excess.
+    PartlyExplained {
+        /// The part.
+        share: f64,
+        /// Size of what they leave.
+        size: f64,
+    },
+    /// No effect explains the residual significantly, or the best ones explain too little.
+    Unexplained {
+        /// Size of the refitted model's residual.
+        size: f64,
+        /// What the best effects explain, if any is significant.
+        share: Option<f64>,
+    },
+    /// What explains the data of the fit predicts held-out data no better.
+    NotBorneOut {
+        /// Size of the refitted model's residual.
+        size: f64,
+        /// What was explained in the data of the fit.
+        share: f64,
+    },
+    /// The causes explain the data of the fit, but with them held-out data are predicted worse at every horizon.
+    PredictsWorse(Vec<Cause>),
+    /// No measured column stands out of its noise.
+    NoMotion(NoMotion),
+}
+
+/// What drives a device of which nothing that was measured moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoMotion {
+    /// It has no inputs.
+    NoInputs,
+    /// No input moves.
+    StillInputs,
+    /// The inputs move.
+    DrivenInputs,
+}
+
+/// What speaks against a verdict.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Caveat {
+    /// Inputs that continue otherwise between samples explain the data without any cause.
+    OtherHold(OtherHold),
+    /// A run for validation is mispredicted.
+    Mispredicted(Mispredicted),
+}
+
+/// What the refitted model leaves when inputs continue between samples the other way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OtherHold {
+    /// The other way.
+    pub hold: Hold,
+    /// Share of the excess that stays; `None`: no more than noise is left, so that any cause may be the image of the wrong hold.
+    pub stays: Option<f64>,
+}
+
+/// A run that no fit has seen and that is mispredicted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mispredicted {
+    /// Name of the record.
+    pub record: String,
+    /// Size of the residual over the noise.
+    pub size: f64,
+}

@@ -1,0 +1,164 @@
+//! A diagnosis as text.
+
+use std::fmt::{self, Formatter};
+
+use bracketry_diagnose::{Candidate, Gain, NamedCause, RefittedParameter, Report, measured, probability, significant};
+
+use super::sentences::{closeness, flag as flag_text, note as note_text, reason, regime};
+use super::table::{Table, percent, short};
+
+/// Candidates that the text lists; JSON has them all.
+const LISTED: usize = 8;
+
+/// A report for a reader, as `bracketry diagnose` prints it.
+pub fn text(report: &Report) -> String {
+    struct Text<'a>(&'a Report);
+    impl fmt::Display for Text<'_> {
+        fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+            write_report(f, self.0)
+        }
+    }
+    Text(report).to_string()
+}
+
+fn write_report(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
+    writeln!(f, "{}: {}", report.model, report.verdict)?;
+    writeln!(f, "  {}", reason(&report.reason))?;
+    for cause in &report.causes {
+        writeln!(f)?;
+        write_cause(f, cause)?;
+    }
+    if !report.places.is_empty() {
+        let mut table = Table::new(["equation", "when", "share of the excess error", "share of the time"]);
+        for p in report.places.iter().chain(&report.regimes) {
+            table.row([&p.equation, &regime(&p.regime), &percent(p.share), &p.time.map_or_else(String::new, percent)]);
+        }
+        write!(f, "\nWhere the refitted model is wrong: by motion, then by acceleration, position and tilt\n{table}")?;
+    }
+    if let Some(excess) = &report.excess {
+        write!(f, "\nResidual over noise (1 = noise only): {} refitted", short(excess.refitted))?;
+        if let Some(extended) = excess.extended {
+            write!(f, ", {} extended", short(extended))?;
+        }
+        writeln!(f, "; p {} for noise alone", probability(excess.p_value))?;
+    }
+    if let Some(gain) = &report.gain {
+        writeln!(f)?;
+        write_gain(f, gain)?;
+    }
+    write_parameters(f, &report.parameters)?;
+    write_candidates(f, &report.candidates)?;
+    for audit in &report.data {
+        write!(f, "\n{audit}")?;
+    }
+    if !report.notes.is_empty() {
+        writeln!(f, "\nNotes")?;
+        for note in &report.notes {
+            writeln!(f, "  {}", note_text(note))?;
+        }
+    }
+    if let Some(path) = &report.extended_model {
+        writeln!(f, "\nExtended model: {}", path.display())?;
+    }
+    writeln!(f, "\n{} s", short(report.seconds))
+}
+
+fn write_cause(f: &mut Formatter<'_>, cause: &NamedCause) -> fmt::Result {
+    writeln!(f, "{} in {}: {}", cause.name, cause.equation, cause.term)?;
+    for (name, value) in &cause.parameters {
+        writeln!(f, "  {name} = {value}")?;
+    }
+    match cause.p_value {
+        Some(p) => write!(f, "  p {}", probability(p))?,
+        None => write!(f, "  without it some of the data cannot be simulated: no p-value")?,
+    }
+    match cause.share {
+        Some(share) => writeln!(f, "; without it {} of the excess error would remain", percent(share))?,
+        None => writeln!(f)?,
+    }
+    for flag in &cause.flags {
+        writeln!(f, "  caution: {}", flag_text(flag))?;
+    }
+    if !cause.confusable_with.is_empty() {
+        let names: Vec<String> = cause.confusable_with.iter().map(ToString::to_string).collect();
+        writeln!(f, "  this experiment cannot tell it from: {}", names.join(", "))?;
+    }
+    for rival in &cause.rivals {
+        writeln!(f, "    {} in {}: {} ({})", rival.name, rival.equation, rival.term, closeness(rival.closeness))?;
+    }
+    if !cause.separating_experiment.is_empty() {
+        writeln!(f, "  to tell them apart: {}", cause.separating_experiment)?;
+    }
+    Ok(())
+}
+
+fn write_gain(f: &mut Formatter<'_>, gain: &Gain) -> fmt::Result {
+    let data = if gain.held_out { "held-out data" } else { "the data of the fit" };
+    writeln!(f, "Gain on {data}: {}", gain.metric)?;
+    let mut table = Table::new(["horizon", "as given", "refitted", "extended", "refitted/extended", "predictions"]);
+    for (k, horizon) in gain.horizons_s.iter().enumerate() {
+        table.row([
+            format!("{horizon} s"),
+            percent(gain.as_given[k]),
+            percent(gain.before[k]),
+            percent(gain.after[k]),
+            format!("{} ×", short(gain.before[k] / gain.after[k])),
+            gain.predictions[k].to_string(),
+        ]);
+    }
+    write!(f, "{table}")?;
+    if let (Some(before), Some(after)) = (gain.equation_error_before, gain.equation_error_after) {
+        write!(f, "  force error relative to the applied force: ")?;
+        if let Some(given) = gain.equation_error_as_given {
+            write!(f, "{} as given, ", percent(given))?;
+        }
+        write!(f, "{} refitted, {} extended", percent(before), percent(after))?;
+        if let Some(bandwidth) = gain.equation_bandwidth_hz {
+            write!(f, " (derivatives up to {} Hz)", short(bandwidth))?;
+        }
+        writeln!(f)?;
+    }
+    Ok(())
+}
+
+fn write_parameters(f: &mut Formatter<'_>, parameters: &[RefittedParameter]) -> fmt::Result {
+    if parameters.is_empty() {
+        return Ok(());
+    }
+    let mut table = Table::new(["parameter", "before", "after", "±", "95 %", "unit"]);
+    for p in parameters {
+        let interval = p
+            .interval
+            .map_or_else(String::new, |[low, high]| format!("{} … {}", measured(low, p.std), measured(high, p.std)));
+        let before = p.before.to_string();
+        table.row([&p.name, &before, &measured(p.after, p.std), &significant(p.std, 2), &interval, &p.unit]);
+    }
+    write!(f, "\nParameters of the model, refitted\n{table}")
+}
+
+fn write_candidates(f: &mut Formatter<'_>, candidates: &[Candidate]) -> fmt::Result {
+    if candidates.is_empty() {
+        return Ok(());
+    }
+    let mut table = Table::new(["", "candidate", "in", "term", "explains", "95 %", "p"]);
+    for c in candidates.iter().take(LISTED) {
+        let interval =
+            c.interval.map_or_else(String::new, |[low, high]| format!("{} … {}", percent(low), percent(high)));
+        let mark = if c.chosen { "*" } else { "" };
+        let name = c.name.to_string();
+        table.row([
+            mark,
+            &name,
+            &c.equation,
+            &c.term,
+            &c.share.map_or_else(String::new, percent),
+            &interval,
+            probability(c.p_value).trim_start_matches("= "),
+        ]);
+    }
+    write!(f, "\nWhat was tried, each alone with all parameters refitted (share of the excess error)\n{table}")?;
+    if candidates.len() > LISTED {
+        writeln!(f, "  and {} more", candidates.len() - LISTED)?;
+    }
+    Ok(())
+}
