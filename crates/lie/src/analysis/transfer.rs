@@ -104,18 +104,15 @@ impl Transfer {
 /// negative even with more inputs stays.
 pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affinization, original: &System) {
     let Some(Answer::Known(point)) = &mut report.at_point else { return };
-    let (why, transfer) = match at_an_end(original).into_iter().next() {
+    let (why, transfer) = if let Some((input, _)) = at_an_end(original).into_iter().next() {
         // One-sided inputs are known to the verdict on the model itself, not to one on an affine form of it.
-        Some((input, _)) => {
-            let transfer = Transfer { feedback: false, in_ranges: affinization.method == Method::None };
-            (Reason::EndOfRange { input }, transfer)
-        }
-        None => {
-            let function = |v: &NewInput| Function::new(&affinization.system.pool, v.function);
-            let inputs = affinization.input_change.iter().map(|v| (v.name.clone(), function(v))).collect();
-            let transfer = Transfer::of(affinization, point.equilibrium == Answer::Known(true));
-            (Reason::InputsNotFree { inputs }, transfer)
-        }
+        let transfer = Transfer { feedback: false, in_ranges: affinization.method == Method::None };
+        (Reason::EndOfRange { input }, transfer)
+    } else {
+        let function = |v: &NewInput| Function::new(&affinization.system.pool, v.function);
+        let inputs = affinization.input_change.iter().map(|v| (v.name.clone(), function(v))).collect();
+        let transfer = Transfer::of(affinization, point.equilibrium == Answer::Known(true));
+        (Reason::InputsNotFree { inputs }, transfer)
     };
     if point.stlc.verdict == Verdict::Yes && !transfer.in_ranges {
         point.stlc = Stlc::inconclusive(StlcReason::Withheld(why.clone()));

@@ -331,12 +331,9 @@ impl Frame {
             words.extend(pool, bindings, candidates, evidence)?;
             length += 1;
         };
-        let answer = |found: Option<usize>, list: &[usize]| match found {
-            Some(d) => Answer::Known(d),
-            None => {
-                let least = list.last().copied().unwrap_or(0);
-                Answer::Unknown(Reason::Brackets { least, length, limit })
-            }
+        let answer = |found: Option<usize>, list: &[usize]| {
+            let least = list.last().copied().unwrap_or(0);
+            found.map_or(Answer::Unknown(Reason::Brackets { least, length, limit }), Answer::Known)
         };
         let dimension = answer(dimension, &growth);
         let strong_dimension = answer(strong_dimension, &strong_growth);

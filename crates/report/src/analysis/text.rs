@@ -345,7 +345,7 @@ fn observability(f: &mut String, r: &ObservabilityReport, of: &str) -> fmt::Resu
         writeln!(f, "  with unknown parameters no output changes along {}", direction(d))?;
     }
     if let Some(fix) = &r.fix_to_identify {
-        writeln!(f, "  all parameters are identifiable given {}", joined(&fix, ", "))?;
+        writeln!(f, "  all parameters are identifiable given {}", joined(fix, ", "))?;
     }
     for (text, yes) in r.determined.iter().flat_map(|m| &m.0) {
         writeln!(f, "  {text}: {}", if *yes { "determined" } else { "not determined" })?;
