@@ -40,7 +40,7 @@ impl Effect {
     ///
     /// Terms and substitutions are read with the names of the model (states, inputs and their derivatives, parameters,
     /// definitions) and those of the coefficients. Derivatives of inputs that the model did not use are appended to
-    /// [`System::input_derivatives`]; if [`TIME_INPUT`] is used, an input of that name is appended. A change of what
+    /// [`System::input_derivatives`]; if [`TIME_INPUT`](crate::TIME_INPUT) is used, an input of that name is appended. A change of what
     /// is measured or of a signal's path is none of the equations and leaves the system as it is. Static levels of signs that are replaced are
     /// dropped.
     ///

@@ -3,7 +3,7 @@
 /// How a study cuts and fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudySettings {
-    /// Length of the windows, s; `None`: a sixteenth of the data, or what [`Study::with_best_windows`] chooses.
+    /// Length of the windows, s; `None`: a sixteenth of the data, or what [`Study::with_best_windows`](crate::Study::with_best_windows) chooses.
     pub window: Option<f64>,
     /// Names of parameters that keep their values.
     pub fixed: Vec<String>,

@@ -15,7 +15,7 @@ pub enum Hessian {
     Exact,
 }
 
-/// Settings of [`Sqp`].
+/// Settings of [`Sqp`](super::Sqp).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SqpSettings {
     /// Largest number of quadratic programs at one smoothing width.
@@ -44,7 +44,7 @@ pub struct SqpSettings {
     pub hessian: Hessian,
     /// Settings of the quadratic programs.
     pub qp: QpSettings,
-    /// Once it is raised, the iteration ends with [`MpcError::Stopped`].
+    /// Once it is raised, the iteration ends with [`MpcError::Stopped`](crate::MpcError::Stopped).
     pub stop: StopFlag,
 }
 

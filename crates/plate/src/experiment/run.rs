@@ -19,7 +19,7 @@ impl Experiment {
 
     /// Runs the experiment for `duration` seconds on any plant, from the state and time at which it stands.
     ///
-    /// The amplitude is read at the start of each period and held; [`AmplitudeStep`] says what happens where it changes. An
+    /// The amplitude is read at the start of each period and held; [`AmplitudeStep`](super::AmplitudeStep) says what happens where it changes. An
     /// object that rests on the plate at the start is taken along by the rate that the motion begins with.
     ///
     /// # Errors
