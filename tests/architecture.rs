@@ -1,4 +1,4 @@
-//! The house: arrows between crates run downward alone, and a user of the library builds nothing of the command.
+//! Dependencies between crates point downward only, and users of the library build nothing of the command.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;
@@ -7,8 +7,8 @@ use std::path::Path;
 
 use toml::Table;
 
-/// The crates from the ground up: each may use those before it.
-const FLOORS: [&str; 16] = [
+/// The layers from the lowest up: each crate may use those before it.
+const LAYERS: [&str; 16] = [
     "bracketry-symbolic",
     "bracketry-files",
     "bracketry-plot",
@@ -52,11 +52,11 @@ fn dependencies(manifest: &Table) -> Vec<String> {
 
 #[test]
 fn every_crate_uses_only_crates_below_it() {
-    let floor = |name: &str| FLOORS.iter().position(|f| *f == name);
+    let floor = |name: &str| LAYERS.iter().position(|f| *f == name);
     let manifests = manifests();
-    assert_eq!(manifests.len(), FLOORS.len(), "a new crate has its place in FLOORS");
+    assert_eq!(manifests.len(), LAYERS.len(), "a new crate has its place in LAYERS");
     for (name, manifest) in manifests {
-        let own = floor(&name).unwrap_or_else(|| panic!("{name} has no place in FLOORS"));
+        let own = floor(&name).unwrap_or_else(|| panic!("{name} has no place in LAYERS"));
         for used in dependencies(&manifest).iter().filter(|d| d.starts_with("bracketry")) {
             assert!(floor(used).unwrap() < own, "{name} uses {used}, which stands above it");
         }

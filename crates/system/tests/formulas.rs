@@ -1,4 +1,5 @@
 //! The models of the repository: their formulas are those that were stored, and compiling them leaves no trace.
+//! `BRACKETRY_WRITE_STORED=1` stores them anew.
 #![allow(clippy::unwrap_used)]
 
 use std::fmt::Write as _;
@@ -30,7 +31,11 @@ fn models_have_the_stored_formulas() {
             let _ = writeln!(found, "{name}: {}", system.pool.latex(e));
         }
     }
-    let stored = std::fs::read_to_string(crate_folder().join("tests/formulas.txt")).unwrap();
+    let path = crate_folder().join("tests/formulas.txt");
+    if std::env::var_os("BRACKETRY_WRITE_STORED").is_some() {
+        std::fs::write(&path, &found).unwrap();
+    }
+    let stored = std::fs::read_to_string(path).unwrap();
     for (found, stored) in found.lines().zip(stored.lines()) {
         assert_eq!(found, stored);
     }
