@@ -67,7 +67,7 @@ fn a_one_sided_input_is_not_called_controllable() {
     let text = "states = ['x', 'v']\ninputs = ['u']\n[dynamics]\nx = 'v'\nv = 'u^2'\n[point]\nu = 0";
     let system = bracketry::system::System::parse("m", text).unwrap();
     let a = bracketry::analyze(&system, &bracketry::lie::Options::default()).unwrap();
-    assert_eq!(a.affinization.input_change[0].range.as_deref(), Some("v1 ≥ 0"));
+    assert_eq!(a.affinization.input_change[0].range().as_deref(), Some("v1 ≥ 0"));
     let point = a.report.at_point.unwrap();
     let point = point.known().unwrap();
     assert_eq!(point.stlc.verdict, bracketry::lie::Verdict::No);

@@ -2,10 +2,9 @@
 
 use std::fmt;
 
-use bracketry_symbolic::{Expr, Pool};
+use bracketry_symbolic::{Expr, Function, Pool};
 
 use crate::as_text::serialized_as_text;
-use crate::function::Function;
 
 /// A condition on states and parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,13 +1,12 @@
 //! The fields of each mode of a system that switches.
 
-use bracketry_symbolic::{Bindings, Expr, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Function, ZeroTest};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
 use crate::algebra::field::{Field, VectorFields};
 use crate::condition::Condition;
 use crate::error::Error;
-use crate::function::Function;
 use crate::undecided::Undecided;
 use serde::{Serialize, Serializer};
 

@@ -3,11 +3,10 @@
 use std::fmt;
 
 use crate::as_text::serialized_as_text;
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::{Function, Rational};
 
 use crate::algebra::word::Bracket;
 use crate::error::Error;
-use crate::function::Function;
 use crate::undecided::Undecided;
 
 /// Why a question stays open.

@@ -8,8 +8,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::augment::{Arguments, augment, lone_derivatives};
 use crate::candidate::{Candidate, Method, NewInput, NewState};
 use crate::feedback::by_rows;
-use crate::input_change::{Checks, Rejection, apply};
+use crate::input_change::{Checks, apply};
 use crate::lowering::{Transformation, lowered};
+use crate::reason::{Reason, Rejection};
 use crate::separation::separated;
 use crate::system::System;
 
@@ -46,8 +47,8 @@ pub struct Affinization {
     pub covers_at_point: Option<bool>,
     /// The affine system.
     pub system: System,
-    /// The reason, in a sentence.
-    pub why: String,
+    /// The reason.
+    pub why: Reason,
     /// All candidates, accepted ones first, by added states and then by simplicity; the one taken among them.
     pub candidates: Vec<Candidate>,
 }
@@ -192,8 +193,7 @@ impl System {
         let arguments = system.input_arguments()?;
         let derivatives = !system.input_derivatives.is_empty();
         if !derivatives && arguments.pairs.is_empty() {
-            let mut c =
-                Candidate::new(Method::None, "the right-hand side is affine in the inputs as it stands".to_owned());
+            let mut c = Candidate::new(Method::None, Reason::Affine);
             c.system = Some(system);
             return Ok((c, Vec::new()));
         }
@@ -260,7 +260,7 @@ fn changes(system: &System, arguments: &Arguments, extra: &[bool]) -> Vec<Candid
                     found.push(c);
                     return found;
                 }
-                Err(why) if size == 0 => found.push(Candidate::new(Method::InputChange, why.to_string())),
+                Err(why) if size == 0 => found.push(Candidate::new(Method::InputChange, Reason::Rejected(why))),
                 Err(_) => {}
             }
         }
@@ -294,21 +294,16 @@ fn change_after(system: &System, arguments: &Arguments, with: &[bool]) -> Result
         Ok(change) => apply(&base, change)?,
         Err(separate) => match by_rows(&mut base).and_then(|change| apply(&base, change)) {
             Ok(c) => c,
-            Err(Rejection::Because(why)) => {
-                return Err(match separate {
-                    Rejection::TooMany { .. } => separate,
-                    _ => Rejection::Because(why),
-                });
-            }
-            Err(undecided) => return Err(undecided),
+            Err(undecided @ Rejection::Undecided(_)) => return Err(undecided),
+            Err(why) => return Err(if matches!(separate, Rejection::TooMany { .. }) { separate } else { why }),
         },
     };
     if let Some(s) = &mut candidate.system {
         s.name = format!("{}_affine", system.name);
     }
     if !integrators.integrators.is_empty() {
-        let names: Vec<&str> = integrators.integrators.keys().map(String::as_str).collect();
-        candidate.why = format!("with integrators in front of {}, {}", names.join(", "), candidate.why);
+        let names = integrators.integrators.keys().cloned().collect();
+        candidate.why = Reason::After { integrators: names, then: Box::new(candidate.why) };
         candidate.method = Method::InputAugmentation;
         candidate.added_states = integrators.added_states;
         candidate.integrators = integrators.integrators;
@@ -330,7 +325,7 @@ fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
             match lowered(&current, &so_far, input, order, &mut trial) {
                 Ok(next) => (current, so_far) = next,
                 Err(why) => {
-                    reason.get_or_insert_with(|| why.to_string());
+                    reason.get_or_insert(why);
                     break;
                 }
             }
@@ -342,19 +337,13 @@ fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
                 }
                 Ok(needed) => {
                     let states = so_far.states(&current.pool);
-                    let places: Vec<&str> = states.iter().map(|z| z.replaces.as_str()).collect();
-                    reason = Some(format!(
-                        "with {} in place of {} the inputs still take {needed} integrator{}",
-                        functions(&states),
-                        places.join(", "),
-                        if needed == 1 { "" } else { "s" },
-                    ));
+                    reason = Some(Rejection::NoFewerIntegrators { states, integrators: needed });
                 }
-                Err(why) => reason = Some(why.to_string()),
+                Err(why) => reason = Some(why.into()),
             }
         }
         if let Some(why) = reason {
-            rejected.push(Candidate::new(Method::CoordinateChange, why));
+            rejected.push(Candidate::new(Method::CoordinateChange, Reason::Rejected(why)));
         }
     }
     if least < most
@@ -364,11 +353,7 @@ fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
         let mut c = augment(&best, &arguments, &extra, &vec![false; extra.len()]);
         c.method = Method::CoordinateChange;
         c.coordinate_change = change.states(&best.pool);
-        let plural = if least == 1 { "" } else { "s" };
-        c.why = format!(
-            "with the states {} the inputs take {least} integrator{plural} instead of {most}",
-            functions(&c.coordinate_change)
-        );
+        c.why = Reason::NewStates { states: c.coordinate_change.clone(), integrators: least, instead_of: most };
         c.certificate = checks.certificate;
         if let Some(s) = &mut c.system {
             s.name = format!("{}_affine", system.name);
@@ -376,10 +361,6 @@ fn lower_orders(system: &System, most: usize) -> Vec<Candidate> {
         rejected.push(c);
     }
     rejected
-}
-
-fn functions(states: &[NewState]) -> String {
-    states.iter().map(|z| format!("{} = {}", z.name, z.function)).collect::<Vec<_>>().join(", ")
 }
 
 fn integrators_needed(system: &System) -> Result<usize, AffineError> {

@@ -8,6 +8,7 @@ use rustc_hash::FxHashMap;
 use crate::candidate::{AtPoint, Candidate, Method, NewInput};
 use crate::input_change::fresh;
 use crate::range::Range;
+use crate::reason::{Nonlinearity, Reason};
 use crate::system::{InputDerivative, Point, System};
 
 /// What is known of the inputs of a system before it is made affine.
@@ -86,16 +87,17 @@ pub(crate) fn augment(original: &System, arguments: &Arguments, extra: &[bool], 
     system.inputs = new_inputs;
     system.name = format!("{}_affine", original.name);
     let any_taken = taken.contains(&true);
-    let mut candidate =
-        Candidate::new(if any_taken { Method::InputChange } else { Method::InputAugmentation }, String::new());
+    let (method, why) = if any_taken {
+        (Method::InputChange, taken_reason(original, arguments, taken))
+    } else {
+        (Method::InputAugmentation, reason(original, &system, arguments, extra, integrators.values().sum()))
+    };
+    let mut candidate = Candidate::new(method, why);
     candidate.added_states = system.states.len() - original.states.len();
     candidate.integrators = integrators;
     if any_taken {
         candidate.input_change = derivatives_as_inputs(&mut system, arguments, taken);
         candidate.independent_ranges = Some(true);
-        candidate.why = taken_reason(original, arguments, taken);
-    } else {
-        candidate.why = reason(original, &system.input_names(), arguments, extra, &candidate.integrators);
     }
     candidate.system = Some(system);
     candidate
@@ -109,23 +111,20 @@ fn derivatives_as_inputs(system: &mut System, arguments: &Arguments, taken: &[bo
     taken
         .map(|((name, highest), _)| {
             let function = system.pool.sym(highest.1);
-            NewInput { name, function, range: None, values: Range::Onto, at_point }
+            NewInput { name, function, values: Range::Onto, at_point }
         })
         .collect()
 }
 
-fn taken_reason(original: &System, arguments: &Arguments, taken: &[bool]) -> String {
-    let names: Vec<String> = arguments
+fn taken_reason(original: &System, arguments: &Arguments, taken: &[bool]) -> Reason {
+    let derivatives = arguments
         .highest
         .iter()
         .zip(taken)
         .filter(|(_, t)| **t)
         .map(|(h, _)| original.pool.name(h.1).to_owned())
         .collect();
-    format!(
-        "the equations use {} alone, which can be taken as input itself; what it is a derivative of is no longer followed",
-        names.join(", ")
-    )
+    Reason::LoneDerivatives { derivatives }
 }
 
 /// The inputs for which only one derivative occurs anywhere, not the input itself nor another of its derivatives.
@@ -142,35 +141,23 @@ pub(crate) fn lone_derivatives(system: &System, arguments: &Arguments) -> Vec<bo
         .collect()
 }
 
-fn reason(
-    original: &System,
-    new_inputs: &[String],
-    arguments: &Arguments,
-    extra: &[bool],
-    integrators: &BTreeMap<String, u32>,
-) -> String {
-    let name = |i: usize| original.pool.name(original.inputs[i]);
-    let mut parts = Vec::new();
+fn reason(original: &System, augmented: &System, arguments: &Arguments, extra: &[bool], total: u32) -> Reason {
+    let name = |i: usize| original.pool.name(original.inputs[i]).to_owned();
+    let mut causes = Vec::new();
     for (i, h) in arguments.highest.iter().enumerate() {
+        let input = name(i);
         if h.0 > 0 {
-            parts.push(format!("{} enters up to its derivative of order {}", name(i), h.0));
+            causes.push(Nonlinearity::Derivative { input: input.clone(), order: h.0 });
         }
-        if extra[i] {
+        if extra[i] && arguments.pairs.contains(&(i, i)) {
+            causes.push(Nonlinearity::Nonlinear { input });
+        } else if extra[i] {
             let partners = arguments.pairs.iter().filter(|p| p.0 == i || p.1 == i);
-            let with: Vec<&str> = partners.map(|p| name(if p.0 == i { p.1 } else { p.0 })).collect();
-            let how = if arguments.pairs.contains(&(i, i)) {
-                "enters nonlinearly".to_owned()
-            } else {
-                format!("multiplies {}", with.join(", "))
-            };
-            parts.push(format!("{} {how}", name(i)));
+            causes.push(Nonlinearity::Products {
+                input,
+                with: partners.map(|p| name(if p.0 == i { p.1 } else { p.0 })).collect(),
+            });
         }
     }
-    let total: u32 = integrators.values().sum();
-    let plural = if total == 1 { "" } else { "s" };
-    format!(
-        "{}; with {total} integrator{plural} the inputs {} enter affinely, with fewer integrators alone they do not",
-        parts.join(", "),
-        new_inputs.join(", ")
-    )
+    Reason::Integrators { causes, total, inputs: augmented.input_names() }
 }

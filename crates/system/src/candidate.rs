@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Certificate, Expr, Rational};
+use bracketry_symbolic::{Certificate, Expr, Function, Rational};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
 use crate::range::{Bound, Range};
+use crate::reason::Reason;
+use crate::singular::SingularSet;
 use crate::system::{InputRange, System};
 
 /// How a system became affine.
@@ -46,12 +48,17 @@ pub struct NewInput {
     pub name: String,
     /// The function w of the old inputs (for [`Method::Feedback`] also of the states).
     pub function: Expr,
-    /// The limits of the values of w, such as `v1 ≥ 0`, where there are any and they are established.
-    pub range: Option<String>,
     /// The values of w while the old inputs take all real numbers.
     pub values: Range,
     /// Where the value at the point lies among these.
     pub at_point: AtPoint,
+}
+
+impl NewInput {
+    /// The limits of the values of w, such as `v1 ≥ 0`, where there are any and they are established.
+    pub fn range(&self) -> Option<String> {
+        self.values.text(&self.name)
+    }
 }
 
 /// A new state z = T(x, u, …) in place of an old one.
@@ -61,10 +68,17 @@ pub struct NewState {
     pub name: String,
     /// The old state whose place it takes.
     pub replaces: String,
-    /// T, printed.
-    pub function: String,
-    /// The old state as a function of the new ones, printed.
-    pub inverse: String,
+    /// T
+    #[serde(serialize_with = "whole")]
+    pub function: Function,
+    /// The old state as a function of the new ones.
+    #[serde(serialize_with = "whole")]
+    pub inverse: Function,
+}
+
+/// A function's text, however long.
+fn whole<S: Serializer>(function: &Function, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&function.text())
 }
 
 /// A candidate for making a system affine, accepted or rejected.
@@ -82,12 +96,12 @@ pub struct Candidate {
     pub input_change: Vec<NewInput>,
     /// Old inputs as functions of the new ones (and the states), where these were found in closed form and checked; of
     /// several solutions one.
-    pub inverse: Vec<(String, String)>,
+    pub inverse: Vec<(String, Function)>,
     /// New states that replace old ones.
     pub coordinate_change: Vec<NewState>,
-    /// Where the new inputs do not determine the old ones locally, as a condition such as `u = 0`; `None` where that is
-    /// nowhere or no short condition was found.
-    pub singular_set: Option<String>,
+    /// Where the new inputs do not determine the old ones locally; `None` where that is nowhere or no short condition
+    /// was found.
+    pub singular_set: Option<SingularSet>,
     /// For new inputs and a model with a point: whether the Jacobian of w has full rank there.
     pub regular_at_point: Option<bool>,
     /// For new inputs and a model with a point: whether their values there are interior to the convex hull of all
@@ -107,12 +121,12 @@ pub struct Candidate {
     /// The tests that the affine system, with the new inputs and states written in the old ones, is the original;
     /// `None` where it is so term by term.
     pub certificate: Option<Certificate>,
-    /// The reason for it, or for its rejection, in a sentence.
-    pub why: String,
+    /// The reason for it, or for its rejection.
+    pub why: Reason,
 }
 
 impl Candidate {
-    pub(crate) fn new(method: Method, why: String) -> Self {
+    pub(crate) fn new(method: Method, why: Reason) -> Self {
         Candidate {
             method,
             chosen: false,
@@ -161,7 +175,7 @@ struct PrintedInput<'a> {
     name: &'a str,
     function: String,
     #[serde(skip_serializing_if = "Option::is_none")]
-    range: Option<&'a String>,
+    range: Option<String>,
     values: &'a Range,
     at_point: AtPoint,
 }
@@ -183,13 +197,13 @@ impl Serialize for Candidate {
                 .map(|v| PrintedInput {
                     name: &v.name,
                     function: system.pool.text(v.function),
-                    range: v.range.as_ref(),
+                    range: v.range(),
                     values: &v.values,
                     at_point: v.at_point,
                 })
                 .collect();
             s.serialize_field("input_change", &printed)?;
-            let inverse: BTreeMap<&String, &String> = self.inverse.iter().map(|(u, e)| (u, e)).collect();
+            let inverse: BTreeMap<&String, String> = self.inverse.iter().map(|(u, e)| (u, e.text())).collect();
             s.serialize_field("inverse", &inverse)?;
             s.serialize_field("singular_set", &self.singular_set)?;
             s.serialize_field("independent_ranges", &self.independent_ranges)?;

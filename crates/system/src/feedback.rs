@@ -4,7 +4,8 @@ use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::images::flattened;
-use crate::input_change::{Change, Checks, Rejection, canonical, rows, without_switches};
+use crate::input_change::{Change, Checks, canonical, rows, without_switches};
+use crate::reason::Rejection;
 use crate::switching::is_switch;
 use crate::system::System;
 
@@ -25,7 +26,7 @@ pub(crate) fn by_rows(system: &mut System) -> Result<Change, Rejection> {
     let inputs = system.inputs.clone();
     let all = rows(system);
     if system.pool.reachable(&all).into_iter().any(|n| is_switch_of(&system.pool, n, &inputs)) {
-        return Err(Rejection::Because("a switching function depends on an input".to_owned()));
+        return Err(Rejection::SwitchOfInput);
     }
     let (probe, smooth) = without_switches(system, &all);
     let mut probe_pool = probe.pool;
@@ -36,10 +37,10 @@ pub(crate) fn by_rows(system: &mut System) -> Result<Change, Rejection> {
     let ranked = probe_pool.rank(&jacobian, &Bindings::default())?;
     let r = ranked.rank;
     if r == 0 || r > MAX_FUNCTIONS {
-        return Err(Rejection::Because(format!("{r} functions of the inputs are not solved for")));
+        return Err(Rejection::Unsolved { functions: r });
     }
     if directions_vary(&mut probe_pool, &jacobian, &inputs, r)? {
-        return Err(varying(r));
+        return Err(Rejection::DirectionsVary { directions: r });
     }
     let chosen: Vec<usize> = ranked.independent.iter().map(|&k| order[k]).collect();
     let transposed: Vec<Vec<Expr>> =
@@ -50,9 +51,7 @@ pub(crate) fn by_rows(system: &mut System) -> Result<Change, Rejection> {
     let pool = &mut system.pool;
     let full: Vec<Vec<Expr>> = all.iter().map(|&e| pool.gradient(e, &columns)).collect();
     let Some(RegularValue { at, inverse }) = regular_value(pool, &full, &chosen, &inputs) else {
-        return Err(Rejection::Because(
-            "no simple value of the inputs was found at which the equations can be solved for the functions".to_owned(),
-        ));
+        return Err(Rejection::NoRegularValue);
     };
     let mut rest = Vec::new();
     let mut functions = Vec::new();
@@ -89,13 +88,6 @@ pub(crate) fn by_rows(system: &mut System) -> Result<Change, Rejection> {
     }
     verify(system, &all, &change)?;
     Ok(change)
-}
-
-fn varying(directions: usize) -> Rejection {
-    Rejection::Because(format!(
-        "the inputs move the velocities in {directions} direction{} at a time, but these directions depend on the inputs",
-        if directions == 1 { "" } else { "s" }
-    ))
 }
 
 /// Whether the columns of ∂f/∂u at two values of u span more than those at one.
@@ -135,7 +127,7 @@ fn verify(system: &System, all: &[Expr], change: &Change) -> Result<(), Rejectio
     let mut checks = Checks::default();
     for d in smooth {
         if !checks.is_zero(&mut check.pool, d)? {
-            return Err(varying(change.functions.len()));
+            return Err(Rejection::DirectionsVary { directions: change.functions.len() });
         }
     }
     Ok(())

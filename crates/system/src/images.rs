@@ -1,9 +1,10 @@
 //! The question which values an expression takes on a box of inputs.
 
-use bracketry_symbolic::{Expr, Node, Pool, Symbol, Tape};
+use bracketry_symbolic::{Expr, Function, Node, Pool, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
 use crate::interval::Interval;
+use crate::reason::UnknownRange;
 
 /// Images formed in one question.
 const MAX_EFFORT: usize = 2000;
@@ -28,13 +29,13 @@ impl<'p> Images<'p> {
     }
 
     /// The value of an expression without names.
-    pub(crate) fn constant(&mut self, e: Expr) -> Result<Interval, String> {
+    pub(crate) fn constant(&mut self, e: Expr) -> Result<Interval, UnknownRange> {
         if let Some(s) = self.pool.symbols_of(&[e]).first() {
-            return Err(format!("it depends on {}", self.pool.name(*s)));
+            return Err(UnknownRange::Free(self.pool.name(*s).to_owned()));
         }
         match number(self.pool, e) {
             Some(v) => Ok(Interval::point(v, e)),
-            None => Err(format!("{} has no value", self.pool.text(e))),
+            None => Err(UnknownRange::NoValue(Function::new(self.pool, e))),
         }
     }
 }

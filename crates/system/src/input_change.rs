@@ -1,13 +1,14 @@
 //! New inputs v = w(u) or v = w(x, u): completion of a change that was found, with its certificate.
 
-use bracketry_symbolic::{Bindings, Certificate, Expr, Func, Node, Pool, Symbol, Undecided, ZeroTest};
+use bracketry_symbolic::{Bindings, Certificate, Expr, Func, Function, Node, Pool, Symbol, Undecided, ZeroTest};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::candidate::{AtPoint, Candidate, Method, NewInput};
 use crate::hull::surrounds_point;
 use crate::images::{flattened, number};
 use crate::inverse::inverse;
-use crate::range::{Range, image, range};
+use crate::range::{Bound, Range, image, range};
+use crate::reason::{Reason, Rejection};
 use crate::singular::singular_set;
 use crate::system::System;
 
@@ -19,19 +20,6 @@ pub(crate) struct Change {
     pub(crate) rest: Vec<Expr>,
     /// B, one row per equation, then one per output.
     pub(crate) factors: Vec<Vec<Expr>>,
-}
-
-/// Why a change of inputs is not taken.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(crate) enum Rejection {
-    #[error("undecided: {0}")]
-    Undecided(#[from] Undecided),
-    #[error(
-        "the equations depend on the inputs through {functions} independent functions, more than there are inputs ({inputs})"
-    )]
-    TooMany { functions: usize, inputs: usize },
-    #[error("{0}")]
-    Because(String),
 }
 
 /// Exact zero tests, with the certificate of all of them together.
@@ -101,11 +89,7 @@ pub(crate) fn apply(original: &System, change: Change) -> Result<Candidate, Reje
     let Change { functions, rest, factors } = change;
     let independent = rank_of_jacobian(&system, &functions, None)?;
     if independent < functions.len() {
-        return Err(Rejection::Because(format!(
-            "the equations depend on the inputs through {} function{}, of which only {independent} can be chosen freely",
-            functions.len(),
-            if functions.len() == 1 { "" } else { "s" }
-        )));
+        return Err(Rejection::Dependent { functions: functions.len(), independent });
     }
     let symbols = new_symbols(&mut system, &functions);
     let new: Vec<Expr> = symbols.iter().map(|&s| system.pool.sym(s)).collect();
@@ -120,13 +104,13 @@ pub(crate) fn apply(original: &System, change: Change) -> Result<Candidate, Reje
     }
     let mut checks = Checks::default();
     if !restores(&system, &affine, &new, &functions, &mut checks)? {
-        return Err(Rejection::Because("putting the functions back does not give the equations".to_owned()));
+        return Err(Rejection::NotRestored);
     }
     let states: FxHashSet<Symbol> = system.states.iter().copied().collect();
     let uses_states = system.pool.symbols_of(&functions).iter().any(|s| states.contains(s));
     let method = if uses_states { Method::Feedback } else { Method::InputChange };
     let input_change = describe(&mut system, &symbols, &functions)?;
-    let mut candidate = Candidate::new(method, String::new());
+    let mut candidate = Candidate::new(method, reason(&system.pool, &input_change));
     candidate.certificate = checks.certificate;
     candidate.independent_ranges = independent_ranges(&mut system, &functions, &input_change);
     candidate.regular_at_point = regular_at_point(&system, &functions);
@@ -134,7 +118,6 @@ pub(crate) fn apply(original: &System, change: Change) -> Result<Candidate, Reje
     candidate.covers_at_point = covers_at_point(&candidate, &input_change);
     candidate.singular_set = singular_set(&mut system, &functions);
     candidate.inverse = inverse(&mut system, &functions, &symbols);
-    candidate.why = reason(&system.pool, &input_change);
     candidate.input_change = input_change;
     if let Some(values) = at_point(&mut system, &functions)
         && let Some(point) = &mut system.point
@@ -220,10 +203,7 @@ fn describe(system: &mut System, symbols: &[Symbol], functions: &[Expr]) -> Resu
         if let Range::Unknown { reason } = &values {
             let (s, smooth) = without_switches(system, &[function]);
             if s.pool.symbols_of(&smooth).len() > s.pool.symbols_of(&[function]).len() {
-                return Err(Rejection::Because(format!(
-                    "the function {} switches, and {reason}",
-                    s.pool.text(function)
-                )));
+                return Err(Rejection::Switches { function: Function::new(&s.pool, function), reason: reason.clone() });
             }
         }
         let mut at_point = match &here {
@@ -234,7 +214,7 @@ fn describe(system: &mut System, symbols: &[Symbol], functions: &[Expr]) -> Resu
         if open && (regular_at_point(system, &[function]) == Some(true) || surrounded(system, &[function])) {
             at_point = AtPoint::Interior;
         }
-        out.push(NewInput { range: values.text(&name), name, function, values, at_point });
+        out.push(NewInput { name, function, values, at_point });
     }
     Ok(out)
 }
@@ -246,17 +226,15 @@ fn place(pool: &mut Pool, value: Expr, values: &Range) -> AtPoint {
         return if *values == Range::Onto { AtPoint::Interior } else { AtPoint::Unknown };
     };
     let scale = 1e-9 * (1.0 + v.abs());
-    let gap =
-        |bound: &Option<crate::range::Bound>, side: f64| bound.as_ref().map_or(f64::INFINITY, |b| side * (v - b.value));
+    let gap = |bound: &Option<Bound>, side: f64| bound.as_ref().map_or(f64::INFINITY, |b| side * (v - b.value));
     let (above, below) = (gap(lower, 1.0), gap(upper, -1.0));
     if above > scale && below > scale {
         return AtPoint::Interior;
     }
     // So near a bound only an exact comparison will do.
     let bound = if above <= scale { lower } else { upper };
-    let Some(exact) = bound.as_ref().filter(|b| b.exact).and_then(|b| pool.parse(&b.text).ok()) else {
-        return AtPoint::Unknown;
-    };
+    let Some(exact) = bound.as_ref().and_then(|b| b.exact.as_ref()) else { return AtPoint::Unknown };
+    let exact = exact.copied_into(pool);
     let difference = pool.sub(value, exact);
     match pool.zero_test(difference, &Bindings::default()) {
         ZeroTest::Zero(_) if above <= scale => AtPoint::AtLower,
@@ -380,19 +358,8 @@ fn surrounded(system: &mut System, functions: &[Expr]) -> bool {
     surrounds_point(system, &here, &inputs, &at)
 }
 
-fn reason(pool: &Pool, inputs: &[NewInput]) -> String {
-    let shown: Vec<String> = inputs
-        .iter()
-        .filter(|v| v.name != pool.text(v.function))
-        .map(|v| {
-            let range = v.range.as_ref().map_or(String::new(), |r| format!(" ({r})"));
-            format!("{} = {}{range}", v.name, pool.text(v.function))
-        })
-        .collect();
-    format!(
-        "the equations depend on the inputs through {} independent function{}: {}",
-        inputs.len(),
-        if inputs.len() == 1 { "" } else { "s" },
-        shown.join(", ")
-    )
+fn reason(pool: &Pool, inputs: &[NewInput]) -> Reason {
+    let is_new = |v: &&NewInput| !matches!(pool.node(v.function), Node::Sym(s) if pool.name(s) == v.name);
+    let changed = |v: &NewInput| (v.name.clone(), Function::new(pool, v.function), v.values.clone());
+    Reason::NewInputs { functions: inputs.len(), changed: inputs.iter().filter(is_new).map(changed).collect() }
 }

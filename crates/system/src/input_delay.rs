@@ -6,6 +6,7 @@ use bracketry_symbolic::{Expr, Names, Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
 
 use crate::candidate::{Candidate, Method};
+use crate::reason::Reason;
 use crate::system::{InputDelay, System};
 use bracketry_files::{Document, FileError, Table};
 
@@ -79,8 +80,8 @@ impl Candidate {
         }
         system.input_delays = delays;
         if !inexact.is_empty() {
-            self.why += "; functions of inputs after their delays, which the affine system does not have, are ";
-            self.why += &inexact.join(", ");
+            let then = Box::new(self.why.clone());
+            self.why = Reason::WithoutDelays { functions: inexact, then };
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Old inputs as functions of the new ones, in closed form where there is one.
 
-use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol, Tape};
+use bracketry_symbolic::{Bindings, Expr, Func, Func2, Function, Node, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
 use crate::images::flattened;
@@ -8,7 +8,7 @@ use crate::system::System;
 
 /// Each old input that is found, with its function of the new inputs and the states, such that w of them is the new
 /// input. Where there are several solutions, one of them.
-pub(crate) fn inverse(system: &mut System, functions: &[Expr], new: &[Symbol]) -> Vec<(String, String)> {
+pub(crate) fn inverse(system: &mut System, functions: &[Expr], new: &[Symbol]) -> Vec<(String, Function)> {
     let mut known: FxHashMap<Expr, Expr> = FxHashMap::default();
     let mut found = Vec::new();
     // One function after the other, as long as one has a single unknown input.
@@ -35,13 +35,13 @@ pub(crate) fn inverse(system: &mut System, functions: &[Expr], new: &[Symbol]) -
         }
         known.insert(unknown, e);
         if u != new[k] {
-            found.push((system.pool.name(u).to_owned(), system.pool.text(e)));
+            found.push((system.pool.name(u).to_owned(), Function::new(&system.pool, e)));
         }
     }
     if found.is_empty() {
         found = polar(system, functions, new);
     }
-    found.sort();
+    found.sort_by(|a, b| a.0.cmp(&b.0));
     found
 }
 
@@ -200,7 +200,7 @@ fn signed_power(pool: &mut Pool, w: Expr, u: Symbol, v: Expr) -> Option<Expr> {
 }
 
 /// Cartesian to polar: u1 = √(v1² + v2²), u2 = atan2(v2, v1), for v1 = u1 cos u2 and v2 = u1 sin u2.
-fn polar(system: &mut System, functions: &[Expr], new: &[Symbol]) -> Vec<(String, String)> {
+fn polar(system: &mut System, functions: &[Expr], new: &[Symbol]) -> Vec<(String, Function)> {
     let [v, w] = functions[..] else { return Vec::new() };
     let pool = &mut system.pool;
     for (radius, angle) in [(0, 1), (1, 0)] {
@@ -217,10 +217,9 @@ fn polar(system: &mut System, functions: &[Expr], new: &[Symbol]) -> Vec<(String
             let (xx, yy) = (pool.powi(vx, 2), pool.powi(vy, 2));
             let sum = pool.add(xx, yy);
             let length = pool.sqrt(sum);
-            let names = [radius, angle].map(|k| pool.name(system.inputs[k]).to_owned());
-            let [r_name, a_name] = names;
-            let angle = format!("atan2({}, {})", pool.text(vy), pool.text(vx));
-            return vec![(r_name, pool.text(length)), (a_name, angle)];
+            let direction = pool.call2(Func2::Atan2, vy, vx);
+            let found = |k: usize, e: Expr| (pool.name(system.inputs[k]).to_owned(), Function::new(pool, e));
+            return vec![found(radius, length), found(angle, direction)];
         }
     }
     Vec::new()

@@ -5,11 +5,12 @@
 //! highest ones and with them integrators, as z = x − b u does for x' = a(x) + b u' (Freedman and Willems, IEEE Trans.
 //! Automat. Control 23, 1978; Delaleau and Respondek, J. Math. Syst. Estim. Control 5, 1995).
 
-use bracketry_symbolic::{Expr, Func, Pool, Symbol};
+use bracketry_symbolic::{Expr, Func, Function, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::candidate::NewState;
-use crate::input_change::{Checks, Rejection, canonical, fresh, without_switches};
+use crate::input_change::{Checks, canonical, fresh, without_switches};
+use crate::reason::Rejection;
 use crate::switching::is_switch;
 use crate::system::{InputDerivative, System};
 
@@ -51,8 +52,8 @@ impl Transformation {
             .map(|((&old, &new), (&forward, &back))| NewState {
                 name: pool.name(new).to_owned(),
                 replaces: pool.name(old).to_owned(),
-                function: pool.text(forward),
-                inverse: pool.text(back),
+                function: Function::new(pool, forward),
+                inverse: Function::new(pool, back),
             })
             .collect()
     }
@@ -79,10 +80,6 @@ fn derivative_symbol(system: &mut System, input: usize, order: u32) -> Symbol {
     let symbol = system.pool.symbol(&text);
     system.input_derivatives.push(InputDerivative { input, order, symbol });
     symbol
-}
-
-fn no(reason: String) -> Rejection {
-    Rejection::Because(reason)
 }
 
 /// Removes the derivative of order `order` ≥ 1, the highest that occurs, of an input.
@@ -117,7 +114,7 @@ pub(crate) fn lowered(
     for &e in &smooth {
         let d = probe.pool.diff(e, top);
         if !checks.is_zero(&mut probe.pool, d)? {
-            return Err(no(format!("{} does not cancel", system.pool.name(top))));
+            return Err(Rejection::Remains { derivative: system.pool.name(top).to_owned() });
         }
     }
     let pool = &mut system.pool;
@@ -139,7 +136,7 @@ pub(crate) fn lowered(
     let (mut probe, smooth) = without_switches(&system, &differences);
     for e in smooth {
         if !checks.is_zero(&mut probe.pool, e)? {
-            return Err(no("the way back does not give the equations".to_owned()));
+            return Err(Rejection::NotInverted);
         }
     }
     let transformation = before.then(&mut system.pool, z.clone(), &forward, &back);
@@ -153,13 +150,13 @@ fn coefficients(system: &mut System, top: Symbol, chain: &[(Symbol, Symbol)]) ->
     let allowed: Vec<Symbol> =
         system.states.iter().copied().chain(chain.iter().map(|c| c.0)).chain(parameters).collect();
     let pool = &mut system.pool;
-    let name = pool.name(top).to_owned();
+    let derivative = pool.name(top).to_owned();
     if system.outputs.iter().any(|o| pool.depends_on(o.1, top)) {
-        return Err(no(format!("an output depends on {name}")));
+        return Err(Rejection::OutputDepends { derivative });
     }
     let all = pool.reachable(&system.dynamics);
     if all.into_iter().any(|n| is_switch(pool.node(n)) && pool.depends_on(n, top)) {
-        return Err(no(format!("a switching function depends on {name}")));
+        return Err(Rejection::SwitchDepends { derivative });
     }
     let mut b = Vec::with_capacity(system.dynamics.len());
     for &e in &system.dynamics {
@@ -167,14 +164,14 @@ fn coefficients(system: &mut System, top: Symbol, chain: &[(Symbol, Symbol)]) ->
         b.push(pool.simplify(d));
     }
     if pool.reachable(&b).iter().any(|&n| is_switch(pool.node(n))) {
-        return Err(no(format!("the coefficient of {name} jumps with the sign of a switching function")));
+        return Err(Rejection::CoefficientJumps { derivative });
     }
     if let Some(&s) = pool.symbols_of(&b).iter().find(|s| !allowed.contains(s)) {
-        return Err(no(if s == top {
-            format!("{name} enters nonlinearly")
+        return Err(if s == top {
+            Rejection::Nonlinear { derivative }
         } else {
-            format!("the coefficient of {name} depends on {}", pool.name(s))
-        }));
+            Rejection::CoefficientDepends { derivative, on: pool.name(s).to_owned() }
+        });
     }
     Ok(b)
 }
@@ -203,8 +200,7 @@ fn new_states(
     for &x in states {
         let e = pool.sym(x);
         let Some(flow) = flow(pool, states, b, below, e, checks)? else {
-            let name = pool.name(top);
-            return Err(no(format!("the states that are free of {name} were not found in closed form")));
+            return Err(Rejection::NoClosedForm { derivative: pool.name(top).to_owned() });
         };
         let unchanged = matches!(&flow, Flow::Series(terms) if terms.len() == 1) || !before.old.contains(&x);
         let new = if unchanged { x } else { fresh(pool, &format!("z_{}", pool.name(x).to_owned())) };

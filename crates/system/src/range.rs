@@ -2,27 +2,67 @@
 
 use std::fmt;
 
-use bracketry_symbolic::{Expr, Func, Func2, Node, Pool, Rational, Symbol, Tape};
+use bracketry_symbolic::{Expr, Func, Func2, Function, Node, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashSet;
-use serde::Serialize;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 
 use crate::images::{Images, flattened};
 use crate::interval::{End, Interval};
 use crate::rational_function::RationalFunction;
+use crate::reason::UnknownRange;
 use crate::switching::is_switch;
 use crate::trend::rises_through_all;
 
 /// An end of a [`Range`].
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
     /// As a number.
     pub value: f64,
-    /// Printed: exactly where `exact`, else rounded.
-    pub text: String,
-    /// Whether the printed form is exact.
-    pub exact: bool,
+    /// The exact value, where it is known.
+    pub exact: Option<Function>,
     /// Whether the value itself is taken.
     pub closed: bool,
+}
+
+impl Bound {
+    /// Whether the other bound is the same number, or its negative; of bounds that are not exact, to six decimals.
+    fn is(&self, other: &Bound, negative: bool) -> bool {
+        match (&self.exact, &other.exact) {
+            (Some(a), Some(b)) => {
+                let mut pool = a.pool().clone();
+                let b = b.copied_into(&mut pool);
+                a.expr() == if negative { pool.neg(b) } else { b }
+            }
+            (None, None) => {
+                let rounded = |value: f64| (1e6 * value).round();
+                rounded(self.value) == if negative { -rounded(other.value) } else { rounded(other.value) }
+            }
+            _ => false,
+        }
+    }
+}
+
+/// The exact value, or one rounded to six decimals.
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.exact {
+            Some(exact) => f.write_str(&exact.text()),
+            None => write!(f, "{:.6}", self.value),
+        }
+    }
+}
+
+/// With its text.
+impl Serialize for Bound {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut s = serializer.serialize_struct("Bound", 4)?;
+        s.serialize_field("value", &self.value)?;
+        s.serialize_field("text", &self.to_string())?;
+        s.serialize_field("exact", &self.exact.is_some())?;
+        s.serialize_field("closed", &self.closed)?;
+        s.end()
+    }
 }
 
 /// The set of values of a function of the inputs while the inputs take all real numbers, parameters at their values.
@@ -41,7 +81,7 @@ pub enum Range {
     /// Not established.
     Unknown {
         /// Why.
-        reason: String,
+        reason: UnknownRange,
     },
 }
 
@@ -61,15 +101,15 @@ impl Range {
         let sign = |closed: bool, strict: &'static str, weak: &'static str| if closed { weak } else { strict };
         let Range::Interval { lower, upper } = self else { return None };
         match (lower, upper) {
-            (Some(a), Some(b)) if a.text == b.text => Some(format!("{name} = {}", a.text)),
-            (Some(a), Some(b)) if a.text.strip_prefix('-') == Some(&b.text) && a.closed == b.closed => {
-                Some(format!("|{name}| {} {}", sign(a.closed, "<", "≤"), b.text))
+            (Some(a), Some(b)) if a.is(b, false) => Some(format!("{name} = {a}")),
+            (Some(a), Some(b)) if a.value < 0.0 && a.closed == b.closed && a.is(b, true) => {
+                Some(format!("|{name}| {} {b}", sign(a.closed, "<", "≤")))
             }
             (Some(a), Some(b)) => {
-                Some(format!("{} {} {name} {} {}", a.text, sign(a.closed, "<", "≤"), sign(b.closed, "<", "≤"), b.text))
+                Some(format!("{a} {} {name} {} {b}", sign(a.closed, "<", "≤"), sign(b.closed, "<", "≤")))
             }
-            (Some(a), None) => Some(format!("{name} {} {}", sign(a.closed, ">", "≥"), a.text)),
-            (None, Some(b)) => Some(format!("{name} {} {}", sign(b.closed, "<", "≤"), b.text)),
+            (Some(a), None) => Some(format!("{name} {} {a}", sign(a.closed, ">", "≥"))),
+            (None, Some(b)) => Some(format!("{name} {} {b}", sign(b.closed, "<", "≤"))),
             (None, None) => None,
         }
     }
@@ -80,14 +120,11 @@ impl Range {
         }
         let mut bound = |e: &End| {
             e.value.is_finite().then(|| {
-                let text = match e.exact {
-                    Some(x) => {
-                        let x = pool.simplify(x);
-                        pool.text(x)
-                    }
-                    None => format!("{:.6}", e.value),
-                };
-                Bound { value: e.value, text, exact: e.exact.is_some(), closed: e.closed }
+                let exact = e.exact.map(|x| {
+                    let x = pool.simplify(x);
+                    Function::new(pool, x)
+                });
+                Bound { value: e.value, exact, closed: e.closed }
             })
         };
         Range::Interval { lower: bound(&i.lower), upper: bound(&i.upper) }
@@ -113,20 +150,20 @@ pub(crate) fn range(pool: &mut Pool, w: Expr, inputs: &[Symbol]) -> Range {
 }
 
 /// The same as an interval.
-pub(crate) fn image(pool: &mut Pool, w: Expr, inputs: &[Symbol]) -> Result<Interval, String> {
+pub(crate) fn image(pool: &mut Pool, w: Expr, inputs: &[Symbol]) -> Result<Interval, UnknownRange> {
     let domain = inputs.iter().map(|&u| (u, Interval::all())).collect();
     Images::new(pool, domain).of(w)
 }
 
 impl Images<'_> {
     /// The exact set of values, if it is found and has no gaps.
-    pub(crate) fn of(&mut self, e: Expr) -> Result<Interval, String> {
-        self.effort = self.effort.checked_sub(1).ok_or("the function is too large")?;
+    pub(crate) fn of(&mut self, e: Expr) -> Result<Interval, UnknownRange> {
+        self.effort = self.effort.checked_sub(1).ok_or(UnknownRange::TooLarge)?;
         let inputs = self.inputs_of(e);
         if inputs.is_empty() {
             return self.constant(e);
         }
-        let failed = |pool: &Pool, e: Expr| format!("the values of {} are not an interval that is known", pool.text(e));
+        let failed = |pool: &Pool, e: Expr| UnknownRange::NoInterval(Function::new(pool, e));
         match self.pool.node(e) {
             Node::Sym(u) => Ok(self.domain[&u].clone()),
             Node::Add(..) => self.sum(e),
@@ -135,7 +172,7 @@ impl Images<'_> {
                 if let Some(k) = self.pool.number(k).cloned() {
                     if k.is_int() && k < Rational::ZERO && inputs.len() == 1 {
                         // Sums in a denominator may have a numerator of the same inputs only elsewhere.
-                        return match self.of(a).and_then(|i| i.power(self.pool, &k).ok_or_else(String::new)) {
+                        return match self.of(a).and_then(|i| i.power(self.pool, &k).ok_or(UnknownRange::Empty)) {
                             Ok(i) => Ok(i),
                             Err(_) => self.shared(e),
                         };
@@ -183,7 +220,7 @@ impl Images<'_> {
         groups.into_iter().map(|g| g.1).collect()
     }
 
-    fn sum(&mut self, e: Expr) -> Result<Interval, String> {
+    fn sum(&mut self, e: Expr) -> Result<Interval, UnknownRange> {
         let terms = flattened(self.pool, e, true);
         let mut total: Option<Interval> = None;
         let mut missing = None;
@@ -208,11 +245,11 @@ impl Images<'_> {
         }
         match (missing, total) {
             (None, Some(t)) => Ok(t),
-            (why, _) => Err(why.unwrap_or_default()),
+            (why, _) => Err(why.unwrap_or(UnknownRange::Empty)),
         }
     }
 
-    fn product(&mut self, e: Expr) -> Result<Interval, String> {
+    fn product(&mut self, e: Expr) -> Result<Interval, UnknownRange> {
         let factors = flattened(self.pool, e, false);
         let mut total: Option<Interval> = None;
         for group in self.groups(&factors) {
@@ -226,15 +263,15 @@ impl Images<'_> {
                 self.shared(part)?
             };
             total = Some(match total {
-                Some(t) => t.product(self.pool, &image).ok_or("a product has no value")?,
+                Some(t) => t.product(self.pool, &image).ok_or(UnknownRange::Product)?,
                 None => image,
             });
         }
-        total.ok_or_else(String::new)
+        total.ok_or(UnknownRange::Empty)
     }
 
     /// An expression whose operands share inputs.
-    fn shared(&mut self, e: Expr) -> Result<Interval, String> {
+    fn shared(&mut self, e: Expr) -> Result<Interval, UnknownRange> {
         let inputs = self.inputs_of(e);
         if let [u] = inputs[..] {
             if let Some(switch) = innermost_switch(self.pool, e, u) {
@@ -255,7 +292,7 @@ impl Images<'_> {
                 return Ok(Interval::all());
             }
         }
-        Err(format!("the values of {} are not known", self.pool.text(e)))
+        Err(UnknownRange::Shared(Function::new(self.pool, e)))
     }
 
     /// Whether `e` is, for some values of the other inputs and every state, a polynomial of odd degree in `u`.
@@ -296,8 +333,8 @@ impl Images<'_> {
     }
 
     /// A function with `sign`, `abs`, `min` or `max`: the union of its values where their arguments keep their signs.
-    fn piecewise(&mut self, e: Expr, u: Symbol, switch: Expr) -> Result<Interval, String> {
-        let unknown = |pool: &Pool| format!("where {} switches is not known", pool.text(switch));
+    fn piecewise(&mut self, e: Expr, u: Symbol, switch: Expr) -> Result<Interval, UnknownRange> {
+        let unknown = |pool: &Pool| UnknownRange::Switch(Function::new(pool, switch));
         let (surface, above, below) = match self.pool.node(switch) {
             Node::Call(Func::Abs, a) => (a, a, self.pool.neg(a)),
             Node::Call(_, a) => (a, self.pool.int(1), self.pool.int(-1)),
@@ -347,7 +384,7 @@ impl Images<'_> {
             }
             lower = End { closed: false, ..end };
         }
-        Interval::union(parts).ok_or_else(|| format!("{} jumps over values", self.pool.text(e)))
+        Interval::union(parts).ok_or_else(|| UnknownRange::Gap(Function::new(self.pool, e)))
     }
 }
 

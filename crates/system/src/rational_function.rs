@@ -229,15 +229,8 @@ impl RationalFunction {
     }
 
     /// The input's values at the zeros, ascending: exactly, else rounded. `None` for a function of something else.
-    pub(crate) fn zeros_of_input(&self) -> Option<Vec<String>> {
-        if self.variable != Some(Variable::Input) {
-            return None;
-        }
-        let text = |r: Root| match r.exact {
-            Some(x) => x.to_string(),
-            None => format!("{:.6}", r.value),
-        };
-        Some(self.zeros().into_iter().map(text).collect())
+    pub(crate) fn zeros_of_input(&self) -> Option<Vec<Root>> {
+        (self.variable == Some(Variable::Input)).then(|| self.zeros())
     }
 
     /// The set of values on an interval of the variable; `None` if there is a pole.

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Symbol, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Func, Function, Node, Pool, Symbol, ZeroTest};
 use rustc_hash::FxHashSet;
 
-use crate::input_change::{Change, Rejection, rows};
+use crate::input_change::{Change, rows};
+use crate::reason::Rejection;
 use crate::system::System;
 
 /// Products of sums are multiplied out up to this many terms.
@@ -213,9 +214,7 @@ pub(crate) fn separated(system: &mut System) -> Result<Change, Rejection> {
     let mut sparse: BTreeMap<(usize, Expr), BTreeMap<usize, Expr>> = BTreeMap::new();
     for (row, &e) in all.iter().enumerate() {
         let terms = separation.terms(pool, e);
-        let mixed = || {
-            Rejection::Because(format!("{} is no sum of functions of states times functions of inputs", pool.text(e)))
-        };
+        let mixed = || Rejection::Mixed(Function::new(pool, e));
         for (x, u) in terms.ok_or_else(mixed)? {
             let (cu, w) = separation.input_coefficient(pool, u);
             let x = pool.mul(x, cu);

@@ -1,8 +1,12 @@
 //! Where new inputs do not determine the old ones.
 
-use bracketry_symbolic::{Expr, Func, Node, Pool, Rational};
+use std::fmt;
+
+use bracketry_symbolic::{Expr, Func, Function, Node, Pool, Rational};
+use serde::{Serialize, Serializer};
 
 use crate::images::flattened;
+use crate::polynomial::Root;
 use crate::range::image;
 use crate::rational_function::RationalFunction;
 use crate::switching::is_switch;
@@ -11,12 +15,55 @@ use crate::system::System;
 /// Largest number of minors of the Jacobian that are written out.
 const MAX_MINORS: usize = 6;
 
-/// Where the Jacobian of w with respect to u loses rank, printed; `None` where it never does or no short condition was
+/// Longer conditions are not given.
+const MAX_NODES: f64 = 1000.0;
+
+/// Where new inputs do not determine the old ones locally: of each list, one function takes its value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SingularSet(pub Vec<Vec<Level>>);
+
+/// Where a function takes a value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// The function.
+    pub function: Function,
+    /// The value.
+    pub value: f64,
+    /// The exact value, where it is known.
+    pub exact: Option<Rational>,
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.exact {
+            Some(exact) => write!(f, "{} = {exact}", self.function.text()),
+            None => write!(f, "{} = {:.6}", self.function.text(), self.value),
+        }
+    }
+}
+
+impl fmt::Display for SingularSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let any = |levels: &Vec<Level>| {
+            let text = levels.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
+            if self.0.len() > 1 && levels.len() > 1 { format!("({text})") } else { text }
+        };
+        f.write_str(&self.0.iter().map(any).collect::<Vec<_>>().join(" and "))
+    }
+}
+
+impl Serialize for SingularSet {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// Where the Jacobian of w with respect to u loses rank; `None` where it never does or no short condition was
 /// found.
-pub(crate) fn singular_set(system: &mut System, functions: &[Expr]) -> Option<String> {
+pub(crate) fn singular_set(system: &mut System, functions: &[Expr]) -> Option<SingularSet> {
     let jacobian = system.pool.jacobian(functions, &system.inputs.clone());
     let columns = subsets(system.inputs.len(), functions.len(), MAX_MINORS)?;
-    let mut conditions: Vec<String> = Vec::new();
+    let mut conditions: Vec<Vec<Level>> = Vec::new();
     for chosen in columns {
         let minor: Vec<Vec<Expr>> = jacobian.iter().map(|row| chosen.iter().map(|&j| row[j]).collect()).collect();
         let d = determinant(&mut system.pool, &minor)?;
@@ -27,7 +74,7 @@ pub(crate) fn singular_set(system: &mut System, functions: &[Expr]) -> Option<St
         if system.pool.reachable(&[d]).into_iter().any(|n| is_switch(system.pool.node(n))) {
             return None;
         }
-        let mut factors: Vec<String> = Vec::new();
+        let mut factors: Vec<Level> = Vec::new();
         for f in flattened(&system.pool, d, false) {
             factors.extend(zeros(system, f));
         }
@@ -35,19 +82,16 @@ pub(crate) fn singular_set(system: &mut System, functions: &[Expr]) -> Option<St
             return None;
         }
         factors.dedup();
-        let condition = factors.join(" or ");
-        if !conditions.contains(&condition) {
-            conditions.push(condition);
+        if !conditions.contains(&factors) {
+            conditions.push(factors);
         }
     }
-    let several = conditions.len() > 1;
-    let bracketed = conditions.into_iter().map(|c| if several && c.contains(" or ") { format!("({c})") } else { c });
-    let text = bracketed.collect::<Vec<_>>().join(" and ");
-    (!text.is_empty() && text.len() < 2000).then_some(text)
+    let nodes: f64 = conditions.iter().flatten().map(|l| l.function.pool().tree_size(l.function.expr())).sum();
+    (!conditions.is_empty() && nodes < MAX_NODES).then_some(SingularSet(conditions))
 }
 
 /// The conditions, one of which holds where the factor vanishes; none if it vanishes nowhere.
-fn zeros(system: &mut System, factor: Expr) -> Vec<String> {
+fn zeros(system: &mut System, factor: Expr) -> Vec<Level> {
     let base = match system.pool.node(factor) {
         Node::Pow(a, k) => match system.pool.number(k) {
             Some(k) if *k < Rational::ZERO => return Vec::new(),
@@ -66,12 +110,18 @@ fn zeros(system: &mut System, factor: Expr) -> Vec<String> {
         && let Some(f) = RationalFunction::of(&mut system.pool, value, u)
         && let Some(zeros) = f.zeros_of_input()
     {
-        return zeros.into_iter().map(|x| format!("{} = {x}", system.pool.name(u))).collect();
+        let input = system.pool.sym(u);
+        let function = Function::new(&system.pool, input);
+        let level = |x: Root| Level { function: function.clone(), value: x.value, exact: x.exact };
+        return zeros.into_iter().map(level).collect();
     }
     let inputs = system.inputs.clone();
     let nowhere = image(&mut system.pool, value, &inputs)
         .is_ok_and(|i| i.lower.value > 0.0 || i.upper.value < 0.0 || i.excludes_zero_at_end());
-    if nowhere { Vec::new() } else { vec![format!("{} = 0", system.pool.text(base))] }
+    if nowhere {
+        return Vec::new();
+    }
+    vec![Level { function: Function::new(&system.pool, base), value: 0.0, exact: Some(Rational::ZERO) }]
 }
 
 /// The subsets of k of n numbers, if they are not too many.

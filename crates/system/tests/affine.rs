@@ -81,7 +81,7 @@ fn a_function_of_the_input_becomes_the_input() {
     assert_eq!(a.method, Method::InputChange);
     assert_eq!(a.system.pool.text(a.input_change[0].function), "u^2");
     assert_eq!(a.system.state_names(), ["x"]);
-    assert_eq!(a.input_change[0].range.as_deref(), Some("v1 ≥ 0"));
+    assert_eq!(a.input_change[0].range().as_deref(), Some("v1 ≥ 0"));
     // Polar to Cartesian: two functions of two inputs.
     let s = model("x y", "v th", &[("x", "v*cos(th)"), ("y", "2*v*sin(th) - x")]);
     let a = s.affinize().unwrap();

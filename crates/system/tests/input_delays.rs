@@ -48,7 +48,7 @@ fn integrators_and_functions_of_inputs_keep_the_delay() {
         let names = affine.system.input_names();
         let values = affine.system.delay_values();
         let named: Vec<(String, Option<f64>)> = names.into_iter().zip(values).collect();
-        (named, affine.why)
+        (named, affine.why.to_string())
     };
     // As it stands.
     let (named, _) = delays_of("x = \"v\"\nv = \"F + X\"");

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use bracketry::report::analysis::{AffinizationReport, changes, method_name};
-use bracketry::system::{Affinization, Candidate, System};
+use bracketry::report::analysis::{AffinizationReport, candidates, changes};
+use bracketry::system::{Candidate, System};
 use clap::Args;
 use serde_json::json as object;
 
@@ -48,14 +48,12 @@ pub(crate) fn affinize(args: &AffinizeArgs, output: &OutputArgs) -> anyhow::Resu
         })?;
         return Ok(Outcome::Done);
     }
-    line(&format!("# {}", report.why))?;
-    if affinization.candidates.len() > 1 {
-        for (k, c) in affinization.candidates.iter().enumerate() {
-            line(&format!("# {}. {}", k + 1, told(c, &affinization)))?;
-        }
+    let mut comments = candidates(&affinization);
+    if args.candidate.is_none() {
+        comments.extend(changes(&affinization));
     }
-    for change in changes(&affinization).iter().filter(|_| args.candidate.is_none()) {
-        line(&format!("# {change}"))?;
+    for comment in comments {
+        line(&format!("# {comment}"))?;
     }
     print(&text)?;
     Ok(Outcome::Done)
@@ -75,17 +73,4 @@ fn numbered(candidates: &[Candidate], k: usize) -> anyhow::Result<(&Candidate, &
     let system = candidate.system.as_ref();
     let system = system.with_context(|| format!("--candidate {k} was rejected: {}", candidate.why))?;
     Ok((candidate, system))
-}
-
-/// A candidate in a line.
-fn told(c: &Candidate, a: &Affinization) -> String {
-    let states = match c.added_states {
-        0 => "adds no state".to_owned(),
-        1 => "adds 1 state".to_owned(),
-        n => format!("adds {n} states"),
-    };
-    let method = method_name(c.method);
-    // The reason of the one taken stands above.
-    let why = if c.chosen && c.why == a.why { "taken".to_owned() } else { c.why.clone() };
-    if c.is_accepted() { format!("{method}, {states}: {why}") } else { format!("{method}, rejected: {why}") }
 }

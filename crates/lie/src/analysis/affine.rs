@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use bracketry_symbolic::{Expr, Pool};
+use bracketry_symbolic::{Expr, Function, Pool};
 use bracketry_system::System;
 
 use crate::algebra::closure::Closure;
@@ -22,7 +22,6 @@ use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::feedback::report::{ControlReport, control_report};
 use crate::feedback::static_linearization::LinearizationFlag;
-use crate::function::Function;
 use crate::modes::Signs;
 use crate::modes::{ModeFields, mode_fields};
 use crate::observability::report::{read_functions, report};

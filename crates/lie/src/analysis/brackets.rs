@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use bracketry_symbolic::Pool;
+use bracketry_symbolic::{Function, Pool};
 use bracketry_system::System;
 
 use crate::algebra::field::{VectorFields, subtract};
 use crate::algebra::word::{Bracket, Generator, Word, generators, parse_named};
 use crate::answer::Answer;
 use crate::error::Error;
-use crate::function::Function;
 use crate::reason::Reason;
 use serde::Serializer;
 

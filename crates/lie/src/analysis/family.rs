@@ -21,7 +21,7 @@
 //! Where derivatives of inputs enter, the state of the family is x together with the chain of each input up to, not
 //! including, its highest derivative, and that derivative takes the part of u.
 
-use bracketry_symbolic::{Expr, Rational, Symbol};
+use bracketry_symbolic::{Expr, Function, Rational, Symbol};
 use bracketry_system::System;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
@@ -32,7 +32,6 @@ use crate::analysis::report::{ModeReport, Report};
 use crate::answer::Answer;
 use crate::error::Error;
 use crate::evidence::Evidence;
-use crate::function::Function;
 use crate::modes::parameter_bindings;
 use crate::reason::{FamilyReason, Reason};
 

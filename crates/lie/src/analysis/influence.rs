@@ -1,10 +1,9 @@
 //! In which round of brackets each state comes under the influence of the inputs.
 
-use bracketry_symbolic::{Bindings, Expr, Node, Pool, Symbol};
+use bracketry_symbolic::{Bindings, Expr, Function, Node, Pool, Symbol};
 use serde::Serialize;
 
 use crate::algebra::closure::Closure;
-use crate::function::Function;
 use crate::modes::Signs;
 use crate::residues::{Echelon, Fp, PRIME, times, unit_row};
 

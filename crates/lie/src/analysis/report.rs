@@ -12,10 +12,10 @@ use crate::controllability::switched::SwitchedReport;
 use crate::dimensions::Dimensions;
 use crate::evidence::Evidence;
 use crate::feedback::report::ControlReport;
-use crate::function::Function;
 use crate::modes::Signs;
 use crate::observability::report::ObservabilityReport;
 use crate::reason::Reason;
+use bracketry_symbolic::Function;
 
 /// What holds at a generic point while the signs of all switching functions stay as they are.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,13 +1,12 @@
 //! What a statement on the affine form says of the original.
 
-use bracketry_symbolic::Rational;
+use bracketry_symbolic::{Function, Rational};
 use bracketry_system::{Affinization, AtPoint, InputRange, Method, NewInput, Range, System};
 
 use crate::analysis::report::Report;
 use crate::answer::Answer;
 use crate::controllability::input_values::{InputValues, Side};
 use crate::controllability::stlc::{Stlc, Verdict};
-use crate::function::Function;
 use crate::options::Options;
 use crate::reason::{Reason, StlcReason};
 

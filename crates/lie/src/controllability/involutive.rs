@@ -1,6 +1,6 @@
 //! The involutive closure of the input fields.
 
-use bracketry_symbolic::Pool;
+use bracketry_symbolic::{Function, Pool};
 use serde::Serialize;
 
 use crate::algebra::field::VectorFields;
@@ -8,7 +8,6 @@ use crate::algebra::integrals::search::{Among, integrals_among};
 use crate::algebra::involutive::involutive_closure;
 use crate::algebra::word::{Bracket, generators};
 use crate::evidence::Evidence;
-use crate::function::Function;
 use crate::undecided::Undecided;
 
 /// The smallest involutive distribution that contains the input fields, and its integrals.

@@ -1,6 +1,6 @@
 //! Necessary conditions for small-time local controllability; each holds for every bound on the inputs.
 
-use bracketry_symbolic::{Expr, Pool};
+use bracketry_symbolic::{Expr, Function, Pool};
 use nalgebra::{DMatrix, DVector};
 use rustc_hash::FxHashMap;
 
@@ -15,7 +15,6 @@ use crate::controllability::linearization::complement;
 use crate::controllability::local::Frame;
 use crate::controllability::sign::{NearOrigin, Sign, definite};
 use crate::evidence::Evidence;
-use crate::function::Function;
 use crate::options::Limits;
 use crate::reason::{Monotone, StlcReason};
 use crate::residues::times;

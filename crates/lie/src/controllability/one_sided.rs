@@ -1,6 +1,6 @@
 //! Inputs that move to one side only, and inputs that balance the drift.
 
-use bracketry_symbolic::{Bindings, Expr, Pool, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Function, Pool, ZeroTest};
 use nalgebra::DVector;
 use rustc_hash::FxHashMap;
 
@@ -14,7 +14,6 @@ use crate::controllability::necessary::half_space;
 use crate::controllability::stlc::{Stlc, Verdict, decide};
 use crate::error::Error;
 use crate::evidence::Evidence;
-use crate::function::Function;
 use crate::options::Limits;
 use crate::reason::StlcReason;
 use crate::residues::{Echelon, Fp};

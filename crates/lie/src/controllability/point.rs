@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Rational, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Function, Pool, Rational, ZeroTest};
 use bracketry_system::{Point, System};
 use rustc_hash::FxHashMap;
 use serde::Serialize;
@@ -23,7 +23,6 @@ use crate::controllability::uncontrollable::{Mode, uncontrollable_modes};
 use crate::dimensions::Dimensions;
 use crate::error::Error;
 use crate::evidence::Evidence;
-use crate::function::Function;
 use crate::modes::ModeFields;
 use crate::options::Options;
 use crate::reason::{Reason, StabilizableReason, StlcReason};

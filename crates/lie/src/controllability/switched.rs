@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bracketry_symbolic::{Expr, Pool};
+use bracketry_symbolic::{Expr, Function, Pool};
 use serde::Serialize;
 
 use crate::algebra::closure::Closure;
@@ -11,7 +11,6 @@ use crate::algebra::word::{Bracket, Generator};
 use crate::answer::Answer;
 use crate::dimensions::Dimensions;
 use crate::evidence::Evidence;
-use crate::function::Function;
 use crate::undecided::Undecided;
 
 /// Most functions of single modes that are followed.

@@ -1,12 +1,11 @@
 //! Modes of the linearization that no input reaches.
 
-use bracketry_symbolic::{Expr, Pool, Rational};
+use bracketry_symbolic::{Expr, Function, Pool, Rational};
 use serde::Serialize;
 
 use crate::answer::Answer;
 use crate::controllability::linearization::{Linearization, uncontrollable_block};
 use crate::controllability::local::Frame;
-use crate::function::Function;
 use crate::residues::{Echelon, Fp};
 
 /// An eigenvalue of the linearization x' = A x + B u that no input reaches: rank [A − λ, B] < n

@@ -1,6 +1,6 @@
 //! The motion that is left when inputs hold the outputs.
 
-use bracketry_symbolic::{Bindings, Expr, Node, Pool, Symbol, ZeroTest};
+use bracketry_symbolic::{Bindings, Expr, Function, Node, Pool, Symbol, ZeroTest};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::field::VectorFields;
@@ -8,7 +8,6 @@ use crate::algebra::matrix::{determinant, solve};
 use crate::algebra::rational::readable::{tidy, vanishing_factors};
 use crate::budget::check_size;
 use crate::evidence::Evidence;
-use crate::function::Function;
 use crate::reason::NoZeroDynamics;
 use crate::undecided::Undecided;
 

@@ -2,11 +2,10 @@
 
 use std::fmt;
 
-use bracketry_symbolic::{Expr, Node, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, Function, Node, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::as_text::serialized_as_text;
-use crate::function::Function;
 
 /// A field as a differential operator: its text is such as `-y ∂x + x ∂y + ∂th`.
 #[derive(Clone, Debug, PartialEq, Eq)]

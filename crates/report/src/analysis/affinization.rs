@@ -1,7 +1,7 @@
 //! How a model became affine in its inputs.
 
 use bracketry_lie::Family;
-use bracketry_system::{Affinization, AtPoint, Candidate, Method, NewState, System};
+use bracketry_system::{Affinization, AtPoint, Candidate, Method, NewState, Reason, System, counted};
 use serde::Serialize;
 
 /// A new input.
@@ -33,8 +33,8 @@ pub struct AffinizationReport {
     pub coordinate_change: Vec<NewState>,
     /// The affine model.
     pub model: System,
-    /// The reason, in a sentence.
-    pub why: String,
+    /// The reason.
+    pub why: Reason,
     /// All ways that were tried, accepted ones first; none for a model that is affine as it stands.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub candidates: Vec<Candidate>,
@@ -56,7 +56,7 @@ impl AffinizationReport {
                 .map(|v| InputChange {
                     name: v.name.clone(),
                     function: a.system.pool.text(v.function),
-                    range: v.range.clone(),
+                    range: v.range(),
                     at_point: v.at_point,
                 })
                 .collect(),
@@ -83,12 +83,35 @@ pub fn method_name(method: Method) -> &'static str {
 /// New inputs and new states in short, one line each, in formulas of the model file.
 pub fn changes(a: &Affinization) -> Vec<String> {
     let inputs = a.input_change.iter().map(|v| {
-        let range = v.range.as_ref().map_or(String::new(), |r| format!(", limited to {r}"));
+        let range = v.range().map_or(String::new(), |r| format!(", limited to {r}"));
         format!("new input {} = {}{range}", v.name, a.system.pool.text(v.function))
     });
-    let states = a
-        .coordinate_change
-        .iter()
-        .map(|z| format!("new state {} = {} in place of {} = {}", z.name, z.function, z.replaces, z.inverse));
+    let states = a.coordinate_change.iter().map(|z| {
+        let (function, inverse) = (z.function.text(), z.inverse.text());
+        format!("new state {} = {function} in place of {} = {inverse}", z.name, z.replaces)
+    });
     inputs.chain(states).collect()
+}
+
+/// The reason, and where there is a choice all candidates, numbered from 1, one line each.
+pub fn candidates(a: &Affinization) -> Vec<String> {
+    let mut lines = vec![a.why.to_string()];
+    if a.candidates.len() > 1 {
+        lines.extend(a.candidates.iter().enumerate().map(|(k, c)| format!("{}. {}", k + 1, candidate(c, a))));
+    }
+    lines
+}
+
+fn candidate(c: &Candidate, a: &Affinization) -> String {
+    let method = method_name(c.method);
+    if !c.is_accepted() {
+        return format!("{method}, rejected: {}", c.why);
+    }
+    let states = match c.added_states {
+        0 => "no state".to_owned(),
+        n => counted(n, "state", "states"),
+    };
+    // The reason of the one taken stands above.
+    let why = if c.chosen && c.why == a.why { "taken".to_owned() } else { c.why.to_string() };
+    format!("{method}, adds {states}: {why}")
 }

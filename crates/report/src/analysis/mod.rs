@@ -9,7 +9,7 @@ pub(crate) mod summary;
 pub(crate) mod text;
 
 pub use crate::document::{latex, markdown};
-pub use affinization::{AffinizationReport, InputChange, changes, method_name};
+pub use affinization::{AffinizationReport, InputChange, candidates, changes, method_name};
 pub use figures::{growth_figure, reach_figure};
 pub use json::{AnalysisJson, json};
 pub use summary::summary;

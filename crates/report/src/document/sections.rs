@@ -5,7 +5,7 @@ use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::{AffineForm, Candidate, Parameter, System};
 
 use super::blocks::{Block, Line, Span, code, math, text, words};
-use super::formulas::{bracket, column, condition, expression, function, list, printed, symbol};
+use super::formulas::{bracket, column, condition, expression, function, list, symbol};
 use super::{control, local, outputs};
 use crate::analysis::affinization::method_name;
 use crate::analysis::summary::summary;
@@ -100,7 +100,7 @@ fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
             text("New input "),
             math(format!("{} = {}", symbol(&v.name), expression(&a.affinization.system.pool, v.function))),
         ];
-        if let Some(range) = &v.range {
+        if let Some(range) = v.range() {
             line.push(text(format!(", limited to {range}")));
         }
         line.push(text("."));
@@ -109,9 +109,9 @@ fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
     for z in &a.affinization.coordinate_change {
         out.push(Block::Paragraph(vec![
             text("New state "),
-            math(format!("{} = {}", symbol(&z.name), printed(&z.function))),
+            math(format!("{} = {}", symbol(&z.name), function(&z.function))),
             text(" in place of "),
-            math(format!("{} = {}", symbol(&z.replaces), printed(&z.inverse))),
+            math(format!("{} = {}", symbol(&z.replaces), function(&z.inverse))),
             text("."),
         ]));
     }
@@ -152,7 +152,7 @@ fn candidates(a: &Analysis, out: &mut Vec<Block>) {
             (false, false) => "rejected",
         };
         let states = if c.is_accepted() { vec![math(c.added_states.to_string())] } else { Vec::new() };
-        vec![vec![text(method_name(c.method))], states, vec![text(verdict)], vec![text(&c.why)]]
+        vec![vec![text(method_name(c.method))], states, vec![text(verdict)], vec![text(c.why.to_string())]]
     };
     let header = ["way", "added states", "", "why"].map(|h| vec![text(h)]).to_vec();
     out.push(Block::Table(header, a.affinization.candidates.iter().map(row).collect()));

@@ -1,10 +1,11 @@
-//! Functions of states, inputs and parameters that outlive the analysis that found them.
+//! Expressions that outlive the computation that found them.
 
-use crate::as_text::serialized_as_text;
 use std::fmt;
 use std::sync::Arc;
 
-use bracketry_symbolic::{Expr, Pool};
+use serde::{Serialize, Serializer};
+
+use crate::pool::{Expr, Pool};
 
 /// An expression with the pool that it belongs to. Its text, also that in JSON, names an expression of more than 4000
 /// characters by its size.
@@ -21,9 +22,7 @@ impl Function {
     /// A copy of `e`, which belongs to `pool`.
     pub fn new(pool: &Pool, e: Expr) -> Self {
         let mut own = Pool::new();
-        let copied = own.import(&pool.export(&[e])).ok().and_then(|roots| roots.first().copied());
-        // A table that a pool has exported can be read.
-        let expr = copied.unwrap_or_else(|| own.int(0));
+        let expr = own.adopt(pool, e);
         Function { pool: Arc::new(own), expr }
     }
 
@@ -42,9 +41,23 @@ impl Function {
         self.expr
     }
 
+    /// The same expression in another pool.
+    pub fn copied_into(&self, pool: &mut Pool) -> Expr {
+        pool.adopt(&self.pool, self.expr)
+    }
+
     /// The text without a limit on its length.
     pub fn text(&self) -> String {
         self.pool.text(self.expr)
+    }
+}
+
+impl Pool {
+    /// An expression of another pool.
+    fn adopt(&mut self, from: &Pool, e: Expr) -> Expr {
+        let copied = self.import(&from.export(&[e])).ok().and_then(|roots| roots.first().copied());
+        // A table that a pool has exported can be read.
+        copied.unwrap_or_else(|| self.int(0))
     }
 }
 
@@ -80,4 +93,8 @@ impl PartialEq<&str> for Function {
     }
 }
 
-serialized_as_text!(Function);
+impl Serialize for Function {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
