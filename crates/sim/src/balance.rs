@@ -145,11 +145,6 @@ impl Balance {
         Ok(Self { model: Model::with_measures(&system, inputs, measures)?, measures })
     }
 
-    /// The model whose inputs and live numbers the account uses.
-    pub fn model_mut(&mut self) -> &mut Model {
-        &mut self.model
-    }
-
     /// Keeps account along a trajectory of the same system with the same inputs: the work by Gauss–Legendre quadrature of
     /// the power on every step, none of which contains an event.
     pub fn of(&mut self, trajectory: &Trajectory) -> Account {

@@ -124,11 +124,6 @@ impl AreaRecord {
         }
         self.samples.push(*sample);
     }
-
-    /// Least normal force in N and the time at which it acted; absent without steps.
-    pub fn least_normal(&self) -> Option<(f64, f64)> {
-        self.samples.iter().map(|s| (s.normal, s.t)).min_by(|a, b| a.0.total_cmp(&b.0))
-    }
 }
 
 impl Course for AreaRecord {

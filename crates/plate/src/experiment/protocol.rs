@@ -130,20 +130,6 @@ impl Experiment {
         self
     }
 
-    /// The same with the displacement `factor` times as large.
-    #[must_use]
-    pub fn with_displacement_factor(mut self, factor: f64) -> Self {
-        self.displacement = format!("({factor})*({})", self.displacement);
-        self
-    }
-
-    /// The same with the tilt `factor` times as large.
-    #[must_use]
-    pub fn with_tilt_factor(mut self, factor: f64) -> Self {
-        self.tilt = format!("({factor})*({})", self.tilt);
-        self
-    }
-
     /// The motion of the plate beginning at time `start`, with the amplitude as the number `A`.
     pub fn drive(&self, start: f64) -> Drive {
         let numbers = [("A", 1.0), ("t0", start), ("T", self.period)].map(|(name, value)| (name.to_owned(), value));

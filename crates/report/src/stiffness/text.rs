@@ -4,8 +4,8 @@ use std::fmt::{self, Write};
 
 use bracketry_stiffness::{
     Advice, CartesianEstimate, CartesianEstimator, ChosenPoses, Comparison, CompensatedLog, Fault, Found,
-    Identification, LoopGain, LostMotionReport, Method, MethodReport, Payload, SpringFit, SpringResidual,
-    WRENCH_COLUMNS, Weighing, Withheld,
+    Identification, LoopGain, LostMotionReport, Method, MethodReport, Payload, SpringResidual, WRENCH_COLUMNS,
+    Weighing, Withheld,
 };
 use bracketry_system::counted;
 use nalgebra::Matrix6;
@@ -235,15 +235,6 @@ pub fn comparison(compared: &Comparison) -> String {
         }
         compared.advice.iter().try_for_each(|item| writeln!(out, "{}", advice(item)))?;
         write!(out, "{} measurements left out as outliers", compared.outliers.len())
-    })
-}
-
-/// A fit of springs.
-pub fn spring_fit(fit: &SpringFit) -> String {
-    printed(|out| {
-        fit.parameters.iter().try_for_each(|parameter| writeln!(out, "{parameter}"))?;
-        writeln!(out, "condition {:.1}, residuals {:.2} σ", fit.condition, fit.chi_square.sqrt())?;
-        write!(out, "{} measurements left out as outliers", fit.outliers.len())
     })
 }
 

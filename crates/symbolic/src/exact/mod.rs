@@ -152,12 +152,7 @@ pub enum Undecided {
     TooComplex,
 }
 
-impl Undecided {
-    /// True if the same question may have an answer modulo the [second prime](SECOND_PRIME).
-    pub fn needs_other_prime(&self) -> bool {
-        matches!(self, Self::OtherPrime { .. } | Self::NoPoint)
-    }
-}
+impl Undecided {}
 
 /// Generic rank of a matrix of expressions.
 #[derive(Clone, Debug, PartialEq)]
