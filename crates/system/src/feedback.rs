@@ -3,6 +3,7 @@
 use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
+use crate::elimination::eliminate;
 use crate::images::flattened;
 use crate::input_change::{Change, Checks, canonical, rows, without_switches};
 use crate::reason::Rejection;
@@ -194,23 +195,7 @@ fn inverted(pool: &mut Pool, rows: &[Vec<Expr>]) -> Option<Vec<Vec<Expr>>> {
             }
         }
         m.swap(j, pivot?);
-        let leading = m[j][j];
-        for e in &mut m[j] {
-            let q = pool.div(*e, leading);
-            *e = pool.simplify(q);
-        }
-        let pivot_row = m[j].clone();
-        for (i, row) in m.iter_mut().enumerate() {
-            if i == j || pool.is_zero(row[j]) {
-                continue;
-            }
-            let factor = row[j];
-            for (e, &p) in row.iter_mut().zip(&pivot_row) {
-                let product = pool.mul(factor, p);
-                let difference = pool.sub(*e, product);
-                *e = pool.simplify(difference);
-            }
-        }
+        eliminate(pool, &mut m, j, j);
     }
     Some(m.into_iter().map(|row| row[n..].to_vec()).collect())
 }

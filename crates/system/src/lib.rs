@@ -5,6 +5,7 @@ mod augment;
 mod builder;
 mod candidate;
 mod constants;
+mod elimination;
 mod feedback;
 mod hull;
 mod images;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use bracketry_symbolic::{Bindings, Expr, Func, Function, Node, Pool, Symbol, ZeroTest};
 use rustc_hash::FxHashSet;
 
+use crate::elimination::eliminate;
 use crate::input_change::{Change, rows};
 use crate::reason::Rejection;
 use crate::system::System;
@@ -134,23 +135,7 @@ fn reduce(pool: &mut Pool, rows: &mut Vec<Vec<Expr>>) -> Vec<usize> {
         let done = pivots.len();
         let Some(i) = (done..rows.len()).find(|&i| !vanishes(pool, rows[i][j])) else { continue };
         rows.swap(done, i);
-        let pivot = rows[done][j];
-        for e in &mut rows[done] {
-            let q = pool.div(*e, pivot);
-            *e = pool.simplify(q);
-        }
-        let leading = rows[done].clone();
-        for (k, row) in rows.iter_mut().enumerate() {
-            if k == done || pool.is_zero(row[j]) {
-                continue;
-            }
-            let factor = row[j];
-            for (e, &l) in row.iter_mut().zip(&leading) {
-                let product = pool.mul(factor, l);
-                let difference = pool.sub(*e, product);
-                *e = pool.simplify(difference);
-            }
-        }
+        eliminate(pool, rows, done, j);
         pivots.push(j);
     }
     rows.truncate(pivots.len());

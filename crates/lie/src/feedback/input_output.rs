@@ -125,10 +125,7 @@ pub(crate) fn input_output(
         if degree.is_vector() {
             report.decoupling_determinant = degree.determinant(pool).map(|d| Function::new(pool, d));
             report.singular_set = degree.singular_set(pool, fields);
-            let inputs: Vec<String> = system.inputs.iter().map(|&u| pool.name(u).to_owned()).collect();
-            report.decoupling_feedback = degree
-                .feedback(pool, references)
-                .map(|list| Named(inputs.into_iter().zip(Function::list(pool, &list)).collect()));
+            report.decoupling_feedback = degree.named_feedback(pool, &system.inputs, references);
         } else {
             let zero = pool.int(0);
             report.decoupling_determinant = Some(Function::new(pool, zero));

@@ -1,6 +1,6 @@
 //! Relative degrees of outputs and the decoupling matrix.
 
-use bracketry_symbolic::{Expr, Func, Node, Pool, Rational};
+use bracketry_symbolic::{Expr, Func, Node, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::field::VectorFields;
@@ -9,6 +9,8 @@ use crate::algebra::rational::readable::{tidy, vanishing_factors};
 use crate::budget::check_growth;
 use crate::condition::Condition;
 use crate::evidence::Evidence;
+use crate::function::Function;
+use crate::named::Named;
 use crate::undecided::Undecided;
 
 /// How the inputs enter the derivatives of the outputs (Isidori 1995, sec. 5.1), at a generic point.
@@ -73,6 +75,19 @@ impl RelativeDegree {
         }
         let wanted: Vec<Expr> = references.iter().zip(&self.drift).map(|(&v, &b)| pool.sub(v, b)).collect();
         solve(pool, &self.decoupling, &wanted)
+    }
+
+    /// [`RelativeDegree::feedback`] with the names of the inputs.
+    pub(crate) fn named_feedback(
+        &self,
+        pool: &mut Pool,
+        inputs: &[Symbol],
+        references: &[Expr],
+    ) -> Option<Named<Function>> {
+        let feedback = self.feedback(pool, references)?;
+        Some(Named(
+            inputs.iter().zip(feedback).map(|(&u, e)| (pool.name(u).to_owned(), Function::new(pool, e))).collect(),
+        ))
     }
 
     /// Rank of A at a point, given one constant expression per state.

@@ -113,11 +113,7 @@ fn linearization(
             let pool = &mut system.pool;
             report.linearizing_outputs = Function::list(pool, &found.functions);
             report.coordinates = found.degrees.derivatives.iter().map(|list| Function::list(pool, list)).collect();
-            let names = system.inputs.iter().map(|&u| pool.name(u).to_owned()).collect::<Vec<_>>();
-            report.feedback = found
-                .degrees
-                .feedback(pool, references)
-                .map(|list| Named(names.into_iter().zip(Function::list(pool, &list)).collect()));
+            report.feedback = found.degrees.named_feedback(pool, &system.inputs, references);
             report.singular_set = found.degrees.singular_set(pool, fields);
         }
         Ok(None) => report.reason = Some(Reason::NoLinearizingOutputs),

@@ -92,6 +92,16 @@ pub struct SliderLog {
     pub truth: SliderTruth,
 }
 
+/// The force on the slider.
+struct Drive<'a> {
+    /// Times in s.
+    times: &'a [f64],
+    /// Force in N at these times.
+    force: &'a [f64],
+    /// Number of samples before the log begins.
+    before: usize,
+}
+
 impl Slider {
     /// The basic trial: 1 kg, 1 N of friction, 8 s at 1 kHz of a multisine with 3 N rms, 1 % noise, a model whose mass is off by 3 % and
     /// whose friction by 5 %, an effect of 10 %. Band, lines and lead are drawn: half of the logs begin at rest.
@@ -151,7 +161,7 @@ impl Slider {
                 Hidden { effect, strength: sign * strength, shape: effect.random_shape(&mut random), size: 0.0 }
             })
             .collect();
-        let states = self.fit_strengths(&mut effects, &times, &force, before)?;
+        let states = self.fit_strengths(&mut effects, &Drive { times: &times, force: &force, before })?;
         let mut columns = vec![("t".to_owned(), times[before..].to_vec()), ("u".to_owned(), force[before..].to_vec())];
         let measured = match self.sensors {
             SliderSensors::PositionAndVelocity => &["x", "v"][..],
@@ -194,15 +204,9 @@ impl Slider {
     }
 
     /// Changes the strengths until each effect has its size; returns the states in the log.
-    fn fit_strengths(
-        &self,
-        effects: &mut [Hidden],
-        times: &[f64],
-        force: &[f64],
-        before: usize,
-    ) -> Result<Vec<Vec<f64>>, SyntheticError> {
+    fn fit_strengths(&self, effects: &mut [Hidden], drive: &Drive<'_>) -> Result<Vec<Vec<f64>>, SyntheticError> {
         for trial in 1..=TRIALS {
-            let states = self.simulate(effects, times, force, before)?;
+            let states = self.simulate(effects, drive)?;
             let off = |hidden: &Hidden| match hidden.effect.given_strength(self.size) {
                 Some(_) => 0.0,
                 None => (hidden.size / self.size - 1.0).abs(),
@@ -223,13 +227,8 @@ impl Slider {
     }
 
     /// Simulates the plant, writes the effects' sizes and returns the states at the times of the log.
-    fn simulate(
-        &self,
-        effects: &mut [Hidden],
-        times: &[f64],
-        force: &[f64],
-        before: usize,
-    ) -> Result<Vec<Vec<f64>>, SyntheticError> {
+    fn simulate(&self, effects: &mut [Hidden], drive: &Drive<'_>) -> Result<Vec<Vec<f64>>, SyntheticError> {
+        let &Drive { times, force, before } = drive;
         let system = System::parse("slider with a hidden effect", &self.plant(effects))?;
         let delay = |hidden: &&Hidden| hidden.effect == SliderEffect::InputDelay;
         let late: f64 = effects.iter().filter(delay).map(|hidden| hidden.strength).sum();
