@@ -16,8 +16,9 @@ use crate::ocp::Ocp;
 use crate::rti::{Horizon, Rti, RtiSettings};
 use crate::sqp::{Solution, SolveStatus, Sqp, SqpController, SqpSettings};
 use crate::trajectory::Trajectory;
+use rand::SeedableRng;
 use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
 
 /// Intervals left at which a shrinking horizon is played out instead of solved again.
 const MIN_STEPS: usize = 1;
@@ -293,9 +294,8 @@ impl Noise {
 
     fn add(&mut self, y: &mut [f64]) {
         for (y, deviation) in y.iter_mut().zip(&self.deviations).filter(|(_, d)| **d > 0.0) {
-            // Box and Muller: two uniform numbers give a normal one.
-            let (a, b): (f64, f64) = (self.random.random(), self.random.random());
-            *y += deviation * (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos();
+            let e: f64 = StandardNormal.sample(&mut self.random);
+            *y += deviation * e;
         }
     }
 }
