@@ -46,6 +46,7 @@ pub(super) struct SetRows {
 }
 
 /// Where the parts of the problem stand in the program.
+#[derive(Default)]
 pub(super) struct Assembly {
     pub(super) program: StageProgram,
     pub(super) stage_slots: Vec<Vec<usize>>,
@@ -63,196 +64,220 @@ pub(super) struct Assembly {
     pub(super) hessian: Vec<f64>,
 }
 
-/// Numbers of slacks and their places while the program is laid out.
+/// A slack of the bound, constraint or target number `of`: its grid point and its place there.
+struct SlackPlace {
+    of: usize,
+    k: usize,
+    place: usize,
+}
+
+/// The slacks of a horizon by what they soften, and their number at each grid point.
 struct Slacks {
     counts: Vec<usize>,
+    states: Vec<SlackPlace>,
+    path: Vec<SlackPlace>,
+    norm: Vec<SlackPlace>,
+    targets: Vec<SlackPlace>,
+    set: Option<SlackPlace>,
 }
 
 impl Slacks {
-    fn add(&mut self, k: usize) -> (usize, usize) {
-        self.counts[k] += 1;
-        (k, self.counts[k] - 1)
-    }
-}
-
-impl Assembly {
-    /// Lays out the program for a horizon of `steps` intervals; `closure` marks the possible entries of ∂F/∂(x, u), `exact`
-    /// makes room for the exact Hessian.
-    pub(super) fn new(ocp: &Ocp, steps: usize, closure: &[bool], exact: bool) -> Self {
-        let (n, m) = (ocp.states(), ocp.inputs());
-        // First pass: which slacks there are.
-        let mut slacks = Slacks { counts: vec![0; steps + 1] };
-        let bounded: Vec<usize> = (0..n).filter(|&i| !ocp.state_bounds[i].is_free()).collect();
-        let mut state_slacks = Vec::new();
+    fn new(ocp: &Ocp, steps: usize) -> Self {
+        let mut counts = vec![0; steps + 1];
+        let mut add = |of: usize, k: usize| {
+            counts[k] += 1;
+            SlackPlace { of, k, place: counts[k] - 1 }
+        };
+        let bounded: Vec<usize> = (0..ocp.states()).filter(|&i| !ocp.state_bounds[i].is_free()).collect();
+        let mut states = Vec::new();
         for k in 1..=steps {
-            for &i in &bounded {
-                state_slacks.push((k, i, slacks.add(k)));
-            }
+            states.extend(bounded.iter().map(|&i| add(i, k)));
         }
-        let mut path_slacks = Vec::new();
+        let mut path = Vec::new();
         for (c, p) in ocp.path_constraints.iter().enumerate().filter(|(_, p)| !p.bounds.is_free()) {
-            path_slacks.extend(p.grid_points(steps).map(|k| (c, k, slacks.add(k))));
+            path.extend(p.grid_points(steps).map(|k| add(c, k)));
         }
-        let mut norm_slacks = Vec::new();
+        let mut norm = Vec::new();
         for (c, p) in ocp.norm_constraints.iter().enumerate() {
-            norm_slacks.extend(p.grid_points(steps).map(|k| (c, k, slacks.add(k))));
+            norm.extend(p.grid_points(steps).map(|k| add(c, k)));
         }
-        let linear_targets: Vec<_> =
-            (0..ocp.targets.len()).filter(|&j| ocp.targets[j].linear > 0.0).map(|j| (j, slacks.add(steps))).collect();
-        let set_slack = ocp.terminal_set.as_ref().map(|s| (s, slacks.add(steps)));
+        let linear = (0..ocp.targets.len()).filter(|&j| ocp.targets[j].linear > 0.0);
+        let targets = linear.map(|j| add(j, steps)).collect();
+        let set = ocp.terminal_set.as_ref().map(|_| add(0, steps));
+        Self { counts, states, path, norm, targets, set }
+    }
 
+    /// The program with its variables, without rows.
+    fn program(&self, ocp: &Ocp, steps: usize, closure: &[bool]) -> StageProgram {
+        let (n, m) = (ocp.states(), ocp.inputs());
         let mut first = vec![0; steps + 1];
         for k in 1..=steps {
-            first[k] = first[k - 1] + slacks.counts[k - 1] + m + if k > 1 { n } else { 0 };
+            first[k] = first[k - 1] + self.counts[k - 1] + m + if k > 1 { n } else { 0 };
         }
-        let variables = first[steps] + slacks.counts[steps] + if steps > 0 { n } else { 0 };
-        let mut program = StageProgram {
+        let variables = first[steps] + self.counts[steps] + if steps > 0 { n } else { 0 };
+        StageProgram {
             states: n,
             inputs: m,
             steps,
             flow_pattern: closure.to_vec(),
             first,
-            slacks: slacks.counts,
+            slacks: self.counts.clone(),
             defect: vec![0.0; steps * n],
             block_start: ocp.block_starts(steps),
             offset: vec![0.0; steps * m],
             hessian_places: (0..variables).map(|v| (v, v)).collect(),
             gradient: vec![0.0; variables],
             ..StageProgram::default()
-        };
+        }
+    }
+}
 
-        // Second pass: rows, those of the orthant first.
-        let mut rows = Rows { program: &mut program };
-        let mut assembled = Self {
-            program: StageProgram::default(),
-            stage_slots: Vec::new(),
+/// The sides of an interval that bound something, the upper one first: whether it is the upper one.
+fn sides(min: f64, max: f64) -> impl Iterator<Item = bool> {
+    [(true, max), (false, min)].into_iter().filter(|side| side.1.is_finite()).map(|side| side.0)
+}
+
+impl Assembly {
+    /// Lays out the program for a horizon of `steps` intervals; `closure` marks the possible entries of ∂F/∂(x, u), `exact`
+    /// makes room for the exact Hessian.
+    pub(super) fn new(ocp: &Ocp, steps: usize, closure: &[bool], exact: bool) -> Self {
+        let slacks = Slacks::new(ocp, steps);
+        let mut assembly = Self {
+            program: slacks.program(ocp, steps, closure),
             blocks: exact.then(StageBlocks::default),
-            terminal_slots: Vec::new(),
-            input_rows: Vec::new(),
-            state_rows: Vec::new(),
-            target_rows: Vec::new(),
-            slacks: Vec::new(),
-            path: Vec::new(),
-            norm: Vec::new(),
-            set: None,
-            gradient: vec![0.0; n + m],
-            hessian: Vec::new(),
+            gradient: vec![0.0; ocp.states() + ocp.inputs()],
+            ..Self::default()
         };
-        for k in 0..steps {
+        assembly.bound_inputs(ocp);
+        assembly.bound_states(ocp, &slacks.states);
+        assembly.add_path_constraints(ocp, &slacks.path);
+        assembly.add_targets(ocp, &slacks.targets);
+        for at in &slacks.norm {
+            assembly.add_slack(at, ocp.norm_constraints[at.of].softness, ocp.dt, 1.0);
+        }
+        let set = ocp.terminal_set.as_ref().zip(slacks.set.as_ref());
+        if let Some((set, at)) = set {
+            assembly.add_slack(at, set.softness, 1.0, set.level.sqrt());
+        }
+        assembly.program.nonnegative = assembly.program.right.len();
+        assembly.add_norm_cones(ocp, &slacks.norm);
+        if let Some((set, at)) = set {
+            assembly.add_terminal_cone(set.root(), at);
+        }
+        assembly.place_second_derivatives(ocp);
+        assembly.set_scales(ocp);
+        assembly
+    }
+
+    fn bound_inputs(&mut self, ocp: &Ocp) {
+        for k in 0..self.program.steps {
             for (j, b) in ocp.input_bounds.iter().enumerate() {
-                for (upper, limit) in [(true, b.1), (false, b.0)] {
-                    if limit.is_finite() {
-                        let row = rows.bound(k, rows.program.input(k, j), upper, None);
-                        assembled.input_rows.push(BoundRow { k, of: j, upper, row });
-                    }
+                for upper in sides(b.0, b.1) {
+                    let row = self.program.add_bound(k, self.program.input(k, j), upper, None);
+                    self.input_rows.push(BoundRow { k, of: j, upper, row });
                 }
             }
         }
-        for &(k, i, (_, place)) in &state_slacks {
-            let b = &ocp.state_bounds[i];
-            let slack = rows.program.slack(k, place);
-            for (upper, limit) in [(true, b.max), (false, b.min)] {
-                if limit.is_finite() {
-                    let row = rows.bound(k, rows.program.state(k, i), upper, Some(slack));
-                    assembled.state_rows.push(BoundRow { k, of: i, upper, row });
-                }
+    }
+
+    fn bound_states(&mut self, ocp: &Ocp, slacks: &[SlackPlace]) {
+        for at in slacks {
+            let (k, of, b) = (at.k, at.of, &ocp.state_bounds[at.of]);
+            let slack = self.program.slack(k, at.place);
+            for upper in sides(b.min, b.max) {
+                let row = self.program.add_bound(k, self.program.state(k, of), upper, Some(slack));
+                self.state_rows.push(BoundRow { k, of, upper, row });
             }
-            rows.bound(k, slack, false, None);
-            let (softness, scale) = (b.softness, ocp.state_scale[i]);
-            assembled.slacks.push(Slack { variable: slack, softness, factor: ocp.dt, scale });
+            self.add_slack(at, b.softness, ocp.dt, ocp.state_scale[of]);
         }
-        for &(c, k, (_, place)) in &path_slacks {
-            let p = &ocp.path_constraints[c];
-            let slack = rows.program.slack(k, place);
-            let mut sides = Vec::new();
-            for (upper, limit) in [(true, p.bounds.max), (false, p.bounds.min)] {
-                if limit.is_finite() {
-                    let row = rows.row(k);
-                    rows.entry(row, slack, -1.0);
-                    sides.push((upper, row, rows.jacobian(row, k, p.function.jacobian_pattern())));
-                }
-            }
-            assembled.path.push(PathRows { constraint: c, k, sides });
-            rows.bound(k, slack, false, None);
-            let softness = p.bounds.softness;
-            assembled.slacks.push(Slack { variable: slack, softness, factor: ocp.dt, scale: 1.0 });
+    }
+
+    fn add_path_constraints(&mut self, ocp: &Ocp, slacks: &[SlackPlace]) {
+        for at in slacks {
+            let (k, p) = (at.k, &ocp.path_constraints[at.of]);
+            let slack = self.program.slack(k, at.place);
+            let rows = sides(p.bounds.min, p.bounds.max).map(|upper| {
+                let row = self.program.add_row(k);
+                self.program.add_entry(row, slack, -1.0);
+                (upper, row, self.program.add_jacobian(row, k, p.function.jacobian_pattern()))
+            });
+            let sides = rows.collect();
+            self.path.push(PathRows { constraint: at.of, k, sides });
+            self.add_slack(at, p.bounds.softness, ocp.dt, 1.0);
         }
-        for &(j, (k, place)) in &linear_targets {
-            let slack = rows.program.slack(k, place);
-            let t = &ocp.targets[j];
+    }
+
+    /// The rows of the targets' linear weights, whose slacks need no bound of their own.
+    fn add_targets(&mut self, ocp: &Ocp, slacks: &[SlackPlace]) {
+        for at in slacks {
+            let (k, of, t) = (at.k, at.of, &ocp.targets[at.of]);
+            let variable = self.program.slack(k, at.place);
             for upper in [true, false] {
-                let row = rows.bound(k, rows.program.state(k, t.state), upper, Some(slack));
-                assembled.target_rows.push(BoundRow { k, of: j, upper, row });
+                let row = self.program.add_bound(k, self.program.state(k, t.state), upper, Some(variable));
+                self.target_rows.push(BoundRow { k, of, upper, row });
             }
             let softness = Softness::Soft { linear: t.linear, quadratic: 0.0 };
-            let scale = ocp.state_scale[t.state];
-            assembled.slacks.push(Slack { variable: slack, softness, factor: 1.0, scale });
+            self.slacks.push(Slack { variable, softness, factor: 1.0, scale: ocp.state_scale[t.state] });
         }
-        for &(c, k, (_, place)) in &norm_slacks {
-            let slack = rows.program.slack(k, place);
-            rows.bound(k, slack, false, None);
-            let softness = ocp.norm_constraints[c].softness;
-            assembled.slacks.push(Slack { variable: slack, softness, factor: ocp.dt, scale: 1.0 });
-        }
-        if let Some((set, (k, place))) = set_slack {
-            let slack = rows.program.slack(k, place);
-            rows.bound(k, slack, false, None);
-            let (softness, scale) = (set.softness, set.level.sqrt());
-            assembled.slacks.push(Slack { variable: slack, softness, factor: 1.0, scale });
-        }
-        rows.program.nonnegative = rows.program.right.len();
-        for &(c, k, (_, place)) in &norm_slacks {
-            let p = &ocp.norm_constraints[c];
-            let slack = rows.program.slack(k, place);
-            let row = rows.row(k);
-            rows.entry(row, slack, -1.0);
-            let limit = rows.jacobian(row, k, p.limit.jacobian_pattern());
-            for _ in 0..p.vector.outputs() {
-                rows.row(k);
-            }
-            let vector = rows.jacobian(row + 1, k, p.vector.jacobian_pattern());
-            rows.program.second_order.push(1 + p.vector.outputs());
-            assembled.norm.push(NormRows { constraint: c, k, row, limit, vector });
-        }
-        if let Some((set, (k, place))) = set_slack {
-            let slack = rows.program.slack(k, place);
-            let row = rows.row(k);
-            rows.entry(row, slack, -1.0);
-            let root = set.root();
-            for w in &root {
-                let row = rows.row(k);
-                for (i, v) in w.iter().enumerate().filter(|(_, v)| **v != 0.0) {
-                    let variable = rows.program.state(k, i);
-                    rows.entry(row, variable, -v);
-                }
-            }
-            rows.program.second_order.push(1 + root.len());
-            assembled.set = Some(SetRows { row, root });
-        }
+    }
 
-        // The places of the costs' second derivatives.
+    /// A slack with its bound.
+    fn add_slack(&mut self, at: &SlackPlace, softness: Softness, factor: f64, scale: f64) {
+        let variable = self.program.slack(at.k, at.place);
+        self.program.add_bound(at.k, variable, false, None);
+        self.slacks.push(Slack { variable, softness, factor, scale });
+    }
+
+    fn add_norm_cones(&mut self, ocp: &Ocp, slacks: &[SlackPlace]) {
+        for at in slacks {
+            let (k, constraint, p) = (at.k, at.of, &ocp.norm_constraints[at.of]);
+            let row = self.program.add_row(k);
+            self.program.add_entry(row, self.program.slack(k, at.place), -1.0);
+            let limit = self.program.add_jacobian(row, k, p.limit.jacobian_pattern());
+            for _ in 0..p.vector.outputs() {
+                self.program.add_row(k);
+            }
+            let vector = self.program.add_jacobian(row + 1, k, p.vector.jacobian_pattern());
+            self.program.second_order.push(1 + p.vector.outputs());
+            self.norm.push(NormRows { constraint, k, row, limit, vector });
+        }
+    }
+
+    fn add_terminal_cone(&mut self, root: Vec<Vec<f64>>, at: &SlackPlace) {
+        let p = &mut self.program;
+        let first = p.add_row(at.k);
+        p.add_entry(first, p.slack(at.k, at.place), -1.0);
+        for w in &root {
+            let row = p.add_row(at.k);
+            for (i, v) in w.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+                p.add_entry(row, p.state(at.k, i), -v);
+            }
+        }
+        p.second_order.push(1 + root.len());
+        self.set = Some(SetRows { row: first, root });
+    }
+
+    /// The places of the costs' second derivatives.
+    fn place_second_derivatives(&mut self, ocp: &Ocp) {
+        let p = &mut self.program;
         let stage_pattern = ocp.stage.as_ref().map_or(&[][..], |c| c.hessian_pattern());
-        for k in 0..steps {
-            let slots = match &mut assembled.blocks {
+        for k in 0..p.steps {
+            let slots = match &mut self.blocks {
                 Some(blocks) => {
-                    let all: Vec<(usize, usize)> = block_places(n + m).collect();
-                    let slots = places(&mut program, k, &all);
-                    let of_cost =
-                        stage_pattern.iter().filter_map(|p| all.iter().position(|a| a == p)).map(|i| slots[i]);
-                    let of_cost = of_cost.collect();
+                    let all: Vec<(usize, usize)> = block_places(p.states + p.inputs).collect();
+                    let slots = places(p, k, &all);
+                    let of_cost = stage_pattern.iter().filter_map(|p| all.iter().position(|a| a == p));
+                    let of_cost = of_cost.map(|i| slots[i]).collect();
                     blocks.slots.push(slots);
                     of_cost
                 }
-                None => places(&mut program, k, stage_pattern),
+                None => places(p, k, stage_pattern),
             };
-            assembled.stage_slots.push(slots);
+            self.stage_slots.push(slots);
         }
         let terminal_pattern = ocp.terminal.as_ref().map_or(&[][..], |c| c.hessian_pattern());
-        assembled.terminal_slots = places(&mut program, steps, terminal_pattern);
-        program.hessian = vec![0.0; program.hessian_places.len()];
-        assembled.program = program;
-        assembled.set_scales(ocp);
-        assembled
+        self.terminal_slots = places(p, p.steps, terminal_pattern);
+        p.hessian = vec![0.0; p.hessian_places.len()];
     }
 
     /// Sizes: of states as the problem states them, of inputs half the distance of their bounds, else their trust.
@@ -308,39 +333,32 @@ fn places(program: &mut StageProgram, k: usize, pattern: &[(usize, usize)]) -> V
     pattern.iter().map(place).collect()
 }
 
-/// Rows as they are added.
-struct Rows<'a> {
-    program: &'a mut StageProgram,
-}
-
-impl Rows<'_> {
-    fn row(&mut self, k: usize) -> usize {
-        self.program.right.push(0.0);
-        self.program.row_stage.push(k);
-        self.program.right.len() - 1
+impl StageProgram {
+    fn add_row(&mut self, k: usize) -> usize {
+        self.right.push(0.0);
+        self.row_stage.push(k);
+        self.right.len() - 1
     }
 
-    fn entry(&mut self, row: usize, variable: usize, value: f64) -> usize {
-        self.program.row_places.push((row, variable));
-        self.program.rows.push(value);
-        self.program.rows.len() - 1
+    fn add_entry(&mut self, row: usize, variable: usize, value: f64) -> usize {
+        self.row_places.push((row, variable));
+        self.rows.push(value);
+        self.rows.len() - 1
     }
 
     /// ± variable − slack ≤ …
-    fn bound(&mut self, k: usize, variable: usize, upper: bool, slack: Option<usize>) -> usize {
-        let row = self.row(k);
-        self.entry(row, variable, if upper { 1.0 } else { -1.0 });
+    fn add_bound(&mut self, k: usize, variable: usize, upper: bool, slack: Option<usize>) -> usize {
+        let row = self.add_row(k);
+        self.add_entry(row, variable, if upper { 1.0 } else { -1.0 });
         if let Some(s) = slack {
-            self.entry(row, s, -1.0);
+            self.add_entry(row, s, -1.0);
         }
         row
     }
 
     /// Slots of a Jacobian whose first row is `row`.
-    fn jacobian(&mut self, row: usize, k: usize, pattern: &[(usize, usize)]) -> Vec<usize> {
-        pattern
-            .iter()
-            .map(|&(i, j)| self.program.variable(k, j).map_or(NOWHERE, |v| self.entry(row + i, v, 0.0)))
-            .collect()
+    fn add_jacobian(&mut self, row: usize, k: usize, pattern: &[(usize, usize)]) -> Vec<usize> {
+        let entry = |&(i, j): &(usize, usize)| self.variable(k, j).map_or(NOWHERE, |v| self.add_entry(row + i, v, 0.0));
+        pattern.iter().map(entry).collect()
     }
 }
