@@ -59,47 +59,13 @@ impl Columns {
             .headers()
             .map_err(|e| doc.missing(format!("the header cannot be read: {e}"), "start the table with column names"))?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
-        if header.iter().all(String::is_empty) {
-            let message = "the table is empty: there is no header and no row";
-            return Err(doc.missing(message, "begin with a header such as t,u,x, and give a row of numbers per sample"));
-        }
-        if let [only] = header.as_slice()
-            && let Some(what) = other_separator(only, after)
-        {
-            let message = format!("the columns are separated by {what}");
-            return Err(doc.missing(message, "separate them by commas, and write decimal points: 0.5, not 0,5"));
-        }
-        if header.iter().all(|name| name.parse::<f64>().is_ok()) {
-            let end = doc.text().len() - after.len();
-            let start = doc.text()[..end].rfind('\n').map_or(0, |i| i + 1);
-            let message = "the first line holds numbers where the names of columns belong";
-            return Err(doc.error(start..end, message, "begin with a header such as t,u,x"));
-        }
-        for (k, name) in header.iter().enumerate() {
-            if header[..k].contains(name) {
-                return Err(doc.missing(format!("two columns are called `{name}`"), "rename one of them"));
-            }
-        }
+        check_header(doc, &header, after)?;
         let entries: Vec<Entries> = header.iter().map(|name| entries(name)).collect();
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); header.len()];
         let mut lines = Vec::new();
         for record in reader.records() {
             let line = |p: &csv::Position| p.line() + skipped_lines(&text, p.byte());
-            let record = record.map_err(|e| match e.kind() {
-                csv::ErrorKind::UnequalLengths { pos: Some(pos), expected_len, len } => {
-                    let line = line(pos);
-                    let entries = |n: u64| if n == 1 { "1 entry".to_owned() } else { format!("{n} entries") };
-                    let message = format!("line {line} has {}, the header {}", entries(*len), entries(*expected_len));
-                    let whole = line_span(doc.text(), line);
-                    let remedy = if *len == 2 * *expected_len {
-                        "give every row as many entries as the header; decimals are written with a point: 0.5, not 0,5"
-                    } else {
-                        "give every row as many entries as the header"
-                    };
-                    doc.error(whole, message, remedy)
-                }
-                _ => doc.missing(e.to_string(), "give every row as many entries as the header"),
-            })?;
+            let record = record.map_err(|e| unreadable(doc, &e, line))?;
             let line = record.position().map_or(0, line);
             lines.push(line);
             for (k, field) in record.iter().enumerate() {
@@ -109,24 +75,7 @@ impl Columns {
                     (Entries::MayBeLost, _) if LOST.contains(&field.to_ascii_lowercase().as_str()) => {
                         columns[k].push(f64::NAN);
                     }
-                    (kind, _) => {
-                        let column = match header[k].as_str() {
-                            "" => format!("column {} (without a name)", k + 1),
-                            name => format!("column `{name}`"),
-                        };
-                        let message = match field {
-                            "" => format!("line {line}, {column}: the entry is empty"),
-                            field => format!("line {line}, {column}: `{field}` is not a finite number"),
-                        };
-                        let remedy = match kind {
-                            _ if header[k].is_empty() => {
-                                "name the column, or take away the comma at the end of the lines"
-                            }
-                            Entries::MayBeLost => "correct the entry; one that was lost is left empty or called nan",
-                            _ => "correct or remove the row",
-                        };
-                        return Err(doc.error(Self::place(doc, &header, line, &header[k]), message, remedy));
-                    }
+                    (kind, _) => return Err(not_a_number(doc, &header, line, k, field, kind)),
                 }
             }
         }
@@ -199,6 +148,67 @@ fn line_span(text: &str, line: u64) -> Range<usize> {
 fn skipped_lines(text: &str, byte: u64) -> u64 {
     let rest = text.get(byte as usize..).unwrap_or("");
     rest.split('\n').take_while(|line| line.starts_with('#') || line.trim_end_matches('\r').is_empty()).count() as u64
+}
+
+/// Whether these can be names of columns; the rows are the text `after` them.
+fn check_header(doc: &Document, header: &[String], after: &str) -> Result<(), FileError> {
+    if header.iter().all(String::is_empty) {
+        let message = "the table is empty: there is no header and no row";
+        return Err(doc.missing(message, "begin with a header such as t,u,x, and give a row of numbers per sample"));
+    }
+    if let [only] = header
+        && let Some(what) = other_separator(only, after)
+    {
+        let message = format!("the columns are separated by {what}");
+        return Err(doc.missing(message, "separate them by commas, and write decimal points: 0.5, not 0,5"));
+    }
+    if header.iter().all(|name| name.parse::<f64>().is_ok()) {
+        let end = doc.text().len() - after.len();
+        let start = doc.text()[..end].rfind('\n').map_or(0, |i| i + 1);
+        let message = "the first line holds numbers where the names of columns belong";
+        return Err(doc.error(start..end, message, "begin with a header such as t,u,x"));
+    }
+    for (k, name) in header.iter().enumerate() {
+        if header[..k].contains(name) {
+            return Err(doc.missing(format!("two columns are called `{name}`"), "rename one of them"));
+        }
+    }
+    Ok(())
+}
+
+/// The error for a row that the reader of tables refuses; `line` gives the line of a position.
+fn unreadable(doc: &Document, e: &csv::Error, line: impl Fn(&csv::Position) -> u64) -> FileError {
+    let remedy = "give every row as many entries as the header";
+    let csv::ErrorKind::UnequalLengths { pos: Some(pos), expected_len, len } = e.kind() else {
+        return doc.missing(e.to_string(), remedy);
+    };
+    let line = line(pos);
+    let entries = |n: u64| if n == 1 { "1 entry".to_owned() } else { format!("{n} entries") };
+    let message = format!("line {line} has {}, the header {}", entries(*len), entries(*expected_len));
+    let remedy = if *len == 2 * *expected_len {
+        "give every row as many entries as the header; decimals are written with a point: 0.5, not 0,5"
+    } else {
+        remedy
+    };
+    doc.error(line_span(doc.text(), line), message, remedy)
+}
+
+/// The error for an entry of column `k` that is not a finite number.
+fn not_a_number(doc: &Document, header: &[String], line: u64, k: usize, field: &str, kind: Entries) -> FileError {
+    let column = match header[k].as_str() {
+        "" => format!("column {} (without a name)", k + 1),
+        name => format!("column `{name}`"),
+    };
+    let message = match field {
+        "" => format!("line {line}, {column}: the entry is empty"),
+        field => format!("line {line}, {column}: `{field}` is not a finite number"),
+    };
+    let remedy = match kind {
+        _ if header[k].is_empty() => "name the column, or take away the comma at the end of the lines",
+        Entries::MayBeLost => "correct the entry; one that was lost is left empty or called nan",
+        _ => "correct or remove the row",
+    };
+    doc.error(Columns::place(doc, header, line, &header[k]), message, remedy)
 }
 
 /// The text before the line of the header, that line, and the rest.

@@ -73,32 +73,8 @@ impl Reader<'_> {
         if names.is_empty() {
             return Err(self.doc.missing("the estimator measures nothing", remedy).into());
         }
-        for (key, v) in self.doc.sub_table(t, "parameters")?.into_iter().flatten() {
-            let name = key.get_ref();
-            if !self.system.parameters.iter().any(|p| self.system.symbol_name(p.symbol) == *name) {
-                let known: Vec<String> =
-                    self.system.parameters.iter().map(|p| self.system.symbol_name(p.symbol).to_owned()).collect();
-                return Err(self.unknown(name, key.span(), "parameter", &known));
-            }
-            let (std, walk, min, max) = self.walk(v, name)?;
-            problem.parameters.push(EstimatedParameter { name: name.to_string(), std, walk, min, max });
-        }
-        for (key, v) in self.doc.sub_table(t, "disturbances")?.into_iter().flatten() {
-            let name = key.get_ref().to_string();
-            let channel = if self.system.input_index(&name).is_some() {
-                DisturbanceChannel::Input(name)
-            } else if self.system.state_index(&name).is_some() {
-                DisturbanceChannel::State(name)
-            } else if let Some(i) = names.iter().position(|n| *n == name) {
-                DisturbanceChannel::Output(i)
-            } else {
-                let mut known = self.system.input_names();
-                known.extend(self.system.state_names());
-                return Err(self.unknown(&name, key.span(), "input, state or output", &known));
-            };
-            let (std, walk, min, max) = self.walk(v, key.get_ref())?;
-            problem.disturbances.push(Disturbance { channel, std, walk, min, max });
-        }
+        self.read_parameters(t, &mut problem)?;
+        self.read_disturbances(t, &names, &mut problem)?;
         for key in ["horizon", "iterations"] {
             if let Some(v) = t.get(key).filter(|_| kind == EstimatorKind::ExtendedKalman) {
                 let message = format!("an extended Kalman filter has no `{key}`");
@@ -122,6 +98,42 @@ impl Reader<'_> {
             return Err(self.doc.error(place, e.to_string(), remedy).into());
         }
         Ok(Some(estimation))
+    }
+
+    /// The parameters that are estimated.
+    fn read_parameters(&self, t: &Table<'_>, problem: &mut EstimationProblem) -> Parsed<()> {
+        for (key, v) in self.doc.sub_table(t, "parameters")?.into_iter().flatten() {
+            let name = key.get_ref();
+            if !self.system.parameters.iter().any(|p| self.system.symbol_name(p.symbol) == *name) {
+                let known: Vec<String> =
+                    self.system.parameters.iter().map(|p| self.system.symbol_name(p.symbol).to_owned()).collect();
+                return Err(self.unknown(name, key.span(), "parameter", &known));
+            }
+            let (std, walk, min, max) = self.walk(v, name)?;
+            problem.parameters.push(EstimatedParameter { name: name.to_string(), std, walk, min, max });
+        }
+        Ok(())
+    }
+
+    /// The disturbances that are estimated; `names` are those of the outputs.
+    fn read_disturbances(&self, t: &Table<'_>, names: &[String], problem: &mut EstimationProblem) -> Parsed<()> {
+        for (key, v) in self.doc.sub_table(t, "disturbances")?.into_iter().flatten() {
+            let name = key.get_ref().to_string();
+            let channel = if self.system.input_index(&name).is_some() {
+                DisturbanceChannel::Input(name)
+            } else if self.system.state_index(&name).is_some() {
+                DisturbanceChannel::State(name)
+            } else if let Some(i) = names.iter().position(|n| *n == name) {
+                DisturbanceChannel::Output(i)
+            } else {
+                let mut known = self.system.input_names();
+                known.extend(self.system.state_names());
+                return Err(self.unknown(&name, key.span(), "input, state or output", &known));
+            };
+            let (std, walk, min, max) = self.walk(v, key.get_ref())?;
+            problem.disturbances.push(Disturbance { channel, std, walk, min, max });
+        }
+        Ok(())
     }
 
     /// A measured output: the standard deviation of its noise, or a table with it.
