@@ -129,20 +129,7 @@ impl Ocp {
         check_length("the steady input", input.len(), m)?;
         self.check(dynamics.states(), dynamics.inputs())?;
         let Some(mut stage) = self.stage.clone() else { return Err(MpcError::NoStageCost) };
-        let mut end = state.to_vec();
-        let mut jacobian = vec![0.0; n * (n + m)];
-        let interval = Interval { t: 0.0, dt: self.dt, substeps: self.substeps.least(), u: input };
-        if let Some(row) = self.parameters.first() {
-            dynamics.set_parameters(row);
-        }
-        Shooter::new(dynamics, self.integrator).advance_with_sensitivity(dynamics, interval, &mut end, &mut jacobian);
-        for (index, (e, x)) in end.iter().zip(state).enumerate() {
-            let moved = (e - x).abs() / self.state_scale[index];
-            if moved.is_nan() || moved > STEADY * (1.0 + x.abs()) {
-                return Err(MpcError::NotSteady { index, moved: e - x });
-            }
-        }
-        let flow = DMatrix::from_row_slice(n, n + m, &jacobian);
+        let flow = self.flow_at_steady_state(dynamics, state, input)?;
         let (a, b) = (flow.columns(0, n).into_owned(), flow.columns(n, m).into_owned());
         let references = self.reference(0)[..stage.references()].to_vec();
         let (dt, pattern) = (self.dt, stage.hessian_pattern().to_vec());
@@ -199,6 +186,30 @@ impl Ocp {
         let tilt = Affine { at: &tilt, slope: &tilting };
         self.terminal = Some(cost_to_go(&riccati.cost_to_go, &at, &tilt, &references)?);
         Ok((self, InfiniteHorizon { riccati, state: center, input: rest }))
+    }
+
+    /// (A B) of an interval at a steady state, n rows of n + m.
+    fn flow_at_steady_state(
+        &self,
+        dynamics: &mut dyn Dynamics,
+        state: &[f64],
+        input: &[f64],
+    ) -> Result<DMatrix<f64>, MpcError> {
+        let (n, m) = (state.len(), input.len());
+        let mut end = state.to_vec();
+        let mut jacobian = vec![0.0; n * (n + m)];
+        let interval = Interval { t: 0.0, dt: self.dt, substeps: self.substeps.least(), u: input };
+        if let Some(row) = self.parameters.first() {
+            dynamics.set_parameters(row);
+        }
+        Shooter::new(dynamics, self.integrator).advance_with_sensitivity(dynamics, interval, &mut end, &mut jacobian);
+        for (index, (e, x)) in end.iter().zip(state).enumerate() {
+            let moved = (e - x).abs() / self.state_scale[index];
+            if moved.is_nan() || moved > STEADY * (1.0 + x.abs()) {
+                return Err(MpcError::NotSteady { index, moved: e - x });
+            }
+        }
+        Ok(DMatrix::from_row_slice(n, n + m, &jacobian))
     }
 
     /// Largest level α of the set (x − c)ᵀP(x − c) ≤ α in which the input u_c − K(x − c) keeps its bounds and the states

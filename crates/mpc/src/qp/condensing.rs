@@ -118,7 +118,119 @@ struct Builder {
     sources: Vec<Coefficient>,
 }
 
+impl Sections {
+    fn new(program: &StageProgram) -> Self {
+        let gradient = program.hessian.len();
+        let rows = gradient + program.gradient.len();
+        let right = rows + program.rows.len();
+        Self { gradient, rows, right, dynamics_right: right + program.right.len() }
+    }
+
+    /// Slots of the first interval, with the entries of the program that fill them.
+    fn first_loads(self, program: &StageProgram) -> Vec<(usize, Source)> {
+        let end = program.first.get(1).copied().unwrap_or(program.gradient.len());
+        let hessian = program.hessian_places.iter().enumerate().filter(|(_, (i, j))| *i < end && *j < end);
+        let mut loads: Vec<_> = hessian.map(|(s, _)| (s, Source::Hessian(s))).collect();
+        loads.extend((0..end).map(|v| (self.gradient + v, Source::Gradient(v))));
+        let first = |row: usize| program.row_stage[row] == 0;
+        let entries = program.row_places.iter().enumerate().filter(|(_, (row, _))| first(*row));
+        loads.extend(entries.map(|(s, _)| (self.rows + s, Source::Row(s))));
+        let rows = (0..program.right.len()).filter(|&row| first(row));
+        loads.extend(rows.map(|row| (self.right + row, Source::Right(row))));
+        loads
+    }
+}
+
+/// Variables that state i at the end of interval k depends on, with the places of their coefficients in the flow.
+fn parents(program: &StageProgram, k: usize, i: usize) -> impl Iterator<Item = (usize, usize)> {
+    let (n, w) = (program.states, program.states + program.inputs);
+    let possible = (0..w).filter(move |&j| program.flow_pattern[i * w + j]);
+    possible.filter_map(move |j| program.variable(k, j).map(|v| (v, (k * n + i) * w + j)))
+}
+
+/// Slots of a matrix's values with the factors of their columns and rows.
+fn scaled(matrix: &CscMatrix<f64>, slots: Vec<u32>, scale: &[f64], of_row: impl Fn(usize) -> f64) -> Gather {
+    let columns = (0..matrix.n).flat_map(|c| vec![c; matrix.colptr[c + 1] - matrix.colptr[c]]);
+    let factors = columns.zip(&matrix.rowval).map(|(c, &r)| scale[c] * of_row(r));
+    slots.into_iter().zip(factors).collect()
+}
+
 impl Builder {
+    /// The structure of a program, the constraints after `dynamics` rows of the dynamics.
+    fn new(program: &StageProgram, sections: Sections, dynamics: usize) -> Self {
+        let Sections { gradient, rows, right, dynamics_right } = sections;
+        let variables = program.gradient.len();
+        let mut b = Self {
+            slots: dynamics_right + dynamics,
+            hessian: vec![BTreeMap::new(); variables],
+            columns: vec![BTreeMap::new(); variables],
+            gradient: (gradient..rows).map(|s| s as u32).collect(),
+            right: (dynamics_right..dynamics_right + dynamics).chain(right..dynamics_right).map(|s| s as u32).collect(),
+            products: Vec::new(),
+            sources: Vec::new(),
+        };
+        for (s, &(i, j)) in program.hessian_places.iter().enumerate() {
+            b.hessian[i].insert(j, s as u32);
+            b.hessian[j].insert(i, s as u32);
+        }
+        for (s, &(row, variable)) in program.row_places.iter().enumerate() {
+            b.columns[variable].insert(dynamics + row, (rows + s) as u32);
+        }
+        b
+    }
+
+    /// Eliminates the marked states and the shared inputs from the end of the horizon to its start; also returns the
+    /// operations that do not touch numbers of the first interval, the others stay in `products`.
+    fn eliminate_backward(
+        &mut self,
+        program: &StageProgram,
+        eliminate: impl Fn(usize, usize) -> bool,
+    ) -> (Vec<Eliminated>, Vec<Product>) {
+        let (n, m) = (program.states, program.inputs);
+        let (mut eliminated, mut early) = (Vec::new(), Vec::new());
+        let one = self.coefficient(Coefficient::One);
+        for k in (0..program.steps).rev() {
+            if k == 0 {
+                early = std::mem::take(&mut self.products);
+            }
+            for i in (0..n).filter(|&i| eliminate(k + 1, i)) {
+                let flow = |(v, place)| (v, self.coefficient(Coefficient::Flow(place)));
+                let parents = parents(program, k, i).map(flow).collect();
+                let constant = self.coefficient(Coefficient::Defect(k * n + i));
+                let negative = self.coefficient(Coefficient::NegativeDefect(k * n + i));
+                let q = program.state(k + 1, i);
+                eliminated.push(self.eliminate(q, parents, constant, negative, Some(k * n + i)));
+            }
+            let start = program.block_start[k];
+            for j in (0..m).filter(|_| start < k) {
+                let constant = self.coefficient(Coefficient::Offset(k * m + j));
+                let negative = self.coefficient(Coefficient::NegativeOffset(k * m + j));
+                let q = program.input(k, j);
+                eliminated.push(self.eliminate(q, vec![(program.input(start, j), one)], constant, negative, None));
+            }
+        }
+        (eliminated, early)
+    }
+
+    /// The matrices P, A of the variables that stay, each with the slots of its values.
+    fn matrices(&self, kept: &[usize]) -> [(CscMatrix<f64>, Vec<u32>); 2] {
+        let mut number = vec![0; self.hessian.len()];
+        for (i, &v) in kept.iter().enumerate() {
+            number[v] = i;
+        }
+        let mut hessian = Pattern::new(kept.len(), kept.len());
+        let mut constraints = Pattern::new(self.right.len(), kept.len());
+        for &v in kept {
+            for (&r, &s) in self.hessian[v].range(v..) {
+                hessian.place(number[v], number[r], s);
+            }
+            for (&row, &s) in &self.columns[v] {
+                constraints.place(row, number[v], s);
+            }
+        }
+        [hessian.build(), constraints.build()]
+    }
+
     fn slot(&mut self) -> u32 {
         self.slots += 1;
         self.slots as u32 - 1
@@ -217,109 +329,28 @@ impl Condensing {
         program: &StageProgram,
         eliminate: impl Fn(usize, usize) -> bool,
     ) -> (Self, CscMatrix<f64>, CscMatrix<f64>) {
-        let (n, m, steps) = (program.states, program.inputs, program.steps);
-        let w = n + m;
-        let variables = program.gradient.len();
-        let gradient = program.hessian.len();
-        let rows = gradient + variables;
-        let right = rows + program.rows.len();
-        let dynamics_right = right + program.right.len();
-        let sections = Sections { gradient, rows, right, dynamics_right };
+        let (n, steps) = (program.states, program.steps);
+        let w = n + program.inputs;
+        let sections = Sections::new(program);
         let dynamics: Vec<(usize, usize)> =
             (0..steps).flat_map(|k| (0..n).map(move |i| (k, i))).filter(|&(k, i)| !eliminate(k + 1, i)).collect();
-        let nd = dynamics.len();
-        let mut b = Builder {
-            slots: dynamics_right + nd,
-            hessian: vec![BTreeMap::new(); variables],
-            columns: vec![BTreeMap::new(); variables],
-            gradient: (gradient..rows).map(|s| s as u32).collect(),
-            right: (dynamics_right..dynamics_right + nd).chain(right..dynamics_right).map(|s| s as u32).collect(),
-            products: Vec::new(),
-            sources: Vec::new(),
-        };
-        for (s, &(i, j)) in program.hessian_places.iter().enumerate() {
-            b.hessian[i].insert(j, s as u32);
-            b.hessian[j].insert(i, s as u32);
-        }
-        for (s, &(row, variable)) in program.row_places.iter().enumerate() {
-            b.columns[variable].insert(nd + row, (rows + s) as u32);
-        }
-        let parents = |k: usize, i: usize| {
-            let possible = (0..w).filter(move |&j| program.flow_pattern[i * w + j]);
-            possible.filter_map(move |j| program.variable(k, j).map(|v| (v, (k * n + i) * w + j)))
-        };
+        let mut b = Builder::new(program, sections, dynamics.len());
         let (mut ones, mut flow_loads, mut first_flow_loads) = (Vec::new(), Vec::new(), 0);
         for (row, &(k, i)) in dynamics.iter().enumerate() {
             ones.push(b.constraint(row, program.state(k + 1, i)) as usize);
-            for (v, place) in parents(k, i) {
+            for (v, place) in parents(program, k, i) {
                 flow_loads.push((b.constraint(row, v) as usize, place));
                 first_flow_loads += usize::from(k == 0);
             }
         }
-
-        let mut eliminated = Vec::new();
-        let mut early = Vec::new();
-        let one = b.coefficient(Coefficient::One);
-        for k in (0..steps).rev() {
-            if k == 0 {
-                early = std::mem::take(&mut b.products);
-            }
-            for i in (0..n).filter(|&i| eliminate(k + 1, i)) {
-                let parents = parents(k, i).map(|(v, place)| (v, b.coefficient(Coefficient::Flow(place)))).collect();
-                let constant = b.coefficient(Coefficient::Defect(k * n + i));
-                let negative = b.coefficient(Coefficient::NegativeDefect(k * n + i));
-                let q = program.state(k + 1, i);
-                eliminated.push(b.eliminate(q, parents, constant, negative, Some(k * n + i)));
-            }
-            let start = program.block_start[k];
-            for j in (0..m).filter(|_| start < k) {
-                let constant = b.coefficient(Coefficient::Offset(k * m + j));
-                let negative = b.coefficient(Coefficient::NegativeOffset(k * m + j));
-                let q = program.input(k, j);
-                eliminated.push(b.eliminate(q, vec![(program.input(start, j), one)], constant, negative, None));
-            }
-        }
+        let (eliminated, early) = b.eliminate_backward(program, eliminate);
         let late = std::mem::take(&mut b.products);
-
-        let mut gone = vec![false; variables];
+        let mut gone = vec![false; program.gradient.len()];
         for e in &eliminated {
             gone[e.variable] = true;
         }
-        let kept: Vec<usize> = (0..variables).filter(|&v| !gone[v]).collect();
-        let mut number = vec![0; variables];
-        for (i, &v) in kept.iter().enumerate() {
-            number[v] = i;
-        }
-        let mut pattern = Pattern::new(kept.len(), kept.len());
-        for &v in &kept {
-            for (&r, &s) in b.hessian[v].range(v..) {
-                pattern.place(number[v], number[r], s);
-            }
-        }
-        let (p, gather_p) = pattern.build();
-        let mut pattern = Pattern::new(b.right.len(), kept.len());
-        for &v in &kept {
-            for (&row, &s) in &b.columns[v] {
-                pattern.place(row, number[v], s);
-            }
-        }
-        let (a, gather_a) = pattern.build();
-
-        let in_first = |v: usize| v < program.first.get(1).copied().unwrap_or(variables);
-        let mut first_loads = Vec::new();
-        for (s, &(i, j)) in program.hessian_places.iter().enumerate() {
-            if in_first(i) && in_first(j) {
-                first_loads.push((s, Source::Hessian(s)));
-            }
-        }
-        first_loads.extend((0..variables).filter(|v| in_first(*v)).map(|v| (gradient + v, Source::Gradient(v))));
-        for (s, &(row, _)) in program.row_places.iter().enumerate() {
-            if program.row_stage[row] == 0 {
-                first_loads.push((rows + s, Source::Row(s)));
-            }
-        }
-        let first_rows = (0..program.right.len()).filter(|&r| program.row_stage[r] == 0);
-        first_loads.extend(first_rows.map(|r| (right + r, Source::Right(r))));
+        let kept: Vec<usize> = (0..gone.len()).filter(|&v| !gone[v]).collect();
+        let [(p, slots_p), (a, slots_a)] = b.matrices(&kept);
         let first_coefficients = (0..b.sources.len())
             .filter(|&c| match b.sources[c] {
                 Coefficient::Flow(i) => i < n * w,
@@ -330,13 +361,6 @@ impl Condensing {
         let scale: Vec<f64> = kept.iter().map(|&v| program.scale[v]).collect();
         let of_dynamics = dynamics.iter().map(|&(k, i)| program.scale[program.state(k + 1, i)]);
         let row_scale: Vec<f64> = of_dynamics.chain(program.row_scale.iter().copied()).collect();
-        let scaled = |matrix: &CscMatrix<f64>, slots: Vec<u32>, of_row: &dyn Fn(usize) -> f64| -> Gather {
-            let columns = (0..matrix.n).flat_map(|c| vec![c; matrix.colptr[c + 1] - matrix.colptr[c]]);
-            let factors = columns.zip(&matrix.rowval).map(|(c, &r)| scale[c] * of_row(r));
-            slots.into_iter().zip(factors).collect()
-        };
-        let gather_p = scaled(&p, gather_p, &|r| scale[r]);
-        let gather_a = scaled(&a, gather_a, &|r| 1.0 / row_scale[r]);
         let substitution = Self {
             work: vec![0.0; b.slots],
             saved: vec![0.0; b.slots],
@@ -345,21 +369,21 @@ impl Condensing {
             first_coefficients,
             early,
             late,
-            first_loads,
+            first_loads: sections.first_loads(program),
             flow_loads,
             first_flow_loads,
             ones,
             eliminated,
             sections,
-            gather_q: kept.iter().zip(&scale).map(|(&v, &s)| ((gradient + v) as u32, s)).collect(),
+            gather_p: scaled(&p, slots_p, &scale, |r| scale[r]),
+            gather_a: scaled(&a, slots_a, &scale, |r| 1.0 / row_scale[r]),
+            gather_q: kept.iter().zip(&scale).map(|(&v, &s)| ((sections.gradient + v) as u32, s)).collect(),
             gather_b: b.right.into_iter().zip(&row_scale).map(|(slot, s)| (slot, 1.0 / s)).collect(),
             objective_scale: 1.0,
             scale,
             row_scale,
             kept,
             dynamics,
-            gather_p,
-            gather_a,
         };
         (substitution, p, a)
     }

@@ -17,6 +17,55 @@ const ACTIVE: f64 = 1e-5;
 /// Stiffness of active inequalities, relative to the largest curvature of the program.
 const STIFFNESS: f64 = 1e8;
 
+/// First variable of a stage.
+fn stage_start(program: &StageProgram, k: usize) -> usize {
+    if k == 0 { 0 } else { program.state(k, 0) }
+}
+
+/// Number of variables of a stage.
+fn stage_size(program: &StageProgram, k: usize) -> usize {
+    let end = if k < program.steps() { stage_start(program, k + 1) } else { program.variables() };
+    end - stage_start(program, k)
+}
+
+/// Hessian of the variables of every stage, in their order, with a spring for every row that is active at `z`.
+fn stage_hessians(program: &StageProgram, z: &[f64]) -> Vec<DMatrix<f64>> {
+    let (base, size) = (|k: usize| stage_start(program, k), |k: usize| stage_size(program, k));
+    let mut hessian: Vec<DMatrix<f64>> = (0..=program.steps()).map(|k| DMatrix::zeros(size(k), size(k))).collect();
+    let mut stage_of = vec![0; program.variables()];
+    for k in 0..=program.steps() {
+        stage_of[base(k)..base(k) + size(k)].fill(k);
+    }
+    let mut largest = 0.0_f64;
+    for ((i, j), h) in program.hessian() {
+        let k = stage_of[i];
+        let (i, j) = (i - base(k), j - base(k));
+        hessian[k][(i, j)] = h;
+        hessian[k][(j, i)] = h;
+        largest = largest.max(h.abs());
+    }
+    let right = program.right_hand_side();
+    let mut gap = right.to_vec();
+    let mut rows = vec![Vec::new(); right.len()];
+    for ((row, column), r) in program.rows() {
+        gap[row] -= r * z[column];
+        rows[row].push((column, r));
+    }
+    let stiffness = STIFFNESS * largest.max(1e-6);
+    for (row, entries) in rows.iter().enumerate() {
+        if gap[row].abs() > ACTIVE * right[row].abs().max(1.0) {
+            continue;
+        }
+        for &(i, a) in entries {
+            for &(j, b) in entries {
+                let k = stage_of[i];
+                hessian[k][(i - base(k), j - base(k))] += stiffness * a * b;
+            }
+        }
+    }
+    hessian
+}
+
 /// The gains of a solved program.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tangent {
@@ -36,41 +85,8 @@ impl Tangent {
     pub(crate) fn of(program: &StageProgram, z: &[f64], flow: &[f64], first: &[f64]) -> Option<Self> {
         let (n, m, steps) = (program.states(), program.inputs(), program.steps());
         let w = n + m;
-        // Hessian of the variables of every stage, in their order, with a spring for every active row.
-        let base = |k: usize| if k == 0 { 0 } else { program.state(k, 0) };
-        let size = |k: usize| if k < steps { base(k + 1) - base(k) } else { program.variables() - base(k) };
-        let mut hessian: Vec<DMatrix<f64>> = (0..=steps).map(|k| DMatrix::zeros(size(k), size(k))).collect();
-        let mut stage_of = vec![0; program.variables()];
-        for k in 0..=steps {
-            stage_of[base(k)..base(k) + size(k)].fill(k);
-        }
-        let mut largest = 0.0_f64;
-        for ((i, j), h) in program.hessian() {
-            let k = stage_of[i];
-            let (i, j) = (i - base(k), j - base(k));
-            hessian[k][(i, j)] = h;
-            hessian[k][(j, i)] = h;
-            largest = largest.max(h.abs());
-        }
-        let right = program.right_hand_side();
-        let mut gap = right.to_vec();
-        let mut rows = vec![Vec::new(); right.len()];
-        for ((row, column), r) in program.rows() {
-            gap[row] -= r * z[column];
-            rows[row].push((column, r));
-        }
-        let stiffness = STIFFNESS * largest.max(1e-6);
-        for (row, entries) in rows.iter().enumerate() {
-            if gap[row].abs() > ACTIVE * right[row].abs().max(1.0) {
-                continue;
-            }
-            for &(i, a) in entries {
-                for &(j, b) in entries {
-                    let k = stage_of[i];
-                    hessian[k][(i - base(k), j - base(k))] += stiffness * a * b;
-                }
-            }
-        }
+        let size = |k: usize| stage_size(program, k);
+        let hessian = stage_hessians(program, z);
         // Riccati recursion over (slacks, inputs) of every stage.
         let last = size(steps) - n;
         let h = &hessian[steps];

@@ -37,141 +37,228 @@ const CONTRACTING: f64 = 0.1;
 /// Programs in a row without an acceptable step.
 const MAX_FAILURES: usize = 12;
 
+/// The iteration at work.
+struct Iterate {
+    at: Trajectory,
+    now: Merit,
+    filter: Filter,
+    /// Whether the defects were removed by simulation.
+    restored: bool,
+    /// Programs in a row without an acceptable step.
+    failures: usize,
+    /// Weight of the proximal term.
+    lambda: f64,
+    /// Weight of the defects in the merit.
+    weight: f64,
+    /// A proximal weight of this size counts: the term is as large as the change of the objective when every input moves by
+    /// its trust.
+    unit: f64,
+    /// ½ dᵀHd of the last step, if it was a whole one of a program without proximal term.
+    curvature: Option<f64>,
+}
+
+impl Iterate {
+    fn damp(&mut self, factor: f64) {
+        self.lambda = (self.lambda * factor).max(FIRST_PROXIMAL * self.unit);
+    }
+
+    /// After feasibility restoration.
+    fn restart(&mut self) {
+        self.restored = true;
+        self.filter = Filter::new(&self.now);
+    }
+}
+
+/// A fraction of a program's step.
+struct Step {
+    end: Trajectory,
+    merit: Merit,
+    fraction: f64,
+    /// Decrease of the objective that the whole step promised.
+    promised: f64,
+    verdict: Verdict,
+}
+
+/// What follows a program.
+enum Next {
+    Program,
+    Converged,
+    Failed,
+}
+
 impl Sqp {
-    /// Whether the method converges at the smoothing width that is set, for the log `width`; if not, the trajectory is the last one if its merit is less than at first, else as it
-    /// was.
+    /// Whether the method converges at the smoothing width that is set, for the log `width`; if not, the trajectory is the last
+    /// one if its merit is less than at first, else as it was.
     pub(crate) fn filter_method(
         &mut self,
         z: &mut Trajectory,
         width: f64,
         log: &mut Vec<Iteration>,
     ) -> Result<bool, MpcError> {
-        let s = self.settings.clone();
-        let mut at = z.clone();
-        let steps = at.steps();
-        self.problem.choose_substeps(&at);
-        self.problem.linearize(&at, 0, steps, &mut self.lin);
-        let mut now = self.problem.merit_with(&at, &self.lin.end, s.qp.hard_weight);
-        let first = now;
-        let mut filter = Filter::new(&now);
-        let mut restored = false;
-        let mut failures = 0;
-        let (mut lambda, mut weight) = (0.0_f64, 0.0_f64);
-        // A proximal weight of this size counts: the term is as large as the change of the objective when every input moves by
-        // its trust.
-        let mut unit = 1.0_f64;
-        // ½ dᵀHd of the last step, if it was a whole one of a program without proximal term.
-        let mut last_curvature = None;
-        for _ in 0..s.filter_iterations {
-            check_flag(&s.stop)?;
-            let proximal = if lambda < s.min_proximal { 0.0 } else { lambda };
-            self.assemble(&at, proximal);
-            let qp = self.qp.solve()?;
-            let mut line = self.line(width, &now, proximal, qp);
-            if !qp.is_usable() {
-                log.push(line);
-                last_curvature = None;
-                if !restored && self.restore(&mut at, &mut now) {
-                    restored = true;
-                    filter = Filter::new(&now);
-                    continue;
-                }
-                if qp == QpStatus::NotANumber || failures > MAX_FAILURES {
-                    break;
-                }
-                failures += 1;
-                lambda = (lambda * GROWTH).max(FIRST_PROXIMAL * unit);
-                continue;
-            }
-            let (mut trial, mut after) = self.trial(&at, 1.0);
-            let promised = now.objective - after.objective;
-            if promised.is_finite() {
-                unit = promised.abs().min(now.objective.abs()) / (steps as f64 * self.problem.ocp.dt);
-            }
-            if promised.abs() <= s.tolerance * now.objective.abs().max(1e-12) && now.worst_defect <= s.defect_tolerance
-            {
-                line.predicted = promised;
-                log.push(line);
-                // The last step is still worth taking unless it leaves the tolerance.
-                *z = if after.worst_defect <= s.defect_tolerance { trial } else { at };
-                return Ok(true);
-            }
-            weight = self.problem.penalty_weight(&self.qp.solution.multipliers).max(0.8 * weight);
-            let curvature = self.curvature();
-            let mut fraction = 1.0;
-            let mut verdict = filter.judge(&now, &after, promised);
-            let correctable = s.second_order_correction && self.is_curved(&now, &after);
-            if verdict == Verdict::Rejected && correctable {
-                let step = self.qp.solution.clone();
-                self.qp.correct(&mut self.problem.ocp, self.problem.k0, &trial, &self.problem.ends, &self.lin);
-                let qp = self.qp.solve()?;
-                log.push(line);
-                line.correction = true;
-                (line.qp, line.qp_iterations) = (qp, self.qp.solution.iterations);
-                if qp.is_usable() {
-                    (trial, after) = self.trial(&at, 1.0);
-                    verdict = filter.judge(&now, &after, promised);
-                }
-                self.qp.solution = step;
-            }
-            while verdict == Verdict::Rejected && fraction > SHORTEST {
-                fraction /= 2.0;
-                (trial, after) = self.trial(&at, fraction);
-                verdict = filter.judge(&now, &after, fraction * promised);
-            }
-            line.predicted = now.value(weight) - now.objective + fraction * promised;
-            line.ratio = (now.value(weight) - after.value(weight)) / line.predicted.max(f64::MIN_POSITIVE);
-            let ratio = line.ratio;
-            line.fraction = if verdict == Verdict::Rejected { 0.0 } else { fraction };
-            log.push(line);
-            if verdict == Verdict::Rejected {
-                failures += 1;
-                last_curvature = None;
-                lambda = (lambda * GROWTH).max(FIRST_PROXIMAL * unit);
-                let infeasible = now.worst_defect > s.defect_tolerance;
-                if failures == PATIENCE && infeasible && !restored && self.restore(&mut at, &mut now) {
-                    restored = true;
-                    filter = Filter::new(&now);
-                    lambda = 0.0;
-                }
-                if failures > MAX_FAILURES {
-                    break;
-                }
-                continue;
-            }
-            if verdict == Verdict::Progress {
-                filter.add(&now);
-            }
-            failures = 0;
-            at = trial;
-            now = after;
-            let whole = fraction == 1.0 && proximal == 0.0 && !line.correction && line.qp == QpStatus::Solved;
-            if let Some(before) = last_curvature.replace(curvature).filter(|_| whole) {
-                let contraction = curvature / before;
-                let promise = contraction * curvature.max(promised.abs()) + self.price_of_defects(&at);
-                if contraction <= CONTRACTING
-                    && promise <= s.tolerance * now.objective.abs().max(1e-12)
-                    && now.worst_defect <= s.defect_tolerance
-                    && !self.has_curved_constraints()
-                {
-                    *z = at;
+        self.problem.choose_substeps(z);
+        self.problem.linearize(z, 0, z.steps(), &mut self.lin);
+        let first = self.problem.merit_with(z, &self.lin.end, self.settings.qp.hard_weight);
+        let mut run = Iterate {
+            at: z.clone(),
+            now: first,
+            filter: Filter::new(&first),
+            restored: false,
+            failures: 0,
+            lambda: 0.0,
+            weight: 0.0,
+            unit: 1.0,
+            curvature: None,
+        };
+        for _ in 0..self.settings.filter_iterations {
+            check_flag(&self.settings.stop)?;
+            match self.filter_step(&mut run, width, log)? {
+                Next::Program => {}
+                Next::Converged => {
+                    *z = run.at;
                     return Ok(true);
                 }
-            }
-            if !whole {
-                last_curvature = None;
-            }
-            self.problem.linearize(&at, 0, steps, &mut self.lin);
-            if fraction == 1.0 && ratio > 0.7 {
-                lambda /= SHRINKAGE;
-            } else if fraction < 0.3 || ratio < 0.25 {
-                lambda = (lambda * DAMPING).max(FIRST_PROXIMAL * unit);
+                Next::Failed => break,
             }
         }
-        if now.value(weight) < first.value(weight) {
-            *z = at;
+        if run.now.value(run.weight) < first.value(run.weight) {
+            *z = run.at;
         }
         Ok(false)
+    }
+
+    /// One program and its step.
+    fn filter_step(&mut self, run: &mut Iterate, width: f64, log: &mut Vec<Iteration>) -> Result<Next, MpcError> {
+        let proximal = if run.lambda < self.settings.min_proximal { 0.0 } else { run.lambda };
+        self.assemble(&run.at, proximal);
+        let qp = self.qp.solve()?;
+        let mut line = self.line(width, &run.now, proximal, qp);
+        if !qp.is_usable() {
+            log.push(line);
+            return Ok(self.after_failure(run, qp));
+        }
+        let whole = self.trial(&run.at, 1.0);
+        let promised = run.now.objective - whole.1.objective;
+        if promised.is_finite() {
+            let horizon = run.at.steps() as f64 * self.problem.ocp.dt;
+            run.unit = promised.abs().min(run.now.objective.abs()) / horizon;
+        }
+        if self.is_within_tolerance(promised.abs(), &run.now) {
+            line.predicted = promised;
+            log.push(line);
+            // The last step is still worth taking unless it leaves the tolerance.
+            if whole.1.worst_defect <= self.settings.defect_tolerance {
+                run.at = whole.0;
+            }
+            return Ok(Next::Converged);
+        }
+        run.weight = self.problem.penalty_weight(&self.qp.solution.multipliers).max(0.8 * run.weight);
+        let curvature = self.curvature();
+        let step = self.search(run, whole, promised, &mut line, log)?;
+        let rejected = step.verdict == Verdict::Rejected;
+        line.predicted = run.now.value(run.weight) - run.now.objective + step.fraction * promised;
+        line.ratio = (run.now.value(run.weight) - step.merit.value(run.weight)) / line.predicted.max(f64::MIN_POSITIVE);
+        line.fraction = if rejected { 0.0 } else { step.fraction };
+        log.push(line);
+        if rejected { Ok(self.after_rejection(run)) } else { Ok(self.take(run, step, curvature, &line)) }
+    }
+
+    /// The whole step, if need be after a correction of second order, else the longest fraction that the filter accepts.
+    fn search(
+        &mut self,
+        run: &Iterate,
+        (mut end, mut merit): (Trajectory, Merit),
+        promised: f64,
+        line: &mut Iteration,
+        log: &mut Vec<Iteration>,
+    ) -> Result<Step, MpcError> {
+        let (at, now) = (&run.at, &run.now);
+        let mut fraction = 1.0;
+        let mut verdict = run.filter.judge(now, &merit, promised);
+        let correctable = self.settings.second_order_correction && self.is_curved(now, &merit);
+        if verdict == Verdict::Rejected && correctable {
+            let step = self.qp.solution.clone();
+            self.qp.correct(&mut self.problem.ocp, self.problem.k0, &end, &self.problem.ends, &self.lin);
+            let qp = self.qp.solve()?;
+            log.push(*line);
+            line.correction = true;
+            (line.qp, line.qp_iterations) = (qp, self.qp.solution.iterations);
+            if qp.is_usable() {
+                (end, merit) = self.trial(at, 1.0);
+                verdict = run.filter.judge(now, &merit, promised);
+            }
+            self.qp.solution = step;
+        }
+        while verdict == Verdict::Rejected && fraction > SHORTEST {
+            fraction /= 2.0;
+            (end, merit) = self.trial(at, fraction);
+            verdict = run.filter.judge(now, &merit, fraction * promised);
+        }
+        Ok(Step { end, merit, fraction, promised, verdict })
+    }
+
+    /// After a program without a solution.
+    fn after_failure(&mut self, run: &mut Iterate, qp: QpStatus) -> Next {
+        run.curvature = None;
+        if !run.restored && self.restore(&mut run.at, &mut run.now) {
+            run.restart();
+            return Next::Program;
+        }
+        if qp == QpStatus::NotANumber || run.failures > MAX_FAILURES {
+            return Next::Failed;
+        }
+        run.failures += 1;
+        run.damp(GROWTH);
+        Next::Program
+    }
+
+    /// After a program no fraction of whose step is acceptable.
+    fn after_rejection(&mut self, run: &mut Iterate) -> Next {
+        run.failures += 1;
+        run.curvature = None;
+        run.damp(GROWTH);
+        let infeasible = run.now.worst_defect > self.settings.defect_tolerance;
+        if run.failures == PATIENCE && infeasible && !run.restored && self.restore(&mut run.at, &mut run.now) {
+            run.restart();
+            run.lambda = 0.0;
+        }
+        if run.failures > MAX_FAILURES { Next::Failed } else { Next::Program }
+    }
+
+    /// Takes an acceptable step, of a program whose whole step has the given curvature.
+    fn take(&mut self, run: &mut Iterate, step: Step, curvature: f64, line: &Iteration) -> Next {
+        let Step { end, merit, fraction, promised, verdict } = step;
+        if verdict == Verdict::Progress {
+            run.filter.add(&run.now);
+        }
+        run.failures = 0;
+        (run.at, run.now) = (end, merit);
+        let whole = fraction == 1.0 && line.proximal == 0.0 && !line.correction && line.qp == QpStatus::Solved;
+        if let Some(before) = run.curvature.replace(curvature).filter(|_| whole) {
+            let contraction = curvature / before;
+            let promise = contraction * curvature.max(promised.abs()) + self.price_of_defects(&run.at);
+            if contraction <= CONTRACTING
+                && self.is_within_tolerance(promise, &run.now)
+                && !self.has_curved_constraints()
+            {
+                return Next::Converged;
+            }
+        }
+        if !whole {
+            run.curvature = None;
+        }
+        self.problem.linearize(&run.at, 0, run.at.steps(), &mut self.lin);
+        if fraction == 1.0 && line.ratio > 0.7 {
+            run.lambda /= SHRINKAGE;
+        } else if fraction < 0.3 || line.ratio < 0.25 {
+            run.damp(DAMPING);
+        }
+        Next::Program
+    }
+
+    /// Whether a change of the objective is negligible, and the defects are.
+    fn is_within_tolerance(&self, change: f64, now: &Merit) -> bool {
+        change <= self.settings.tolerance * now.objective.abs().max(1e-12)
+            && now.worst_defect <= self.settings.defect_tolerance
     }
 
     /// Whether the defects, or the violations of curved constraints, may be why a step is not acceptable, and are small enough
