@@ -99,6 +99,41 @@ pub(crate) fn close(
     }
 }
 
+/// Brackets of generators with the fresh fields of a round.
+struct Products {
+    /// All that do not vanish, with the numbers of generator and field.
+    brackets: Vec<(usize, usize, Field)>,
+    /// The spanning fields, then the brackets that differ from all before them.
+    candidates: Vec<Field>,
+    /// Where those brackets come from.
+    origin: Vec<(usize, usize)>,
+}
+
+fn products(
+    pool: &mut Pool,
+    states: &[Symbol],
+    generators: &[Field],
+    now: &Reduced,
+    first_node: usize,
+) -> Result<Products, Undecided> {
+    let (mut brackets, mut candidates, mut origin) = (Vec::new(), now.spanning.clone(), Vec::new());
+    for (m, x) in generators.iter().enumerate() {
+        for (l, y) in now.fresh.iter().enumerate() {
+            check_growth(pool, first_node, [x, y], 1)?;
+            let z = bracket(pool, states, x, y);
+            if is_plain_zero(pool, &z) {
+                continue;
+            }
+            if !candidates.contains(&z) {
+                candidates.push(z.clone());
+                origin.push((m, l));
+            }
+            brackets.push((m, l, z));
+        }
+    }
+    Ok(Products { brackets, candidates, origin })
+}
+
 /// [`close`]; none if the words behind a simplified basis are not found.
 fn close_by(
     pool: &mut Pool,
@@ -138,23 +173,7 @@ fn close_by(
     let (mut words, mut last) = (start.words.clone(), 0);
     while !now.fresh.is_empty() && now.spanning.len() < states.len() {
         let known = now.spanning.len();
-        let mut brackets = Vec::new();
-        let mut candidates = now.spanning.clone();
-        let mut origin = Vec::new();
-        for (m, x) in history.simplified.iter().enumerate() {
-            for (l, y) in now.fresh.iter().enumerate() {
-                check_growth(pool, first_node, [x, y], 1)?;
-                let z = bracket(pool, states, x, y);
-                if is_plain_zero(pool, &z) {
-                    continue;
-                }
-                if !candidates.contains(&z) {
-                    candidates.push(z.clone());
-                    origin.push((m, l));
-                }
-                brackets.push((m, l, z));
-            }
-        }
+        let Products { brackets, candidates, origin } = products(pool, states, &history.simplified, &now, first_node)?;
         let rows = independent_rows(pool, &candidates, bindings, evidence)?;
         let chosen: Vec<usize> = rows.into_iter().filter(|&i| i >= known).collect();
         if !changed {

@@ -20,6 +20,7 @@ use crate::controllability::point::{PointReport, Regime, Subject, of_smoothed, p
 use crate::controllability::switched::{SwitchedReport, switched_report};
 use crate::error::Error;
 use crate::evidence::Evidence;
+use crate::feedback::relative_degree::RelativeDegree;
 use crate::feedback::report::{ControlReport, control_report};
 use crate::feedback::static_linearization::LinearizationFlag;
 use crate::modes::Signs;
@@ -43,11 +44,7 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
     let mut system = system.clone();
     let asked = read_functions(&mut system, &options.determined)?;
     let words = brackets::read(&system, &options.brackets)?;
-    let names = system.input_names();
-    let mut told = options.ranges.iter().map(|r| &r.0).chain(options.one_sided.iter().map(|o| &o.0));
-    if let Some(name) = told.find(|name| !names.contains(name)) {
-        return Err(Error::UnknownInput { name: name.clone() });
-    }
+    check_inputs(&system, options)?;
     let modes = mode_fields(&mut system)?;
     let smooth = modes.len() == 1 && modes[0].signs.0.is_empty();
     let pool = &mut system.pool;
@@ -60,12 +57,7 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
     let (mut mode_reports, autonomous): (Vec<ModeReport>, Vec<Vec<Expr>>) = modes
         .iter()
         .zip(reach.iter().zip(&flags))
-        .map(|(m, (r, flag))| {
-            let before = pool.len();
-            let (report, mut functions) = mode_report(pool, m, r, flag, first, &mut evidence);
-            release(pool, before, std::slice::from_mut(&mut functions));
-            (report, functions)
-        })
+        .map(|(m, (r, flag))| mode_report(pool, m, r, flag, first, &mut evidence))
         .unzip();
     let (mut together, mut smoothed) = (None, None);
     let (mut control, mut degree) = (ControlReport::default(), None);
@@ -80,25 +72,8 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
         smoothed = Some(Smoothed::of(&mut system, options, first, &mut evidence)?);
     }
     let smoothed_report = smoothed.as_ref().map(|s| s.report(options));
-    let at_point = match &system.point.clone() {
-        None => None,
-        Some(point) => Some(match (regime(&mut system, point, &modes), &mut smoothed) {
-            (Ok(Regime::Mode(mode)), _) => {
-                let (pool, fields) = (&mut system.pool, &modes[mode].fields);
-                let mut report = point_report(pool, fields, &names, &reach[mode], point, options, &mut evidence);
-                if let (Ok(report), Some(degree)) = (&mut report, &degree) {
-                    let rank = degree.rank_at(pool, fields, &point.states, &mut evidence);
-                    report.relative_degree_defined = Some(rank.map(|rank| rank == degree.degrees.len()).into());
-                }
-                report.into()
-            }
-            (Ok(Regime::Switching(vanishing)), Some(s)) => s.at_point(&names, options, vanishing, &mut evidence),
-            // Smooth but where a unit vector vanishes, as it does here.
-            (Ok(Regime::Switching(vanishing)), None) => Smoothed::of(&mut system, options, first, &mut evidence)?
-                .at_point(&names, options, vanishing, &mut evidence),
-            (Err(why), _) => Answer::Unknown(why.into()),
-        }),
-    };
+    let generic = Generic { modes: &modes, reach: &reach, degree: degree.as_ref(), first };
+    let at_point = generic.at_point(&mut system, smoothed.as_mut(), options, &mut evidence)?;
     let (of, fields, among) = match &mut smoothed {
         // Smoothed signs have no elementary integrals in general.
         Some(s) => (&mut s.system, &s.fields, Among::States),
@@ -110,10 +85,7 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
     let (involutive, static_feedback_linearizable) = if smooth {
         (mode_reports[0].involutive.clone(), mode_reports[0].static_feedback_linearizable.clone())
     } else {
-        (
-            check_analysis(pool, first).and_then(|()| fields.is_involutive(pool, &mut evidence)).into(),
-            check_analysis(pool, first).and_then(|()| fields.static_feedback_linearizable(pool, &mut evidence)).into(),
-        )
+        static_feedback(pool, fields, first, &mut evidence)
     };
     let involutive_closure =
         check_analysis(pool, first).and_then(|()| fields.involutive_closure_report(pool, among, &mut evidence)).into();
@@ -150,6 +122,70 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
         certificate: evidence,
         seconds: start.elapsed().as_secs_f64(),
     })
+}
+
+/// Options name inputs of the system.
+fn check_inputs(system: &System, options: &Options) -> Result<(), Error> {
+    let names = system.input_names();
+    let mut told = options.ranges.iter().map(|r| &r.0).chain(options.one_sided.iter().map(|o| &o.0));
+    match told.find(|name| !names.contains(name)) {
+        Some(name) => Err(Error::UnknownInput { name: name.clone() }),
+        None => Ok(()),
+    }
+}
+
+/// Whether the distribution of the inputs is involutive, and whether static feedback linearizes.
+fn static_feedback(
+    pool: &mut Pool,
+    fields: &VectorFields,
+    first: usize,
+    evidence: &mut Evidence,
+) -> (Answer<bool>, Answer<bool>) {
+    let involutive = check_analysis(pool, first).and_then(|()| fields.is_involutive(pool, evidence)).into();
+    let linearizable =
+        check_analysis(pool, first).and_then(|()| fields.static_feedback_linearizable(pool, evidence)).into();
+    (involutive, linearizable)
+}
+
+/// What holds at almost every point.
+struct Generic<'a> {
+    modes: &'a [ModeFields],
+    reach: &'a [Reach],
+    /// Relative degree of a smooth system's outputs.
+    degree: Option<&'a RelativeDegree>,
+    /// Nodes of the pool when the analysis began.
+    first: usize,
+}
+
+impl Generic<'_> {
+    /// The statements at the point of the system; absent without one.
+    fn at_point(
+        &self,
+        system: &mut System,
+        smoothed: Option<&mut Smoothed>,
+        options: &Options,
+        evidence: &mut Evidence,
+    ) -> Result<Option<Answer<PointReport>>, Error> {
+        let Some(point) = system.point.clone() else { return Ok(None) };
+        let names = system.input_names();
+        Ok(Some(match (regime(system, &point, self.modes), smoothed) {
+            (Ok(Regime::Mode(mode)), _) => {
+                let (pool, fields) = (&mut system.pool, &self.modes[mode].fields);
+                let mut report = point_report(pool, fields, &names, &self.reach[mode], &point, options, evidence);
+                if let (Ok(report), Some(degree)) = (&mut report, self.degree) {
+                    let rank = degree.rank_at(pool, fields, &point.states, evidence);
+                    report.relative_degree_defined = Some(rank.map(|rank| rank == degree.degrees.len()).into());
+                }
+                report.into()
+            }
+            (Ok(Regime::Switching(vanishing)), Some(s)) => s.at_point(&names, options, vanishing, evidence),
+            // Smooth but where a unit vector vanishes, as it does here.
+            (Ok(Regime::Switching(vanishing)), None) => {
+                Smoothed::of(system, options, self.first, evidence)?.at_point(&names, options, vanishing, evidence)
+            }
+            (Err(why), _) => Answer::Unknown(why.into()),
+        }))
+    }
 }
 
 /// What all modes together reach, and in which round.
@@ -218,10 +254,11 @@ fn mode_report(
     first: usize,
     evidence: &mut Evidence,
 ) -> (ModeReport, Vec<Expr>) {
+    let before = pool.len();
     let strong = reach.strong.as_ref().map_err(Clone::clone);
     let found = strong.and_then(|s| mode.fields.autonomous(pool, &s.basis, evidence));
     let missing = found.as_ref().map_or(0, |a| a.missing);
-    let functions = found.as_ref().map(|a| a.functions.clone()).unwrap_or_default();
+    let mut functions = found.as_ref().map(|a| a.functions.clone()).unwrap_or_default();
     let report = ModeReport {
         signs: mode.signs.clone(),
         dimensions: reach.dimensions(&generators(mode.fields.controls.len())),
@@ -231,6 +268,7 @@ fn mode_report(
         static_feedback_linearizable: flag.as_ref().map(LinearizationFlag::linearizable).map_err(Clone::clone).into(),
         brackets: Vec::new(),
     };
+    release(pool, before, std::slice::from_mut(&mut functions));
     (report, functions)
 }
 
