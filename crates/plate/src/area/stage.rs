@@ -3,7 +3,7 @@
 use super::pressure::{Footprint, Load, Support};
 use super::settings::AreaSettings;
 use crate::{Friction, Object, PlateError, PlateKinematics, Terms};
-use bracketry_sim::{FrictionPoints, FrictionSolver, Slip};
+use bracketry_sim::{ContactStep, FrictionPoints, FrictionSolver, Slip};
 use nalgebra::{Matrix3, Vector3};
 
 /// Most rounds of pressure and friction in turn. Each gains a factor of about `μ θ' dt` or `μ h/R`.
@@ -196,28 +196,7 @@ impl Equations {
                     ..stage(velocity, friction, Slip::Sliding)
                 });
             }
-            let held = if base.at_rest && self.friction.static_coefficient() > self.friction.coefficient(0.0) {
-                self.set_points(&support, load.normal, [s, c], &velocity, base.length, true);
-                let step = self.solver.step(&self.mass(0.0), &free, &self.points, &velocity)?;
-                (step.slip == Slip::Held).then_some(step)
-            } else {
-                None
-            };
-            let step = if let Some(step) = held {
-                step
-            } else {
-                self.set_points(&support, load.normal, [s, c], &velocity, base.length, false);
-                let mass = self.mass(base.length);
-                let pulled = if self.friction.viscosity() == 0.0 {
-                    free
-                } else {
-                    // Viscous friction is part of the mass matrix but not of the momentum.
-                    let momentum = Vector3::new(free[0], free[1], free[2] * self.inertia);
-                    let pulled = Matrix3::from(mass).cholesky().map_or(momentum, |factor| factor.solve(&momentum));
-                    pulled.into()
-                };
-                self.solver.step(&mass, &pulled, &self.points, &velocity)?
-            };
+            let step = self.friction_step(base, &support, load.normal, [s, c], &velocity, &free)?;
             let new = step.velocity;
             let force = [
                 (new[0] - free[0]) / base.length,
@@ -238,6 +217,36 @@ impl Equations {
                 friction[i] += share * (force[i] - friction[i]);
             }
         }
+    }
+
+    /// The step of friction from the velocity `free` without it: held where the object rests and can, else sliding.
+    fn friction_step(
+        &mut self,
+        base: &Base,
+        support: &Support,
+        normal: f64,
+        orientation: [f64; 2],
+        velocity: &[f64; 3],
+        free: &[f64; 3],
+    ) -> Result<ContactStep<3>, PlateError> {
+        if base.at_rest && self.friction.static_coefficient() > self.friction.coefficient(0.0) {
+            self.set_points(support, normal, orientation, velocity, base.length, true);
+            let step = self.solver.step(&self.mass(0.0), free, &self.points, velocity)?;
+            if step.slip == Slip::Held {
+                return Ok(step);
+            }
+        }
+        self.set_points(support, normal, orientation, velocity, base.length, false);
+        let mass = self.mass(base.length);
+        let pulled = if self.friction.viscosity() == 0.0 {
+            *free
+        } else {
+            // Viscous friction is part of the mass matrix but not of the momentum.
+            let momentum = Vector3::new(free[0], free[1], free[2] * self.inertia);
+            let pulled = Matrix3::from(mass).cholesky().map_or(momentum, |factor| factor.solve(&momentum));
+            pulled.into()
+        };
+        Ok(self.solver.step(&mass, &pulled, &self.points, velocity)?)
     }
 
     /// Mass matrix per mass, with the viscous part of friction over a time.
