@@ -17,7 +17,8 @@ impl Random {
         low + (high - low) * self.0.random_range(0.0..1.0)
     }
 
-    /// Normally distributed with mean 0 and standard deviation 1, by the transformation of Box and Muller (1958).
+    /// Normally distributed with mean 0 and standard deviation 1, by the transformation of Box and Muller (1958): the recorded
+    /// studies are drawn with it, and `rand_distr` would take other numbers from the generator.
     pub(crate) fn normal(&mut self) -> f64 {
         let (radius, angle) = (1.0 - self.0.random_range(0.0..1.0), TAU * self.0.random_range(0.0..1.0));
         (-2.0 * f64::ln(radius)).sqrt() * f64::cos(angle)

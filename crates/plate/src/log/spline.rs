@@ -11,6 +11,9 @@ const END: usize = 7;
 /// A cubic smoothing spline after Reinsch (Numer. Math. 10, 1967): of all curves whose root mean square distance from the
 /// samples is that of their noise, the one with the least `∫ (f − p)''²`. The cubic `p` has the second derivatives of
 /// the motion at both ends, so that the spline need not be straight there.
+///
+/// Not the quintic `bracketry_sim::SmoothingSpline`, whose third derivative vanishes at the ends: a plate is simulated from the
+/// first sample on, where that spline's acceleration is less exact.
 #[derive(Clone, Debug)]
 pub(crate) struct Spline {
     times: Vec<f64>,

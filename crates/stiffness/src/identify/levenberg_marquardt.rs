@@ -19,6 +19,9 @@ pub(super) struct Minimum {
 }
 
 /// Minimizes `‖residuals(p)‖²` (Levenberg 1944, Marquardt 1963). `None` from `residuals` makes a step too long.
+///
+/// The fits of the crate `bracketry-diagnose` have an iteration of their own: they eliminate the initial states window by
+/// window from the normal equations, and never form the Jacobian of all residuals that this one works on.
 pub(super) fn minimize(
     residuals: impl Fn(&DVector<f64>) -> Option<DVector<f64>>,
     start: DVector<f64>,
