@@ -82,22 +82,14 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
     let before = of.pool.len();
     let observability = (!of.outputs.is_empty()).then(|| report(of, fields, &[], &asked, &mut evidence));
     let pool = &mut of.pool;
-    let (involutive, static_feedback_linearizable) = if smooth {
-        (mode_reports[0].involutive.clone(), mode_reports[0].static_feedback_linearizable.clone())
-    } else {
-        static_feedback(pool, fields, first, &mut evidence)
-    };
+    let known = smooth.then(|| &mode_reports[0]);
+    let (involutive, static_feedback_linearizable) = static_feedback(pool, fields, known, first, &mut evidence);
     let involutive_closure =
         check_analysis(pool, first).and_then(|()| fields.involutive_closure_report(pool, among, &mut evidence)).into();
     release(pool, before, &mut []);
     let brackets = brackets::components(pool, fields, &words);
-    let lie_algebra = if smooth {
-        check_analysis(pool, first)
-            .and_then(|()| fields.lie_algebra(pool, &options.limits, &mut evidence))
-            .unwrap_or_default()
-    } else {
-        None
-    };
+    let algebra = smooth.then(|| check_analysis(pool, first));
+    let algebra = algebra.map(|room| room.and_then(|()| fields.lie_algebra(pool, &options.limits, &mut evidence)));
     let (switched, rows) = together.unzip();
     let reach = reach_tables(&mut system.pool, &modes[0], &reach[0], &autonomous[0], &mode_reports, rows.flatten());
     // Whatever is unknown now, it is not for a reason of its own.
@@ -111,7 +103,7 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
         at_point_reason: at_point.as_ref().and_then(Answer::reason).cloned(),
         at_point,
         global_statements_of: (!smooth).then_some(Subject::Smoothed),
-        lie_algebra,
+        lie_algebra: algebra.and_then(Result::unwrap_or_default),
         involutive,
         involutive_closure,
         static_feedback_linearizable,
@@ -134,13 +126,18 @@ fn check_inputs(system: &System, options: &Options) -> Result<(), Error> {
     }
 }
 
-/// Whether the distribution of the inputs is involutive, and whether static feedback linearizes.
+/// Whether the distribution of the inputs is involutive, and whether static feedback linearizes; the report of a single mode
+/// knows it already.
 fn static_feedback(
     pool: &mut Pool,
     fields: &VectorFields,
+    known: Option<&ModeReport>,
     first: usize,
     evidence: &mut Evidence,
 ) -> (Answer<bool>, Answer<bool>) {
+    if let Some(report) = known {
+        return (report.involutive.clone(), report.static_feedback_linearizable.clone());
+    }
     let involutive = check_analysis(pool, first).and_then(|()| fields.is_involutive(pool, evidence)).into();
     let linearizable =
         check_analysis(pool, first).and_then(|()| fields.static_feedback_linearizable(pool, evidence)).into();

@@ -33,7 +33,7 @@ pub(crate) fn free(
     let local = frame.accessibility(pool, &all, &strong, limits, evidence)?;
     let linearization =
         if frame.is_equilibrium(pool, evidence)? { Some(Linearization::at(pool, &frame, evidence)?) } else { None };
-    Ok(decide(pool, &frame, &local.dimension, linearization.as_ref(), limits, evidence))
+    Ok(Stlc::or_inconclusive(decide(pool, &frame, &local.dimension, linearization.as_ref(), limits, evidence)))
 }
 
 /// STLC where some inputs move to one side only, given the verdict `unrestricted` for free inputs.
@@ -253,7 +253,7 @@ pub(crate) fn balanced(
     let frame = Frame::new(pool, system, states, &inputs)?;
     let Some(sides) = set.sides(pool, &frame, &inputs) else { return Ok(None) };
     let linearization = Linearization::at(pool, &frame, evidence)?;
-    let stlc = decide(pool, &frame, dimension, Some(&linearization), limits, evidence);
+    let stlc = Stlc::or_inconclusive(decide(pool, &frame, dimension, Some(&linearization), limits, evidence));
     let stlc = one_sided(pool, &frame, &sides, stlc, limits, evidence)?;
     // Other inputs, farther on in their ranges, may hold the point as well.
     if stlc.verdict == Verdict::No && sides.iter().any(Option::is_some) {

@@ -131,7 +131,7 @@ pub(crate) fn point_report(
     let stlc = match &local.dimension {
         // The dimension at a point is no larger than the generic one.
         Answer::Unknown(_) if all.dimension() < n => Stlc::not_accessible(all.dimension(), n),
-        dimension => decide(pool, &frame, dimension, linearization.as_ref(), limits, evidence),
+        dimension => Stlc::or_inconclusive(decide(pool, &frame, dimension, linearization.as_ref(), limits, evidence)),
     };
     release(pool, before, &mut []);
     let values = names.iter().map(|n| options.ranges.iter().find(|r| r.0 == *n).map(|r| r.1)).collect();

@@ -84,6 +84,11 @@ impl Stlc {
         Stlc { weights: Some(weights), general_condition: Some(GeneralCondition::Holds), ..self }
     }
 
+    /// No verdict where a test gave up.
+    pub(crate) fn or_inconclusive(decided: Result<Self, Undecided>) -> Self {
+        decided.unwrap_or_else(|why| Stlc::inconclusive(why.into()))
+    }
+
     /// No verdict, for a reason that lies outside of the brackets.
     pub fn inconclusive(reason: StlcReason) -> Self {
         Stlc::new(Verdict::Inconclusive, reason)
@@ -95,6 +100,9 @@ impl Stlc {
     }
 }
 
+/// Most new nodes that the weights of a condition may take that is known to hold.
+const FEW_NODES: usize = 5_000;
+
 /// Decides STLC with free inputs as far as the conditions below go.
 ///
 /// - not an equilibrium and f(x0) outside span g(x0): no (bounded inputs cannot hold the state);
@@ -105,22 +113,9 @@ impl Stlc {
 /// - Sussmann's general condition, also after a change of the inputs: yes;
 /// - one input: no where Stefani's necessary condition fails (see [`stefani`]);
 /// - a definite second-order form: no (see [`definite_form`]).
+///
+/// [`Stlc::or_inconclusive`] turns what an exact test leaves open into a verdict.
 pub(crate) fn decide(
-    pool: &mut Pool,
-    frame: &Frame,
-    dimension: &Answer<usize>,
-    linearization: Option<&Linearization>,
-    limits: &Limits,
-    evidence: &mut Evidence,
-) -> Stlc {
-    attempt(pool, frame, dimension, linearization, limits, evidence)
-        .unwrap_or_else(|why| Stlc::inconclusive(why.into()))
-}
-
-/// Most new nodes that the weights of a condition may take that is known to hold.
-const FEW_NODES: usize = 5_000;
-
-fn attempt(
     pool: &mut Pool,
     frame: &Frame,
     dimension: &Answer<usize>,

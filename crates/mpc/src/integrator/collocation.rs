@@ -4,7 +4,7 @@
 //! from the implicit function theorem at its solution: (I − h A⊗J) dZ = h A⊗(J S + \[0 B\]).
 
 use super::interval::Interval;
-use super::one_step::{OneStepMethod, set_identity};
+use super::one_step::{Differentiated, OneStepMethod, set_identity};
 use super::stages::Stages;
 use super::tableau::Tableau;
 use crate::dense::Factors;
@@ -87,14 +87,8 @@ impl OneStepMethod for Collocation {
         true
     }
 
-    fn advance_with_sensitivity(
-        &mut self,
-        dynamics: &mut dyn Dynamics,
-        interval: Interval<'_>,
-        x: &mut [f64],
-        jacobian: &mut [f64],
-        mut stages: Option<&mut Stages>,
-    ) -> bool {
+    fn differentiate(&mut self, dynamics: &mut dyn Dynamics, interval: Interval<'_>, to: Differentiated<'_>) -> bool {
+        let Differentiated { x, jacobian, mut stages } = to;
         let (n, w) = (self.n, self.n + self.m);
         let (h, u) = (interval.step(), interval.u);
         set_identity(&mut self.s, w);

@@ -4,7 +4,7 @@
 //! S_{i+1} = S_i + h/6 (D_1 + 2 D_2 + 2 D_3 + D_4), D_j = A_j T_j + [0 B_j].
 
 use super::interval::Interval;
-use super::one_step::{OneStepMethod, set_identity};
+use super::one_step::{Differentiated, OneStepMethod, set_identity};
 use super::stages::Stages;
 use crate::dynamics::Dynamics;
 
@@ -71,14 +71,8 @@ impl OneStepMethod for ExplicitRungeKutta {
         true
     }
 
-    fn advance_with_sensitivity(
-        &mut self,
-        dynamics: &mut dyn Dynamics,
-        interval: Interval<'_>,
-        x: &mut [f64],
-        jacobian: &mut [f64],
-        mut stages: Option<&mut Stages>,
-    ) -> bool {
+    fn differentiate(&mut self, dynamics: &mut dyn Dynamics, interval: Interval<'_>, to: Differentiated<'_>) -> bool {
+        let Differentiated { x, jacobian, mut stages } = to;
         let (n, w) = (self.n, self.n + self.m);
         let (h, u) = (interval.step(), interval.u);
         set_identity(&mut self.s, w);

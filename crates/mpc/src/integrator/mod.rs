@@ -14,6 +14,6 @@ pub(crate) use collocation::Collocation;
 pub(crate) use explicit::ExplicitRungeKutta;
 pub(crate) use interval::Interval;
 pub use method::Integrator;
-pub(crate) use one_step::OneStepMethod;
+pub(crate) use one_step::{Differentiated, OneStepMethod};
 pub(crate) use stages::Stages;
 pub(crate) use tableau::Tableau;

@@ -4,21 +4,23 @@ use super::interval::Interval;
 use super::stages::Stages;
 use crate::dynamics::Dynamics;
 
+/// A state, and what is wanted along an interval that it starts.
+pub(crate) struct Differentiated<'a> {
+    /// The state at the start, then at the end.
+    pub(crate) x: &'a mut [f64],
+    /// The derivative of the end state with respect to (x, u), n rows of n + m.
+    pub(crate) jacobian: &'a mut [f64],
+    /// The stages, noted where somebody wants them.
+    pub(crate) stages: Option<&'a mut Stages>,
+}
+
 /// A one-step method for dynamics of n states and m inputs, with its working memory.
 pub(crate) trait OneStepMethod: Send {
     /// Advances `x` over the interval. False where the equations of a step could not be solved; `x` is then no number.
     fn advance(&mut self, dynamics: &mut dyn Dynamics, interval: Interval<'_>, x: &mut [f64]) -> bool;
 
-    /// As [`OneStepMethod::advance`], and the derivative of the end state with respect to (x, u) into `jacobian`, n rows of
-    /// n + m; the stages are noted where somebody wants them.
-    fn advance_with_sensitivity(
-        &mut self,
-        dynamics: &mut dyn Dynamics,
-        interval: Interval<'_>,
-        x: &mut [f64],
-        jacobian: &mut [f64],
-        stages: Option<&mut Stages>,
-    ) -> bool;
+    /// As [`OneStepMethod::advance`], with the derivative.
+    fn differentiate(&mut self, dynamics: &mut dyn Dynamics, interval: Interval<'_>, to: Differentiated<'_>) -> bool;
 
     /// The adjoints of the field at the noted stages of steps of length `h`, from that of the end state, `lambda`, which
     /// becomes that of the start.

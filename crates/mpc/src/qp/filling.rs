@@ -5,12 +5,22 @@ use super::program::NOWHERE;
 use crate::ocp::{CostPoint, Ocp};
 use crate::trajectory::Trajectory;
 use crate::transcription::Linearization;
+use std::ops::Range;
 
 /// Smallest curvature of any variable, in units of its size and of the objective: keeps the program strictly convex.
 const REGULARIZATION: f64 = 1e-9;
 
 /// Smallest unit of the objective.
 const SMALLEST_OBJECTIVE: f64 = 1e-12;
+
+/// Where a problem is linearized.
+#[derive(Clone, Copy)]
+pub(super) struct LinearizationPoint<'a> {
+    /// Grid point of the run at which the horizon starts.
+    pub(super) k0: usize,
+    pub(super) trajectory: &'a Trajectory,
+    pub(super) lin: &'a Linearization,
+}
 
 impl Assembly {
     /// The unit of the objective: the most that moving a state or an input by its size changes, but no more than 1, so that
@@ -35,16 +45,8 @@ impl Assembly {
     }
 
     /// Fills in every number; see [`Qp::assemble`](super::Qp::assemble).
-    pub(super) fn fill(
-        &mut self,
-        ocp: &mut Ocp,
-        k0: usize,
-        trajectory: &Trajectory,
-        lin: &Linearization,
-        proximal: f64,
-        hard: f64,
-    ) {
-        let steps = self.program.steps;
+    pub(super) fn fill(&mut self, ocp: &mut Ocp, at: LinearizationPoint<'_>, proximal: f64, hard: f64) {
+        let (steps, trajectory) = (self.program.steps, at.trajectory);
         self.fill_curvature(ocp, proximal);
         self.program.gradient.fill(0.0);
         for s in &self.slacks {
@@ -53,19 +55,19 @@ impl Assembly {
             self.program.hessian[s.variable] += 2.0 * quadratic;
         }
         for k in 0..steps {
-            self.add_stage_cost(ocp, k0, k, trajectory, lin);
+            self.add_stage_cost(ocp, at, k);
         }
-        self.add_end_cost(ocp, k0, trajectory);
-        self.fill_flow(trajectory, lin, 0..steps);
+        self.add_end_cost(ocp, at);
+        self.fill_flow(at, 0..steps);
         if let Some(blocks) = &mut self.blocks {
-            blocks.use_exact_hessian(&mut self.program, &self.terminal_slots, ocp, lin);
+            blocks.use_exact_hessian(&mut self.program, &self.terminal_slots, ocp, at.lin);
         }
         self.choose_objective_scale();
         for v in 0..self.program.variables() {
             self.regularize(v);
         }
         self.fill_bounds(ocp, trajectory);
-        self.fill_constraints(ocp, k0, trajectory, 0..self.path.len(), 0..self.norm.len());
+        self.fill_constraints(ocp, at, 0..self.path.len(), 0..self.norm.len());
         if let (Some(rows), Some(set)) = (&self.set, &ocp.terminal_set) {
             self.program.right[rows.row] = set.level.sqrt();
             let x = trajectory.x(steps);
@@ -77,14 +79,7 @@ impl Assembly {
     }
 
     /// Replaces the numbers of the first interval alone, after its state has become known.
-    pub(super) fn fill_first(
-        &mut self,
-        ocp: &mut Ocp,
-        k0: usize,
-        trajectory: &Trajectory,
-        lin: &Linearization,
-        proximal: f64,
-    ) {
+    pub(super) fn fill_first(&mut self, ocp: &mut Ocp, at: LinearizationPoint<'_>, proximal: f64) {
         let p = &mut self.program;
         for &slot in self.stage_slots[0].iter().filter(|s| **s != NOWHERE) {
             p.hessian[slot] = 0.0;
@@ -94,46 +89,39 @@ impl Assembly {
             p.gradient[variable] = 0.0;
             p.hessian[variable] = proximal * ocp.dt / ocp.input_trust[j].powi(2);
         }
-        self.add_stage_cost(ocp, k0, 0, trajectory, lin);
+        self.add_stage_cost(ocp, at, 0);
         for j in 0..self.program.inputs {
             self.regularize(self.program.input(0, j));
         }
-        self.fill_flow(trajectory, lin, 0..1);
+        self.fill_flow(at, 0..1);
         for i in 0..self.path.len() {
             if self.path[i].k == 0 {
-                self.fill_constraints(ocp, k0, trajectory, i..i + 1, 0..0);
+                self.fill_constraints(ocp, at, i..i + 1, 0..0);
             }
         }
         for i in 0..self.norm.len() {
             if self.norm[i].k == 0 {
-                self.fill_constraints(ocp, k0, trajectory, 0..0, i..i + 1);
+                self.fill_constraints(ocp, at, 0..0, i..i + 1);
             }
         }
     }
 
     /// Moves the right-hand sides by the curvature of dynamics and constraints along the step `z`; see
     /// [`Qp::correct`](super::Qp::correct).
-    pub(super) fn correct(
-        &mut self,
-        ocp: &mut Ocp,
-        k0: usize,
-        trial: &Trajectory,
-        ends: &[f64],
-        lin: &Linearization,
-        z: &[f64],
-    ) {
+    pub(super) fn correct(&mut self, ocp: &mut Ocp, trial: LinearizationPoint<'_>, ends: &[f64], z: &[f64]) {
         let n = self.program.states;
-        let change: Vec<f64> = ends.iter().enumerate().map(|(i, end)| end - trial.x(i / n + 1)[i % n]).collect();
+        let change: Vec<f64> =
+            ends.iter().enumerate().map(|(i, end)| end - trial.trajectory.x(i / n + 1)[i % n]).collect();
         self.program.defect.iter_mut().zip(&change).for_each(|(c, d)| *c += d);
         if let Some(blocks) = &self.blocks {
-            blocks.add_slope(&mut self.program, &lin.jacobian, &change);
+            blocks.add_slope(&mut self.program, &trial.lin.jacobian, &change);
         }
         if self.path.is_empty() && self.norm.is_empty() {
             return;
         }
         // Right-hand sides belong to a step that starts at the trial: R·step makes them those of one from here.
         let (rows, mut right) = (self.program.rows.clone(), self.program.right.clone());
-        self.fill_constraints(ocp, k0, trial, 0..self.path.len(), 0..self.norm.len());
+        self.fill_constraints(ocp, trial, 0..self.path.len(), 0..self.norm.len());
         self.program.rows.clone_from(&rows);
         let mut step = z.to_vec();
         for s in &self.slacks {
@@ -171,7 +159,8 @@ impl Assembly {
         }
     }
 
-    fn add_stage_cost(&mut self, ocp: &mut Ocp, k0: usize, k: usize, trajectory: &Trajectory, lin: &Linearization) {
+    fn add_stage_cost(&mut self, ocp: &mut Ocp, at: LinearizationPoint<'_>, k: usize) {
+        let LinearizationPoint { k0, trajectory, lin } = at;
         let w = self.program.states + self.program.inputs;
         let Some(mut cost) = ocp.stage.take() else {
             if let Some(blocks) = &mut self.blocks {
@@ -202,7 +191,7 @@ impl Assembly {
         ocp.stage = Some(cost);
     }
 
-    fn add_end_cost(&mut self, ocp: &mut Ocp, k0: usize, trajectory: &Trajectory) {
+    fn add_end_cost(&mut self, ocp: &mut Ocp, LinearizationPoint { k0, trajectory, .. }: LinearizationPoint<'_>) {
         let (n, steps) = (self.program.states, self.program.steps);
         if let Some(mut cost) = ocp.terminal.take() {
             self.gradient.fill(0.0);
@@ -229,7 +218,11 @@ impl Assembly {
         }
     }
 
-    fn fill_flow(&mut self, trajectory: &Trajectory, lin: &Linearization, intervals: std::ops::Range<usize>) {
+    fn fill_flow(
+        &mut self,
+        LinearizationPoint { trajectory, lin, .. }: LinearizationPoint<'_>,
+        intervals: Range<usize>,
+    ) {
         let p = &mut self.program;
         let (n, m) = (p.states, p.inputs);
         for k in intervals {
@@ -261,14 +254,8 @@ impl Assembly {
     }
 
     /// Linearizes the path constraints and norm constraints of the given numbers.
-    fn fill_constraints(
-        &mut self,
-        ocp: &mut Ocp,
-        k0: usize,
-        trajectory: &Trajectory,
-        path: std::ops::Range<usize>,
-        norm: std::ops::Range<usize>,
-    ) {
+    fn fill_constraints(&mut self, ocp: &mut Ocp, at: LinearizationPoint<'_>, path: Range<usize>, norm: Range<usize>) {
+        let LinearizationPoint { k0, trajectory, .. } = at;
         let (dt, steps) = (ocp.dt, self.program.steps);
         let input = |k: usize| if k < steps { trajectory.u(k) } else { &[] };
         let mut constraints = std::mem::take(&mut ocp.path_constraints);

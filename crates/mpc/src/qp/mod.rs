@@ -25,6 +25,7 @@ use crate::trajectory::Trajectory;
 use crate::transcription::Linearization;
 use assembly::Assembly;
 use clarabel::Clarabel;
+use filling::LinearizationPoint;
 
 /// A step and its multipliers.
 #[derive(Clone, Debug, Default)]
@@ -113,7 +114,7 @@ impl Qp {
         proximal: f64,
     ) {
         self.proximal = proximal;
-        self.assembly.fill(ocp, k0, trajectory, lin, proximal, self.settings.hard_weight);
+        self.assembly.fill(ocp, LinearizationPoint { k0, trajectory, lin }, proximal, self.settings.hard_weight);
         self.backend.load(&self.assembly.program, &lin.jacobian);
     }
 
@@ -125,7 +126,7 @@ impl Qp {
         trajectory: &Trajectory,
         lin: &Linearization,
     ) {
-        self.assembly.fill_first(ocp, k0, trajectory, lin, self.proximal);
+        self.assembly.fill_first(ocp, LinearizationPoint { k0, trajectory, lin }, self.proximal);
         self.backend.load_first(&self.assembly.program, &lin.jacobian);
     }
 
@@ -133,7 +134,7 @@ impl Qp {
     /// values at the end of the step in place of those that their linearizations promised there. `trial` is that end, `ends`
     /// the ends of its intervals.
     pub(crate) fn correct(&mut self, ocp: &mut Ocp, k0: usize, trial: &Trajectory, ends: &[f64], lin: &Linearization) {
-        self.assembly.correct(ocp, k0, trial, ends, lin, &self.stage.z);
+        self.assembly.correct(ocp, LinearizationPoint { k0, trajectory: trial, lin }, ends, &self.stage.z);
         self.backend.load(&self.assembly.program, &lin.jacobian);
     }
 

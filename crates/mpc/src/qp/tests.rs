@@ -140,7 +140,7 @@ fn elimination_keeps_objective_and_constraints_of_every_step_that_obeys_the_dyna
             let (trajectory, lin, closure) = random_point(seed as u64);
             let scale = ocp.state_scale.clone();
             let mut assembly = Assembly::new(&ocp, STEPS, &closure, false);
-            assembly.fill(&mut ocp, 2, &trajectory, &lin, 0.1, 1e4);
+            assembly.fill(&mut ocp, LinearizationPoint { k0: 2, trajectory: &trajectory, lin: &lin }, 0.1, 1e4);
             let program = &assembly.program;
             let (mut substitution, mut p, mut a) = Condensing::new(program, rule);
             substitution.load(program, &lin.jacobian);

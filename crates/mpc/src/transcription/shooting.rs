@@ -1,7 +1,9 @@
 //! Multiple shooting: the flow over every interval and its exact derivatives.
 
 use crate::dynamics::Dynamics;
-use crate::integrator::{Collocation, ExplicitRungeKutta, Integrator, Interval, OneStepMethod, Stages, Tableau};
+use crate::integrator::{
+    Collocation, Differentiated, ExplicitRungeKutta, Integrator, Interval, OneStepMethod, Stages, Tableau,
+};
 use crate::trajectory::Trajectory;
 
 /// End states of every interval, and their derivatives.
@@ -105,7 +107,7 @@ impl Shooter {
         x: &mut [f64],
         jacobian: &mut [f64],
     ) {
-        self.failed |= !self.method.advance_with_sensitivity(dynamics, interval, x, jacobian, None);
+        self.failed |= !self.method.differentiate(dynamics, interval, Differentiated { x, jacobian, stages: None });
     }
 
     /// Linearizes some intervals of the trajectory.
@@ -145,7 +147,8 @@ impl Shooter {
         let stages = &mut self.stages;
         stages.clear();
         let (end, jacobian) = (&mut self.end, &mut self.jacobian);
-        if self.method.advance_with_sensitivity(dynamics, interval, end, jacobian, Some(stages)) {
+        let to = Differentiated { x: end, jacobian, stages: Some(stages) };
+        if self.method.differentiate(dynamics, interval, to) {
             self.method.adjoints(interval.step(), stages, lambda);
             stages.hessian(dynamics, interval.u, field, out);
         } else {
