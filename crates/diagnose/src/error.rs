@@ -48,7 +48,7 @@ pub enum DiagnoseError {
         known: String,
     },
     /// The records are too short.
-    #[error("{records} has no stretch of at least {samples} samples without a gap; record longer")]
+    #[error("{records} has no section of at least {samples} samples without a gap; record longer")]
     TooShort {
         /// Names of the records.
         records: String,
@@ -130,8 +130,7 @@ pub enum DiagnoseError {
     },
     /// All that the model does is over between two samples.
     #[error(
-        "`{record}`: the samples are {step} s apart, in which even the slowest motion of the model makes {turns:.1} turns: its time is \
-         not that of the data; t is in seconds: divide it by 1000 if it counts milliseconds, by the rate if it counts samples"
+        "`{record}`: the samples are {step} s apart, in which even the slowest mode of the model completes {turns:.1} cycles: model and data use different units of time; t is in seconds: divide it by 1000 if it counts milliseconds, by the rate if it counts samples"
     )]
     TimeScale {
         /// The record.
@@ -144,7 +143,7 @@ pub enum DiagnoseError {
     /// A simulation over the data takes too long.
     #[error(
         "`{record}`: a simulation takes {per_sample} steps from one sample to the next ({step} s): the model is far faster than the \
-         data; check that t is in seconds and the values of the parameters, or put what is fast in its steady state"
+         data; check that t is in seconds and the values of the parameters, or replace fast dynamics by their steady state"
     )]
     Effort {
         /// The record.

@@ -43,7 +43,7 @@ impl fmt::Display for OutsideDelay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = if self.inputs { "input" } else { "measured column" };
         let names = self.signals.join(", ");
-        write!(f, "a delay of {:.3e} s of the {what} {names} is no part of these equations", self.delay)
+        write!(f, "a delay of {:.3e} s of the {what} {names} is not part of these equations", self.delay)
     }
 }
 
@@ -197,7 +197,7 @@ fn describe(system: &mut System, estimate: &Estimate, width: f64) {
     if p.max.as_ref().is_some_and(|max| p.value > *max) {
         p.max = None;
     }
-    let fitted = format!("fitted, std {}, before {}", significant(estimate.widened(width), 2), estimate.nominal);
+    let fitted = format!("fitted, std {}, previously {}", significant(estimate.widened(width), 2), estimate.nominal);
     p.about = Some(p.about.as_ref().map_or(fitted.clone(), |about| format!("{about} ({fitted})")));
 }
 

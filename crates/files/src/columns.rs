@@ -40,7 +40,7 @@ impl Columns {
     /// # Errors
     /// [`FileError`] if the file cannot be read, is larger than 512 MiB or is not UTF-8.
     pub fn document(path: &Path, what: &str) -> Result<Document, FileError> {
-        Document::read_up_to(path, MAX_BYTES, what, "give fewer samples, or use the table in parts")
+        Document::read_up_to(path, MAX_BYTES, what, "give fewer samples, or split the table")
     }
 
     /// Reads a table with a header. Lines that begin with `#` are comments; a comma between parentheses, as in `der(X,2)`,
@@ -81,7 +81,7 @@ impl Columns {
         }
         if lines.is_empty() && header.iter().any(|name| name.contains(['\n', '\r'])) {
             let message = "a quotation mark in the header is not closed";
-            return Err(doc.missing(message, "close it, or take it away: t,u,x"));
+            return Err(doc.missing(message, "close it, or remove it: t,u,x"));
         }
         if lines.is_empty() {
             return Err(doc.missing("the table has no rows", "give at least two samples"));
@@ -154,7 +154,7 @@ fn skipped_lines(text: &str, byte: u64) -> u64 {
 fn check_header(doc: &Document, header: &[String], after: &str) -> Result<(), FileError> {
     if header.iter().all(String::is_empty) {
         let message = "the table is empty: there is no header and no row";
-        return Err(doc.missing(message, "begin with a header such as t,u,x, and give a row of numbers per sample"));
+        return Err(doc.missing(message, "start with a header such as t,u,x, and give a row of numbers per sample"));
     }
     if let [only] = header
         && let Some(what) = other_separator(only, after)
@@ -165,8 +165,8 @@ fn check_header(doc: &Document, header: &[String], after: &str) -> Result<(), Fi
     if header.iter().all(|name| name.parse::<f64>().is_ok()) {
         let end = doc.text().len() - after.len();
         let start = doc.text()[..end].rfind('\n').map_or(0, |i| i + 1);
-        let message = "the first line holds numbers where the names of columns belong";
-        return Err(doc.error(start..end, message, "begin with a header such as t,u,x"));
+        let message = "the first line contains numbers instead of column names";
+        return Err(doc.error(start..end, message, "start with a header such as t,u,x"));
     }
     for (k, name) in header.iter().enumerate() {
         if header[..k].contains(name) {
@@ -204,8 +204,8 @@ fn not_a_number(doc: &Document, header: &[String], line: u64, k: usize, field: &
         field => format!("line {line}, {column}: `{field}` is not a finite number"),
     };
     let remedy = match kind {
-        _ if header[k].is_empty() => "name the column, or take away the comma at the end of the lines",
-        Entries::MayBeLost => "correct the entry; one that was lost is left empty or called nan",
+        _ if header[k].is_empty() => "name the column, or remove the comma at the end of the lines",
+        Entries::MayBeLost => "correct the entry; leave a missing value empty or write nan",
         _ => "correct or remove the row",
     };
     doc.error(Columns::place(doc, header, line, &header[k]), message, remedy)

@@ -203,7 +203,7 @@ impl Document {
                 other => Err(self.error(
                     v.span(),
                     format!("`{key}` must be a table, not {}", article(other)),
-                    format!("write [{key}] on a line of its own, its entries below"),
+                    format!("write [{key}] on its own line, with its entries below"),
                 )),
             },
         }
@@ -321,7 +321,7 @@ impl Document {
 fn syntax_remedy(message: &str) -> &'static str {
     let says = |part: &str| message.contains(part);
     if says("duplicate key") {
-        "a name may stand once in its table: remove or rename one of them"
+        "a name may occur only once in its table: remove or rename one of them"
     } else if says("array") {
         "write a list as [\"x\", \"v\"]: commas between its entries, `]` at its end"
     } else if says("invalid basic string") || says("invalid literal string") {

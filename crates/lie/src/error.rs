@@ -9,7 +9,7 @@ pub enum Error {
     #[error("the system has no states")]
     NoStates,
     /// A vector field or point of the wrong size.
-    #[error("a vector field or point has {found} components where the system has {expected} states")]
+    #[error("a vector field or point has {found} components, but the system has {expected} states")]
     Dimension {
         /// Number of states.
         expected: usize,
@@ -17,7 +17,7 @@ pub enum Error {
         found: usize,
     },
     /// A point with the wrong number of inputs.
-    #[error("the point gives {found} inputs where the system has {expected}")]
+    #[error("the point gives {found} inputs, but the system has {expected}")]
     Inputs {
         /// Number of inputs.
         expected: usize,
@@ -25,7 +25,7 @@ pub enum Error {
         found: usize,
     },
     /// The range of an input is told that does not exist.
-    #[error("there is no input {name} that could have a range")]
+    #[error("there is no input {name} for this range")]
     UnknownInput {
         /// The name.
         name: String,
@@ -66,7 +66,7 @@ pub enum Error {
 
 /// Text that is no bracket of the generators.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is no bracket: {problem} at character {column}")]
+#[error("`{text}` is not a bracket: {problem} at character {column}")]
 pub struct WordError {
     /// The whole text.
     pub text: String,
@@ -96,7 +96,7 @@ pub enum WordProblem {
         remedy: String,
     },
     /// A name of an input that is also the name of another generator.
-    #[error("`{name}` is the name of an input and stands for another input field as well")]
+    #[error("`{name}` names both an input and another input field")]
     Ambiguous {
         /// The name.
         name: String,

@@ -49,7 +49,7 @@ pub enum MpcError {
         states: usize,
     },
     /// Measured outputs do not tell of everything that is to be estimated.
-    #[error("the measured outputs do not tell of {}, or not apart from one another: measure more or estimate less", names.join(", "))]
+    #[error("the measured outputs do not determine {}, or do not separate them: measure more or estimate less", names.join(", "))]
     NotObservable {
         /// What cannot be told.
         names: Vec<String>,
@@ -65,14 +65,14 @@ pub enum MpcError {
         known: Vec<String>,
     },
     /// The inputs cannot bring every state to rest.
-    #[error("the linearised system is not stabilisable: add an input, or leave out the states that no input reaches")]
+    #[error("the linearized system is not stabilizable: add an input, or remove the states that no input reaches")]
     NotStabilizable,
     /// A motion that does not decay costs nothing.
-    #[error("a motion that does not decay costs nothing: give every state that does not decay by itself a cost")]
+    #[error("an undamped motion has no cost: give every state that does not decay by itself a cost")]
     NotDetectable,
     /// A point is not at rest.
     #[error(
-        "the point is no steady state: state {index} moves by {moved} over one interval; give a state and input at rest"
+        "the point is not a steady state: state {index} moves by {moved} over one interval; give a state and input at rest"
     )]
     NotSteady {
         /// Index of the state, from 0.
@@ -81,7 +81,7 @@ pub enum MpcError {
         moved: f64,
     },
     /// The references do not determine the steady state.
-    #[error("the references leave the steady state open: give every state a cost, or set the terminal cost by hand")]
+    #[error("the references do not determine the steady state: give every state a cost, or set the terminal cost by hand")]
     SteadyStateNotUnique,
     /// There is no stage cost to be continued beyond the horizon.
     #[error("there is no stage cost: set `Ocp::stage` first")]
@@ -90,7 +90,7 @@ pub enum MpcError {
     #[error("the dynamics have no second derivatives: use symbolic dynamics, or the Gauss-Newton Hessian")]
     NoSecondDerivatives,
     /// The plant could not be simulated further.
-    #[error("the plant stops at t = {time}: {source}")]
+    #[error("the plant stopped at t = {time}: {source}")]
     Plant {
         /// Time of the sample, s.
         time: f64,

@@ -117,7 +117,7 @@ impl Ocp {
     /// linear system with a quadratic cost; for others, give the best steady state itself.
     ///
     /// # Errors
-    /// If the point is no steady state ([`MpcError::NotSteady`]), there is no stage cost, or as [`dare`].
+    /// If the point is not a steady state ([`MpcError::NotSteady`]), there is no stage cost, or as [`dare`].
     pub fn with_terminal_cost_at(
         mut self,
         dynamics: &mut dyn Dynamics,

@@ -6,7 +6,7 @@ use cranelift_module::ModuleError;
 #[derive(Debug, thiserror::Error)]
 pub enum NativeError {
     /// No code can be generated for this processor.
-    #[error("no machine code for this host: {reason}")]
+    #[error("machine code is not supported on this host: {reason}")]
     Host {
         /// What is missing.
         reason: &'static str,

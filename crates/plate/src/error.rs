@@ -28,7 +28,7 @@ pub enum PlateError {
         name: &'static str,
     },
     /// Static friction below sliding friction.
-    #[error("mu_static = {mu_static} is below mu = {mu}; give a static level that is at least the sliding one")]
+    #[error("mu_static = {mu_static} is below mu = {mu}; give a static friction of at least the sliding friction")]
     StaticBelowSliding {
         /// Coefficient of sliding.
         mu: f64,
@@ -67,7 +67,7 @@ pub enum PlateError {
     #[error("the object's inertia is out of the range of floating-point numbers; check the units of lengths and mass")]
     Inertia,
     /// A body that starts inside the plate.
-    #[error("the body starts {depth} m below the plate's surface; raise its centre of mass by as much")]
+    #[error("the body starts {depth} m below the plate's surface; raise its center of mass by this amount")]
     Penetration {
         /// How far, in m.
         depth: f64,

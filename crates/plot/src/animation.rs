@@ -37,13 +37,13 @@ const PLATE: Color = Color(240, 240, 240);
 pub struct Snapshot {
     /// Time in seconds.
     pub time: f64,
-    /// Displacement of the plate along x, in metres.
+    /// Displacement of the plate along x, in meters.
     pub displacement: f64,
     /// Tilt of the plate about its x axis in radians; positive raises +y.
     pub tilt: f64,
-    /// Position of the object's centre on the plate in metres, and its yaw.
+    /// Position of the object's centre on the plate in meters, and its yaw.
     pub pose: Pose,
-    /// Gap between plate and object in metres; 0 in contact.
+    /// Gap between plate and object in meters; 0 in contact.
     pub gap: f64,
     /// Tilt of the object against the plate about the x axis, in radians.
     pub lean: f64,

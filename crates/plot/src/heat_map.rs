@@ -79,7 +79,7 @@ impl HeatMap {
         missing(meaning: impl Into<String>) |it| it.missing = meaning.into();
         /// Sets the colours.
         color_map(map: ColorMap) |it| it.map = map;
-        /// Sets the range of the colours; values beyond have the colour of its end, which the colour bar says. Without it
+        /// Sets the range of the colors; values beyond have the colour of its end, which the colour bar says. Without it
         /// the range is that of the values, symmetric about zero for [`ColorMap::Diverging`].
         range(low: f64, high: f64) |it| it.range = Some((low, high));
         /// Adds the line on which the quantity has this value, `name` in the legend.

@@ -234,7 +234,7 @@ impl Panel {
         target_band(low: f64, high: f64) |it| it.target_band = Some((low, high));
         /// Adds a shaded interval to this panel.
         interval(interval: Interval) |it| it.intervals.push(interval);
-        /// Sets the range of the vertical axis; what lies outside is cut off.
+        /// Sets the range of the vertical axis; what lies outside is clipped.
         limits(low: f64, high: f64) |it| it.limits = Some((low, high));
         /// Sets the size below which differences are rounding and get no axis of their own.
         rounding(size: f64) |it| it.rounding = size;
@@ -297,7 +297,7 @@ impl Panel {
                     .y
                     .last()
                     .map_or(String::new(), |v| format!(" (ends at {}{})", three_digits(*v), self.unit()));
-                marks.push((Sample::Beyond, format!("leaves the frame{to}")));
+                marks.push((Sample::Beyond, format!("leaves the axes{to}")));
             }
         }
         marks

@@ -91,7 +91,7 @@ impl VectorField {
         color_label(label: impl Into<String>) |it| it.color_label = Some(label.into());
         /// Sets the colours; [`ColorMap::DivergingDark`] if not set.
         color_map(map: ColorMap) |it| it.map = map;
-        /// Sets the range of the colours; values beyond have the colour of its end, which the colour bar says.
+        /// Sets the range of the colors; values beyond have the colour of its end, which the colour bar says.
         range(low: f64, high: f64) |it| it.range = Some((low, high));
         /// Sets the vector whose arrow is as long as the distance between neighbours; by default the longest one.
         longest(length: f64) |it| it.longest = Some(length);
@@ -119,7 +119,7 @@ impl VectorField {
             check_finite(&self.vector_name, &[a.x, a.y])?;
         }
         if let Some((low, high)) = self.range {
-            check_interval("range of the colours", low, high)?;
+            check_interval("range of the colors", low, high)?;
         }
         check_finite("longest arrow", self.longest.as_slice())?;
         let values = || known.iter().map(|a| a.value);

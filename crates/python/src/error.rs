@@ -9,7 +9,7 @@ create_exception!(
     bracketry,
     BracketryError,
     PyValueError,
-    "What was given cannot be used; the message says where, why and what to change."
+    "Invalid input. The message says where, why, and what to change."
 );
 
 /// A message for the user.

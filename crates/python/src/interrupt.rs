@@ -61,5 +61,5 @@ pub(crate) fn watched<T: Send + 'static>(
 /// A panic is a fault of the library, whatever was asked of it.
 fn broken(panic: &(dyn Any + Send)) -> Failure {
     let message = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
-    Failure::new(format!("internal error: {}; please report what led to it", message.unwrap_or("unknown")))
+    Failure::new(format!("internal error: {}; please report how it occurred", message.unwrap_or("unknown")))
 }

@@ -28,7 +28,7 @@ impl fmt::Display for Text<'_> {
         let c = &report.status;
         writeln!(
             f,
-            "samples        {}: {} solved, {} inaccurate, {} infeasible, {} fallback, {} after the plan's end",
+            "samples        {}: {} solved, {} inaccurate, {} infeasible, {} fallback, {} after the end of the plan",
             report.steps, c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
         )?;
         let s = &report.solve_ms;
@@ -63,7 +63,7 @@ pub fn error(problem: &ControlProblem, error: &ControlError) -> String {
         && let Some(why) = Breakdown::find(&problem.plant, &stop.model, &stop.reason, stop.t, &stop.state)
     {
         let why = simulation::breakdown(&problem.plant, &why);
-        return format!("the plant stops at t = {time}: {why} (t = {} s)", stop.t);
+        return format!("the plant stopped at t = {time}: {why} (t = {} s)", stop.t);
     }
     error.to_string()
 }

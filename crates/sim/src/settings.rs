@@ -107,7 +107,7 @@ pub enum SimError {
         value: f64,
     },
     /// A time that is not a number, or an end before the start.
-    #[error("the time span from {from} to {to} is not one")]
+    #[error("the time span from {from} to {to} is not valid")]
     BadTimeSpan {
         /// Start.
         from: f64,

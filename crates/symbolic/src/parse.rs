@@ -176,7 +176,7 @@ fn lex_number(chars: &[char], start: usize) -> Result<(RBig, usize), ParseError>
     }
     if i < chars.len() && (chars[i].is_alphabetic() || chars[i] == '_' || chars[i] == '.') {
         let found: String = chars[start..=i].iter().collect();
-        return error(start, found, "a number runs into a name", "write the product with `*`");
+        return error(start, found, "a number is directly followed by a name", "write the product with `*`");
     }
     let mantissa: IBig = digits.parse().unwrap_or(IBig::ZERO);
     let power = UBig::from(10u8).pow(scale.unsigned_abs() as usize);
@@ -486,7 +486,7 @@ impl Pool {
             Token::Number(_) | Token::Name(_) | Token::Op('(') => {
                 p.fail("an operator is missing", "write the product with `*`")
             }
-            _ => p.fail("this does not belong here", "remove it"),
+            _ => p.fail("unexpected text here", "remove it"),
         }
     }
 }

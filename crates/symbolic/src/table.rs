@@ -54,7 +54,7 @@ pub struct ExprTable {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TableError {
     /// An entry uses one that does not stand before it.
-    #[error("entry {entry} uses entry {operand}, which does not stand before it")]
+    #[error("entry {entry} uses entry {operand}, which does not precede it")]
     Order {
         /// The entry.
         entry: usize,

@@ -35,7 +35,7 @@ pub(crate) fn read_input_delays(doc: &Document, table: &Table<'_>, system: &mut 
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("the inputs are {}", known.join(", ")),
             };
-            return Err(doc.error(key.span(), format!("`{name}` is no input"), remedy));
+            return Err(doc.error(key.span(), format!("`{name}` is not an input"), remedy));
         };
         let delay = doc.expression(value, name, &mut system.pool, &mut names)?;
         system.check_delay(name, delay).map_err(|e| e.at(doc, value.span()))?;

@@ -191,11 +191,11 @@ impl<'d> Reader<'d> {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => format!("the inputs are {}", known.join(", ")),
                 };
-                return Err(doc.error(key.span(), format!("`{name}` is no input"), remedy));
+                return Err(doc.error(key.span(), format!("`{name}` is not an input"), remedy));
             };
             let Value::Table(entries) = value.get_ref() else {
                 let remedy = format!("write {name} = {{ min = 0 }}, max likewise");
-                return Err(doc.error(value.span(), format!("the range of `{name}` is no table"), remedy));
+                return Err(doc.error(value.span(), format!("the range of `{name}` is not a table"), remedy));
             };
             doc.only_keys(entries, &["min", "max"], "a range")?;
             let bound = |k: &str| entries.get(k).map(|v| doc.exact_number(v, k)).transpose();

@@ -8,7 +8,7 @@ use bracketry_symbolic::{ParseError, Symbol, closest_name};
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PointError {
     /// An entry without `=`.
-    #[error("`{entry}` gives no value: write NAME=VALUE, several with commas between them")]
+    #[error("`{entry}` has no value: write NAME=VALUE, separated by commas")]
     NoValue {
         /// The entry.
         entry: String,
@@ -36,7 +36,7 @@ pub enum PointError {
         source: ParseError,
     },
     /// A value that is no finite number.
-    #[error("the value of `{name}`, `{text}`, is no finite real number: give one")]
+    #[error("the value of `{name}`, `{text}`, is not a finite real number: give one")]
     NotFinite {
         /// The state or input.
         name: String,
@@ -78,7 +78,7 @@ pub fn point(system: &mut System, text: &str) -> Result<Point, PointError> {
         };
         *place = system.pool.parse_with(value, &mut Constants).map_err(|e| {
             let remedy = if e.message.starts_with("unknown name") {
-                "a point holds constants such as 0.3, pi/2 or sqrt(2)".to_owned()
+                "a point contains constants such as 0.3, pi/2 or sqrt(2)".to_owned()
             } else {
                 e.remedy.clone()
             };

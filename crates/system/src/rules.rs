@@ -84,7 +84,7 @@ pub(crate) fn check_parameter(
 pub(crate) fn check_range(name: &str, min: Option<&Rational>, max: Option<&Rational>) -> Result<(), ModelError> {
     if min.zip(max).is_some_and(|(lo, hi)| lo >= hi) {
         return Err(ModelError::new(
-            format!("the range of `{name}` holds no more than one value"),
+            format!("the range of `{name}` is empty or a single value"),
             "set min below max",
         ));
     }
@@ -97,7 +97,7 @@ impl System {
         match self.value(delay) {
             Some(d) if d >= 0.0 && d.is_finite() => Ok(()),
             _ => Err(ModelError::new(
-                format!("the delay of `{name}` is no time that can pass"),
+                format!("the delay of `{name}` is not a valid time"),
                 "give seconds, at least 0",
             )),
         }

@@ -9,7 +9,7 @@ pub enum TrialError {
     #[error(transparent)]
     Plate(#[from] PlateError),
     /// A range that is none.
-    #[error("{name} = [{low}, {high}] must be finite numbers, the lower one first")]
+    #[error("{name} = [{low}, {high}] must be finite numbers, in increasing order")]
     BadRange {
         /// Which one.
         name: &'static str,
@@ -19,13 +19,13 @@ pub enum TrialError {
         high: f64,
     },
     /// A plate that would have to jump where the amplitude of an experiment changes.
-    #[error("the plate would jump at {t} s, where the amplitude changes; choose a motion that begins and ends at rest")]
+    #[error("the plate would jump at {t} s, where the amplitude changes; choose a motion that starts and ends at rest")]
     Jump {
         /// When, in s.
         t: f64,
     },
     /// No multisine keeps the object where it should be.
-    #[error("none of {tries} multisines keeps the object near its start; give it less time or more friction")]
+    #[error("none of {tries} multisines keeps the object near its start; use a shorter duration or more friction")]
     NoMultisine {
         /// How many were tried.
         tries: u64,

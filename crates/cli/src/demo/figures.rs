@@ -172,9 +172,9 @@ impl Story {
     /// The figures of each chapter.
     pub(super) fn chapters(&self) -> [Vec<Figure>; CHAPTERS] {
         let growth = bracketry::report::analysis::growth_figure(&self.analysis).draw();
-        let mut first = vec![figure("growth", "Directions that brackets open, by their length.", growth)];
+        let mut first = vec![figure("growth", "Directions spanned by the brackets, by bracket length.", growth)];
         if let Some(reach) = bracketry::report::analysis::reach_figure(&self.analysis) {
-            let caption = "What comes under the influence of the inputs, round by round of brackets.";
+            let caption = "Influence of the inputs on the states, by round of brackets.";
             first.push(figure("reach", caption, reach.draw()));
         }
         let m = &self.on_equations;
@@ -186,16 +186,16 @@ impl Story {
             ),
             figure(
                 "comparison",
-                "The same move in the published way, one coordinate after the other.",
+                "The same move with the published method, one coordinate after the other.",
                 m.comparison().draw(),
             ),
-            figure("plan_view", "Both ways seen from above; the object is drawn at intervals.", m.plan_view().draw()),
+            figure("plan_view", "Both methods, seen from above; the object is drawn at intervals.", m.plan_view().draw()),
         ];
         let on_plant = |moved: &MoveOnPlant, name: &str, title: &str, role: Role| {
             vec![
                 figure(
                     name,
-                    "Closed loop and plan alone on the area-contact plant, beside what the controller's plan promised; the band is \
+                    "Closed loop and plan alone on the area-contact plant, compared with the controller's plan; the band is \
                      the tolerance of ± 2 mm and ± 2°.",
                     against_plan(moved, title, role),
                 ),
@@ -332,12 +332,12 @@ fn against_plan(moved: &MoveOnPlant, title: &str, role: Role) -> Result<Drawing,
         let plan = moved.run.plan.as_ref().map(|p| &p.trajectory)?;
         let t: Vec<f64> = (0..=plan.steps()).map(|i| i as f64 * moved.problem.ocp.dt).collect();
         let values: Vec<f64> = (0..=plan.steps()).map(|i| scale * plan.x(i)[k]).collect();
-        Some(Series::new("plan, as its model promises", t, values).role(Role::Promised))
+        Some(Series::new("plan, as predicted by its model", t, values).role(Role::Promised))
     };
     pose_panels(moved, |k, scale| {
         let mut all: Vec<Series> = promised(k, scale).into_iter().collect();
         let lines = [
-            (&alone, "plan alone, true plant", Dash::Dotted, &moved.plan_stopped),
+            (&alone, "open loop, true plant", Dash::Dotted, &moved.plan_stopped),
             (&closed, "closed loop, true plant", role.dash(), &moved.stopped),
         ];
         all.extend(lines.map(|(columns, name, dash, stopped)| {

@@ -8,16 +8,16 @@ use bracketry::report::html::{self, equations, escaped, heading, paragraph, tabl
 
 /// What each chapter does, in a sentence.
 const OPENINGS: [&str; 6] = [
-    "The published model of the vibrating plate, taken as it is printed: an object on a plate that shakes along x and tilts about the \
-     same axis. It is not affine in its two inputs; made affine, Lie brackets say what the inputs reach.",
+    "The published model of the vibrating plate, as printed: an object on a plate that shakes along x and tilts about the \
+     same axis. It is not affine in its two inputs; Lie brackets of its affine form determine what the inputs reach.",
     "A model-predictive controller plans the move of position and orientation together and corrects it every 20 ms. Its plant here \
      is the published model's own equations, with set-valued dry friction: sliding and sticking are located as events.",
     "The true plant is the contact of the whole footprint: each point of it carries its share of the load and slides or sticks in \
      its own direction. The controller still predicts with the published model.",
-    "A laboratory would record what happened, and shake the plate some more: logs at 200 Hz of the commanded motion and the \
-     measured pose, with noise. The diagnosis sees these columns and the published model, nothing else. The last log is held out: no fit sees it.",
-    "The terms that the diagnosis added are in the equations now, so the same analysis says what they change.",
-    "The extended model goes back into the same controller, on the same plant.",
+    "A laboratory would record this run and a few more experiments: logs at 200 Hz of the commanded motion and the \
+     measured pose, with noise. The diagnosis sees these columns and the published model, nothing else. The last log is held out: it is not used for fitting.",
+    "The equations now contain the terms found by the diagnosis; the same analysis shows their effect.",
+    "The same controller uses the extended model on the same plant.",
 ];
 
 impl Story {

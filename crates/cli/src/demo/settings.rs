@@ -39,7 +39,7 @@ pub enum StoryError {
     /// The object or its friction.
     #[error(transparent)]
     Plate(#[from] PlateError),
-    /// The published model cannot be analysed.
+    /// The published model cannot be analyzed.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
     /// The logs.

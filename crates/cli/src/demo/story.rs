@@ -24,7 +24,7 @@ pub struct Story {
     pub logs: Vec<SyntheticLog>,
     /// Chapters 4 and 5: what the published model gets wrong in these logs, and what the extended one reaches.
     pub diagnosis: Diagnosis,
-    /// Chapter 5: what the inputs of the extended model reach; absent without one, or if it cannot be analysed.
+    /// Chapter 5: what the inputs of the extended model reach; absent without one, or if it cannot be analyzed.
     pub extended_analysis: Option<Analysis>,
     /// Chapter 6: the extended model in control of the same plant; absent where nothing was found.
     pub extended: Option<MoveOnPlant>,

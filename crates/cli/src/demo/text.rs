@@ -48,14 +48,14 @@ impl fmt::Display for MoveOnEquations {
         if self.two.remaining_spin.abs() > 2f64.to_radians() {
             writeln!(
                 f,
-                "  The published model has no yaw friction: once turned, the object goes on spinning while it is moved,\n  \
+                "  The published model has no yaw friction: once turned, the object continues to spin while it is moved,\n  \
                  so the two-step time counts stages that met their targets, not a yaw that stays there."
             )?;
         }
         writeln!(
             f,
-            "  The published inputs keep no bounds on stroke, tilt or accelerations, and the plate is taken to stop and\n  \
-             level at once between stages."
+            "  The published inputs ignore the bounds on stroke, tilt, and accelerations, and the plate is assumed to stop\n  \
+             and level instantaneously between stages."
         )?;
         let [linearise, qp, rest] = self.step_split();
         let (t, c) = (&report.solve_ms, &report.status);
@@ -68,7 +68,7 @@ impl fmt::Display for MoveOnEquations {
         writeln!(
             f,
             "  control step: median {:.2} ms, 99 % below {:.2} ms, sampling period {:.0} ms; {:.1} × real time\n  \
-             of which, medians: linearise {linearise:.2} ms, quadratic program {qp:.2} ms, rest {rest:.2} ms",
+             of which, medians: linearize {linearise:.2} ms, quadratic program {qp:.2} ms, rest {rest:.2} ms",
             t.median,
             t.p99,
             report.period_ms,
@@ -112,7 +112,7 @@ impl fmt::Display for MoveOnPlant {
             "  samples: {} solved, {} inaccurate, {} infeasible, {} fallback, {} at rest after the plan",
             c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
         )?;
-        writeln!(f, "  The controller is given the exact state of the plant at every sample.")?;
+        writeln!(f, "  The controller receives the exact state of the plant at every sample.")?;
         for (what, stopped) in [("closed loop", &self.stopped), ("plan alone", &self.plan_stopped)] {
             if let Some(reason) = stopped.as_ref().map(ended) {
                 writeln!(f, "  The {what} ends early: {reason}. Its errors are those at that time.")?;
@@ -130,7 +130,7 @@ impl fmt::Display for MoveOnPlant {
 /// How contact ended, in words.
 fn ended(outcome: &AreaOutcome) -> String {
     match outcome {
-        AreaOutcome::Tipping { t, .. } => format!("at {t:.2} s the object begins to tip over its rim"),
+        AreaOutcome::Tipping { t, .. } => format!("at {t:.2} s the object starts to tip over its rim"),
         other => other.to_string(),
     }
 }
@@ -152,12 +152,12 @@ pub(super) fn of_ranks(diagnosis: &Diagnosis) -> String {
         (Some(ranks), _) => {
             let (before, after) = (&ranks.before, &ranks.after);
             format!(
-                "{ranks}\nWhile no direction of friction changes, the inputs of the published model reach a set of dimension {} of {}\n\
+                "{ranks}\nAs long as no friction direction changes, the inputs of the published model reach a set of dimension {} of {}\n\
                  at each time, those of the extended model one of dimension {} of {}.\n",
                 before.least_in_a_mode, before.states, after.least_in_a_mode, after.states
             )
         }
-        (None, Some(_)) => "One of the two models cannot be analysed.\n".to_owned(),
+        (None, Some(_)) => "One of the two models cannot be analyzed.\n".to_owned(),
         (None, None) => "Nothing was found, so there is no extended model.\n".to_owned(),
     }
 }
@@ -230,9 +230,9 @@ impl Story {
         push("closed loop: error in x", of(&|m| format!("{:+.2} mm", 1e3 * m.arrival.x_m)));
         push("closed loop: error in y", of(&|m| format!("{:+.2} mm", 1e3 * m.arrival.y_m)));
         push("closed loop: error in yaw", of(&|m| format!("{:+.2}°", m.arrival.phi_deg)));
-        push("plan alone: error in x", of(&|m| format!("{:+.2} mm", 1e3 * m.plan_arrival.x_m)));
-        push("plan alone: error in y", of(&|m| format!("{:+.2} mm", 1e3 * m.plan_arrival.y_m)));
-        push("plan alone: error in yaw", of(&|m| format!("{:+.2}°", m.plan_arrival.phi_deg)));
+        push("open loop: error in x", of(&|m| format!("{:+.2} mm", 1e3 * m.plan_arrival.x_m)));
+        push("open loop: error in y", of(&|m| format!("{:+.2} mm", 1e3 * m.plan_arrival.y_m)));
+        push("open loop: error in yaw", of(&|m| format!("{:+.2}°", m.plan_arrival.phi_deg)));
         push(
             "within ± 2 mm, ± 2° from",
             of(&|m| match m.arrival.settled_s {

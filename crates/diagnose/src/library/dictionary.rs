@@ -113,7 +113,7 @@ impl Terms<'_> {
         let fastest = self.builder.data.extent(&v).unwrap_or(1.0);
         let speeds = log_grid(0.02 * fastest, 0.5 * fastest, SPEED_TRIALS);
         self.add_with(&format!("tanh({v}/#)"), Some((speeds.clone(), "where the function saturates")))?;
-        self.add_with(&format!("exp(-abs({v})/#)"), Some((speeds, "where the function fades")))?;
+        self.add_with(&format!("exp(-abs({v})/#)"), Some((speeds, "where the function decays")))?;
         if self.place.is_rate {
             self.add(&format!("sqrt(abs({v}))*sign({v})"))
         } else {

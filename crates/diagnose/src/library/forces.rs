@@ -78,7 +78,7 @@ impl Builder {
             let Some(&first) = rows.first() else { continue };
             let name = self.system.symbol_name(u).to_owned();
             let k = self.name("tilt", &name);
-            let about = format!("{name} is off by this angle where gravity acts");
+            let about = format!("offset of the angle {name} in the gravity terms");
             let c = Coefficient { min: -1.0, max: 1.0, ..amplitude(k.clone(), "rad", about) };
             let on = self.state(first);
             let pairs = vec![(name.clone(), format!("({name} + {k})"))];
@@ -98,7 +98,7 @@ impl Builder {
             let coefficient = Coefficient { min: -1.0, max: 1.0, ..amplitude(k.clone(), "rad", about) };
             return self.along(Cause::Tilt, c.rate, &c.force, &format!("-{g}*{k}"), vec![coefficient]);
         }
-        let about = format!("weight that a slope along {v} makes act against it");
+        let about = format!("component of the weight on a slope, against {v}");
         let coefficient = amplitude(k.clone(), c.force_unit.clone(), about);
         self.along(Cause::Tilt, c.rate, &c.force, &format!("-{k}"), vec![coefficient])
     }
@@ -141,7 +141,7 @@ impl Builder {
     ) -> Result<(), DiagnoseError> {
         let (a, b) = (self.name(&format!("{base}_sin"), on), self.name(&format!("{base}_cos"), on));
         let p = self.name(&format!("{base}_period"), on);
-        let about = |part: &str| format!("{part} of the disturbance that repeats in {along}");
+        let about = |part: &str| format!("{part} of the disturbance that is periodic in {along}");
         let coefficients = vec![
             amplitude(a.clone(), c.force_unit.clone(), about("sine part")),
             amplitude(b.clone(), c.force_unit.clone(), about("cosine part")),
@@ -173,7 +173,7 @@ impl Builder {
             let zero = self.system.pool.int(0);
             let lost = self.system.pool.call2(bracketry_symbolic::Func2::Min, level, zero);
             let entry = self.system.pool.mul(lost, friction.direction);
-            let about = format!("1: friction against {v} vanishes where the load is negative; 0: it changes its sign");
+            let about = format!("1: friction against {v} vanishes where the load is negative; 0: it changes sign");
             let coefficient = Coefficient { min: 0.0, max: 1.0, ..dissipation(k.clone(), "1", about) };
             self.along(Cause::LiftOff, c.rate, &[(c.rate, entry)], &k, vec![coefficient])?;
         }
@@ -217,7 +217,7 @@ impl Builder {
                 }
                 let (a, b) = (self.system.symbol_name(s).to_owned(), self.system.symbol_name(partners[i]).to_owned());
                 let k = self.name("play", &format!("{b}_{a}"));
-                let about = format!("play between {b} and {a}");
+                let about = format!("backlash between {b} and {a}");
                 let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), kind.unit(), about) };
                 // d → max(d − k/2, 0) + min(d + k/2, 0)
                 let d = format!("({b} - {a})");
@@ -229,7 +229,7 @@ impl Builder {
             let Some(u) = c.input else { continue };
             let name = self.system.symbol_name(self.system.inputs[u]).to_owned();
             let k = self.name("dead_zone", &name);
-            let about = format!("{name} up to this size does not reach the load");
+            let about = format!("dead zone: {name} up to this size does not reach the load");
             let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), "", about) };
             let law = format!("(max({name} - {k}, 0) + min({name} + {k}, 0) - {name})");
             self.along(Cause::Backlash, c.rate, &c.force, &law, vec![coefficient])?;

@@ -103,15 +103,15 @@ impl Builder {
             }
             let sliding = (!first.has_dry_friction).then(|| {
                 let name = self.name(&format!("{k}_sliding"), "");
-                let about = format!("dry friction at speeds {v} at which the change has faded");
+                let about = format!("dry friction at speeds {v} well above the Stribeck speed");
                 Coefficient { min: 0.0, ..dissipation(name, unit.clone(), about) }
             });
             let about = format!(
-                "friction at rest beyond that of sliding ({form}: fades with speed); negative: a concave law, friction that grows from rest"
+                "static minus sliding friction ({form}: decays with speed); negative: a concave law, friction grows from rest"
             );
             let c = Coefficient { min: -at_rest, ..amplitude(k.clone(), unit, about) };
             let unit = format!("{}/s", first.kind.unit());
-            let speed = shape(s, trials.clone(), unit, "speed at which the change of friction fades");
+            let speed = shape(s, trials.clone(), unit, "speed at which the change of friction decays");
             let law = match &sliding {
                 Some(level) => format!("-({} + {k}*{fade})", level.name),
                 None => format!("-{k}*{fade}"),
@@ -125,7 +125,7 @@ impl Builder {
     fn quadratic_drag(&mut self, c: &Coordinate) -> Result<(), DiagnoseError> {
         let v = self.state(c.rate);
         let k = self.name("drag", &v);
-        let coefficient = dissipation(k.clone(), c.unit(0, 2), format!("drag with the square of {v}"));
+        let coefficient = dissipation(k.clone(), c.unit(0, 2), format!("drag proportional to the square of {v}"));
         self.along(Cause::QuadraticDrag, c.rate, &c.force, &format!("-{k}*abs({v})*{v}"), vec![coefficient])
     }
 
@@ -187,7 +187,7 @@ impl Builder {
         // The level where the body only spins is this over the radius: two numbers that data of a sliding body hardly tell apart.
         let about = format!("dry friction of the contact against {w}/slip, the spin over the speed of the slip{per}");
         let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), units[0], about) };
-        let about = "spin times this length is the slip speed at which spinning and sliding share the friction equally";
+        let about = "spin times this length is the slip speed at which spinning and sliding contribute equally to the friction";
         // Far above this radius the law is Coulomb's, which is a candidate of its own.
         let length = shape(l.clone(), log_grid(0.01 * radius, radius, 5), "m", about);
         let law = format!("-{k}*{w}/sqrt({square} + {l}^2*{w}^2)");
@@ -225,7 +225,7 @@ impl Builder {
                 (old, new)
             })
             .collect();
-        let about = "1: dry friction acts against the direction of the slip; 0: on each axis by itself";
+        let about = "1: dry friction acts against the direction of the slip; 0: along each axis independently";
         // Altogether or not at all: a small part of it changes nothing where friction on each axis holds a body that in truth
         // slips along the other one, and in a mixture of both the forces on a body at rest are not determined.
         let c = Coefficient { min: 1.0, max: 1.0, trials: vec![1.0], ..dissipation(k, "1", about) };

@@ -197,7 +197,7 @@ impl Builder {
                 }
                 let v = self.state(c.rate);
                 let k = self.name("scale", &v);
-                let about = format!("relative change of a term in the equation of {v}: 0 as it stands");
+                let about = format!("relative change of a term in the equation of {v}: 0 means unchanged");
                 let coefficient = Coefficient { sign_flipped: Some(-2.0), ..amplitude(k.clone(), "1", about) };
                 self.along(Cause::InertialCoupling, c.rate, &[(c.rate, term)], &k, vec![coefficient])?;
             }

@@ -54,7 +54,7 @@ impl Builder {
         let term = format!("-({viscous}*s + {dry}*sign(s) + {inertia}*der(s)), s = {v} + {r}*{w}");
         let part = |name: String, unit: String, what: &str| Coefficient {
             min: 0.0,
-            ..dissipation(name, unit, format!("{what} that {v} and {w} share"))
+            ..dissipation(name, unit, format!("{what} shared by {v} and {w}"))
         };
         let coefficients = vec![
             part(viscous, a.unit(0, 1), "viscous friction"),
@@ -63,7 +63,7 @@ impl Builder {
             Coefficient {
                 nominal: 1.0,
                 min: f64::NEG_INFINITY,
-                ..shape(r, RATIOS.to_vec(), "1", format!("turns of what they share per turn of {w}"))
+                ..shape(r, RATIOS.to_vec(), "1", format!("revolutions of the shared part per revolution of {w}"))
             },
         ];
         self.described(Cause::JointCoupling, a.rate, term, &direction, &law, coefficients)

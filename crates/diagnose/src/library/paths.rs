@@ -50,7 +50,7 @@ impl Builder {
             let s = &sensors[i];
             let (name, scale) = (s.name.clone(), (0.1 * s.size).max(s.noise));
             let k = self.name("offset", &identifier(&name));
-            let about = format!("{name} shows this much more than there is");
+            let about = format!("offset of {name}: reading minus true value");
             let scale = if scale > 0.0 { scale } else { 1.0 };
             let c = Coefficient { scale, ..amplitude(k.clone(), "", about) };
             self.path(Cause::SensorBias, Path::SensorBias, vec![name.clone()], format!("{name} + {k}"), c);
@@ -102,7 +102,7 @@ impl Builder {
             return Ok(());
         };
         let k = self.name("gain", name);
-        let about = format!("relative change of {name}: 0 as commanded");
+        let about = format!("relative change of {name}: 0 means as commanded");
         let c = Coefficient { min: -1.0, ..amplitude(k.clone(), "1", about) };
         let pairs = symbols
             .iter()

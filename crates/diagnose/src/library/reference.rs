@@ -85,7 +85,7 @@ fn share_parameters(builder: &mut Builder, row: usize, terms: &[Expr]) -> bool {
 fn add(builder: &mut Builder, cause: Cause, row: usize, term: Expr) -> Result<(), DiagnoseError> {
     let v = builder.state(row);
     let k = builder.name("missing", &v);
-    let about = format!("1: the equation of {v} has this term of the reference; 0: it has not");
+    let about = format!("1: the equation of {v} has this term of the reference; 0: it does not");
     let c = match cause {
         Cause::YawFriction => dissipation(k.clone(), "1", about),
         _ => amplitude(k.clone(), "1", about),

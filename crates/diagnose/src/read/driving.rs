@@ -51,7 +51,7 @@ impl Driving {
                 continue;
             };
             if d.order > HIGHEST_DERIVATIVE {
-                let message = format!("the model uses {name}, which no column gives");
+                let message = format!("the model uses {name}, for which there is no column");
                 return Err(origin.whole(message, format!("add a column {name}: no spline gives order {}", d.order)));
             }
             let smoothed = Smoothed::of(times, gaps, values);

@@ -31,7 +31,7 @@ pub(super) fn read(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Columns
     }
     let bytes = std::fs::read(path).map_err(cannot)?;
     let no_archive =
-        |e: ZipError| doc.missing(format!("is no NumPy archive: {e}"), "write it by numpy.savez(file, t=…, x=…)");
+        |e: ZipError| doc.missing(format!("is not a NumPy archive: {e}"), "write it by numpy.savez(file, t=…, x=…)");
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(no_archive)?;
     let names: Vec<String> = archive.file_names().filter_map(|f| f.strip_suffix(".npy")).map(str::to_owned).collect();
     let mut columns = BTreeMap::new();
@@ -100,12 +100,12 @@ fn check_header(bytes: &[u8]) -> Result<(), String> {
     let length = match (wide, bytes) {
         (false, [_, _, _, _, _, _, _, _, a, b, ..]) => usize::from(u16::from_le_bytes([*a, *b])),
         (true, [_, _, _, _, _, _, _, _, a, b, c, d, ..]) => u32::from_le_bytes([*a, *b, *c, *d]) as usize,
-        _ => return Err("is cut off".into()),
+        _ => return Err("is truncated".into()),
     };
-    let header = text.get(..length).ok_or("is cut off")?;
+    let header = text.get(..length).ok_or("is truncated")?;
     let header = std::str::from_utf8(header).map_err(|e| e.to_string())?;
     if header.matches(['(', '[', '{']).count() > MOST_PARENTHESES {
-        return Err("has a header that is none of an array of numbers".into());
+        return Err("has a header that does not describe an array of numbers".into());
     }
     let shape = header.split_once("shape").map_or("", |(_, shape)| shape);
     let shape = shape.split_once(')').map_or(shape, |(shape, _)| shape);

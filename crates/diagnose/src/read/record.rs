@@ -94,7 +94,7 @@ fn check_size(origin: &Origin<'_>, column: &str, values: &[f64]) -> Result<(), F
         return Ok(());
     }
     let row = values.iter().position(|v| v.abs() == size).unwrap_or(0);
-    let problem = format!("the largest value of the column, {size:e}, is beyond what can be reckoned with");
+    let problem = format!("the largest value of the column, {size:e}, is too large to compute with");
     Err(origin.at(
         row,
         column,
@@ -131,7 +131,7 @@ fn build(
         let lost = values.iter().filter(|v| v.is_nan()).count();
         if lost as f64 > MOST_LOST * values.len() as f64 {
             let message = format!("column `{name}`: {lost} of {} values were lost", values.len());
-            return Err(origin.whole(message, "remove the column, or the part of the run without it").into());
+            return Err(origin.whole(message, "remove the column, or the part of the run where it is missing").into());
         }
         check_size(origin, &name, &values)?;
         let noise = estimate_noise(&roles.times, &values);

@@ -86,7 +86,7 @@ impl Roles {
                 Some(Role::Derivative(input, order)) => {
                     let before = roles.derivatives.insert((input, order), values);
                     if before.is_some() {
-                        let message = format!("two columns give der({},{order})", names[input]);
+                        let message = format!("two columns define der({},{order})", names[input]);
                         return Err(origin.whole(message, "remove one of them"));
                     }
                 }
@@ -112,12 +112,12 @@ impl Roles {
         }
         if roles.measured.is_empty() {
             let known = measurable(system).join(", ");
-            let message = format!("nothing measured: no column is called like a state or an output; there are {found}");
+            let message = format!("no measurement: no column has the name of a state or an output; there are {found}");
             return Err(origin.whole(message, format!("name a column after one of {known}: --rename q=x")));
         }
         let missing: Vec<String> = roles.missing(system);
         if !missing.is_empty() {
-            let message = format!("the model uses {}, which no column gives; there are {found}", missing.join(", "));
+            let message = format!("the model uses {}, for which there is no column; there are {found}", missing.join(", "));
             let remedy = format!("add a column, or say which one it is: --rename column={}", missing[0]);
             return Err(origin.whole(message, remedy));
         }

@@ -23,7 +23,7 @@ pub(crate) struct Group {
 pub(crate) struct Gained {
     /// Decrease of the sum of squares.
     pub(crate) square: f64,
-    /// The step in units of the linearisation's scales, per column.
+    /// The step in units of the linearization's scales, per column.
     pub(crate) step: DVector<f64>,
 }
 
@@ -35,7 +35,7 @@ pub(crate) struct Gained {
 pub(crate) struct Scores {
     /// Candidates at their trials.
     pub(crate) groups: Vec<Group>,
-    /// Places of the candidates' columns in the linearisation.
+    /// Places of the candidates' columns in the linearization.
     pub(crate) columns: Vec<usize>,
     /// Sum over windows.
     pub(crate) gram: DMatrix<f64>,

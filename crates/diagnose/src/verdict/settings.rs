@@ -66,7 +66,7 @@ impl fmt::Display for Stage {
             Stage::Fit { causes: 1 } => f.write_str("fitting one cause"),
             Stage::Fit { causes } => write!(f, "fitting {causes} causes"),
             Stage::Rivals => f.write_str("fitting rivals"),
-            Stage::Dictionary => f.write_str("trying terms without a name"),
+            Stage::Dictionary => f.write_str("searching for unnamed terms"),
             Stage::Gain => f.write_str("measuring the gain"),
         }
     }

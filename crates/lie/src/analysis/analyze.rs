@@ -26,7 +26,7 @@ pub enum AnalysisError {
     #[error(transparent)]
     Denominator(#[from] ZeroDenominator),
     /// It is asked what the outputs determine of a model without outputs.
-    #[error("there are no outputs that could determine `{function}`: add a table [outputs]")]
+    #[error("the model has no outputs that could determine `{function}`: add a table [outputs]")]
     NoOutputs {
         /// The function that was asked for.
         function: String,

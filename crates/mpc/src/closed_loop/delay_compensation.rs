@@ -30,7 +30,7 @@ impl<C: Controller> DelayCompensated<C> {
     /// If the model contradicts the controller's problem or a length is wrong.
     pub fn new(mut controller: C, dynamics: Box<dyn Dynamics>, delay: usize, first: &[f64]) -> Result<Self, MpcError> {
         let model = Transcription::new(dynamics, controller.ocp().clone())?;
-        check_length("the input under way", first.len(), model.ocp.inputs())?;
+        check_length("the delayed input", first.len(), model.ocp.inputs())?;
         controller.set_start(delay);
         let x = vec![0.0; model.ocp.states()];
         Ok(Self { controller, model, under_way: vec![first.to_vec(); delay].into(), k: 0, x })

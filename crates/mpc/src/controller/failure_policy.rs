@@ -21,7 +21,7 @@ pub struct Brake {
 /// Every input is brought into its bounds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum FailurePolicy {
-    /// The last usable plan, shifted by one interval per sample; the input of rest when it has been used up.
+    /// The last usable plan, shifted by one interval per sample; the rest input when it has been used up.
     #[default]
     ShiftedInput,
     /// The plan for a number of samples in a row (no longer than it lasts), then brakes. The velocities are those measured,
@@ -29,7 +29,7 @@ pub enum FailurePolicy {
     BrakeToRest {
         /// Samples in a row that follow the plan first.
         after: usize,
-        /// The brakes; inputs without one get the input of rest.
+        /// The brakes; inputs without one get the rest input.
         brakes: Vec<Brake>,
     },
     /// The input of rest at once.
@@ -126,7 +126,7 @@ impl Failures {
         &self.rest
     }
 
-    /// Replaces the input of rest.
+    /// Replaces the rest input.
     pub(crate) fn set_rest(&mut self, rest: Vec<f64>) {
         self.rest = rest;
     }
@@ -164,7 +164,7 @@ impl Failures {
         source
     }
 
-    /// Writes the planned input to `u`, or the input of rest.
+    /// Writes the planned input to `u`, or the rest input.
     pub(crate) fn play_out(&self, trajectory: &Trajectory, bounds: &[(f64, f64)], u: &mut [f64]) -> InputSource {
         let plan = self.plan(trajectory);
         FailurePolicy::ShiftedInput.decide(self.in_a_row, plan, &self.x, &self.rest, bounds, u)
@@ -186,11 +186,11 @@ pub(crate) fn rest_input(given: &[f64], bounds: &[(f64, f64)]) -> Result<Vec<f64
     if given.is_empty() {
         return Ok(bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect());
     }
-    check_length("the input of rest", given.len(), bounds.len())?;
+    check_length("the rest input", given.len(), bounds.len())?;
     for (&value, b) in given.iter().zip(bounds) {
         check_value(
             b.0 <= value && value <= b.1 && value.is_finite(),
-            "the input of rest",
+            "the rest input",
             value,
             "give a finite number within the bounds of the input",
         )?;

@@ -140,7 +140,7 @@ impl Reader<'_> {
             let remedy = format!("`until` is the last sample of the fault: {at} or more");
             return Err(self
                 .doc
-                .error(entry.span(), format!("the fault ends at {until} before it begins at {at}"), remedy)
+                .error(entry.span(), format!("the fault ends at {until}, before it starts at {at}"), remedy)
                 .into());
         }
         let range = at..until + 1;
@@ -173,7 +173,7 @@ impl Reader<'_> {
         }
         if faults.len() == before {
             let remedy = "add lost = true, nan = […], disturbance = { … }, solver_limit or time_limit";
-            return Err(self.doc.error(entry.span(), "nothing goes wrong in this fault", remedy).into());
+            return Err(self.doc.error(entry.span(), "this fault has no effect", remedy).into());
         }
         Ok(())
     }

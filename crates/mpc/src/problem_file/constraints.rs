@@ -77,8 +77,8 @@ impl Reader<'_> {
         let min = self.number(b, "min", Some(low))?.0;
         let max = self.number(b, "max", Some(high))?.0;
         if min > max {
-            let message = format!("`{name}` cannot be above {min} and below {max}");
-            return Err(self.doc.error(v.span(), message, "exchange min and max").into());
+            let message = format!("`{name}` cannot be both above {min} and below {max}");
+            return Err(self.doc.error(v.span(), message, "swap min and max").into());
         }
         match variable {
             Variable::State(i) => {
@@ -130,7 +130,7 @@ impl Reader<'_> {
         }
         if whole.min > whole.max {
             let message = format!("`{}` cannot be above {} and below {}", key.get_ref(), whole.min, whole.max);
-            return Err(self.doc.error(key.span(), message, "exchange min and max").into());
+            return Err(self.doc.error(key.span(), message, "swap min and max").into());
         }
         if !whole.is_free() {
             ocp.path_constraints.push(PathConstraint { function: self.compiled(g.clone(), names)?, bounds: whole });

@@ -101,14 +101,14 @@ impl Reader<'_> {
             .and_then(|mut dynamics| ocp.clone().with_terminal_cost_at(&mut dynamics, &x, &u));
         let (whole, beyond) = solved.map_err(|e| {
             let remedy =
-                "the model's [point] must be a steady state at which the cost holds everything, or write a cost";
+                "the model's [point] must be a steady state at which every undamped motion has a cost; otherwise, write a cost";
             self.doc.error(v.span(), e.to_string(), remedy)
         })?;
         *ocp = whole;
         if self.boolean(cost, "terminal_set", false)? {
             let alpha = ocp.largest_terminal_level(&beyond);
             if alpha <= 0.0 {
-                let remedy = "move the model's [point] inside of the bounds, or remove `terminal_set`";
+                let remedy = "move the model's [point] inside the bounds, or remove `terminal_set`";
                 return Err(self.doc.error(v.span(), "the steady state is not within the bounds", remedy).into());
             }
             if alpha.is_finite() {

@@ -88,7 +88,7 @@ impl ControlProblem {
         if let Some(e) = problem.estimation.as_ref().filter(|e| e.hands_over()) {
             if !problem.live.is_empty() {
                 let message =
-                    "parameters that change over time and an estimator that hands parameters over do not go together";
+                    "time-varying parameters cannot be combined with an estimator that updates parameters";
                 return Err(doc.missing(message, "make one of them constant").into());
             }
             (problem.live, problem.system) = (e.problem.live_parameters(), e.problem.controller_model()?);

@@ -64,14 +64,14 @@ impl Reader<'_> {
         let mut names = Vec::new();
         let remedy = "add [estimation.outputs] with name = standard deviation of its noise";
         let Some(outputs) = self.doc.sub_table(t, "outputs")? else {
-            return Err(self.doc.missing("the estimator measures nothing", remedy).into());
+            return Err(self.doc.missing("the estimator has no measurements", remedy).into());
         };
         for (key, v) in outputs {
             problem.outputs.push(self.output(key, v)?);
             names.push(key.get_ref().to_string());
         }
         if names.is_empty() {
-            return Err(self.doc.missing("the estimator measures nothing", remedy).into());
+            return Err(self.doc.missing("the estimator has no measurements", remedy).into());
         }
         self.read_parameters(t, &mut problem)?;
         self.read_disturbances(t, &names, &mut problem)?;
@@ -84,7 +84,7 @@ impl Reader<'_> {
         // A run never looks back on more intervals than it has samples.
         let horizon = self.count(t, "horizon", Some(MovingHorizonSettings::default().horizon))?.min(start.samples);
         if let Some(v) = t.get("horizon").filter(|_| horizon > MOST_INTERVALS) {
-            let message = format!("the estimator looks back on more than {MOST_INTERVALS} intervals");
+            let message = format!("the estimation horizon exceeds {MOST_INTERVALS} intervals");
             return Err(self.doc.error(v.span(), message, "take fewer: 10 to 50 are a good choice").into());
         }
         let settings = MovingHorizonSettings {
@@ -166,7 +166,7 @@ impl Reader<'_> {
     fn walk(&self, v: Located<'_, '_>, name: &str) -> Parsed<(f64, f64, f64, f64)> {
         let Value::Table(t) = v.get_ref() else {
             let remedy = format!("write {name} = {{ std = 0.1, walk = 0.01 }}");
-            return Err(self.doc.error(v.span(), format!("what is known of `{name}` must be a table"), remedy).into());
+            return Err(self.doc.error(v.span(), format!("the entry of `{name}` must be a table"), remedy).into());
         };
         self.doc.only_keys(t, &["std", "walk", "min", "max"], "what is estimated")?;
         let end = |key: &str, free: f64| self.number(t, key, Some(free)).map(|n| n.0);

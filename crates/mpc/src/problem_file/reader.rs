@@ -100,7 +100,7 @@ impl Reader<'_> {
             None => Ok(default),
             Some(v) => match v.get_ref() {
                 Value::Boolean(b) => Ok(*b),
-                _ => Err(self.doc.error(v.span(), format!("`{key}` must be true or false"), "write it bare").into()),
+                _ => Err(self.doc.error(v.span(), format!("`{key}` must be true or false"), "write it without quotes").into()),
             },
         }
     }
@@ -165,6 +165,6 @@ impl Reader<'_> {
 
     pub(super) fn unknown(&self, name: &str, span: Range<usize>, what: &str, known: &[String]) -> Box<FileError> {
         let remedy = format!("the model has: {}", known.join(", "));
-        self.doc.error(span, format!("`{name}` is no {what} of the model"), remedy).into()
+        self.doc.error(span, format!("`{name}` is not a {what} of the model"), remedy).into()
     }
 }

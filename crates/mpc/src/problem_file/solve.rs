@@ -77,7 +77,7 @@ impl Reader<'_> {
         let backend = self.backend(solve)?;
         feedback.time_limit = self.positive(solve, "time_limit", Some(f64::INFINITY))?;
         if let Some(v) = solve.get("time_limit").filter(|_| matches!(name, Name::Sqp | Name::StickSlip)) {
-            let message = "`time_limit` is one of the methods \"rti\" and \"plan\"";
+            let message = "`time_limit` applies to the methods \"rti\" and \"plan\" only";
             return Err(self.doc.error(v.span(), message, "lower max_iterations instead, or change the method").into());
         }
         Ok(Solve {
@@ -105,7 +105,7 @@ impl Reader<'_> {
             let value = self.constant(v, key.get_ref())?;
             let (min, max) = input_bounds[j];
             if !(min..=max).contains(&value) {
-                let message = format!("`{}` at rest is outside of its bounds", key.get_ref());
+                let message = format!("`{}` at rest is outside its bounds", key.get_ref());
                 return Err(self.doc.error(v.span(), message, format!("choose from {min} to {max}")).into());
             }
             rest[j] = value;
@@ -129,7 +129,7 @@ impl Reader<'_> {
     fn backend(&self, solve: &Table<'_>) -> Parsed<Backend> {
         let condensed = self.doc.string(solve, "backend")?.as_deref() == Some("condensed");
         if let Some(v) = solve.get("block").filter(|_| !condensed) {
-            return Err(self.doc.error(v.span(), "`block` is one of condensing", "add backend = \"condensed\"").into());
+            return Err(self.doc.error(v.span(), "`block` applies to condensing only", "add backend = \"condensed\"").into());
         }
         let block = if condensed { self.count(solve, "block", Some(1_000_000))? } else { 0 };
         let forms = [
@@ -168,7 +168,7 @@ impl Reader<'_> {
         let remedy = "write brake = { u = { velocity = \"v\", rate = 10 } }: u = rest - rate*v";
         let Some(t) = brakes else {
             let span = solve.get("policy").map_or(0..0, toml::Spanned::span);
-            return Err(self.doc.error(span, "nothing says how to brake", remedy).into());
+            return Err(self.doc.error(span, "the table `brake` is missing", remedy).into());
         };
         let mut list = Vec::new();
         for (key, v) in t {

@@ -422,7 +422,7 @@ impl Rti {
     }
 
     /// Replaces the states of the trajectory by those that follow from the state as far as known and the planned inputs, or
-    /// the input of rest when these have been used up; where that leads to no numbers, by the state itself.
+    /// the rest input when these have been used up; where that leads to no numbers, by the state itself.
     fn start_again(&mut self) {
         if self.failures.x.iter().any(|v| !v.is_finite()) {
             return;

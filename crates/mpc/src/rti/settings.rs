@@ -99,7 +99,7 @@ impl RtiSettings {
         check_value(programs > 0, "the number of programs solved ahead", 0.0, "give at least 1")?;
         if let (Preparation::AdvancedStepTangential { .. }, Some(what)) = (self.preparation, not_tangential(ocp)) {
             let remedy =
-                "prepare by Preparation::AdvancedStep: the tangential predictor holds bounds and targets alone";
+                "prepare by Preparation::AdvancedStep: the tangential predictor supports bounds and targets only";
             check_value(false, format!("the number of {what}"), 1.0, remedy)?;
         }
         self.policy.check(ocp.states(), ocp.inputs())

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 /// How far an object may go on the plate before it counts as lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Greatest distance of the centre of mass from its start along either axis, in metres.
+    /// Greatest distance of the centre of mass from its start along either axis, in meters.
     pub travel: f64,
 }
 

@@ -41,7 +41,7 @@ pub struct Experiment {
     pub target: f64,
     /// Period `T` in seconds after which the amplitude is set anew.
     pub period: f64,
-    /// `X(t)` in metres, an expression in `t`, its start `t0`, the period `T` and `A`.
+    /// `X(t)` in meters, an expression in `t`, its start `t0`, the period `T` and `A`.
     pub displacement: String,
     /// `theta(t)` in radians, an expression in `t`, its start `t0`, the period `T` and `A`.
     pub tilt: String,

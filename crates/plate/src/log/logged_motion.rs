@@ -22,7 +22,7 @@ pub struct LoggedMotion {
 pub struct Jump {
     /// When, in seconds.
     pub t: f64,
-    /// Change of the displacement, in metres.
+    /// Change of the displacement, in meters.
     pub displacement: f64,
     /// Change of its rate, in m/s.
     pub velocity: f64,

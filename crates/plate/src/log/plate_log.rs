@@ -21,7 +21,7 @@ pub struct PlateLog {
     pub name: String,
     /// Times in seconds, increasing.
     pub t: Vec<f64>,
-    /// Position of the object in the plate frame in metres.
+    /// Position of the object in the plate frame in meters.
     pub x: Vec<f64>,
     /// The same along y.
     pub y: Vec<f64>,

@@ -8,7 +8,7 @@ use bracketry_sim::Inputs;
 /// named numbers that can be changed while the plate moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// `X(t)` in metres.
+    /// `X(t)` in meters.
     pub displacement: String,
     /// `theta(t)` in radians.
     pub tilt: String,

@@ -24,7 +24,7 @@ pub struct ExpressionMotion {
 }
 
 impl ExpressionMotion {
-    /// Compiles `X(t)` in metres and `θ(t)` in radians, expressions of `t` and of the numbers `(name, value)`, with
+    /// Compiles `X(t)` in meters and `θ(t)` in radians, expressions of `t` and of the numbers `(name, value)`, with
     /// their derivatives.
     ///
     /// # Errors

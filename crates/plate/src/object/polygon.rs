@@ -45,7 +45,7 @@ pub enum ShapeError {
     },
 }
 
-/// Vertices of a simple polygon, counter-clockwise, about its centroid, in metres.
+/// Vertices of a simple polygon, counter-clockwise, about its centroid, in meters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<[f64; 2]>", into = "Vec<[f64; 2]>")]
 pub struct Vertices {

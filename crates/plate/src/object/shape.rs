@@ -17,19 +17,19 @@ use std::f64::consts::TAU;
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Shape {
-    /// An ellipse with semi-axis `a` along its own x and `b` along its own y, in metres.
+    /// An ellipse with semi-axis `a` along its own x and `b` along its own y, in meters.
     Ellipse {
         /// Semi-axis along x.
         a: f64,
         /// Semi-axis along y.
         b: f64,
     },
-    /// A disk, radius in metres.
+    /// A disk, radius in meters.
     Disk {
         /// Radius.
         radius: f64,
     },
-    /// A rectangle with half-side `a` along its own x and `b` along its own y, in metres.
+    /// A rectangle with half-side `a` along its own x and `b` along its own y, in meters.
     Rectangle {
         /// Half-side along x.
         a: f64,
@@ -38,7 +38,7 @@ pub enum Shape {
     },
     /// A simple polygon; see [`Shape::polygon`].
     Polygon {
-        /// Vertices in metres, counter-clockwise, about the centroid.
+        /// Vertices in meters, counter-clockwise, about the centroid.
         vertices: Vertices,
     },
 }
@@ -49,7 +49,7 @@ impl Shape {
     /// The disk of the reference results, radius 0.12 m.
     pub const REFERENCE_DISK: Shape = Shape::Disk { radius: 0.12 };
 
-    /// The polygon with the vertices in order, either way round, in metres. The origin is moved to the centroid; the axes
+    /// The polygon with the vertices in order, either way round, in meters. The origin is moved to the centroid; the axes
     /// keep their directions, so that the principal axes are turned by [`Shape::principal_angle`].
     ///
     /// # Errors

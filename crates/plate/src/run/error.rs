@@ -21,7 +21,7 @@ pub enum PlateRunError {
     #[error(transparent)]
     Sim(#[from] bracketry_sim::SimError),
     /// A law of friction that the model does not have.
-    #[error("the model `{}` knows Coulomb friction only; leave --friction away or take --model area", model.name())]
+    #[error("the model `{}` knows Coulomb friction only; omit --friction or use --model area", model.name())]
     CoulombOnly {
         /// The model.
         model: PlateModel,

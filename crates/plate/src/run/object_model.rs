@@ -11,7 +11,7 @@ pub(super) struct Touch {
     pub(super) load: Option<f64>,
     /// Share of the contact that sticks.
     pub(super) stick_fraction: f64,
-    /// Gap in metres.
+    /// Gap in meters.
     pub(super) gap: f64,
     /// Tilt against the plate about its x axis, in radians.
     pub(super) lean: f64,

@@ -101,7 +101,7 @@ pub(super) fn amplitude_step(text: &str) -> Result<AmplitudeStep, Problem> {
         "world" => Ok(AmplitudeStep::WorldFixed),
         "smooth" => Ok(AmplitudeStep::Smooth),
         other => Err(problem(
-            format!("`{other}` is no way to change the amplitude"),
+            format!("`{other}` is not an amplitude law"),
             "name world (the plate jumps, the object stays in the world) or smooth (no jump)",
         )),
     }
@@ -116,7 +116,7 @@ pub(super) fn friction(text: &str) -> Result<FrictionLaw, Problem> {
         ("anisotropic", &[mu_across]) => Ok(FrictionLaw::Anisotropic { mu_across }),
         ("viscous", &[coefficient]) => Ok(FrictionLaw::Viscous { coefficient }),
         _ => Err(problem(
-            format!("`{text}` is no law of friction"),
+            format!("`{text}` is not a friction law"),
             "give coulomb, static:MU_S, stribeck:MU_S,VELOCITY, anisotropic:MU_ALONG_Y or viscous:COEFFICIENT",
         )),
     }
@@ -128,7 +128,7 @@ pub(super) fn start(text: &str) -> Result<[f64; 3], Problem> {
         &[x, y] => Ok([x, y, 0.0]),
         other => Err(problem(
             format!("`{text}` has {} numbers", other.len()),
-            "give x,y,phi in metres and radians, such as 0.3,0,0 or 0.3,0,45deg",
+            "give x,y,phi in meters and radians, such as 0.3,0,0 or 0.3,0,45deg",
         )),
     }
 }
@@ -136,8 +136,8 @@ pub(super) fn start(text: &str) -> Result<[f64; 3], Problem> {
 pub(super) fn shape(text: &str) -> Result<Shape, Problem> {
     let unknown = || {
         problem(
-            format!("`{text}` is no shape"),
-            "give disk:RADIUS, ellipse:AxB (semi-axes), rectangle:AxB (full sides) or polygon:FILE.csv, in metres",
+            format!("`{text}` is not a shape"),
+            "give disk:RADIUS, ellipse:AxB (semi-axes), rectangle:AxB (full sides) or polygon:FILE.csv, in meters",
         )
     };
     let (kind, rest) = text.split_once(':').ok_or_else(unknown)?;
@@ -152,14 +152,14 @@ pub(super) fn shape(text: &str) -> Result<Shape, Problem> {
         "polygon" => polygon(&PathBuf::from(rest))?,
         _ => return Err(unknown()),
     };
-    shape.validate().map_err(|e| problem(e.to_string(), "give lengths in metres greater than zero"))?;
+    shape.validate().map_err(|e| problem(e.to_string(), "give lengths in meters greater than zero"))?;
     Ok(shape)
 }
 
-/// A polygon from a table with columns x and y, or two columns without names, in metres.
+/// A polygon from a table with columns x and y, or two columns without names, in meters.
 fn polygon(path: &Path) -> Result<Shape, Problem> {
     let place = path.display();
-    let remedy = "give a table with a row x,y in metres for each vertex, in order around the outline";
+    let remedy = "give a table with a row x,y in meters for each vertex, in order around the outline";
     let text = std::fs::read_to_string(path).map_err(|e| problem(format!("{place} cannot be read: {e}"), remedy))?;
     let mut vertices = Vec::new();
     let mut named = false;

@@ -24,7 +24,7 @@ pub struct PlateOptions {
     pub model: Option<PlateModel>,
     /// The outline of the object.
     pub shape: Option<Shape>,
-    /// Thickness in metres.
+    /// Thickness in meters.
     pub thickness: Option<f64>,
     /// Mass in kg.
     pub mass: Option<f64>,
@@ -97,7 +97,7 @@ impl PlateOptions {
     pub const NUMBERS: [&'static str; 9] =
         ["omega", "thickness", "mass", "mu", "seconds", "points", "dt", "restitution", "sample"];
     /// Options with texts as values: `experiment` 1, 2 or 3; `model`, see [`PlateModel`]; `shape` `disk:R`, `ellipse:AxB`
-    /// (semi-axes), `rectangle:AxB` (full sides) or `polygon:FILE.csv`, in metres; `start` `x,y,phi` in metres and radians, or
+    /// (semi-axes), `rectangle:AxB` (full sides) or `polygon:FILE.csv`, in meters; `start` `x,y,phi` in meters and radians, or
     /// degrees with `deg`; `jumps` `world` or `smooth`; `friction` `coulomb`, `static:MU_S`, `stribeck:MU_S,V`,
     /// `anisotropic:MU_Y` or `viscous:C`.
     pub const TEXTS: [&'static str; 6] = ["experiment", "model", "shape", "start", "jumps", "friction"];

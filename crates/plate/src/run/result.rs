@@ -19,7 +19,7 @@ pub struct PlateRow {
     pub normal_force: f64,
     /// Share of the contact that sticks, 0 to 1; NaN where the body is free to tip and fly.
     pub stick_fraction: f64,
-    /// Gap between plate and object in metres.
+    /// Gap between plate and object in meters.
     pub gap: f64,
     /// Tilt of the object against the plate about the plate's x axis, in radians.
     pub lean: f64,

@@ -155,7 +155,7 @@ def run(
         "published" equations, "point" contact, "reduced" to an ordinary differential equation with yaw friction, "area" contact
         (the default), or "body" with six degrees of freedom.
     shape
-        "disk:R", "ellipse:AxB" (semi-axes), "rectangle:AxB" (full sides), "polygon:FILE.csv", in metres; or the vertices of a
+        "disk:R", "ellipse:AxB" (semi-axes), "rectangle:AxB" (full sides), "polygon:FILE.csv", in meters; or the vertices of a
         polygon in order around the outline, shape (k, 2). A disk of 0.12 m if left out.
     thickness, mass
         Of the object, in m (0.005) and kg (0.2).

@@ -38,7 +38,7 @@ class Identification(Result):
     robot: str
     #: Number of measurements.
     measurements: int
-    #: Lines of the table (its header is line 1) that were left out as outliers.
+    #: Lines of the table (its header is line 1) that were excluded as outliers.
     outliers: list[int] = field(repr=False)
     #: The method to trust.
     trusted: str
@@ -298,7 +298,7 @@ def weigh(readings: Table, robot: str | PathLike[str]) -> Weighing:
     ----------
     readings
         A table with the columns ``q1 … qn`` (rad) and ``Fx, Fy, Fz, Mx, My, Mz`` (N, N·m, axes of the sensor): readings
-        at rest with nothing touching what the sensor carries, in three orientations or more that tilt it about two axes.
+        at rest with nothing touching the payload, in three orientations or more that tilt it about two axes.
         A CSV file, a mapping of arrays or a DataFrame.
     robot
         A robot file with a sensor, or its text.

@@ -101,7 +101,7 @@ fn input_output(f: &mut String, r: &InputOutputReport) -> fmt::Result {
 fn zero_dynamics(f: &mut String, r: &ZeroDynamicsReport) -> fmt::Result {
     let label = "zero dynamics";
     if r.dimension == 0 {
-        return writeln!(f, "  {label:<22} none: outputs that are held leave no motion");
+        return writeln!(f, "  {label:<22} none: holding the outputs leaves no motion");
     }
     let equations: Vec<String> = r.states.iter().zip(&r.equations).map(|(s, e)| format!("{s}' = {e}")).collect();
     writeln!(f, "  {label:<22} {}", readable(&equations.join(", ")))?;
@@ -135,7 +135,7 @@ fn linearization(f: &mut String, r: &LinearizationReport) -> fmt::Result {
             _ => d.to_string(),
         })
         .collect();
-    writeln!(f, "linearisation by static feedback")?;
+    writeln!(f, "linearization by static feedback")?;
     writeln!(f, "  {:<22} {}", "dimensions of D_i", joined(&dims, ", "))?;
     for (i, (h, list)) in r.linearizing_outputs.iter().zip(&r.coordinates).enumerate() {
         let label = if i == 0 { "linearising outputs" } else { "" };

@@ -80,8 +80,8 @@ fn mode_title(first: &ModeReport, modes: &[ModeReport]) -> String {
 fn others(alike: usize) -> String {
     match alike {
         0 | 1 => String::new(),
-        2 => " (alike in 1 other mode)".to_owned(),
-        k => format!(" (alike in {} other modes)", k - 1),
+        2 => " (the same in 1 other mode)".to_owned(),
+        k => format!(" (the same in {} other modes)", k - 1),
     }
 }
 
@@ -144,7 +144,7 @@ fn category(bracket: Option<&Bracket>, inputs: &[String]) -> String {
 }
 
 const FREE: &str = "can be moved alone";
-const MOVES: &str = "moves, with others";
+const MOVES: &str = "moves with others";
 const NOT_YET: &str = "not yet influenced";
 const NO_INPUT: &str = "influenced by no input";
 

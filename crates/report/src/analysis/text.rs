@@ -150,9 +150,9 @@ fn mode(f: &mut String, r: &ModeReport) -> fmt::Result {
             }
             match r.autonomous_not_found {
                 None => {}
-                Some(1) => writeln!(f, "  and 1 further independent function that was not found in closed form")?,
+                Some(1) => writeln!(f, "  and 1 more independent function, not found in closed form")?,
                 Some(k) => {
-                    writeln!(f, "  and {k} further independent functions that were not found in closed form")?;
+                    writeln!(f, "  and {k} more independent functions, not found in closed form")?;
                 }
             }
         }
@@ -204,7 +204,7 @@ fn point(f: &mut String, r: &PointReport) -> fmt::Result {
     if let Some(brockett) = &r.brockett_condition {
         let what = match brockett {
             Answer::Known(true) => "holds".to_owned(),
-            Answer::Known(false) => "fails: no continuous state feedback stabilises".to_owned(),
+            Answer::Known(false) => "fails: no continuous state feedback stabilizes".to_owned(),
             Answer::Unknown(why) => format!("unknown ({why})"),
         };
         writeln!(f, "  Brockett's condition   {what}")?;

@@ -26,10 +26,10 @@ const BINS: usize = 24;
 const FEWEST: usize = 5;
 
 /// What candidates are in the ranking.
-const NAMED: &str = "named as a cause, tried alone";
-const BESIDE: &str = "named as a cause, beside the other causes";
-const RIVAL: &str = "cannot be told apart from a cause, tried alone";
-const TRIED: &str = "not named, tried alone";
+const NAMED: &str = "named as a cause, alone";
+const BESIDE: &str = "named as a cause, with the other causes";
+const RIVAL: &str = "confusable with a cause, alone";
+const TRIED: &str = "not named, alone";
 /// Places that a figure has room for.
 const MOST_PLACES: usize = 12;
 
@@ -64,7 +64,7 @@ impl Diagnosis {
             }
         }
         let first = *shown.first()?;
-        let title = "What the equations of the refitted model miss over time";
+        let title = "Residual of the refitted model's equations over time";
         let mut chart = TimeSeries::new().title(title);
         for r in shown.iter().take(MOST_COLUMNS) {
             let missing =
@@ -78,7 +78,7 @@ impl Diagnosis {
             );
         }
         let caption = format!(
-            "{}: measured minus modelled rate, by smoothing splines of {:.3} Hz; for a velocity the force per mass that is missing. \
+            "{}: measured minus modeled rate, by smoothing splines of {:.3} Hz; for a velocity the force per mass that is missing. \
              Within the bounds it may be noise of the sensors.",
             first.record, first.bandwidth_hz
         );
@@ -91,7 +91,7 @@ impl Diagnosis {
             return None;
         }
         let rivals: Vec<_> = self.report.causes.iter().flat_map(|c| &c.rivals).collect();
-        let mut chart = IntervalChart::new("excess error taken away [%]").categories([NAMED, BESIDE, RIVAL, TRIED]);
+        let mut chart = IntervalChart::new("excess removed [%]").categories([NAMED, BESIDE, RIVAL, TRIED]);
         // One cause alone takes the same away beside the others.
         let several = self.report.causes.len() > 1;
         let causes = &self.report.causes;
@@ -123,10 +123,9 @@ impl Diagnosis {
         Some(Figure {
             name: "candidates".to_owned(),
             caption: format!(
-                "What was tried, each effect alone with all parameters refitted, and the interval of 95 %.{}",
+                "Candidates, each alone with all parameters refitted, and the 95 % interval.{}",
                 if several {
-                    " Of several causes also what each takes away on held-out data from the model that has all the others: an effect \
-                     that is small or hidden alone may be large beside them."
+                    " For several causes, also what each removes on held-out data from the model with all the others: an effect that is small or masked alone may be large in combination."
                 } else {
                     ""
                 }
@@ -150,7 +149,7 @@ impl Diagnosis {
             chart.series(MODELS[2].0, percent(&gain.after)).role(MODELS[2].1).category_label("prediction horizon");
         Some(Figure {
             name: "gain".to_owned(),
-            caption: "Error of predictions on held-out data: the state is estimated from the past, then the model runs alone."
+            caption: "Error of predictions on held-out data: the state is estimated from the past, then the model runs in open loop."
                 .to_owned(),
             drawing: chart.title("Prediction error on held-out data").draw(),
         })
@@ -177,8 +176,7 @@ fn of_places(places: &[Place], name: &str, title: &str) -> Option<Figure> {
     Some(Figure {
         name: name.to_owned(),
         caption: format!(
-            "Where the model with refitted parameters is wrong{equations}: an error that is alike everywhere has the same share of \
-             error and time."
+            "Where the model with refitted parameters is wrong{equations}: a uniform error has equal shares of error and time."
         ),
         drawing: chart.title(title).draw(),
     })
@@ -222,7 +220,7 @@ fn prediction(held_out: &HeldOut) -> Option<Figure> {
     let (_, p) = whole.get(whole.len() / 2)?;
     let record = &held_out.records[p.record];
     let times = &record.times[p.start..p.start + longest];
-    let mut chart = TimeSeries::new().title("A typical prediction on held-out data, and what it misses");
+    let mut chart = TimeSeries::new().title("A typical prediction on held-out data and its error");
     for (c, m) in record.measured.iter().take(MOST_COLUMNS).enumerate() {
         let known: Vec<usize> = (0..longest).filter(|k| m.values[p.start + k].is_finite()).collect();
         let at = |f: &dyn Fn(usize) -> f64| known.iter().map(|&k| f(k)).collect::<Vec<f64>>();
@@ -243,8 +241,7 @@ fn prediction(held_out: &HeldOut) -> Option<Figure> {
     }
     let drawing = chart.draw();
     let caption = format!(
-        "{}: predicted from t = {:.3} s on, the state there estimated from the samples before; of all predictions the one with \
-         the median error.",
+        "{}: predicted from t = {:.3} s on, the state there estimated from the samples before; the prediction with the median error.",
         record.name, times[0]
     );
     Some(Figure { name: "prediction".to_owned(), caption, drawing })
@@ -266,7 +263,7 @@ fn forces(held_out: &HeldOut) -> Vec<Figure> {
             let first = held_out.after.iter().find(|r| r.equation == equation)?;
             let what = match &first.input {
                 Some(input) => format!("applied − needed [unit of {input}]"),
-                None => format!("modelled − measured rate of {equation}"),
+                None => format!("modeled − measured rate of {equation}"),
             };
             let mut panel = Panel::new(what);
             for (model, points) in [(1, &before), (2, &after)] {
@@ -285,12 +282,12 @@ fn forces(held_out: &HeldOut) -> Vec<Figure> {
             if let Some((low, high)) = frame {
                 panel = panel.limits(low, high);
             }
-            let title = format!("What the equation of {equation} leaves over on held-out data");
+            let title = format!("Residual of the equation of {equation} on held-out data");
             Some(Figure {
                 name: format!("force_{equation}"),
                 caption: format!(
-                    "Modelled minus measured in the equation of {equation}, smoothed to {:.3} Hz: points of the held-out data and \
-                     their mean over {equation}; the outermost 2 % may lie outside the frame.",
+                    "Modeled minus measured in the equation of {equation}, smoothed to {:.3} Hz: points of the held-out data and \
+                     their mean over {equation}; the outermost 2 % may lie outside the axes.",
                     first.bandwidth
                 ),
                 drawing: XyChart::new(equation, panel).title(title).draw(),

@@ -25,7 +25,7 @@ pub struct Diagnosis {
     /// What was found.
     pub report: Report,
     /// What the extended model changes in what the inputs reach; absent without an extended model, or if one of the two
-    /// models cannot be analysed.
+    /// models cannot be analyzed.
     pub ranks: Option<RankChange>,
 }
 

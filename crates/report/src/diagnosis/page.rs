@@ -73,18 +73,18 @@ fn of_cause(cause: &NamedCause) -> String {
         let _ = write!(out, "<li>{} = {}</li>", formula(name), escaped(&value.to_string()));
     }
     let _ = match cause.p_value {
-        Some(p) => write!(out, "<li>probability without the cause: {}</li>", p_value(p)),
+        Some(p) => write!(out, "<li>p-value: {}</li>", p_value(p)),
         None => write!(out, "<li>without the cause some of the data cannot be simulated</li>"),
     };
     if let Some(share) = cause.share {
-        let _ = write!(out, "<li>without it {} of the excess error would remain</li>", percent(share));
+        let _ = write!(out, "<li>without it {} of the excess would remain</li>", percent(share));
     }
     for flag in &cause.flags {
         let _ = write!(out, "<li>caution: {}</li>", escaped(&sentences::flag(flag)));
     }
     out += "</ul>\n";
     if !cause.rivals.is_empty() {
-        out += "<p>This experiment cannot tell it from:</p><ul>";
+        out += "<p>This experiment cannot distinguish it from:</p><ul>";
         for rival in &cause.rivals {
             let name = rival.name.to_string().replace('_', " ");
             let _ = write!(
@@ -99,7 +99,7 @@ fn of_cause(cause: &NamedCause) -> String {
         out += "</ul>";
     }
     if !cause.separating_experiment.is_empty() {
-        let _ = write!(out, "<p>To tell them apart: {}</p>", escaped(&cause.separating_experiment));
+        let _ = write!(out, "<p>To distinguish them: {}</p>", escaped(&cause.separating_experiment));
     }
     out + "</div>\n"
 }

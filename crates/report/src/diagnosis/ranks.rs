@@ -48,7 +48,7 @@ impl Ranks {
 }
 
 impl RankChange {
-    /// Analyses both models; `None` if one of them cannot be analysed.
+    /// Analyses both models; `None` if one of them cannot be analyzed.
     pub(super) fn between(given: &System, extended: &System) -> Option<Self> {
         Some(Self { before: Ranks::of(given)?, after: Ranks::of(extended)? })
     }
@@ -64,6 +64,6 @@ impl fmt::Display for RankChange {
         row("states", &b.states, &a.states)?;
         row("accessible directions", &b.accessible_dimension, &a.accessible_dimension)?;
         row("strongly accessible directions", &b.strongly_accessible_dimension, &a.strongly_accessible_dimension)?;
-        row("  in the poorest mode", &b.least_in_a_mode, &a.least_in_a_mode)
+        row("  in the mode with the smallest dimension", &b.least_in_a_mode, &a.least_in_a_mode)
     }
 }

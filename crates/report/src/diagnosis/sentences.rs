@@ -22,34 +22,34 @@ pub(super) fn reason(reason: &Reason) -> String {
 fn outcome(outcome: &Outcome) -> String {
     match outcome {
         Outcome::Noise { parameter_off: false } => {
-            "with its parameters refitted, the model leaves over no more than noise".to_owned()
+            "with its parameters refitted, the model leaves no more than noise".to_owned()
         }
         Outcome::Noise { parameter_off: true } => {
-            "a parameter is off by more than its tolerance; with it refitted, noise is left over".to_owned()
+            "a parameter is off by more than its tolerance; with it refitted, only noise is left".to_owned()
         }
         Outcome::Correlated { size, parameter_off: true } => format!(
             "a parameter is off by more than its tolerance; with it refitted, a correlated residual of {size:.2} times the noise \
-             is left over"
+             is left"
         ),
         Outcome::Correlated { size, parameter_off: false } => format!(
             "the residual is correlated ({size:.2} times the noise), but no effect explains it in all parts of the data"
         ),
-        Outcome::Explained => "with the named causes the model leaves over no more than noise".to_owned(),
+        Outcome::Explained => "with the named causes the model leaves no more than noise".to_owned(),
         Outcome::PartlyExplained { share, size } => format!(
-            "the named causes explain {} of what the refitted model leaves over beyond noise; what they leave, {size:.2} times the \
-             noise, is structured still",
+            "the named causes explain {} of what the refitted model leaves beyond noise; what they leave, {size:.2} times the \
+             noise, is still structured",
             most(*share)
         ),
         Outcome::NotBorneOut { size, share } => format!(
-            "the refitted model leaves over {size:.2} times the noise; effects that explain {} of the excess in the data of \
+            "the refitted model leaves {size:.2} times the noise; effects that explain {} of the excess in the data of \
              the fit predict the held-out data no better",
             most(*share)
         ),
         Outcome::Unexplained { size, share: None } => format!(
-            "the refitted model leaves over {size:.2} times the noise, and no effect tried explains it significantly"
+            "the refitted model leaves {size:.2} times the noise, and no effect tried explains it significantly"
         ),
         Outcome::Unexplained { size, share: Some(share) } => format!(
-            "the refitted model leaves over {size:.2} times the noise; the best effects tried explain {} of the excess",
+            "the refitted model leaves {size:.2} times the noise; the best effects tried explain {} of the excess",
             most(*share)
         ),
         Outcome::PredictsWorse(causes) => {
@@ -73,7 +73,7 @@ fn outcome(outcome: &Outcome) -> String {
                 }
             };
             format!(
-                "no measured column stands out of its noise, so that the data cannot tell whether the model is right; {remedy}"
+                "no measured column stands out from its noise, so that the data cannot tell whether the model is right; {remedy}"
             )
         }
     }
@@ -85,15 +85,15 @@ fn most(share: f64) -> String {
 }
 
 fn other_hold(other: &OtherHold) -> String {
-    let way = match other.hold {
+    let hold = match other.hold {
         Hold::Linear => "straight lines between the samples of the inputs (--hold linear)",
         Hold::Previous => "inputs held from each sample to the next (--hold previous)",
     };
     let left = other.stays.map_or_else(
-        || "leaves over no more than noise".to_owned(),
-        |stays| format!("leaves over {:.0} % of the excess", 100.0 * stays),
+        || "leaves no more than noise".to_owned(),
+        |stays| format!("leaves {:.0} % of the excess", 100.0 * stays),
     );
-    format!("with {way} the model without any cause {left}")
+    format!("with {hold} the model without any cause {left}")
 }
 
 fn mispredicted(run: &Mispredicted) -> String {
@@ -124,7 +124,7 @@ pub(super) fn note(note: &Note) -> String {
         Note::Curves(stays) => {
             let stays = if *stays < 1e-3 { "less than 0.1 %".to_owned() } else { format!("{:.1} %", 100.0 * stays) };
             format!(
-                "smooth curves through the samples of the inputs leave over {stays} of the excess that straight lines do, and take \
+                "smooth curves through the samples of the inputs leave {stays} of the excess that straight lines do, and take \
                  their place"
             )
         }
@@ -140,7 +140,7 @@ pub(super) fn note(note: &Note) -> String {
             if *without_causes { " of the model without causes" } else { "" },
             significant(*value, 4)
         ),
-        Note::HardlyIdentifiable(names) => format!("the data hardly tell {}: no interval", names.join(", ")),
+        Note::HardlyIdentifiable(names) => format!("the data hardly determine {}: no interval", names.join(", ")),
         Note::NoInterval(names) => format!(
             "no interval of {}: the model misses all parts of the data in the same way, so that resampling them says nothing",
             names.join(", ")
@@ -149,7 +149,7 @@ pub(super) fn note(note: &Note) -> String {
         Note::OnlyParameters => "gain: only parameters are wrong, so that `before` is the model as given".to_owned(),
         Note::TooShortForGain => "the data are too short to measure the gain on a part of their own".to_owned(),
         Note::StillColumns(names) => format!(
-            "{} does not stand out of its noise and tells nothing: leave outliers empty, or remove the column",
+            "{} does not stand out from its noise and carries no information: leave outliers empty, or remove the column",
             names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
         ),
         Note::OtherHold(other) => {
@@ -158,7 +158,7 @@ pub(super) fn note(note: &Note) -> String {
         Note::OtherUnits { columns, size } => {
             let columns: Vec<String> = columns.iter().map(|(column, by)| rescaled(column, *by)).collect();
             format!(
-                "units or sign? With {} the model without any cause leaves over {size:.1} times the noise: check this column",
+                "units or sign? With {} the model without any cause leaves {size:.1} times the noise: check this column",
                 columns.join(", or ")
             )
         }
@@ -189,11 +189,11 @@ fn rescaled(column: &ScaledColumn, by: Rescaling) -> String {
 pub(super) fn flag(flag: &Flag) -> String {
     match flag {
         Flag::NoFrictionAtRest(name) => {
-            format!("{name} may take away all friction at rest: what is there is no dry friction")
+            format!("{name} may take away all friction at rest: this is not dry friction")
         }
         Flag::RisingFriction(name) => format!("{name} is negative: friction rises from rest instead of falling"),
         Flag::Unphysical { name, above, nominal } => {
-            format!("{name} is not {} {nominal}, as physics wants it", if *above { "above" } else { "below" })
+            format!("{name} is not {} {nominal}, as physics requires", if *above { "above" } else { "below" })
         }
         Flag::BeyondHold { half, all } => format!(
             "counted beyond the hold of inputs from sample to sample, which is half a sample, {half:.2e} s, on average: {all:.2e} s \
@@ -203,7 +203,7 @@ pub(super) fn flag(flag: &Flag) -> String {
             format!("{name} stopped at a limit: beyond it, this cause may not be needed")
         }
         Flag::SmallerThanUnknown(cause) => {
-            format!("smaller than what remains without a name, of which {cause} may be the image")
+            format!("smaller than what remains unnamed, of which {cause} may be the image")
         }
         Flag::HalfSample { lines } => {
             let remedy = if *lines {
@@ -224,7 +224,7 @@ pub(super) fn closeness(closeness: Closeness) -> String {
         Closeness::Worse { by, margin } => {
             format!("explains these data worse by {by:.1} units only, where {margin} would rule it out")
         }
-        Closeness::LittleMore => "leaves little more over, compared with what no cause explains".to_owned(),
+        Closeness::LittleMore => "leaves little more, compared with what no cause explains".to_owned(),
     }
 }
 

@@ -73,7 +73,7 @@ fn write_cause(f: &mut Formatter<'_>, cause: &NamedCause) -> fmt::Result {
         None => write!(f, "  without it some of the data cannot be simulated: no p-value")?,
     }
     match cause.share {
-        Some(share) => writeln!(f, "; without it {} of the excess error would remain", percent(share))?,
+        Some(share) => writeln!(f, "; without it {} of the excess would remain", percent(share))?,
         None => writeln!(f)?,
     }
     for flag in &cause.flags {
@@ -81,13 +81,13 @@ fn write_cause(f: &mut Formatter<'_>, cause: &NamedCause) -> fmt::Result {
     }
     if !cause.confusable_with.is_empty() {
         let names: Vec<String> = cause.confusable_with.iter().map(ToString::to_string).collect();
-        writeln!(f, "  this experiment cannot tell it from: {}", names.join(", "))?;
+        writeln!(f, "  this experiment cannot distinguish it from: {}", names.join(", "))?;
     }
     for rival in &cause.rivals {
         writeln!(f, "    {} in {}: {} ({})", rival.name, rival.equation, rival.term, closeness(rival.closeness))?;
     }
     if !cause.separating_experiment.is_empty() {
-        writeln!(f, "  to tell them apart: {}", cause.separating_experiment)?;
+        writeln!(f, "  to distinguish them: {}", cause.separating_experiment)?;
     }
     Ok(())
 }
@@ -156,7 +156,7 @@ fn write_candidates(f: &mut Formatter<'_>, candidates: &[Candidate]) -> fmt::Res
             probability(c.p_value).trim_start_matches("= "),
         ]);
     }
-    write!(f, "\nWhat was tried, each alone with all parameters refitted (share of the excess error)\n{table}")?;
+    write!(f, "\nCandidates, each alone with all parameters refitted (share of the excess error)\n{table}")?;
     if candidates.len() > LISTED {
         writeln!(f, "  and {} more", candidates.len() - LISTED)?;
     }

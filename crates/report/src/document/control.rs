@@ -56,7 +56,7 @@ fn decoupling(io: &InputOutputReport, degrees: &[Option<usize>], out: &mut Vec<B
     if let Some(d) = &io.decoupling_determinant {
         formulas.push(format!("\\det A &= {}", function(d)));
     }
-    out.push(words("Highest derivatives of the outputs, with the decoupling matrix A:"));
+    out.push(words("Highest output derivatives, with the decoupling matrix A:"));
     out.push(Block::Display(formulas));
     let mut items = Vec::new();
     if let Some(rank) = io.decoupling_rank {
@@ -94,7 +94,7 @@ fn feedback_line(words: &str, feedback: &[(String, Function)]) -> Line {
 fn zero_dynamics(z: &ZeroDynamicsReport, out: &mut Vec<Block>) {
     let held = if z.held_at.0.is_empty() { "at zero".to_owned() } else { "at the values of the point".to_owned() };
     if z.dimension == 0 {
-        out.push(words(format!("No zero dynamics: outputs held {held} determine the state.")));
+        out.push(words(format!("No zero dynamics: holding the outputs {held} determines the state.")));
     } else {
         out.push(words(format!("Zero dynamics, of dimension {}, while the outputs are held {held}:", z.dimension)));
         let rates = z.states.iter().zip(&z.equations);
@@ -143,14 +143,14 @@ pub(super) fn linearisation(a: &Analysis, out: &mut Vec<Block>) {
     if a.inputs == 0 {
         return;
     }
-    section(out, "Linearisation by feedback");
+    section(out, "Feedback linearization");
     let report = &a.report;
     if report.global_statements_of == Some(Subject::Smoothed) {
         out.push(words("Statements of the smoothed model."));
     }
     let mut items = vec![
         item("input fields span an involutive distribution", yes_no(&report.involutive)),
-        item("linear by static state feedback near a generic point", yes_no(&report.static_feedback_linearizable)),
+        item("linearizable by static state feedback near a generic point", yes_no(&report.static_feedback_linearizable)),
     ];
     if let Some(l) = &report.control.feedback_linearization {
         flag(l, &mut items);
@@ -191,7 +191,7 @@ fn flatness(f: &FlatnessReport, out: &mut Vec<Block>) {
         let inputs: Vec<String> = extension.0.iter().map(|(u, k)| format!("{u} ({k})")).collect();
         items.push(vec![
             text(format!(
-                "linearised with integrators in front of {}, which gives the relative degrees ",
+                "linearized with integrators in front of {}, which gives the relative degrees ",
                 inputs.join(", ")
             )),
             math(list(&f.relative_degree)),
@@ -225,7 +225,7 @@ fn linear_form(l: &LinearizationReport, out: &mut Vec<Block>) {
     if l.linearizing_outputs.is_empty() {
         return;
     }
-    out.push(words("Linearising outputs with their derivatives, the coordinates in which the system is linear:"));
+    out.push(words("Linearizing outputs with their derivatives, the coordinates in which the system is linear:"));
     let rows = l.coordinates.iter().enumerate().flat_map(|(k, chain)| {
         chain.iter().enumerate().map(move |(j, e)| {
             let dots = if j == 0 { String::new() } else { format!("^{{({j})}}") };

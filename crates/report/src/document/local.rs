@@ -25,7 +25,7 @@ pub(super) fn at_the_point(a: &Analysis, out: &mut Vec<Block>) {
         let place = if entries.is_empty() {
             vec![text("The origin.")]
         } else {
-            vec![math(entries.join(",\\ ")), text("; all else is 0.")]
+            vec![math(entries.join(",\\ ")), text("; all others are 0.")]
         };
         out.push(Block::Paragraph(place));
     }
@@ -52,7 +52,7 @@ fn local(p: &PointReport, out: &mut Vec<Block>) {
     }
     let mut items = vec![item("equilibrium", yes_no(&p.equilibrium))];
     if let Some(rank) = p.linear_controllability_rank {
-        items.push(item("rank of the linearisation's controllability matrix", rank.to_string()));
+        items.push(item("rank of the controllability matrix of the linearization", rank.to_string()));
     }
     if let Some(s) = &p.stabilizable {
         let why = p.stabilizable_reason.as_ref().filter(|_| s.known().is_some());
@@ -78,7 +78,7 @@ fn local(p: &PointReport, out: &mut Vec<Block>) {
 }
 
 fn uncontrollable(modes: &Answer<Vec<Mode>>) -> Line {
-    let name = "eigenvalues of the linearisation that no input moves: ";
+    let name = "uncontrollable eigenvalues of the linearization: ";
     let modes = match modes {
         Answer::Unknown(why) => return vec![text(format!("{name}unknown ({why})"))],
         Answer::Known(modes) if modes.is_empty() => return vec![text(format!("{name}none"))],

@@ -187,7 +187,7 @@ fn reach(a: &Analysis, out: &mut Vec<Block>) {
     out.push(Block::Paragraph(vec![
         text("Dimension of the span of all iterated brackets of "),
         math("f, g_1, \\dots"),
-        text(" (accessible: what is reached over all times) and of those that contain an input field (strongly accessible: what is reached at each one time), out of "),
+        text(" (accessible: the set reached up to some time) and of those that contain an input field (strongly accessible: the set reached at a given time), out of "),
         math(a.states.to_string()),
         text(". The growth gives the dimension after each round of brackets."),
     ]));
@@ -252,7 +252,7 @@ fn brackets(a: &Analysis, out: &mut Vec<Block>) {
         })
         .collect();
     if !asked.is_empty() {
-        out.push(words("Brackets that were asked for:"));
+        out.push(words("Requested brackets:"));
         out.push(Block::Display(asked));
     }
 }
@@ -309,7 +309,7 @@ fn by_switching(a: &Analysis, out: &mut Vec<Block>) {
                     vec![code(s.reached_by.to_string())],
                 ]
             };
-            let header = ["reached only by switching", "left alone in modes", "first reached by"];
+            let header = ["reached only by switching", "not reached in modes", "reached first by"];
             out.push(Block::Table(header.map(|h| vec![text(h)]).to_vec(), list.iter().map(row).collect()));
         }
         Answer::Unknown(why) => out.push(words(format!("What only switching reaches is unknown ({why})."))),

@@ -82,7 +82,7 @@ fn motion(ran: &PlateExperiment) -> TimeSeries {
         .panel(plain("plate X [mm]", &|r| 1e3 * r.plate.displacement))
         .panel(plain("plate θ [°]", &|r| DEGREES * r.plate.tilt))
         .panel(plain("normal force [N]", &|r| r.normal_force))
-        .panel(plain("share that sticks [1]", &|r| r.stick_fraction).limits(-0.05, 1.05));
+        .panel(plain("sticking fraction [1]", &|r| r.stick_fraction).limits(-0.05, 1.05));
     if rows.iter().any(|r| r.gap > 0.0) {
         chart = chart.panel(plain("gap [mm]", &|r| 1e3 * r.gap));
     }
@@ -104,7 +104,7 @@ fn overlay(ran: &PlateExperiment, log: &PlateLog) -> TimeSeries {
         targeted(ran, panel, k, scale)
     };
     TimeSeries::new()
-        .title(format!("{}, beside the log", title(ran)))
+        .title(format!("{}, compared with the log", title(ran)))
         .panel(panel("x [mm]", 0, 1e3, &log.x))
         .panel(panel("y [mm]", 1, 1e3, &log.y))
         .panel(panel("φ [°]", 2, DEGREES, &log.phi))

@@ -58,7 +58,7 @@ fn result(out: &mut String, ran: &PlateExperiment) -> fmt::Result {
         writeln!(out, "  outcome     {}", stopped(stop))?;
     }
     if ran.outcome() == PlateOutcome::NotFlat {
-        writeln!(out, "  outcome     the object does not lie flat at the end: it tips, has toppled or flies")?;
+        writeln!(out, "  outcome     the object does not lie flat at the end: it tips, has overturned, or is in flight")?;
     }
     let last = &run.rows[run.rows.len() - 1];
     let units = [1e3, 1e3, DEGREES];
@@ -84,7 +84,7 @@ fn contact(out: &mut String, run: &PlateRun) -> fmt::Result {
     if let Some(closure) = run.energy_closure {
         writeln!(
             out,
-            "  energy      balance of the stepped equations closes to {closure:.1e} of the energy exchanged"
+            "  energy      energy balance of the discrete equations closes to {closure:.1e} of the energy exchanged"
         )?;
     }
     let simulated = run.rows[run.rows.len() - 1].t - run.rows[0].t;

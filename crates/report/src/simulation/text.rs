@@ -18,13 +18,13 @@ pub fn text(system: &System, given: &SampledScenario, run: &ScenarioRun) -> Stri
         counted(trajectory.mode_changes().len(), "change of mode", "changes of mode")
     )];
     let at_zero = given.held_at_zero.iter();
-    lines.extend(at_zero.map(|name| format!("  nothing drives the input `{name}`: it is zero")));
+    lines.extend(at_zero.map(|name| format!("  the input `{name}` is not driven: it is zero")));
     lines.extend(run.impulses_left_out.iter().map(|(input, order)| {
         format!("  warning: `{input}` jumps or has kinks: impulses of der({input},{order}) are left out")
     }));
     lines.extend(beyond_ranges(system, run).iter().map(|sentence| format!("  warning: {sentence}")));
     let ignored = given.ignored.iter();
-    lines.extend(ignored.map(|name| format!("  column `{name}` is no input that the model uses and was ignored")));
+    lines.extend(ignored.map(|name| format!("  column `{name}` is not an input that the model uses and was ignored")));
     let names = system.state_names();
     let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(10);
     let states = names.iter().zip(trajectory.final_state());

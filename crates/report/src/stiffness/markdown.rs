@@ -10,7 +10,7 @@ use super::text;
 pub fn identification(found: &Identification) -> String {
     let mut out = format!("# Stiffness of {}\n\n{} measurements", found.robot, found.measurements);
     if !found.outliers.is_empty() {
-        let _ = write!(out, "; left out as outliers: lines {}", text::listed(&found.outliers));
+        let _ = write!(out, "; excluded as outliers: lines {}", text::listed(&found.outliers));
     }
     out.push_str(".\n\n");
     if let Some(why) = &found.outliers_kept {
@@ -30,7 +30,7 @@ pub fn identification(found: &Identification) -> String {
         let _ = writeln!(out, "- {}", text::advice(advice));
     }
     if !found.parameters.is_empty() {
-        out.push_str("\n## Springs of the joints\n\nN·m/rad, N·m/rad³, rad, N·m.\n\n");
+        out.push_str("\n## Joint springs\n\nN·m/rad, N·m/rad³, rad, N·m.\n\n");
         let parameters = found.parameters.iter().map(|p| {
             let (value, interval) = match &p.identified {
                 Identified::Yes { value, low, high } => (format!("{value:.4e}"), format!("{low:.4e} … {high:.4e}")),
@@ -42,10 +42,10 @@ pub fn identification(found: &Identification) -> String {
     }
     if let Some(why) = &found.withheld {
         let why = text::withheld(why);
-        let _ = writeln!(out, "These springs are not written, and their intervals do not hold: {why}.\n");
+        let _ = writeln!(out, "These springs are not written, and their intervals are not valid: {why}.\n");
     }
     if let Some(residual) = &found.residual {
-        out.push_str("## What they do not explain\n\n");
+        out.push_str("## Unexplained residual\n\n");
         for line in text::residual(residual).lines() {
             let _ = writeln!(out, "- {line}");
         }

@@ -91,10 +91,10 @@ pub fn identification(found: &Identification) -> String {
     printed(|out| {
         writeln!(out, "{}: {} measurements", found.robot, found.measurements)?;
         if !found.outliers.is_empty() {
-            writeln!(out, "left out as outliers: lines {}", listed(&found.outliers))?;
+            writeln!(out, "excluded as outliers: lines {}", listed(&found.outliers))?;
         }
         if let Some(why) = &found.outliers_kept {
-            writeln!(out, "no outliers left out: {why}")?;
+            writeln!(out, "no outliers excluded: {why}")?;
         }
         write_methods(out, found)?;
         write_parameters(out, found)?;
@@ -132,7 +132,7 @@ fn write_methods(out: &mut String, found: &Identification) -> fmt::Result {
 fn write_parameters(out: &mut String, found: &Identification) -> fmt::Result {
     use bracketry_stiffness::Identified;
     if !found.parameters.is_empty() {
-        writeln!(out, "\nsprings of the joints (N·m/rad, N·m/rad³, rad, N·m), 95 % interval")?;
+        writeln!(out, "\njoint springs (N·m/rad, N·m/rad³, rad, N·m), 95 % interval")?;
     }
     for p in &found.parameters {
         let (joint, name) = (p.joint, p.name);
@@ -146,11 +146,11 @@ fn write_parameters(out: &mut String, found: &Identification) -> fmt::Result {
         }
     }
     if let Some(why) = &found.withheld {
-        writeln!(out, "these springs are not written, and their intervals do not hold: {}", withheld(why))
+        writeln!(out, "these springs are not written, and their intervals are not valid: {}", withheld(why))
     } else if found.parameters.is_empty() {
         Ok(())
     } else {
-        writeln!(out, "the intervals hold as far as the model does")
+        writeln!(out, "the intervals are valid if the model is")
     }
 }
 
@@ -181,20 +181,20 @@ pub fn residual(found: &SpringResidual) -> String {
     printed(|out| {
         let [measured, left, noise] = [found.measured_rms, found.residual_rms, found.noise_rms].map(|v| 1e6 * v);
         let springs = if found.linear { "the linear springs" } else { "the springs" };
-        write!(out, "translations {measured:.1} µm rms; {springs} leave {left:.1} µm, noise alone {noise:.1} µm: ")?;
+        write!(out, "translations {measured:.1} µm rms; residual of {springs} {left:.1} µm, noise {noise:.1} µm: ")?;
         if found.share == 0.0 {
-            return writeln!(out, "nothing else is to be explained");
+            return writeln!(out, "nothing remains to be explained");
         }
         let model = if found.linear { "a linear" } else { "such a" };
         let (share, line) = (100.0 * found.share, found.worst_line);
         writeln!(
             out,
-            "{share:.1} % of the rms is nothing that {model} model of the joints explains, most of it at line {line}"
+            "{share:.1} % of the rms is not explained by {model} model of the joints; largest residual at line {line}"
         )?;
         for lost in &found.lost_motion {
             writeln!(
                 out,
-                "joint {}: lost motion explains {:.0} % of what is left; give it gap = {:.1e}, engaged = {:.0} in the robot file and identify again",
+                "joint {}: lost motion explains {:.0} % of the residual; give it gap = {:.1e}, engaged = {:.0} in the robot file and identify again",
                 lost.joint,
                 100.0 * lost.share,
                 lost.gap,
@@ -202,7 +202,7 @@ pub fn residual(found: &SpringResidual) -> String {
             )?;
         }
         match found.with_lost_motion_rms {
-            Some(remain) => writeln!(out, "with lost motion {:.1} µm remain", 1e6 * remain),
+            Some(remain) => writeln!(out, "residual with lost motion {:.1} µm", 1e6 * remain),
             None if found.linear => writeln!(out, "no lost motion found"),
             None => Ok(()),
         }
@@ -234,7 +234,7 @@ pub fn comparison(compared: &Comparison) -> String {
             )?;
         }
         compared.advice.iter().try_for_each(|item| writeln!(out, "{}", advice(item)))?;
-        write!(out, "{} measurements left out as outliers", compared.outliers.len())
+        write!(out, "{} measurements excluded as outliers", compared.outliers.len())
     })
 }
 
@@ -243,7 +243,7 @@ pub fn lost_motion(report: &LostMotionReport) -> String {
     printed(|out| {
         writeln!(
             out,
-            "measured less modelled displacement {:.1} µm rms; with the best joint stiffnesses {:.1} µm: {:.0} % of the rms is nothing a linear model explains",
+            "measured minus modeled displacement {:.1} µm rms; with the best joint stiffnesses {:.1} µm: {:.0} % of the rms is not explained by a linear model",
             1e6 * report.residual,
             1e6 * report.linear,
             100.0 * report.unexplained()
@@ -251,7 +251,7 @@ pub fn lost_motion(report: &LostMotionReport) -> String {
         for lost in &report.lost_motion {
             writeln!(
                 out,
-                "joint {}: lost motion of {:.3} mrad, flanks engaged from {:.0} N·m on, {} torque reversals; explains {:.0} % of its square",
+                "joint {}: lost motion of {:.3} mrad, flanks engaged from {:.0} N·m on, {} torque reversals; explains {:.0} % of the mean square",
                 lost.joint,
                 1e3 * lost.gap,
                 lost.engaged,
@@ -262,7 +262,7 @@ pub fn lost_motion(report: &LostMotionReport) -> String {
         if report.lost_motion.is_empty() {
             writeln!(out, "no lost motion found")
         } else {
-            writeln!(out, "with lost motion {:.1} µm remain", 1e6 * report.nonlinear)
+            writeln!(out, "residual with lost motion {:.1} µm", 1e6 * report.nonlinear)
         }
     })
 }
@@ -270,7 +270,7 @@ pub fn lost_motion(report: &LostMotionReport) -> String {
 /// A choice of measurements.
 pub fn chosen_poses(found: &ChosenPoses) -> String {
     printed(|out| {
-        writeln!(out, "{}: {} of {} measurements tell the most", found.robot, found.lines.len(), found.candidates)?;
+        writeln!(out, "{}: the {} most informative of {} measurements", found.robot, found.lines.len(), found.candidates)?;
         writeln!(out, "lines {}", listed(&found.lines))?;
         writeln!(out, "\n{:20} {:>16} {:>16}", "expected error", "of these", "of all")?;
         let percent = |value: &Option<f64>| {
@@ -296,20 +296,20 @@ pub fn weighing(found: &Weighing) -> String {
         let (estimate, payload) = (&found.estimate, &found.estimate.payload);
         writeln!(
             out,
-            "{}: what the sensor carries, from {} readings, ± standard deviation",
+            "{}: payload of the sensor, from {} readings, ± standard deviation",
             found.robot, found.readings
         )?;
         writeln!(out, "mass {:.4} ± {:.4} kg", payload.mass, estimate.mass_deviation)?;
         for (i, axis) in ["x", "y", "z"].iter().enumerate() {
             let (centre, deviation) = (1e3 * payload.centre[i], 1e3 * estimate.centre_deviation[i]);
-            writeln!(out, "centre {axis} {centre:.2} ± {deviation:.2} mm, in the sensor's frame")?;
+            writeln!(out, "center {axis} {centre:.2} ± {deviation:.2} mm, in the sensor's frame")?;
         }
         for (i, (value, deviation)) in payload.bias.iter().zip(&estimate.bias_deviation).enumerate() {
             let unit = if i < 3 { "N" } else { "N·m" };
             writeln!(out, "bias {} {value:.4} ± {deviation:.4} {unit}", WRENCH_COLUMNS[i])?;
         }
         let ([force, moment], line) = (estimate.residual, found.worst_line);
-        writeln!(out, "one reading lies {force:.3} N, {moment:.4} N·m about them; line {line} farthest")?;
+        writeln!(out, "residual per reading {force:.3} N, {moment:.4} N·m; largest at line {line}")?;
         write!(out, "\n{}", payload_table(payload))
     })
 }
@@ -349,7 +349,7 @@ pub fn loop_gain(found: &LoopGain) -> String {
     let verdict = if found.holds() {
         "both below 1: stable with any lag"
     } else {
-        "not below 1: compensation and process may drive each other up; cut less deep or slower, or raise stiffness_error"
+        "not below 1: compensation and process may become unstable; reduce the depth of cut or the feed, or raise stiffness_error"
     };
     format!(
         "with a process of {x}, {y}, {z} N/m: process stiffness × compliance {:.3}, loop through the compensation {:.3}\n{verdict}\n",

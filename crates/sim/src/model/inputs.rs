@@ -233,7 +233,7 @@ pub enum InputError {
         source: bracketry_symbolic::ParseError,
     },
     /// A sampled input whose derivative the model uses and nothing gives.
-    #[error("the model uses der({input}, {order}), which nothing gives: add a column der({input},{order})")]
+    #[error("the model uses der({input}, {order}), which is not given: add a column der({input},{order})")]
     MissingDerivative {
         /// The input.
         input: String,
@@ -255,7 +255,7 @@ pub enum InputError {
         problem: &'static str,
     },
     /// The delay of an input is no time.
-    #[error("the delay of the input `{input}` is no time: give seconds, at least 0")]
+    #[error("the delay of the input `{input}` is not a valid time: give seconds, at least 0")]
     Delay {
         /// The input.
         input: String,

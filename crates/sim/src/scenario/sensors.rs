@@ -19,7 +19,7 @@ pub enum SensorError {
         remedy: String,
     },
     /// No standard deviation.
-    #[error("the noise of `{name}`, {std}, is no standard deviation: give a number from 0 on")]
+    #[error("the noise of `{name}`, {std}, is not a standard deviation: give a number of at least 0")]
     BadDeviation {
         /// The output or state.
         name: String,

@@ -19,7 +19,7 @@ impl Scenario {
         let Some(times) = columns.get("t") else {
             let message = format!("there is no column `t`; the columns are {}", header.join(", "));
             return Err(
-                doc.missing(message, "add a column t with the time in seconds, or call the one that holds it t")
+                doc.missing(message, "add a column t with the time in seconds, or rename the time column to t")
             );
         };
         let mut inputs = Inputs::new();
@@ -45,7 +45,7 @@ impl Scenario {
             match Columns::derivative_name(name) {
                 Some((input, order)) if used(input, order) => {
                     if !given.insert((input, order)) {
-                        let message = format!("two columns give der({input},{order})");
+                        let message = format!("two columns define der({input},{order})");
                         return Err(doc.missing(message, "remove one of them"));
                     }
                     inputs = inputs.derivative(input, order, samples);
@@ -62,7 +62,7 @@ impl Scenario {
             let known: Vec<String> = names.iter().cloned().chain(derivatives).collect();
             let remedy = format!("name the columns after the inputs: {}", known.join(", "));
             let message =
-                format!("no column is called like an input of the model; the columns are {}", header.join(", "));
+                format!("no column has the name of an input of the model; the columns are {}", header.join(", "));
             return Err(doc.missing(message, remedy));
         }
         let (start, end) = (times[0], times[times.len() - 1]);

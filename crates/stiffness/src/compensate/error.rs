@@ -27,7 +27,7 @@ pub enum CompensationError {
     },
     /// An error of stiffness that leaves nothing to compensate with.
     #[error(
-        "the error of the stiffnesses to reckon with is {share}; it must be a share from 0 to below 1: 10 % is 0.1"
+        "the assumed stiffness error is {share}; it must be a fraction from 0 to below 1: 10 % is 0.1"
     )]
     StiffnessError {
         /// The share.
@@ -48,10 +48,10 @@ pub enum CompensationError {
         angle: f64,
     },
     /// A matrix whose eigenvalues do not settle.
-    #[error("the eigenvalues of the loop through the process do not settle; check the matrices' units")]
+    #[error("the eigenvalues of the loop through the process do not converge; check the matrices' units")]
     NoEigenvalues,
     /// Too little to fit.
-    #[error("{found} samples; at least {needed} are needed to tell springs and lost motion apart")]
+    #[error("{found} samples; at least {needed} are needed to separate springs and lost motion")]
     TooFew {
         /// How many there are.
         found: usize,

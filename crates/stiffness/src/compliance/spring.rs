@@ -8,7 +8,7 @@ use nalgebra::Matrix6;
 pub enum JointSpring {
     /// `τ = k δ`.
     Linear {
-        /// k in N·m/rad (N/m where the joint slides).
+        /// k in N·m/rad (N/m for a prismatic joint).
         stiffness: f64,
     },
     /// `τ = k δ + c δ³`: a gear that grows stiffer under load.
@@ -61,7 +61,7 @@ impl JointSpring {
         }
     }
 
-    /// k in N·m/rad (N/m where the joint slides).
+    /// k in N·m/rad (N/m for a prismatic joint).
     pub fn stiffness(&self) -> f64 {
         let (Self::Linear { stiffness } | Self::Stiffening { stiffness, .. } | Self::Backlash { stiffness, .. }) = self;
         *stiffness
@@ -101,7 +101,7 @@ impl JointSpring {
             Self::Stiffening { cubic, .. } => not_negative("the cubic stiffness", cubic),
             Self::Backlash { gap, engaged, .. } => {
                 not_negative("the gap", gap)?;
-                positive("the torque of engagement", engaged)
+                positive("the engagement torque", engaged)
             }
         }
     }

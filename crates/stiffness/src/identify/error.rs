@@ -91,7 +91,7 @@ pub enum IdentificationError {
         needed: usize,
     },
     /// The same row twice, which measured data never contain.
-    #[error("{row} is equal to {first} in every digit; a copy adds no information: remove it")]
+    #[error("{row} equals {first} in every digit; a copy adds no information: remove it")]
     Repeated {
         /// The later one.
         row: Place,
@@ -100,7 +100,7 @@ pub enum IdentificationError {
     },
     /// More than a robot bends or bears.
     #[error(
-        "{row}: a {what} of {value:.3e} {unit} is more than a robot bends or bears (limit {limit:e} {unit}); correct or \
+        "{row}: a {what} of {value:.3e} {unit} is more than a robot deforms or carries (limit {limit:e} {unit}); correct or \
          remove it"
     )]
     Implausible {
@@ -133,7 +133,7 @@ pub enum IdentificationError {
     },
     /// Displacements against their loads.
     #[error(
-        "{found} of {of} loads push one way and the robot moves the other; change the sign of all forces and moments: the \
+        "{found} of {of} loads push in one direction and the robot moves in the other; change the sign of all forces and moments: the \
          wrench is what acts on the robot, not what the robot exerts"
     )]
     Sign {
@@ -144,7 +144,7 @@ pub enum IdentificationError {
     },
     /// Numbers in another unit or with another sign, as the fit of joint springs tells.
     #[error(
-        "{what}: with them as they are the springs of the joints leave {found:.1} σ in the middle, changed so {changed:.1} σ; \
+        "{what}: the median residual of the joint springs is {found:.1} σ as given, {changed:.1} σ with this change; \
          {remedy}"
     )]
     Convention {
@@ -159,8 +159,8 @@ pub enum IdentificationError {
     },
     /// A part of the displacements that was not measured.
     #[error(
-        "all {what} are exactly 0, which no measurement is: give what was measured; if they were not, say so by a noise of \
-         {least} or more for them"
+        "all {what} are exactly 0, which no measurement is: give the measured values; if they were not \
+         measured, set their noise to {least} or more"
     )]
     Zero {
         /// Translations or rotations.

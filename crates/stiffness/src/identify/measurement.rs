@@ -245,7 +245,7 @@ fn check_units(measurements: &[Measurement], noise: &MeasurementNoise) -> Result
         within("moment per force", moment / force, LEVER, "m", "units off by 1000: N·mm for N·m, kN for N?")?;
     }
     if translation > 0.0 && rotation > 0.0 {
-        let remedy = "translations and rotations do not belong together: mm for m, or mrad or degrees for rad?";
+        let remedy = "translations and rotations do not match: mm for m, or mrad or degrees for rad?";
         within("translation per rotation", translation / rotation, TRANSLATION_PER_ROTATION, "m", remedy)?;
     }
     for (i, m) in measurements.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Springs of the joints from measurements over many poses.
+//! Joint springs from measurements over many poses.
 
 use super::error::{IdentificationError, Place};
 use super::levenberg_marquardt::{Minimum, minimize};

@@ -9,7 +9,7 @@ use urdf_rs::JointType;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum UrdfError {
     /// No URDF.
-    #[error("no URDF: {message}; xacro files must be expanded first (xacro robot.xacro > robot.urdf)")]
+    #[error("not a URDF file: {message}; xacro files must be expanded first (xacro robot.xacro > robot.urdf)")]
     Syntax {
         /// What the parser says.
         message: String,
@@ -31,7 +31,7 @@ pub enum UrdfError {
         choices: String,
     },
     /// Base and tip are not connected.
-    #[error("link `{tip}` does not hang on link `{base}`: the chain from it ends at `{end}`")]
+    #[error("link `{tip}` is not connected to link `{base}`: the chain from it ends at `{end}`")]
     NoChain {
         /// Base link.
         base: String,
@@ -92,7 +92,7 @@ impl Robot {
             }
         }
         if robot.joints.is_empty() {
-            return Err(UrdfError::Choose { what: "chain without a joint that moves", choices: links.join(", ") });
+            return Err(UrdfError::Choose { what: "chain without a movable joint", choices: links.join(", ") });
         }
         Ok(robot)
     }

@@ -21,7 +21,7 @@ const CUTOFF: Plausible = Plausible::new(1e-3, 1e5, "Hz", "give the cutoff in Hz
 const LIMIT: Plausible = Plausible::new(1e-9, 0.2, "rad", "give the limit in rad: 10 mrad is 0.01");
 const RATE: Plausible = Plausible::new(1e-9, 100.0, "rad/s", "give the limit in rad/s");
 const LAG: Plausible = Plausible::new(0.0, 1.0, "s", "give the lag of the servo in s: 12 ms is 0.012");
-const SHARE: Plausible = Plausible::new(0.0, 0.9, "(a share)", "give the error to reckon with as a share: 10 % is 0.1");
+const SHARE: Plausible = Plausible::new(0.0, 0.9, "(a share)", "give the assumed error as a fraction: 10 % is 0.1");
 const GRAVITY: Plausible = Plausible::new(-20.0, 20.0, "m/s²", "give gravity in base axes in m/s², as [0, 0, -9.81]");
 const STEPS: Plausible = Plausible::new(0.0, 10.0, "steps", "two are enough");
 const ORDER: Plausible = Plausible::new(1.0, 2.0, "poles", "write order = 1 or order = 2");
@@ -141,7 +141,7 @@ fn read(path: &Path) -> Result<Document, FileError> {
 fn from_dh(document: &Document, table: &Table<'_>, joints: &[&Table<'_>]) -> Result<Robot, FileError> {
     let Some(convention) = document.string(table, "convention")? else {
         let remedy = "write convention = \"modified\" or \"standard\" for Denavit–Hartenberg parameters, or urdf = \"robot.urdf\"";
-        return Err(document.missing("says nothing about the kinematics", remedy));
+        return Err(document.missing("does not define the kinematics", remedy));
     };
     for key in ["base", "tip"] {
         if let Some((key, _)) = table.get_key_value(key) {
@@ -159,7 +159,7 @@ fn from_dh(document: &Document, table: &Table<'_>, joints: &[&Table<'_>]) -> Res
             let span = table.get("convention").map_or(0..0, toml::Spanned::span);
             Err(document.error(
                 span,
-                format!("`{convention}` is no convention"),
+                format!("`{convention}` is not a convention"),
                 "write \"modified\" (Craig) or \"standard\"",
             ))
         }
@@ -204,7 +204,7 @@ fn sensor(document: &Document, table: &Table<'_>, tool: &Isometry3<f64>) -> Resu
     only_keys(document, sensor, &["position", "rpy_deg", "force_range", "moment_range"], "[sensor]")?;
     let range = |key: &str| {
         document.plausible_number(sensor, key, &RANGE)?.ok_or_else(|| {
-            document.missing(format!("[sensor] has no `{key}`"), "give the largest reading that counts, in N or N·m")
+            document.missing(format!("[sensor] has no `{key}`"), "give the largest valid reading, in N or N·m")
         })
     };
     // In the file both poses are in the frame that ends the robot.
@@ -273,7 +273,7 @@ fn whole(document: &Document, table: &Table<'_>, key: &str, range: &Plausible) -
     let Some(value) = table.get(key) else { return Ok(None) };
     let number = document.plausible(value, key, range)?;
     if number.fract() != 0.0 {
-        return Err(document.error(value.span(), format!("`{key}` is no whole number"), range.remedy()));
+        return Err(document.error(value.span(), format!("`{key}` is not a whole number"), range.remedy()));
     }
     Ok(Some(number as usize))
 }

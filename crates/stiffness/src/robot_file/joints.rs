@@ -8,7 +8,7 @@ use nalgebra::{Matrix6, Vector6};
 pub(super) const LENGTH: Plausible = Plausible::new(-20.0, 20.0, "m", "give lengths in m, not mm");
 pub(super) const DEGREES: Plausible = Plausible::new(-360.0, 360.0, "degrees", "give the angle in degrees");
 const STIFFNESS: Plausible =
-    Plausible::new(1.0, 1e11, "N·m/rad", "give the stiffness in N·m/rad (N/m where the joint slides)");
+    Plausible::new(1.0, 1e11, "N·m/rad", "give the stiffness in N·m/rad (N/m for a prismatic joint)");
 const CUBIC: Plausible = Plausible::new(0.0, 1e20, "N·m/rad³", "leave it out for a linear spring");
 const GAP: Plausible =
     Plausible::new(0.0, 0.05, "rad", "give the lost motion from flank to flank in rad: 1' is 2.9e-4");

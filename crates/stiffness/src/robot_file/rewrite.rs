@@ -56,7 +56,7 @@ pub fn with_springs(file: &str, text: &str, springs: &Springs) -> Result<String,
         Ok(written) if written.len() == springs.joints.len() && written.iter().zip(&springs.joints).all(same) => {
             Ok(changed)
         }
-        _ => Err(document.missing("cannot take other springs", remedy)),
+        _ => Err(document.missing("cannot replace the springs", remedy)),
     }
 }
 

@@ -63,7 +63,7 @@ pub struct Identification {
     pub robot: String,
     /// Measurements of the table.
     pub measurements: usize,
-    /// Lines of the table that were left out as outliers.
+    /// Lines of the table that were excluded as outliers.
     pub outliers: Vec<u64>,
     /// Why none were left out although that was asked for.
     pub outliers_kept: Option<IdentificationError>,

@@ -105,7 +105,7 @@ fn check_joints(doc: &Document, table: &Columns, robot: &Robot, letter: &str) ->
     match table.header.iter().find(|name| number(name).is_some_and(|i| i == 0 || i > joints)) {
         None => Ok(()),
         Some(name) => {
-            let message = format!("the column {name} is of no joint: the robot has {joints}");
+            let message = format!("the column {name} belongs to no joint: the robot has {joints}");
             Err(doc.missing(message, "remove the column, or name the file of the robot that was measured"))
         }
     }
@@ -153,8 +153,8 @@ fn period(doc: &Document, table: &Columns, t: &[f64]) -> Result<f64, FileError> 
     }
     if let Some(k) = t.windows(2).position(uneven) {
         let message =
-            format!("line {}: {} s after the row before, elsewhere {middle} s", table.lines[k + 1], t[k + 1] - t[k]);
-        return Err(doc.missing(message, "give samples at a fixed period; leave entries that were lost empty"));
+            format!("line {}: {} s after the previous row, elsewhere {middle} s", table.lines[k + 1], t[k + 1] - t[k]);
+        return Err(doc.missing(message, "give samples at a fixed period; leave missing entries empty"));
     }
     Ok((t[t.len() - 1] - t[0]) / (t.len() - 1) as f64)
 }

@@ -32,7 +32,7 @@ impl Weighing {
     }
 
     /// Weighs by a table with the columns `q1 … qn` (rad) and `Fx … Mz` (N, N·m, the sensor's axes): readings at rest in several orientations,
-    /// with nothing touching what the sensor carries.
+    /// with nothing touching the payload.
     ///
     /// # Errors
     /// [`StiffnessRunError`] for a table that does not fit, a robot file without a sensor, and readings that do not determine the payload.

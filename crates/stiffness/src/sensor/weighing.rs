@@ -57,7 +57,7 @@ pub enum PayloadError {
     /// The weight always pulls the same way in the sensor.
     #[error(
         "{readings} readings, all with the weight along the same direction of the sensor (spread {spread:.3} of gravity): \
-         mass and bias of the force cannot be told apart; add readings with the sensor tilted by 30° or more about \
+         mass and force bias cannot be separated; add readings with the sensor tilted by 30° or more about \
          a horizontal axis"
     )]
     OneOrientation {
@@ -69,7 +69,7 @@ pub enum PayloadError {
     /// The weight was moved along one direction of the sensor only.
     #[error(
         "{readings} readings that differ along one direction of the sensor only, ({:.2}, {:.2}, {:.2}): \
-         the centre of mass along it and the bias of the moment cannot be told apart; add a reading with the sensor tilted \
+         the center of mass along it and the moment bias cannot be separated; add a reading with the sensor tilted \
          about another of its axes", direction[0], direction[1], direction[2]
     )]
     OneDirection {
@@ -89,7 +89,7 @@ pub enum PayloadError {
     },
     /// Nothing was weighed.
     #[error(
-        "the mass of {mass:.4} kg is no more than its error {deviation:.4} kg: nothing is carried, or forces are in kN"
+        "the mass of {mass:.4} kg is no larger than its error {deviation:.4} kg: there is no payload, or forces are in kN"
     )]
     NoWeight {
         /// Mass in kg.
