@@ -154,7 +154,7 @@ fn cause(effect: &PlateMismatch) -> Option<Cause> {
         PlateMismatch::TiltAboutX(_) | PlateMismatch::TiltAboutY(_) => Some(Cause::Tilt),
         PlateMismatch::Friction(_) => Some(Cause::ParameterError),
         PlateMismatch::ActuatorLag(_) => Some(Cause::ActuatorLag),
-        PlateMismatch::CentreOfMass(_) => Some(Cause::ComOffset),
+        PlateMismatch::CenterOfMass(_) => Some(Cause::ComOffset),
         PlateMismatch::SensorDelay(_) => Some(Cause::SensorDelay),
         PlateMismatch::AnisotropicFriction(_) => Some(Cause::AnisotropicFriction),
     }

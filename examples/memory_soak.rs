@@ -1,6 +1,6 @@
-//! Does analysing many systems in one process take ever more memory?
+//! Does analyzing many systems in one process take ever more memory?
 //!
-//! `cargo run --release --example memory_soak [SYSTEMS] [STEM]` analyses random systems, by default 1000, notes the
+//! `cargo run --release --example memory_soak [SYSTEMS] [STEM]` analyzes random systems, by default 1000, notes the
 //! resident memory after each (Linux), and writes STEM.csv, STEM.svg and STEM.png, by default docs/records/memory.
 #![allow(clippy::print_stdout)]
 
@@ -114,13 +114,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rate = slope(&at[late..], &memory[late..]);
     let mib = |bytes: f64| bytes / f64::from(1 << 20);
     let most = memory.iter().copied().fold(0.0, f64::max);
-    println!("{systems} systems analysed, {decided} of them decided");
+    println!("{systems} systems analyzed, {decided} of them decided");
     println!("resident memory: {:.1} MiB after the first, {:.1} MiB at most", mib(memory[0]), mib(most));
     println!("after {late}: {:.1} MiB, at the end {:.1} MiB", mib(memory[late]), mib(memory[systems - 1]));
     println!("slope over the last four fifths: {rate:.0} bytes per system");
     std::fs::write(format!("{stem}.csv"), csv)?;
     let line = Series::new("resident memory", at, memory.iter().map(|&b| mib(b)).collect::<Vec<_>>());
     let panel = Panel::new("MiB").series(line).limits(0.0, 1.2 * mib(most));
-    XyChart::new("systems analysed", panel).title("Memory of one process").integer().draw()?.save(&stem)?;
+    XyChart::new("systems analyzed", panel).title("Memory of one process").integer().draw()?.save(&stem)?;
     Ok(())
 }

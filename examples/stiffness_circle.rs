@@ -56,7 +56,7 @@ impl Mill {
     }
 
     /// The sensor is weighed out in five poses of the wrist, then the circle is milled.
-    fn with(&self, truth: &Springs, modelled: &Springs) -> Result<CircleRun, Box<dyn Error>> {
+    fn with(&self, truth: &Springs, modeled: &Springs) -> Result<CircleRun, Box<dyn Error>> {
         let wrists = [[0.0, 0.0, 0.0], [0.8, -0.6, 0.5], [-0.8, 0.5, -0.5], [1.5, 0.0, 1.5], [-1.5, 0.3, 0.7]];
         let turned = wrists.map(|wrist| {
             let mut q = self.path[0].clone();
@@ -66,7 +66,7 @@ impl Mill {
         let payload = self.circle.weigh(self.robot(), &turned, 250)?.payload;
         let robot = self.robot().clone();
         let compensator =
-            Compensator::new(robot, modelled.clone(), self.circle.sensor, payload, self.file.compensation)?;
+            Compensator::new(robot, modeled.clone(), self.circle.sensor, payload, self.file.compensation)?;
         Ok(self.circle.mill(self.robot(), &self.path, truth, Some(compensator))?)
     }
 

@@ -34,7 +34,7 @@ fn changes_by(file: &str, quantity: &str, expected: &str) {
 
 #[test]
 fn energy_changes_by_the_power_of_the_inputs() {
-    // Kinetic energy by the velocities of the centres of mass, not by the mass matrix that the equations were solved with.
+    // Kinetic energy by the velocities of the centers of mass, not by the mass matrix that the equations were solved with.
     let links = "1/2*m1*(lc1*w1)^2 + 1/2*I1*w1^2 + 1/2*I2*(w1 + w2)^2 \
                  + 1/2*m2*((l1*w1*cos(th1) + lc2*(w1 + w2)*cos(th1 + th2))^2 + (l1*w1*sin(th1) + lc2*(w1 + w2)*sin(th1 + th2))^2) \
                  - m1*g*lc1*cos(th1) - m2*g*(l1*cos(th1) + lc2*cos(th1 + th2))";
@@ -85,7 +85,7 @@ fn laws_that_the_equations_were_not_written_from_hold() {
     changes_by("induction_motor", "(Ls - M^2/Lr)*ib + M/Lr*fb", "ub - Rs*ib");
     // Water is neither made nor lost but through the outlets of the lower tanks.
     changes_by("quadruple_tank", "A1*(h1 + h3) + A2*(h2 + h4)", "k1*v1 + k2*v2 - a1*sqrt(2*g*h1) - a2*sqrt(2*g*h2)");
-    // The centre of oscillation is pushed along the axis of the aircraft alone (Martin, Devasia and Paden 1996).
+    // The center of oscillation is pushed along the axis of the aircraft alone (Martin, Devasia and Paden 1996).
     changes_by("pvtol", "vx - eps*cos(th)*w", "-sin(th)*(u1 - eps*w^2)");
     changes_by("pvtol", "vy - eps*sin(th)*w", "cos(th)*(u1 - eps*w^2) - 1");
     changes_by("lorenz", "z - x^2/(2*s)", "(1 - 8/3/(2*s))*x^2 - 8/3*(z - x^2/(2*s))");

@@ -18,9 +18,9 @@ struct Known {
     growth: &'static [u64],
     /// Small-time locally controllable at the point of the model.
     stlc: Option<&'static str>,
-    /// Rank of the linearisation at the point of the model.
+    /// Rank of the linearization at the point of the model.
     linear_rank: Option<u64>,
-    /// Linearisable by static feedback near a generic point.
+    /// Linearizable by static feedback near a generic point.
     static_feedback: bool,
     flat: Option<&'static str>,
     source: &'static str,
@@ -35,7 +35,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(4),
         static_feedback: false,
         flat: Some("no"),
-        source: "not linearisable by static feedback (Murray and Hauser 1991; Spong 1995)",
+        source: "not linearizable by static feedback (Murray and Hauser 1991; Spong 1995)",
     },
     Known {
         file: "ball_and_beam",
@@ -55,7 +55,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(2),
         static_feedback: false,
         flat: Some("yes"),
-        source: "controllable, no continuous stabilising feedback (Brockett 1983)",
+        source: "controllable, no continuous stabilizing feedback (Brockett 1983)",
     },
     Known {
         file: "car_with_trailers",
@@ -105,7 +105,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(4),
         static_feedback: true,
         flat: Some("yes"),
-        source: "linearisable by static feedback (Spong 1987)",
+        source: "linearizable by static feedback (Spong 1987)",
     },
     Known {
         file: "furuta_pendulum",
@@ -135,7 +135,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: None,
         static_feedback: false,
         flat: Some("yes"),
-        source: "not static, but dynamic feedback linearisable (Marino and others 1993; Chiasson 1993)",
+        source: "not static, but dynamic feedback linearizable (Marino and others 1993; Chiasson 1993)",
     },
     Known {
         file: "kinematic_car",
@@ -165,7 +165,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(3),
         static_feedback: true,
         flat: Some("yes"),
-        source: "linearisable by static feedback (Barie and Chiasson 1996)",
+        source: "linearizable by static feedback (Barie and Chiasson 1996)",
     },
     Known {
         file: "pendubot",
@@ -175,7 +175,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(4),
         static_feedback: false,
         flat: Some("no"),
-        source: "not linearisable by static feedback (Spong and Block 1995)",
+        source: "not linearizable by static feedback (Spong and Block 1995)",
     },
     Known {
         file: "pvtol",
@@ -215,7 +215,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(3),
         static_feedback: true,
         flat: Some("yes"),
-        source: "linearisable by static feedback (Spong and others 2001)",
+        source: "linearizable by static feedback (Spong and others 2001)",
     },
     Known {
         file: "rolling_disk",
@@ -235,7 +235,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(4),
         static_feedback: false,
         flat: None,
-        source: "small-time controllable (Crouch 1984), no smooth stabilising feedback (Byrnes and Isidori 1991)",
+        source: "small-time controllable (Crouch 1984), no smooth stabilizing feedback (Byrnes and Isidori 1991)",
     },
     Known {
         file: "tora",
@@ -245,7 +245,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(4),
         static_feedback: true,
         flat: Some("yes"),
-        source: "a cascade linearisable where cos θ ≠ 0 (Jankovic and others 1996)",
+        source: "a cascade linearizable where cos θ ≠ 0 (Jankovic and others 1996)",
     },
     Known {
         file: "two_link_arm",
@@ -265,7 +265,7 @@ static SYSTEMS: [Known; 25] = [
         linear_rank: Some(2),
         static_feedback: false,
         flat: Some("yes"),
-        source: "controllable, no continuous stabilising feedback (Brockett 1983); flat (d'Andréa-Novel and others 1992)",
+        source: "controllable, no continuous stabilizing feedback (Brockett 1983); flat (d'Andréa-Novel and others 1992)",
     },
     Known {
         file: "van_der_pol",
@@ -287,14 +287,14 @@ fn read(file: &str) -> System {
 fn analyses() -> &'static [Value] {
     static ALL: OnceLock<Vec<Value>> = OnceLock::new();
     ALL.get_or_init(|| {
-        let analysed = |k: &Known| {
+        let analyzed = |k: &Known| {
             let analysis = bracketry::analyze(&read(k.file), &Options::default()).unwrap();
             serde_json::to_value(bracketry::report::analysis::json(&analysis)).unwrap()
         };
         let half = SYSTEMS.len() / 2;
         std::thread::scope(|scope| {
-            let first = scope.spawn(|| SYSTEMS[..half].iter().map(analysed).collect::<Vec<_>>());
-            let second: Vec<Value> = SYSTEMS[half..].iter().map(analysed).collect();
+            let first = scope.spawn(|| SYSTEMS[..half].iter().map(analyzed).collect::<Vec<_>>());
+            let second: Vec<Value> = SYSTEMS[half..].iter().map(analyzed).collect();
             first.join().unwrap().into_iter().chain(second).collect()
         })
     })
@@ -324,7 +324,7 @@ fn analyze_says_what_the_literature_says() {
 }
 
 #[test]
-fn what_continuous_feedback_cannot_stabilise_is_what_brockett_says() {
+fn what_continuous_feedback_cannot_stabilize_is_what_brockett_says() {
     for (known, found) in SYSTEMS.iter().zip(analyses()) {
         let driftless = ["brockett_integrator", "car_with_trailers", "kinematic_car", "rolling_disk", "unicycle"];
         let fails = driftless.contains(&known.file) || known.file == "spacecraft";
@@ -344,7 +344,7 @@ fn the_relative_degree_of_the_ball_is_lost_where_it_is_to_be_kept() {
 }
 
 #[test]
-fn the_aircraft_is_flat_with_its_centre_of_oscillation_and_not_minimum_phase() {
+fn the_aircraft_is_flat_with_its_center_of_oscillation_and_not_minimum_phase() {
     let found = analysis("pvtol");
     assert_eq!(found["flatness"]["flat_outputs"], serde_json::json!(["x - eps*sin(th)", "eps*cos(th) + y"]));
     assert_eq!(found["zero_dynamics"]["minimum_phase"], false);
@@ -378,7 +378,7 @@ fn yes_no(v: &Value) -> &str {
 }
 
 fn table() -> String {
-    let mut out = "| model | system | states, inputs | affine | growth | at its point: linear rank | STLC | continuous feedback may stabilise | static feedback linearisable | flat outputs | literature |\n\
+    let mut out = "| model | system | states, inputs | affine | growth | at its point: linear rank | STLC | continuous feedback may stabilize | static feedback linearizable | flat outputs | literature |\n\
                    |---|---|---|---|---|---|---|---|---|---|---|\n".to_owned();
     for (known, found) in SYSTEMS.iter().zip(analyses()) {
         let point = &found["at_point"];

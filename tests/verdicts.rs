@@ -1,4 +1,4 @@
-//! Verdicts at a point that an affine form or a linearisation alone would get wrong, and values that have none.
+//! Verdicts at a point that an affine form or a linearization alone would get wrong, and values that have none.
 #![allow(clippy::unwrap_used)]
 
 use bracketry::Analysis;
@@ -30,7 +30,7 @@ fn feedback_of_new_inputs_needs_all_values_that_they_take_together() {
     assert_eq!(at_point(&p).stabilizable, Some(Answer::Known(true)));
 }
 
-/// x' = x − y³, y' = u is stabilised by feedback that is continuous but not differentiable (Kawski 1989), and
+/// x' = x − y³, y' = u is stabilized by feedback that is continuous but not differentiable (Kawski 1989), and
 /// x' = x + x u by u = −2.
 #[test]
 fn an_unstable_mode_out_of_reach_of_smooth_feedback_is_no_verdict() {
@@ -57,7 +57,7 @@ fn what_generic_points_lack_no_point_has() {
 }
 
 #[test]
-fn outputs_that_linearise_say_where_they_have_no_value() {
+fn outputs_that_linearize_say_where_they_have_no_value() {
     let a = analysis("x y z", "u1 u2", "x = 'u1'\ny = 'z + y*u1'\nz = 'u2'", "[outputs]\na = 'x'\nb = 'y'");
     let report = a.report.control.feedback_linearization.as_ref().unwrap();
     if report.linearizing_outputs.iter().any(|h| h.to_string().contains("log(y)")) {
@@ -109,7 +109,7 @@ fn a_range_of_no_input_or_without_values_is_refused() {
         let text = format!("states = ['x']\ninputs = ['u']\n[ranges]\n{range}\n[dynamics]\nx = 'u'");
         System::parse("m.toml", &text).unwrap_err().to_string()
     };
-    assert!(with("w = { min = 0 }").contains("`w` is no input"));
+    assert!(with("w = { min = 0 }").contains("`w` is not an input"));
     assert!(with("u = { min = 1, max = 0 }").contains("range of `u`"));
     assert!(with("u = 3").contains("range of `u`"));
     assert!(with("u = { low = 3 }").contains("low"));
@@ -117,7 +117,7 @@ fn a_range_of_no_input_or_without_values_is_refused() {
 
 /// x' = u with u ≥ 0 only rises, whether u is an input or has an integrator in front of it.
 #[test]
-fn an_input_at_the_end_of_its_range_stabilises_nothing() {
+fn an_input_at_the_end_of_its_range_stabilizes_nothing() {
     for rate in ["u", "u + sin(u) - cos(u) + 1"] {
         let text = format!(
             "states = ['x', 'y']\ninputs = ['u', 'w']\n[ranges]\nu = {{ min = 0 }}\n[dynamics]\nx = '{rate}'\ny = 'w'\n[point]"

@@ -3,7 +3,7 @@
 Usage: control.py FILE
 
 FILE is what our side printed: the states of the pendulum's closed loop, and quadratic programs of the pendulum and the plate
-as the trajectory at which they are linearised. The programs are built here from the models' equations alone.
+as the trajectory at which they are linearized. The programs are built here from the models' equations alone.
 """
 import contextlib
 import io

@@ -3,7 +3,7 @@
 
     python benches/peers/control_references.py [--fine] [PROBLEM.toml ...]
 
-reads the same TOML files, writes the same discretised problem (multiple shooting, Runge-Kutta of order 4, inputs constant
+reads the same TOML files, writes the same discretized problem (multiple shooting, Runge-Kutta of order 4, inputs constant
 over an interval, soft bounds with slacks), solves it to convergence at every sample and applies the first input to the plant.
 A smooth plant is integrated by the same Runge-Kutta method with `plant_substeps`, one with sign() by small steps with sliding
 modes (one switching function at most). Without names it takes all files that tests quote. Needs casadi and numpy.

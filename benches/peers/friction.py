@@ -5,7 +5,7 @@
 
 Every sample solves the problem with the friction F s, -1 <= s <= 1, v = p - m, where 1 - s is complementary to p and 1 + s to m:
 their products are at most eps, for eps from 1e-1 to 1e-8, each solution the start of the next (Scholtes). Implicit Euler or
-Radau IIA collocation. The plant is integrated in closed form between events. The last line minimises every sample on that
+Radau IIA collocation. The plant is integrated in closed form between events. The last line minimizes every sample on that
 closed-form flow (SciPy, L-BFGS-B): what this horizon can attain.
 Needs casadi, numpy and scipy. Compare with `cargo run --release -p bracketry-mpc --example friction_comparison spring-mass`.
 """
@@ -115,7 +115,7 @@ class Complementarity:
 
 
 class ExactMinimum:
-    """Control by minimising the cost on the plant's own flow."""
+    """Control by minimizing the cost on the plant's own flow."""
 
     def __init__(self):
         self.guess = np.full(N, U_REF)

@@ -7,7 +7,7 @@ needs numpy, scipy and pysindy. What follows -- goes to the example, which write
 `diagnose.json` there, its table into `diagnose.md`; not again if they are there already); then regression sees the same logs. Without -- any
 number of directories with such logs can be given. Each gives one row per method. What helps the regression is granted: the library has exactly
 the terms of the effects in question (three Stribeck velocities), derivatives are smoothed over the window that served it best of several
-on other seeds (`--window`), the force and its derivative are smoothed alike, and the neighbourhood of reversals is left out. The threshold of STLSQ and the number of terms of FROLS have the smallest Bayesian
+on other seeds (`--window`), the force and its derivative are smoothed alike, and the neighborhood of reversals is left out. The threshold of STLSQ and the number of terms of FROLS have the smallest Bayesian
 information criterion on the last 30 % of the log, which the fit does not see. What survives beside force and Coulomb friction is
 named; scores as in crates/diagnose/src/synthetic/score.rs.
 """

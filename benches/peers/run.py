@@ -191,8 +191,8 @@ def control_table(us, them):
             rows.append(row(f"{what} quadratic program, N = 40", us[key]["rti"]["program"], f"{name}, {agree}",
                             peer["seconds"]))
         times = us[key]["rti"]
-        rows.append((f"| {what} sample: linearise and assemble; program; rest | {ms(times['linearise'])};"
-                     f" {ms(times['program'])}; {ms(times['rest'])} | | | | |", times["linearise"] < times["program"]))
+        rows.append((f"| {what} sample: linearize and assemble; program; rest | {ms(times['linearize'])};"
+                     f" {ms(times['program'])}; {ms(times['rest'])} | | | | |", times["linearize"] < times["program"]))
     return written(them["versions"], rows)
 
 

@@ -184,7 +184,7 @@ def slides(t, q):
 
 
 def driving_torque(t, q):
-    """While the centre sticks: friction along x is what holds it."""
+    """While the center sticks: friction along x is what holds it."""
     fx, _, load = forces(t, q)
     return tilting(t)[3] * SECOND_MOMENT * fx / load
 
@@ -198,11 +198,11 @@ def rests(t, q):
     return [0.0] * 6
 
 
-def centre_stops(t, q):
+def center_stops(t, q):
     return math.hypot(q[3], q[4]) - slow
 
 
-def centre_slips(t, q):
+def center_slips(t, q):
     fx, fy, load = forces(t, q)
     return FRICTION * load - math.hypot(fx, fy)
 
@@ -215,17 +215,17 @@ def spin_begins(t, q):
     return friction_against_spin(t) * 2 / math.sqrt(YAW_INERTIA) - abs(driving_torque(t, q))
 
 
-for event in (centre_stops, centre_slips, spin_stops, spin_begins):
+for event in (center_stops, center_slips, spin_stops, spin_begins):
     event.terminal, event.direction = True, -1
 
-WATCHED = {slides: [centre_stops], pivots: [centre_slips, spin_stops], rests: [centre_slips, spin_begins]}
+WATCHED = {slides: [center_stops], pivots: [center_slips, spin_stops], rests: [center_slips, spin_begins]}
 
 
 def next_mode(t, q, event):
     """The mode after an event; sets what stops to zero and gives what breaks loose its direction."""
     fx, fy, load = forces(t, q)
     drive = math.hypot(fx, fy)
-    if event is centre_slips or event is centre_stops and drive > FRICTION * load:
+    if event is center_slips or event is center_stops and drive > FRICTION * load:
         q[3], q[4] = 2 * slow * fx / drive, 2 * slow * fy / drive
         return slides
     q[3] = q[4] = 0.0
@@ -338,7 +338,7 @@ def soft_contact():
 
 
 def creep(settings):
-    """How far the disk moves in 60 s on a plate tilted by 10 degrees, in metres."""
+    """How far the disk moves in 60 s on a plate tilted by 10 degrees, in meters."""
     model = scene('<geom type="plane" size="2 2 0.1" contype="2" conaffinity="1"/>', 0.0, settings)
     tilt = math.radians(10)
     model.opt.gravity[:] = [0, -GRAVITY * math.sin(tilt), -GRAVITY * math.cos(tilt)]

@@ -56,7 +56,7 @@ fn area_contact() -> Value {
     json!({"seconds": seconds, "points": settings.points, "step": settings.step, "yaw": yaw.to_degrees()})
 }
 
-/// How far an object at rest on a plate tilted by 10° moves in 60 s, in metres.
+/// How far an object at rest on a plate tilted by 10° moves in 60 s, in meters.
 fn creep() -> f64 {
     let system = published(&Shape::REFERENCE_DISK, 0.3).expect("a model");
     let inputs = Inputs::new().expression("X", "0").expression("theta", "10*pi/180");

@@ -163,7 +163,7 @@ fn a_missed_target_or_a_plant_that_ends_is_code_1() {
                    u = { min = -1, max = 1 }\n[run]\nx0 = { x = 3 }\nsteps = 10\n";
     let o = bracketry(&["control", &file(&dir, "blow_up.toml", blow_up)]);
     assert_eq!(code(&o), 1);
-    assert!(String::from_utf8_lossy(&o.stderr).contains("the plant stops"));
+    assert!(String::from_utf8_lossy(&o.stderr).contains("the plant stopped"));
 }
 
 #[test]

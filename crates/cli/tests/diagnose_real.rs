@@ -1,6 +1,6 @@
 //! Measured data, and logs that look like measured data.
 //!
-//! EMPS, an electro-mechanical positioning system, is diagnosed from parameters that are far off. Its data carry no licence and are not part of the repository: they are read from the folder that the environment
+//! EMPS, an electro-mechanical positioning system, is diagnosed from parameters that are far off. Its data carry no license and are not part of the repository: they are read from the folder that the environment
 //! variable `BRACKETRY_SHARED` names (else `../shared`). Where they are absent the test passes and says so.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 

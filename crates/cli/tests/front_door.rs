@@ -35,7 +35,7 @@ fn every_command_has_help_with_examples() {
 }
 
 #[test]
-fn nothing_is_coloured_but_where_it_is_asked_for() {
+fn nothing_is_colored_but_where_it_is_asked_for() {
     let run = |variable: Option<&str>, arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_bracketry"));
         command.args(arguments).env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE");
@@ -245,8 +245,8 @@ fn measurements_have_the_noise_that_is_asked_for() {
         text(&o.stderr)
     };
     assert!(refused("z=0.1").contains("`z` is neither an output nor a state of the model: it has y, x"));
-    assert!(refused("y=-1").contains("is no standard deviation"));
-    assert!(refused("y=nan").contains("is no standard deviation"));
+    assert!(refused("y=-1").contains("is not a standard deviation"));
+    assert!(refused("y=nan").contains("is not a standard deviation"));
     assert!(refused("y=1,y=2").contains("measured twice"));
     assert!(refused("y").contains("x=0.001"));
     let alone = bracketry(&["simulate", &model, "--scenario", &scenario, "--noise", "y=0.1"]);

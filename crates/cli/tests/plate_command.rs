@@ -160,15 +160,15 @@ fn bad_input_is_refused_with_place_and_remedy() {
         (&["--motion", "log"], "name one with --compare LOG.csv"),
         (&["--mu", "-0.3"], "--mu: mu = -0.3 must not be negative; give a number"),
         (&["--mu", "nan"], "--mu: mu = NaN must not be negative"),
-        (&["--shape", "circle:0.1"], "--shape: `circle:0.1` is no shape; give disk:RADIUS"),
+        (&["--shape", "circle:0.1"], "--shape: `circle:0.1` is not a shape; give disk:RADIUS"),
         (&["--shape", "disk:-0.1"], "must be a positive number"),
-        (&["--shape", "ellipse:0.1"], "is no shape; give"),
+        (&["--shape", "ellipse:0.1"], "is not a shape; give"),
         (&["--shape", &bow], "bow.csv: "),
         (&["--shape", &letters], "letters.csv, line 2: `a` is not a finite number"),
         (&["--shape", &absent], "/nowhere.csv cannot be read"),
-        (&["--friction", "sticky:1"], "--friction: `sticky:1` is no law of friction; give coulomb"),
+        (&["--friction", "sticky:1"], "--friction: `sticky:1` is not a friction law; give coulomb"),
         (&["--friction", "static:0.1"], "mu_static = 0.1 is below mu = 0.3"),
-        (&["--model", "published", "--friction", "viscous:1"], "knows Coulomb friction only; leave --friction away"),
+        (&["--model", "published", "--friction", "viscous:1"], "knows Coulomb friction only; omit --friction"),
         (&["--model", "rigid"], "--model: there is no model `rigid`; name one of published"),
         (&["--experiment", "4"], "--experiment: there is no experiment `4`; name 1"),
         (&["--omega", "2.5", "--experiment", "2"], "omega = 2.5 is not a whole number"),
@@ -215,7 +215,7 @@ fn the_orientation_agrees_with_an_independent_engine_within_ten_percent() {
 }
 
 #[test]
-fn positions_agree_with_an_independent_engine_within_three_millimetres() {
+fn positions_agree_with_an_independent_engine_within_three_millimeters() {
     for (experiment, name) in [("2", "exp2_disk_w3pi_mu0.3.csv"), ("3", "exp3_disk_mu0.3.csv")] {
         for motion in ["formula", "log"] {
             let Some(c) = compared(experiment, name, motion) else { return };
@@ -246,7 +246,7 @@ fn what_tips_ends_the_area_model_and_goes_on_as_a_body() {
 
 #[test]
 fn what_loses_its_load_ends_the_models_that_lie_on_the_plate() {
-    // Half a metre from the axis experiment 3 tilts by more than 100°.
+    // Half a meter from the axis experiment 3 tilts by more than 100°.
     for model in ["published", "point", "reduced"] {
         let o = bracketry(&["plate", "3", "--model", model, "--start", "0.3,-0.5,0", "--seconds", "4", "--json"]);
         let v: Value = serde_json::from_slice(&o.stdout).unwrap();

@@ -53,7 +53,7 @@ const SECTIONS: [&str; 7] = [
     "Affine form",
     "What the inputs reach",
     "At the point",
-    "Linearisation by feedback",
+    "Linearization by feedback",
     "Observability",
     "Certificate",
 ];
@@ -86,7 +86,7 @@ const SHAFT: &str = "name = 'shaft'\nstates = ['q', 'v', 'r', 'w']\ninputs = ['u
                      [outputs]\nangle = 'q'\n";
 
 #[test]
-fn decoupling_linearisation_and_observability_stand_as_formulas() {
+fn decoupling_linearization_and_observability_stand_as_formulas() {
     let path = file(&scratch("shaft"), "shaft.toml", SHAFT);
     let text = stdout(&["analyze", &path, "--markdown", "--bracket", "[f,g1]", "--determines", "k/J"]);
     for formula in formulas(&text) {
@@ -116,14 +116,14 @@ fn without_inputs_the_report_speaks_of_the_outputs_alone() {
     let text = stdout(&["analyze", &path]);
     assert!(text.contains("  no inputs\n") && text.contains("There are no inputs"), "{text}");
     let text = stdout(&["analyze", &path, "--markdown"]);
-    assert!(!text.contains("Linearisation by feedback") && text.contains("identifiable parameters: $a$"), "{text}");
+    assert!(!text.contains("Linearization by feedback") && text.contains("identifiable parameters: $a$"), "{text}");
 }
 
 #[test]
 fn what_is_asked_must_be_known_to_the_model() {
     for (arguments, part) in [
         (["--bracket", "[g1,g7]"], "there are f, g1, g2, s, w"),
-        (["--bracket", "[g1,"], "is no bracket"),
+        (["--bracket", "[g1,"], "is not a bracket"),
         (["--determines", "the"], "did you mean `th`?"),
         (["--determines", "sin("], "sin("),
     ] {
@@ -138,7 +138,7 @@ fn what_is_asked_must_be_known_to_the_model() {
     assert_eq!(code(&o), 2);
     assert!(
         String::from_utf8_lossy(&o.stderr)
-            .contains("there are no outputs that could determine `x`: add a table [outputs]")
+            .contains("the model has no outputs that could determine `x`: add a table [outputs]")
     );
 }
 
@@ -192,7 +192,7 @@ fn a_point_that_is_none_ends_with_code_2_and_a_remedy() {
     for (at, part) in [
         ("thh=pi", "did you mean `th`?"),
         ("q9=1", "it has p, th, v, w, u"),
-        ("th=M", "a point holds constants"),
+        ("th=M", "a point contains constants"),
         ("th", "write NAME=VALUE"),
         ("th=1,th=2", "given twice"),
         ("th=", "empty"),

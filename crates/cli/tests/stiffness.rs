@@ -112,7 +112,7 @@ fn the_report_has_condition_fit_and_intervals() {
         let columns: Vec<usize> = block.lines().map(|line| line.matches('|').count()).collect();
         assert!(columns.iter().all(|count| *count == columns[0]), "{block}");
     }
-    for part in ["condition", "χ²/dof", "stiffness, its inverse", " ± ", "of the stated noise", "nothing else is to be"]
+    for part in ["condition", "χ²/dof", "stiffness, its inverse", " ± ", "of the stated noise", "nothing remains to be"]
     {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -147,7 +147,7 @@ fn figures_show_joints_that_are_not_identified_and_what_was_left_out() {
     let v = json(&["stiffness", "identify", &data, &model("kr125.toml"), "--json", "--out", out.to_str().unwrap()]);
     assert_eq!(v["outliers"], serde_json::json!([22]));
     let drawn = fs::read_to_string(out.join("residuals.svg")).unwrap();
-    assert!(drawn.contains("left out as outlier (beyond the frame: at its edge)"), "{drawn}");
+    assert!(drawn.contains("excluded as outlier (outside the axes: drawn at the edge)"), "{drawn}");
     // Nothing to mark, nothing in the legend.
     let (data, out) = (file(&dir, "good.csv", &measurements(12, [1.0; 3])), dir.join("good"));
     json(&["stiffness", "identify", &data, &model("kr125.toml"), "--json", "--out", out.to_str().unwrap()]);
@@ -276,7 +276,7 @@ fn the_payload_is_weighed_from_readings_at_rest() {
     let again = file(&dir, "again.toml", &format!("{}{written}\n{}", &text[..before], &text[after..]));
     assert_eq!(RobotFile::read(&again).unwrap().payload, robot.payload);
     for (name, text, said) in [
-        ("one", readings(&wrists[..1], 1.0), "cannot be told apart"),
+        ("one", readings(&wrists[..1], 1.0), "cannot be separated"),
         ("sign", readings(&wrists, -1.0), "change all signs"),
     ] {
         let data = file(&dir, &format!("{name}.csv"), &text);
@@ -307,13 +307,13 @@ fn other_units_and_broken_tables_are_refused_with_the_remedy() {
     let line = good.lines().nth(4).unwrap();
     for (name, text, said) in [
         ("degrees", measurements(12, [57.29578, 1.0, 1.0]), &["looks like degrees", "π/180"][..]),
-        ("millimetres", measurements(12, [1.0, 1000.0, 1.0]), &["mm for m"]),
+        ("millimeters", measurements(12, [1.0, 1000.0, 1.0]), &["mm for m"]),
         ("milliradians", measurements(12, [1.0, 1.0, 1000.0]), &["mrad or degrees for rad"]),
         ("lost", good.replace(line, &line.replacen('e', "x", 1)), &["line 5", "not a finite number"]),
         ("column", good.replace("rz", "wz"), &["column rz is missing"]),
         ("joints", format!("q7,{}", good.trim_end().replace('\n', "\n0,")), &["q7", "the robot has 6"]),
-        ("twice", format!("{good}{line}\n"), &["line 62 is equal to line 5 in every digit"]),
-        ("kilonewton metres", edited(&good, |_, c, v| if (9..12).contains(&c) { 1e-3 * v } else { v }), &["by 1000"]),
+        ("twice", format!("{good}{line}\n"), &["line 62 equals line 5 in every digit"]),
+        ("kilonewton meters", edited(&good, |_, c, v| if (9..12).contains(&c) { 1e-3 * v } else { v }), &["by 1000"]),
         ("rotations", edited(&good, |_, c, v| if c >= 15 { -v } else { v }), &["the sign of rx, ry, rz"]),
         ("moments", edited(&good, |_, c, v| if (9..12).contains(&c) { -v } else { v }), &["the sign of Mx, My, Mz"]),
         ("unmeasured", edited(&good, |_, c, v| if c >= 15 { 0.0 } else { v }), &["all rotations are exactly 0"]),

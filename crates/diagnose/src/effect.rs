@@ -114,7 +114,7 @@ pub enum Change {
         /// Pairs: what is replaced, by what.
         pairs: Vec<(String, String)>,
     },
-    /// What is measured of a body in the plane is the motion of a point p off its centre of mass c, which the equations are
+    /// What is measured of a body in the plane is the motion of a point p off its center of mass c, which the equations are
     /// about: `p = c + R(angle) d`, `p' = c' + spin z × R(angle) d`; the two coefficients are d, in axes of the body.
     TrackedPoint {
         /// Names of the states of the position.

@@ -130,7 +130,9 @@ pub enum DiagnoseError {
     },
     /// All that the model does is over between two samples.
     #[error(
-        "`{record}`: the samples are {step} s apart, in which even the slowest mode of the model completes {turns:.1} cycles: model and data use different units of time; t is in seconds: divide it by 1000 if it counts milliseconds, by the rate if it counts samples"
+        "`{record}`: the samples are {step} s apart, in which even the slowest mode of the model completes {turns:.1} \
+         cycles: model and data use different units of time; t is in seconds: divide it by 1000 if it counts milliseconds, \
+         by the rate if it counts samples"
     )]
     TimeScale {
         /// The record.
@@ -155,7 +157,8 @@ pub enum DiagnoseError {
     },
     /// The model cannot be simulated over any of the windows.
     #[error(
-        "the model cannot be simulated over any of the {windows} windows; the first, from t = {from} s of `{record}`: {reason}; {remedy}"
+        "the model cannot be simulated over any of the {windows} windows; the first, from t = {from} s of `{record}`: \
+         {reason}; {remedy}"
     )]
     NoWindow {
         /// Windows tried.

@@ -54,7 +54,7 @@ impl ExtendedModel {
     ///
     /// A lag of an input `u` becomes a state `u_lagged` that the equations use in place of `u` (and its derivatives, by
     /// `τ u_lagged' = u − u_lagged`), the time a state with derivative 1, an offset of a measured column, or a tracked
-    /// point off the centre of mass, an output. A delay of
+    /// point off the center of mass, an output. A delay of
     /// an input stands in the model's table of delays, on top of one that it had.
     ///
     /// # Errors
@@ -122,7 +122,7 @@ impl ExtendedModel {
         Ok(())
     }
 
-    /// The measured position becomes an output; the equations stay those of the centre of mass.
+    /// The measured position becomes an output; the equations stay those of the center of mass.
     fn add_tracked_point(
         &mut self,
         effect: &Effect,

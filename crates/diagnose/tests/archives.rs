@@ -94,7 +94,7 @@ fn archives_that_are_no_table_are_refused() {
     refused(&order, &["sample 2", "column `t`", "sort"]);
     let text = path("text.npz");
     std::fs::write(&text, "t,x\n0,1\n").unwrap();
-    refused(&text, &["no NumPy archive", "numpy.savez"]);
+    refused(&text, &["not a NumPy archive", "numpy.savez"]);
     refused(&path("absent.npz"), &["cannot be read"]);
 }
 

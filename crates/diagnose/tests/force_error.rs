@@ -167,7 +167,7 @@ fn at_rest_dry_friction_misses_no_force() {
 }
 
 #[test]
-fn a_delay_of_the_model_is_honoured() {
+fn a_delay_of_the_model_is_honored() {
     let text = |delay: &str| {
         format!("states = ['q', 'v']\ninputs = ['u']\n[dynamics]\nq = 'v'\nv = 'u'\n[delays]\nu = {delay}")
     };

@@ -174,8 +174,8 @@ fn replaced_friction_stays_set_valued() {
 }
 
 #[test]
-fn a_tracked_point_off_the_centre_of_mass_is_found_where_the_body_turns() {
-    // The centre of mass of a free body moves straight on; a point at d on the body circles about it.
+fn a_tracked_point_off_the_center_of_mass_is_found_where_the_body_turns() {
+    // The center of mass of a free body moves straight on; a point at d on the body circles about it.
     let text = r#"
 states = ["x", "y", "phi", "vx", "vy", "w"]
 dynamics = { x = "vx", y = "vy", phi = "w", vx = "0", vy = "0", w = "0" }
@@ -183,7 +183,7 @@ dynamics = { x = "vx", y = "vy", phi = "w", vx = "0", vy = "0", w = "0" }
     let system = System::parse("free", text).unwrap();
     let d = [0.03, -0.02];
     let times: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
-    // Rounded as a sensor would, a tenth of a millimetre.
+    // Rounded as a sensor would, a tenth of a millimeter.
     let column = |f: &dyn Fn(f64) -> f64| times.iter().map(|t| (f(*t) * 1e4).round() * 1e-4).collect::<Vec<f64>>();
     let phi = |t: f64| 0.3 + 2.0 * t;
     let columns = [

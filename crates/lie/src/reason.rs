@@ -46,22 +46,22 @@ pub enum Reason {
     #[error("neither a submersion nor seen to miss a direction")]
     NoSubmersion,
     /// The linearization cannot be evaluated.
-    #[error("the linearisation has no numerical value: a parameter has none")]
+    #[error("the linearization has no numerical value: a parameter has none")]
     NoNumbers,
     /// The exact rank of Kalman's matrix is not found again in floating point.
     #[error("the controllable subspace is not clear of rounding")]
     Rounding,
     /// An uncontrollable eigenvalue decides nothing.
-    #[error("the linearisation has an uncontrollable eigenvalue on, or too near, the imaginary axis")]
+    #[error("the linearization has an uncontrollable eigenvalue on, or too near, the imaginary axis")]
     NearAxis,
     /// Smooth feedback cannot stabilize; other feedback may.
     #[error(
-        "the linearisation has an unstable uncontrollable mode: no continuously differentiable feedback that keeps the \
-         inputs of the point there stabilises"
+        "the linearization has an unstable uncontrollable mode: no continuously differentiable feedback that keeps the \
+         inputs of the point there stabilizes"
     )]
     UnstableMode,
     /// The zero dynamics have inputs left.
-    #[error("the outputs leave inputs free, which may stabilise what is left")]
+    #[error("the outputs leave inputs free, which may stabilize what is left")]
     FreeInputs,
     /// The point is no equilibrium of the zero dynamics.
     #[error("the point is not an equilibrium of the zero dynamics")]
@@ -70,7 +70,7 @@ pub enum Reason {
     #[error("whether the point is an equilibrium of the zero dynamics is not decided")]
     EquilibriumOpen,
     /// The zero dynamics cannot be evaluated.
-    #[error("the linearisation of the zero dynamics has no numerical value")]
+    #[error("the linearization of the zero dynamics has no numerical value")]
     ZeroDynamicsNoNumbers,
     /// The linearized zero dynamics decide nothing.
     #[error("the zero dynamics have eigenvalues on, or too near, the imaginary axis")]
@@ -79,7 +79,7 @@ pub enum Reason {
     #[error("the derivatives of the zero dynamics at the point do not decide")]
     Derivatives,
     /// The integrals that linearize were not found.
-    #[error("the linearising outputs were not found in closed form")]
+    #[error("the linearizing outputs were not found in closed form")]
     NoLinearizingOutputs,
     /// The verdict on the affine form does not transfer: its inputs are not free at the point.
     #[error("at the point the old inputs do not move {} freely to all sides", equations(.inputs))]
@@ -183,7 +183,7 @@ pub enum StlcReason {
         states: usize,
     },
     /// Kalman's condition.
-    #[error("the linearisation is controllable")]
+    #[error("the linearization is controllable")]
     Controllable,
     /// A half-space that no trajectory leaves (Nagumo).
     #[error("from its value at the point {function} can {change}, whatever the inputs{}",
@@ -209,7 +209,7 @@ pub enum StlcReason {
         weights: Vec<u32>,
     },
     /// It is obstructed.
-    #[error("the bad bracket {bracket} is not neutralised with weights {weights:?}, nor are others with {further} \
+    #[error("the bad bracket {bracket} is not neutralized with weights {weights:?}, nor are others with {further} \
         further choices of weights{}", if *.too_many { ", of which some take too many brackets" } else { "" })]
     Obstructed {
         /// The bad bracket.
@@ -230,7 +230,7 @@ pub enum StlcReason {
     )]
     Stefani(usize),
     /// A definite quadratic form, of brackets of this depth.
-    #[error("second-order brackets of {} with f are definite across all that the linearisation reaches",
+    #[error("second-order brackets of {} with f are definite across all that the linearization reaches",
         if *.0 == 0 { "the inputs".to_owned() } else { format!("the inputs and their first {} brackets", .0) })]
     DefiniteForm(usize),
     /// A condition holds after a change of the inputs.
@@ -322,13 +322,13 @@ impl fmt::Display for InputCombination {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StabilizableReason {
     /// Kalman's condition.
-    #[error("the linearisation is controllable")]
+    #[error("the linearization is controllable")]
     Controllable,
     /// The uncontrollable eigenvalues have negative real parts.
-    #[error("the uncontrollable modes of the linearisation decay")]
+    #[error("the uncontrollable modes of the linearization decay")]
     ModesDecay,
     /// A linear system with an uncontrollable eigenvalue in the right half-plane.
-    #[error("the linearisation has an unstable uncontrollable mode")]
+    #[error("the linearization has an unstable uncontrollable mode")]
     UnstableMode,
     /// Coron's theorem.
     #[error("by continuous time-periodic feedback, from small-time controllability (Coron)")]
@@ -385,11 +385,11 @@ pub enum FlatnessReason {
     #[error("not strongly accessible: some function of the state no input influences")]
     NotAccessible,
     /// Flat by static feedback.
-    #[error("linearisable by static feedback")]
+    #[error("linearizable by static feedback")]
     StaticFeedback,
     /// With one input, flatness is linearizability by static feedback.
     #[error(
-        "a system with one input is flat only if it is linearisable by static feedback (Charlet, Lévine and Marino 1989)"
+        "a system with one input is flat only if it is linearizable by static feedback (Charlet, Lévine and Marino 1989)"
     )]
     OneInput,
     /// m = n − 1.
@@ -399,10 +399,10 @@ pub enum FlatnessReason {
     #[error("accessible without drift, with two inputs less than states (Martin and Rouchon 1995)")]
     TwoInputsLess,
     /// Outputs of the model with which the dynamic extension algorithm ends.
-    #[error("dynamic feedback linearises the system by the outputs of the model")]
+    #[error("dynamic feedback linearizes the system by the outputs of the model")]
     ModelOutputs,
     /// Other functions with which it does.
-    #[error("dynamic feedback linearises the system by these functions")]
+    #[error("dynamic feedback linearizes the system by these functions")]
     Functions,
     /// Two inputs without drift: the derived flag decides.
     #[error("the derived flag of the two inputs has dimensions {}{} (Martin and Rouchon 1994)", texts(.dimensions),
@@ -414,7 +414,7 @@ pub enum FlatnessReason {
         expected: Option<usize>,
     },
     /// Integrators in front of one input.
-    #[error("linearisable by static feedback after {} in front of {input}",
+    #[error("linearizable by static feedback after {} in front of {input}",
         if *.integrators == 1 { "an integrator".to_owned() } else { format!("{} integrators", .integrators) })]
     Prolongation {
         /// How many.

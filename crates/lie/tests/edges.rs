@@ -28,7 +28,7 @@ fn without_inputs_every_state_is_autonomous() {
 }
 
 #[test]
-fn an_unstable_mode_out_of_reach_cannot_be_stabilised() {
+fn an_unstable_mode_out_of_reach_cannot_be_stabilized() {
     let r = report(&system(&["x", "y"], &["u"], &[], &["u", "2*y"], &[], Some(&[])));
     assert_eq!(at_point(&r).linear_controllability_rank, Some(1));
     assert_eq!(at_point(&r).stabilizable, Some(Answer::Known(false)));

@@ -104,7 +104,7 @@ fn ball_rolling_on_a_plate_is_not_flat() {
     assert_eq!(verdict(&s), FlatnessVerdict::No);
 }
 
-/// Hauser, Sastry & Meyer 1992; the flat outputs are Huygens' centre of oscillation (Martin, Devasia & Paden 1996).
+/// Hauser, Sastry & Meyer 1992; the flat outputs are Huygens' center of oscillation (Martin, Devasia & Paden 1996).
 fn vtol(outputs: &[&str]) -> System {
     system(
         &["x", "y", "th", "vx", "vy", "w"],
@@ -117,7 +117,7 @@ fn vtol(outputs: &[&str]) -> System {
 }
 
 #[test]
-fn huygens_centre_of_oscillation_is_found_and_verified() {
+fn huygens_center_of_oscillation_is_found_and_verified() {
     for outputs in [&["x - ep*sin(th)", "y + ep*cos(th)"][..], &["x", "y"], &[]] {
         let s = vtol(outputs);
         let f = flatness(&s);
@@ -184,7 +184,7 @@ fn quadrotor_in_space_by_position_and_yaw() {
 }
 
 #[test]
-fn with_one_input_flat_means_linearisable() {
+fn with_one_input_flat_means_linearizable() {
     // Jakubczyk & Respondek: the cart-pole is not.
     let cart_pole = system(
         &["x", "th", "v", "w"],

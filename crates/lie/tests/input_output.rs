@@ -209,7 +209,7 @@ fn higher_order_terms_decide_on_scalar_zero_dynamics() {
 }
 
 #[test]
-fn an_oscillating_zero_dynamics_is_not_judged_by_its_linearisation() {
+fn an_oscillating_zero_dynamics_is_not_judged_by_its_linearization() {
     let s = system(&["y", "p", "q"], &["u"], &[], &["u", "q", "-p - q^3 + y"], &["y"], None);
     let c = control(&s);
     assert!(matches!(zero_dynamics(&c).minimum_phase, Answer::Unknown(_)));
@@ -264,7 +264,7 @@ fn dimensions_go_on_after_a_distribution_that_is_not_involutive() {
 }
 
 #[test]
-fn linearising_outputs_of_a_multi_input_system() {
+fn linearizing_outputs_of_a_multi_input_system() {
     // Chains of 3 and 1: x3 is the output with relative degree 3.
     let f = ["u1", "x1 + x1^3", "x2 + x2^2", "u2 + x1*x3"];
     let s = system(&["x1", "x2", "x3", "x4"], &["u1", "u2"], &[], &f, &[], None);

@@ -63,7 +63,7 @@ fn states_and_their_combinations_come_first() {
 
 #[test]
 fn parameters_stay_symbols() {
-    // Centres of oscillation of a planar VTOL aircraft, a rolling car and a pendulum on a cart.
+    // Centers of oscillation of a planar VTOL aircraft, a rolling car and a pendulum on a cart.
     assert_eq!(distribution("x y th", &["ep*cos(th),ep*sin(th),1"]).all(), ["x - ep*sin(th)", "ep*cos(th) + y"]);
     assert_eq!(distribution("x th", &["l*cos(th),-1"]).all(), ["l*sin(th) + x"]);
     let g = "0,0,1/(M + m*sin(th)^2),-cos(th)/(l*(M + m*sin(th)^2))";
@@ -155,7 +155,7 @@ fn what_has_no_closed_form_is_counted() {
 
 /// Marino & Spong's arm with an elastic joint: the link angle linearizes it.
 #[test]
-fn the_linearising_output_of_a_flexible_joint() {
+fn the_linearizing_output_of_a_flexible_joint() {
     let mut s = system(
         &["q1", "v1", "q2", "v2"],
         &["u"],

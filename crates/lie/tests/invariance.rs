@@ -118,7 +118,7 @@ proptest! {
     }
 
     #[test]
-    fn feedback_changes_no_accessibility_and_no_linearisability(k in 0..SYSTEMS.len(), c in coefficients()) {
+    fn feedback_changes_no_accessibility_and_no_linearizability(k in 0..SYSTEMS.len(), c in coefficients()) {
         let original = model(k);
         let (a, b) = (report(&original), report(&with_feedback(&original, &c)));
         let (d, e) = (&a.modes[0].dimensions, &b.modes[0].dimensions);

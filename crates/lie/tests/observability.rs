@@ -62,7 +62,7 @@ fn a_compass_sees_no_translation() {
     assert_eq!(symmetries(&r.unobservable_directions), ["translation along x", "translation along y"]);
 }
 
-/// Without manoeuvres of the observer the range of a target cannot be told from its bearing (Nardone & Aidala 1981).
+/// Without maneuvers of the observer the range of a target cannot be told from its bearing (Nardone & Aidala 1981).
 #[test]
 fn bearings_alone_leave_the_scale_open_unless_the_observer_accelerates() {
     let still = report_on("x y vx vy", "", "", &["vx", "vy", "0", "0"], &["atan(y/x)"], &[]);

@@ -133,7 +133,7 @@ const CASES: &[Case] = &[
         Yes,
     ),
     case(
-        "planar body, force off the centre",
+        "planar body, force off the center",
         "x y th a b w",
         "u v",
         &["a", "b", "w", "u*cos(th) - v*sin(th)", "u*sin(th) + v*cos(th)", "-v"],
@@ -269,7 +269,7 @@ fn inputs_that_balance_the_drift_lie_in_their_ranges() {
 fn a_range_of_no_input_is_an_error() {
     let s = system(&["x"], &["u"], &[], &["u"], &[], Some(&[]));
     let options = Options { ranges: vec![("w".to_owned(), InputValues::Unknown)], ..Options::default() };
-    assert_eq!(analyze_affine(&s, &options).unwrap_err().to_string(), "there is no input w that could have a range");
+    assert_eq!(analyze_affine(&s, &options).unwrap_err().to_string(), "there is no input w for this range");
 }
 
 #[test]

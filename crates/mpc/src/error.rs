@@ -81,7 +81,9 @@ pub enum MpcError {
         moved: f64,
     },
     /// The references do not determine the steady state.
-    #[error("the references do not determine the steady state: give every state a cost, or set the terminal cost by hand")]
+    #[error(
+        "the references do not determine the steady state: give every state a cost, or set the terminal cost by hand"
+    )]
     SteadyStateNotUnique,
     /// There is no stage cost to be continued beyond the horizon.
     #[error("there is no stage cost: set `Ocp::stage` first")]

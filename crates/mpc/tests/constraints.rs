@@ -76,7 +76,7 @@ fn a_limit_that_depends_on_the_input_is_a_friction_cone() {
 
 #[test]
 fn the_terminal_set_is_entered_at_its_nearest_point() {
-    // Least effort to a disk of radius 0.5 about (1, −1): straight towards its center, with constant velocity.
+    // Least effort to a disk of radius 0.5 about (1, −1): straight toward its center, with constant velocity.
     let system = point();
     let mut ocp = problem(&system, 5, "u^2 + v^2");
     let matrix = vec![vec![1.0, 0.0], vec![0.0, 1.0]];

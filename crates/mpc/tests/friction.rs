@@ -104,7 +104,7 @@ fn block() -> System {
     System::parse("block.toml", text).unwrap()
 }
 
-/// Towards zero, where the end of the horizon counts `terminal` times x².
+/// Toward zero, where the end of the horizon counts `terminal` times x².
 fn to_zero(terminal: f64) -> Ocp {
     let mut ocp = Ocp::new(2, 1, 20, 0.05);
     let (stage, terminal) = ("x^2 + 0.1*v^2 + 0.001*a^2", format!("{terminal}*x^2"));

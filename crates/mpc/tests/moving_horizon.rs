@@ -262,7 +262,7 @@ fn an_angle_is_followed_over_its_turns() {
 
 #[test]
 fn the_error_is_as_large_as_the_estimator_says() {
-    // Normalised estimation error squared: χ² with n degrees of freedom, so that the mean of M runs lies within
+    // Normalized estimation error squared: χ² with n degrees of freedom, so that the mean of M runs lies within
     // n ± 3·√(2n/M).
     let problem = mass();
     let (f, b, g, c) = matrices();

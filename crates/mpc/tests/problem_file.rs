@@ -52,7 +52,7 @@ fn what_is_wrong_is_named_with_its_place() {
         ("\"rk4\"", "\"euler\"", "there is no integrator `euler`", "problem.toml:7:14"),
         ("\"rti\"", "\"magic\"", "there is no method `magic`", "problem.toml:18:10"),
         ("u = { min = -80", "q = { min = -80", "`q` is no state or input", "problem.toml:15:1"),
-        ("min = -80", "min = 90", "`u` cannot be above 90 and below 80", "problem.toml:15:5"),
+        ("min = -80", "min = 90", "`u` cannot be both above 90 and below 80", "problem.toml:15:5"),
         ("max = 80", "max = 80, soft = [1, 1]", "bounds on inputs are hard", "problem.toml:15:35"),
         ("x0 = { th", "x0 = { ht", "`ht` is no state", "problem.toml:23:8"),
         ("steps = 40", "steps = 2.5", "whole number", "problem.toml:5:9"),

@@ -214,12 +214,12 @@ fn mistakes_are_named_with_their_place() {
         ("g = { norm = \"ux\", max = 1 }", "[solve]", "must be a list", "p.toml:11:14"),
         ("hessian = \"newton\"", "[run]", "there is no Hessian `newton`", "p.toml:13:11"),
         ("policy = \"hope\"", "[run]", "there is no policy `hope`", "p.toml:13:10"),
-        ("policy = \"brake\"", "[run]", "nothing says how to brake", "p.toml:13:10"),
-        ("rest = { ux = 9 }", "[run]", "outside of its bounds", "p.toml:13:15"),
+        ("policy = \"brake\"", "[run]", "the table `brake` is missing", "p.toml:13:10"),
+        ("rest = { ux = 9 }", "[run]", "outside its bounds", "p.toml:13:15"),
         ("[parameters]\nmass = 2", "[horizon]", "`mass` is no parameter", "p.toml:4:1"),
         ("[estimation]\noutputs = { z = 0.1 }", "[run]", "`z`", "p.toml:14:13"),
         ("[estimation]\nkind = \"ukf\"", "[run]", "there is no estimator `ukf`", "p.toml:14:8"),
-        ("[estimation]\nkind = \"ekf\"", "[run]", "the estimator measures nothing", "p.toml"),
+        ("[estimation]\nkind = \"ekf\"", "[run]", "the estimator has no measurements", "p.toml"),
     ] {
         let error = read(&with(line, before)).err().unwrap();
         assert!(error.contains(message) && error.contains(place), "{line}: {error}");
@@ -227,8 +227,8 @@ fn mistakes_are_named_with_their_place() {
     for (line, message, place) in [
         ("noise = { z = 1 }", "`z` is not measured", "p.toml:16:11"),
         ("faults = [{ lost = true }]", "the fault has no `at`", "p.toml:16:11"),
-        ("faults = [{ at = 5, until = 2, lost = true }]", "ends at 2 before it begins at 5", "p.toml:16:11"),
-        ("faults = [{ at = 3 }]", "nothing goes wrong", "p.toml:16:11"),
+        ("faults = [{ at = 5, until = 2, lost = true }]", "ends at 2, before it starts at 5", "p.toml:16:11"),
+        ("faults = [{ at = 3 }]", "this fault has no effect", "p.toml:16:11"),
         ("delay = -1", "whole number", "p.toml:16:9"),
     ] {
         let error = read(&format!("{PROBLEM}{line}\n")).err().unwrap();
@@ -336,7 +336,7 @@ fn keys_that_would_do_nothing_are_refused() {
     let estimation =
         format!("{PROBLEM}[estimation]\nkind = \"ekf\"\nhorizon = 5\noutputs = {{ x = 0.01, y = 0.01 }}\n");
     assert!(refused(&estimation, "horizon = 5").contains("no `horizon`"));
-    assert!(refused(&with("time_limit = 1", "[run]"), "time_limit = 1").contains("one of the methods"));
+    assert!(refused(&with("time_limit = 1", "[run]"), "time_limit = 1").contains("applies to the methods"));
 }
 
 #[test]
@@ -347,6 +347,6 @@ fn what_an_estimator_cannot_tell_is_noted() {
         run(&text).0.notes.join("; ")
     };
     let both = estimation("{ ux = { std = 1 }, vx = { std = 1 } }");
-    assert!(both.contains("do not tell of the disturbance of ux, the disturbance of vx"), "{both}");
+    assert!(both.contains("do not determine the disturbance of ux, the disturbance of vx"), "{both}");
     assert_eq!(estimation("{ ux = { std = 1 } }"), "");
 }

@@ -79,7 +79,7 @@ fn a_short_horizon_with_the_terminal_cost_is_the_infinite_one() {
 }
 
 #[test]
-fn the_centre_follows_references() {
+fn the_center_follows_references() {
     let (mut dynamics, mut ocp) = double_integrator("(p - 3*goal)^2 + v^2 + 0.3*u^2", &["goal"], 5);
     ocp.references = (0..10).map(|k| vec![f64::from(k)]).collect();
     let (ocp, _) = ocp.with_terminal_cost_at(&mut dynamics, &[0.0; 2], &[0.0]).unwrap();
@@ -116,7 +116,7 @@ fn a_point_that_moves_is_no_steady_state() {
 }
 
 #[test]
-fn a_cost_that_is_least_elsewhere_moves_the_centre_and_tilts_the_cost_to_go() {
+fn a_cost_that_is_least_elsewhere_moves_the_center_and_tilts_the_cost_to_go() {
     // x' = u − x; holding x = 2 takes an input that costs, so the best steady state is a compromise: x = u = 20/11.
     let text = "states = [\"x\"]\ninputs = [\"u\"]\ndynamics = { x = \"u - x\" }";
     let system = System::parse("lag.toml", text).unwrap();

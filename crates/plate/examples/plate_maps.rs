@@ -30,7 +30,7 @@ impl Regime {
     const ALL: [(Regime, &str, Color); 5] = [
         (Regime::Reached, "reaches the target", Color::GREEN),
         (Regime::Moves, "moves, but not there", Color::SKY),
-        (Regime::Stuck, "stays", Color::GREY),
+        (Regime::Stuck, "stays", Color::GRAY),
         (Regime::RunOff, "runs off the plate", Color::VERMILLION),
         (Regime::LiftsOff, "lifts off: not covered by the model", Color::PURPLE),
     ];

@@ -17,7 +17,7 @@ const MATTERS: f64 = 0.03;
 /// Distance in seconds of the instants at which two runs are compared.
 const STEP: f64 = 0.01;
 
-/// The terms, how they are switched off, and their colours.
+/// The terms, how they are switched off, and their colors.
 fn terms() -> [(&'static str, Terms, Color); 9] {
     let all = Terms::default();
     [

@@ -51,9 +51,9 @@ fn main() -> anyhow::Result<()> {
         Map::compute(&phases, &places, |phase, y| mean(&motion(phase), [0.0, y, 0.0]), |n| progress.tell(n));
     drop(progress);
     let degrees: Vec<f64> = phases.iter().map(|p| p.to_degrees()).collect();
-    let millimetres: Vec<f64> = places.iter().map(|y| 1e3 * y).collect();
+    let millimeters: Vec<f64> = places.iter().map(|y| 1e3 * y).collect();
     let mut arrows = Vec::new();
-    for (j, y) in millimetres.iter().enumerate() {
+    for (j, y) in millimeters.iter().enumerate() {
         for (i, phase) in degrees.iter().enumerate() {
             let [vx, vy, w] = established(over_phase.get(i, j));
             arrows.push(Arrow::new((*phase, *y), (1e3 * vx, 1e3 * vy), w.to_degrees()));

@@ -31,7 +31,7 @@ pub use control::{
 pub use error::PlateError;
 pub use experiment::{
     AmplitudeLaw, AmplitudeStep, Establishing, Experiment, Limits, Map, MeanVelocity, Run, Stage, Summary, TwoStep,
-    linspace, mean_velocity, summarise, sweep, two_step, two_step_on, velocity_field,
+    linspace, mean_velocity, summarize, sweep, two_step, two_step_on, velocity_field,
 };
 pub use friction::Friction;
 pub use log::{Jump, LoggedMotion, PlateColumns, PlateLog};

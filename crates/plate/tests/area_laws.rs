@@ -108,7 +108,7 @@ fn anisotropic_friction_slows_each_direction_by_its_own_coefficient() {
         assert!((block.state()[3].hypot(block.state()[4]) - left).abs() < 1e-9);
         assert!(block.state()[5].abs() < 1e-9);
     }
-    // A slip between the axes turns towards the easy one.
+    // A slip between the axes turns toward the easy one.
     let mut block =
         contact(&flat(Shape::REFERENCE_DISK), law, &AreaSettings::default(), [0.0, 0.0, 0.0, 0.4, 0.4, 0.0]);
     finish(&mut block, still, 0.1);
@@ -270,7 +270,7 @@ fn energy_in_the_world_is_the_work_of_the_plate() {
             let power = fx * (now.velocity + vx)
                 + fy * vy
                 + torque * w
-                + now.tilt_rate * sample.normal * (y + sample.centre[1]);
+                + now.tilt_rate * sample.normal * (y + sample.center[1]);
             // The first step begins where no sample is; its end stands for it.
             let (t, last) = before.unwrap_or((0.1, power));
             work += 0.5 * (sample.t - t) * (power + last);

@@ -147,7 +147,7 @@ fn a_block_that_tips_about_its_edge_follows_the_inverted_pendulum() {
     let mut body = body(&object, 5.0, &settings);
     let start = f64::atan(b / h) + 0.1;
     let radius = b.hypot(h);
-    // Lowest edge at y = +b: turned about -x by the angle `turn`, the centre of mass beyond the edge.
+    // Lowest edge at y = +b: turned about -x by the angle `turn`, the center of mass beyond the edge.
     let turn = -start;
     let mut state = RigidState::at_rest(0.0);
     state.orientation = UnitQuaternion::from_scaled_axis(Vector3::x() * turn);

@@ -61,11 +61,11 @@ fn moments_of_a_polygon_are_those_of_its_parts() {
     // The L is two rectangles; parallel axes.
     let parts = [([0.15, 0.05], 0.15, 0.05), ([0.05, 0.15], 0.05, 0.05)];
     let area: f64 = parts.iter().map(|p| 4.0 * p.1 * p.2).sum();
-    let centre = [0, 1].map(|k| parts.iter().map(|p| 4.0 * p.1 * p.2 * p.0[k]).sum::<f64>() / area);
+    let center = [0, 1].map(|k| parts.iter().map(|p| 4.0 * p.1 * p.2 * p.0[k]).sum::<f64>() / area);
     let moment = |i: usize, j: usize| -> f64 {
         let part = |p: &([f64; 2], f64, f64)| {
             let own = if i == j { [p.1, p.2][i].powi(2) / 3.0 } else { 0.0 };
-            4.0 * p.1 * p.2 * (own + (p.0[i] - centre[i]) * (p.0[j] - centre[j]))
+            4.0 * p.1 * p.2 * (own + (p.0[i] - center[i]) * (p.0[j] - center[j]))
         };
         parts.iter().map(part).sum::<f64>() / area
     };

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
-    Experiment, Limits, Map, ModelPlant, PlateError, Shape, Summary, linspace, published, summarise, sweep,
+    Experiment, Limits, Map, ModelPlant, PlateError, Shape, Summary, linspace, published, summarize, sweep,
 };
 use bracketry_sim::Settings;
 use std::ops::ControlFlow;
@@ -12,7 +12,7 @@ fn run(mu: f64, frequency: f64) -> Result<Summary, PlateError> {
     let system = published(&Shape::REFERENCE_ELLIPSE, mu)?;
     let mut plant = ModelPlant::new(&system, [0.48, -0.03, 0.0, 0.0, 0.0, 0.0], &Settings::default())?;
     let experiment = Experiment::translation_y().with_frequency(frequency);
-    summarise(&experiment, &mut plant, 3.0, Limits::default())
+    summarize(&experiment, &mut plant, 3.0, Limits::default())
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn an_object_that_slides_without_end_is_stopped_at_the_limit() {
     let mut plant = ModelPlant::new(&system, [0.0; 6], &Settings::default()).unwrap();
     // Steeper than the friction angle: y falls by ½ g (sin θ − μ cos θ) t².
     let slope = Experiment { tilt: "0.3".into(), law: None, start: 0.0, target: -0.2, ..Experiment::translation_y() };
-    let summary = summarise(&slope, &mut plant, 10.0, Limits { travel: 0.25 }).unwrap();
+    let summary = summarize(&slope, &mut plant, 10.0, Limits { travel: 0.25 }).unwrap();
     let fall = 0.5 * 9.81 * (0.3f64.sin() - 0.1 * 0.3f64.cos());
     let passes = (0.25 / fall).sqrt();
     let run_off = summary.run_off.unwrap();
@@ -82,7 +82,7 @@ fn the_least_load_tells_that_an_object_far_from_the_axis_would_lift_off() {
         let mut plant = ModelPlant::new(&system, [0.0, -0.1, 0.0, 0.0, 0.0, 0.0], &Settings::default()).unwrap();
         let tilt = format!("-{a}*sin(20*t)");
         let shake = Experiment { tilt, law: None, period: 0.1, ..Experiment::translation_y() };
-        summarise(&shake, &mut plant, 0.4, Limits::default()).unwrap().least_load
+        summarize(&shake, &mut plant, 0.4, Limits::default()).unwrap().least_load
     };
     let exact = |a: f64| {
         (0..=40_000).map(|i| 1e-5 * f64::from(i)).map(move |t| {

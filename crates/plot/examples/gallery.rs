@@ -232,7 +232,7 @@ fn animation() -> Animation {
     Animation::new(Outline::Ellipse { a: 0.15, b: 0.1 }, 0.005)
         .title("Experiment 1: orientation")
         .category("slides", Color::ORANGE)
-        .category("sticks", Color::GREY)
+        .category("sticks", Color::GRAY)
         .target(Pose::new(0.3, 0.0, FRAC_PI_2))
         .snapshots((0..60).map(snapshot))
 }

@@ -27,7 +27,7 @@ const TALLEST: f64 = 400.0;
 const THINNEST: f64 = 4.0;
 /// Hundredths of a second for which the last image stays, so that the end can be seen.
 const HOLD: u16 = 150;
-/// Snapshots from which the colours of the GIF are taken.
+/// Snapshots from which the colors of the GIF are taken.
 const SAMPLE: usize = 8;
 
 const PLATE: Color = Color(240, 240, 240);
@@ -41,13 +41,13 @@ pub struct Snapshot {
     pub displacement: f64,
     /// Tilt of the plate about its x axis in radians; positive raises +y.
     pub tilt: f64,
-    /// Position of the object's centre on the plate in meters, and its yaw.
+    /// Position of the object's center on the plate in meters, and its yaw.
     pub pose: Pose,
     /// Gap between plate and object in meters; 0 in contact.
     pub gap: f64,
     /// Tilt of the object against the plate about the x axis, in radians.
     pub lean: f64,
-    /// Number of the category, such as sticking or sliding, that gives the object its colour.
+    /// Number of the category, such as sticking or sliding, that gives the object its color.
     pub category: usize,
 }
 
@@ -115,13 +115,13 @@ impl Animation {
     setters! {
         /// Sets the title.
         title(title: impl Into<String>) |it| it.title = title.into();
-        /// Adds a category with its colour; they are numbered from 0. The legend shows those that occur.
+        /// Adds a category with its color; they are numbered from 0. The legend shows those that occur.
         category(name: impl Into<String>, color: Color) |it| it.categories.push((name.into(), color));
         /// Adds snapshots; the time between two of them is that between the first two.
         snapshots(snapshots: impl IntoIterator<Item = Snapshot>) |it| it.snapshots.extend(snapshots);
-        /// Sets where the object's centre was, as `(t, x, y)` in order of time, for a path that is finer than the snapshots.
+        /// Sets where the object's center was, as `(t, x, y)` in order of time, for a path that is finer than the snapshots.
         path(places: impl IntoIterator<Item = (f64, f64, f64)>) |it| it.path = places.into_iter().collect();
-        /// Draws the path in the colour of a role.
+        /// Draws the path in the color of a role.
         role(role: Role) |it| it.trail = role.color();
         /// Sets what happens at the end, such as `the object tips`: it stands beside the last time, and the object's place gets a cross.
         end(what: impl Into<String>) |it| it.end = Some(what.into());
@@ -290,7 +290,7 @@ impl Animation {
         let (right, bottom) = place((x_high, y_low));
         let plate = Rect { left, top, right, bottom };
         canvas.rect(plate, PLATE)?;
-        canvas.border(plate, Stroke::solid(Color::GREY, 1.0))?;
+        canvas.border(plate, Stroke::solid(Color::GRAY, 1.0))?;
         // Crosses on the plate make its motion visible.
         let faint = Stroke::solid(Color(190, 190, 190), 1.0);
         let ticks = |low: f64, high: f64| Scale::new(low, high, 5.0, false).ticks.into_iter().map(|t| t.0);
@@ -301,7 +301,7 @@ impl Animation {
                 canvas.line(&[(u, v - 3.0), (u, v + 3.0)], faint)?;
             }
         }
-        let axis = Stroke { color: Color::GREY, width: 1.0, dash: Dash::DashDot };
+        let axis = Stroke { color: Color::GRAY, width: 1.0, dash: Dash::DashDot };
         canvas.line(&[place((x_low, 0.0)), place((x_high, 0.0))], axis)?;
         let shape = self.outline.points();
         let nose = self.outline.nose();
@@ -339,7 +339,7 @@ impl Animation {
     fn draw_side(&self, canvas: &Canvas, axes: &Axes, (y_low, y_high): (f64, f64), now: &Snapshot) -> Result<()> {
         let (s, c) = now.tilt.sin_cos();
         let place = |y: f64, z: f64| axes.page((y * c - z * s, y * s + z * c));
-        let level = Stroke { color: Color::GREY, width: 1.0, dash: Dash::DashDot };
+        let level = Stroke { color: Color::GRAY, width: 1.0, dash: Dash::DashDot };
         let middle = axes.page_y(0.0);
         canvas.line(&[(axes.rect.left, middle), (axes.rect.right, middle)], level)?;
         let per_unit = axes.rect.height() / (axes.y.high - axes.y.low);
@@ -363,7 +363,7 @@ impl Animation {
     }
 }
 
-/// The colour of the object's surface.
+/// The color of the object's surface.
 fn fill(color: Color) -> Color {
     color.mix(Color(255, 255, 255), 0.6)
 }

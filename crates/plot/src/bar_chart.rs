@@ -42,7 +42,7 @@ pub struct BarChart {
     pub categories: Vec<String>,
     /// Name and values of each series, one value for each category.
     pub series: Vec<(String, Vec<f64>)>,
-    /// Colour of each series; `None` takes the next one of [`Color::series`].
+    /// Color of each series; `None` takes the next one of [`Color::series`].
     pub colors: Vec<Option<Color>>,
 }
 
@@ -74,7 +74,7 @@ impl BarChart {
         self
     }
 
-    /// Gives the bars added last the colour of a role.
+    /// Gives the bars added last the color of a role.
     #[must_use]
     pub fn role(mut self, role: Role) -> Self {
         if let Some(last) = self.colors.last_mut() {
@@ -149,7 +149,7 @@ impl BarChart {
     fn draw_group(&self, canvas: &Canvas, axes: &Axes, group: usize, bar: f64) -> Result<()> {
         // Values stand on the bars if all of them have room.
         let mut all = self.series.iter().flat_map(|s| &s.1);
-        let labelled = all.all(|v| text::width(&three_digits(*v), SIZE, false) <= bar);
+        let labeled = all.all(|v| text::width(&three_digits(*v), SIZE, false) <= bar);
         let (zero, center) = (axes.page_y(0.0), axes.page_x(group as f64 + 0.5));
         let first = center - bar * self.series.len() as f64 / 2.0;
         for (k, (_, values)) in self.series.iter().enumerate() {
@@ -158,7 +158,7 @@ impl BarChart {
             let (top, bottom) = (end.min(zero), end.max(zero));
             let body = Rect { left: left + 0.04 * bar, top, right: left + 0.96 * bar, bottom };
             canvas.bar(body, self.color(k), k)?;
-            if labelled {
+            if labeled {
                 let base = if values[group] < 0.0 { end + 0.95 * SIZE } else { end - 4.0 };
                 canvas.text(&three_digits(values[group]), (left + bar / 2.0, base), Align::Center, Look::PLAIN)?;
             }

@@ -1,6 +1,6 @@
 //! Lines, areas and texts in figure pixels, drawn through plotters' SVG back end.
 //!
-//! The back end has whole-number coordinates, knows no dashes and centres text by a rule that differs between
+//! The back end has whole-number coordinates, knows no dashes and centers text by a rule that differs between
 //! viewers. So it gets [`UNITS`] units per pixel (the SVG's view box scales them back), the last decimal digit
 //! of a stroke width names the dash pattern, put in when the document is finished, and every text is placed by its
 //! base line.
@@ -56,7 +56,7 @@ impl Dash {
     }
 }
 
-/// Colour, width in pixels and dashes of a line.
+/// Color, width in pixels and dashes of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stroke {
     pub(crate) color: Color,
@@ -212,7 +212,7 @@ impl Canvas<'_> {
         Ok(self.area.draw(&Circle::new(units(center), radius, style(color, 0, true)))?)
     }
 
-    /// A grey rectangle with slanting lines: nothing is known there.
+    /// A gray rectangle with slanting lines: nothing is known there.
     pub(crate) fn hatch(&self, r: Rect) -> Result<()> {
         self.rect(r, Color(232, 232, 232))?;
         self.slanting(r, 7.0, Stroke::solid(Color(150, 150, 150), 0.75))
@@ -229,8 +229,8 @@ impl Canvas<'_> {
         })
     }
 
-    /// A bar of series number `index`: full, with white slanting lines, with white level lines, and so on, so that neighbours are told
-    /// apart without their colours.
+    /// A bar of series number `index`: full, with white slanting lines, with white level lines, and so on, so that neighbors are told
+    /// apart without their colors.
     pub(crate) fn bar(&self, r: Rect, color: Color, index: usize) -> Result<()> {
         const SPACING: f64 = 6.0;
         self.rect(r, color)?;
@@ -255,9 +255,9 @@ impl Canvas<'_> {
         self.polygon(&[(x, y), (x - 6.0, y + down), (x + 6.0, y + down)], color)
     }
 
-    /// A small grey cross: nothing is known there.
+    /// A small gray cross: nothing is known there.
     pub(crate) fn cross(&self, (x, y): (f64, f64)) -> Result<()> {
-        let stroke = Stroke::solid(Color::GREY, 1.0);
+        let stroke = Stroke::solid(Color::GRAY, 1.0);
         self.line(&[(x - 3.0, y - 3.0), (x + 3.0, y + 3.0)], stroke)?;
         self.line(&[(x - 3.0, y + 3.0), (x + 3.0, y - 3.0)], stroke)
     }

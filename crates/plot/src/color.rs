@@ -1,6 +1,6 @@
-//! Colours that readers with any colour vision tell apart.
+//! Colors that readers with any color vision tell apart.
 
-/// An sRGB colour.
+/// An sRGB color.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Color(
     /// Red, 0 to 255.
@@ -26,21 +26,21 @@ impl Color {
     pub const SKY: Self = Self(70, 165, 220);
     /// Near black, for text and targets.
     pub const INK: Self = Self(38, 38, 38);
-    /// Mid grey.
-    pub const GREY: Self = Self(110, 110, 110);
+    /// Mid gray.
+    pub const GRAY: Self = Self(110, 110, 110);
 
-    /// Number of different colours of series.
+    /// Number of different colors of series.
     pub(crate) const SERIES: usize = 7;
 
-    /// The colour of series number `index`, after Okabe and Ito (2008), slightly darkened for thin lines; from
-    /// the eighth series on the colours repeat.
+    /// The color of series number `index`, after Okabe and Ito (2008), slightly darkened for thin lines; from
+    /// the eighth series on the colors repeat.
     pub fn series(index: usize) -> Self {
         const COLORS: [Color; Color::SERIES] =
             [Color::BLUE, Color::VERMILLION, Color::GREEN, Color::PURPLE, Color::ORANGE, Color::SKY, Color::INK];
         COLORS[index % COLORS.len()]
     }
 
-    /// The pale background of category number `index`; the first three differ in lightness too, for prints in grey.
+    /// The pale background of category number `index`; the first three differ in lightness too, for prints in gray.
     pub fn band(index: usize) -> Self {
         const COLORS: [Color; 6] = [
             Color(226, 240, 250),
@@ -60,7 +60,7 @@ impl Color {
         Self(channel(self.0, other.0), channel(self.1, other.1), channel(self.2, other.2))
     }
 
-    /// The shade of this colour for time fraction `s`: pale at 0, dark at 1.
+    /// The shade of this color for time fraction `s`: pale at 0, dark at 1.
     #[must_use]
     pub fn shade(self, s: f64) -> Self {
         let pale = self.mix(Self(255, 255, 255), 0.68);

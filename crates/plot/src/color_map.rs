@@ -1,19 +1,19 @@
-//! Colour maps: numbers as colours whose differences look as large as those of the numbers.
+//! Color maps: numbers as colors whose differences look as large as those of the numbers.
 //!
-//! A map is a path through the Oklab colour space (Ottosson 2020), in which equal distances look about equally
-//! different, through a few control points and parametrised by its length. Lightness rises throughout (or towards the
-//! middle of a diverging map), so that the order of values survives grey printing and any colour vision.
+//! A map is a path through the Oklab color space (Ottosson 2020), in which equal distances look about equally
+//! different, through a few control points and parametrized by its length. Lightness rises throughout (or toward the
+//! middle of a diverging map), so that the order of values survives gray printing and any color vision.
 
 use std::sync::OnceLock;
 
 use crate::color::Color;
 
-/// Entries of the tables that colours are read from.
+/// Entries of the tables that colors are read from.
 const ENTRIES: usize = 256;
 /// Pieces between two control points when the length is measured.
 const PIECES: usize = 64;
 
-/// Which colours stand for which numbers.
+/// Which colors stand for which numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorMap {
     /// Dark violet through blue and green to light yellow: for quantities that go from less to more.
@@ -22,7 +22,7 @@ pub enum ColorMap {
     /// Blue through near white to red-brown, white in the middle: for quantities with a sign. Ranges that are not set
     /// are made symmetric about zero.
     Diverging,
-    /// Sky blue through near black to orange, dark in the middle: for lines and arrows on white whose colour has a
+    /// Sky blue through near black to orange, dark in the middle: for lines and arrows on white whose color has a
     /// sign. Ranges that are not set are made symmetric about zero.
     DivergingDark,
 }
@@ -53,7 +53,7 @@ const DARK: [(f64, f64, f64); 5] =
     [(0.76, 0.110, 235.0), (0.53, 0.110, 245.0), (0.27, 0.000, 0.0), (0.53, 0.120, 45.0), (0.76, 0.140, 60.0)];
 
 impl ColorMap {
-    /// The colour for fraction `s` of the range, 0 at its lower end and 1 at its upper one.
+    /// The color for fraction `s` of the range, 0 at its lower end and 1 at its upper one.
     pub fn color(self, s: f64) -> Color {
         static TABLES: OnceLock<[Vec<Color>; 3]> = OnceLock::new();
         let build =
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn every_colour_can_be_shown() {
+    fn every_color_can_be_shown() {
         for (map, control) in [&SEQUENTIAL[..], &DIVERGING, &DARK].into_iter().enumerate() {
             for (k, point) in path(control).into_iter().enumerate() {
                 let shown = linear(point).iter().all(|v| (-0.002..=1.002).contains(v));
@@ -163,7 +163,7 @@ mod tests {
         }
     }
 
-    /// Relative luminance (Rec. 709), what is left of a colour in grey print.
+    /// Relative luminance (Rec. 709), what is left of a color in gray print.
     fn luminance(c: Color) -> f64 {
         let channel = |v: u8| {
             let v = f64::from(v) / 255.0;
@@ -173,20 +173,20 @@ mod tests {
     }
 
     #[test]
-    fn order_survives_in_grey() {
-        let grey = |map: ColorMap, k: usize| luminance(map.color(k as f64 / 32.0));
+    fn order_survives_in_gray() {
+        let gray = |map: ColorMap, k: usize| luminance(map.color(k as f64 / 32.0));
         for k in 0..32 {
-            assert!(grey(ColorMap::Sequential, k + 1) > grey(ColorMap::Sequential, k), "step {k}");
-            let towards_white = if k < 16 { 1.0 } else { -1.0 };
-            let step = grey(ColorMap::Diverging, k + 1) - grey(ColorMap::Diverging, k);
-            assert!(towards_white * step > 0.0, "diverging step {k}");
-            let step = grey(ColorMap::DivergingDark, k + 1) - grey(ColorMap::DivergingDark, k);
-            assert!(towards_white * step < 0.0, "dark step {k}");
+            assert!(gray(ColorMap::Sequential, k + 1) > gray(ColorMap::Sequential, k), "step {k}");
+            let toward_white = if k < 16 { 1.0 } else { -1.0 };
+            let step = gray(ColorMap::Diverging, k + 1) - gray(ColorMap::Diverging, k);
+            assert!(toward_white * step > 0.0, "diverging step {k}");
+            let step = gray(ColorMap::DivergingDark, k + 1) - gray(ColorMap::DivergingDark, k);
+            assert!(toward_white * step < 0.0, "dark step {k}");
         }
     }
 
     #[test]
-    fn equal_steps_of_the_value_are_equal_steps_of_the_colour() {
+    fn equal_steps_of_the_value_are_equal_steps_of_the_color() {
         let step = |k: usize| {
             let (p, q) =
                 (ColorMap::Sequential.color(k as f64 / 16.0), ColorMap::Sequential.color((k + 1) as f64 / 16.0));

@@ -1,6 +1,6 @@
 //! Lines of equal value through values on a grid.
 
-/// The pieces of the line `value = level` by marching squares: in each square of four neighbouring places the value is
+/// The pieces of the line `value = level` by marching squares: in each square of four neighboring places the value is
 /// taken to change linearly along the edges. Squares with a missing corner have no pieces.
 pub(crate) fn contour(x: &[f64], y: &[f64], values: &[Vec<f64>], level: f64) -> Vec<[(f64, f64); 2]> {
     let mut pieces = Vec::new();

@@ -3,7 +3,7 @@
 /// Thins a polyline in page coordinates so that no more than four points fall into one run within a column of
 /// width `column`: the first, the lowest, the highest and the last, in their order. The ink is the same,
 /// because the line sweeps every height between the extremes anyway. Points that do not leave their column's
-/// run are compared only with their neighbours in sequence, so curves that turn back (plan views) are kept.
+/// run are compared only with their neighbors in sequence, so curves that turn back (plan views) are kept.
 pub(crate) fn decimate(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
     let bin = |p: &(f64, f64)| (p.0 / column).floor();
     let mut kept = Vec::new();

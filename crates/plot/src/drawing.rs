@@ -45,7 +45,7 @@ impl Drawing {
     /// The PNG image, rendered from the SVG with the embedded fonts only.
     ///
     /// # Errors
-    /// [`PlotError::TooLarge`] when the image does not fit in memory, or [`PlotError::Rasterise`].
+    /// [`PlotError::TooLarge`] when the image does not fit in memory, or [`PlotError::Rasterize`].
     pub fn png(&self) -> Result<Vec<u8>> {
         let pixmap = self.pixmap(Self::PNG_SCALE)?;
         let (width, height) = (pixmap.width(), pixmap.height());

@@ -89,9 +89,9 @@ pub enum PlotError {
     /// The drawing back end failed.
     #[error("cannot draw: {0}")]
     Backend(#[from] DrawingAreaErrorKind<std::io::Error>),
-    /// The SVG could not be read back for rasterising.
-    #[error("cannot rasterise: {0}")]
-    Rasterise(#[from] usvg::Error),
+    /// The SVG could not be read back for rasterizing.
+    #[error("cannot rasterize: {0}")]
+    Rasterize(#[from] usvg::Error),
     /// The image is too large to be drawn or held in memory.
     #[error("an image of {width} × {height} pixels is too large")]
     TooLarge {

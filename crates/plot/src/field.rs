@@ -1,4 +1,4 @@
-//! What figures over two quantities have in common: places on a grid, colour bar, marks, layout.
+//! What figures over two quantities have in common: places on a grid, color bar, marks, layout.
 
 use crate::axes::{Axes, TICK_ROOM, Title, horizontal_scale, tick_width};
 use crate::canvas::{Align, Canvas, Look, Rect, Stroke, paint};
@@ -14,7 +14,7 @@ use crate::ticks::{Scale, padded_range};
 const LINE: f64 = SIZE * LEADING;
 /// Height of the frame.
 const HEIGHT: f64 = 400.0;
-/// Width of the colour bar and its distance from the frame.
+/// Width of the color bar and its distance from the frame.
 const BAR: f64 = 18.0;
 const BAR_GAP: f64 = 18.0;
 /// Distance of the bar's tick labels from it.
@@ -46,7 +46,7 @@ pub(crate) struct Labels {
     pub(crate) y: String,
 }
 
-/// The places of cells: each reaches half way to its neighbours.
+/// The places of cells: each reaches half way to its neighbors.
 #[derive(Debug, Clone)]
 pub(crate) struct Cells {
     pub(crate) x: Vec<f64>,
@@ -65,7 +65,7 @@ impl Cells {
     }
 }
 
-/// Half way between neighbours, and as far beyond the first and the last.
+/// Half way between neighbors, and as far beyond the first and the last.
 fn edges(centers: &[f64]) -> Vec<f64> {
     let n = centers.len();
     if n < 2 {
@@ -78,7 +78,7 @@ fn edges(centers: &[f64]) -> Vec<f64> {
     std::iter::once(first).chain(inner).chain([last]).collect()
 }
 
-/// Colours for the values between two ends, and what they are called.
+/// Colors for the values between two ends, and what they are called.
 #[derive(Debug, Clone)]
 pub(crate) struct ColorScale {
     pub(crate) label: String,
@@ -119,7 +119,7 @@ impl ColorScale {
         Scale::new(self.low, self.high, HEIGHT / 60.0, false)
     }
 
-    /// Tick labels; those at the ends say when values beyond them have the same colour.
+    /// Tick labels; those at the ends say when values beyond them have the same color.
     fn tick_label(&self, value: f64, text: &str) -> String {
         let close = |end: f64| (value - end).abs() <= 1e-9 * (self.high - self.low);
         match () {
@@ -186,7 +186,7 @@ pub(crate) struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// Room for the frame beside this colour scale: its width and height in pixels. The width left of it, which depends
+    /// Room for the frame beside this color scale: its width and height in pixels. The width left of it, which depends
     /// on the tick labels, is that of `y`.
     pub(crate) fn frame(&self) -> Rect {
         let y = self.y_scale();
@@ -214,7 +214,7 @@ impl Field<'_> {
         names
     }
 
-    /// Draws axes, legend and colour bar around what `content` draws.
+    /// Draws axes, legend and color bar around what `content` draws.
     pub(crate) fn draw(&self, content: impl Fn(&Canvas, &Axes) -> Result<()>) -> Result<Drawing> {
         for mark in self.marks {
             check_finite(&mark.name, &[mark.x, mark.y])?;

@@ -9,17 +9,17 @@ use crate::error::{PlotError, Result};
 
 type Rgb = [u8; 3];
 
-/// Colours of the palette; one more index stands for what does not change.
+/// Colors of the palette; one more index stands for what does not change.
 const COLORS: usize = 255;
 const UNCHANGED: u8 = COLORS as u8;
-/// Squared distance below which two colours of the sample share an entry of the palette.
+/// Squared distance below which two colors of the sample share an entry of the palette.
 const ALIKE: u32 = 48;
 
 /// Writes images of one size, one after the other.
 pub(crate) struct GifImages {
     encoder: Encoder<Vec<u8>>,
     palette: Vec<Rgb>,
-    /// Palette entries of colours met so far.
+    /// Palette entries of colors met so far.
     nearest: HashMap<Rgb, u8>,
     /// The image before, in palette entries.
     before: Vec<u8>,
@@ -27,7 +27,7 @@ pub(crate) struct GifImages {
 }
 
 impl GifImages {
-    /// An endless loop of images like those of `sample`, from which the palette is taken: the most frequent colours
+    /// An endless loop of images like those of `sample`, from which the palette is taken: the most frequent colors
     /// that are not too much alike.
     pub(crate) fn new(sample: &[Pixmap]) -> Result<Self> {
         let Some(first) = sample.first() else {
@@ -86,7 +86,7 @@ impl GifImages {
     }
 }
 
-/// The colours of an opaque image.
+/// The colors of an opaque image.
 fn colors(image: &Pixmap) -> impl Iterator<Item = Rgb> {
     image.pixels().iter().map(|p| [p.red(), p.green(), p.blue()])
 }
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn the_palette_holds_frequent_colours_exactly() {
+    fn the_palette_holds_frequent_colors_exactly() {
         let colors = palette(&[plain(10), plain(200), plain(201)]);
         assert_eq!(colors.len(), 2);
         assert!(colors.contains(&[10; 3]) && closest(&colors, [220; 3]) == closest(&colors, [200; 3]));

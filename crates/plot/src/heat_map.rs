@@ -12,7 +12,7 @@ use crate::legend::Sample;
 use crate::panel::Level;
 use crate::setters::setters;
 
-/// A quantity over two others, as the colours of cells; cells without a value are hatched.
+/// A quantity over two others, as the colors of cells; cells without a value are hatched.
 ///
 /// ```
 /// use bracketry_plot::HeatMap;
@@ -43,7 +43,7 @@ pub struct HeatMap {
 }
 
 impl HeatMap {
-    /// An empty map; the labels of the axes and of the colour bar name quantity and unit.
+    /// An empty map; the labels of the axes and of the color bar name quantity and unit.
     pub fn new(x_label: impl Into<String>, y_label: impl Into<String>, value_label: impl Into<String>) -> Self {
         Self {
             labels: Labels { title: String::new(), x: x_label.into(), y: y_label.into() },
@@ -59,7 +59,7 @@ impl HeatMap {
     }
 
     /// Sets the values: `rows[j][i]` belongs to the place `(x[i], y[j])`; a NaN is a missing value. The places
-    /// increase, each cell reaches half way to its neighbours.
+    /// increase, each cell reaches half way to its neighbors.
     #[must_use]
     pub fn values(
         mut self,
@@ -77,9 +77,9 @@ impl HeatMap {
         title(title: impl Into<String>) |it| it.labels.title = title.into();
         /// Sets what a missing value means, for the legend.
         missing(meaning: impl Into<String>) |it| it.missing = meaning.into();
-        /// Sets the colours.
+        /// Sets the colors.
         color_map(map: ColorMap) |it| it.map = map;
-        /// Sets the range of the colors; values beyond have the colour of its end, which the colour bar says. Without it
+        /// Sets the range of the colors; values beyond have the color of its end, which the color bar says. Without it
         /// the range is that of the values, symmetric about zero for [`ColorMap::Diverging`].
         range(low: f64, high: f64) |it| it.range = Some((low, high));
         /// Adds the line on which the quantity has this value, `name` in the legend.
@@ -143,7 +143,7 @@ impl HeatMap {
 /// ```
 /// use bracketry_plot::{Color, RegimeMap};
 /// let drawing = RegimeMap::new("friction coefficient μ [1]", "frequency [Hz]")
-///     .category("sticks", Color::GREY)
+///     .category("sticks", Color::GRAY)
 ///     .category("slides", Color::BLUE)
 ///     .cells([0.1, 0.3], [1.0, 1.5], [vec![Some(1), Some(0)], vec![Some(1), None]])
 ///     .missing("not run")
@@ -175,12 +175,12 @@ impl RegimeMap {
     }
 
     setters! {
-        /// Adds a category with its colour; they are numbered from 0. The legend shows those that occur.
+        /// Adds a category with its color; they are numbered from 0. The legend shows those that occur.
         category(name: impl Into<String>, color: Color) |it| it.categories.push((name.into(), color));
     }
 
     /// Sets the categories: `rows[j][i]` belongs to the place `(x[i], y[j])`. The places increase, each cell reaches
-    /// half way to its neighbours.
+    /// half way to its neighbors.
     #[must_use]
     pub fn cells(
         mut self,
@@ -243,7 +243,7 @@ fn field_of_cells<'a>(labels: &'a Labels, (columns, rows): (&[f64], &[f64]), mar
     Field { labels, x: ends(columns), y: ends(rows), scale: None, entries: Vec::new(), marks, grid: false }
 }
 
-/// Draws cells, those of one colour beside each other in one piece; `None` is hatched.
+/// Draws cells, those of one color beside each other in one piece; `None` is hatched.
 fn draw_cells(
     canvas: &Canvas,
     axes: &Axes,

@@ -27,7 +27,7 @@ pub struct Estimated {
     pub value: f64,
     /// The ends of its interval, if it has one.
     pub interval: Option<(f64, f64)>,
-    /// The category that gives it colour and marker.
+    /// The category that gives it color and marker.
     pub category: String,
 }
 
@@ -50,7 +50,7 @@ pub struct IntervalChart {
     pub value_label: String,
     /// The rows.
     pub rows: Vec<Estimated>,
-    /// Categories that have a colour and marker of their own whether or not a row has them, so that these mean the same in all
+    /// Categories that have a color and marker of their own whether or not a row has them, so that these mean the same in all
     /// figures. Others follow, in the order of their first rows.
     pub known: Vec<String>,
 }
@@ -66,7 +66,7 @@ impl IntervalChart {
         title(title: impl Into<String>) |it| it.title = title.into();
     }
 
-    /// Sets the categories that keep their colour and marker whatever the rows are.
+    /// Sets the categories that keep their color and marker whatever the rows are.
     #[must_use]
     pub fn categories<S: Into<String>>(mut self, known: impl IntoIterator<Item = S>) -> Self {
         self.known = known.into_iter().map(Into::into).collect();
@@ -133,7 +133,7 @@ impl IntervalChart {
             legend.draw(canvas, BORDER, legend_top)?;
             axes.grid_x(canvas)?;
             let zero = axes.page_x(0.0);
-            canvas.line(&[(zero, rect.top), (zero, rect.bottom)], Stroke::solid(Color::GREY, 1.0))?;
+            canvas.line(&[(zero, rect.top), (zero, rect.bottom)], Stroke::solid(Color::GRAY, 1.0))?;
             for (k, (row, name)) in self.rows.iter().zip(&names).enumerate() {
                 let y = rect.top + (k as f64 + 0.5) * ROW;
                 let category = categories.iter().position(|c| *c == row.category).unwrap_or(0);

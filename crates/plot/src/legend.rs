@@ -33,7 +33,7 @@ impl Marker {
         self.draw_sized(canvas, at, 4.0, color)
     }
 
-    /// In the colour of the text with a white rim, to be seen on any ground.
+    /// In the color of the text with a white rim, to be seen on any ground.
     pub(crate) fn draw_rimmed(self, canvas: &Canvas, at: (f64, f64)) -> Result<()> {
         self.draw_sized(canvas, at, 7.0, Color(255, 255, 255))?;
         self.draw_sized(canvas, at, 5.0, Color::INK)
@@ -85,7 +85,7 @@ pub(crate) enum Sample {
     Heading(Color),
     /// A hatched patch: nothing is known.
     Hatched,
-    /// A small grey cross: nothing is known.
+    /// A small gray cross: nothing is known.
     Cross,
     /// A marker with a white rim.
     Mark(Marker),
@@ -140,7 +140,7 @@ impl Sample {
             Self::Hatched => {
                 let patch = Rect { left, top: middle - 6.0, right, bottom: middle + 6.0 };
                 canvas.hatch(patch)?;
-                canvas.border(patch, Stroke::solid(Color::GREY, 0.5))
+                canvas.border(patch, Stroke::solid(Color::GRAY, 0.5))
             }
             Self::Cross => canvas.cross((left + SAMPLE / 2.0, middle)),
             Self::Mark(marker) => marker.draw_rimmed(canvas, (left + SAMPLE / 2.0, middle)),

@@ -12,9 +12,9 @@
 //! | [`BarChart`] | groups of bars |
 //! | [`IntervalChart`] | estimates with their intervals, one row for each |
 //! | [`HeatMap`], [`RegimeMap`] | a number or a category over two quantities, with contours and [`Mark`]s |
-//! | [`VectorField`] | [`Arrow`]s over two quantities, coloured by a third |
+//! | [`VectorField`] | [`Arrow`]s over two quantities, colored by a third |
 //! | [`Animation`] | an object on a shaken and tilted plate, from above and from the side, as a GIF |
-//! | [`TileChart`] | [`TileGrid`]s of coloured, labelled tiles in named rows and columns |
+//! | [`TileChart`] | [`TileGrid`]s of colored, labeled tiles in named rows and columns |
 //!
 //! What is the same thing in several figures, such as a model before and after, looks the same: [`Role`]. Lines with more points than the image has pixels are thinned so that no extreme is lost.
 

@@ -12,12 +12,12 @@ pub struct Pose {
     pub x: f64,
     /// Upwards.
     pub y: f64,
-    /// Angle from x towards y, in radians.
+    /// Angle from x toward y, in radians.
     pub phi: f64,
 }
 
 impl Pose {
-    /// The pose at `(x, y)`, turned by `phi` radians from x towards y.
+    /// The pose at `(x, y)`, turned by `phi` radians from x toward y.
     pub fn new(x: f64, y: f64, phi: f64) -> Self {
         Self { x, y, phi }
     }
@@ -78,9 +78,9 @@ pub struct Trajectory {
     pub x: Vec<f64>,
     /// Vertical position at each time.
     pub y: Vec<f64>,
-    /// Orientation at each time, in radians from x towards y.
+    /// Orientation at each time, in radians from x toward y.
     pub phi: Vec<f64>,
-    /// Colour, pale to dark with time; `None` takes the next one of [`Color::series`].
+    /// Color, pale to dark with time; `None` takes the next one of [`Color::series`].
     pub color: Option<Color>,
     /// What happens at the end, which gets a cross; none if the motion just ends.
     pub end: Option<String>,
@@ -99,11 +99,11 @@ impl Trajectory {
     }
 
     setters! {
-        /// Sets the colour.
+        /// Sets the color.
         color(color: Color) |it| it.color = Some(color);
     }
 
-    /// Sets the colour to that of a role.
+    /// Sets the color to that of a role.
     #[must_use]
     pub fn role(self, role: Role) -> Self {
         self.color(role.color())

@@ -37,7 +37,7 @@ pub struct Series {
     pub x: Vec<f64>,
     /// Values, one for each abscissa.
     pub y: Vec<f64>,
-    /// Colour; `None` takes the next one of [`Color::series`].
+    /// Color; `None` takes the next one of [`Color::series`].
     pub color: Option<Color>,
     /// Dashes.
     pub dash: Dash,
@@ -68,13 +68,13 @@ impl Series {
     }
 
     setters! {
-        /// Sets the colour.
+        /// Sets the color.
         color(color: Color) |it| it.color = Some(color);
         /// Sets the dashes.
         dash(dash: Dash) |it| it.dash = dash;
     }
 
-    /// Sets colour and dashes to those of a role.
+    /// Sets color and dashes to those of a role.
     #[must_use]
     pub fn role(self, role: Role) -> Self {
         self.color(role.color()).dash(role.dash())
@@ -113,7 +113,7 @@ impl Series {
     }
 
     fn stroke(&self, index: usize) -> Stroke {
-        // Where the colours start over, solid lines become dashed, then dotted.
+        // Where the colors start over, solid lines become dashed, then dotted.
         let dash = match (self.dash, self.color) {
             (Dash::Solid, None) => Dash::ALL[index / Color::SERIES % Dash::ALL.len()],
             (dash, _) => dash,
@@ -387,5 +387,5 @@ pub(crate) fn target_stroke() -> Stroke {
 }
 
 pub(crate) fn bound_stroke() -> Stroke {
-    Stroke { color: Color::GREY, width: 1.5, dash: Dash::Dotted }
+    Stroke { color: Color::GRAY, width: 1.5, dash: Dash::Dotted }
 }

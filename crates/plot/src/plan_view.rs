@@ -21,7 +21,7 @@ pub struct Scene {
     pub title: String,
     /// The object's shape.
     pub outline: Outline,
-    /// The motions, each in a colour of its own.
+    /// The motions, each in a color of its own.
     pub trajectories: Vec<Trajectory>,
     /// Where the object should arrive.
     pub target: Option<Pose>,
@@ -136,7 +136,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The path of the object's centre, shaded by time.
+    /// The path of the object's center, shaded by time.
     fn draw_path(&self, canvas: &Canvas, axes: &Axes, index: usize) -> Result<()> {
         const SHADES: f64 = 24.0;
         let trajectory = &self.trajectories[index];
@@ -157,7 +157,7 @@ impl Scene {
 }
 
 fn start_stroke() -> Stroke {
-    Stroke { color: Color::GREY, width: 2.0, dash: Dash::Dotted }
+    Stroke { color: Color::GRAY, width: 2.0, dash: Dash::Dotted }
 }
 
 fn target_stroke() -> Stroke {

@@ -3,7 +3,7 @@
 use crate::canvas::Dash;
 use crate::color::Color;
 
-/// What a curve, a bar or a path stands for. It has one colour and one kind of line in all figures, so that nobody takes one model for
+/// What a curve, a bar or a path stands for. It has one color and one kind of line in all figures, so that nobody takes one model for
 /// another between two of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
@@ -20,18 +20,18 @@ pub enum Role {
 }
 
 impl Role {
-    /// Its colour.
+    /// Its color.
     pub fn color(self) -> Color {
         match self {
             Self::Given => Color::VERMILLION,
             Self::Refitted => Color::PURPLE,
             Self::Extended => Color::BLUE,
             Self::Measured => Color::INK,
-            Self::Promised => Color::GREY,
+            Self::Promised => Color::GRAY,
         }
     }
 
-    /// Its kind of line, for prints in grey.
+    /// Its kind of line, for prints in gray.
     pub fn dash(self) -> Dash {
         match self {
             Self::Given => Dash::Dashed,

@@ -47,7 +47,7 @@ pub struct TimeSeries {
     pub panels: Vec<Panel>,
     /// Shaded intervals of all panels.
     pub intervals: Vec<Interval>,
-    /// Colours of categories; others take the next one of [`Color::band`].
+    /// Colors of categories; others take the next one of [`Color::band`].
     pub category_colors: Vec<(String, Color)>,
 }
 
@@ -78,7 +78,7 @@ impl TimeSeries {
         panel(panel: Panel) |it| it.panels.push(panel);
         /// Shades an interval in all panels.
         interval(interval: Interval) |it| it.intervals.push(interval);
-        /// Sets the colour of a category of intervals.
+        /// Sets the color of a category of intervals.
         category_color(category: impl Into<String>, color: Color) |it|
             it.category_colors.push((category.into(), color));
     }
@@ -118,7 +118,7 @@ pub struct XyChart {
     pub integer: bool,
     /// Whether the lines stand a few pixels beside each other, so that equal values do not hide one another.
     pub beside: bool,
-    /// Places on the horizontal axis that are labelled in place of round numbers; none for those.
+    /// Places on the horizontal axis that are labeled in place of round numbers; none for those.
     pub x_ticks: Vec<(f64, String)>,
 }
 
@@ -285,7 +285,7 @@ impl Layout<'_> {
         Scale { ticks: self.x_ticks.iter().filter(inside).cloned().collect(), factor: String::new(), ..scale }
     }
 
-    /// The categories in order of appearance, with their colours.
+    /// The categories in order of appearance, with their colors.
     fn categories(&self) -> Vec<(&str, Color)> {
         let mut found: Vec<(&str, Color)> = Vec::new();
         let own = self.panels.iter().flat_map(|p| &p.intervals);
@@ -348,7 +348,7 @@ fn shade(canvas: &Canvas, axes: &Axes, intervals: &[Interval], colors: &[(&str, 
     for interval in intervals {
         let band = Rect {
             left: axes.page_x(interval.start),
-            // A trifle wider, so that no white shines through between two neighbours.
+            // A trifle wider, so that no white shines through between two neighbors.
             right: (axes.page_x(interval.end) + 0.3).min(r.right),
             ..r
         };

@@ -25,7 +25,7 @@ const HEIGHT_PER_EM: f64 = 1.164;
 /// Characters of a text beyond which the rest is ignored.
 const LONGEST: usize = 1000;
 
-/// The fonts that rasterising uses: only the embedded ones, so that a figure looks the same on every machine.
+/// The fonts that rasterizing uses: only the embedded ones, so that a figure looks the same on every machine.
 pub(crate) fn font_database() -> Arc<fontdb::Database> {
     static DATABASE: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
     let build = || {
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn lines_fit_and_lose_nothing_until_the_limit() {
-        let text = "position of the centre of mass in the plate frame";
+        let text = "position of the center of mass in the plate frame";
         let lines = wrap(text, 120.0, 15.0, false, 9);
         assert!(lines.len() > 1);
         assert!(lines.iter().all(|l| width(l, 15.0, false) <= 120.0));
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn a_label_that_is_cut_keeps_its_unit() {
-        let lines = wrap_label("position of the centre of mass along the rotation axis of the plate [m]", 120.0);
+        let lines = wrap_label("position of the center of mass along the rotation axis of the plate [m]", 120.0);
         assert_eq!(lines.len(), 3);
         assert!(lines[1].ends_with('…'));
         assert_eq!(lines[2], "[m]");

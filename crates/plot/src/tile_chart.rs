@@ -1,4 +1,4 @@
-//! Grids of coloured, labelled tiles: what happens in which step.
+//! Grids of colored, labeled tiles: what happens in which step.
 
 use crate::axes::Title;
 use crate::canvas::{Align, Canvas, Look, Rect, Stroke, paint};
@@ -24,7 +24,7 @@ const GRID_GAP: f64 = 22.0;
 /// Labels are set smaller to fit their tile, down to this size.
 const SMALLEST: f64 = 10.5;
 
-/// A coloured cell.
+/// A colored cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tile {
     /// Column, from 0 at the left.
@@ -98,7 +98,7 @@ impl TileGrid {
 pub struct TileChart {
     /// Title; empty for none.
     pub title: String,
-    /// Names and colours of categories, in the order of the legend; others follow in the order in which they occur.
+    /// Names and colors of categories, in the order of the legend; others follow in the order in which they occur.
     pub categories: Vec<(String, Color)>,
     /// The grids, from top to bottom.
     pub grids: Vec<TileGrid>,
@@ -113,13 +113,13 @@ impl TileChart {
     setters! {
         /// Sets the title.
         title(title: impl Into<String>) |it| it.title = title.into();
-        /// Gives a category its colour and its place in the legend, which shows those that occur.
+        /// Gives a category its color and its place in the legend, which shows those that occur.
         category(name: impl Into<String>, color: Color) |it| it.categories.push((name.into(), color));
         /// Adds a grid.
         grid(grid: TileGrid) |it| it.grids.push(grid);
     }
 
-    /// Categories that occur, with their colours.
+    /// Categories that occur, with their colors.
     fn used(&self) -> Vec<(String, Color)> {
         let tiles = || self.grids.iter().flat_map(|g| &g.tiles);
         let mut used = self.categories.clone();
@@ -152,8 +152,8 @@ impl TileChart {
         let used = self.used();
         let all_rows = || self.grids.iter().flat_map(|g| &g.rows);
         let names = all_rows().map(|n| text::width(n, SIZE, false)).fold(0.0, f64::max).min(NAME_ROOM);
-        let labelled = self.grids.iter().any(|g| !g.row_label.is_empty());
-        let left = BORDER + names + GAP + if labelled { LINE } else { 0.0 };
+        let labeled = self.grids.iter().any(|g| !g.row_label.is_empty());
+        let left = BORDER + names + GAP + if labeled { LINE } else { 0.0 };
         let right = WIDTH - RIGHT;
         let entries = used.iter().map(|(name, color)| (Sample::Patch(*color), name.clone())).collect();
         let legend = Legend::new(entries, WIDTH - RIGHT - BORDER);
@@ -211,13 +211,13 @@ impl<'a> Placed<'a> {
             let base = r.top - 4.0 - (self.title.len() - 1 - k) as f64 * LINE - 0.25 * SIZE;
             canvas.text(line, (r.left, base), Align::Left, Look { bold: true, ..Look::PLAIN })?;
         }
-        let line = Stroke::solid(Color::GREY.mix(Color(255, 255, 255), 0.75), 0.75);
+        let line = Stroke::solid(Color::GRAY.mix(Color(255, 255, 255), 0.75), 0.75);
         for k in 1..grid.rows.len() {
             let y = r.top + ROW * k as f64;
             canvas.line(&[(r.left, y), (r.right, y)], line)?;
         }
         for t in &grid.tiles {
-            let color = used.iter().find(|c| c.0 == t.category).map_or(Color::GREY, |c| c.1);
+            let color = used.iter().find(|c| c.0 == t.category).map_or(Color::GRAY, |c| c.1);
             let cell = Rect {
                 left: r.left + width * t.column as f64 + 1.0,
                 top: r.top + ROW * t.row as f64 + 1.0,

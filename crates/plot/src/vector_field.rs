@@ -20,12 +20,12 @@ pub struct Arrow {
     pub u: f64,
     /// Component upwards.
     pub v: f64,
-    /// The third quantity, which gives its colour.
+    /// The third quantity, which gives its color.
     pub value: f64,
 }
 
 impl Arrow {
-    /// The arrow `(u, v)` at `(x, y)`, coloured by `value`; a NaN among `u`, `v`, `value` is a missing arrow.
+    /// The arrow `(u, v)` at `(x, y)`, colored by `value`; a NaN among `u`, `v`, `value` is a missing arrow.
     pub fn new((x, y): (f64, f64), (u, v): (f64, f64), value: f64) -> Self {
         Self { x, y, u, v, value }
     }
@@ -87,13 +87,13 @@ impl VectorField {
     setters! {
         /// Adds arrows.
         arrows(arrows: impl IntoIterator<Item = Arrow>) |it| it.arrows.extend(arrows);
-        /// Colours the arrows by their third quantity and names it; without this all are of one colour.
+        /// Colors the arrows by their third quantity and names it; without this all are of one color.
         color_label(label: impl Into<String>) |it| it.color_label = Some(label.into());
-        /// Sets the colours; [`ColorMap::DivergingDark`] if not set.
+        /// Sets the colors; [`ColorMap::DivergingDark`] if not set.
         color_map(map: ColorMap) |it| it.map = map;
-        /// Sets the range of the colors; values beyond have the colour of its end, which the colour bar says.
+        /// Sets the range of the colors; values beyond have the color of its end, which the color bar says.
         range(low: f64, high: f64) |it| it.range = Some((low, high));
-        /// Sets the vector whose arrow is as long as the distance between neighbours; by default the longest one.
+        /// Sets the vector whose arrow is as long as the distance between neighbors; by default the longest one.
         longest(length: f64) |it| it.longest = Some(length);
         /// Sets the title.
         title(title: impl Into<String>) |it| it.labels.title = title.into();

@@ -11,7 +11,7 @@ fn disk() -> Animation {
     Animation::new(Outline::Ellipse { a: 0.1, b: 0.1 }, 0.005).category("slides", Color::BLUE)
 }
 
-/// Centres of the circles of an image that are of the text's colour, in figure pixels: tip of the heading, centre of
+/// Centers of the circles of an image that are of the text's color, in figure pixels: tip of the heading, center of
 /// the object, axis of rotation.
 fn dots(animation: &Animation, index: usize) -> Vec<(f64, f64)> {
     let image = animation.image(index).unwrap();
@@ -41,7 +41,7 @@ fn the_object_moves_with_the_plate_and_turns_counterclockwise() {
 fn positive_tilt_raises_positive_y() {
     let animation = disk().snapshots([at(0.0, 0.0, 0.2, Pose::new(0.0, 0.1, 0.0))]);
     let image = animation.image(0).unwrap();
-    // The plate in the view from the side: the only line of its width in the text's colour.
+    // The plate in the view from the side: the only line of its width in the text's color.
     let line = image.svg().lines().find(|l| l.contains("stroke-width=\"80\"") && l.contains("#262626")).unwrap();
     let points: Vec<f64> = line
         .split_once("points=\"")

@@ -24,7 +24,7 @@ fn attributes<'a>(drawing: &'a Drawing, tag: &str, attribute: &str) -> Vec<&'a s
     tagged.filter_map(|l| l.split_once(&key)?.1.split('"').next()).collect()
 }
 
-/// Every polyline of a colour, in back-end units.
+/// Every polyline of a color, in back-end units.
 fn polylines(drawing: &Drawing, color: &str) -> Vec<Vec<(f64, f64)>> {
     let of_color = format!("stroke=\"{color}\"");
     let lines = drawing.svg().lines().filter(|l| l.starts_with("<polyline") && l.contains(&of_color));
@@ -59,7 +59,7 @@ fn names_units_and_categories_are_in_the_svg() {
 }
 
 #[test]
-fn png_has_twice_the_pixels_and_shows_the_colours() {
+fn png_has_twice_the_pixels_and_shows_the_colors() {
     let drawing = one_line(Series::new("x", [0.0, 1.0], [0.0, 1.0])).draw().unwrap();
     let image = pixels(&drawing);
     let (width, height) = drawing.size();
@@ -245,7 +245,7 @@ fn plan_views_keep_circles_round() {
     let circle = Outline::Ellipse { a: 0.1, b: 0.1 };
     let motion = Trajectory::new("m", [0.0, 1.0], [0.0, 3.0], [0.0, 0.2], [0.0, FRAC_PI_2]);
     let drawing = PlanView::new().scene(Scene::new("wide", circle).trajectory(motion)).draw().unwrap();
-    // The start outline is the dotted grey line.
+    // The start outline is the dotted gray line.
     let outline = &polylines(&drawing, "#6E6E6E").into_iter().max_by_key(Vec::len).unwrap();
     let extent = |axis: fn(&(f64, f64)) -> f64| {
         let values = || outline.iter().map(axis);
@@ -327,17 +327,17 @@ fn a_cloud_of_points_has_all_its_markers_in_any_order_and_no_line() {
 }
 
 #[test]
-fn known_categories_keep_their_colour_whatever_the_rows_are() {
-    let colours = |known: &[&str]| {
+fn known_categories_keep_their_color_whatever_the_rows_are() {
+    let colors = |known: &[&str]| {
         let chart = IntervalChart::new("").categories(known.iter().copied()).row("x", 0.5, Some((0.4, 0.6)), "b");
         let drawing = chart.draw().unwrap();
         let says = |text: &str| drawing.svg().lines().any(|l| l.trim() == text);
         assert!(says("b") && !says("a"), "the legend shows what is there");
         attributes(&drawing, "polyline", "stroke").into_iter().map(str::to_owned).collect::<Vec<_>>()
     };
-    assert_eq!(colours(&["b"]), colours(&[]));
-    assert_eq!(colours(&["a", "b"]), colours(&["a", "b", "c"]));
-    assert_ne!(colours(&["a", "b"]), colours(&[]));
+    assert_eq!(colors(&["b"]), colors(&[]));
+    assert_eq!(colors(&["a", "b"]), colors(&["a", "b", "c"]));
+    assert_ne!(colors(&["a", "b"]), colors(&[]));
 }
 
 #[test]

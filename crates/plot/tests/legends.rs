@@ -82,7 +82,7 @@ fn a_look_that_means_different_things_in_two_panels_is_named_in_both() {
 }
 
 #[test]
-fn roles_differ_in_colour_and_the_models_in_their_lines_too() {
+fn roles_differ_in_color_and_the_models_in_their_lines_too() {
     for (k, a) in ROLES.iter().enumerate() {
         for b in &ROLES[k + 1..] {
             assert_ne!(a.color(), b.color(), "{a:?}, {b:?}");
@@ -119,8 +119,8 @@ fn an_end_before_its_time_has_a_cross_and_a_name() {
 fn a_line_that_leaves_its_frame_says_where_it_ends() {
     let chart =
         |high: f64| XyChart::new("t [s]", Panel::new("φ [°]").series(line("")).limits(0.0, high)).draw().unwrap();
-    assert_eq!(says(&chart(2.0), "leaves the frame (ends at 3°)"), 1);
-    assert_eq!(says(&chart(3.0), "leaves the frame (ends at 3°)"), 0);
+    assert_eq!(says(&chart(2.0), "leaves the axes (ends at 3°)"), 1);
+    assert_eq!(says(&chart(3.0), "leaves the axes (ends at 3°)"), 0);
 }
 
 #[test]

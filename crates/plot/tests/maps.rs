@@ -7,7 +7,7 @@ fn hex(c: Color) -> String {
     format!("#{:02X}{:02X}{:02X}", c.0, c.1, c.2)
 }
 
-/// The rectangles of a colour as `[x, y, width, height]` in figure pixels.
+/// The rectangles of a color as `[x, y, width, height]` in figure pixels.
 fn rectangles(drawing: &Drawing, color: &str) -> Vec<[f64; 4]> {
     let number = |line: &str, key: &str| -> f64 {
         line.split_once(&format!(" {key}=\"")).unwrap().1.split('"').next().unwrap().parse::<f64>().unwrap() / 40.0
@@ -17,7 +17,7 @@ fn rectangles(drawing: &Drawing, color: &str) -> Vec<[f64; 4]> {
 }
 
 #[test]
-fn cells_reach_half_way_to_their_neighbours_with_the_first_row_at_the_bottom() {
+fn cells_reach_half_way_to_their_neighbors_with_the_first_row_at_the_bottom() {
     let rows = [vec![Some(0), Some(1), Some(1)], vec![Some(1), Some(1), Some(1)]];
     let map = RegimeMap::new("x", "y").category("sticks", Color::BLUE).category("slides", Color::ORANGE);
     let drawing = map.cells([0.0, 1.0, 3.0], [0.0, 1.0], rows).draw().unwrap();
@@ -30,7 +30,7 @@ fn cells_reach_half_way_to_their_neighbours_with_the_first_row_at_the_bottom() {
 }
 
 #[test]
-fn values_have_the_colours_of_the_bar_and_gaps_are_hatched_and_explained() {
+fn values_have_the_colors_of_the_bar_and_gaps_are_hatched_and_explained() {
     let rows = vec![vec![0.0, 2.0], vec![f64::NAN, 4.0]];
     let map = HeatMap::new("μ [1]", "f [Hz]", "time [s]").values([0.1, 0.2], [1.0, 2.0], rows).missing("not reached");
     let drawing = map.draw().unwrap();

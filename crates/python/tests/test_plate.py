@@ -81,7 +81,7 @@ def test_a_run_is_pickled() -> None:
         ({"shape": "disk:-1"}, "shape"),
         ({"shape": [[0, 0], [1, 1]]}, "shape"),
         ({"shape": [[0, 0, 0]]}, r"\(k, 2\)"),
-        ({"friction": "magic"}, "no law of friction"),
+        ({"friction": "magic"}, "not a friction law"),
         ({"start": [0.1]}, "start has the shape"),
         ({"start": [0.1, float("inf")]}, "not a finite number"),
         ({"motion": "log"}, "there is no log"),

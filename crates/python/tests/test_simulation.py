@@ -112,14 +112,14 @@ def test_blow_up_is_a_result() -> None:
         ({"duration": 1, "inputs": {"u": ([0, 0], [0, 1])}}, "the time does not increase"),
         ({"duration": 1, "inputs": {"u": ([0, 1], [0, np.nan])}}, "not a finite number"),
         ({"duration": 1, "inputs": {"u": ([0, 1], [[0], [1]])}}, "one-dimensional"),
-        ({"inputs": {"t": [0.0, 1.0], "z": [1.0, 2.0]}}, "no column is called like an input"),
+        ({"inputs": {"t": [0.0, 1.0], "z": [1.0, 2.0]}}, "no column has the name of an input"),
         ({"duration": 1, "parameters": {"k": 1}}, "unknown key `k`"),
         ({"duration": 1, "hold": "cubic"}, "previous"),
         ({"duration": 1, "rtol": 0.0}, "rtol"),
         ({"inputs": "nowhere.csv"}, "nowhere.csv"),
         ({"scenario": "nowhere.toml"}, "nowhere.toml"),
         ({"scenario": "s.toml", "duration": 1}, "give it alone"),
-        ({"inputs": "u.csv", "start": 1}, "leave out `start`"),
+        ({"inputs": "u.csv", "start": 1}, "omit `start`"),
     ],
 )
 def test_what_does_not_fit_is_refused(oscillator, arguments, message) -> None:

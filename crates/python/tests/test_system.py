@@ -57,7 +57,7 @@ def test_rates_and_jacobians_over_arrays(unicycle: System) -> None:
 def test_a_wrong_shape_is_named(unicycle: System) -> None:
     with pytest.raises(BracketryError, match=r"x has the shape \(2,\); its last axis must have length 3"):
         unicycle.rhs([1.0, 2.0])
-    with pytest.raises(BracketryError, match="do not go together"):
+    with pytest.raises(BracketryError, match="do not match"):
         unicycle.rhs(np.zeros((4, 3)), np.zeros((5, 2)))
 
 

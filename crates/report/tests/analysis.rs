@@ -40,7 +40,7 @@ fn at_rest_with_dry_friction_the_statements_are_of_the_smoothed_model() {
     );
     assert_eq!(p.stlc.verdict, Verdict::Yes);
     for reason in [p.stlc.reason.to_string(), p.stabilizable_reason.as_ref().unwrap().to_string()] {
-        assert!(reason.starts_with("of the smoothed model: the linearisation is controllable"), "{reason}");
+        assert!(reason.starts_with("of the smoothed model: the linearization is controllable"), "{reason}");
         assert!(
             reason.ends_with("exact dry friction may hold the state where the inputs do not overcome it"),
             "{reason}"
@@ -73,7 +73,7 @@ fn away_from_switching_the_statements_are_of_the_model() {
 }
 
 #[test]
-fn global_statements_of_a_switched_model_are_labelled() {
+fn global_statements_of_a_switched_model_are_labeled() {
     let r = masses(&[]);
     assert_eq!(json_of(&r)["global_statements_of"], "smoothed");
     let text = report_text(&r);

@@ -13,7 +13,7 @@ use divan::{Bencher, black_box};
 const DURATION: f64 = 15.0;
 const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
 
-/// Friction that is coupled over both directions, at the centre of mass.
+/// Friction that is coupled over both directions, at the center of mass.
 const COUPLED: &str = r#"
     states = ["x", "y", "vx", "vy"]
     inputs = ["X", "theta"]
@@ -69,7 +69,7 @@ fn scalar_friction_by_hand_without_events(bencher: Bencher, steps: usize) {
     bencher.counter(ItemsCount::new(steps)).bench_local(|| by_hand::published(black_box(START), DURATION, steps));
 }
 
-/// Centres of 48 cells of equal area of a disk, with their weight, in a step of 1 ms: `μ g dt / 48`.
+/// Centers of 48 cells of equal area of a disk, with their weight, in a step of 1 ms: `μ g dt / 48`.
 fn footprint() -> FrictionPoints<3> {
     let mut points = FrictionPoints::new();
     for [x, y] in by_hand::cells() {

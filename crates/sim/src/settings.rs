@@ -14,7 +14,7 @@ pub struct Settings {
     pub max_step: f64,
     /// Most accepted and rejected steps of one call.
     pub max_steps: usize,
-    /// Most events within [`Settings::event_window`]: the guard against chattering (Zeno behaviour).
+    /// Most events within [`Settings::event_window`]: the guard against chattering (Zeno behavior).
     pub max_events: usize,
     /// Length in seconds of the window in which events are counted.
     pub event_window: f64,

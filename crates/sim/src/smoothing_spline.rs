@@ -113,7 +113,7 @@ struct Solution {
 }
 
 impl Solution {
-    /// Generalised cross validation: the mean square, raised by the freedom of the curve.
+    /// Generalized cross validation: the mean square, raised by the freedom of the curve.
     fn score(&self) -> f64 {
         let left = (self.count - self.freedom).max(f64::MIN_POSITIVE);
         self.count * self.square / (left * left)

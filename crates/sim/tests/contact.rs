@@ -18,7 +18,7 @@ impl Random {
     }
 }
 
-/// Rows of a point of a flat body at `(x, y)` from its centre of mass.
+/// Rows of a point of a flat body at `(x, y)` from its center of mass.
 fn rows(x: f64, y: f64) -> [[f64; 3]; 2] {
     [[1.0, 0.0, -y], [0.0, 1.0, x]]
 }
@@ -246,8 +246,8 @@ fn nothing_to_solve_is_solved() {
     let points = flat(&[([0.1, 0.2], 0.5)]);
     assert_eq!(step(&points, [0.0; 3]).slip, Slip::Held);
     // A motion that no point feels goes on.
-    let centre = flat(&[([0.0, 0.0], 1.0)]);
-    let spinning = step(&centre, [0.0, 0.0, 5.0]);
+    let center = flat(&[([0.0, 0.0], 1.0)]);
+    let spinning = step(&center, [0.0, 0.0, 5.0]);
     assert_eq!(spinning.velocity, [0.0, 0.0, 5.0]);
 }
 

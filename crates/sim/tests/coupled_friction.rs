@@ -86,7 +86,7 @@ fn a_plane_that_shakes_breaks_the_object_loose_where_the_size_of_its_acceleratio
     assert!((first.t - low).abs() < 1e-10, "{:e}", first.t - low);
 }
 
-/// The reduced model of a disk on a shaken, tilted plate: friction of the centre coupled over the plane, yaw friction
+/// The reduced model of a disk on a shaken, tilted plate: friction of the center coupled over the plane, yaw friction
 /// over the plane and the spin.
 const REDUCED: &str = r#"
     states = ["x", "y", "phi", "vx", "vy", "w"]
@@ -104,8 +104,8 @@ const REDUCED: &str = r#"
 "#;
 
 #[test]
-fn a_disk_spins_on_where_its_centre_has_stopped() {
-    // Without plate motion: the centre stops at v/(μ g); then w' = −μ g S/(I √(I/4)) sgn w.
+fn a_disk_spins_on_where_its_center_has_stopped() {
+    // Without plate motion: the center stops at v/(μ g); then w' = −μ g S/(I √(I/4)) sgn w.
     let run = simulate_text(REDUCED, &Inputs::new(), &[0.3, 0.0, 0.0, 0.3, 0.1, 9.0], 3.0);
     let events = run.trajectory.mode_changes();
     let stop = 0.3f64.hypot(0.1) / (0.3 * G);
@@ -232,7 +232,7 @@ fn nothing_creeps_on_a_tilted_plate_for_a_minute() {
     assert_eq!(events.len(), 1, "{events:?}");
     let place = run.trajectory.sample(events[0].t);
     let end = run.trajectory.final_state();
-    // Nothing but rounding: a nanometre would be 1e-9.
+    // Nothing but rounding: a nanometer would be 1e-9.
     assert!((end[0] - place[0]).abs() < 1e-15 && (end[1] - place[1]).abs() < 1e-15, "{end:?} {place:?}");
     assert_eq!(&end[2..], &[0.0, 0.0]);
 }

@@ -192,7 +192,7 @@ fn a_plant_keeps_its_modes_from_sample_to_sample() {
         "#,
     );
     let mut plant = ExactPlant::new(&block, &[0.3, 0.0], &Settings::default()).unwrap();
-    // Below the friction for a minute: not a nanometre.
+    // Below the friction for a minute: not a nanometer.
     for i in 0..6000 {
         let u = 0.99 * (0.37 * f64::from(i)).sin();
         assert!(plant.hold(&[u], 0.01).unwrap().is_finished());

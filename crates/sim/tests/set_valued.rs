@@ -90,7 +90,7 @@ fn late_clocks_keep_the_event_times() {
 }
 
 #[test]
-fn scales_from_nanometres_to_kilometres_stop_alike() {
+fn scales_from_nanometers_to_kilometers_stop_alike() {
     for scale in [1e-9, 1e-4, 1.0, 1e5] {
         let block = Closures {
             dim: 2,

@@ -62,7 +62,7 @@ fn parabolas_pass_whatever_the_samples() {
 }
 
 /// The same minimum by a dense solution on a basis of splines: values and derivatives at the knots as unknowns, tied by the
-/// conditions that third and fourth derivative do not jump (natural spline) — here by the normal equations of the discretised
+/// conditions that third and fourth derivative do not jump (natural spline) — here by the normal equations of the discretized
 /// functional on a fine grid.
 #[test]
 fn the_curve_is_the_minimum_of_the_functional() {

@@ -20,7 +20,7 @@ fn compensator(springs: Springs) -> Compensator {
         ForceSensor { pose: Isometry3::translation(0.0, 0.0, -0.25), force_range: 2000.0, moment_range: 500.0 };
     let payload = Payload {
         mass: 12.0,
-        centre: Vector3::new(0.01, -0.02, 0.1),
+        center: Vector3::new(0.01, -0.02, 0.1),
         bias: Wrench::new(5.0, -8.0, 12.0, 0.5, 0.2, 0.1),
     };
     Compensator::new(robot, springs, sensor, payload, CompensationSettings::default()).expect("a compensator")

@@ -33,7 +33,9 @@ pub enum StiffnessError {
     },
     /// The load bends the robot more than its springs can hold.
     #[error(
-        "the load has no stable equilibrium near this pose: the joint stiffness minus the geometric stiffness of the load is not positive definite (smallest eigenvalue {smallest:.3e} N·m/rad); reduce the load or check the stiffnesses' units"
+        "the load has no stable equilibrium near this pose: the joint stiffness minus the geometric stiffness of the load \
+         is not positive definite (smallest eigenvalue {smallest:.3e} N·m/rad); reduce the load or check the stiffnesses' \
+         units"
     )]
     Unstable {
         /// Smallest eigenvalue of the loaded joint stiffness.

@@ -131,7 +131,7 @@ fn weight_and_bias_move_nothing() {
     let robot = robot();
     let sensor = sensor(&mut random);
     let bias = wrench(&mut random);
-    let payload = Payload { mass: 37.0, centre: vector(&mut random, 0.2), bias };
+    let payload = Payload { mass: 37.0, center: vector(&mut random, 0.2), bias };
     let settings = CompensationSettings::default();
     let springs = Springs::linear(&STIFFNESS);
     let mut compensator = Compensator::new(robot.clone(), springs, sensor, payload, settings).unwrap();
@@ -140,7 +140,7 @@ fn weight_and_bias_move_nothing() {
         let orientation = (robot.tool_pose(&q).unwrap() * sensor.pose).rotation;
         // The weight in base axes hangs below, whatever the pose.
         let weight = orientation.inverse() * Vector3::new(0.0, 0.0, -9.81 * 37.0);
-        let moment = payload.centre.cross(&weight);
+        let moment = payload.center.cross(&weight);
         let reading = bias + Wrench::new(weight.x, weight.y, weight.z, moment.x, moment.y, moment.z);
         let step = compensator.step(&q, &reading, &q);
         assert!(step.wrench.amax() < 1e-10, "{}", step.wrench);
@@ -312,8 +312,8 @@ fn bad_numbers_never_reach_the_command() {
 fn readings_in_other_units_are_out_of_range() {
     let (mut compensator, q, reading) = working(CompensationSettings::default());
     let held = compensator.step(&q, &reading, &q).reference.to_vec();
-    let newton_millimetres = Wrench::from_fn(|i, _| reading[i] * if i < 3 { 1.0 } else { 1000.0 });
-    let step = compensator.step(&q, &newton_millimetres, &q);
+    let newton_millimeters = Wrench::from_fn(|i, _| reading[i] * if i < 3 { 1.0 } else { 1000.0 });
+    let step = compensator.step(&q, &newton_millimeters, &q);
     assert_eq!(step.status.fault, Some(Fault::Range));
     assert_eq!(step.reference, held);
     assert_eq!(compensator.step(&q[..5], &reading, &q).status.fault, Some(Fault::Count));
@@ -376,7 +376,7 @@ fn settings_that_are_none_are_refused() {
     assert!(lag.contains("lag of the servo is -0.01 s"), "{lag}");
     for share in [-0.1, 1.0, f64::NAN] {
         let share = refused(sensor, none, springs.clone(), CompensationSettings { stiffness_error: share, ..good });
-        assert!(share.contains("a share from 0 to below 1"), "{share}");
+        assert!(share.contains("a fraction from 0 to below 1"), "{share}");
     }
     let range = refused(ForceSensor { force_range: -5.0, ..sensor }, none, springs, good);
     assert!(range.contains("range of force is -5"), "{range}");
@@ -390,18 +390,18 @@ fn the_loop_through_the_process_converges_where_its_gain_is_below_one() {
         let matrix = |random: &mut StdRng, size: f64| Matrix6::from_fn(|_, _| uniform(random, size));
         let root = matrix(&mut random, 1e-3);
         let compliance = root * root.transpose();
-        let modelled = compliance * (1.0 + uniform(&mut random, 0.3));
+        let modeled = compliance * (1.0 + uniform(&mut random, 0.3));
         let cutting = vector(&mut random, 1.0) * 10f64.powf(5.5 + uniform(&mut random, 1.5));
         let mut process = Matrix6::zeros();
         process.fixed_view_mut::<3, 3>(0, 0).copy_from(&(cutting * vector(&mut random, 1.0).transpose()));
-        let gains = stability(&process, &compliance, &modelled).unwrap();
+        let gains = stability(&process, &compliance, &modeled).unwrap();
         // The tool yields at once, the correction comes one step late.
         let yields = (Matrix6::identity() + process * compliance).try_inverse().unwrap();
         let cut = wrench(&mut random);
         let mut load = Wrench::zeros();
         let mut change = 0.0;
         for _ in 0..400 {
-            let next = yields * (cut + process * modelled * load);
+            let next = yields * (cut + process * modeled * load);
             change = (next - load).amax();
             load = next;
         }

@@ -12,7 +12,7 @@ use nalgebra::{Isometry3, Matrix6, Vector3};
 #[test]
 fn a_step_allocates_nothing() {
     let sensor = ForceSensor { pose: Isometry3::translation(0.0, 0.1, -0.2), force_range: 1000.0, moment_range: 200.0 };
-    let payload = Payload { mass: 12.0, centre: Vector3::new(0.0, 0.0, 0.1), bias: Wrench::repeat(3.0) };
+    let payload = Payload { mass: 12.0, center: Vector3::new(0.0, 0.0, 0.1), bias: Wrench::repeat(3.0) };
     let nonlinear = STIFFNESS.map(|stiffness| JointSpring::Stiffening { stiffness, cubic: 1e10 });
     for springs in [
         Springs::linear(&STIFFNESS),

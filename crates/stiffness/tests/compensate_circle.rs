@@ -29,8 +29,8 @@ impl Mill {
         self.circle.mill(&self.robot, &self.path, springs, None).unwrap()
     }
 
-    fn with(&self, springs: &Springs, modelled: &Springs) -> CircleRun {
-        let compensator = compensator(&self.circle, &self.robot, modelled.clone());
+    fn with(&self, springs: &Springs, modeled: &Springs) -> CircleRun {
+        let compensator = compensator(&self.circle, &self.robot, modeled.clone());
         self.circle.mill(&self.robot, &self.path, springs, Some(compensator)).unwrap()
     }
 
@@ -102,8 +102,8 @@ fn a_predicted_wrench_and_a_stiffness_error_reckoned_with_gain_whatever_the_sign
     let before = mill.without(&springs).radial();
     let gain = |factor: f64, lag: Option<f64>, stiffness_error: f64| {
         let settings = CompensationSettings { lag, stiffness_error, ..CompensationSettings::default() };
-        let modelled = springs.scaled(&[factor; 6]);
-        let compensator = compensator_with(&mill.circle, &mill.robot, modelled, settings);
+        let modeled = springs.scaled(&[factor; 6]);
+        let compensator = compensator_with(&mill.circle, &mill.robot, modeled, settings);
         let run = mill.circle.mill(&mill.robot, &mill.path, &springs, Some(compensator)).unwrap();
         run.radial().reduction_from(&before)
     };
@@ -191,13 +191,13 @@ fn a_robot_without_lost_motion_is_not_accused_of_it() {
     let mill = Mill::new(6);
     let truth = Springs::linear(&STIFFNESS);
     let before = mill.without(&truth);
-    let modelled = wrong(&truth, 0.3, &mut rng(14));
-    let report = explain_residual(&mill.robot, &modelled, &measured(&before, &mut rng(15))).unwrap();
+    let modeled = wrong(&truth, 0.3, &mut rng(14));
+    let report = explain_residual(&mill.robot, &modeled, &measured(&before, &mut rng(15))).unwrap();
     assert!(report.lost_motion.is_empty(), "{report:?}");
     // All of the residual is a wrong stiffness.
     assert!(report.linear < 1.05 * 10e-6 * 3f64.sqrt(), "{report:?}");
     let with_fit = mill.with(&truth, &report.springs).radial().reduction_from(&before.radial());
-    let with_model = mill.with(&truth, &modelled).radial().reduction_from(&before.radial());
+    let with_model = mill.with(&truth, &modeled).radial().reduction_from(&before.radial());
     assert!(with_fit > with_model && with_fit > 0.88, "{with_fit} {with_model}");
 }
 

@@ -111,7 +111,7 @@ fn the_wrench_that_the_robot_exerts_is_not_the_one_on_it() {
 }
 
 #[test]
-fn moments_in_kilonewton_metres_look_like_none() {
+fn moments_in_kilonewton_meters_look_like_none() {
     let mut data = measurements();
     for m in &mut data {
         m.wrench.fixed_rows_mut::<3>(3).scale_mut(1e-3);
@@ -332,7 +332,7 @@ fn refusals_of_a_file_name_its_lines() {
     data.push(data[5].clone());
     let lines: Vec<u64> = (0..41).map(|i| 3 + 2 * i).collect();
     let refused = refusal(data).in_file(&lines);
-    assert!(refused.to_string().starts_with("line 83 is equal to line 13 in every digit"), "{refused}");
+    assert!(refused.to_string().starts_with("line 83 equals line 13 in every digit"), "{refused}");
     // What names no measurement stays what it is.
     let other = IdentificationError::Sign { found: 3, of: 4 };
     assert_eq!(other.clone().in_file(&lines), other);

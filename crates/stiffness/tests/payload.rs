@@ -13,14 +13,14 @@ fn gravity() -> Vector3<f64> {
 
 fn payload() -> Payload {
     let bias = Wrench::new(15.0, -22.0, 31.0, 1.5, -0.8, 0.4);
-    Payload { mass: 12.4, centre: Vector3::new(0.013, -0.021, 0.118), bias }
+    Payload { mass: 12.4, center: Vector3::new(0.013, -0.021, 0.118), bias }
 }
 
 fn turn(x: f64, y: f64, z: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::new(Vector3::new(x, y, z))
 }
 
-/// Readings from first principles: the weight pulls at the centre of mass.
+/// Readings from first principles: the weight pulls at the center of mass.
 fn readings(
     payload: &Payload,
     orientations: &[UnitQuaternion<f64>],
@@ -29,7 +29,7 @@ fn readings(
 ) -> Vec<StaticReading> {
     let read = |orientation: &UnitQuaternion<f64>| {
         let weight = payload.mass * gravity();
-        let moment = (orientation * payload.centre).cross(&weight);
+        let moment = (orientation * payload.center).cross(&weight);
         let (f, m) = (orientation.inverse() * weight, orientation.inverse() * moment);
         let mut wrench = payload.bias + Wrench::new(f.x, f.y, f.z, m.x, m.y, m.z);
         for i in 0..6 {
@@ -48,12 +48,12 @@ fn several(count: usize, random: &mut StdRng) -> Vec<UnitQuaternion<f64>> {
 }
 
 #[test]
-fn three_orientations_give_mass_centre_and_bias() {
+fn three_orientations_give_mass_center_and_bias() {
     let mut random = StdRng::seed_from_u64(1);
     let orientations = [turn(0.0, 0.0, 0.0), turn(0.6, 0.0, 0.0), turn(0.0, 0.7, 0.0)];
     let found = identify_payload(&readings(&payload(), &orientations, 0.0, &mut random), &gravity()).unwrap().payload;
     assert!((found.mass - 12.4).abs() < 1e-11);
-    assert!((found.centre - payload().centre).amax() < 1e-12);
+    assert!((found.center - payload().center).amax() < 1e-12);
     assert!((found.bias - payload().bias).amax() < 1e-10);
 }
 
@@ -67,13 +67,13 @@ fn errors_are_as_large_as_they_are_said_to_be() {
         let estimate = identify_payload(&readings(&payload(), &orientations, 0.8, &mut random), &gravity()).unwrap();
         let found = estimate.payload;
         let mut score = vec![(found.mass - 12.4) / estimate.mass_deviation];
-        score.extend((found.centre - payload().centre).component_div(&estimate.centre_deviation).iter());
+        score.extend((found.center - payload().center).component_div(&estimate.center_deviation).iter());
         score.extend((found.bias - payload().bias).component_div(&estimate.bias_deviation).iter());
         for (sum, z) in squares.iter_mut().zip(&score) {
             *sum += z * z / rounds as f64;
         }
     }
-    // Each score has variance 1 but for few degrees of freedom; that of the centre is a bound.
+    // Each score has variance 1 but for few degrees of freedom; that of the center is a bound.
     for (i, mean) in squares.iter().enumerate() {
         let least = if (1..4).contains(&i) { 0.3 } else { 0.8 };
         assert!(*mean > least && *mean < 1.3, "{i}: {squares:?}");
@@ -99,7 +99,7 @@ fn readings_that_leave_something_open_are_refused_by_name() {
     let axis = nalgebra::Unit::new_normalize(gravity());
     let about: Vec<_> = (0..6).map(|k| UnitQuaternion::from_axis_angle(&axis, k as f64)).collect();
     let message = refused(&about).to_string();
-    assert!(message.contains("mass and bias of the force cannot be told apart"), "{message}");
+    assert!(message.contains("mass and force bias cannot be separated"), "{message}");
     let two = [turn(0.0, 0.0, 0.0), turn(0.8, 0.0, 0.0), turn(0.0, 0.0, 0.0), turn(0.8, 0.0, 0.0)];
     let error = refused(&two);
     let PayloadError::OneDirection { readings: 4, direction } = &error else { unreachable!("{error}") };
@@ -120,8 +120,8 @@ fn impossible_numbers_are_refused_with_the_reason() {
         }
         identify_payload(&readings, &gravity()).unwrap_err().to_string()
     };
-    let millimetres = changed(&|w| w.fixed_rows_mut::<3>(3).scale_mut(1000.0));
-    assert!(millimetres.contains("N·mm"), "{millimetres}");
+    let millimeters = changed(&|w| w.fixed_rows_mut::<3>(3).scale_mut(1000.0));
+    assert!(millimeters.contains("N·mm"), "{millimeters}");
     let millinewtons = changed(&|w| w.scale_mut(1000.0));
     assert!(millinewtons.contains("forces in N"), "{millinewtons}");
     let turned = changed(&|w| w.neg_mut());

@@ -90,7 +90,7 @@ fn links_yield_by_the_compliances_that_their_joints_give() {
     assert!(parse("convention = \"modified\"\n[[joint]]\nstiffness = 1e5\n").springs.unwrap().links.is_empty());
 }
 
-/// The KR 125 as URDF: each origin is the placement of a joint, in metres and roll, pitch, yaw.
+/// The KR 125 as URDF: each origin is the placement of a joint, in meters and roll, pitch, yaw.
 fn urdf() -> String {
     let mut links = String::from("<link name=\"base\"/><link name=\"world_box\"/>");
     let mut joints =
@@ -138,8 +138,8 @@ fn a_urdf_description_is_the_same_robot() {
     assert_same(&Robot::from_urdf(&urdf(), None, Some("tool0")).unwrap(), &published, 5);
     for (base, tip, said) in [
         (Some("nowhere"), Some("tool0"), "no link `nowhere`"),
-        (Some("link_3"), Some("world_box"), "does not hang on link `link_3`"),
-        (Some("base"), Some("base"), "without a joint that moves"),
+        (Some("link_3"), Some("world_box"), "is not connected to link `link_3`"),
+        (Some("base"), Some("base"), "without a movable joint"),
     ] {
         let message = Robot::from_urdf(&urdf(), base, tip).unwrap_err().to_string();
         assert!(message.contains(said), "{message}");
@@ -224,7 +224,7 @@ fn errors_name_place_and_remedy() {
         (&format!("{head}a = 1\n[noise]\ntranslation = 20\n"), &["robot.toml:5:15", "20e-6"]),
         (&format!("{head}a = 1\n[compensation]\nperiod = 4\n"), &["robot.toml:5:10", "0.004"]),
         (&format!("{head}a = 1\n[compensation]\ncutoff = 300\n"), &["robot.toml:5:10", "half the sampling rate"]),
-        (&format!("{head}a = 1\n[compensation]\norder = 1.5\n"), &["robot.toml:5:9", "no whole number"]),
+        (&format!("{head}a = 1\n[compensation]\norder = 1.5\n"), &["robot.toml:5:9", "not a whole number"]),
         (&format!("{head}a = 1\ntool = 3\n"), &["unknown key `tool`"]),
         (&format!("{head}a = = 1\n"), &["robot.toml:3:5", "TOML syntax"]),
         ("urdf = \"a.urdf\"\nconvention = \"modified\"\n", &["robot.toml:2:1", "both"]),

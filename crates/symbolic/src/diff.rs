@@ -1,4 +1,4 @@
-//! Derivatives, memoised by node and variable, and substitution.
+//! Derivatives, memoized by node and variable, and substitution.
 
 use rustc_hash::FxHashMap;
 

@@ -136,7 +136,7 @@ fn malformed_text_names_place_and_remedy() {
         ("(x", 2, "`)`"),
         ("x)", 1, "closed"),
         ("2 x", 2, "operator"),
-        ("2x", 0, "number runs into"),
+        ("2x", 0, "number is directly followed"),
         ("x $ y", 2, "not part"),
         ("sin", 0, "is a function"),
         ("sin(x, y)", 0, "takes 1"),
@@ -147,7 +147,7 @@ fn malformed_text_names_place_and_remedy() {
         ("1e9999", 0, "out of range"),
         ("x ^", 3, "early"),
         ("1.2.3", 0, "number runs"),
-        ("x,y", 1, "does not belong"),
+        ("x,y", 1, "unexpected text"),
     ] {
         let e = Pool::new().parse(text).unwrap_err();
         assert_eq!(e.offset, offset, "{text}: {e}");

@@ -229,7 +229,7 @@ impl<'d> Reader<'d> {
             let mut scope = Scope { plain, inputs, derivatives };
             raw.push(doc.expression(value, name, &mut self.pool, &mut scope)?);
         }
-        // Expand by depth-first search; grey nodes on the path mean a circle.
+        // Expand by depth-first search; gray nodes on the path mean a circle.
         let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
         let mut order = Vec::new();
         let mut state = vec![0u8; entries.len()];

@@ -83,10 +83,7 @@ pub(crate) fn check_parameter(
 /// The range of an input holds more than one value.
 pub(crate) fn check_range(name: &str, min: Option<&Rational>, max: Option<&Rational>) -> Result<(), ModelError> {
     if min.zip(max).is_some_and(|(lo, hi)| lo >= hi) {
-        return Err(ModelError::new(
-            format!("the range of `{name}` is empty or a single value"),
-            "set min below max",
-        ));
+        return Err(ModelError::new(format!("the range of `{name}` is empty or a single value"), "set min below max"));
     }
     Ok(())
 }
@@ -96,10 +93,7 @@ impl System {
     pub(crate) fn check_delay(&self, name: &str, delay: bracketry_symbolic::Expr) -> Result<(), ModelError> {
         match self.value(delay) {
             Some(d) if d >= 0.0 && d.is_finite() => Ok(()),
-            _ => Err(ModelError::new(
-                format!("the delay of `{name}` is not a valid time"),
-                "give seconds, at least 0",
-            )),
+            _ => Err(ModelError::new(format!("the delay of `{name}` is not a valid time"), "give seconds, at least 0")),
         }
     }
 

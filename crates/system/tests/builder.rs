@@ -182,10 +182,10 @@ fn what_is_wrong_is_named_with_its_remedy() {
             "NaN is not a number of a model",
         ),
         (refused(|b| b.range(b.parameter("m", 3), ..=2.0)), "parameter `m` lies outside its own min…max"),
-        (refused(|b| b.range(b.formula("u"), 1.0..=1.0)), "the range of `u` holds no more than one value"),
+        (refused(|b| b.range(b.formula("u"), 1.0..=1.0)), "the range of `u` is empty or a single value"),
         (refused(|b| b.range(b.formula("x"), 0.0..)), "`x` is neither an input nor a parameter"),
         (refused(|b| b.point(b.formula("x"), b.formula("u"))), "the value of `x` at the point is not constant"),
-        (refused(|b| b.delay(b.formula("u"), -1)), "the delay of `u` is no time that can pass"),
+        (refused(|b| b.delay(b.formula("u"), -1)), "the delay of `u` is not a valid time"),
         (refused(|b| b.static_level([b.formula("x")], 2)), "no dry friction acts on `x`"),
         (
             refused(|b| {

@@ -27,8 +27,8 @@ fn delays_are_read_and_written() {
 #[test]
 fn delays_without_meaning_are_refused_with_place_and_remedy() {
     for (delay, parts) in [
-        ("G = 0.1", ["model.toml:8:1", "`G` is no input", "F, X"]),
-        ("F = -0.1", ["model.toml:8:5", "no time that can pass", "at least 0"]),
+        ("G = 0.1", ["model.toml:8:1", "`G` is not an input", "F, X"]),
+        ("F = -0.1", ["model.toml:8:5", "not a valid time", "at least 0"]),
         ("F = \"x\"", ["model.toml:8:6", "x", "="]),
         ("F = true", ["model.toml:8:5", "`F`", "quotes"]),
     ] {

@@ -142,7 +142,7 @@ const BAD: &[(&str, &str, usize, &str, &str)] = &[
     ("unknown function", "states=[\"x\"]\n[dynamics]\nx=\"sen(x)\"", 3, "sen", "unknown function"),
     ("syntax error", "states=[\"x\"]\n[dynamics]\nx=\"x + * 2\"", 3, "*", "operand is missing"),
     ("open parenthesis", "states=[\"x\"]\n[dynamics]\nx=\"(x + 2\"", 3, "", "expected `)`"),
-    ("implicit product", "states=[\"x\"]\n[dynamics]\nx=\"2x\"", 3, "2x", "number runs into a name"),
+    ("implicit product", "states=[\"x\"]\n[dynamics]\nx=\"2x\"", 3, "2x", "number is directly followed by a name"),
     ("wrong number of arguments", "states=[\"x\"]\n[dynamics]\nx=\"atan2(x)\"", 3, "atan2", "takes 2 arguments"),
     ("division by zero", "states=[\"x\"]\n[dynamics]\nx=\"1/(2-2)\"", 3, "(", "division by zero"),
     (

@@ -34,8 +34,8 @@ pub enum TrialError {
     #[error("the grid needs places y in increasing order and at least one yaw")]
     NoGrid,
     /// A computation was broken off through its progress callback.
-    #[error("the computation was cancelled")]
-    Cancelled,
+    #[error("the computation was canceled")]
+    Canceled,
     /// A file of trials cannot be read.
     #[error("the trials cannot be read: {0}")]
     File(Box<toml::de::Error>),

@@ -319,7 +319,7 @@ fn a_map_without_places_or_broken_off_is_an_error() {
     };
     assert_eq!(map(vec![], ControlFlow::Continue(())), TrialError::NoGrid);
     assert_eq!(map(vec![0.1, 0.0], ControlFlow::Continue(())), TrialError::NoGrid);
-    assert_eq!(map(vec![0.0], ControlFlow::Break(())), TrialError::Cancelled);
+    assert_eq!(map(vec![0.0], ControlFlow::Break(())), TrialError::Canceled);
 }
 
 #[test]

@@ -103,21 +103,21 @@ fn a_camera_that_is_late_shows_what_was() {
 }
 
 #[test]
-fn a_tracked_point_goes_round_the_centre_of_mass() {
+fn a_tracked_point_goes_round_the_center_of_mass() {
     let mut start = START;
     start[5] = 3.0;
     let experiment = shaken(X, TILT);
     let run = |effect| synthetic_log(&experiment, start, 1.0, &effect, &silent(), 0).unwrap().log;
-    let (centre, point) = (run(PlateMismatch::None), run(PlateMismatch::CentreOfMass([0.003, 0.004])));
+    let (center, point) = (run(PlateMismatch::None), run(PlateMismatch::CenterOfMass([0.003, 0.004])));
     let of = |log: &PlateLog, name: &str, i: usize| log.column(name).unwrap()[i];
     let mut angles = Vec::new();
-    for i in 0..centre.t.len() {
-        let (dx, dy) = (of(&point, "x", i) - of(&centre, "x", i), of(&point, "y", i) - of(&centre, "y", i));
+    for i in 0..center.t.len() {
+        let (dx, dy) = (of(&point, "x", i) - of(&center, "x", i), of(&point, "y", i) - of(&center, "y", i));
         assert!((dx.hypot(dy) - 0.005).abs() < 1e-12);
-        angles.push(dy.atan2(dx) - of(&centre, "phi", i));
+        angles.push(dy.atan2(dx) - of(&center, "phi", i));
     }
     assert!(angles.iter().all(|a| (a - 0.8f64.asin()).abs() < 1e-9));
-    assert!(of(&centre, "phi", 100) > 0.1);
+    assert!(of(&center, "phi", 100) > 0.1);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What stands between a quantity and its column: coloured noise, steps, a table.
+//! What stands between a quantity and its column: colored noise, steps, a table.
 
 use std::fmt::Write;
 
@@ -16,14 +16,14 @@ pub(super) fn sign(random: &mut StdRng) -> f64 {
     if random.random_bool(0.5) { 1.0 } else { -1.0 }
 }
 
-/// First-order coloured noise of a given standard deviation and corner frequency (Hz), sampled every `dt`.
-pub(super) struct Coloured {
+/// First-order colored noise of a given standard deviation and corner frequency (Hz), sampled every `dt`.
+pub(super) struct Colored {
     keep: f64,
     kick: f64,
     value: f64,
 }
 
-impl Coloured {
+impl Colored {
     pub(super) fn new(std: f64, corner: f64, dt: f64) -> Self {
         let keep = (-std::f64::consts::TAU * corner * dt).exp();
         Self { keep, kick: std * (1.0 - keep * keep).sqrt(), value: 0.0 }
@@ -38,13 +38,13 @@ impl Coloured {
 
 /// An encoder: noise of the electronics, then steps.
 pub(super) struct Encoder {
-    noise: Coloured,
+    noise: Colored,
     step: f64,
 }
 
 impl Encoder {
     pub(super) fn new(step: f64, dt: f64) -> Self {
-        Self { noise: Coloured::new(0.3 * step, 0.1 / dt, dt), step }
+        Self { noise: Colored::new(0.3 * step, 0.1 / dt, dt), step }
     }
 
     pub(super) fn read(&mut self, value: f64, random: &mut StdRng) -> f64 {

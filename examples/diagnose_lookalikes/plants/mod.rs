@@ -1,7 +1,7 @@
 //! Plants that look like those of published measurements, with effects that the model files lack.
 //!
 //! Nothing is copied from data: parameters and effects are drawn at random; positions are measured by an encoder with
-//! steps and some coloured noise; the motor adds coloured noise that the log does not contain, so that, as with real
+//! steps and some colored noise; the motor adds colored noise that the log does not contain, so that, as with real
 //! data, no model leaves a white residual.
 
 mod measure;

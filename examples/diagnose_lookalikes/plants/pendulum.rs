@@ -9,7 +9,7 @@ use rand::RngExt;
 use rand::rngs::StdRng;
 
 use super::Drawn;
-use super::measure::{Coloured, Encoder, Table, between};
+use super::measure::{Colored, Encoder, Table, between};
 
 /// Two terms of friction of comparable size at a speed: of the deceleration and its names.
 fn friction(size: f64, speed: f64, random: &mut StdRng) -> (String, Vec<Vec<Cause>>) {
@@ -38,7 +38,7 @@ pub(super) fn free(random: &mut StdRng) -> Drawn {
         let dt = 5e-3;
         let x0 = [between(random, 1.0, 2.2), 0.0];
         let mut plant = ExactPlant::new(&plant, &x0, &Settings::default()).unwrap();
-        let (mut encoder, mut draught) = (Encoder::new(TAU / 4096.0, dt), Coloured::new(0.01, 5.0, dt));
+        let (mut encoder, mut draught) = (Encoder::new(TAU / 4096.0, dt), Colored::new(0.01, 5.0, dt));
         let mut table = Table::new("t,th");
         for k in 0..(duration / dt) as usize {
             table.row(&[k as f64 * dt, encoder.read(plant.state()[0], random)]);
@@ -64,7 +64,7 @@ pub(super) fn driven(random: &mut StdRng) -> Drawn {
             .map(|_| [between(random, 0.15, 0.45), between(random, 0.15, 1.6), between(random, 0.0, TAU)])
             .collect();
         let mut plant = ExactPlant::new(&plant, &[0.0, 0.0], &Settings::default()).unwrap();
-        let (mut encoder, mut unlogged) = (Encoder::new(TAU / 8192.0, dt), Coloured::new(0.005, 50.0, dt));
+        let (mut encoder, mut unlogged) = (Encoder::new(TAU / 8192.0, dt), Colored::new(0.005, 50.0, dt));
         let mut table = Table::new("t,th,tau");
         for k in 0..(duration / dt) as usize {
             let t = k as f64 * dt;

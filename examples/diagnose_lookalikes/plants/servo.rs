@@ -7,7 +7,7 @@ use bracketry::sim::{ExactPlant, Settings};
 use bracketry::system::System;
 use rand::rngs::StdRng;
 
-use super::measure::{Coloured, Encoder, Table, between, sign};
+use super::measure::{Colored, Encoder, Table, between, sign};
 
 /// One axis: position and speed are states `i` and `i + axes` of the plant, the force is its input `i`.
 pub(super) struct Axis {
@@ -80,7 +80,7 @@ impl Servo<'_> {
         let mut moves: Vec<Moves> =
             self.axes.iter().map(|_| Moves { from: 0.0, to: 0.0, begin: -1.0, end: -0.5 }).collect();
         let mut encoders: Vec<Encoder> = self.axes.iter().map(|a| Encoder::new(a.step, self.dt)).collect();
-        let mut unlogged: Vec<Coloured> = self.axes.iter().map(|a| Coloured::new(a.unlogged, 50.0, self.dt)).collect();
+        let mut unlogged: Vec<Colored> = self.axes.iter().map(|a| Colored::new(a.unlogged, 50.0, self.dt)).collect();
         let (mut last, mut speed) = (vec![0.0; axes], vec![0.0; axes]);
         let whole = (self.delay / self.dt).floor();
         let part = self.delay - whole * self.dt;

@@ -1,10 +1,10 @@
-//! Texts and colours of the help, alike for all commands.
+//! Texts and colors of the help, alike for all commands.
 
 use clap::builder::StyledStr;
 use clap::builder::styling::{AnsiColor, Style, Styles};
 use std::fmt::Write as _;
 
-/// Colours of help and errors; they are written on terminals alone.
+/// Colors of help and errors; they are written on terminals alone.
 pub(crate) const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
     .usage(AnsiColor::Green.on_default().bold())

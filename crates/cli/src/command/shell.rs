@@ -58,7 +58,7 @@ pub(crate) fn man(args: &ManArgs, mut root: clap::Command, output: &OutputArgs) 
     root.build();
     if let Some(dir) = &output.out {
         if let Some(word) = args.command.first() {
-            anyhow::bail!("man {word} --out: --out writes all pages; leave out `{word}`, or --out");
+            anyhow::bail!("man {word} --out: --out writes all pages; omit `{word}` or --out");
         }
         folder(dir)?;
         let pages = write_pages(&root, "bracketry", dir)?;
@@ -83,7 +83,7 @@ pub(crate) fn man(args: &ManArgs, mut root: clap::Command, output: &OutputArgs) 
 }
 
 fn no_json(output: &OutputArgs, why: &str) -> anyhow::Result<()> {
-    anyhow::ensure!(!output.json, "--json: {why}; leave it out");
+    anyhow::ensure!(!output.json, "--json: {why}; omit it");
     Ok(())
 }
 

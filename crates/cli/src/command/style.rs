@@ -1,4 +1,4 @@
-//! Errors and warnings on standard error, coloured on terminals alone (`NO_COLOR` and `CLICOLOR_FORCE` are honoured).
+//! Errors and warnings on standard error, colored on terminals alone (`NO_COLOR` and `CLICOLOR_FORCE` are honored).
 
 use std::fmt::Write as _;
 
@@ -7,17 +7,17 @@ use super::help::STYLES;
 /// Says that a command ended with bad input.
 pub(crate) fn error(text: &str) {
     let red = STYLES.get_error();
-    anstream::eprintln!("{red}error:{red:#} {}", coloured(text));
+    anstream::eprintln!("{red}error:{red:#} {}", colored(text));
 }
 
 /// Says what is missing beside a result.
 pub(crate) fn warning(text: &str) {
     let yellow = STYLES.get_invalid();
-    anstream::eprintln!("{yellow}warning:{yellow:#} {}", coloured(text));
+    anstream::eprintln!("{yellow}warning:{yellow:#} {}", colored(text));
 }
 
 /// Marks below a source line in red, remedies in green.
-fn coloured(text: &str) -> String {
+fn colored(text: &str) -> String {
     let mut out = String::new();
     for (k, line) in text.split('\n').enumerate() {
         if k > 0 {
@@ -40,12 +40,12 @@ fn coloured(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::coloured;
+    use super::colored;
 
     #[test]
-    fn marks_and_remedies_are_coloured_and_nothing_else() {
+    fn marks_and_remedies_are_colored_and_nothing_else() {
         let text = "m.toml:1:2: unknown name `w`\n   | v = w\n   |     ^\n   = declare it";
-        let shown = coloured(text);
+        let shown = colored(text);
         assert_eq!(anstream::adapter::strip_str(&shown).to_string(), text);
         let lines: Vec<bool> = shown.lines().map(|l| l.contains('\u{1b}')).collect();
         assert_eq!(lines, [false, false, true, true]);

@@ -189,19 +189,23 @@ impl Story {
                 "The same move with the published method, one coordinate after the other.",
                 m.comparison().draw(),
             ),
-            figure("plan_view", "Both methods, seen from above; the object is drawn at intervals.", m.plan_view().draw()),
+            figure(
+                "plan_view",
+                "Both methods, seen from above; the object is drawn at intervals.",
+                m.plan_view().draw(),
+            ),
         ];
         let on_plant = |moved: &MoveOnPlant, name: &str, title: &str, role: Role| {
             vec![
                 figure(
                     name,
-                    "Closed loop and plan alone on the area-contact plant, compared with the controller's plan; the band is \
+                    "Closed loop and open loop on the area-contact plant, compared with the controller's plan; the band is \
                      the tolerance of ± 2 mm and ± 2°.",
                     against_plan(moved, title, role),
                 ),
                 figure(
                     &format!("{name}_plan_view"),
-                    "The closed loop and the plan alone on the area-contact plant, seen from above.",
+                    "The closed loop and the open loop on the area-contact plant, seen from above.",
                     self.plan_view(moved, &format!("{title}, seen from above"), role),
                 ),
             ]
@@ -229,7 +233,7 @@ impl Story {
         let fifth = self.extended_analysis.iter().map(|a| {
             figure(
                 "extended_growth",
-                "Directions that brackets of the extended model open.",
+                "Directions spanned by the brackets of the extended model.",
                 bracketry::report::analysis::growth_figure(a).draw(),
             )
         });
@@ -290,7 +294,7 @@ impl Story {
             .role(role)
             .target(target)
             .path(states.iter().enumerate().map(|(k, x)| (k as f64 * RESOLUTION, x[0], x[1])))
-            .category("rests on the plate", Color::GREY)
+            .category("rests on the plate", Color::GRAY)
             .category("slides", Color::ORANGE)
             .snapshots(snapshots);
         match end {

@@ -54,7 +54,7 @@ impl MoveOnEquations {
         [error(1), error(2), error(0).map(f64::to_degrees)]
     }
 
-    /// Medians of linearisation, quadratic program and rest over the solved samples (ms).
+    /// Medians of linearization, quadratic program and rest over the solved samples (ms).
     pub fn step_split(&self) -> [f64; 3] {
         let of = |f: fn(&Timings) -> f64| {
             let solved = self.together.run.closed_loop.steps.iter().map(|s| &s.timings).filter(|t| t.total() > 0.0);

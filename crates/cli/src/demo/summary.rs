@@ -10,7 +10,7 @@ impl Story {
         let own = &self.on_equations;
         let report = &own.together.run.report;
         let arrival = &own.arrival;
-        let [linearise, qp, rest] = own.step_split();
+        let [linearize, qp, rest] = own.step_split();
         let plate = &own.together.recording.trajectory.final_state()[6..];
         let [x, y, phi] = own.two_step_errors();
         json!({
@@ -20,7 +20,7 @@ impl Story {
             "two_step_time_s": own.two_step_time(),
             "step_ms": report.solve_ms,
             "real_time_factor": own.real_time_factor(),
-            "step_split_ms": {"linearise": linearise, "qp": qp, "rest": rest},
+            "step_split_ms": {"linearise": linearize, "qp": qp, "rest": rest},
             "sampling_period_ms": report.period_ms,
             "move_s": own.problem.ocp.steps as f64 * own.problem.ocp.dt,
             "simulated_s": own.together.recording.trajectory.end(),

@@ -36,7 +36,7 @@ impl fmt::Display for MoveOnEquations {
         if let Some(p) = &report.plan {
             writeln!(f, "plan: {} after {} quadratic programs in {:.2} s\n", p.status, p.programs, p.seconds)?;
         }
-        writeln!(f, "On the same plant with exact set-valued friction, errors at the end:\n")?;
+        writeln!(f, "Final errors on the same plant with exact set-valued friction:\n")?;
         for r in rows {
             writeln!(f, "  {:<16} {:>16} {:>16}", r[0], r[1], r[2])?;
         }
@@ -57,7 +57,7 @@ impl fmt::Display for MoveOnEquations {
             "  The published inputs ignore the bounds on stroke, tilt, and accelerations, and the plate is assumed to stop\n  \
              and level instantaneously between stages."
         )?;
-        let [linearise, qp, rest] = self.step_split();
+        let [linearize, qp, rest] = self.step_split();
         let (t, c) = (&report.solve_ms, &report.status);
         writeln!(
             f,
@@ -68,7 +68,7 @@ impl fmt::Display for MoveOnEquations {
         writeln!(
             f,
             "  control step: median {:.2} ms, 99 % below {:.2} ms, sampling period {:.0} ms; {:.1} × real time\n  \
-             of which, medians: linearize {linearise:.2} ms, quadratic program {qp:.2} ms, rest {rest:.2} ms",
+             of which, medians: linearize {linearize:.2} ms, quadratic program {qp:.2} ms, rest {rest:.2} ms",
             t.median,
             t.p99,
             report.period_ms,
@@ -86,7 +86,7 @@ impl fmt::Display for MoveOnPlant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "Predicting with the {}, on the plant with contact over the whole footprint, errors at the end:\n",
+            "Predicting with the {}, on the plant with contact over the whole footprint, final errors:\n",
             self.model
         )?;
         writeln!(f, "  {:<16} {:>16} {:>16}", "", "closed loop", "plan alone")?;

@@ -11,7 +11,7 @@ pub(super) const SHORTEST_FOLD: usize = 2;
 pub(super) const HORIZONS: [f64; 3] = [0.1, 0.5, 1.0];
 /// Shares of the longest stretch that stand in where it is too short for all of [`HORIZONS`] but the first.
 pub(super) const HORIZON_SHARES: [f64; 2] = [0.25, 0.5];
-/// Most predictions per horizon: with more, neighbours overlap and tell the same.
+/// Most predictions per horizon: with more, neighbors overlap and tell the same.
 pub(super) const MOST_PREDICTIONS: usize = 150;
 /// Fewest predictions for a horizon to be reported.
 pub(super) const FEWEST_PREDICTIONS: usize = 5;

@@ -31,7 +31,7 @@ pub(crate) struct MissingIn {
     pub(crate) state: usize,
     /// Its name.
     pub(crate) name: String,
-    /// Measured minus modelled rate: of a velocity, the force per mass that is missing.
+    /// Measured minus modeled rate: of a velocity, the force per mass that is missing.
     pub(crate) rate: Vec<f64>,
     /// Standard deviation of `rate` by noise of the sensor.
     pub(crate) std: f64,

@@ -109,7 +109,7 @@ impl Builder {
         {
             let k = self.name(base, &q);
             let unit = c.unit(power, 0);
-            let about = format!("force towards {q} = 0, of degree {power}");
+            let about = format!("force toward {q} = 0, of degree {power}");
             let law = if power == 1 { format!("-{k}*{q}") } else { format!("-{k}*{q}^3") };
             self.along(cause, c.rate, &c.force, &law, vec![dissipation(k, unit, about)])?;
         }

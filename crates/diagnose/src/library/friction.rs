@@ -187,7 +187,8 @@ impl Builder {
         // The level where the body only spins is this over the radius: two numbers that data of a sliding body hardly tell apart.
         let about = format!("dry friction of the contact against {w}/slip, the spin over the speed of the slip{per}");
         let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), units[0], about) };
-        let about = "spin times this length is the slip speed at which spinning and sliding contribute equally to the friction";
+        let about =
+            "spin times this length is the slip speed at which spinning and sliding contribute equally to the friction";
         // Far above this radius the law is Coulomb's, which is a candidate of its own.
         let length = shape(l.clone(), log_grid(0.01 * radius, radius, 5), "m", about);
         let law = format!("-{k}*{w}/sqrt({square} + {l}^2*{w}^2)");

@@ -58,7 +58,7 @@ impl Builder {
         Ok(())
     }
 
-    /// The tracked point of a body in the plane lies off its centre of mass, if both coordinates are measured.
+    /// The tracked point of a body in the plane lies off its center of mass, if both coordinates are measured.
     fn com_offset(&mut self, records: &[Record]) {
         let coordinate = |c: &Coordinate| c.position.map(|q| (q, c.rate));
         let translations: Vec<(usize, usize)> = self.structure.translations().filter_map(coordinate).collect();
@@ -73,7 +73,7 @@ impl Builder {
         let [x, y, vx, vy, phi, w] = [*x, *y, *vx, *vy, *phi, *w].map(|i| self.state(i));
         let coefficients = [("along", "first"), ("across", "second")].map(|(name, axis)| {
             let about =
-                format!("position of the tracked point off the centre of mass, along the {axis} axis of the body");
+                format!("position of the tracked point off the center of mass, along the {axis} axis of the body");
             Coefficient { scale: SMALL_OFFSET, ..amplitude(self.name("com", name), "m", about) }
         });
         self.effects.push(Effect {

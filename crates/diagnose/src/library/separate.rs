@@ -176,7 +176,7 @@ fn special(a: &Effect, b: &Effect, system: &System) -> Option<String> {
             "spin the body without sliding, then slide it without spin along a slanted line: friction of the spin acts in the first only, coupling of the axes in the second only".to_owned()
         }
         (AnisotropicFriction | YawFriction | FrictionCoupling, ComOffset) => {
-            "repeat with the body turned by 90 and 180 degrees: what comes from its centre of mass turns with the body".to_owned()
+            "repeat with the body turned by 90 and 180 degrees: what comes from its center of mass turns with the body".to_owned()
         }
         (InertialCoupling, YawFriction | FrictionCoupling) | (AnisotropicFriction, InertialCoupling) => {
             "repeat the same motion at half the frequency: inertial forces fall to a quarter, dry friction stays".to_owned()

@@ -38,7 +38,7 @@ pub(crate) struct DryFriction {
     pub(crate) coefficient: Option<Symbol>,
 }
 
-/// A generalised coordinate with an equation of motion.
+/// A generalized coordinate with an equation of motion.
 #[derive(Clone, Debug)]
 pub(crate) struct Coordinate {
     /// Index of the state q; none for a rate without position.
@@ -111,7 +111,7 @@ impl Coordinate {
 /// The structure of a model.
 #[derive(Clone, Debug)]
 pub(crate) struct Structure {
-    /// Generalised coordinates.
+    /// Generalized coordinates.
     pub(crate) coordinates: Vec<Coordinate>,
     /// States whose equations are of first order: neither rates of coordinates nor kinematics.
     pub(crate) others: Vec<usize>,

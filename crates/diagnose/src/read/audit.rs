@@ -38,10 +38,10 @@ pub struct ColumnAudit {
     /// Measured columns: standard deviation of the noise, in the column's unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<f64>,
-    /// Measured columns: correlation of the noise of neighbouring samples, 0 where it was not told from white noise.
+    /// Measured columns: correlation of the noise of neighboring samples, 0 where it was not told from white noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_correlation: Option<f64>,
-    /// Measured columns: distance of neighbouring values, where all are multiples of one.
+    /// Measured columns: distance of neighboring values, where all are multiples of one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resolution: Option<f64>,
     /// Measured columns: number of samples at the smallest or largest value, where they lie in rows as elsewhere they do not.

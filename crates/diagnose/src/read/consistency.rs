@@ -10,8 +10,8 @@ use crate::{Quantity, Record};
 
 /// Slopes of other units, and what they mean.
 const UNITS: [(f64, &str); 6] = [
-    (1e3, "one of them is in thousandths: millimetres, or t in kiloseconds"),
-    (1e-3, "one of them is in thousandths: millimetres per second, or t in milliseconds"),
+    (1e3, "one of them is in thousandths: millimeters, or t in kiloseconds"),
+    (1e-3, "one of them is in thousandths: millimeters per second, or t in milliseconds"),
     (57.295_779_513, "it is in degrees"),
     (0.017_453_292_5, "its rate is in degrees per second"),
     (0.104_719_755, "its rate is in turns per minute"),

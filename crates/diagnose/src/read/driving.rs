@@ -79,7 +79,7 @@ impl Driving {
 }
 
 impl Record {
-    /// A derivative of an input, of order 1 or 2, by a smoothing spline of the input's samples whose bandwidth generalised
+    /// A derivative of an input, of order 1 or 2, by a smoothing spline of the input's samples whose bandwidth generalized
     /// cross validation chooses, separately between gaps in time. None for another order.
     pub fn differentiated_input(&self, input: usize, order: u32) -> Option<Signal> {
         let signal = self.inputs.get(input).filter(|_| (1..=HIGHEST_DERIVATIVE).contains(&order))?;

@@ -40,7 +40,7 @@ pub(super) const FARTHEST_NEIGHBOR: usize = 32;
 
 /// Noise above this share of the range.
 pub(super) const MOSTLY_NOISE: f64 = 0.25;
-/// Correlation of neighbours that is worth a word.
+/// Correlation of neighbors that is worth a word.
 pub(super) const CORRELATED: f64 = 0.3;
 /// Standard deviation of the steps in time over the step that is worth a word.
 pub(super) const UNEVEN: f64 = 0.02;

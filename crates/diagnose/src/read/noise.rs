@@ -10,9 +10,9 @@ use crate::statistics::extremes;
 pub struct Noise {
     /// Standard deviation in the column's unit; positive.
     pub std: f64,
-    /// Correlation of neighbouring samples of the noise; 0 where it was not told from white noise.
+    /// Correlation of neighboring samples of the noise; 0 where it was not told from white noise.
     pub correlation: f64,
-    /// Distance of neighbouring values, where all values are multiples of one.
+    /// Distance of neighboring values, where all values are multiples of one.
     pub resolution: Option<f64>,
 }
 
@@ -133,7 +133,7 @@ fn robust_scale(sizes: &mut [f64]) -> f64 {
     scale
 }
 
-/// Correlation φ of neighbours in noise whose correlation at k samples is φ^k, from its standard deviation as differences of
+/// Correlation φ of neighbors in noise whose correlation at k samples is φ^k, from its standard deviation as differences of
 /// the highest order see it, over the true one.
 fn correlation_of(ratio: f64) -> f64 {
     let binomial = weights(&(0..=HIGHEST_DIFFERENCE).map(|k| k as f64).collect::<Vec<_>>());

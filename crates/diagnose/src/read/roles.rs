@@ -117,7 +117,8 @@ impl Roles {
         }
         let missing: Vec<String> = roles.missing(system);
         if !missing.is_empty() {
-            let message = format!("the model uses {}, for which there is no column; there are {found}", missing.join(", "));
+            let message =
+                format!("the model uses {}, for which there is no column; there are {found}", missing.join(", "));
             let remedy = format!("add a column, or say which one it is: --rename column={}", missing[0]);
             return Err(origin.whole(message, remedy));
         }

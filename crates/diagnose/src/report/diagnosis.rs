@@ -96,7 +96,7 @@ pub struct Place {
     pub time: Option<f64>,
 }
 
-/// What the equation of a state misses over time, measured minus modelled rate: of a velocity, the force per mass that is missing.
+/// What the equation of a state misses over time, measured minus modeled rate: of a velocity, the force per mass that is missing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResidualAcceleration {
     /// Name of the record.

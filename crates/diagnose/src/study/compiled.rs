@@ -22,7 +22,7 @@ pub(super) enum Target {
     Input(Path, Vec<usize>),
     /// The way of measured columns, by name.
     Column(Path, Vec<String>),
-    /// A tracked point off the centre of mass: the coordinate with this number.
+    /// A tracked point off the center of mass: the coordinate with this number.
     Tracked(TrackedPoint, usize),
 }
 

@@ -200,13 +200,13 @@ pub(super) struct Solution {
 
 /// Levenberg–Marquardt over unknowns and initial states, once more from where it has come if parameters without a limit in the
 /// model file stop at the end of their range. That is kept where the data tell the value and it lies inside the moved range, or
-/// where it has gone all the way towards zero (a term that is not there: `k` in `k h` where the law is another); else the
+/// where it has gone all the way toward zero (a term that is not there: `k` in `k h` where the law is another); else the
 /// parameters have no bounds to find, and stay at the end of the first range.
 pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], iterations: usize) -> Solution {
     let unknowns = &compiled.unknowns;
     let mut ranges: Vec<Range> = unknowns.iter().zip(start).map(|(u, v)| u.first_range(*v)).collect();
     let begin = start.iter().zip(&ranges).map(|(v, r)| r.bounded(*v)).collect();
-    let first = minimise(slots, compiled, begin, &ranges, iterations);
+    let first = minimize(slots, compiled, begin, &ranges, iterations);
     let stopped = |s: &Solution, ranges: &[Range]| -> Vec<usize> {
         (0..unknowns.len()).filter(|&j| unknowns[j].ends_on(ranges[j], s.theta[j])).collect()
     };
@@ -221,7 +221,7 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], 
         for &j in &ends {
             ranges[j] = unknowns[j].range(theta[j]);
         }
-        let next = minimise(slots, compiled, theta, &ranges, iterations);
+        let next = minimize(slots, compiled, theta, &ranges, iterations);
         ends = stopped(&next, &ranges);
         moved.extend(&ends);
         let vanished = round == RANGE_MOVES && ends.iter().all(|&j| next.theta[j].abs() < unknowns[j].nominal.abs());
@@ -240,7 +240,7 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], 
 }
 
 /// Levenberg–Marquardt over unknowns in their ranges and initial states. Windows that cannot be simulated leave.
-fn minimise(
+fn minimize(
     slots: &mut [Slot<'_>],
     compiled: &Compiled,
     start: Vec<f64>,
@@ -262,7 +262,7 @@ fn minimise(
             normals: Vec::new(),
         };
     }
-    let mut normals = linearise(slots, compiled, &theta);
+    let mut normals = linearize(slots, compiled, &theta);
     for _ in 0..iterations {
         let cost = slots.iter().map(Slot::cost).sum::<f64>() + penalty(unknowns, &theta);
         let settled = settled(slots, cost);
@@ -299,7 +299,7 @@ fn minimise(
                 slot.state = Ok(point);
             }
         }
-        normals = linearise(slots, compiled, &theta);
+        normals = linearize(slots, compiled, &theta);
         if fall < settled {
             status = FitStatus::Converged;
             break;
@@ -322,7 +322,7 @@ fn settled(slots: &[Slot<'_>], cost: f64) -> f64 {
 }
 
 /// The Jacobian of every window that can be simulated, initial state first; the others are marked.
-fn linearise(slots: &mut [Slot<'_>], compiled: &Compiled, theta: &[f64]) -> Vec<Option<Full>> {
+fn linearize(slots: &mut [Slot<'_>], compiled: &Compiled, theta: &[f64]) -> Vec<Option<Full>> {
     slots
         .par_iter_mut()
         .map(|slot| {

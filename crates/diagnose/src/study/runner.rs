@@ -46,7 +46,7 @@ struct SignalPaths {
     inputs: Vec<(f64, f64)>,
     /// Delay and offset of each column.
     columns: Vec<(f64, f64)>,
-    /// A tracked point off the centre of mass, and where it is.
+    /// A tracked point off the center of mass, and where it is.
     tracked: Option<(TrackedPoint, [f64; 2])>,
 }
 
@@ -198,7 +198,7 @@ impl<'a> Runner<'a> {
         Ok(())
     }
 
-    /// A tracked point off the centre of mass, and where it is.
+    /// A tracked point off the center of mass, and where it is.
     pub(super) fn tracked(&self) -> Option<(TrackedPoint, [f64; 2])> {
         self.paths.as_ref()?.tracked
     }

@@ -1,11 +1,11 @@
-//! Measurements of a point off the centre of mass of a body.
+//! Measurements of a point off the center of mass of a body.
 
 use crate::effect::Change;
 use crate::error::DiagnoseError;
 use crate::library::state_index;
 use bracketry_system::System;
 
-/// The states of a body in the plane whose tracked point lies off its centre of mass, by index; see [`Change::TrackedPoint`].
+/// The states of a body in the plane whose tracked point lies off its center of mass, by index; see [`Change::TrackedPoint`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TrackedPoint {
     position: [usize; 2],
@@ -14,7 +14,7 @@ pub(super) struct TrackedPoint {
     pub(super) spin: usize,
 }
 
-/// How a measured state differs from that of the centre of mass.
+/// How a measured state differs from that of the center of mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Shift {
     /// What it shows more.

@@ -8,7 +8,7 @@ pub(super) struct Trajectory {
     pub(super) path: Path,
     /// By reading, the number of pieces until then.
     pub(super) marks: Vec<usize>,
-    /// By reading, angle and spin of a body whose tracked point lies off its centre of mass; empty without one.
+    /// By reading, angle and spin of a body whose tracked point lies off its center of mass; empty without one.
     pub(super) turns: Vec<(f64, f64)>,
     /// The unknowns and the initial state that it belongs to.
     pub(super) of: Option<(Vec<f64>, Vec<f64>)>,

@@ -65,7 +65,7 @@ impl Unknown {
     }
 
     /// The range of a fit that comes from `value`: the limits, and where there is none a factor of [`LARGEST_CHANGE`], but no
-    /// further from the nominal value than [`RANGE_MOVES`] moves lead; the last of them towards zero reaches it, for a term may not be
+    /// further from the nominal value than [`RANGE_MOVES`] moves lead; the last of them toward zero reaches it, for a term may not be
     /// there at all.
     pub(super) fn range(&self, value: f64) -> Range {
         if !self.calibrated {

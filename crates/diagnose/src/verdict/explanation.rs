@@ -61,7 +61,7 @@ impl Explanation {
     }
 }
 
-/// A set of candidates with what the linearised problem promises.
+/// A set of candidates with what the linearized problem promises.
 #[derive(Clone, Debug)]
 pub(crate) struct Promise {
     /// Candidates to add.

@@ -26,11 +26,11 @@ pub(super) const EVEN_STEPS: f64 = 0.01;
 // Periods
 
 /// Frequencies are half a cycle per range of the data apart: between two of them a wave loses step by a quarter of a cycle
-/// towards the ends of the data.
+/// toward the ends of the data.
 pub(super) const STEPS_PER_CYCLE: usize = 2;
 /// Most cycles over the range of the data.
 pub(super) const MOST_CYCLES: usize = 200;
-/// Steps between two neighbouring frequencies around a peak. Where a motion turns, a wave pushes longest in one direction, so
+/// Steps between two neighboring frequencies around a peak. Where a motion turns, a wave pushes longest in one direction, so
 /// that the turnings dominate: frequencies a whole cycle apart fit them nearly as well as the true one, and half a cycle
 /// is too coarse to tell which crest of the comb is the highest.
 pub(super) const FINER_STEPS: usize = 16;
@@ -114,7 +114,7 @@ pub(super) const DIFFERENT: f64 = 2.33;
 /// normal with mean −d² and standard deviation 2d. It exceeds 9 with probability Φ(−(d² + 9)/(2d)), at most Φ(−3) = 0.13 %
 /// whatever d is: so seldom is the truth left out.
 pub(super) const MARGIN: f64 = 9.0;
-/// The linearised problem may underrate what an exact fit gains by this factor.
+/// The linearized problem may underrate what an exact fit gains by this factor.
 pub(super) const UNDERRATED: f64 = 0.6;
 /// What gains beside a cause at least this share of what it gains in its place explains something else.
 pub(super) const BESIDE: f64 = 0.5;

@@ -113,7 +113,7 @@ fn peaks(lanes: &[Lane]) -> Vec<f64> {
         })
         .collect();
     crests.sort_by(|a, b| b.1.total_cmp(&a.1));
-    // Two neighbours may have climbed the same crest from both sides.
+    // Two neighbors may have climbed the same crest from both sides.
     let mut periods: Vec<f64> = Vec::new();
     for (cycles, _) in crests {
         if periods.iter().all(|p| (range / p - cycles).abs() > 0.5 * step) {

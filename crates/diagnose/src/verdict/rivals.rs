@@ -109,7 +109,7 @@ fn of_one(
     let promises = search.singles(&around);
     let own = promises.iter().find(|p| p.candidates == [member]).map_or(f64::INFINITY, |p| p.square);
     let exact = rest.square() - chosen.square();
-    // What is there altogether or not at all changes too much for the linearised problem to tell its gain.
+    // What is there altogether or not at all changes too much for the linearized problem to tell its gain.
     let whole = search.candidates[member].coefficients.iter().all(|c| c.settled().is_some());
     let told = if whole { exact } else { own.min(exact) };
     let needed = UNDERRATED * told - MARGIN * scatter.unit();

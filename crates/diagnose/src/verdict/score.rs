@@ -1,4 +1,4 @@
-//! What candidates would gain, from the linearised problem.
+//! What candidates would gain, from the linearized problem.
 
 use super::limits::LEAST_ANGLE;
 use nalgebra::{DMatrix, DVector};

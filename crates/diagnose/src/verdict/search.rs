@@ -26,7 +26,7 @@ pub(crate) struct Search<'a> {
     around: HashMap<Vec<usize>, Rc<Around>>,
 }
 
-/// The linearised problem around an explanation.
+/// The linearized problem around an explanation.
 pub(crate) struct Around {
     /// The problem.
     linearization: Linearization,
@@ -183,7 +183,7 @@ impl<'a> Search<'a> {
         Explanation { members, fit, alarm, coefficients, physical }
     }
 
-    /// The linearised problem around an explanation with those `among` the candidates that are not in it.
+    /// The linearized problem around an explanation with those `among` the candidates that are not in it.
     pub(crate) fn around(&mut self, explanation: &Explanation, among: &[usize]) -> Result<Rc<Around>, DiagnoseError> {
         let others: Vec<usize> = among.iter().copied().filter(|c| !explanation.members.contains(c)).collect();
         let mut key = explanation.members.clone();
@@ -324,7 +324,7 @@ fn signs(effect: &Effect, group: &Group) -> Vec<i8> {
     group.coefficients.iter().map(|&c| effect.coefficients[c].physical_sign).collect()
 }
 
-/// Values of an effect's coefficients after a step from the linearised problem.
+/// Values of an effect's coefficients after a step from the linearized problem.
 fn start(
     effect: &Effect,
     linearization: &Linearization,

@@ -2,7 +2,7 @@
 
 pub(crate) mod accessibility;
 pub(crate) mod brockett;
-pub(crate) mod cancelling;
+pub(crate) mod canceling;
 pub(crate) mod input_set;
 pub(crate) mod input_values;
 pub(crate) mod involutive;

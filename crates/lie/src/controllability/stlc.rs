@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::algebra::field::is_plain_zero;
 use crate::answer::Answer;
-use crate::controllability::cancelling::cancelling;
+use crate::controllability::canceling::canceling;
 use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
 use crate::controllability::necessary::{definite_form, half_space, stefani};
@@ -194,7 +194,7 @@ fn general(pool: &mut Pool, frame: &Frame, limits: &Limits, evidence: &mut Evide
     if given.verdict == Verdict::Yes || m < 2 {
         return Ok(given);
     }
-    if let Some((inputs, combinations)) = cancelling(pool, frame, evidence)? {
+    if let Some((inputs, combinations)) = canceling(pool, frame, evidence)? {
         let changed = search(pool, frame, inputs, limits, evidence)?;
         if changed.verdict == Verdict::Yes {
             let reason = StlcReason::InputsAlong { reason: Box::new(changed.reason), inputs: combinations };

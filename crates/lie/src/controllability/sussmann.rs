@@ -281,13 +281,13 @@ pub(crate) fn shortened(weights: &[u32]) -> Vec<u32> {
 }
 
 /// Beyond this many inputs brackets are not symmetrized.
-const MAX_SYMMETRISED: usize = 5;
+const MAX_SYMMETRIZED: usize = 5;
 
 /// All permutations of 0 … m − 1 that keep the weights. For many inputs only the identity: to
 /// neutralize every bad bracket is enough, because β sums bad brackets of the same weight.
 fn permutations(weights: &[u32]) -> Vec<Vec<u8>> {
     let m = weights.len();
-    if m > MAX_SYMMETRISED {
+    if m > MAX_SYMMETRIZED {
         return vec![(0..m as u8).collect()];
     }
     let all = (0..m as u8).fold(vec![Vec::new()], |all, next| {

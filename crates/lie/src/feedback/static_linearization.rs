@@ -48,7 +48,7 @@ impl VectorFields {
     ///
     /// # Errors
     /// [`Undecided`] if a function cannot be evaluated exactly, or grows too large before the
-    /// question of linearisability is settled.
+    /// question of linearizability is settled.
     pub fn linearization_flag(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<LinearizationFlag, Undecided> {
         let n = self.states.len();
         let basis = independent(pool, &self.controls, &self.bindings, evidence)?;

@@ -89,7 +89,7 @@ impl TerminalSet {
     }
 
     pub(super) fn check(&self, states: usize) -> Result<(), MpcError> {
-        check_length("the centre of the terminal set", self.center.len(), states)?;
+        check_length("the center of the terminal set", self.center.len(), states)?;
         check_length("the matrix of the terminal set", self.matrix.len(), states)?;
         positive("the level of the terminal set", self.level)?;
         for row in &self.matrix {

@@ -87,8 +87,7 @@ impl ControlProblem {
         let mut problem = reader.problem(&table, plant)?;
         if let Some(e) = problem.estimation.as_ref().filter(|e| e.hands_over()) {
             if !problem.live.is_empty() {
-                let message =
-                    "time-varying parameters cannot be combined with an estimator that updates parameters";
+                let message = "time-varying parameters cannot be combined with an estimator that updates parameters";
                 return Err(doc.missing(message, "make one of them constant").into());
             }
             (problem.live, problem.system) = (e.problem.live_parameters(), e.problem.controller_model()?);

@@ -100,7 +100,10 @@ impl Reader<'_> {
             None => Ok(default),
             Some(v) => match v.get_ref() {
                 Value::Boolean(b) => Ok(*b),
-                _ => Err(self.doc.error(v.span(), format!("`{key}` must be true or false"), "write it without quotes").into()),
+                _ => Err(self
+                    .doc
+                    .error(v.span(), format!("`{key}` must be true or false"), "write it without quotes")
+                    .into()),
             },
         }
     }

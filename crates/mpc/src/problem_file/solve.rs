@@ -129,7 +129,10 @@ impl Reader<'_> {
     fn backend(&self, solve: &Table<'_>) -> Parsed<Backend> {
         let condensed = self.doc.string(solve, "backend")?.as_deref() == Some("condensed");
         if let Some(v) = solve.get("block").filter(|_| !condensed) {
-            return Err(self.doc.error(v.span(), "`block` applies to condensing only", "add backend = \"condensed\"").into());
+            return Err(self
+                .doc
+                .error(v.span(), "`block` applies to condensing only", "add backend = \"condensed\"")
+                .into());
         }
         let block = if condensed { self.count(solve, "block", Some(1_000_000))? } else { 0 };
         let forms = [

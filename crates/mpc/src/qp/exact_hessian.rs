@@ -11,7 +11,7 @@
 //! is added, with P_k the Schur complement of the inputs' block less a small multiple of 1 (R. Verschueren, M. Zanon, R.
 //! Quirynen, M. Diehl, "A sparsity preserving convexification procedure for indefinite quadratic programs arising in direct
 //! optimal control", SIAM J. Optim. 27, 2017). A program whose Hessian is positive definite in the directions that obey the
-//! dynamics becomes convex with the same solution. Where it is not, as far from a solution, the exact blocks are moved towards
+//! dynamics becomes convex with the same solution. Where it is not, as far from a solution, the exact blocks are moved toward
 //! those of the Gauss–Newton program until it is.
 
 use super::program::{NOWHERE, StageProgram};

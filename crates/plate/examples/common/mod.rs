@@ -3,7 +3,7 @@
 use anyhow::Context;
 use bracketry_plate::{
     AmplitudeStep, AreaContact, AreaPlant, AreaSettings, Experiment, Friction, Limits, ModelPlant, Object, Plant,
-    PlateError, Shape, Summary, Terms, first_principles, published, reduced, summarise,
+    PlateError, Shape, Summary, Terms, first_principles, published, reduced, summarize,
 };
 use bracketry_plot::Drawing;
 use bracketry_sim::Settings;
@@ -59,13 +59,13 @@ impl Model {
                 let settings = AreaSettings::default().with_step(2e-3).with_points(48);
                 let mut plant = AreaPlant::new(AreaContact::new(object, &law, &settings)?)?;
                 plant.set_state(0.0, state)?;
-                return summarise(experiment, &mut plant, duration, Limits::default());
+                return summarize(experiment, &mut plant, duration, Limits::default());
             }
             Self::Published => published(&object.shape, mu)?,
             Self::Point => first_principles(object, &law, Terms::default())?,
             Self::Reduced(terms) => reduced(object, mu, terms)?,
         };
-        summarise(experiment, &mut ModelPlant::new(&system, state, &settings())?, duration, Limits::default())
+        summarize(experiment, &mut ModelPlant::new(&system, state, &settings())?, duration, Limits::default())
     }
 }
 

@@ -213,7 +213,7 @@ impl AreaContact {
         match stage.support {
             Support::LiftOff if stage.normal <= 0.0 => AreaOutcome::LiftOff { t },
             Support::Tipping { rim_share, .. } => {
-                AreaOutcome::Tipping { t, at: stage.centre.map(|c| c / rim_share), normal: self.mass * stage.normal }
+                AreaOutcome::Tipping { t, at: stage.center.map(|c| c / rim_share), normal: self.mass * stage.normal }
             }
             _ => AreaOutcome::NotFinite { t },
         }
@@ -309,14 +309,14 @@ impl AreaContact {
             state: self.state(),
             acceleration: [0.0; 3],
             normal: 0.0,
-            centre: [0.0; 2],
+            center: [0.0; 2],
             friction: [0.0; 3],
             support: Support::Full { least: 1.0 },
             slip: Slip::Held,
         };
         if let Some(stage) = &self.last {
             sample.normal = self.mass * stage.normal;
-            sample.centre = stage.centre;
+            sample.center = stage.center;
             sample.friction = stage.friction.map(|f| self.mass * f);
             sample.support = stage.support;
             sample.slip = stage.slip;

@@ -27,12 +27,12 @@ pub enum Support {
         /// Share of the weight of the points with pressure.
         share: f64,
     },
-    /// The centre of pressure is so near the rim that one point there carries everything.
+    /// The center of pressure is so near the rim that one point there carries everything.
     Edge {
-        /// The centre of pressure, own axes, in m.
+        /// The center of pressure, own axes, in m.
         at: [f64; 2],
     },
-    /// The centre of pressure would lie outside: the object tips.
+    /// The center of pressure would lie outside: the object tips.
     Tipping {
         /// Where it would have to be, own axes, in m.
         at: [f64; 2],
@@ -132,7 +132,7 @@ impl Footprint {
         }
     }
 
-    /// Pressure `max(0, z · (1, x, y))` with mean 1 and centre of pressure `at`: the minimum of the convex function
+    /// Pressure `max(0, z · (1, x, y))` with mean 1 and center of pressure `at`: the minimum of the convex function
     /// `½ Σ w max(0, z · r)² − z · (1, at)`, by Newton's method. Absent if `at` lies outside the hull of the points.
     fn unilateral(&self, at: [f64; 2], slope: [f64; 2]) -> Option<[f64; 3]> {
         let target = [1.0, at[0] / self.size, at[1] / self.size];

@@ -15,8 +15,8 @@ pub struct AreaSample {
     pub acceleration: [f64; 3],
     /// Normal force in N.
     pub normal: f64,
-    /// Centre of pressure from the centroid, plate axes, in m.
-    pub centre: [f64; 2],
+    /// Center of pressure from the centroid, plate axes, in m.
+    pub center: [f64; 2],
     /// Friction on the object: force along x and y in N, torque in N m.
     pub friction: [f64; 3],
     /// How the plate carries the object; the least pressure is told here.

@@ -20,7 +20,7 @@ pub(super) struct Equations {
     friction: Friction,
     gravity: f64,
     terms: Terms,
-    /// Height of the centre of mass as far as the terms know of it, in m.
+    /// Height of the center of mass as far as the terms know of it, in m.
     height: f64,
     inertia: f64,
     footprint: Footprint,
@@ -51,8 +51,8 @@ pub(super) struct Stage {
     pub(super) drive: [f64; 3],
     /// Normal force in N/kg.
     pub(super) normal: f64,
-    /// Centre of pressure from the centroid, plate axes, in m.
-    pub(super) centre: [f64; 2],
+    /// Center of pressure from the centroid, plate axes, in m.
+    pub(super) center: [f64; 2],
     pub(super) support: Support,
     pub(super) slip: Slip,
 }
@@ -66,7 +66,7 @@ impl Stage {
             friction: [0.0; 3],
             drive: [0.0; 3],
             normal: 0.0,
-            centre: [0.0; 2],
+            center: [0.0; 2],
             support: Support::Full { least: 1.0 },
             slip: Slip::Sliding,
         }
@@ -175,7 +175,7 @@ impl Equations {
                     friction,
                     drive,
                     normal: load.normal,
-                    centre: [c * x - s * y, s * x + c * y],
+                    center: [c * x - s * y, s * x + c * y],
                     support,
                     slip,
                 }

@@ -17,7 +17,7 @@ const STALLED: usize = 8;
 /// A point that touches.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contact {
-    /// From the centre of mass, axes of the plate, in lengths of the body.
+    /// From the center of mass, axes of the plate, in lengths of the body.
     pub(super) arm: Vector3<f64>,
     /// The normal velocity it shall at least have afterwards.
     pub(super) target: f64,

@@ -19,7 +19,7 @@ fn gauss() -> [[f64; 3]; 3] {
 
 /// The state in the world a time `dt` later, in free flight under gravity `-gravity` along z.
 ///
-/// The centre of mass follows its parabola exactly. Euler's equations `L' = L × J⁻¹L` for the angular momentum in the axes
+/// The center of mass follows its parabola exactly. Euler's equations `L' = L × J⁻¹L` for the angular momentum in the axes
 /// of the body are integrated by the three-stage Gauss method (order 6), which keeps the quadratic invariants `|L|²` and
 /// `L·J⁻¹L`; the orientation follows by the sixth-order Magnus expansion on the same stages (Blanes, Casas and Ros 2000), and
 /// is turned the last rounding error so that the angular momentum in the world stays where it was.

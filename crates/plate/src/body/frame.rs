@@ -7,18 +7,18 @@ use crate::PlateKinematics;
 /// Place and velocity of a rigid body, seen from one frame and in the axes of that frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidState {
-    /// Position of the centre of mass in m.
+    /// Position of the center of mass in m.
     pub position: Vector3<f64>,
     /// Rotation from the axes of the body to the axes of the frame.
     pub orientation: UnitQuaternion<f64>,
-    /// Velocity of the centre of mass relative to the frame in m/s.
+    /// Velocity of the center of mass relative to the frame in m/s.
     pub velocity: Vector3<f64>,
     /// Angular velocity relative to the frame in rad/s.
     pub angular_velocity: Vector3<f64>,
 }
 
 impl RigidState {
-    /// At rest, the centre of mass at the height `height` above the origin.
+    /// At rest, the center of mass at the height `height` above the origin.
     pub fn at_rest(height: f64) -> Self {
         Self {
             position: Vector3::new(0.0, 0.0, height),

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-/// Stiffness of the regularisation against the mass of the body.
+/// Stiffness of the regularization against the mass of the body.
 const STIFFNESS: f64 = 1e6;
 /// Violation of the conditions that is left, relative to the velocities at work.
 const TOLERANCE: f64 = 1e-14;
@@ -45,7 +45,7 @@ pub(super) fn normal_impulses(
     v
 }
 
-/// Minimises `½ |v − v*|²_M + Σ max(0, λ_k + κ_k (b_k − n_k·v))²/(2κ_k)` from `start`.
+/// Minimizes `½ |v − v*|²_M + Σ max(0, λ_k + κ_k (b_k − n_k·v))²/(2κ_k)` from `start`.
 fn inner(
     mass: &Matrix6<f64>,
     free: &Vector6<f64>,

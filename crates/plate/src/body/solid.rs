@@ -26,10 +26,10 @@ pub(super) struct Solid {
     /// Half the thickness.
     half: f64,
     pub(super) mass: f64,
-    /// Inertia about the centre of mass, axes of the body.
+    /// Inertia about the center of mass, axes of the body.
     pub(super) inertia: Matrix3<f64>,
     pub(super) inverse_inertia: Matrix3<f64>,
-    /// Largest distance of a point from the centre of mass.
+    /// Largest distance of a point from the center of mass.
     pub(super) radius: f64,
 }
 
@@ -62,7 +62,7 @@ impl Solid {
         r.matrix() * self.inertia * r.matrix().transpose()
     }
 
-    /// The points that can touch the plate, from the centre of mass in the axes of the plate, into `points`: the rim of the
+    /// The points that can touch the plate, from the center of mass in the axes of the plate, into `points`: the rim of the
     /// face `z = -half`, then that of `z = +half` if it is another.
     ///
     /// Of a round rim they are [`RING`] points, the first of them the lowest. The numbers of the points keep their meaning
@@ -103,7 +103,7 @@ impl Solid {
         (0..points.len()).step_by(stride).map(gap).collect()
     }
 
-    /// The points inside a face, from the centre of mass in the axes of the plate, with their shares of its area.
+    /// The points inside a face, from the center of mass in the axes of the plate, with their shares of its area.
     pub(super) fn face_points(
         &self,
         orientation: &UnitQuaternion<f64>,

@@ -12,7 +12,7 @@ use nalgebra::{Matrix4, Vector4};
 
 /// Coefficients on either side of the first belief.
 const SIDE: usize = 4;
-/// Distance between neighbours as a share of the first belief, when it is uncertain.
+/// Distance between neighbors as a share of the first belief, when it is uncertain.
 const SPACING: f64 = 0.09;
 /// Growth of the offset's standard deviation in the first second of motion (a random walk): m and rad.
 const DRIFT: [f64; 2] = [2e-3, 2e-2];

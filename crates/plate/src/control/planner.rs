@@ -42,7 +42,7 @@ fn qp_settings() -> QpSettings {
 pub(super) struct Plan {
     /// States and inputs from sample to sample.
     pub(super) trajectory: Trajectory,
-    /// Where the optimiser aims, so that exact friction ends at the target.
+    /// Where the optimizer aims, so that exact friction ends at the target.
     pub(super) aim: [f64; 3],
     /// What is missing at the end of the replay.
     pub(super) miss: [f64; 3],
@@ -156,7 +156,7 @@ impl Planner {
     fn aimed(&self, start: &[f64; 10], target: [f64; 3], mu: f64, first: Attempt) -> Result<Plan, PlateError> {
         let miss = self.replayed(start, &first.trajectory, mu, target)?;
         let mut best = Plan { trajectory: first.trajectory, aim: target, miss, programs: 0, seconds: 0.0 };
-        // What the optimiser misses by itself no shift of the aim brings back.
+        // What the optimizer misses by itself no shift of the aim brings back.
         if cost(&first.miss) > 3.0 {
             return Ok(best);
         }

@@ -60,7 +60,7 @@ struct Move {
 /// Plans moves from rest to rest, follows them with one quadratic program every second sample, and corrects what they missed
 /// by further moves until the object rests within the tolerance.
 ///
-/// A plan is found on the area contact with rounded friction and proved on the exact one: the optimiser's aim is shifted until
+/// A plan is found on the area contact with rounded friction and proved on the exact one: the optimizer's aim is shifted until
 /// a replay with set-valued friction ends at the target, before the move and on the way. On the way the friction coefficient
 /// is estimated from the measured positions. At the end of each move the plate is level and friction holds the object, so
 /// that the mean of the measurements tells where it is, and what has arrived stays.

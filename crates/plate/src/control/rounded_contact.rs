@@ -1,4 +1,4 @@
-//! The area contact with rounded friction, as differential equations for an optimiser.
+//! The area contact with rounded friction, as differential equations for an optimizer.
 
 use crate::{GRAVITY, Object, PlateError};
 use bracketry_mpc::{Dynamics, MpcError, Trajectory};
@@ -32,7 +32,7 @@ const TILT_ACCELERATION: usize = 11;
 /// f_i = −μ p_i v_i/√(v_i² + ε²),   p_i = g cos θ + (y + ỹ_i) θ'' + 2 θ'(y' + φ' x̃_i) − h θ'²
 /// ```
 ///
-/// The whole footprint is taken to carry; the moment of friction about the centre of mass (of the order `μ h/R`) is left out.
+/// The whole footprint is taken to carry; the moment of friction about the center of mass (of the order `μ h/R`) is left out.
 #[derive(Debug, Clone)]
 pub struct RoundedContact {
     points: Vec<[f64; 3]>,

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 /// How far an object may go on the plate before it counts as lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Greatest distance of the centre of mass from its start along either axis, in meters.
+    /// Greatest distance of the center of mass from its start along either axis, in meters.
     pub travel: f64,
 }
 
@@ -50,7 +50,7 @@ impl Summary {
 ///
 /// # Errors
 /// [`PlateError`] if the experiment does not fit the plant.
-pub fn summarise<P: Plant>(
+pub fn summarize<P: Plant>(
     experiment: &Experiment,
     plant: &mut P,
     duration: f64,
@@ -82,7 +82,7 @@ pub struct Map<R> {
     pub across: Vec<f64>,
     /// Values of the second quantity.
     pub up: Vec<f64>,
-    /// One result for each pair; `None` if the sweep was cancelled before.
+    /// One result for each pair; `None` if the sweep was canceled before.
     pub results: Vec<Option<R>>,
 }
 

@@ -8,7 +8,7 @@ mod sweep;
 mod two_step;
 mod velocity_field;
 
-pub use map::{Limits, Map, Summary, linspace, summarise};
+pub use map::{Limits, Map, Summary, linspace, summarize};
 pub(crate) use protocol::REACHED;
 pub use protocol::{AmplitudeLaw, AmplitudeStep, Experiment};
 pub use run::Run;

@@ -21,17 +21,17 @@ pub fn sweep<C: Sync, R: Send>(
     run: impl Fn(&C) -> R + Sync,
     progress: impl Fn(usize) -> ControlFlow<()> + Sync,
 ) -> Vec<Option<R>> {
-    let (done, cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let (done, canceled) = (AtomicUsize::new(0), AtomicBool::new(false));
     cases
         .par_iter()
         .with_max_len(1)
         .map(|case| {
-            if cancelled.load(Ordering::Relaxed) {
+            if canceled.load(Ordering::Relaxed) {
                 return None;
             }
             let result = run(case);
             if progress(done.fetch_add(1, Ordering::Relaxed) + 1).is_break() {
-                cancelled.store(true, Ordering::Relaxed);
+                canceled.store(true, Ordering::Relaxed);
             }
             Some(result)
         })

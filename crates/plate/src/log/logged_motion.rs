@@ -3,8 +3,8 @@
 use super::spline::Spline;
 use crate::{PlateKinematics, PlateMotion};
 
-/// Neighbours on either side that a jump is compared with, and how many times theirs it must be.
-const NEIGHBOURS: usize = 8;
+/// Neighbors on either side that a jump is compared with, and how many times theirs it must be.
+const NEIGHBORS: usize = 8;
 const SIGNIFICANT: f64 = 12.0;
 /// Jumps of the displacement (m) or tilt (rad) below this are rounding.
 const SMALLEST_JUMP: f64 = 1e-7;
@@ -88,8 +88,8 @@ fn jumps(column: &[f64], k: usize) -> bool {
         return false;
     }
     let here = third(k).min(third(k + 2)).min(0.5 * third(k + 1));
-    let around = (k.saturating_sub(NEIGHBOURS).max(3)..k)
-        .chain(k + 3..(k + 3 + NEIGHBOURS).min(column.len()))
+    let around = (k.saturating_sub(NEIGHBORS).max(3)..k)
+        .chain(k + 3..(k + 3 + NEIGHBORS).min(column.len()))
         .map(third)
         .fold(0.0, f64::max);
     here > SMALLEST_JUMP && here > SIGNIFICANT * around

@@ -159,7 +159,7 @@ impl PlateLog {
     }
 }
 
-/// Adds whole turns so that neighbours differ by less than half a turn.
+/// Adds whole turns so that neighbors differ by less than half a turn.
 fn unwrapped(mut phi: Vec<f64>) -> Vec<f64> {
     use std::f64::consts::TAU;
     for k in 1..phi.len() {

@@ -2,7 +2,7 @@
 
 /// Relative rounding below which a column counts as exact.
 const EXACT: f64 = 1e-13;
-/// Neighbours that sixth differences combine; shorter columns are interpolated.
+/// Neighbors that sixth differences combine; shorter columns are interpolated.
 const WINDOW: usize = 7;
 
 /// Samples at either end through which a cubic is fitted for the second derivative there.
@@ -162,9 +162,9 @@ fn noise(values: &[f64]) -> f64 {
     differences[differences.len() / 2] / (0.6745 * spread)
 }
 
-/// Values and second derivatives at the knots of the spline that minimises `Σ (f − y)² + weight ∫ f''²`: the solution of
+/// Values and second derivatives at the knots of the spline that minimizes `Σ (f − y)² + weight ∫ f''²`: the solution of
 /// `(R + weight QᵀQ) γ = Qᵀ y`, `f = y − weight Q γ` (Green and Silverman 1994, section 2.3), by a banded LDLᵀ
-/// factorisation.
+/// factorization.
 fn solve(times: &[f64], y: &[f64], weight: f64) -> (Vec<f64>, Vec<f64>) {
     let n = times.len();
     if n < 3 {
@@ -178,7 +178,7 @@ fn solve(times: &[f64], y: &[f64], weight: f64) -> (Vec<f64>, Vec<f64>) {
         let shift = j - k;
         (shift..3).map(|i| q[k][i] * q[j][i - shift]).sum()
     };
-    // The matrix by diagonals, factorised in place: unit lower triangle with two diagonals below, and D.
+    // The matrix by diagonals, factorized in place: unit lower triangle with two diagonals below, and D.
     let mut diagonal = vec![0.0; inner];
     let mut first = vec![0.0; inner];
     let mut second = vec![0.0; inner];

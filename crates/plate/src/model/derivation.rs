@@ -8,8 +8,8 @@ type Matrix = [[Expr; 3]; 3];
 /// What Lagrange's equations give for a rigid body that lies flat on the moving plate. Everything is per mass.
 ///
 /// Symbols of the pool: the state `x, y, phi, vx, vy, w`; the plate's `X, Xd, Xdd, theta, thetad, thetadd`; gravity `g`; the
-/// height `h` of the centre of mass above the plate; the body's second moments per mass `Sa, Sb, Sc` along its own x, y and
-/// normal; the friction force `fx, fy` and its yaw torque `n`; the offset `rx, ry` of a contact point from the centre of mass,
+/// height `h` of the center of mass above the plate; the body's second moments per mass `Sa, Sb, Sc` along its own x, y and
+/// normal; the friction force `fx, fy` and its yaw torque `n`; the offset `rx, ry` of a contact point from the center of mass,
 /// plate axes.
 #[derive(Clone)]
 pub struct FlatContact {
@@ -19,7 +19,7 @@ pub struct FlatContact {
     pub accelerations: [Expr; 3],
     /// Normal force `N`.
     pub load: Expr,
-    /// First moments `∫ rx p`, `∫ ry p` of the contact pressure about the centre of mass.
+    /// First moments `∫ rx p`, `∫ ry p` of the contact pressure about the center of mass.
     pub pressure_moments: [Expr; 2],
     /// Contact pressure at the offset `rx, ry`, the one affine in the offset: pressure times the body's area over its mass.
     pub pressure: Expr,
@@ -31,7 +31,7 @@ pub struct FlatContact {
 
 /// Derives the equations of a rigid body in flat contact with the moving plate.
 ///
-/// The body has six coordinates relative to the plate: its centre of mass `x, y, z` and its attitude `Rz(phi) Ry(pitch)
+/// The body has six coordinates relative to the plate: its center of mass `x, y, z` and its attitude `Rz(phi) Ry(pitch)
 /// Rx(roll)`. The kinetic energy is the integral of the squared velocities of its points, by second moments; the contact acts
 /// on points of the bottom face. `d/dt ∂L/∂q' − ∂L/∂q = Q` is restricted to `z = h`, `roll = pitch = 0` and solved: three
 /// equations give the motion in the plane, three the load and the moments of the pressure.
@@ -52,8 +52,8 @@ struct Body {
     rates: [Symbol; 6],
     /// What depends on time, and its rate.
     moving: (Vec<Symbol>, Vec<Expr>),
-    /// Centre of mass in the inertial frame.
-    centre: [Expr; 3],
+    /// Center of mass in the inertial frame.
+    center: [Expr; 3],
     /// Attitude in the inertial frame.
     attitude: Matrix,
     /// Turns plate axes into inertial ones.
@@ -81,9 +81,9 @@ impl Body {
             let factor = rotation(&mut pool, axis, angle);
             attitude = product(&mut pool, &attitude, &factor);
         }
-        let mut centre = apply(&mut pool, &tilt, [x, y, z]);
-        centre[0] = pool.add(displacement, centre[0]);
-        Self { pool, coordinates, rates, moving, centre, attitude, tilt }
+        let mut center = apply(&mut pool, &tilt, [x, y, z]);
+        center[0] = pool.add(displacement, center[0]);
+        Self { pool, coordinates, rates, moving, center, attitude, tilt }
     }
 
     /// Time derivative by the chain rule.
@@ -96,7 +96,7 @@ impl Body {
         let moments = ["Sa", "Sb", "Sc"].map(|name| self.pool.var(name));
         let mut twice = self.pool.int(0);
         for i in 0..3 {
-            let v = self.rate(self.centre[i]);
+            let v = self.rate(self.center[i]);
             let square = self.pool.powi(v, 2);
             twice = self.pool.add(twice, square);
             for k in 0..3 {
@@ -108,7 +108,7 @@ impl Body {
         }
         let half = self.pool.ratio(1, 2);
         let g = self.pool.var("g");
-        (self.pool.mul(half, twice), self.pool.mul(g, self.centre[2]))
+        (self.pool.mul(half, twice), self.pool.mul(g, self.center[2]))
     }
 
     /// A point of the bottom face in the inertial frame, body coordinates `xi, eta`.
@@ -116,7 +116,7 @@ impl Body {
         let (xi, eta, h) = (self.pool.var("xi"), self.pool.var("eta"), self.pool.var("h"));
         let down = self.pool.neg(h);
         let offset = apply(&mut self.pool, &self.attitude, [xi, eta, down]);
-        [0, 1, 2].map(|i| self.pool.add(self.centre[i], offset[i]))
+        [0, 1, 2].map(|i| self.pool.add(self.center[i], offset[i]))
     }
 
     /// Force on a contact point in the inertial frame: friction `qx, qy` and pressure `p`, plate axes.
@@ -147,14 +147,14 @@ impl Body {
     fn integrated(&mut self, e: Expr) -> Expr {
         let pool = &mut self.pool;
         let zero = pool.int(0);
-        let centred: FxHashMap<Expr, Expr> = ["rx", "ry"].map(|r| (pool.var(r), zero)).into_iter().collect();
+        let centered: FxHashMap<Expr, Expr> = ["rx", "ry"].map(|r| (pool.var(r), zero)).into_iter().collect();
         // Resultant and first moments of each component.
         let integrals = [("qx", "fx", "rx*qx", "ry*qx"), ("qy", "fy", "rx*qy", "ry*qy"), ("p", "N", "rx*p", "ry*p")];
         let mut total = zero;
         for (component, resultant, moment_x, moment_y) in integrals {
             let component = pool.symbol(component);
             let factor = pool.diff(e, component);
-            let value = pool.substitute(factor, &centred);
+            let value = pool.substitute(factor, &centered);
             let (rx, ry) = (pool.symbol("rx"), pool.symbol("ry"));
             let slopes = [pool.diff(factor, rx), pool.diff(factor, ry)];
             for (factor, integral) in [(value, resultant), (slopes[0], moment_x), (slopes[1], moment_y)] {
@@ -185,11 +185,11 @@ impl Body {
                 let lever = self.pool.diff(point[j], q);
                 self.pool.mul(force[j], lever)
             });
-            let generalised = self.pool.add(shares[0], shares[1]);
-            let generalised = self.pool.add(generalised, shares[2]);
-            let generalised = self.restricted(generalised);
-            let generalised = self.integrated(generalised);
-            self.pool.sub(inertial, generalised)
+            let generalized = self.pool.add(shares[0], shares[1]);
+            let generalized = self.pool.add(generalized, shares[2]);
+            let generalized = self.restricted(generalized);
+            let generalized = self.integrated(generalized);
+            self.pool.sub(inertial, generalized)
         })
     }
 

@@ -13,7 +13,7 @@ const STRIBECK: &str = include_str!("../../models/plate_point_stribeck.toml");
 const ANISOTROPIC: &str = include_str!("../../models/plate_point_anisotropic.toml");
 const VISCOUS: &str = include_str!("../../models/plate_point_viscous.toml");
 
-/// The first-principles model of an object that touches the plate in one point under its centre of mass:
+/// The first-principles model of an object that touches the plate in one point under its center of mass:
 ///
 /// ```text
 /// x'' = −X'' − μ N e_x          N = g cos θ + y θ'' + 2 y' θ' − h θ'²       e = (x', y')/|(x', y')|

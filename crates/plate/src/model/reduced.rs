@@ -8,7 +8,7 @@ use bracketry_system::System;
 
 const REDUCED: &str = include_str!("../../models/plate_reduced.toml");
 
-/// The area contact reduced to an ordinary differential equation: the motion of the centre of mass as in
+/// The area contact reduced to an ordinary differential equation: the motion of the center of mass as in
 /// [`first_principles`](crate::first_principles) with Coulomb friction, and the yaw torque that the pressure and the spin give:
 ///
 /// ```text

@@ -27,7 +27,7 @@ pub enum ShapeError {
         /// Index of the one after it.
         next: usize,
     },
-    /// Two sides that meet although they are no neighbours, or neighbours that overlap.
+    /// Two sides that meet although they are no neighbors, or neighbors that overlap.
     #[error(
         "the sides of the polygon that start at the vertices {first} and {second} meet; its outline must not cross itself"
     )]
@@ -120,7 +120,7 @@ impl Vertices {
         }
         for first in 0..n {
             let [a, b, next] = [0, 1, 2].map(|k| points[(first + k) % n]);
-            // Neighbours share a corner; they overlap if the outline turns right back.
+            // Neighbors share a corner; they overlap if the outline turns right back.
             let back = (next[0] - b[0]) * (a[0] - b[0]) + (next[1] - b[1]) * (a[1] - b[1]) > 0.0;
             if cross(a, b, next) == 0.0 && back {
                 return Err(ShapeError::SelfIntersecting { first, second: (first + 1) % n });

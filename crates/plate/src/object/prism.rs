@@ -4,12 +4,12 @@ use super::shape::Shape;
 use crate::PlateError;
 use serde::{Deserialize, Serialize};
 
-/// A uniform right prism that lies on the plate: the shape of its base, the height of its centre of mass, its mass.
+/// A uniform right prism that lies on the plate: the shape of its base, the height of its center of mass, its mass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Object {
     /// Shape of the base.
     pub shape: Shape,
-    /// Height `h` of the centre of mass above the plate in m, half the thickness; 0 for an object without thickness.
+    /// Height `h` of the center of mass above the plate in m, half the thickness; 0 for an object without thickness.
     pub height: f64,
     /// Mass in kg.
     pub mass: f64,
@@ -35,7 +35,7 @@ impl Object {
         Ok(())
     }
 
-    /// Second moment of the mass along the normal about its centre, per mass: `h²/3`.
+    /// Second moment of the mass along the normal about its center, per mass: `h²/3`.
     pub fn normal_moment(&self) -> f64 {
         self.height * self.height / 3.0
     }

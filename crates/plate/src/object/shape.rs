@@ -53,7 +53,7 @@ impl Shape {
     /// keep their directions, so that the principal axes are turned by [`Shape::principal_angle`].
     ///
     /// # Errors
-    /// [`ShapeError`] if there are less than three vertices, one is not finite, two neighbours coincide, the area vanishes
+    /// [`ShapeError`] if there are less than three vertices, one is not finite, two neighbors coincide, the area vanishes
     /// or the outline meets itself.
     pub fn polygon(vertices: &[[f64; 2]]) -> Result<Self, ShapeError> {
         Ok(Self::Polygon { vertices: Vertices::new(vertices)? })
@@ -153,7 +153,7 @@ impl Shape {
     }
 
     /// Share of the way from the centroid to the rim of the convex hull at which `point` lies: below 1 inside, 1 on the rim.
-    /// A plane support carries a load whose centre of pressure has a share below 1.
+    /// A plane support carries a load whose center of pressure has a share below 1.
     pub fn rim_share(&self, point: [f64; 2]) -> f64 {
         let [x, y] = point;
         match self {

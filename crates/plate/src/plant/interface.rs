@@ -3,7 +3,7 @@
 use crate::{Drive, PlateError};
 use bracketry_sim::{Outcome, Trajectory};
 
-/// The states of every plant: position of the centre of mass in the plate frame (m), yaw (rad), and their rates.
+/// The states of every plant: position of the center of mass in the plate frame (m), yaw (rad), and their rates.
 pub const STATES: [&str; 6] = ["x", "y", "phi", "vx", "vy", "w"];
 
 /// An object on a moving plate, with states [`STATES`].

@@ -19,9 +19,9 @@ pub struct Comparison {
     pub to: f64,
     /// Rows of the log in it.
     pub rows: usize,
-    /// Along x, in millimetres.
+    /// Along x, in millimeters.
     pub x_mm: Deviation,
-    /// Along y, in millimetres.
+    /// Along y, in millimeters.
     pub y_mm: Deviation,
     /// Yaw, in degrees.
     pub phi_deg: Deviation,

@@ -63,7 +63,7 @@ pub enum PlateStop {
         reason: StopReason,
     },
     /// The caller broke the run off.
-    Cancelled {
+    Canceled {
         /// When, in s.
         t: f64,
     },

@@ -10,7 +10,7 @@ use crate::{Experiment, Friction, Object, STATES};
 pub enum PlateModel {
     /// As published: per-axis friction, no yaw friction, no centrifugal and thickness terms.
     Published,
-    /// First principles with the friction of one point of contact under the centre of mass.
+    /// First principles with the friction of one point of contact under the center of mass.
     Point,
     /// The area contact reduced to an ordinary differential equation with yaw friction.
     Reduced,

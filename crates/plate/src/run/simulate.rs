@@ -49,7 +49,7 @@ impl PlateSetup {
             rows.push(row);
             let t = simulation.object.time();
             if k % WATCHED == 0 && watch(t).is_break() && stopped.is_none() {
-                stopped = Some(PlateStop::Cancelled { t });
+                stopped = Some(PlateStop::Canceled { t });
             }
             if stopped.is_some() || sample >= self.end() {
                 return Ok(simulation.into_run(rows, stopped, clock));

@@ -71,7 +71,7 @@ class AtPoint(Reach):
     stabilizable: Answer | None = None
     stabilizable_reason: str | None = None
     uncontrollable_modes: list[dict[str, Any]] | Literal["unknown"] | None = None
-    #: Brockett's necessary condition for stabilisation by continuous state feedback.
+    #: Brockett's necessary condition for stabilization by continuous state feedback.
     brockett_condition: Answer | None = None
 
 
@@ -114,7 +114,7 @@ class Analysis(Result):
     switched: Reach | None = field(repr=False, default=None)
     #: The model with smooth signs; None for a smooth model.
     smoothed: Reach | None = field(repr=False, default=None)
-    #: None if the model gives no point, or if it could not be analysed there.
+    #: None if the model gives no point, or if it could not be analyzed there.
     at_point: AtPoint | None = field(repr=False, default=None)
     involutive: Answer = "unknown"
     static_feedback_linearizable: Answer = "unknown"

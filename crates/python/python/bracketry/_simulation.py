@@ -143,7 +143,7 @@ def simulate(
     table = path_of(inputs)
     if table is not None:
         if start is not None:
-            raise BracketryError("a table of inputs begins at its first time: leave out `start`")
+            raise BracketryError("a table of inputs starts at its first time: omit `start`")
         text = toml_document({"duration": 1.0, **own}, "simulate")
         return _run(system, table=table, text=text, duration=duration, sample=sample, **native)
     samples: dict[str, tuple[Floats, Floats]] = {}
@@ -169,7 +169,7 @@ def simulate(
                 ignored.append(name)
         if not samples and system.inputs:
             raise BracketryError(
-                f"inputs: no column is called like an input of the model; name them {', '.join(sorted(known))}"
+                f"inputs: no column has the name of an input of the model; name them {', '.join(sorted(known))}"
             )
     else:
         for name, value in given.items():

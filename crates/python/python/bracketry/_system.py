@@ -254,7 +254,7 @@ class System:
             shape = np.broadcast_shapes(*(b.shape[:-1] for b in blocks))
         except ValueError:
             shapes = ", ".join(str(b.shape) for b in blocks)
-            raise BracketryError(f"the shapes {shapes} do not go together: all axes but the last must agree") from None
+            raise BracketryError(f"the shapes {shapes} do not match: all axes but the last must agree") from None
         wide = [np.broadcast_to(b, (*shape, b.shape[-1])) for b in blocks]
         rows = np.concatenate(wide, axis=-1).reshape(-1, sum(b.shape[-1] for b in blocks))
         return np.ascontiguousarray(rows), tuple(shape)

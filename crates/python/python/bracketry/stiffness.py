@@ -157,7 +157,7 @@ class Weighing(Result):
     #: Mass (kg).
     mass: float
     mass_deviation: float
-    #: Centre of mass in the sensor's frame (m), shape (3,).
+    #: Center of mass in the sensor's frame (m), shape (3,).
     centre: Floats
     centre_deviation: Floats = field(repr=False)
     #: Reading without any load in the sensor's axes (N, N·m), shape (6,).

@@ -138,14 +138,14 @@ fn linearization(f: &mut String, r: &LinearizationReport) -> fmt::Result {
     writeln!(f, "linearization by static feedback")?;
     writeln!(f, "  {:<22} {}", "dimensions of D_i", joined(&dims, ", "))?;
     for (i, (h, list)) in r.linearizing_outputs.iter().zip(&r.coordinates).enumerate() {
-        let label = if i == 0 { "linearising outputs" } else { "" };
+        let label = if i == 0 { "linearizing outputs" } else { "" };
         writeln!(f, "  {label:<22} {} (chain of {})", readable(&h.to_string()), list.len())?;
     }
     if let Some(feedback) = &r.feedback {
-        writeln!(f, "  {:<22} {}", "linearising feedback", readable(&assignments(feedback)))?;
+        writeln!(f, "  {:<22} {}", "linearizing feedback", readable(&assignments(feedback)))?;
     }
     if let Some(set) = r.singular_set.as_ref().filter(|s| !s.is_nowhere()) {
-        writeln!(f, "  {:<22} {}", "which fails where", readable(&set.to_string()))?;
+        writeln!(f, "  {:<22} {}", "singular where", readable(&set.to_string()))?;
     }
     if let Some(why) = &r.reason {
         writeln!(f, "  {why}")?;
@@ -176,7 +176,7 @@ fn flatness(f: &mut String, r: &FlatnessReport) -> fmt::Result {
         let list: Vec<String> = r.relative_degree.iter().map(ToString::to_string).collect();
         writeln!(f, "  {:<22} {}", "relative degrees", joined(&list, ", "))?;
         if let Some(set) = r.singular_set.as_ref().filter(|s| !s.is_nowhere()) {
-            writeln!(f, "  {:<22} {}", "which fails where", readable(&set.to_string()))?;
+            writeln!(f, "  {:<22} {}", "singular where", readable(&set.to_string()))?;
         }
     }
     Ok(())

@@ -3,7 +3,7 @@
 use bracketry_lie::{Analysis, Bracket, Dimensions, Generator, Influence, ModeReport, ReachTable};
 use bracketry_plot::{Color, TileChart, TileGrid};
 
-/// Inputs that get a colour each.
+/// Inputs that get a color each.
 const OWN_COLORS: usize = 3;
 /// Grids with more rows are left out: nobody reads them.
 const MOST_ROWS: usize = 60;
@@ -28,7 +28,7 @@ pub fn growth_figure(a: &Analysis) -> TileChart {
     chart = chart
         .category(SEVERAL, Color::band(5))
         .category(SWITCHING, Color::band(4))
-        .category(UNNAMED, Color::band(0).mix(Color::GREY, 0.15))
+        .category(UNNAMED, Color::band(0).mix(Color::GRAY, 0.15))
         .category(NEVER, Color::VERMILLION.mix(Color(255, 255, 255), 0.45));
     if a.states > MOST_ROWS {
         return chart;

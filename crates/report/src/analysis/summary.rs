@@ -21,7 +21,7 @@ fn about_delays(a: &Analysis) -> Option<String> {
     Some(format!(
         "Inputs act later than they are commanded ({}). All this is about the inputs as they arrive: what they reach from the \
          state at which the first command arrives is reached that much later, ranks and dimensions are the same. A \
-         feedback of the state, as for linearisation or stabilisation, would have to know the state that much ahead.",
+         feedback of the state, as for linearization or stabilization, would have to know the state that much ahead.",
         list.join(", ")
     ))
 }

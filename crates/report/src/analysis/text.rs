@@ -232,7 +232,7 @@ pub(crate) fn family(r: &Family) -> String {
     };
     let agrees = match &r.agrees {
         Answer::Known(true) => "agrees".to_owned(),
-        Answer::Known(false) => "does NOT agree".to_owned(),
+        Answer::Known(false) => "does not agree".to_owned(),
         Answer::Unknown(why) => format!("was not compared ({why})"),
     };
     format!(

@@ -68,7 +68,7 @@ impl Diagnosis {
         let mut chart = TimeSeries::new().title(title);
         for r in shown.iter().take(MOST_COLUMNS) {
             let missing =
-                Series::new("measured − modelled", r.times.clone(), r.values.clone()).color(Role::Refitted.color());
+                Series::new("measured − modeled", r.times.clone(), r.values.clone()).color(Role::Refitted.color());
             let panel = Panel::new(format!("missing in {0}′ [unit of {0}/s]", r.equation));
             chart = chart.panel(
                 panel
@@ -125,7 +125,8 @@ impl Diagnosis {
             caption: format!(
                 "Candidates, each alone with all parameters refitted, and the 95 % interval.{}",
                 if several {
-                    " For several causes, also what each removes on held-out data from the model with all the others: an effect that is small or masked alone may be large in combination."
+                    " For several causes, also what each removes on held-out data from the model with all the others: an \
+                     effect that is small or masked alone may be large in combination."
                 } else {
                     ""
                 }
@@ -168,7 +169,7 @@ fn of_places(places: &[Place], name: &str, title: &str) -> Option<Figure> {
         if several { format!("{}: {regime}", p.equation) } else { regime }
     };
     let shares: Vec<f64> = places.iter().map(|p| 100.0 * p.share).collect();
-    let mut chart = BarChart::new("share [%]", places.iter().map(label)).series("of the excess error", shares);
+    let mut chart = BarChart::new("share [%]", places.iter().map(label)).series("of the excess", shares);
     if let Some(times) = places.iter().map(|p| p.time.map(|t| 100.0 * t)).collect::<Option<Vec<f64>>>() {
         chart = chart.series("of the time", times);
     }
@@ -241,7 +242,8 @@ fn prediction(held_out: &HeldOut) -> Option<Figure> {
     }
     let drawing = chart.draw();
     let caption = format!(
-        "{}: predicted from t = {:.3} s on, the state there estimated from the samples before; the prediction with the median error.",
+        "{}: predicted from t = {:.3} s on, the state there estimated from the samples before; the prediction with the \
+         median error.",
         record.name, times[0]
     );
     Some(Figure { name: "prediction".to_owned(), caption, drawing })

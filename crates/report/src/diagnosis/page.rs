@@ -133,7 +133,7 @@ fn tables(report: &Report, level: usize) -> String {
             vec![formula(&p.equation), escaped(&regime(&p.regime)), percent(p.share), time]
         });
         out += &heading(level, "Where the refitted model is wrong");
-        out += &table(&["equation", "when", "share of the excess error", "share of the time"], rows);
+        out += &table(&["equation", "when", "share of the excess", "share of the time"], rows);
     }
     if !report.parameters.is_empty() {
         let rows = report.parameters.iter().map(|p| {
@@ -165,7 +165,7 @@ fn tables(report: &Report, level: usize) -> String {
                 p_value(c.p_value),
             ]
         });
-        out += &heading(level, "What was tried, each alone");
+        out += &heading(level, "Candidates, each alone");
         out += &table(&["", "candidate", "in", "term", "explains", "95 %", "p"], rows);
     }
     out

@@ -48,7 +48,7 @@ impl Ranks {
 }
 
 impl RankChange {
-    /// Analyses both models; `None` if one of them cannot be analyzed.
+    /// Analyzes both models; `None` if one of them cannot be analyzed.
     pub(super) fn between(given: &System, extended: &System) -> Option<Self> {
         Some(Self { before: Ranks::of(given)?, after: Ranks::of(extended)? })
     }

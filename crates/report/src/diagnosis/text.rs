@@ -29,7 +29,7 @@ fn write_report(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
         write_cause(f, cause)?;
     }
     if !report.places.is_empty() {
-        let mut table = Table::new(["equation", "when", "share of the excess error", "share of the time"]);
+        let mut table = Table::new(["equation", "when", "share of the excess", "share of the time"]);
         for p in report.places.iter().chain(&report.regimes) {
             table.row([&p.equation, &regime(&p.regime), &percent(p.share), &p.time.map_or_else(String::new, percent)]);
         }
@@ -156,7 +156,7 @@ fn write_candidates(f: &mut Formatter<'_>, candidates: &[Candidate]) -> fmt::Res
             probability(c.p_value).trim_start_matches("= "),
         ]);
     }
-    write!(f, "\nCandidates, each alone with all parameters refitted (share of the excess error)\n{table}")?;
+    write!(f, "\nCandidates, each alone with all parameters refitted (share of the excess)\n{table}")?;
     if candidates.len() > LISTED {
         writeln!(f, "  and {} more", candidates.len() - LISTED)?;
     }

@@ -1,4 +1,4 @@
-//! Sections on what the inputs do to the outputs and on linearisation by feedback.
+//! Sections on what the inputs do to the outputs and on linearization by feedback.
 
 use bracketry_lie::{
     Answer, Condition, FlatnessReport, FlatnessVerdict, Function, InputOutputReport, LinearizationReport, Subject,
@@ -138,8 +138,8 @@ pub(super) fn complex(re: f64, im: f64) -> String {
     format!("{real}{sign} {}\\,i", digits(im.abs()))
 }
 
-/// Linearisation by static feedback.
-pub(super) fn linearisation(a: &Analysis, out: &mut Vec<Block>) {
+/// Linearization by static feedback.
+pub(super) fn linearization(a: &Analysis, out: &mut Vec<Block>) {
     if a.inputs == 0 {
         return;
     }
@@ -150,7 +150,10 @@ pub(super) fn linearisation(a: &Analysis, out: &mut Vec<Block>) {
     }
     let mut items = vec![
         item("input fields span an involutive distribution", yes_no(&report.involutive)),
-        item("linearizable by static state feedback near a generic point", yes_no(&report.static_feedback_linearizable)),
+        item(
+            "linearizable by static state feedback near a generic point",
+            yes_no(&report.static_feedback_linearizable),
+        ),
     ];
     if let Some(l) = &report.control.feedback_linearization {
         flag(l, &mut items);
@@ -235,7 +238,7 @@ fn linear_form(l: &LinearizationReport, out: &mut Vec<Block>) {
     out.push(Block::Display(rows.collect()));
     let mut items = Vec::new();
     if let Some(feedback) = &l.feedback {
-        items.push(feedback_line("linearising feedback: ", &feedback.0));
+        items.push(feedback_line("linearizing feedback: ", &feedback.0));
     }
     if let Some(set) = &l.singular_set {
         items.push(singular(set, "not defined where "));

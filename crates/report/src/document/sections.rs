@@ -19,7 +19,7 @@ pub(super) fn document(a: &Analysis) -> Vec<Block> {
     reach(a, &mut out);
     local::at_the_point(a, &mut out);
     control::input_output(a, &mut out);
-    control::linearisation(a, &mut out);
+    control::linearization(a, &mut out);
     outputs::observability(a, &mut out);
     certificate(a, &mut out);
     out
@@ -154,7 +154,7 @@ fn candidates(a: &Analysis, out: &mut Vec<Block>) {
         let states = if c.is_accepted() { vec![math(c.added_states.to_string())] } else { Vec::new() };
         vec![vec![text(method_name(c.method))], states, vec![text(verdict)], vec![text(c.why.to_string())]]
     };
-    let header = ["way", "added states", "", "why"].map(|h| vec![text(h)]).to_vec();
+    let header = ["method", "added states", "", "why"].map(|h| vec![text(h)]).to_vec();
     out.push(Block::Table(header, a.affinization.candidates.iter().map(row).collect()));
 }
 

@@ -18,7 +18,7 @@ const SLIDES: f64 = 0.001;
 
 /// How the object touches the plate, with its colors; numbered in this order.
 const CONTACT: [(&str, Color); 4] = [
-    ("sticks", Color::GREY),
+    ("sticks", Color::GRAY),
     ("slides", Color::ORANGE),
     ("sticks in part", Color::GREEN),
     ("off the plate or tipping", Color::PURPLE),

@@ -58,7 +58,10 @@ fn result(out: &mut String, ran: &PlateExperiment) -> fmt::Result {
         writeln!(out, "  outcome     {}", stopped(stop))?;
     }
     if ran.outcome() == PlateOutcome::NotFlat {
-        writeln!(out, "  outcome     the object does not lie flat at the end: it tips, has overturned, or is in flight")?;
+        writeln!(
+            out,
+            "  outcome     the object does not lie flat at the end: it tips, has overturned, or is in flight"
+        )?;
     }
     let last = &run.rows[run.rows.len() - 1];
     let units = [1e3, 1e3, DEGREES];
@@ -84,7 +87,7 @@ fn contact(out: &mut String, run: &PlateRun) -> fmt::Result {
     if let Some(closure) = run.energy_closure {
         writeln!(
             out,
-            "  energy      energy balance of the discrete equations closes to {closure:.1e} of the energy exchanged"
+            "  energy      balance of the discrete equations closes to {closure:.1e} of the energy exchanged"
         )?;
     }
     let simulated = run.rows[run.rows.len() - 1].t - run.rows[0].t;
@@ -94,7 +97,7 @@ fn contact(out: &mut String, run: &PlateRun) -> fmt::Result {
 
 fn comparison(out: &mut String, c: &Comparison) -> fmt::Result {
     writeln!(out, "  compared    with {} from {} to {} s, {} rows (run − log):", c.log, c.from, c.to, c.rows)?;
-    let percent = c.phi_percent.map_or(String::new(), |p| format!(" ({p:+.2} % of the turn)"));
+    let percent = c.phi_percent.map_or(String::new(), |p| format!(" ({p:+.2} % of the rotation)"));
     for (name, unit, d, note) in
         [("x", "mm", &c.x_mm, ""), ("y", "mm", &c.y_mm, ""), ("φ", "°", &c.phi_deg, percent.as_str())]
     {
@@ -142,14 +145,14 @@ pub(super) fn stopped(stop: &PlateStop) -> String {
         PlateStop::NotFinite { t } => format!("numbers out of range at t = {t:.6} s"),
         PlateStop::Rocking { t } => format!("the object rocks faster than can be followed at t = {t:.6} s"),
         PlateStop::Integration { t, reason } => format!("stopped at t = {t:.6} s: {reason}"),
-        PlateStop::Cancelled { t } => format!("broken off at t = {t:.3} s"),
+        PlateStop::Canceled { t } => format!("broken off at t = {t:.3} s"),
     }
 }
 
 fn departed(outcome: &AreaOutcome) -> String {
     match outcome {
         AreaOutcome::LiftOff { t } => format!("lifts off at t = {t:.6} s: the plate would have to pull"),
-        AreaOutcome::Tipping { t, .. } => format!("tips at t = {t:.6} s: the centre of pressure reaches the rim"),
+        AreaOutcome::Tipping { t, .. } => format!("tips at t = {t:.6} s: the center of pressure reaches the rim"),
         AreaOutcome::Finished | AreaOutcome::NotFinite { .. } => outcome.to_string(),
     }
 }

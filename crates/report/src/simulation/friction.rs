@@ -21,7 +21,7 @@ fn category(mode: Mode) -> &'static str {
     }
 }
 
-/// The same colour for the same mode in every figure.
+/// The same color for the same mode in every figure.
 pub fn friction_colors(figure: TimeSeries) -> TimeSeries {
     let modes = [Mode::Positive, Mode::Negative, Mode::Sticking, Mode::Sliding];
     modes.into_iter().enumerate().fold(figure, |f, (k, m)| f.category_color(category(m), Color::band(k)))

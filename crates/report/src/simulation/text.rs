@@ -20,7 +20,7 @@ pub fn text(system: &System, given: &SampledScenario, run: &ScenarioRun) -> Stri
     let at_zero = given.held_at_zero.iter();
     lines.extend(at_zero.map(|name| format!("  the input `{name}` is not driven: it is zero")));
     lines.extend(run.impulses_left_out.iter().map(|(input, order)| {
-        format!("  warning: `{input}` jumps or has kinks: impulses of der({input},{order}) are left out")
+        format!("  warning: `{input}` jumps or has kinks: impulses of der({input},{order}) are neglected")
     }));
     lines.extend(beyond_ranges(system, run).iter().map(|sentence| format!("  warning: {sentence}")));
     let ignored = given.ignored.iter();

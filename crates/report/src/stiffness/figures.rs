@@ -42,7 +42,8 @@ pub fn residuals(found: &Identification) -> Option<Result<Drawing, PlotError>> {
     let outliers: Vec<(f64, f64)> = of(true).flat_map(|p| [0, 1, 2].map(|i| point(p, i))).collect();
     if !outliers.is_empty() && high > 0.0 {
         let beyond = outliers.iter().any(|(x, y)| x.abs() > wide || y.abs() > high);
-        let name = if beyond { "excluded as outlier (outside the axes: drawn at the edge)" } else { "excluded as outlier" };
+        let name =
+            if beyond { "excluded as outlier (outside the axes: drawn at the edge)" } else { "excluded as outlier" };
         let shown = outliers.iter().map(|(x, y)| (x.clamp(-wide, wide), y.clamp(-high, high)));
         let (x, y): (Vec<f64>, Vec<f64>) = shown.unzip();
         panel = panel.series(Series::new(name, x, y).crosses().color(Color::INK)).limits(-high, high);

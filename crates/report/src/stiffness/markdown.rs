@@ -14,7 +14,7 @@ pub fn identification(found: &Identification) -> String {
     }
     out.push_str(".\n\n");
     if let Some(why) = &found.outliers_kept {
-        let _ = writeln!(out, "No outliers left out: {why}.\n");
+        let _ = writeln!(out, "No outliers excluded: {why}.\n");
     }
     let header = ["method", "error of prediction [σ]", "condition", "χ²/dof", "does not apply"];
     let methods = found.methods.iter().map(|(method, figures)| {

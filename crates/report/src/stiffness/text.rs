@@ -270,7 +270,13 @@ pub fn lost_motion(report: &LostMotionReport) -> String {
 /// A choice of measurements.
 pub fn chosen_poses(found: &ChosenPoses) -> String {
     printed(|out| {
-        writeln!(out, "{}: the {} most informative of {} measurements", found.robot, found.lines.len(), found.candidates)?;
+        writeln!(
+            out,
+            "{}: the {} most informative of {} measurements",
+            found.robot,
+            found.lines.len(),
+            found.candidates
+        )?;
         writeln!(out, "lines {}", listed(&found.lines))?;
         writeln!(out, "\n{:20} {:>16} {:>16}", "expected error", "of these", "of all")?;
         let percent = |value: &Option<f64>| {
@@ -301,8 +307,8 @@ pub fn weighing(found: &Weighing) -> String {
         )?;
         writeln!(out, "mass {:.4} ± {:.4} kg", payload.mass, estimate.mass_deviation)?;
         for (i, axis) in ["x", "y", "z"].iter().enumerate() {
-            let (centre, deviation) = (1e3 * payload.centre[i], 1e3 * estimate.centre_deviation[i]);
-            writeln!(out, "center {axis} {centre:.2} ± {deviation:.2} mm, in the sensor's frame")?;
+            let (center, deviation) = (1e3 * payload.center[i], 1e3 * estimate.center_deviation[i]);
+            writeln!(out, "center {axis} {center:.2} ± {deviation:.2} mm, in the sensor's frame")?;
         }
         for (i, (value, deviation)) in payload.bias.iter().zip(&estimate.bias_deviation).enumerate() {
             let unit = if i < 3 { "N" } else { "N·m" };
@@ -317,8 +323,8 @@ pub fn weighing(found: &Weighing) -> String {
 /// The table `[payload]` for a robot file.
 pub fn payload_table(payload: &Payload) -> String {
     let list = |values: &[f64]| values.iter().map(|v| format!("{v:.5}")).collect::<Vec<_>>().join(", ");
-    let (centre, bias) = (list(payload.centre.as_slice()), list(payload.bias.as_slice()));
-    format!("[payload]\nmass = {:.5}\ncentre = [{centre}]\nbias = [{bias}]\n", payload.mass)
+    let (center, bias) = (list(payload.center.as_slice()), list(payload.bias.as_slice()));
+    format!("[payload]\nmass = {:.5}\ncentre = [{center}]\nbias = [{bias}]\n", payload.mass)
 }
 
 /// A compensation along a log.
@@ -334,7 +340,7 @@ pub fn compensated_log(run: &CompensatedLog) -> String {
         writeln!(out, "largest correction of each joint [mrad, mm]: {}", corrections.join(", "))?;
         if run.limited > 0 {
             let samples = samples(run.limited);
-            writeln!(out, "limits acted at {samples}: raise correction_limit or rate_limit if this is wanted")?;
+            writeln!(out, "limits reached at {samples}: raise correction_limit or rate_limit if this is wanted")?;
         }
         for count in &run.faults {
             writeln!(out, "held at {}: {}", samples(count.samples), fault(count.fault))?;

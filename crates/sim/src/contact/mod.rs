@@ -1,4 +1,4 @@
-//! Implicit time stepping of dry contact by convex optimisation.
+//! Implicit time stepping of dry contact by convex optimization.
 //!
 //! A body of `N` velocity coordinates touches something at points with slip velocities `J_i v`, `J_i` of two rows. Maximum
 //! dissipation makes one implicit step of its motion, with bounds `b_i` on the friction forces that are known, the strictly

@@ -1,6 +1,6 @@
 //! Contact points with dry friction, stored lane by lane.
 
-/// Points treated at once; the arithmetic of a chunk vectorises.
+/// Points treated at once; the arithmetic of a chunk vectorizes.
 pub(super) const LANES: usize = 4;
 /// One number of each point of a chunk.
 pub(super) type Chunk = [f64; LANES];

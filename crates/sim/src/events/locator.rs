@@ -297,7 +297,7 @@ impl<S: Switched> Search<'_, S> {
         if g[a] > next || g[a] > 0.1 * size || self.field.departing[i] && a == 0 {
             return None;
         }
-        // Towards the interior of the step.
+        // Toward the interior of the step.
         let rate = match (self.field.modes[i] == Mode::Sticking, a) {
             (true, 0) => (self.gap(i, 1e-3) - g[0]) / 1e-3,
             (true, _) => (self.gap(i, 1.0 - 1e-3) - g[4]) / 1e-3,

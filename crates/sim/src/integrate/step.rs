@@ -5,7 +5,7 @@ use crate::Switched;
 use crate::friction::{Filippov, Mode};
 use crate::settings::Settings;
 
-/// Error allowed in the sticking signs from one order to the other: enough to see every excursion towards ±1.
+/// Error allowed in the sticking signs from one order to the other: enough to see every excursion toward ±1.
 const SIGN_TOLERANCE: f64 = 1e-4;
 
 /// Where the start and the stages of an implicit step are kept among the stages.

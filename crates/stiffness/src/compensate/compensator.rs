@@ -285,7 +285,7 @@ impl Compensator {
         self.deformed.update(&self.robot, &self.loaded, &self.deflected);
     }
 
-    /// Brings the correction towards what is wanted, as far as the limits allow. All joints are shortened alike, so that the tool
+    /// Brings the correction toward what is wanted, as far as the limits allow. All joints are shortened alike, so that the tool
     /// keeps the direction of its way.
     fn limit(&mut self, status: &mut Status) {
         let largest = self.wanted.iter().fold(0.0f64, |m, w| m.max(w.abs()));

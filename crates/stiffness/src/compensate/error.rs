@@ -26,9 +26,7 @@ pub enum CompensationError {
         lag: f64,
     },
     /// An error of stiffness that leaves nothing to compensate with.
-    #[error(
-        "the assumed stiffness error is {share}; it must be a fraction from 0 to below 1: 10 % is 0.1"
-    )]
+    #[error("the assumed stiffness error is {share}; it must be a fraction from 0 to below 1: 10 % is 0.1")]
     StiffnessError {
         /// The share.
         share: f64,

@@ -35,7 +35,7 @@ impl Stability {
 
     /// Whether both gains are below one and the process holds.
     ///
-    /// A `compensation` below one is enough for any lag of the servo and any filter whose gain is at most one (generalised
+    /// A `compensation` below one is enough for any lag of the servo and any filter whose gain is at most one (generalized
     /// Nyquist criterion: every eigenvalue of the loop is one of `(1 + K_p C)⁻¹ K_p Ĉ` times the filter and the lag).
     pub fn holds(&self) -> bool {
         self.process_holds && self.process < 1.0 && self.compensation < 1.0
@@ -43,24 +43,23 @@ impl Stability {
 }
 
 /// Stability of compensation with a process of stiffness `K_p`, in base axes at the tool point: the wrench on the robot changes by
-/// `−K_p ΔX` as the tool point moves. `compliance` C is the robot's, `modelled` Ĉ what the compensation believes.
+/// `−K_p ΔX` as the tool point moves. `compliance` C is the robot's, `modeled` Ĉ what the compensation believes.
 ///
 /// # Errors
 /// [`CompensationError`] for a matrix with an entry that is not finite, or whose eigenvalues do not settle.
 pub fn stability(
     process: &Matrix6<f64>,
     compliance: &Matrix6<f64>,
-    modelled: &Matrix6<f64>,
+    modeled: &Matrix6<f64>,
 ) -> Result<Stability, CompensationError> {
-    for (what, matrix) in
-        [("process stiffness", process), ("compliance", compliance), ("modelled compliance", modelled)]
+    for (what, matrix) in [("process stiffness", process), ("compliance", compliance), ("modeled compliance", modeled)]
     {
         check_finite(what, matrix)?;
     }
     let round = process * compliance;
     let returned = eigenvalues(&round)?;
     let process_holds = returned.iter().all(|e| 1.0 + e.re > 0.0);
-    let fed_back = (Matrix6::identity() + round).lu().solve(&(process * modelled));
+    let fed_back = (Matrix6::identity() + round).lu().solve(&(process * modeled));
     let compensation = match fed_back {
         Some(matrix) => radius(&eigenvalues(&matrix)?),
         None => f64::INFINITY,

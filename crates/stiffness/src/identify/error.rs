@@ -182,7 +182,8 @@ pub enum IdentificationError {
     },
     /// A noise that is none.
     #[error(
-        "the covariance of the {what} is not symmetric positive definite, or its standard deviations are not between 1e-12 and 1e6"
+        "the covariance of the {what} is not symmetric positive definite, or its standard deviations are not between 1e-12 \
+         and 1e6"
     )]
     Noise {
         /// Displacement or wrench.
@@ -211,7 +212,8 @@ pub enum IdentificationError {
     },
     /// More outliers than an error of measurement explains.
     #[error(
-        "{found} of {of} measurements contradict the rest; this is no matter of outliers: check the model, the units and the noise"
+        "{found} of {of} measurements contradict the rest; this is no matter of outliers: check the model, the units and \
+         the noise"
     )]
     TooManyOutliers {
         /// Measurements beyond the threshold.

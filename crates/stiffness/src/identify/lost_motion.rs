@@ -46,7 +46,7 @@ pub struct LostMotion {
 /// What is left of measured displacements, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LostMotionReport {
-    /// Root mean square of measured less modelled displacement (m).
+    /// Root mean square of measured less modeled displacement (m).
     pub residual: f64,
     /// The same after the best change of all joint stiffnesses.
     pub linear: f64,

@@ -18,8 +18,8 @@ use std::f64::consts::{PI, TAU};
 /// (no vibration), which depends on the depth of cut and thereby on where the tool really is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillingCircle {
-    /// Pose of the tool point at the centre of the circle; its z axis points into the work.
-    pub centre: Isometry3<f64>,
+    /// Pose of the tool point at the center of the circle; its z axis points into the work.
+    pub center: Isometry3<f64>,
     /// Radius (m).
     pub radius: f64,
     /// Speed along the circle (m/s).
@@ -60,7 +60,7 @@ impl Default for MillingCircle {
         let pose = Isometry3::translation(0.0, 0.0, -0.25);
         let bias = Wrench::new(15.0, -22.0, 31.0, 1.5, -0.8, 0.4);
         Self {
-            centre: Isometry3::from_parts(Translation3::new(1.5, 0.0, 0.9), down),
+            center: Isometry3::from_parts(Translation3::new(1.5, 0.0, 0.9), down),
             radius: 0.035,
             feed: 0.03,
             run_in: 0.8,
@@ -68,7 +68,7 @@ impl Default for MillingCircle {
             lag: 0.012,
             cutting,
             sensor: ForceSensor { pose, force_range: 2000.0, moment_range: 500.0 },
-            payload: Payload { mass: 12.0, centre: Vector3::new(0.01, -0.02, 0.12), bias },
+            payload: Payload { mass: 12.0, center: Vector3::new(0.01, -0.02, 0.12), bias },
             gravity: Vector3::new(0.0, 0.0, -9.81),
             noise: [2.0, 0.1],
             seed: 1,
@@ -87,7 +87,7 @@ pub struct CircleSample {
     pub reference: Vector3<f64>,
     /// Where the tool point is.
     pub actual: Vector3<f64>,
-    /// Distance from the centre, in the plane, less the radius (m).
+    /// Distance from the center, in the plane, less the radius (m).
     pub radial_error: f64,
     /// Distance of the two points (m).
     pub point_error: f64,
@@ -194,7 +194,7 @@ impl MillingCircle {
     }
 
     /// Largest gains of the loop through the process along the circle, for a robot of `springs` and a compensation that
-    /// believes in `modelled`.
+    /// believes in `modeled`.
     ///
     /// # Errors
     /// [`CompensationError`] for springs that do not fit the robot.
@@ -203,7 +203,7 @@ impl MillingCircle {
         robot: &Robot,
         path: &[Vec<f64>],
         springs: &Springs,
-        modelled: &Springs,
+        modeled: &Springs,
     ) -> Result<Stability, CompensationError> {
         let mut worst = Stability::NONE;
         for (k, q) in path.iter().enumerate().step_by((path.len() / 72).max(1)) {
@@ -211,7 +211,7 @@ impl MillingCircle {
             let at = self.directions(self.angle(k));
             let load = self.cutting.wrench(&at, self.cutting.depth, 0.0);
             let compliance = loaded_compliance(robot, springs, &kinematics, &load)?;
-            let believed = loaded_compliance(robot, modelled, &kinematics, &load)?;
+            let believed = loaded_compliance(robot, modeled, &kinematics, &load)?;
             worst = worst.worse(stability(&self.cutting.stiffness(&at), &compliance, &believed)?);
         }
         Ok(worst)
@@ -289,7 +289,7 @@ impl MillingCircle {
     }
 
     fn directions(&self, angle: f64) -> Directions {
-        let axes = self.centre.rotation;
+        let axes = self.center.rotation;
         Directions {
             outwards: axes * Vector3::new(angle.cos(), angle.sin(), 0.0),
             feed: axes * Vector3::new(-angle.sin(), angle.cos(), 0.0),
@@ -298,13 +298,13 @@ impl MillingCircle {
     }
 
     fn reference(&self, angle: f64) -> Isometry3<f64> {
-        let point = self.centre.translation.vector + self.radius * self.directions(angle).outwards;
-        Isometry3::from_parts(point.into(), self.centre.rotation)
+        let point = self.center.translation.vector + self.radius * self.directions(angle).outwards;
+        Isometry3::from_parts(point.into(), self.center.rotation)
     }
 
-    /// Distance from the centre in the plane of the circle.
+    /// Distance from the center in the plane of the circle.
     fn distance(&self, point: &Vector3<f64>) -> f64 {
-        let local = self.centre.rotation.inverse() * (point - self.centre.translation.vector);
+        let local = self.center.rotation.inverse() * (point - self.center.translation.vector);
         local.x.hypot(local.y)
     }
 

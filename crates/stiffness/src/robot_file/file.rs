@@ -217,7 +217,7 @@ fn payload(document: &Document, table: &Table<'_>) -> Result<Payload, FileError>
     only_keys(document, payload, &["mass", "centre", "bias"], "[payload]")?;
     Ok(Payload {
         mass: document.plausible_number(payload, "mass", &MASS)?.unwrap_or(0.0),
-        centre: Vector3::from(document.plausible_numbers(payload, "centre", &LENGTH)?.unwrap_or_default()),
+        center: Vector3::from(document.plausible_numbers(payload, "centre", &LENGTH)?.unwrap_or_default()),
         bias: Wrench::from(document.plausible_numbers(payload, "bias", &LOAD)?.unwrap_or_default()),
     })
 }

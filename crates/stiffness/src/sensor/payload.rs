@@ -9,8 +9,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 pub struct Payload {
     /// Mass in kg.
     pub mass: f64,
-    /// Centre of mass in the sensor's frame (m).
-    pub centre: Vector3<f64>,
+    /// Center of mass in the sensor's frame (m).
+    pub center: Vector3<f64>,
     /// Reading without any load, in the sensor's axes.
     pub bias: Wrench,
 }
@@ -18,7 +18,7 @@ pub struct Payload {
 impl Payload {
     /// Nothing carried, no bias.
     pub fn none() -> Self {
-        Self { mass: 0.0, centre: Vector3::zeros(), bias: Wrench::zeros() }
+        Self { mass: 0.0, center: Vector3::zeros(), bias: Wrench::zeros() }
     }
 
     /// What the sensor reads at rest with no process force: bias and weight, in its axes at its origin.
@@ -26,7 +26,7 @@ impl Payload {
     /// `orientation` is that of the sensor's axes in the base, `gravity` the acceleration in base axes (m/s²).
     pub fn reading(&self, orientation: &UnitQuaternion<f64>, gravity: &Vector3<f64>) -> Wrench {
         let force = self.mass * (orientation.inverse() * gravity);
-        self.bias + stacked(&force, &self.centre.cross(&force))
+        self.bias + stacked(&force, &self.center.cross(&force))
     }
 
     /// Refuses what is not finite or weighs less than nothing.
@@ -35,6 +35,6 @@ impl Payload {
         if !(self.mass >= 0.0 && self.mass.is_finite()) {
             return Err(StiffnessError::NotFinite { what: "mass of the payload".into(), value: self.mass });
         }
-        check_finite("centre of the payload", &self.centre)
+        check_finite("center of the payload", &self.center)
     }
 }

@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, UnitQuaternion, Vector3};
 
 /// Spread of the direction of gravity in the sensor's axes, as a share of gravity, below which readings count as one.
 const LEAST_SPREAD: f64 = 0.05;
-/// Farthest centre of mass that is believed (m).
-const FARTHEST_CENTRE: f64 = 3.0;
+/// Farthest center of mass that is believed (m).
+const FARTHEST_CENTER: f64 = 3.0;
 /// Heaviest payload that is believed (kg).
 const HEAVIEST: f64 = 5000.0;
 /// Standard deviations a mass has to differ from nothing.
@@ -30,8 +30,8 @@ pub struct PayloadEstimate {
     pub payload: Payload,
     /// Standard deviation of the mass (kg).
     pub mass_deviation: f64,
-    /// Standard deviation of the centre (m).
-    pub centre_deviation: Vector3<f64>,
+    /// Standard deviation of the center (m).
+    pub center_deviation: Vector3<f64>,
     /// Standard deviation of the bias.
     pub bias_deviation: Wrench,
     /// Standard deviation of one reading about the fit: force (N), moment (N·m).
@@ -97,20 +97,20 @@ pub enum PayloadError {
         /// Its standard deviation.
         deviation: f64,
     },
-    /// A mass or a centre of mass that no robot holds.
+    /// A mass or a center of mass that no robot holds.
     #[error(
-        "the readings make a payload of {mass:.3} kg with its centre {distance:.3} m from the sensor: give forces in N and \
+        "the readings make a payload of {mass:.3} kg with its center {distance:.3} m from the sensor: give forces in N and \
          moments in N·m (not mN, N·mm)"
     )]
     Units {
         /// Its mass.
         mass: f64,
-        /// Distance of its centre.
+        /// Distance of its center.
         distance: f64,
     },
 }
 
-/// Mass, centre and bias from readings at rest in several orientations, by least squares: forces
+/// Mass, center and bias from readings at rest in several orientations, by least squares: forces
 /// `f = b_f + m Rᵀg`, moments `μ = b_m + m c × Rᵀg`, linear in `(m, b_f)` and `(m c, b_m)`. Three orientations that turn the
 /// sensor about two axes are enough.
 ///
@@ -154,9 +154,9 @@ pub fn identify_payload(readings: &[StaticReading], gravity: &Vector3<f64>) -> R
     if mass <= SIGNIFICANT * deviation {
         return Err(PayloadError::NoWeight { mass, deviation });
     }
-    let centre: Vector3<f64> = moment.x.fixed_rows::<3>(0) / mass;
-    if centre.norm() > FARTHEST_CENTRE || mass > HEAVIEST {
-        return Err(PayloadError::Units { mass, distance: centre.norm() });
+    let center: Vector3<f64> = moment.x.fixed_rows::<3>(0) / mass;
+    if center.norm() > FARTHEST_CENTER || mass > HEAVIEST {
+        return Err(PayloadError::Units { mass, distance: center.norm() });
     }
     let both = |x: &DVector<f64>, y: &DVector<f64>| Wrench::new(x[1], x[2], x[3], y[3], y[4], y[5]);
     let misfit = |i: usize| {
@@ -165,9 +165,9 @@ pub fn identify_payload(readings: &[StaticReading], gravity: &Vector3<f64>) -> R
     };
     let worst = (0..readings.len()).max_by(|a, b| misfit(*a).total_cmp(&misfit(*b))).map_or(0, |i| i + 1);
     Ok(PayloadEstimate {
-        payload: Payload { mass, centre, bias: both(&force.x, &moment.x) },
+        payload: Payload { mass, center, bias: both(&force.x, &moment.x) },
         mass_deviation: deviation,
-        centre_deviation: moment.deviation.fixed_rows::<3>(0) / mass + centre.abs() * (deviation / mass),
+        center_deviation: moment.deviation.fixed_rows::<3>(0) / mass + center.abs() * (deviation / mass),
         bias_deviation: both(&force.deviation, &moment.deviation),
         residual: [force.sigma, moment.sigma],
         worst,

@@ -9,7 +9,7 @@ use bracketry_trials::{Tolerance, TrialOutcome, TrialReport, TrialRun, TrialSetu
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
-/// Upper ends of the classes of time to target in s, with their colours.
+/// Upper ends of the classes of time to target in s, with their colors.
 const CLASSES: [(f64, Color); 4] =
     [(1.5, Color::GREEN), (2.5, Color::SKY), (5.0, Color::BLUE), (f64::INFINITY, Color::PURPLE)];
 
@@ -30,7 +30,7 @@ impl Figures {
         Ok(())
     }
 
-    /// Every trial by the distance and the turn it asks for, and by where it ends, coloured by its time to target or marked
+    /// Every trial by the distance and the turn it asks for, and by where it ends, colored by its time to target or marked
     /// with the reason why there is none.
     pub(crate) fn success(&self, name: &str, key: &str, reports: &[TrialReport]) -> anyhow::Result<()> {
         let way = |r: &TrialReport| {
@@ -202,7 +202,7 @@ fn classes(reports: &[TrialReport], point: &Point) -> Vec<Series> {
             labels.push(label);
         }
     }
-    for (label, color) in labels.iter().zip([Color::VERMILLION, Color::ORANGE, Color::INK, Color::GREY].iter().cycle())
+    for (label, color) in labels.iter().zip([Color::VERMILLION, Color::ORANGE, Color::INK, Color::GRAY].iter().cycle())
     {
         add(format!("not: {label}"), *color, &|r| r.outcome.label() == *label);
     }

@@ -211,11 +211,11 @@ impl PlateController for AveragedController {
         }
         let command = match self.phase {
             // The plate already rests but for rounding.
-            Phase::Look | Phase::Finished => towards(&PlateKinematics::default(), &plate),
+            Phase::Look | Phase::Finished => toward(&PlateKinematics::default(), &plate),
             _ => {
                 self.sample += 1;
                 let [before, now] = self.cycles;
-                towards(&now.after(&before, PERIOD * f64::from(self.sample)), &plate)
+                toward(&now.after(&before, PERIOD * f64::from(self.sample)), &plate)
             }
         };
         Ok(self.pipeline.send(command))
@@ -227,7 +227,7 @@ impl PlateController for AveragedController {
 }
 
 /// The accelerations that give the plate the rates wanted at the end of the sample.
-fn towards(wanted: &PlateKinematics, plate: &PlateKinematics) -> Command {
+fn toward(wanted: &PlateKinematics, plate: &PlateKinematics) -> Command {
     Command {
         displacement_acceleration: (wanted.velocity - plate.velocity) / PERIOD,
         tilt_acceleration: (wanted.tilt_rate - plate.tilt_rate) / PERIOD,

@@ -62,7 +62,7 @@ impl CycleMap {
     /// counts the nodes of the grid ([`CycleMap::count`]).
     ///
     /// # Errors
-    /// [`TrialError`] if object, coefficient or grid have no meaning, [`TrialError::Cancelled`] if `progress` broke off.
+    /// [`TrialError`] if object, coefficient or grid have no meaning, [`TrialError::Canceled`] if `progress` broke off.
     pub fn new(
         object: &Object,
         mu: f64,
@@ -93,7 +93,7 @@ impl CycleMap {
             Ok([cruise.mean, burst(&contact, &cycle, place)?])
         };
         let results: Option<Vec<_>> = sweep(&cases, run, progress).into_iter().collect();
-        let nodes = results.ok_or(TrialError::Cancelled)?.into_iter().collect::<Result<_, PlateError>>()?;
+        let nodes = results.ok_or(TrialError::Canceled)?.into_iter().collect::<Result<_, PlateError>>()?;
         Ok(Self { y: grid.y.clone(), symmetry_angle, yaws, nodes })
     }
 

@@ -62,7 +62,7 @@ mod tests {
                 plate = plate.after(period);
                 steps += 1;
             }
-            // The least time v/a + 2 √(x/a + v²/2a²), x and v counted towards the side of x + v|v|/2a.
+            // The least time v/a + 2 √(x/a + v²/2a²), x and v counted toward the side of x + v|v|/2a.
             let side = (start + rate * f64::abs(rate) / (2.0 * bound)).signum();
             let root = (side * start / bound + 0.5 * (rate / bound).powi(2)).sqrt();
             let least = side * rate / bound + 2.0 * root;

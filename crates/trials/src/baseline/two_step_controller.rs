@@ -23,7 +23,7 @@ const TILT_LIMIT: f64 = 26.0 * std::f64::consts::PI / 180.0;
 
 /// The published inputs one after the other, the orientation first, then x, then y, from any start to any target.
 ///
-/// Each stage moves its coordinate by the inputs of its experiment ([`Experiment`]) with the sign that moves it towards the
+/// Each stage moves its coordinate by the inputs of its experiment ([`Experiment`]) with the sign that moves it toward the
 /// target, the amplitude held over each period, and ends as soon as the coordinate is seen to cross its target. The plate then
 /// comes to rest gently, the pose is averaged, and the next coordinate that is out of tolerance has its turn. As a stage moves
 /// the other coordinates as well, stages are repeated until all are within their tolerance. The amplitude of the tilt is kept
@@ -103,7 +103,7 @@ impl TwoStepController {
             1 => Experiment::translation_y(),
             _ => Experiment::orientation(),
         };
-        // Experiment 1 turns from x towards y.
+        // Experiment 1 turns from x toward y.
         if index == 2 && error[2] > 0.0 {
             experiment = experiment.with_reversed_tilt();
         }

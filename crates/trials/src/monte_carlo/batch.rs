@@ -111,7 +111,7 @@ impl TrialSummary {
 }
 
 /// Runs trials on all threads of the current rayon pool, each with a controller that `make` makes for it. The results come in
-/// the order of the trials; those of a sweep that was cancelled through `progress` (see [`sweep`]) are missing. But for wall
+/// the order of the trials; those of a sweep that was canceled through `progress` (see [`sweep`]) are missing. But for wall
 /// times they do not depend on the number of threads.
 ///
 /// # Errors

@@ -19,8 +19,8 @@ pub enum PlateMismatch {
     Friction(f64),
     /// Displacement and tilt follow their commands with a first-order lag of this time in s.
     ActuatorLag(f64),
-    /// The point that the camera tracks lies here, seen from the centre of mass in the object's own axes, in m.
-    CentreOfMass([f64; 2]),
+    /// The point that the camera tracks lies here, seen from the center of mass in the object's own axes, in m.
+    CenterOfMass([f64; 2]),
     /// The camera tells where the object was this long ago, in s.
     SensorDelay(f64),
     /// Friction across the axis of the plate over that along it, with the believed geometric mean.
@@ -41,7 +41,7 @@ impl PlateMismatch {
     ];
 
     /// A mismatch of a random kind, nothing being one of them, of random direction or sign: 0.5° of tilt, 10 % of friction,
-    /// 20 ms of lag, 5 mm of the centre of mass, 15 ms of delay, 20 % between the axes.
+    /// 20 ms of lag, 5 mm of the center of mass, 15 ms of delay, 20 % between the axes.
     pub fn draw(seed: u64) -> Self {
         let kind = Random::new(seed).below(Self::KINDS.len());
         Self::of_kind(kind, seed)
@@ -63,7 +63,7 @@ impl PlateMismatch {
             4 => Self::ActuatorLag(0.020),
             5 => {
                 let (sin, cos) = random.between([0.0, std::f64::consts::TAU]).sin_cos();
-                Self::CentreOfMass([0.005 * cos, 0.005 * sin])
+                Self::CenterOfMass([0.005 * cos, 0.005 * sin])
             }
             6 => Self::SensorDelay(0.015),
             _ => Self::AnisotropicFriction(1.2f64.powf(sign)),
@@ -120,7 +120,7 @@ impl PlateMismatch {
             Self::TiltAboutY(_) => 2,
             Self::Friction(_) => 3,
             Self::ActuatorLag(_) => 4,
-            Self::CentreOfMass(_) => 5,
+            Self::CenterOfMass(_) => 5,
             Self::SensorDelay(_) => 6,
             Self::AnisotropicFriction(_) => 7,
         };

@@ -109,7 +109,7 @@ pub fn synthetic_log(
         course.join(&piece);
     }
     let delay = if let PlateMismatch::SensorDelay(time) = *effect { time } else { 0.0 };
-    let point = if let PlateMismatch::CentreOfMass(at) = *effect { at } else { [0.0; 2] };
+    let point = if let PlateMismatch::CenterOfMass(at) = *effect { at } else { [0.0; 2] };
     let seen = times.iter().map(|t| {
         let state = course.state_at((t - delay).max(0.0));
         let (sin, cos) = state[2].sin_cos();

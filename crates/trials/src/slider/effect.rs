@@ -37,7 +37,7 @@ pub enum SliderEffect {
     ElasticMass,
     /// Friction of bristles that bend before they slip, in place of Coulomb's (Dahl 1968; Canudas de Wit et al. 1995, with constant g).
     BristleFriction,
-    /// Coulomb friction that grows towards a higher level while the slider warms up.
+    /// Coulomb friction that grows toward a higher level while the slider warms up.
     WarmingFriction,
     /// The drive's force is limited, which the log does not show.
     ForceLimit,

@@ -42,7 +42,7 @@ const MAX_CANDIDATES: usize = 60;
 /// use bracketry_symbolic::{Bindings, Pool};
 /// let mut p = Pool::new();
 /// let states = ["x", "y", "th", "w"].map(|s| p.symbol(s));
-/// // The roll input of a planar VTOL aircraft keeps Huygens' centre of oscillation where it is.
+/// // The roll input of a planar VTOL aircraft keeps Huygens' center of oscillation where it is.
 /// let roll = ["ep*cos(th)", "ep*sin(th)", "1", "0"].map(|s| p.parse(s).unwrap()).to_vec();
 /// let found = integrals(&mut p, &states, &[roll], &[], &Bindings::new(), &mut Evidence::default()).unwrap();
 /// let text: Vec<String> = found.functions.iter().map(|&e| p.text(e)).collect();

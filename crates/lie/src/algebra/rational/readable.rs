@@ -1,4 +1,4 @@
-//! Readable rational functions: one fraction, common factors cancelled, products kept as products.
+//! Readable rational functions: one fraction, common factors canceled, products kept as products.
 
 use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
@@ -16,7 +16,7 @@ const MAX_COMPARED_NODES: usize = 150;
 const QUOTIENT: usize = 20;
 
 /// An equal expression that reads well: a product of powers where it factors, one fraction, common
-/// factors cancelled, sin² + cos² = 1 used where it shortens. Equal wherever both have a value.
+/// factors canceled, sin² + cos² = 1 used where it shortens. Equal wherever both have a value.
 pub(crate) fn tidy(pool: &mut Pool, e: Expr) -> Expr {
     let nodes = pool.reachable(&[e]).len();
     if nodes < 3 {

@@ -30,7 +30,7 @@ const MAX_INPUTS: usize = 6;
 /// the span exists just when no combination of those brackets across the span is semidefinite
 /// (compare the second-order conditions of Bianchini and Stefani, Hirschorn and Lewis, Basto-Gonçalves). S is found
 /// by alternating projections, rounded, and the conditions are then tested exactly.
-pub(crate) fn cancelling(
+pub(crate) fn canceling(
     pool: &mut Pool,
     frame: &Frame,
     evidence: &mut Evidence,

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Holds the licence of every dependency against the list in deny.toml: `python3 .ci/licences.py`.
+"""Holds the license of every dependency against the list in deny.toml: `python3 .ci/licenses.py`.
 
-What `cargo deny check licenses` says of the declared licences, without another program to install.
+What `cargo deny check licenses` says of the declared licenses, without another program to install.
 """
 
 import collections
@@ -17,7 +17,7 @@ allowed = set(tomllib.loads((root / "deny.toml").read_text())["licenses"]["allow
 
 
 def admitted(expression):
-    """Whether an SPDX expression can be met by allowed licences alone."""
+    """Whether an SPDX expression can be met by allowed licenses alone."""
     # Before SPDX expressions, a slash meant OR.
     tokens = re.findall(r"[()]|[^\s()/]+|/", expression)
     tokens = ["OR" if t == "/" else t for t in tokens]
@@ -64,12 +64,12 @@ metadata = json.loads(
 counts = collections.Counter()
 refused = []
 for package in metadata["packages"]:
-    licence = package["license"] or "none stated"
-    counts[licence] += 1
-    if not package["license"] or not admitted(licence):
-        refused.append(f"{package['name']} {package['version']}: {licence}")
-for licence, count in counts.most_common():
-    print(f"{count:4} {licence}")
+    license = package["license"] or "none stated"
+    counts[license] += 1
+    if not package["license"] or not admitted(license):
+        refused.append(f"{package['name']} {package['version']}: {license}")
+for license, count in counts.most_common():
+    print(f"{count:4} {license}")
 print(f"{sum(counts.values()):4} packages, {len(refused)} refused")
 for line in refused:
     print("refused:", line)
