@@ -4,8 +4,8 @@
 #![allow(clippy::print_stdout)]
 
 use bracketry_plate::{
-    AreaContact, AreaPlant, AreaRecord, AreaSettings, Course, Experiment, Friction, Object, Plant, PlateError, Run,
-    Scheme, Shape,
+    AreaContact, AreaObject, AreaRecord, AreaSettings, Course, DrivenObject, Experiment, Friction, Object, PlateError,
+    Run, Scheme, Shape,
 };
 
 /// Runs an experiment from where its coordinate starts, otherwise at `x = 0.3 m`, `y = 0`.
@@ -16,7 +16,7 @@ fn run(
     settings: &AreaSettings,
     duration: f64,
 ) -> Result<Run<AreaRecord>, PlateError> {
-    let mut plant = AreaPlant::new(AreaContact::new(object, &Friction::Coulomb { mu }, settings)?)?;
+    let mut plant = AreaObject::new(AreaContact::new(object, &Friction::Coulomb { mu }, settings)?)?;
     let mut state = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
     if let Some(index) = ["x", "y", "phi"].iter().position(|name| *name == experiment.coordinate) {
         state[index] = experiment.start;

@@ -42,7 +42,7 @@ impl Regime {
             Self::LiftsOff
         } else if summary.reached.is_some() {
             Self::Reached
-        } else if summary.way.iter().all(|way| way.abs() < STUCK) {
+        } else if summary.displacement.iter().all(|d| d.abs() < STUCK) {
             Self::Stuck
         } else {
             Self::Moves

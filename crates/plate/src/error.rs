@@ -51,7 +51,7 @@ pub enum PlateError {
     },
     /// A model in principal axes and a shape with others.
     #[error(
-        "the principal axes of the polygon are turned by {angle} rad against its own; turn the vertices by its negative"
+        "the principal axes of the polygon are rotated by {angle} rad against its own; rotate the vertices by the negative of this angle"
     )]
     TurnedAxes {
         /// Angle of the principal axes in rad.

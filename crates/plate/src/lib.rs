@@ -6,6 +6,7 @@
 mod area;
 mod body;
 mod control;
+mod driven;
 mod error;
 mod experiment;
 mod friction;
@@ -13,7 +14,6 @@ mod log;
 mod model;
 mod motion;
 mod object;
-mod plant;
 mod run;
 
 pub use area::{
@@ -28,6 +28,7 @@ pub use control::{
     AreaLoopPlant, Arrival, Command, Measurement, MoveError, MoveReport, PlateController, PlateLimits, PoseController,
     PoseReport, PoseSettings, PoseStatus, RESOLUTION, RoundedContact, move_with, plate_move, target_of,
 };
+pub use driven::{AreaObject, Course, DrivenObject, ModelObject, STATES};
 pub use error::PlateError;
 pub use experiment::{
     AmplitudeLaw, AmplitudeStep, Establishing, Experiment, Limits, Map, MeanVelocity, Run, Stage, Summary, TwoStep,
@@ -40,7 +41,6 @@ pub use model::{
 };
 pub use motion::{Drive, ExpressionMotion, Harmonic, PeriodicMotion, PlateKinematics, PlateMotion};
 pub use object::{Object, Quadrature, Shape, ShapeError, Vertices};
-pub use plant::{AreaPlant, Course, ModelPlant, Plant, STATES};
 pub use run::{
     Assumption, Comparison, Deviation, ExperimentKind, FrictionLaw, OptionValue, PlateExperiment, PlateModel,
     PlateOptions, PlateOutcome, PlateRow, PlateRun, PlateRunError, PlateSetup, PlateStop, SetupError,

@@ -6,8 +6,8 @@
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use bracketry_plate::{
-    AreaContact, AreaEvent, AreaOutcome, AreaPlant, AreaRecord, AreaSettings, Course, Experiment, Friction, Object,
-    Plant, PlateKinematics, PlateMotion, Scheme, Shape, Terms,
+    AreaContact, AreaEvent, AreaObject, AreaOutcome, AreaRecord, AreaSettings, Course, DrivenObject, Experiment,
+    Friction, Object, PlateKinematics, PlateMotion, Scheme, Shape, Terms,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::PathBuf;
@@ -65,7 +65,7 @@ fn experiment(
     // 24 points agree with 768 to 0.01 %; see the example `plate_area`.
     let settings = AreaSettings::default().with_step(step).with_points(24);
     let contact = AreaContact::new(object, &Friction::Coulomb { mu }, &settings).unwrap();
-    let mut plant = AreaPlant::new(contact).unwrap();
+    let mut plant = AreaObject::new(contact).unwrap();
     let mut state = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
     let index = ["x", "y", "phi"].iter().position(|name| *name == experiment.coordinate).unwrap();
     state[index] = experiment.start;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
-    AreaContact, AreaPlant, AreaSettings, Course, Experiment, Friction, ModelPlant, Object, Plant, reduced,
+    AreaContact, AreaObject, AreaSettings, Course, DrivenObject, Experiment, Friction, ModelObject, Object, reduced,
 };
 use bracketry_sim::Settings;
 use bracketry_system::System;
@@ -12,10 +12,10 @@ const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
 /// Greatest difference in position (m) and yaw (rad) over stretches of half a second that begin in the state of the plant.
 fn apart(system: &System, experiment: &Experiment, duration: u32) -> [f64; 2] {
     let contact = AreaContact::new(&Object::REFERENCE, &Friction::Coulomb { mu: 0.3 }, &AreaSettings::default());
-    let mut plant = AreaPlant::new(contact.unwrap()).unwrap();
+    let mut plant = AreaObject::new(contact.unwrap()).unwrap();
     plant.set_state(0.0, START).unwrap();
     let truth = experiment.run_on(&mut plant, f64::from(duration)).unwrap().trajectory;
-    let mut model = ModelPlant::new(system, START, &Settings::default()).unwrap();
+    let mut model = ModelObject::new(system, START, &Settings::default()).unwrap();
     model.drive(&experiment.drive(0.0)).unwrap();
     let mut greatest = [0.0_f64; 2];
     for half in 0..2 * duration {

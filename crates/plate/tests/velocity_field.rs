@@ -2,15 +2,15 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
-    Establishing, Harmonic, MeanVelocity, ModelPlant, PeriodicMotion, Shape, mean_velocity, published, velocity_field,
+    Establishing, Harmonic, MeanVelocity, ModelObject, PeriodicMotion, Shape, mean_velocity, published, velocity_field,
 };
 use bracketry_sim::Settings;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-fn plant() -> ModelPlant {
+fn plant() -> ModelObject {
     let system = published(&Shape::REFERENCE_ELLIPSE, 0.3).unwrap();
-    ModelPlant::new(&system, [0.0; 6], &Settings::default()).unwrap()
+    ModelObject::new(&system, [0.0; 6], &Settings::default()).unwrap()
 }
 
 fn harmonics(list: &[(f64, f64)]) -> Vec<Harmonic> {

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
-    AreaContact, AreaPlant, AreaSettings, Command, Establishing, Friction, Measurement, Object, PlateController,
+    AreaContact, AreaObject, AreaSettings, Command, Establishing, Friction, Measurement, Object, PlateController,
     PlateError, PlateKinematics, Shape, mean_velocity,
 };
 use bracketry_trials::{
@@ -291,7 +291,7 @@ fn the_map_of_cycles_holds_the_mean_velocities_and_the_ways_of_bursts() {
     let map = CycleMap::new(&disk, 0.3, &grid, |_| ControlFlow::Continue(())).unwrap();
     let contact = AreaContact::new(&disk, &Friction::Coulomb { mu: 0.3 }, &area).unwrap();
     let mean = |drift: [f64; 3]| {
-        let mut plant = AreaPlant::new(contact.clone()).unwrap();
+        let mut plant = AreaObject::new(contact.clone()).unwrap();
         let establishing = Establishing { periods: 8, tolerance: 1e-3 };
         mean_velocity(&mut plant, &Cycle::drifting(drift).motion(), [0.0; 3], establishing).unwrap().mean
     };

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
-    AmplitudeStep, AreaContact, AreaPlant, AreaSettings, Course, Experiment, Friction, Object, Plant, PlateLog,
+    AmplitudeStep, AreaContact, AreaObject, AreaSettings, Course, DrivenObject, Experiment, Friction, Object, PlateLog,
 };
 use bracketry_trials::{PlateMismatch, RecordingSettings, SyntheticLog, TrialError, multisine, synthetic_log};
 
@@ -44,7 +44,7 @@ fn apart(a: &PlateLog, b: &PlateLog, name: &str) -> f64 {
 fn without_effect_and_noise_the_log_is_the_experiment_on_the_area_contact() {
     let experiment = Experiment::translation_y();
     let contact = AreaContact::new(&Object::REFERENCE, &Friction::Coulomb { mu: 0.3 }, &AreaSettings::default());
-    let mut plant = AreaPlant::new(contact.unwrap()).unwrap();
+    let mut plant = AreaObject::new(contact.unwrap()).unwrap();
     plant.set_state(0.0, START).unwrap();
     let run = experiment.run_on(&mut plant, 2.0).unwrap();
     let log = log(&experiment, &PlateMismatch::None);

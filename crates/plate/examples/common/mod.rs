@@ -2,8 +2,8 @@
 
 use anyhow::Context;
 use bracketry_plate::{
-    AmplitudeStep, AreaContact, AreaPlant, AreaSettings, Experiment, Friction, Limits, ModelPlant, Object, Plant,
-    PlateError, Shape, Summary, Terms, first_principles, published, reduced, summarize,
+    AmplitudeStep, AreaContact, AreaObject, AreaSettings, DrivenObject, Experiment, Friction, Limits, ModelObject,
+    Object, PlateError, Shape, Summary, Terms, first_principles, published, reduced, summarize,
 };
 use bracketry_plot::Drawing;
 use bracketry_sim::Settings;
@@ -57,7 +57,7 @@ impl Model {
         let system = match self {
             Self::Area => {
                 let settings = AreaSettings::default().with_step(2e-3).with_points(48);
-                let mut plant = AreaPlant::new(AreaContact::new(object, &law, &settings)?)?;
+                let mut plant = AreaObject::new(AreaContact::new(object, &law, &settings)?)?;
                 plant.set_state(0.0, state)?;
                 return summarize(experiment, &mut plant, duration, Limits::default());
             }
@@ -65,13 +65,18 @@ impl Model {
             Self::Point => first_principles(object, &law, Terms::default())?,
             Self::Reduced(terms) => reduced(object, mu, terms)?,
         };
-        summarize(experiment, &mut ModelPlant::new(&system, state, &settings())?, duration, Limits::default())
+        summarize(experiment, &mut ModelObject::new(&system, state, &settings())?, duration, Limits::default())
     }
 }
 
 /// The reduced model of an object.
-pub(crate) fn reduced_plant(object: &Object, terms: Terms, mu: f64, state: [f64; 6]) -> Result<ModelPlant, PlateError> {
-    ModelPlant::new(&reduced(object, mu, terms)?, state, &settings())
+pub(crate) fn reduced_plant(
+    object: &Object,
+    terms: Terms,
+    mu: f64,
+    state: [f64; 6],
+) -> Result<ModelObject, PlateError> {
+    ModelObject::new(&reduced(object, mu, terms)?, state, &settings())
 }
 
 /// A progress bar for a sweep.

@@ -69,7 +69,7 @@ impl AreaContact {
         })
     }
 
-    /// Puts the object into another state `x, y, phi, vx, vy, w` (plate frame, SI units) and begins a new energy balance.
+    /// Puts the object into another state `x, y, phi, vx, vy, w` (plate frame, SI units) and starts a new energy balance.
     ///
     /// # Errors
     /// [`PlateError::BadState`] if a number is not finite.

@@ -5,7 +5,7 @@
 pub enum AreaOutcome {
     /// It reached the end time.
     Finished,
-    /// The center of pressure reached the rim: the object begins to tip there.
+    /// The center of pressure reached the rim: the object starts to tip there.
     Tipping {
         /// When, in s.
         t: f64,
@@ -32,7 +32,7 @@ impl std::fmt::Display for AreaOutcome {
             Self::Finished => write!(f, "the end time was reached"),
             Self::Tipping { t, at: [x, y], normal } => write!(
                 f,
-                "at {t} s the object begins to tip over its rim at ({x}, {y}) m from its center, normal force {normal} N"
+                "at {t} s the object starts to tip over its rim at ({x}, {y}) m from its center, normal force {normal} N"
             ),
             Self::LiftOff { t } => write!(f, "at {t} s the object lifts off the plate"),
             Self::NotFinite { t } => write!(f, "after {t} s the state or the motion of the plate is not finite"),

@@ -57,7 +57,7 @@ pub enum AreaEvent {
 /// schemes, and the works converge with the order of the scheme. The normal force does no work in the frame of the plate.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct EnergyBalance {
-    /// Kinetic energy at the beginning.
+    /// Initial kinetic energy.
     pub begin: f64,
     /// Kinetic energy now.
     pub kinetic: f64,

@@ -196,9 +196,9 @@ impl BodyOnPlate {
                 continue;
             }
             impacts_at_once = 0;
-            let began = self.time;
+            let start = self.time;
             let pressed = self.slide(motion, t_end, false)?;
-            self.unloaded = if pressed { None } else { self.unloaded.or(Some(began)) };
+            self.unloaded = if pressed { None } else { self.unloaded.or(Some(start)) };
             if pressed
                 && self.time >= self.flat_from
                 && let Some(overturned) = self.lies_flat()

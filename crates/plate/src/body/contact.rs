@@ -23,7 +23,7 @@ pub(super) struct Contact {
     pub(super) target: f64,
     /// Friction coefficient.
     pub(super) coefficient: f64,
-    /// Share in an impulse that the points can bear in many ways.
+    /// Share in an impulse whose distribution over the points is not unique.
     pub(super) weight: f64,
 }
 

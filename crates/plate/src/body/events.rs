@@ -12,7 +12,7 @@ pub struct BodyEvent {
 /// What can happen to a body on the plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BodyEventKind {
-    /// The center of pressure of the flat object reached its rim: it begins to tip.
+    /// The center of pressure of the flat object reached its rim: it starts to tip.
     Tipping,
     /// The last contact opened.
     LiftOff,

@@ -95,7 +95,7 @@ impl ObjectOnPlate {
         })
     }
 
-    /// Starts from any state relative to the plate at `time`; the log of events begins anew.
+    /// Starts from any state relative to the plate at `time`; the log of events restarts.
     ///
     /// # Errors
     /// [`PlateError::BadState`] for a number that is not finite, [`PlateError::Penetration`] for a body that reaches below

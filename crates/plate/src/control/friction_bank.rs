@@ -87,7 +87,7 @@ impl FrictionBank {
         }
     }
 
-    /// Index of the coefficient below, and the part of the way to the next.
+    /// Index of the coefficient below, and the fraction of the step to the next.
     fn place_on_list(&self) -> (usize, f64) {
         let last = self.coefficients.len() - 1;
         let at = self.estimate[3].clamp(0.0, last as f64);

@@ -190,56 +190,56 @@ impl PoseController {
     }
 
     /// The command of a sample of a move.
-    fn follow(&mut self, mut under_way: Box<Move>) -> Result<Command, PlateError> {
-        if under_way.half {
-            return self.second_half(under_way);
+    fn follow(&mut self, mut ongoing: Box<Move>) -> Result<Command, PlateError> {
+        if ongoing.half {
+            return self.second_half(ongoing);
         }
-        if let Some(mut rti) = under_way.correction.take() {
+        if let Some(mut rti) = ongoing.correction.take() {
             let state = self.predicted()?;
             let solved = matches!(
                 rti.feedback(&state)?.status,
                 StepStatus::Solved | StepStatus::Inaccurate | StepStatus::Infeasible
             );
             if solved && rti.trajectory().is_finite() {
-                under_way.trajectory = rti.trajectory().clone();
-                let end = under_way.trajectory.x(under_way.trajectory.steps());
+                ongoing.trajectory = rti.trajectory().clone();
+                let end = ongoing.trajectory.x(ongoing.trajectory.steps());
                 let miss = std::array::from_fn(|i| end[i] - rti.ocp().targets[i].value);
-                under_way.late = if cost(&miss) > LATE { under_way.late + 1 } else { 0 };
+                ongoing.late = if cost(&miss) > LATE { ongoing.late + 1 } else { 0 };
             } else {
                 self.report.unsolved += 1;
             }
         }
-        under_way.half = true;
-        let command = command_of(&under_way.trajectory);
-        self.phase = Phase::Move(under_way);
+        ongoing.half = true;
+        let command = command_of(&ongoing.trajectory);
+        self.phase = Phase::Move(ongoing);
         Ok(command)
     }
 
     /// The command of the second sample of an interval, and the program for the next interval.
-    fn second_half(&mut self, mut under_way: Box<Move>) -> Result<Command, PlateError> {
-        if under_way.trajectory.steps() == 1 {
+    fn second_half(&mut self, mut ongoing: Box<Move>) -> Result<Command, PlateError> {
+        if ongoing.trajectory.steps() == 1 {
             self.phase = Phase::Look { samples: 0 };
             return self.stopping();
         }
-        let command = command_of(&under_way.trajectory);
-        let extend = under_way.late >= 2 && under_way.extended < MOST_EXTENSION;
-        under_way.trajectory = rest_of(&under_way.trajectory, if extend { EXTENSION } else { 0 })?;
+        let command = command_of(&ongoing.trajectory);
+        let extend = ongoing.late >= 2 && ongoing.extended < MOST_EXTENSION;
+        ongoing.trajectory = rest_of(&ongoing.trajectory, if extend { EXTENSION } else { 0 })?;
         if extend {
-            under_way.extended += EXTENSION;
-            under_way.late = 0;
+            ongoing.extended += EXTENSION;
+            ongoing.late = 0;
             if let Some(report) = self.report.moves.last_mut() {
-                report.extended = under_way.extended * INTERVAL;
+                report.extended = ongoing.extended * INTERVAL;
             }
         }
-        if under_way.trajectory.steps() > PLAYED_OUT {
+        if ongoing.trajectory.steps() > PLAYED_OUT {
             self.queue.push_back(command);
             let state = self.predicted();
             self.queue.pop_back();
             let (mu, limit) = (self.report.mu, self.settings.time_limit);
-            under_way.correction = self.planner.correction(&state?, self.target, mu, &under_way.trajectory, limit)?;
+            ongoing.correction = self.planner.correction(&state?, self.target, mu, &ongoing.trajectory, limit)?;
         }
-        under_way.half = false;
-        self.phase = Phase::Move(under_way);
+        ongoing.half = false;
+        self.phase = Phase::Move(ongoing);
         Ok(command)
     }
 
@@ -274,7 +274,7 @@ impl PoseController {
                 self.phase = Phase::Pause { plan, left: left - 1 };
                 Ok(Command::default())
             }
-            Phase::Move(under_way) => self.follow(under_way),
+            Phase::Move(ongoing) => self.follow(ongoing),
             phase => {
                 self.phase = phase;
                 Ok(Command::default())

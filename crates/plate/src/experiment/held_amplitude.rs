@@ -1,10 +1,10 @@
 //! The amplitude that an experiment holds over each period.
 
 use super::protocol::{AmplitudeStep, Experiment};
-use crate::plant::least_load;
-use crate::{Course, ExpressionMotion, Plant, PlateError, PlateMotion};
+use crate::driven::least_load;
+use crate::{Course, DrivenObject, ExpressionMotion, PlateError, PlateMotion};
 
-/// The amplitude of an experiment on a plant, from period to period.
+/// The amplitude of an experiment on an object, from period to period.
 pub(super) struct HeldAmplitude<'a> {
     experiment: &'a Experiment,
     index: usize,
@@ -13,19 +13,19 @@ pub(super) struct HeldAmplitude<'a> {
 }
 
 impl<'a> HeldAmplitude<'a> {
-    /// Starts the experiment's motion at the time of the plant.
-    pub(super) fn start<P: Plant>(experiment: &'a Experiment, plant: &mut P) -> Result<Self, PlateError> {
+    /// Starts the experiment's motion at the time of the object.
+    pub(super) fn start<P: DrivenObject>(experiment: &'a Experiment, object: &mut P) -> Result<Self, PlateError> {
         if !(experiment.period.is_finite() && experiment.period > 0.0) {
             return Err(PlateError::BadNumber { name: "period", value: experiment.period });
         }
         let index = experiment.index()?;
-        plant.drive(&experiment.drive(plant.time()))?;
-        Ok(Self { experiment, index, motion: experiment.motion(plant.time())?, amplitude: None })
+        object.drive(&experiment.drive(object.time()))?;
+        Ok(Self { experiment, index, motion: experiment.motion(object.time())?, amplitude: None })
     }
 
     /// Sets the amplitude for the period that begins now and returns it.
-    pub(super) fn update<P: Plant>(&mut self, plant: &mut P) -> Result<f64, PlateError> {
-        let (t, mut state) = (plant.time(), plant.state());
+    pub(super) fn update<P: DrivenObject>(&mut self, object: &mut P) -> Result<f64, PlateError> {
+        let (t, mut state) = (object.time(), object.state());
         let amplitude = self.experiment.amplitude(state[self.index] - self.experiment.target);
         let changed = self.amplitude.filter(|before| *before != amplitude);
         if let (AmplitudeStep::WorldFixed, Some(before)) = (self.experiment.step, changed) {
@@ -37,10 +37,10 @@ impl<'a> HeldAmplitude<'a> {
             if jump != [0.0; 2] {
                 state[0] += jump[0];
                 state[3] += jump[1];
-                plant.set_state(t, state)?;
+                object.set_state(t, state)?;
             }
         }
-        plant.set_number("A", amplitude);
+        object.set_number("A", amplitude);
         self.motion.set("A", amplitude);
         self.amplitude = Some(amplitude);
         Ok(amplitude)

@@ -2,7 +2,7 @@
 
 use super::protocol::Experiment;
 use super::sweep::sweep;
-use crate::{Course, Plant, PlateError};
+use crate::{Course, DrivenObject, PlateError};
 use bracketry_sim::Outcome;
 use std::ops::ControlFlow;
 
@@ -31,8 +31,8 @@ pub struct Summary {
     pub duration: f64,
     /// State at the end, `x, y, phi, vx, vy, w`.
     pub end: [f64; 6],
-    /// Way from the start to the end in x, y (m) and phi (rad).
-    pub way: [f64; 3],
+    /// Displacement from the start to the end in x, y (m) and phi (rad).
+    pub displacement: [f64; 3],
     /// Least normal load per mass in m/s²; see [`Run::least_load`](crate::Run::least_load).
     pub least_load: f64,
     /// How the simulation ended.
@@ -42,34 +42,34 @@ pub struct Summary {
 impl Summary {
     /// Distance between start and end on the plate over the time simulated, in m/s.
     pub fn drift(&self) -> f64 {
-        if self.duration > 0.0 { self.way[0].hypot(self.way[1]) / self.duration } else { 0.0 }
+        if self.duration > 0.0 { self.displacement[0].hypot(self.displacement[1]) / self.duration } else { 0.0 }
     }
 }
 
 /// Runs an experiment for `duration` seconds, or until the object has gone beyond the limits at the end of a period.
 ///
 /// # Errors
-/// [`PlateError`] if the experiment does not fit the plant.
-pub fn summarize<P: Plant>(
+/// [`PlateError`] if the experiment does not fit the object.
+pub fn summarize<P: DrivenObject>(
     experiment: &Experiment,
-    plant: &mut P,
+    object: &mut P,
     duration: f64,
     limits: Limits,
 ) -> Result<Summary, PlateError> {
-    let (from, start) = (plant.time(), plant.state());
+    let (from, start) = (object.time(), object.state());
     let mut run_off = None;
-    let run = experiment.run_until(plant, duration, |t, state| {
+    let run = experiment.run_until(object, duration, |t, state| {
         let lost = (0..2).any(|i| (state[i] - start[i]).abs() > limits.travel);
         run_off = lost.then_some(t - from);
         lost
     })?;
-    let end = plant.state();
+    let end = object.state();
     Ok(Summary {
         reached: run.reached.map(|t| t - from),
         run_off,
         duration: run.trajectory.end() - from,
         end,
-        way: [end[0] - start[0], end[1] - start[1], end[2] - start[2]],
+        displacement: [end[0] - start[0], end[1] - start[1], end[2] - start[2]],
         least_load: run.least_load,
         outcome: run.outcome,
     })

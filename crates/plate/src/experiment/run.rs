@@ -1,9 +1,9 @@
-//! An experiment run on a plant.
+//! An experiment run on an object.
 
 use super::held_amplitude::HeldAmplitude;
 use super::protocol::{Experiment, REACHED};
-use crate::plant::crossing;
-use crate::{Course, ModelPlant, Plant, PlateError};
+use crate::driven::crossing;
+use crate::{Course, DrivenObject, ModelObject, PlateError};
 use bracketry_sim::{Outcome, Settings, Trajectory};
 use bracketry_system::System;
 
@@ -14,47 +14,47 @@ impl Experiment {
     /// # Errors
     /// [`PlateError`] if the model does not fit.
     pub fn run(&self, system: &System, x0: &[f64], duration: f64, settings: &Settings) -> Result<Run, PlateError> {
-        self.run_on(&mut ModelPlant::new(system, six(x0)?, settings)?, duration)
+        self.run_on(&mut ModelObject::new(system, six(x0)?, settings)?, duration)
     }
 
-    /// Runs the experiment for `duration` seconds on any plant, from the state and time at which it stands.
+    /// Runs the experiment for `duration` seconds on any object, from the state and time at which it stands.
     ///
     /// The amplitude is read at the start of each period and held; [`AmplitudeStep`](super::AmplitudeStep) says what happens where it changes. An
     /// object that rests on the plate at the start is taken along by the rate that the motion begins with.
     ///
     /// # Errors
-    /// [`PlateError`] if the experiment does not fit the plant.
-    pub fn run_on<P: Plant>(&self, plant: &mut P, duration: f64) -> Result<Run<P::Course>, PlateError> {
-        self.run_until(plant, duration, |_, _| false)
+    /// [`PlateError`] if the experiment does not fit the object.
+    pub fn run_on<P: DrivenObject>(&self, object: &mut P, duration: f64) -> Result<Run<P::Course>, PlateError> {
+        self.run_until(object, duration, |_, _| false)
     }
 
     /// The same, ended at the end of a period after which `ends(t, state)` holds.
     ///
     /// # Errors
-    /// [`PlateError`] if the experiment does not fit the plant.
-    pub fn run_until<P: Plant>(
+    /// [`PlateError`] if the experiment does not fit the object.
+    pub fn run_until<P: DrivenObject>(
         &self,
-        plant: &mut P,
+        object: &mut P,
         duration: f64,
         mut ends: impl FnMut(f64, &[f64; 6]) -> bool,
     ) -> Result<Run<P::Course>, PlateError> {
-        let mut held = HeldAmplitude::start(self, plant)?;
-        let (from, index) = (plant.time(), self.index()?);
-        let (mut trajectory, mut outcome) = plant.record(from)?;
+        let mut held = HeldAmplitude::start(self, object)?;
+        let (from, index) = (object.time(), self.index()?);
+        let (mut trajectory, mut outcome) = object.record(from)?;
         let level = self.start + REACHED * (self.target - self.start);
         let direction = (self.target - self.start).signum();
         let (mut amplitudes, mut reached, mut least_load) = (Vec::new(), None, f64::INFINITY);
         let mut period = 0u32;
-        while outcome.is_finished() && plant.time() - from < duration {
-            amplitudes.push((plant.time(), held.update(plant)?));
+        while outcome.is_finished() && object.time() - from < duration {
+            amplitudes.push((object.time(), held.update(object)?));
             period += 1;
             let end = from + (f64::from(period) * self.period).min(duration);
-            let (piece, ended) = plant.record(end)?;
+            let (piece, ended) = object.record(end)?;
             reached = reached.or_else(|| crossing(&piece, index, level, direction));
             least_load = least_load.min(held.least_load(&piece));
             trajectory.join(&piece);
             outcome = ended;
-            if ends(plant.time(), &plant.state()) {
+            if ends(object.time(), &object.state()) {
                 break;
             }
         }
@@ -62,7 +62,7 @@ impl Experiment {
     }
 }
 
-/// The six states of a plant.
+/// The six states of an object.
 pub(super) fn six(x: &[f64]) -> Result<[f64; 6], PlateError> {
     x.try_into()
         .map_err(|_| bracketry_sim::SimError::WrongLength { what: "the state", expected: 6, found: x.len() }.into())

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Runs `run` on every case, on all threads of the current rayon pool, and gives the results in the order of the cases.
 ///
-/// After each run, `progress` is told how many are done; if it breaks, no further run is begun and the missing results
+/// After each run, `progress` is told how many are done; if it breaks, no further run is started and the missing results
 /// are `None`. What can go wrong in a run belongs in its result. As no run knows of another, the results do not depend on
 /// the number of threads.
 ///

@@ -3,8 +3,8 @@
 use super::held_amplitude::HeldAmplitude;
 use super::protocol::Experiment;
 use super::run::six;
-use crate::plant::crossing;
-use crate::{Course, Drive, ModelPlant, Plant, PlateError};
+use crate::driven::crossing;
+use crate::{Course, Drive, DrivenObject, ModelObject, PlateError};
 use bracketry_sim::{Outcome, Settings, Trajectory};
 use bracketry_system::System;
 
@@ -50,57 +50,57 @@ pub fn two_step(
     limit: f64,
     settings: &Settings,
 ) -> Result<TwoStep, PlateError> {
-    two_step_on(&mut ModelPlant::new(system, six(x0)?, settings)?, experiments, limit)
+    two_step_on(&mut ModelObject::new(system, six(x0)?, settings)?, experiments, limit)
 }
 
-/// Runs the experiments one after the other on one plant, each stopped as soon as its coordinate crosses its target, or
+/// Runs the experiments one after the other on one object, each stopped as soon as its coordinate crosses its target, or
 /// after `limit` seconds. Each stage starts its inputs anew (`ξ` from zero); when one is stopped, the plate's
 /// accelerations cease and the tilt is level.
 ///
 /// # Errors
-/// [`PlateError`] if the experiments do not fit the plant.
-pub fn two_step_on<P: Plant>(
-    plant: &mut P,
+/// [`PlateError`] if the experiments do not fit the object.
+pub fn two_step_on<P: DrivenObject>(
+    object: &mut P,
     experiments: &[Experiment],
     limit: f64,
 ) -> Result<TwoStep<P::Course>, PlateError> {
     if experiments.is_empty() {
         return Err(PlateError::NoExperiment);
     }
-    let (mut trajectory, mut outcome) = plant.record(plant.time())?;
+    let (mut trajectory, mut outcome) = object.record(object.time())?;
     let mut stages = Vec::new();
     for experiment in experiments {
         let index = experiment.index()?;
-        let (from, last, mut met) = (plant.time(), plant.time() + limit, false);
-        let mut held = HeldAmplitude::start(experiment, plant)?;
-        let direction = (experiment.target - plant.state()[index]).signum();
+        let (from, last, mut met) = (object.time(), object.time() + limit, false);
+        let mut held = HeldAmplitude::start(experiment, object)?;
+        let direction = (experiment.target - object.state()[index]).signum();
         let mut period = 0u32;
-        while outcome.is_finished() && !met && plant.time() < last {
-            held.update(plant)?;
+        while outcome.is_finished() && !met && object.time() < last {
+            held.update(object)?;
             period += 1;
-            let start = plant.clone();
+            let start = object.clone();
             let end = (from + f64::from(period) * experiment.period).min(last);
-            let (mut piece, mut ended) = plant.record(end)?;
+            let (mut piece, mut ended) = object.record(end)?;
             if let Some(t) = crossing(&piece, index, experiment.target, direction) {
-                *plant = start;
-                (piece, ended) = plant.record(t)?;
+                *object = start;
+                (piece, ended) = object.record(t)?;
                 met = true;
             }
             trajectory.join(&piece);
             outcome = ended;
         }
-        stages.push(Stage { name: experiment.name.clone(), from, to: plant.time(), met });
+        stages.push(Stage { name: experiment.name.clone(), from, to: object.time(), met });
         if !outcome.is_finished() {
             break;
         }
     }
     if outcome.is_finished() {
-        plant.drive(&Drive::still())?;
-        let (piece, ended) = plant.record(plant.time() + SETTLING)?;
+        object.drive(&Drive::still())?;
+        let (piece, ended) = object.record(object.time() + SETTLING)?;
         outcome = ended;
         trajectory.join(&piece);
     }
-    let state = plant.state();
+    let state = object.state();
     let final_errors =
         experiments.iter().map(|e| Ok(state[e.index()?] - e.target)).collect::<Result<_, PlateError>>()?;
     Ok(TwoStep { stages, trajectory, outcome, final_errors, remaining_spin: state[5] })

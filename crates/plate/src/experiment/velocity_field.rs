@@ -1,8 +1,8 @@
 //! Cycle-averaged velocities of an object under periodic plate motions.
 
 use super::sweep::sweep;
-use crate::plant::least_load;
-use crate::{PeriodicMotion, Plant, PlateError};
+use crate::driven::least_load;
+use crate::{DrivenObject, PeriodicMotion, PlateError};
 use bracketry_sim::Outcome;
 use std::ops::ControlFlow;
 
@@ -45,9 +45,9 @@ pub struct MeanVelocity {
 /// The clock is put back as well, so that an object that never slips has the mean velocity zero exactly.
 ///
 /// # Errors
-/// [`PlateError`] if the motion does not fit the plant.
-pub fn mean_velocity<P: Plant>(
-    plant: &mut P,
+/// [`PlateError`] if the motion does not fit the object.
+pub fn mean_velocity<P: DrivenObject>(
+    object: &mut P,
     motion: &PeriodicMotion,
     place: [f64; 3],
     establishing: Establishing,
@@ -56,16 +56,16 @@ pub fn mean_velocity<P: Plant>(
     let period = 1.0 / motion.frequency;
     let [x, y, phi] = place;
     let mut v = [0.0; 3];
-    plant.set_state(0.0, [x, y, phi, 0.0, 0.0, 0.0])?;
-    plant.drive(&drive)?;
+    object.set_state(0.0, [x, y, phi, 0.0, 0.0, 0.0])?;
+    object.drive(&drive)?;
     let mut kinematics = drive.motion()?;
     let mut result =
         MeanVelocity { mean: v, periods: 0, established: false, least_load: f64::INFINITY, outcome: Outcome::Finished };
     while result.periods < establishing.periods && !result.established {
-        plant.set_state(0.0, [x, y, phi, v[0], v[1], v[2]])?;
-        let (course, outcome) = plant.record(period)?;
+        object.set_state(0.0, [x, y, phi, v[0], v[1], v[2]])?;
+        let (course, outcome) = object.record(period)?;
         result.least_load = least_load(&course, &mut kinematics, 0.0);
-        let end = plant.state();
+        let end = object.state();
         result.periods += 1;
         result.outcome = outcome;
         if !result.outcome.is_finished() {
@@ -81,12 +81,12 @@ pub fn mean_velocity<P: Plant>(
 }
 
 /// The mean velocities at many places, in parallel; see [`mean_velocity`] and, for `progress` and the order, [`sweep`].
-pub fn velocity_field<P: Plant + Sync>(
-    plant: &P,
+pub fn velocity_field<P: DrivenObject + Sync>(
+    object: &P,
     motion: &PeriodicMotion,
     places: &[[f64; 3]],
     establishing: Establishing,
     progress: impl Fn(usize) -> ControlFlow<()> + Sync,
 ) -> Vec<Option<Result<MeanVelocity, PlateError>>> {
-    sweep(places, |&place| mean_velocity(&mut plant.clone(), motion, place, establishing), progress)
+    sweep(places, |&place| mean_velocity(&mut object.clone(), motion, place, establishing), progress)
 }

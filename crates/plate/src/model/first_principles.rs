@@ -26,7 +26,7 @@ const VISCOUS: &str = include_str!("../../models/plate_point_viscous.toml");
 /// [`flat_contact`](crate::flat_contact)). At rest `e` is any vector of the unit disk. The equations hold while `N > 0`.
 ///
 /// # Errors
-/// [`PlateError`] for numbers without meaning and for a polygon whose principal axes are turned against its own.
+/// [`PlateError`] for numbers without meaning and for a polygon whose principal axes are rotated against its own.
 ///
 /// ```
 /// use bracketry_plate::{Friction, Object, Terms, first_principles};

@@ -20,7 +20,7 @@ const REDUCED: &str = include_str!("../../models/plate_reduced.toml");
 /// exact to first order in the spin and saturates where the object turns faster than it slides.
 ///
 /// # Errors
-/// [`PlateError`] for numbers without meaning and for a polygon whose principal axes are turned against its own.
+/// [`PlateError`] for numbers without meaning and for a polygon whose principal axes are rotated against its own.
 ///
 /// ```
 /// use bracketry_plate::{Object, Terms, reduced};

@@ -49,8 +49,8 @@ impl Shape {
     /// The disk of the reference results, radius 0.12 m.
     pub const REFERENCE_DISK: Shape = Shape::Disk { radius: 0.12 };
 
-    /// The polygon with the vertices in order, either way round, in meters. The origin is moved to the centroid; the axes
-    /// keep their directions, so that the principal axes are turned by [`Shape::principal_angle`].
+    /// The polygon with the vertices in order, in either orientation, in meters. The origin is moved to the centroid; the axes
+    /// keep their directions, so that the principal axes are rotated by [`Shape::principal_angle`].
     ///
     /// # Errors
     /// [`ShapeError`] if there are less than three vertices, one is not finite, two neighbors coincide, the area vanishes
@@ -89,7 +89,7 @@ impl Shape {
     }
 
     /// Principal second moments per mass `(Sa, Sb)` in m²: along the object's own axes `a²/4`, `b²/4` for an ellipse and
-    /// `a²/3`, `b²/3` for a rectangle; of a polygon `Sa ≥ Sb`, along axes turned by [`Shape::principal_angle`].
+    /// `a²/3`, `b²/3` for a rectangle; of a polygon `Sa ≥ Sb`, along axes rotated by [`Shape::principal_angle`].
     ///
     /// ```
     /// use bracketry_plate::Shape;

@@ -3,7 +3,7 @@
 use super::cycle::{CYCLE, Cycle};
 use crate::TrialError;
 use bracketry_plate::{
-    AreaContact, AreaPlant, AreaSettings, Establishing, Friction, Object, PlateError, PlateKinematics, Shape,
+    AreaContact, AreaObject, AreaSettings, Establishing, Friction, Object, PlateError, PlateKinematics, Shape,
     mean_velocity, sweep,
 };
 use std::f64::consts::{PI, TAU};
@@ -73,7 +73,7 @@ impl CycleMap {
             return Err(TrialError::NoGrid);
         }
         let contact = AreaContact::new(object, &Friction::Coulomb { mu }, &grid.area)?;
-        let plant = AreaPlant::new(contact.clone())?;
+        let plant = AreaObject::new(contact.clone())?;
         let symmetry_angle = match object.shape {
             Shape::Polygon { .. } => TAU,
             _ => PI,

@@ -123,9 +123,9 @@ pub fn run_trials<C: PlateController>(
     progress: impl Fn(usize) -> ControlFlow<()> + Sync,
 ) -> Result<Vec<TrialReport>, TrialError> {
     let run = |trial: &Trial| {
-        let begin = Instant::now();
+        let started = Instant::now();
         let mut controller = make(trial)?;
-        let making = begin.elapsed().as_secs_f64();
+        let making = started.elapsed().as_secs_f64();
         let run = run_trial(trial, setup, &mut controller)?;
         Ok(TrialReport::new(trial, &run, making))
     };

@@ -36,7 +36,7 @@ pub struct PushRange {
     pub time: [f64; 2],
     /// Least and greatest speed given to the object in m/s.
     pub speed: [f64; 2],
-    /// Least and greatest spin given to the object in rad/s, either way round.
+    /// Least and greatest spin given to the object in rad/s, in either direction.
     pub spin: [f64; 2],
 }
 

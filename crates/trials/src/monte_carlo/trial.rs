@@ -63,7 +63,7 @@ pub enum TrialOutcome {
         /// Whether the plate rests.
         at_rest: bool,
     },
-    /// The object begins to tip.
+    /// The object starts to tip.
     Tipping {
         /// When, in s.
         time: f64,
@@ -269,9 +269,9 @@ impl<'a> Simulation<'a> {
                 (next.displacement_acceleration, next.tilt_acceleration);
         }
         let measurement = Measurement { object: self.measure(), plate: self.plate };
-        let begin = Instant::now();
+        let started = Instant::now();
         let command = controller.command(&measurement);
-        let seconds = begin.elapsed().as_secs_f64();
+        let seconds = started.elapsed().as_secs_f64();
         let failed = |reason: String| Ok(Some(TrialOutcome::ControllerFailed { time: t, reason }));
         let command = match command {
             Ok(command) => command,

@@ -37,8 +37,8 @@ impl ActuatedMotion {
     pub(super) fn set_amplitude(&mut self, t: f64, amplitude: f64) {
         if self.lag.is_some() {
             let now = self.lagging(t);
-            if let Some((_, begin, nodes)) = &mut self.lag {
-                (*begin, *nodes) = (t, vec![[now.displacement, now.tilt]]);
+            if let Some((_, start, nodes)) = &mut self.lag {
+                (*start, *nodes) = (t, vec![[now.displacement, now.tilt]]);
             }
         }
         self.command.set("A", amplitude);
@@ -48,16 +48,16 @@ impl ActuatedMotion {
     /// `y = p + (y₀ − p₀) exp(−s/τ)`, `p = u − τ u' + τ² u''`.
     fn lagging(&mut self, t: f64) -> PlateKinematics {
         let now = self.command.at(t);
-        let Some((time, begin, nodes)) = &mut self.lag else {
+        let Some((time, start, nodes)) = &mut self.lag else {
             return now;
         };
-        let (time, begin) = (*time, *begin);
-        let index = ((t - begin) / NODE).floor().max(0.0) as usize;
+        let (time, start) = (*time, *start);
+        let index = ((t - start) / NODE).floor().max(0.0) as usize;
         while nodes.len() <= index {
             let k = nodes.len() - 1;
-            nodes.push(respond(&self.command.at(begin + NODE * k as f64), &nodes[k], time, NODE));
+            nodes.push(respond(&self.command.at(start + NODE * k as f64), &nodes[k], time, NODE));
         }
-        let at = begin + NODE * index as f64;
+        let at = start + NODE * index as f64;
         let [displacement, tilt] = respond(&self.command.at(at), &nodes[index], time, t - at);
         let velocity = (now.displacement - displacement) / time;
         let tilt_rate = (now.tilt - tilt) / time;
@@ -76,9 +76,9 @@ impl ActuatedMotion {
 fn respond(u: &PlateKinematics, from: &[f64; 2], time: f64, s: f64) -> [f64; 2] {
     let decay = (-s / time).exp();
     let signal = |value: f64, rate: f64, acceleration: f64, from: f64| {
-        let begin = value - time * rate + time * time * acceleration;
-        let end = begin + s * (rate - time * acceleration) + 0.5 * s * s * acceleration;
-        end + (from - begin) * decay
+        let start = value - time * rate + time * time * acceleration;
+        let end = start + s * (rate - time * acceleration) + 0.5 * s * s * acceleration;
+        end + (from - start) * decay
     };
     [
         signal(u.displacement, u.velocity, u.acceleration, from[0]),

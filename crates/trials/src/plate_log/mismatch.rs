@@ -101,7 +101,7 @@ impl PlateMismatch {
     }
 
     /// How a plate that moves like this appears to [`PlateMismatch::contact`]: its tilt with what is added to it; what an
-    /// inclined axis lets gravity (m/s²) do along x, as an acceleration of the plate the other way.
+    /// inclined axis lets gravity (m/s²) do along x, as an acceleration of the plate in the opposite direction.
     #[must_use]
     pub fn inclined(&self, mut plate: PlateKinematics, gravity: f64) -> PlateKinematics {
         match *self {

@@ -1,6 +1,6 @@
-//! A model in the form of differential equations as a plant.
+//! An object whose motion a model in the form of differential equations gives.
 
-use super::interface::{Plant, STATES};
+use super::interface::{DrivenObject, STATES};
 use crate::{Drive, PlateError};
 use bracketry_sim::{Inputs, Model, Outcome, Settings, Stepper, Trajectory};
 use bracketry_system::System;
@@ -8,13 +8,13 @@ use std::sync::Arc;
 
 /// A plate model in the form of differential equations, with exact stick and slip.
 #[derive(Clone)]
-pub struct ModelPlant {
+pub struct ModelObject {
     system: Arc<System>,
     settings: Settings,
     stepper: Stepper<Model>,
 }
 
-impl ModelPlant {
+impl ModelObject {
     /// A model with the states [`STATES`], in this order, and inputs `X`, `theta`, at time 0 in `state`.
     ///
     /// # Errors
@@ -31,7 +31,7 @@ impl ModelPlant {
     }
 }
 
-impl Plant for ModelPlant {
+impl DrivenObject for ModelObject {
     type Course = Trajectory;
 
     fn time(&self) -> f64 {

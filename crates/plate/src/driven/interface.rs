@@ -1,13 +1,13 @@
-//! Whatever moves an object on an imposed plate motion: what experiments, sweeps and velocity fields run on.
+//! An object on a plate with imposed motion: experiments, sweeps, and velocity fields run on it.
 
 use crate::{Drive, PlateError};
 use bracketry_sim::{Outcome, Trajectory};
 
-/// The states of every plant: position of the center of mass in the plate frame (m), yaw (rad), and their rates.
+/// States of an object on the plate: position of the center of mass in the plate frame (m), yaw (rad), and their rates.
 pub const STATES: [&str; 6] = ["x", "y", "phi", "vx", "vy", "w"];
 
 /// An object on a moving plate, with states [`STATES`].
-pub trait Plant: Clone {
+pub trait DrivenObject: Clone {
     /// States at any time of a recorded span.
     type Course: Course;
 
@@ -40,7 +40,7 @@ pub trait Plant: Clone {
     fn record(&mut self, t_end: f64) -> Result<(Self::Course, Outcome), PlateError>;
 }
 
-/// The states of a plant over a span of time.
+/// The states of an object over a span of time.
 pub trait Course: Clone {
     /// First time in seconds.
     fn start(&self) -> f64;

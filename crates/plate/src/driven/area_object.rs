@@ -1,18 +1,18 @@
-//! Area contact as a plant of experiments.
+//! An object with area contact.
 
-use super::interface::Plant;
+use super::interface::DrivenObject;
 use crate::{AreaContact, AreaOutcome, AreaRecord, Drive, ExpressionMotion, PlateError};
 use bracketry_sim::{Outcome, StopReason};
 
 /// A flat object with area contact on a plate whose motion is given by expressions.
 #[derive(Debug, Clone)]
-pub struct AreaPlant {
+pub struct AreaObject {
     contact: AreaContact,
     motion: ExpressionMotion,
     outcome: AreaOutcome,
 }
 
-impl AreaPlant {
+impl AreaObject {
     /// The object on a plate that stays still.
     ///
     /// # Errors
@@ -32,7 +32,7 @@ impl AreaPlant {
     }
 }
 
-impl Plant for AreaPlant {
+impl DrivenObject for AreaObject {
     type Course = AreaRecord;
 
     fn time(&self) -> f64 {
