@@ -88,7 +88,7 @@ impl Coefficient {
     }
 }
 
-/// Something on the way of a signal.
+/// An effect in a signal path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Path {
     /// Pure delay of inputs, s.
@@ -126,7 +126,7 @@ pub enum Change {
         /// Name of its rate.
         spin: String,
     },
-    /// Something on the way of inputs or measured columns, by name; the one coefficient is its time constant or its offset.
+    /// An effect in the path of inputs or measured columns, by name; the one coefficient is its time constant or its offset.
     Path {
         /// What.
         path: Path,

@@ -165,7 +165,7 @@ pub enum DiagnoseError {
         windows: usize,
         /// Record of the first.
         record: String,
-        /// Its beginning, s.
+        /// Its start, s.
         from: f64,
         /// Why the simulation ended.
         reason: String,

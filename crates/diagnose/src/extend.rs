@@ -80,7 +80,7 @@ impl ExtendedModel {
         Ok(extended)
     }
 
-    /// The text of a model file, with the notes as comments at its beginning.
+    /// The text of a model file, with the notes as comments at its top.
     ///
     /// # Errors
     /// [`WriteError`] for an equation that is too long to be written out.
@@ -151,7 +151,7 @@ impl ExtendedModel {
         Ok(())
     }
 
-    /// Where terms use the time, it becomes a state that begins at 0.
+    /// Where terms use the time, it becomes a state that starts at 0.
     fn time_as_state(&mut self) {
         let system = &mut self.system;
         let Some(index) = system.input_index(TIME_INPUT) else { return };
@@ -170,7 +170,7 @@ impl ExtendedModel {
     }
 }
 
-/// A model with effects applied, parameters at their fitted values; what is on the way of signals is left out.
+/// A model with effects applied, parameters at their fitted values; effects in signal paths are omitted.
 pub(crate) fn equations(system: &System, effects: &[Effect], values: &[Estimate]) -> Result<System, DiagnoseError> {
     let mut system = system.clone();
     apply_all(effects, &mut system)?;
@@ -180,7 +180,7 @@ pub(crate) fn equations(system: &System, effects: &[Effect], values: &[Estimate]
     Ok(system)
 }
 
-/// Gives the parameter of an estimate its fitted value; one that belongs to the way of a signal has none here.
+/// Gives the parameter of an estimate its fitted value; one that belongs to a signal path has none here.
 fn set_fitted(system: &mut System, estimate: &Estimate) {
     if let Some(value) = decimal(rounded(estimate.value, estimate.std)) {
         system.set_parameter(&estimate.name, value);

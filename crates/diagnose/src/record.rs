@@ -40,7 +40,7 @@ pub struct Record {
     pub name: String,
     /// Times in seconds, increasing.
     pub times: Vec<f64>,
-    /// Index of the first sample after each gap in time; the run begins at 0, which is not listed.
+    /// Index of the first sample after each gap in time; the run starts at 0, which is not listed.
     pub gaps: Vec<usize>,
     /// One signal per input of the model, in order.
     pub inputs: Vec<Signal>,

@@ -18,7 +18,7 @@
 //! Where not all states are measured, an [`Estimator`] ([`ExtendedKalman`] or [`MovingHorizon`]) finds states, parameters and
 //! disturbances from an [`EstimationProblem`]; [`OffsetFree`] makes a controller of them that leaves no offset.
 //!
-//! Swinging a mass by the shortest way, from rest to rest:
+//! Moving a mass from rest to rest in minimum time:
 //!
 //! ```
 //! use bracketry_mpc::{CostFunction, CostKind, Ocp, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, TerminalTarget};

@@ -67,7 +67,7 @@ impl Code {
         }
         let plan = Plan::new(tape, CHUNK_LENGTH);
         let module = module()?;
-        // From here on the memory is freed on every way out, because `code` owns the module.
+        // From here on the memory is freed on every exit, because `code` owns the module.
         let mut code = Code {
             module: Mutex::new(Some(module)),
             entries: Vec::new(),

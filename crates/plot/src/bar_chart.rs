@@ -15,7 +15,7 @@ use crate::ticks::{Scale, padded_range, three_digits};
 const LINE: f64 = SIZE * LEADING;
 /// Height of the frame.
 const PLOT_HEIGHT: f64 = 320.0;
-/// Height in pixels that names turned upright may take.
+/// Height in pixels that vertical names may take.
 const UPRIGHT_ROOM: f64 = 200.0;
 
 /// Groups of bars: one group per category, one bar per series in each.
@@ -167,7 +167,7 @@ impl BarChart {
     }
 }
 
-/// Names below the groups, turned upright where their words do not fit side by side.
+/// Names below the groups, vertical where their words do not fit side by side.
 struct Names {
     lines: Vec<Vec<String>>,
     upright: bool,

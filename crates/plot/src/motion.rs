@@ -17,7 +17,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose at `(x, y)`, turned by `phi` radians from x toward y.
+    /// The pose at `(x, y)`, rotated by `phi` radians from x toward y.
     pub fn new(x: f64, y: f64, phi: f64) -> Self {
         Self { x, y, phi }
     }

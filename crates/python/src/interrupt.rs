@@ -28,12 +28,12 @@ pub(crate) fn watched<T: Send + 'static>(
     let stop = StopFlag::default();
     let asked = stop.clone();
     let (sender, receiver) = channel();
-    let begun = thread::Builder::new().name("bracketry".to_owned()).stack_size(STACK).spawn(move || {
+    let thread = thread::Builder::new().name("bracketry".to_owned()).stack_size(STACK).spawn(move || {
         let outcome = catch_unwind(AssertUnwindSafe(|| work(&asked)));
         // Nobody listens any more after an interrupt.
         let _ = sender.send(outcome);
     });
-    begun.map_err(Failure::from)?;
+    thread.map_err(Failure::from)?;
     let receiver = Mutex::new(receiver);
     let wait = |time: Duration| {
         py.detach(|| match receiver.lock() {

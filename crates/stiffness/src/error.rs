@@ -21,7 +21,7 @@ pub enum StiffnessError {
         /// The number.
         value: f64,
     },
-    /// A spring that pushes the wrong way or gives without end.
+    /// A spring that pushes in the wrong direction or yields without limit.
     #[error("joint {joint}: {what} is {value}; it must be positive")]
     NotPositive {
         /// Number of the joint, from 1.

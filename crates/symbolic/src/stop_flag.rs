@@ -1,4 +1,4 @@
-//! A way to end long work early.
+//! A flag that ends long computations early.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -149,7 +149,7 @@ impl System {
         Ok(Arguments { pairs: self.curvature(&symbols)?, highest })
     }
 
-    /// Makes the system affine in its inputs in the way that adds the fewest states: as it stands if possible, else by
+    /// Makes the system affine in its inputs by the candidate that adds the fewest states: as written if possible, else by
     /// new inputs v = w(u) or v = w(x, u), else by the least number of integrators in front of inputs
     /// (Nijmeijer & van der Schaft 1990, sec. 6.1: the extended system), if need be together with new inputs for the
     /// others.

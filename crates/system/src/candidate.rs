@@ -1,4 +1,4 @@
-//! Ways of making a system affine in its inputs, as values.
+//! Candidates for an affine form of a system, as values.
 
 use std::collections::BTreeMap;
 

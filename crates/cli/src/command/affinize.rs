@@ -28,7 +28,7 @@ pub(crate) struct AffinizeArgs {
     candidate: Option<usize>,
 }
 
-/// Writes the affine model as a model file, below a list of all ways to it.
+/// Writes the affine model as a model file, below a list of all candidates.
 pub(crate) fn affinize(args: &AffinizeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let path = args.model.display().to_string();
     let system = System::read(&args.model)?;

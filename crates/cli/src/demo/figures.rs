@@ -111,7 +111,7 @@ impl MoveOnEquations {
             .panel(held("θ̈ [rad/s²]", 1))
     }
 
-    /// Both ways over the time of the slower one.
+    /// Both methods over the time of the slower one.
     fn comparison(&self) -> TimeSeries {
         let together = Columns::of_simulation(&self.together.recording.trajectory, 2e-3);
         let steps = Columns::of_simulation(&self.two.trajectory, 5e-3);
@@ -139,7 +139,7 @@ impl MoveOnEquations {
         chart
     }
 
-    /// Seen from above, both ways side by side.
+    /// Seen from above, both methods side by side.
     fn plan_view(&self) -> PlanView {
         let scene = |title: &str, name: &str, color: Color, trajectory: &bracketry::sim::Trajectory| {
             let path = Columns::of_simulation(trajectory, 5e-3).path(name).color(color);

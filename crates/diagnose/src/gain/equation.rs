@@ -1,4 +1,4 @@
-//! The force error: what the equations leave over when states and accelerations come from the data.
+//! The force error: the residual of the equations when states and accelerations come from the data.
 
 use bracketry_system::System;
 
@@ -9,7 +9,7 @@ use crate::error::DiagnoseError;
 use crate::record::Record;
 use crate::study::Estimate;
 
-/// What one equation leaves over in one stretch of a record, over time.
+/// Residual of one equation in one stretch of a record, over time.
 #[derive(Clone, Debug)]
 pub struct ForceResidual {
     /// Index of the record.
@@ -45,7 +45,7 @@ impl ForceResidual {
     }
 }
 
-/// What the equations of a model leave over in records, by record, stretch without a gap and equation, with states and
+/// Residuals of the equations of a model in records, by record, stretch without a gap, and equation, with states and
 /// accelerations from smoothing splines. `effects` and `values` (parameters and coefficients by name) change the model; without
 /// them it is taken as it stands.
 ///

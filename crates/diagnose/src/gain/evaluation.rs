@@ -68,7 +68,7 @@ impl Evaluated {
     }
 }
 
-/// The equations of a model, with what is on the way of their signals.
+/// The equations of a model, with the effects in their signal paths.
 pub(super) struct Equations {
     system: System,
     tape: Tape,

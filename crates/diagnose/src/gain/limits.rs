@@ -30,7 +30,7 @@ pub(super) const INTERVAL_ENDS: [f64; 2] = [0.025, 0.975];
 pub(super) const SAMPLES_PER_PERIOD: f64 = 21.0;
 /// Most of the acceleration's size that may be noise of the sensor.
 pub(super) const MOST_DERIVATIVE_NOISE: f64 = 0.02;
-/// The states on the right-hand side are smoothed less than what is left over, by this factor, so that friction stays steep.
+/// The states on the right-hand side are smoothed less than the residual, by this factor, so that friction stays steep.
 pub(super) const STATE_BANDWIDTH: f64 = 2.5;
 /// Ratio of the bandwidths that are tried one after the other.
 pub(super) const NARROWER: f64 = 0.84;

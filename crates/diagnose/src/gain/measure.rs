@@ -32,9 +32,9 @@ pub struct HeldOut {
     pub records: Vec<Record>,
     /// Predictions over the longest horizon.
     pub predicted: Vec<Predicted>,
-    /// What the equations of the refitted model leave over.
+    /// Residuals of the equations of the refitted model.
     pub before: Vec<ForceResidual>,
-    /// What the equations of the extended model leave over.
+    /// Residuals of the equations of the extended model.
     pub after: Vec<ForceResidual>,
 }
 
@@ -151,7 +151,7 @@ fn folds(study: &Study, fitted: &Fitted<'_>) -> Vec<Trial> {
         .collect()
 }
 
-/// What the equations leave over in the held-out stretches.
+/// Residuals of the equations in the held-out stretches.
 fn force(
     study: &Study,
     trials: &[Trial],

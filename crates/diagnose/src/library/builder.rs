@@ -18,7 +18,7 @@ pub(crate) struct Builder {
     /// A working copy of the model.
     pub(crate) system: System,
     pub(crate) structure: Structure,
-    /// Points on the way of the data.
+    /// Points along the trajectory of the data.
     pub(crate) data: Probe,
     /// Points in general position.
     fixed: Probe,
@@ -72,7 +72,7 @@ pub(crate) fn log_grid(from: f64, to: f64, count: usize) -> Vec<f64> {
 }
 
 impl Builder {
-    /// Finds the structure of a model; records give the points on the way of the data.
+    /// Finds the structure of a model; records give the points along the trajectory of the data.
     pub(crate) fn new(system: &System, records: &[Record]) -> Self {
         let mut system = system.clone();
         let pairs = pairs(&mut system);
@@ -168,7 +168,7 @@ impl Builder {
         self.finish(Effect { cause, equation: on, term, coefficients, change }, equation)
     }
 
-    /// Adds something on the way of signals.
+    /// Adds an effect in signal paths.
     pub(crate) fn path(&mut self, cause: Cause, path: Path, signals: Vec<String>, term: String, c: Coefficient) {
         let equation = signals.join(", ");
         self.effects.push(Effect {

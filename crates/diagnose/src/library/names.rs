@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 use crate::effect::Coefficient;
 use crate::error::DiagnoseError;
 
-/// What terms call the time since the beginning of a record, in seconds.
+/// What terms call the time since the start of a record, in seconds.
 ///
 /// Equations of a model contain no time. An effect that needs it adds an input of this name, to be driven by the times
 /// of the record.

@@ -1,4 +1,4 @@
-//! Effects on the way of signals: gains, delays, lags, offsets.
+//! Effects in signal paths: gains, delays, lags, offsets.
 
 use super::builder::{Builder, amplitude, dissipation, log_grid};
 use super::limits::{LONGEST_DELAY, SMALL_OFFSET, TIME_TRIALS};

@@ -41,7 +41,7 @@ impl Probe {
         Probe { columns, len }
     }
 
-    /// Points on the way of the records. States that were not measured come from difference quotients where they are
+    /// Points along the records. States that were not measured come from difference quotients where they are
     /// rates of measured ones, and stay 0 otherwise. Meant for typical sizes, not for estimates.
     pub(crate) fn of_records(system: &System, records: &[Record], pairs: &[(usize, usize)]) -> Self {
         let total: usize = records.iter().map(|r| r.times.len()).sum();

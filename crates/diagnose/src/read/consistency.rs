@@ -105,7 +105,7 @@ fn measured(record: &Record, state: usize) -> Option<(&[f64], f64)> {
 }
 
 /// Which of a position and its rate never changes although the other one says that it does, and the name of that one: what
-/// moves stands out of the noise as displacement over parts of the run.
+/// moves is significant above the noise as displacement over parts of the run.
 fn stuck<'a>(
     record: &Record,
     (position, noise): (&[f64], f64),

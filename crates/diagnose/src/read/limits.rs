@@ -15,7 +15,7 @@ pub(super) const HIGHEST_DERIVATIVE: u32 = 2;
 
 /// Files, and arrays in them, larger than this are refused.
 pub(super) const MOST_BYTES: u64 = 512 << 20;
-/// The header of an array of numbers opens one brace and one parenthesis. The parser of headers tries every way to read what
+/// The header of an array of numbers opens one brace and one parenthesis. The parser of headers tries every reading of what
 /// is nested, which takes for ever on what is nested deeply.
 pub(super) const MOST_PARENTHESES: usize = 6;
 
@@ -49,11 +49,11 @@ pub(super) const FLAT_SAMPLES: usize = 5;
 
 /// Number of parts of the run over which displacements are compared.
 pub(super) const DISPLACEMENTS: usize = 100;
-/// A displacement counts where it stands out of the noise by this factor.
+/// A displacement counts where it exceeds the noise by this factor.
 pub(super) const SIGNIFICANT_DISPLACEMENT: f64 = 5.0;
 /// Smallest correlation of what one column says and what the others say.
 pub(super) const LEAST_CORRELATION: f64 = 0.7;
 /// Largest deviation of the slope from one, or from that of another unit, that passes as calibration.
 pub(super) const CALIBRATION: f64 = 0.15;
-/// More than this many turns each way are not likely.
+/// More than this many turns in each direction are not likely.
 pub(super) const MOST_TURNS: f64 = 5.0;

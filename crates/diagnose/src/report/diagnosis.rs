@@ -21,11 +21,11 @@ use crate::study::Fit;
 pub enum Verdict {
     /// The model lacks something that has a name, or a parameter is wrong by more than its tolerance.
     CauseFound,
-    /// What the refitted model leaves over is noise.
+    /// The residual of the refitted model is noise.
     NothingFound,
-    /// The refitted model leaves over more than noise, and nothing that was tried explains it.
+    /// The residual of the refitted model is more than noise, and no candidate explains it.
     Unexplained,
-    /// Nothing measured stands out of its noise: the data can tell neither for the model nor against it.
+    /// No measured column is significant above its noise: the data are not informative.
     Uninformative,
 }
 
@@ -157,7 +157,7 @@ pub struct Candidate {
     pub chosen: bool,
 }
 
-/// Size of what a model leaves over, in units of the noise.
+/// Size of a model's residual, in units of the noise.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Excess {
     /// Root mean square of residual over noise, 1 for noise alone: the given model with its parameters refitted.

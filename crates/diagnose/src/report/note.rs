@@ -57,7 +57,7 @@ pub enum Note {
     OnlyParameters,
     /// The data are too short to measure the gain on a part of their own.
     TooShortForGain,
-    /// Measured columns that do not stand out of their noise.
+    /// Measured columns that are not significant above their noise.
     StillColumns(Vec<String>),
     /// Inputs that continue otherwise between samples explain the data without any cause.
     OtherHold(OtherHold),
@@ -65,7 +65,7 @@ pub enum Note {
     OtherUnits {
         /// Columns that explain the data equally well.
         columns: Vec<(ScaledColumn, Rescaling)>,
-        /// Size of what is left over the noise.
+        /// Size of the residual in units of the noise.
         size: f64,
     },
     /// A run for validation is mispredicted.

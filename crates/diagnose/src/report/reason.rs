@@ -53,7 +53,7 @@ pub enum Outcome {
     },
     /// The causes explain the data of the fit, but with them held-out data are predicted worse at every horizon.
     PredictsWorse(Vec<Cause>),
-    /// No measured column stands out of its noise.
+    /// No measured column is significant above its noise.
     NoMotion(NoMotion),
 }
 
@@ -77,10 +77,10 @@ pub enum Caveat {
     Mispredicted(Mispredicted),
 }
 
-/// What the refitted model leaves when inputs continue between samples the other way.
+/// Excess of the refitted model with the other input hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OtherHold {
-    /// The other way.
+    /// The other hold.
     pub hold: Hold,
     /// Share of the excess that stays; `None`: no more than noise is left, so that any cause may be the image of the wrong hold.
     pub stays: Option<f64>,

@@ -18,9 +18,9 @@ use std::sync::{Arc, Mutex};
 pub(super) enum Target {
     /// The equations, as a live number of the model.
     Equations,
-    /// The way of inputs, by index.
+    /// Signal paths of inputs, by index.
     Input(Path, Vec<usize>),
-    /// The way of measured columns, by name.
+    /// Signal paths of measured columns, by name.
     Column(Path, Vec<String>),
     /// A tracked point off the center of mass: the coordinate with this number.
     Tracked(TrackedPoint, usize),

@@ -54,7 +54,7 @@ pub struct WindowFit {
 pub enum FitStatus {
     /// The sum of squares does not fall any more.
     Converged,
-    /// No step lowers the sum of squares although its slope promises it: it has a kink there, as where sticking begins.
+    /// No step lowers the sum of squares although its slope promises it: it has a kink there, as where sticking starts.
     Stalled,
     /// The limit of iterations came first.
     IterationLimit,
@@ -86,7 +86,7 @@ impl Fit {
         self.values.iter().find(|e| e.name == name)
     }
 
-    /// The fit without its initial states, which belong to windows of one length and to inputs held in one way.
+    /// The fit without its initial states, which belong to windows of one length and to inputs with one hold.
     pub(crate) fn without_windows(&self) -> Self {
         Self { windows: Vec::new(), ..self.clone() }
     }
@@ -103,7 +103,7 @@ pub(super) struct Slot<'a> {
     pub(super) runner: Runner<'a>,
     /// Whether `start` was fitted before.
     pub(super) known: bool,
-    /// Where the fit of the initial state begins.
+    /// Initial value of the fit of the initial state.
     pub(super) start: Vec<f64>,
     /// Mean of the initial state's prior.
     pub(super) guess: Vec<f64>,
@@ -205,8 +205,8 @@ pub(super) struct Solution {
 pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], iterations: usize) -> Solution {
     let unknowns = &compiled.unknowns;
     let mut ranges: Vec<Range> = unknowns.iter().zip(start).map(|(u, v)| u.first_range(*v)).collect();
-    let begin = start.iter().zip(&ranges).map(|(v, r)| r.bounded(*v)).collect();
-    let first = minimize(slots, compiled, begin, &ranges, iterations);
+    let initial = start.iter().zip(&ranges).map(|(v, r)| r.bounded(*v)).collect();
+    let first = minimize(slots, compiled, initial, &ranges, iterations);
     let stopped = |s: &Solution, ranges: &[Range]| -> Vec<usize> {
         (0..unknowns.len()).filter(|&j| unknowns[j].ends_on(ranges[j], s.theta[j])).collect()
     };

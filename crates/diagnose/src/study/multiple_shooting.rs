@@ -92,7 +92,7 @@ impl Study {
         &self.noise
     }
 
-    /// Fits the parameters, the coefficients of `effects` and the initial states of the given windows. Unknowns begin at the
+    /// Fits the parameters, the coefficients of `effects` and the initial states of the given windows. Unknowns start at the
     /// values of `start` with their name, else at their nominal value.
     ///
     /// # Errors

@@ -214,7 +214,7 @@ impl<'a> Runner<'a> {
         self.schedule.sort_by(|a, b| a.t.total_cmp(&b.t));
     }
 
-    /// Simulates from `x0` at the window's beginning (earlier by the longest sensor delay) and writes what the columns would
+    /// Simulates from `x0` at the window's start (earlier by the longest sensor delay) and writes what the columns would
     /// show, over their noise, column by column; 0 where the measurement was lost.
     pub(super) fn simulate(&mut self, theta: &[f64], x0: &[f64], out: &mut [f64]) -> Result<(), Failure> {
         self.trajectory.forget();

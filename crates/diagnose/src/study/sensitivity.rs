@@ -38,18 +38,18 @@ impl Runner<'_> {
         for (number, (reading, &mark)) in self.schedule.iter().zip(&self.trajectory.marks).enumerate() {
             while piece < mark {
                 let (by_state, by_field) = x.split_at_mut(own * n);
-                self.trajectory.tangent.carry(piece, by_state, &[], &mut scratch);
-                self.trajectory.tangent.carry(piece, by_field, changes(piece), &mut scratch);
+                self.trajectory.tangent.propagate(piece, by_state, &[], &mut scratch);
+                self.trajectory.tangent.propagate(piece, by_field, changes(piece), &mut scratch);
                 piece += 1;
             }
             let Quantity::State(state) = self.record.measured[reading.column].quantity else { continue };
             let at = reading.column * samples + reading.sample;
             if self.present[at] {
-                let turned = tracked
+                let rotation = tracked
                     .and_then(|(point, d)| Some((point, point.shift(state, *self.trajectory.turns.get(number)?, d))));
                 for (column, values) in out.iter_mut().enumerate() {
                     let moved = &x[column * n..(column + 1) * n];
-                    let with_it = turned.map_or(0.0, |(point, shift)| {
+                    let with_it = rotation.map_or(0.0, |(point, shift)| {
                         shift.by_angle * moved[point.angle] + shift.by_spin * moved[point.spin]
                     });
                     values[at] = (moved[state] + with_it) * self.weights[reading.column];

@@ -11,7 +11,7 @@ use bracketry_sim::{Hold, InputError, Samples};
 /// impulse is exact for every `τ`, also far below the sampling time, and depends smoothly on `τ` at 0; a linear one is joined
 /// by straight lines.
 ///
-/// `history..=last` are samples without a gap; the window begins at time `start`.
+/// `history..=last` are samples without a gap; the window starts at time `start`.
 pub(super) fn through_path(
     times: &[f64],
     signal: &Signal,

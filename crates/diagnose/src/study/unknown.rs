@@ -19,7 +19,7 @@ pub(super) struct Unknown {
     calibrated: bool,
     /// Standard deviation of the prior.
     pub(super) prior: f64,
-    /// Where the fit begins.
+    /// Initial value of the fit.
     pub(super) start: f64,
 }
 

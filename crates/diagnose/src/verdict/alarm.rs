@@ -1,11 +1,11 @@
-//! Whether a fit leaves over more than noise.
+//! Whether the residual of a fit is more than noise.
 
 use super::limits::{FEWEST_SPECTRUM_SAMPLES, LEAST_NOISE};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::WindowFit;
 
-/// What is left over after a fit, against noise.
+/// The residual of a fit, against noise.
 ///
 /// Each window's residual is expanded in cosines (orthonormal, DCT-II). White noise gives all of them the same variance;
 /// what a model gets wrong acts through forces that are integrated twice, so that it gathers at low frequencies. The upper

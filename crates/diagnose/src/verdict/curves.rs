@@ -12,7 +12,7 @@ use super::settings::Settings;
 use crate::report::Note;
 use crate::{DiagnoseError, Record, Study, StudySettings};
 
-/// The records with curves in place of straight lines through the samples of the inputs, where `explanation` leaves over more than
+/// The records with curves in place of straight lines through the samples of the inputs, where `explanation` leaves more than
 /// noise and much less with them. Beside little noise (data of another simulation have none at all) what the lines cut off at the
 /// bends would be taken for a force.
 pub(super) fn curved_where_better(
@@ -61,8 +61,8 @@ fn shifted(times: &[f64], gaps: &[usize], values: &[f64]) -> Vec<f64> {
     let mut shifted = values.to_vec();
     for k in 1..values.len().saturating_sub(1) {
         let (before, after) = (times[k] - times[k - 1], times[k + 1] - times[k]);
-        let begins = |k: usize| gaps.binary_search(&k).is_ok();
-        let even = (after - before).abs() <= EVEN_STEPS * before && !begins(k) && !begins(k + 1);
+        let starts = |k: usize| gaps.binary_search(&k).is_ok();
+        let even = (after - before).abs() <= EVEN_STEPS * before && !starts(k) && !starts(k + 1);
         if even {
             shifted[k] -= (values[k - 1] - 2.0 * values[k] + values[k + 1]) / 12.0;
         }

@@ -31,9 +31,9 @@ use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 /// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
 /// measured.
 ///
-/// Long windows first: where the right causes are among the candidates, noise is all that is left over, and long windows
+/// Long windows first: where the right causes are among the candidates, the residual is noise, and long windows
 /// average it best. Where structure remains, the windows that make the unknowns most certain take their place
-/// ([`Study::with_best_windows`]), and the search begins anew.
+/// ([`Study::with_best_windows`]), and the search restarts.
 ///
 /// # Errors
 /// Records that do not fit the model, a model that cannot be simulated: [`DiagnoseError`].
@@ -45,22 +45,22 @@ pub fn diagnose(
     settings: &Settings,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
-    let begin = Instant::now();
+    let started = Instant::now();
     if settings.max_causes == 0 {
         let name = "the number of causes that are named together (--max-causes)";
         return Err(DiagnoseError::Setting { name, value: 0.0, requirement: "at least 1" });
     }
-    examined(system, distinct(records, validate), true, settings, begin, progress)
+    examined(system, distinct(records, validate), true, settings, started, progress)
 }
 
 /// The diagnosis of records of which each is there once. Where inputs go on along straight `lines` between their samples and curves
-/// leave over much less, it begins anew with these.
+/// leave much less, it restarts with these.
 fn examined(
     system: &System,
     data: Distinct,
     lines: bool,
     settings: &Settings,
-    begin: Instant,
+    started: Instant,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
     progress(Stage::Refit);
@@ -73,7 +73,7 @@ fn examined(
     first.check_window()?;
     first.check_time_scale()?;
     if still(&records).1 {
-        return Ok(Report { notes, ..uninformative(system, &records, begin) });
+        return Ok(Report { notes, ..uninformative(system, &records, started) });
     }
     let (shorter, weighed);
     let mut study = &first;
@@ -102,7 +102,7 @@ fn examined(
     if lines && let Some((better, note)) = curved_where_better(system, search.study, &selection.chosen, settings)? {
         notes.push(note);
         let data = Distinct { records: better, validate: curved(system, &validate), notes };
-        return examined(system, data, false, settings, begin, progress);
+        return examined(system, data, false, settings, started, progress);
     }
     let validate = validate.as_slice();
     let Selection { chosen, scatter, tests, screened } = selection;
@@ -124,7 +124,7 @@ fn examined(
     }
     let ending = if alarm < settings.significance { ending(&base, &chosen, refuted, settings) } else { Ending::Quiet };
     let findings = Findings { base, chosen, rivals, scatter, tests, alarm, ending };
-    let mut report = written(system, &mut search, &findings, validate, settings, begin, progress)?;
+    let mut report = written(system, &mut search, &findings, validate, settings, started, progress)?;
     report.notes.extend(notes);
     // What failed since was not the model's fault.
     if system.pool.stop_flag().is_raised() {
@@ -214,10 +214,10 @@ fn written(
     findings: &Findings,
     validate: &[Record],
     settings: &Settings,
-    begin: Instant,
+    started: Instant,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
-    let mut report = write::report(system, search, findings, settings, begin);
+    let mut report = write::report(system, search, findings, settings, started);
     if report.verdict != Verdict::NothingFound {
         let Places { motion, regimes, over_time } = places(system, search.study.records(), &findings.base.fit)?;
         (report.places, report.regimes, report.residual_acceleration) = (motion, regimes, over_time);
@@ -231,7 +231,7 @@ fn written(
     report.complete(search.study, fits, validate, &settings.study, settings.seed)?;
     report.withdraw_if_refuted();
     add_caveats(&mut report, system, search, findings, validate, settings)?;
-    report.seconds = begin.elapsed().as_secs_f64();
+    report.seconds = started.elapsed().as_secs_f64();
     Ok(report)
 }
 
@@ -250,7 +250,7 @@ fn add_caveats(
     if !still.is_empty() {
         report.notes.push(Note::StillColumns(still));
     }
-    // Inputs that never change go on in the same way either way; another fit would only find another minimum.
+    // Inputs that never change continue equally with either hold; another fit would only find another minimum.
     if findings.ending != Ending::Quiet
         && driven(records)
         && let Some(other) = other_hold(system, search, findings, settings)?
@@ -335,8 +335,8 @@ fn from_short_windows(study: &Study, mut fit: Fit, windows: &[usize]) -> Result<
 
 /// Whether some pair of candidates promises to bring the residual near the noise.
 fn within_reach(search: &mut Search<'_>, base: &Explanation, named: &[usize]) -> Result<bool, DiagnoseError> {
-    let around = search.around(base, named)?;
-    let promised = search.pairs(&around, 1).first().map_or(0.0, |p| p.square);
+    let linearized = search.linearized(base, named)?;
+    let promised = search.pairs(&linearized, 1).first().map_or(0.0, |p| p.square);
     Ok(base.square() - promised < WITHIN_REACH * WITHIN_REACH * base.alarm.floor)
 }
 

@@ -11,7 +11,7 @@ pub(crate) struct Explanation {
     pub(crate) members: Vec<usize>,
     /// The fit.
     pub(crate) fit: Fit,
-    /// What it leaves over.
+    /// Its residual.
     pub(crate) alarm: Alarm,
     /// Number of the effects' coefficients.
     pub(crate) coefficients: usize,
@@ -24,7 +24,7 @@ impl Explanation {
         self.alarm.square
     }
 
-    /// Whether causes take away all of what `base` leaves over but for what the inexactness of any law does, and that is near
+    /// Whether causes remove all of the residual of `base` but for what the inexactness of any law leaves, and that is near
     /// the noise: a further name would be given to it.
     pub(crate) fn spans(&self, base: &Explanation) -> bool {
         !self.members.is_empty() && self.alarm.size < NEAR_NOISE && self.alarm.excess() < INEXACT * base.alarm.excess()

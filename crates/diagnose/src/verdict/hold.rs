@@ -13,10 +13,10 @@ use crate::report::{Flag, NamedCause, OtherHold};
 use crate::statistics::{median, steps};
 use crate::{Cause, DiagnoseError, Record, Study, StudySettings};
 
-/// Refits the model once with inputs that go on between samples the other way. `None` without such an input, or where it
-/// leaves over most of the excess.
+/// Refits the model once with the other input hold. `None` without such an input, or where it
+/// leaves most of the excess.
 ///
-/// The difference between both ways is nearly a delay of half a sampling time, which smooth inputs of analog origin make
+/// The difference between both holds is nearly a delay of half a sampling time, which smooth inputs of analog origin make
 /// where they are read as held, and held ones where they are read as straight lines.
 pub(super) fn other_hold(
     system: &System,

@@ -18,7 +18,7 @@ pub(super) const NINE_TENTHS: f64 = 1.645;
 /// wrongly; one that differs from its estimate by this factor is told of.
 pub(super) const NOISE_OFF: f64 = 1.5;
 
-/// Curves take the place of straight lines if they leave over at most this share of the excess.
+/// Curves take the place of straight lines if they leave at most this share of the excess.
 pub(super) const CURVES_WORTH: f64 = 0.5;
 /// Two steps of time are alike if they differ by at most this part.
 pub(super) const EVEN_STEPS: f64 = 0.01;
@@ -49,19 +49,19 @@ pub(super) const LEAST_ANGLE: f64 = 1e-7;
 
 /// An amplitude that begins from a secant may leave it by this factor at most: farther out the secant says nothing.
 pub(super) const FARTHEST: f64 = 2.0;
-/// How often a fit that went astray begins anew, and the factor by which its amplitudes are then nearer to none.
+/// How often a fit that diverged is restarted, and the factor by which its amplitudes are then nearer to none.
 pub(super) const MOST_RETURNS: usize = 2;
 pub(super) const NEARER: f64 = 0.25;
-/// Share of the model's excess below which, near the noise, what an explanation leaves over is its own inexactness: three per
+/// Share of the model's excess below which, near the noise, the residual of an explanation is its own inexactness: three per
 /// cent in amplitude, as no real part follows its law more exactly.
 pub(super) const INEXACT: f64 = 1e-3;
 /// Residuals with a root mean square below this many times the noise are near it.
 pub(super) const NEAR_NOISE: f64 = 1.5;
 /// A parameter below this share of its value in the model has taken its term out.
 pub(super) const VANISHED: f64 = 0.05;
-/// An effect whose amplitudes are below five standard deviations is doubtful; where leaving it out nevertheless costs ten times
+/// An effect whose amplitudes are below five standard deviations is uncertain; where leaving it out nevertheless costs ten times
 /// what these say, the fit without it has stopped elsewhere.
-pub(super) const DOUBTFUL: f64 = 25.0;
+pub(super) const UNCERTAIN: f64 = 25.0;
 pub(super) const STOPPED_SHORT: f64 = 10.0;
 /// A parameter is far from its nominal value beyond this part of it.
 pub(super) const FAR_PARAMETER: f64 = 0.5;
@@ -91,7 +91,7 @@ pub(super) const LITTLE_LEFT: f64 = 0.5;
 
 /// Terms that are put against all windows, after a look at a part of them.
 pub(super) const SHORTLIST: usize = 25;
-/// What terms without a name must take away: this share of the excess that the named causes leave over.
+/// What terms without a name must take away: this share of the excess that the named causes leave.
 pub(super) const SUBSTANTIAL: f64 = 0.2;
 /// Beyond the first few, terms alone are fitted exactly if they promise at least this share of what the best one does.
 pub(super) const NEAR_BEST_TERM: f64 = 0.8;
@@ -125,7 +125,7 @@ pub(super) const MOST_RIVAL_FITS: usize = 8;
 
 // Verdict
 
-/// Standard deviations that some amplitude of a cause must exceed where structure is left over, which takes what the cause's
+/// Standard deviations that some amplitude of a cause must exceed where structure remains, which takes what the cause's
 /// shape is not certain of; where only noise is, one will do.
 pub(super) const SURE: f64 = 2.0;
 
@@ -137,19 +137,19 @@ pub(super) const LISTED_CANDIDATES: usize = 15;
 /// Fewest windows that are resampled.
 pub(super) const FEWEST_RESAMPLED: usize = 5;
 
-/// The other way is worth a word if without any cause it leaves over at most this share of the excess.
+/// The other hold is reported if without any cause it leaves at most this share of the excess.
 pub(super) const OTHER_HOLD_WORTH: f64 = 0.5;
 /// A delay is half a sampling time if it differs by at most this share of one, or by two standard deviations.
 pub(super) const NEAR_HALF_SAMPLE: f64 = 0.05;
 
-/// A run for validation that leaves over this many times what the data of the fit leave over is told of.
+/// A run for validation is reported if its residual is this many times that of the fitted data.
 pub(super) const MUCH_MORE: f64 = 1.5;
 
 // Units
 
 /// Windows that are looked at.
 pub(super) const UNIT_WINDOWS: usize = 8;
-/// Another unit must leave over at most this share of the excess, without any cause.
+/// Another unit must leave at most this share of the excess, without any cause.
 pub(super) const UNIT_EXPLAINS: f64 = 0.1;
 /// Another unit that leaves this many times as much over as the causes that were named is none.
 pub(super) const OUTDONE: f64 = 1.5;

@@ -9,7 +9,7 @@ use crate::report::{Evidence, NoMotion, Outcome, Reason};
 use crate::statistics::quantile;
 use crate::{Measured, Record, Report, Verdict};
 
-/// Measured columns that stand out of their noise in no record, by name, and whether those are all. Single outliers are no motion.
+/// Measured columns that are significant above their noise in no record, by name, and whether those are all. Single outliers are no motion.
 pub(super) fn still(records: &[Record]) -> (Vec<String>, bool) {
     let moves = |m: &Measured| spread(&m.values) > MOTION_SPREAD * 2.0 * NINE_TENTHS * m.noise;
     let mut names: Vec<&str> = Vec::new();
@@ -29,7 +29,7 @@ pub(super) fn driven(records: &[Record]) -> bool {
 }
 
 /// The report on records in which nothing moves: no fit, since it would only give the prior back, or what a dead sensor feigns.
-pub(super) fn uninformative(system: &System, records: &[Record], begin: Instant) -> Report {
+pub(super) fn uninformative(system: &System, records: &[Record], started: Instant) -> Report {
     let no_motion = match (records.iter().any(|r| !r.inputs.is_empty()), driven(records)) {
         (false, _) => NoMotion::NoInputs,
         (true, false) => NoMotion::StillInputs,
@@ -49,7 +49,7 @@ pub(super) fn uninformative(system: &System, records: &[Record], begin: Instant)
         excess: None,
         candidates: Vec::new(),
         notes: Vec::new(),
-        seconds: begin.elapsed().as_secs_f64(),
+        seconds: started.elapsed().as_secs_f64(),
         data: Vec::new(),
         evidence: Evidence::default(),
     }

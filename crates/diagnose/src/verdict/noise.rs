@@ -23,7 +23,7 @@ impl Scatter {
     }
 
     /// Of the residual of the best explanation so far, by the linearized problem around it.
-    pub(crate) fn around(alarm: &Alarm, scores: &Scores) -> Self {
+    pub(crate) fn linearized(alarm: &Alarm, scores: &Scores) -> Self {
         let variance = alarm.square / alarm.freedom;
         let (inflation, independent) = scores.inflation(variance);
         let windows = scores.window_count() as f64;

@@ -192,7 +192,7 @@ impl View {
         }
     }
 
-    /// Rest, reversal, or motion either way; for a state that is no velocity, its thirds.
+    /// Rest, reversal, or motion in either direction; for a state that is no velocity, its thirds.
     fn motion(&self, stretch: &Missing, m: &MissingIn) -> Vec<Regime> {
         let Some(v) = stretch.states[m.state].as_ref() else { return Vec::new() };
         if !self.is_rate {

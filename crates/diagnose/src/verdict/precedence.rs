@@ -5,7 +5,7 @@ use crate::{Cause, Change, Effect, Path};
 /// Twice the logarithm of the odds against a cause, compared with the most common ones.
 ///
 /// `measured` is the number of measured columns. Far below what data can say: it decides between explanations that fit equally well. Friction and constant forces come
-/// first, then what is on the way of signals (one signal before several, inputs before measured columns), then forces that
+/// first, then effects in signal paths (one signal before several, inputs before measured columns), then forces that
 /// need a special cause; terms from the dictionary, of which there are many and which have no name, come last.
 pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
     let name = match effect.cause {

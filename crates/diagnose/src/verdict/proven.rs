@@ -25,7 +25,7 @@ pub(super) fn worth(
 }
 
 /// Takes out, one after the other, causes that are not significant or none of whose amplitudes exceeds its standard
-/// deviation, twice that where structure is left over, first the one that gains least; says whether there were any.
+/// deviation, twice that where structure remains, first the one that gains least; says whether there were any.
 pub(super) fn drop_unproven(
     search: &mut Search<'_>,
     chosen: &mut Explanation,

@@ -17,11 +17,11 @@ use crate::DiagnoseError;
 /// Puts each other candidate in the place of each cause; where one turns out better, the explanation changes.
 ///
 /// Better is what has the better merit, or predicts held-out data better. Of two with as many causes the one with fewer
-/// coefficients is preferred unless the other takes away a substantial share of what it leaves over beyond noise: where
+/// coefficients is preferred unless the other removes a substantial share of its excess: where
 /// structure remains that no cause explains, a further coefficient always finds something in it. For the same reason a rival
 /// stays, whatever the scatter says, if next to that structure it does nearly all that the cause does; next to it alone, any
 /// candidate would stay in place of a small cause. It also stays, and wins with fewer coefficients, if structure near the
-/// noise remains and it leaves over no more of it than the inexactness of any law does.
+/// noise remains and it leaves no more of it than the inexactness of any law does.
 ///
 /// What gains nearly as much beside the cause as in its place is no rival either: were it the truth and the cause its image,
 /// nothing would be left for it beside the cause.
@@ -34,9 +34,10 @@ pub(crate) fn rivals(
     significance: f64,
 ) -> Result<Vec<Rivals>, DiagnoseError> {
     let mut swaps = 0;
-    'again: loop {
-        let around = search.around(chosen, among)?;
-        let beside: HashMap<usize, f64> = search.singles(&around).iter().map(|p| (p.candidates[0], p.square)).collect();
+    'retry: loop {
+        let linearized = search.linearized(chosen, among)?;
+        let beside: HashMap<usize, f64> =
+            search.singles(&linearized).iter().map(|p| (p.candidates[0], p.square)).collect();
         let structured = chosen.alarm.p_value < significance && chosen.alarm.size < NEAR_NOISE;
         let inexact = search.base().map_or(0.0, |b| INEXACT * b.alarm.excess());
         let mut all = Vec::new();
@@ -84,7 +85,7 @@ pub(crate) fn rivals(
             {
                 *chosen = better;
                 swaps += 1;
-                continue 'again;
+                continue 'retry;
             }
             all.push(near);
         }
@@ -105,8 +106,8 @@ fn of_one(
     scatter: &Scatter,
     among: &[usize],
 ) -> Result<Rivals, DiagnoseError> {
-    let around = search.around(rest, among)?;
-    let promises = search.singles(&around);
+    let linearized = search.linearized(rest, among)?;
+    let promises = search.singles(&linearized);
     let own = promises.iter().find(|p| p.candidates == [member]).map_or(f64::INFINITY, |p| p.square);
     let exact = rest.square() - chosen.square();
     // What is there altogether or not at all changes too much for the linearized problem to tell its gain.

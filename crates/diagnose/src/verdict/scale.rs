@@ -1,11 +1,11 @@
-//! The noise of the columns, once more from what a fit leaves over.
+//! The noise of the columns, estimated again from the residual of a fit.
 
 use super::alarm::Alarm;
 use super::limits::NOISE_OFF;
 use crate::report::Note;
 use crate::{Measured, Record};
 
-/// By what the estimates of noise of the columns are to be multiplied, if what a fit leaves over is noise and says that the columns weigh
+/// By what the estimates of noise of the columns are to be multiplied, if the residual of a fit is noise and says that the columns weigh
 /// wrongly against each other. Where it is not noise, high frequencies may be the model's. `None` for records with other columns.
 pub(super) fn factors<'a>(
     alarm: &Alarm,

@@ -143,7 +143,7 @@ impl Scores {
     }
 
     /// How much more the windows' gradients scatter than white noise of variance `phi` would let them, over all candidates:
-    /// 1 for white noise, more where what is left over is correlated or depends on the motion. Also the number of
+    /// 1 for white noise, more where the residual is correlated or depends on the motion. Also the number of
     /// independent directions among the candidates' columns.
     ///
     /// Each column's own best step is taken out first, so that an effect that is the same in all windows does not count.

@@ -7,7 +7,7 @@ use nalgebra::DVector;
 
 use super::alarm::Alarm;
 use super::explanation::{Explanation, Promise};
-use super::limits::{DOUBTFUL, FAR_PARAMETER, FARTHEST, MARGIN, MOST_RETURNS, NEARER, STOPPED_SHORT};
+use super::limits::{FAR_PARAMETER, FARTHEST, MARGIN, MOST_RETURNS, NEARER, STOPPED_SHORT, UNCERTAIN};
 use super::score::{Group, Scores};
 use crate::statistics::extremes;
 use crate::{Cause, Change, DiagnoseError, Effect, Estimate, Fit, Linearization, Path, Role, Study};
@@ -23,11 +23,11 @@ pub(crate) struct Search<'a> {
     /// Initial values per window.
     initial: usize,
     known: HashMap<Vec<usize>, Option<Explanation>>,
-    around: HashMap<Vec<usize>, Rc<Around>>,
+    linearized: HashMap<Vec<usize>, Rc<Linearized>>,
 }
 
 /// The linearized problem around an explanation.
-pub(crate) struct Around {
+pub(crate) struct Linearized {
     /// The problem.
     linearization: Linearization,
     /// Its candidates' share.
@@ -40,7 +40,7 @@ impl<'a> Search<'a> {
     /// Fits will be made over `windows` of the study.
     pub(crate) fn new(study: &'a Study, candidates: Vec<Effect>, windows: Vec<usize>) -> Self {
         let initial = study.system().states.len();
-        Self { study, candidates, windows, initial, known: HashMap::new(), around: HashMap::new() }
+        Self { study, candidates, windows, initial, known: HashMap::new(), linearized: HashMap::new() }
     }
 
     /// Adds candidates; returns their places.
@@ -62,7 +62,7 @@ impl<'a> Search<'a> {
         self.known.values().flatten()
     }
 
-    /// The exact fit of `members`, begun from `near` and the given values; `None` where it cannot be made.
+    /// The exact fit of `members`, started from `near` and the given values; `None` where it cannot be made.
     pub(crate) fn explain(&mut self, members: &[usize], near: &Fit, start: &[(String, f64)]) -> Option<Explanation> {
         let mut key = members.to_vec();
         key.sort_unstable();
@@ -70,12 +70,13 @@ impl<'a> Search<'a> {
             return known.clone();
         }
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
-        let begin = started(near.clone(), start);
-        let again = returned(&begin, &effects).and_then(|b| self.study.fit(&effects, &self.windows, Some(&b)).ok());
+        let initial = started(near.clone(), start);
+        let refitted =
+            returned(&initial, &effects).and_then(|b| self.study.fit(&effects, &self.windows, Some(&b)).ok());
         let found = self
-            .fit_from(&effects, begin, near, start)
+            .fit_from(&effects, initial, near, start)
             .into_iter()
-            .chain(again)
+            .chain(refitted)
             .map(|fit| self.judge(members.to_vec(), fit))
             .filter(|e| self.admissible(e))
             .min_by(|a, b| a.square().total_cmp(&b.square()));
@@ -84,7 +85,7 @@ impl<'a> Search<'a> {
     }
 
     /// The explanation without one of its members. Where that costs far more than the member's amplitude can, the fit without it
-    /// came from elsewhere and has stopped short: it is made again from here.
+    /// came from elsewhere and has stopped short: it is refitted from here.
     pub(crate) fn without(&mut self, explanation: &Explanation, member: usize) -> Option<Explanation> {
         let rest: Vec<usize> = explanation.members.iter().copied().filter(|&m| m != member).collect();
         let found = self.explain(&rest, &explanation.fit, &[])?;
@@ -92,22 +93,22 @@ impl<'a> Search<'a> {
         let unit = explanation.alarm.square / explanation.alarm.freedom;
         let expected = explanation.expected_cost(&self.candidates[member]);
         let gained = gained / unit.max(1.0);
-        if gained < MARGIN || expected > DOUBTFUL || gained < STOPPED_SHORT * expected {
+        if gained < MARGIN || expected > UNCERTAIN || gained < STOPPED_SHORT * expected {
             return Some(found);
         }
-        self.again(rest, &explanation.fit)
+        self.refit(rest, &explanation.fit)
     }
 
-    /// The exact fit of `members` begun from `begin`, or what is known of them already if that is better.
-    pub(crate) fn again(&mut self, mut members: Vec<usize>, begin: &Fit) -> Option<Explanation> {
+    /// The exact fit of `members` started from `initial`, or what is known of them already if that is better.
+    pub(crate) fn refit(&mut self, mut members: Vec<usize>, initial: &Fit) -> Option<Explanation> {
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
-        let fit = self.study.fit(&effects, &self.windows, Some(begin)).ok();
+        let fit = self.study.fit(&effects, &self.windows, Some(initial)).ok();
         let found = fit.map(|fit| self.judge(members.clone(), fit)).filter(|e| self.admissible(e));
         members.sort_unstable();
         let known = self.known.get(&members).cloned().flatten();
         match (found, known) {
             (Some(found), known) if known.as_ref().is_none_or(|k| found.square() < k.square()) => {
-                self.around.remove(&members);
+                self.linearized.remove(&members);
                 self.known.insert(members, Some(found.clone()));
                 Some(found)
             }
@@ -120,10 +121,10 @@ impl<'a> Search<'a> {
         self.known.get(&Vec::new())?.as_ref()
     }
 
-    /// The fit of `effects` from `begin`. What has more coefficients than `near` can leave no more over: where it does, the
-    /// values that were added (`start`) lead astray, and the fit begins anew with smaller amplitudes.
-    fn fit_from(&self, effects: &[Effect], mut begin: Fit, near: &Fit, start: &[(String, f64)]) -> Option<Fit> {
-        let mut best = self.study.fit(effects, &self.windows, Some(&begin)).ok();
+    /// The fit of `effects` from `initial`. What has more coefficients than `near` can leave no larger residual: where it does, the
+    /// values that were added (`start`) mislead, and the fit restarts with smaller amplitudes.
+    fn fit_from(&self, effects: &[Effect], mut initial: Fit, near: &Fit, start: &[(String, f64)]) -> Option<Fit> {
+        let mut best = self.study.fit(effects, &self.windows, Some(&initial)).ok();
         for _ in 0..MOST_RETURNS {
             let astray = best.as_ref().is_none_or(|fit| fit.square() > near.square());
             if start.is_empty() || !astray {
@@ -131,13 +132,13 @@ impl<'a> Search<'a> {
             }
             let amplitudes = effects.iter().flat_map(|e| &e.coefficients).filter(|c| c.role == Role::Amplitude);
             for c in amplitudes.filter(|c| start.iter().any(|(name, _)| *name == c.name)) {
-                for e in begin.values.iter_mut().filter(|e| e.name == c.name) {
+                for e in initial.values.iter_mut().filter(|e| e.name == c.name) {
                     e.value = c.nominal + NEARER * (e.value - c.nominal);
                 }
             }
-            let again = self.study.fit(effects, &self.windows, Some(&begin)).ok();
-            if again.as_ref().is_some_and(|a| best.as_ref().is_none_or(|b| a.square() < b.square())) {
-                best = again;
+            let refitted = self.study.fit(effects, &self.windows, Some(&initial)).ok();
+            if refitted.as_ref().is_some_and(|a| best.as_ref().is_none_or(|b| a.square() < b.square())) {
+                best = refitted;
             }
         }
         best
@@ -184,19 +185,23 @@ impl<'a> Search<'a> {
     }
 
     /// The linearized problem around an explanation with those `among` the candidates that are not in it.
-    pub(crate) fn around(&mut self, explanation: &Explanation, among: &[usize]) -> Result<Rc<Around>, DiagnoseError> {
+    pub(crate) fn linearized(
+        &mut self,
+        explanation: &Explanation,
+        among: &[usize],
+    ) -> Result<Rc<Linearized>, DiagnoseError> {
         let others: Vec<usize> = among.iter().copied().filter(|c| !explanation.members.contains(c)).collect();
         let mut key = explanation.members.clone();
         key.sort_unstable();
-        if let Some(around) = self.around.get(&key).filter(|a| a.others == others) {
-            return Ok(Rc::clone(around));
+        if let Some(linearized) = self.linearized.get(&key).filter(|a| a.others == others) {
+            return Ok(Rc::clone(linearized));
         }
         let effects: Vec<Effect> = others.iter().map(|&c| self.candidates[c].clone()).collect();
         let linearization = self.study.linearize(&explanation.fit, &effects, &self.windows)?;
         let scores = Scores::new(&linearization);
-        let around = Rc::new(Around { linearization, scores, others });
-        self.around.insert(key, Rc::clone(&around));
-        Ok(around)
+        let linearized = Rc::new(Linearized { linearization, scores, others });
+        self.linearized.insert(key, Rc::clone(&linearized));
+        Ok(linearized)
     }
 
     /// Those of `among` that promise most on a quarter of the windows, at most `count`.
@@ -213,13 +218,13 @@ impl<'a> Search<'a> {
         let effects: Vec<Effect> = among.iter().map(|&c| self.candidates[c].clone()).collect();
         let linearization = self.study.linearize(&explanation.fit, &effects, &windows)?;
         let scores = Scores::new(&linearization);
-        let around = Around { linearization, scores, others: among.to_vec() };
-        Ok(self.singles(&around).iter().take(count).map(|p| p.candidates[0]).collect())
+        let linearized = Linearized { linearization, scores, others: among.to_vec() };
+        Ok(self.singles(&linearized).iter().take(count).map(|p| p.candidates[0]).collect())
     }
 
     /// What each candidate alone promises at its best trial, the best first.
-    pub(crate) fn singles(&self, around: &Around) -> Vec<Promise> {
-        let Around { linearization, scores, others } = around;
+    pub(crate) fn singles(&self, linearized: &Linearized) -> Vec<Promise> {
+        let Linearized { linearization, scores, others } = linearized;
         let mut best: Vec<Option<(f64, &Group, DVector<f64>)>> = vec![None; others.len()];
         for group in &scores.groups {
             let effect = &self.candidates[others[group.candidate]];
@@ -247,8 +252,8 @@ impl<'a> Search<'a> {
     }
 
     /// What pairs of candidates promise at their best trials, the best first; `most` of them.
-    pub(crate) fn pairs(&self, around: &Around, most: usize) -> Vec<Promise> {
-        let Around { linearization, scores, others } = around;
+    pub(crate) fn pairs(&self, linearized: &Linearized, most: usize) -> Vec<Promise> {
+        let Linearized { linearization, scores, others } = linearized;
         let n = others.len();
         let mut best: Vec<Option<PairGain>> = vec![None; n * n];
         for (i, a) in scores.groups.iter().enumerate() {
@@ -278,20 +283,20 @@ impl<'a> Search<'a> {
                 let (a, b) = (&scores.groups[i], &scores.groups[j]);
                 let (first, second) = (&self.candidates[others[a.candidate]], &self.candidates[others[b.candidate]]);
                 let (for_a, for_b) = step.as_slice().split_at(a.columns.len());
-                let mut begin = start(first, linearization, scores, a, for_a);
-                begin.extend(start(second, linearization, scores, b, for_b));
+                let mut initial = start(first, linearization, scores, a, for_a);
+                initial.extend(start(second, linearization, scores, b, for_b));
                 Promise {
                     candidates: vec![others[a.candidate], others[b.candidate]],
                     square,
                     coefficients: first.coefficients.len() + second.coefficients.len(),
-                    start: begin,
+                    start: initial,
                 }
             })
             .collect()
     }
 }
 
-/// The fit with other values, or more of them, to begin from.
+/// The fit with other values, or more of them, to start from.
 pub(crate) fn started(mut near: Fit, start: &[(String, f64)]) -> Fit {
     for (name, value) in start {
         match near.values.iter_mut().find(|e| e.name == *name) {
@@ -304,8 +309,8 @@ pub(crate) fn started(mut near: Fit, start: &[(String, f64)]) -> Fit {
 
 /// The fit with parameters back at their nominal values that another explanation has driven far away from them; `None` if there are
 /// none. From where they went (a radius that vanishes) there may be no slope back.
-fn returned(begin: &Fit, effects: &[Effect]) -> Option<Fit> {
-    let mut back = begin.clone();
+fn returned(initial: &Fit, effects: &[Effect]) -> Option<Fit> {
+    let mut back = initial.clone();
     let own = |name: &str| effects.iter().flat_map(|e| &e.coefficients).all(|c| c.name != name);
     let far = back
         .values

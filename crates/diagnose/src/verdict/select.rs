@@ -35,10 +35,10 @@ pub(crate) fn select(
     settings: &Settings,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Selection, DiagnoseError> {
-    let around = search.around(base, among)?;
-    let mut promises = search.singles(&around);
-    let tests = around.scores.groups.len().max(1) as f64;
-    let scatter_at_base = Scatter::around(&base.alarm, &around.scores);
+    let linearized = search.linearized(base, among)?;
+    let mut promises = search.singles(&linearized);
+    let tests = linearized.scores.groups.len().max(1) as f64;
+    let scatter_at_base = Scatter::linearized(&base.alarm, &linearized.scores);
     let screened_at_base = screened(&promises, &scatter_at_base, tests);
     let mut selection = Selection { chosen: base.clone(), scatter: scatter_at_base, tests, screened: screened_at_base };
     while selection.chosen.members.len() < settings.max_causes {
@@ -60,8 +60,8 @@ pub(crate) fn select(
         }
         selection.chosen = next;
         selection.scatter = scatter;
-        let around = search.around(&selection.chosen, among)?;
-        promises = search.singles(&around);
+        let linearized = search.linearized(&selection.chosen, among)?;
+        promises = search.singles(&linearized);
     }
     let Selection { chosen, scatter, tests, .. } = &mut selection;
     backwards(search, chosen, scatter, *tests, settings);
@@ -93,9 +93,9 @@ fn attempts(
     tried.extend(search.with_sign_flips(current));
     let reached = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())).unwrap_or(current).clone();
     if room >= 2 {
-        let around = search.around(current, among)?;
+        let linearized = search.linearized(current, among)?;
         let scatter = Scatter::of(&reached.alarm);
-        for promise in search.pairs(&around, MOST_PAIR_FITS) {
+        for promise in search.pairs(&linearized, MOST_PAIR_FITS) {
             let more = promise.square - (current.square() - reached.square());
             let added = (current.coefficients + promise.coefficients).saturating_sub(reached.coefficients);
             if more > 0.0 && scatter.p_value(more, added) * selection.tests.powi(2) < settings.significance {
@@ -120,9 +120,9 @@ fn best(
     among: &[usize],
 ) -> Result<Option<(Explanation, Scatter)>, DiagnoseError> {
     let Some(closest) = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())) else { return Ok(None) };
-    // As if the closest left over white noise; then with the scatter that is there.
+    // As if the residual of the closest were white noise; then with the actual scatter.
     let first = leading(search, tried, &Scatter::of(&closest.alarm)).unwrap_or(closest);
-    let scatter = Scatter::around(&first.alarm, &search.around(first, among)?.scores);
+    let scatter = Scatter::linearized(&first.alarm, &search.linearized(first, among)?.scores);
     Ok(leading(search, tried, &scatter).map(|e| (e.clone(), scatter)))
 }
 

@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::alarm::Alarm;
 use super::noise::Scatter;
 use super::score::Scores;
-use super::write::{physical_name, withhold_doubtful};
+use super::write::{physical_name, withhold_uncertain};
 use crate::report::NamedCause;
 use crate::{Cause, Change, Coefficient, Column, Effect, Estimate, Linearization, Normal, Role, WindowFit};
 
@@ -202,7 +202,7 @@ fn small_names_beside_large_unknowns_are_withheld() {
         flags: Vec::new(),
     };
     let names = |mut causes: Vec<NamedCause>| {
-        withhold_doubtful(&mut causes);
+        withhold_uncertain(&mut causes);
         causes.into_iter().map(|c| (c.name, c.confusable_with)).collect::<Vec<_>>()
     };
     let (tilt, drag) = (Cause::Tilt, Cause::QuadraticDrag);

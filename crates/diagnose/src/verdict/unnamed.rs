@@ -18,8 +18,8 @@ use crate::DiagnoseError;
 /// had to leave their tolerance for it, are more coefficients than one.
 ///
 /// A term of the dictionary stands for a law that is not in it exactly; a second member that takes away only what the first
-/// leaves over of the law is no cause of its own. Beside another member, term or named, it must therefore take away a tenth of
-/// what the *model* leaves over, unless nothing but noise is left then. Where a parameter stops at a limit, a term
+/// leaves of the law is no cause of its own. Beside another member, term or named, it must therefore take away a tenth of
+/// the residual of the *model*, unless nothing but noise is left then. Where a parameter stops at a limit, a term
 /// takes what the parameter may not: such explanations are none.
 pub(crate) fn unnamed(
     search: &mut Search<'_>,
@@ -32,9 +32,9 @@ pub(crate) fn unnamed(
     progress(Stage::Dictionary);
     let structured = chosen.alarm.p_value < settings.significance;
     let terms = &search.shortlist(base, terms, SHORTLIST)?;
-    let around = search.around(base, terms)?;
+    let linearized = search.linearized(base, terms)?;
     let mut tried = Vec::new();
-    let promises = search.singles(&around);
+    let promises = search.singles(&linearized);
     let top = promises.first().map_or(0.0, |p| p.square);
     let near =
         promises.iter().enumerate().take_while(|(i, p)| *i < MOST_TERMS_BESIDE || p.square >= NEAR_BEST_TERM * top);
@@ -45,21 +45,21 @@ pub(crate) fn unnamed(
     if structured {
         let own = LEAST_SHARE * base.alarm.excess();
         let worth = |e: &Explanation, less: f64| e.alarm.p_value >= settings.significance || e.square() < less - own;
-        let pairs = if settings.max_causes < 2 { Vec::new() } else { search.pairs(&around, MOST_TERM_PAIRS) };
+        let pairs = if settings.max_causes < 2 { Vec::new() } else { search.pairs(&linearized, MOST_TERM_PAIRS) };
         for promise in pairs {
             tried.extend(add(search, base, &promise).filter(|e| worth(e, alone)));
         }
         if (1..settings.max_causes).contains(&chosen.members.len()) {
-            let around = search.around(chosen, terms)?;
-            for promise in search.singles(&around).iter().take(MOST_TERMS_BESIDE) {
+            let linearized = search.linearized(chosen, terms)?;
+            for promise in search.singles(&linearized).iter().take(MOST_TERMS_BESIDE) {
                 tried.extend(add(search, chosen, promise).filter(|e| worth(e, alone.min(chosen.square()))));
             }
         }
     }
     tried.retain(|e| e.stopped().next().is_none());
     let Some(closest) = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())) else { return Ok(None) };
-    let around = search.around(closest, named)?;
-    let scatter = Scatter::around(&closest.alarm, &around.scores);
+    let linearized = search.linearized(closest, named)?;
+    let scatter = Scatter::linearized(&closest.alarm, &linearized.scores);
     let Some(best) = leading(search, &tried, &scatter).cloned() else { return Ok(None) };
     let substantial = chosen.square() - best.square() >= SUBSTANTIAL * chosen.alarm.excess();
     let price =

@@ -23,7 +23,7 @@ pub(super) fn report(
     search: &mut Search<'_>,
     findings: &Findings,
     settings: &Settings,
-    begin: Instant,
+    started: Instant,
 ) -> Report {
     let parameters = refitted(system, findings);
     let mut causes = Vec::new();
@@ -33,7 +33,7 @@ pub(super) fn report(
             causes.push(cause(system, search, findings, member, rivals));
         }
         if matches!(findings.ending, Ending::Partly(_)) {
-            withhold_doubtful(&mut causes);
+            withhold_uncertain(&mut causes);
         }
         let room = settings.max_causes.saturating_sub(causes.len());
         // Beside structure that is not explained or has no name, a moved parameter says nothing: it takes what it can of
@@ -68,7 +68,7 @@ pub(super) fn report(
         }),
         candidates: ranking(search, findings, settings),
         notes: limit(findings, settings).into_iter().collect(),
-        seconds: begin.elapsed().as_secs_f64(),
+        seconds: started.elapsed().as_secs_f64(),
         data: Vec::new(),
         evidence: Evidence::default(),
         causes,
@@ -239,9 +239,9 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
     }
 }
 
-/// Takes their names from causes that stand beside terms without a name, with structure left over, and explain less than
+/// Takes their names from causes that stand beside terms without a name, with structure remaining, and explain less than
 /// half of what is there without them: what the library lacks is then larger than they are, and they may be its image.
-pub(super) fn withhold_doubtful(causes: &mut [NamedCause]) {
+pub(super) fn withhold_uncertain(causes: &mut [NamedCause]) {
     if causes.iter().all(|c| c.name != Cause::UnknownTerm) {
         return;
     }

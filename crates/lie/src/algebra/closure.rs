@@ -12,7 +12,7 @@ use crate::budget::{check_growth, release};
 use crate::evidence::Evidence;
 use crate::undecided::Undecided;
 
-/// The distribution that a closure under brackets ends in, with the dimensions on the way.
+/// The distribution that a closure under brackets ends in, with the intermediate dimensions.
 #[derive(Clone, Debug)]
 pub struct Closure {
     /// Entry k: dimension at a generic point after k rounds of brackets. The list ends when

@@ -1,4 +1,4 @@
-//! Which brackets of the generators stand behind a basis that was simplified on the way.
+//! Which brackets of the generators a simplified basis stands for.
 
 use bracketry_symbolic::{Bindings, Pool};
 

@@ -256,20 +256,20 @@ pub(crate) fn definite_form(
             continue;
         }
         // K: all but the ends of chains, and those ends whose bracket with f is in D.
-        let mut kernel: Vec<Field> = inner.collect();
+        let mut reduced: Vec<Field> = inner.collect();
         for (end, next) in ends {
             let mut longer = whole.clone();
             longer.push(next.clone());
             if independent(pool, &longer, bindings, evidence)?.len() == whole.len() {
-                kernel.push(end.clone());
+                reduced.push(end.clone());
             }
         }
-        let kernel = involutive_closure(pool, &states, &kernel, bindings, evidence)?.basis;
-        let old = kernel.len();
-        if old >= whole.len() || frame.rank(pool, &kernel, evidence)? < old {
+        let reduced = involutive_closure(pool, &states, &reduced, bindings, evidence)?.basis;
+        let old = reduced.len();
+        if old >= whole.len() || frame.rank(pool, &reduced, evidence)? < old {
             continue;
         }
-        let mut d = kernel;
+        let mut d = reduced;
         d.extend(whole);
         let d = independent(pool, &d, bindings, evidence)?;
         if frame.rank(pool, &d, evidence)? < d.len() {

@@ -123,9 +123,9 @@ fn left_eigenvectors(
         .map(|j| (0..n).map(|i| linearization.a[i][j] - if i == j { lambda } else { Fp::ZERO }).collect())
         .collect();
     rows.extend(linearization.b.iter().cloned());
-    let kernel = Echelon::new(&rows, n).nullspace();
+    let null_space = Echelon::new(&rows, n).nullspace();
     let rational: Option<Vec<Vec<Rational>>> =
-        kernel.iter().map(|w| w.iter().map(|x| x.to_rational(BOUND)).collect()).collect();
+        null_space.iter().map(|w| w.iter().map(|x| x.to_rational(BOUND)).collect()).collect();
     let states = frame.fields.states.clone();
     rational
         .unwrap_or_default()

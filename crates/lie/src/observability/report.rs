@@ -1,4 +1,4 @@
-//! The report on what the outputs tell: observability, identifiability and the symmetries that stand in their way.
+//! The report on what the outputs tell: observability, identifiability, and the symmetries that prevent them.
 
 use bracketry_symbolic::{Expr, Pool, Symbol, closest_name};
 use bracketry_system::System;

@@ -9,13 +9,13 @@ use crate::transcription::Transcription;
 use std::collections::VecDeque;
 
 /// A controller whose inputs are applied `delay` samples after the measurement they answer: it hands the state that the
-/// model predicts over the inputs already under way to the controller inside.
+/// model predicts over the commanded inputs that have not acted yet.
 ///
 /// The horizon of the controller inside starts `delay` samples after the measurement.
 pub struct DelayCompensated<C> {
     controller: C,
     model: Transcription,
-    under_way: VecDeque<Vec<f64>>,
+    pending: VecDeque<Vec<f64>>,
     /// Grid point of the run at the measurement.
     k: usize,
     x: Vec<f64>,
@@ -33,7 +33,7 @@ impl<C: Controller> DelayCompensated<C> {
         check_length("the delayed input", first.len(), model.ocp.inputs())?;
         controller.set_start(delay);
         let x = vec![0.0; model.ocp.states()];
-        Ok(Self { controller, model, under_way: vec![first.to_vec(); delay].into(), k: 0, x })
+        Ok(Self { controller, model, pending: vec![first.to_vec(); delay].into(), k: 0, x })
     }
 
     /// The controller inside.
@@ -47,15 +47,15 @@ impl<C: Controller> Controller for DelayCompensated<C> {
         check_length("the measured state", x.len(), self.x.len())?;
         self.x.copy_from_slice(x);
         if x.iter().all(|v| v.is_finite()) {
-            for (i, u) in self.under_way.iter().enumerate() {
+            for (i, u) in self.pending.iter().enumerate() {
                 self.model.k0 = self.k + i;
                 self.model.choose_substeps(&Trajectory::constant(1, &self.x, u));
                 self.model.predict(&mut self.x, u);
             }
         }
         let step = self.controller.step(&self.x)?;
-        self.under_way.push_back(step.u.clone());
-        self.under_way.pop_front();
+        self.pending.push_back(step.u.clone());
+        self.pending.pop_front();
         self.k += 1;
         Ok(step)
     }
@@ -66,7 +66,7 @@ impl<C: Controller> Controller for DelayCompensated<C> {
 
     fn set_start(&mut self, k0: usize) {
         self.k = k0;
-        self.controller.set_start(k0 + self.under_way.len());
+        self.controller.set_start(k0 + self.pending.len());
     }
 
     fn limit_next_step(&mut self, limits: StepLimits) {

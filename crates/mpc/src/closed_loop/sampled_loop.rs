@@ -65,7 +65,7 @@ pub struct SampledLoop<'a> {
     ocp: Ocp,
     k: usize,
     x: Vec<f64>,
-    under_way: VecDeque<Vec<f64>>,
+    pending: VecDeque<Vec<f64>>,
     /// Input applied since the last measurement.
     applied: Vec<f64>,
     cost: f64,
@@ -88,9 +88,9 @@ impl<'a> SampledLoop<'a> {
         let first =
             if settings.initial_input.is_empty() { vec![0.0; ocp.inputs()] } else { settings.initial_input.clone() };
         check_length("the initial input", first.len(), ocp.inputs())?;
-        let under_way = vec![first; settings.delay].into();
+        let pending = vec![first; settings.delay].into();
         let (x, cost, counts) = (x0.to_vec(), 0.0, Counts::default());
-        Ok(Self { controller, plant, settings, ocp, k: 0, x, under_way, applied: Vec::new(), cost, counts })
+        Ok(Self { controller, plant, settings, ocp, k: 0, x, pending, applied: Vec::new(), cost, counts })
     }
 
     /// Time, s.
@@ -137,8 +137,8 @@ impl<'a> SampledLoop<'a> {
         }
         let estimate = self.estimate(&y)?;
         let step = self.controller.step(&estimate)?;
-        self.under_way.push_back(step.u.clone());
-        let u = self.under_way.pop_front().unwrap_or_else(|| step.u.clone());
+        self.pending.push_back(step.u.clone());
+        let u = self.pending.pop_front().unwrap_or_else(|| step.u.clone());
         self.counts.add(&step);
         self.cost += dt * self.ocp.stage_cost(k, t, &x, &u);
         self.plant.step(t, &mut self.x, &u, dt).map_err(|source| MpcError::Plant { time: t, source })?;

@@ -293,7 +293,7 @@ impl MovingHorizon {
         Ok(estimate(&self.head.model, &self.head.z, &self.head.p, status))
     }
 
-    /// Starts again from the filter's estimate.
+    /// Restarts from the filter's estimate.
     fn restart(&mut self) -> Estimate {
         self.mean.copy_from(&self.head.z);
         self.covariance.copy_from(&self.head.p);

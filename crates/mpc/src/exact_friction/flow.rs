@@ -231,7 +231,7 @@ impl StickSlipFlow {
     /// How far the mode of a switch with σ = 0 contradicts its sign or its rate; 0 if it does not.
     fn inconsistency(&self, i: usize) -> f64 {
         match self.modes[i] {
-            // A surface that cannot be held (no friction force) has a rate left over.
+            // A surface that cannot be held (no friction force) has a residual rate.
             Mode::Sticking if self.rates[i].abs() > 1e-6 * (1.0 + self.rates[i].abs()) => f64::MAX,
             Mode::Sticking => self.signs[i].abs() - 1.0 - SIGN_TOLERANCE,
             mode => -mode.sign() * self.rates[i] - 1e-9,

@@ -417,13 +417,13 @@ impl Rti {
             }
         }
         if self.lost || self.failures.used_up() {
-            self.start_again();
+            self.restart();
         }
     }
 
     /// Replaces the states of the trajectory by those that follow from the state as far as known and the planned inputs, or
     /// the rest input when these have been used up; where that leads to no numbers, by the state itself.
-    fn start_again(&mut self) {
+    fn restart(&mut self) {
         if self.failures.x.iter().any(|v| !v.is_finite()) {
             return;
         }

@@ -35,7 +35,7 @@ pub struct AffinizationReport {
     pub model: System,
     /// The reason.
     pub why: Reason,
-    /// All ways that were tried, accepted ones first; none for a model that is affine as it stands.
+    /// All candidates, accepted ones first; none for a model that is affine as written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub candidates: Vec<Candidate>,
     /// What the original reaches with constant inputs, which the affine form must agree with; absent for a model that is
@@ -69,7 +69,7 @@ impl AffinizationReport {
     }
 }
 
-/// A way to an affine form in words.
+/// A candidate for an affine form in words.
 pub fn method_name(method: Method) -> &'static str {
     match method {
         Method::None => "as it stands",

@@ -194,8 +194,8 @@ fn shortened(term: &str) -> String {
     if term.chars().count() <= LONGEST_TERM {
         return term.to_owned();
     }
-    let beginning: String = term.chars().take(LONGEST_TERM - 1).collect();
-    format!("{beginning}…")
+    let head: String = term.chars().take(LONGEST_TERM - 1).collect();
+    format!("{head}…")
 }
 
 /// A typical prediction: the one whose error with the refitted model is the median.
@@ -249,7 +249,7 @@ fn prediction(held_out: &HeldOut) -> Option<Figure> {
     Some(Figure { name: "prediction".to_owned(), caption, drawing })
 }
 
-/// What the equations leave over, against the state, before and after.
+/// Residuals of the equations, against the state, before and after.
 fn forces(held_out: &HeldOut) -> Vec<Figure> {
     let mut names: Vec<&str> = held_out.after.iter().map(|r| r.equation.as_str()).collect();
     names.sort_unstable();

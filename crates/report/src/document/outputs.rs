@@ -6,7 +6,7 @@ use super::blocks::{Block, Line, code, math, text};
 use super::formulas::{printed, symbol};
 use super::sections::{item, section};
 
-/// Observability, identifiability and the symmetries that stand in their way.
+/// Observability, identifiability, and the symmetries that prevent them.
 pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
     let Some(o) = &a.report.observability else { return };
     section(out, "Observability");

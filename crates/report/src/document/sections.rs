@@ -140,7 +140,7 @@ fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
     }
 }
 
-/// The ways that were tried, where there was a choice.
+/// The candidates, where there was a choice.
 fn candidates(a: &Analysis, out: &mut Vec<Block>) {
     if a.affine || a.affinization.candidates.len() < 2 {
         return;

@@ -44,7 +44,7 @@ impl Tangent {
 
     /// Propagates changes of the state, `x` of `n` numbers each, over a piece along which the field changes by `b`; changes beyond
     /// those of `b` find the field as it is.
-    pub fn carry(&self, piece: usize, x: &mut [f64], b: &[f64], scratch: &mut Vec<f64>) {
+    pub fn propagate(&self, piece: usize, x: &mut [f64], b: &[f64], scratch: &mut Vec<f64>) {
         let n = self.n;
         let t = &self.transition[piece * n * n..(piece + 1) * n * n];
         let r = &self.response[piece * n * n..(piece + 1) * n * n];

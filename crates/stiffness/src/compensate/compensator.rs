@@ -286,7 +286,7 @@ impl Compensator {
     }
 
     /// Brings the correction toward what is wanted, as far as the limits allow. All joints are shortened alike, so that the tool
-    /// keeps the direction of its way.
+    /// keeps its direction.
     fn limit(&mut self, status: &mut Status) {
         let largest = self.wanted.iter().fold(0.0f64, |m, w| m.max(w.abs()));
         let within = (self.settings.correction_limit / largest).min(1.0);

@@ -47,7 +47,7 @@ impl Default for CompensationSettings {
 }
 
 impl CompensationSettings {
-    /// Largest gain of the way from wrench to correction over all frequencies: of filter and prediction, times `1 − s²`. Without a
+    /// Largest gain from wrench to correction over all frequencies: of filter and prediction, times `1 − s²`. Without a
     /// prediction 1 at most.
     pub fn largest_gain(&self) -> f64 {
         let believed = 1.0 - self.stiffness_error * self.stiffness_error;

@@ -45,7 +45,7 @@ impl Deformation {
         Ok(Self { deflections: deflected.deflections, frames, tool })
     }
 
-    /// The product of deformed transforms: every joint turned by its deflection and every link displaced, under the wrenches of the
+    /// The product of deformed transforms: every joint rotated by its deflection and every link displaced, under the wrenches of the
     /// unloaded pose, transported to each undeformed frame.
     ///
     /// # Errors

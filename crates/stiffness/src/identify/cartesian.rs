@@ -108,7 +108,7 @@ fn interval(values: &Matrix6<f64>, std: &Matrix6<f64>, entry: (usize, usize)) ->
 /// ```
 /// use bracketry_stiffness::{CartesianEstimator, Measurement, MeasurementNoise, MeasurementSet, Outliers, identify_cartesian};
 /// use nalgebra::Vector6;
-/// // A tool point of 1 µm/N and 1 µrad/(N·m) in all directions, pushed and turned both ways.
+/// // A tool point of 1 µm/N and 1 µrad/(N·m) in all directions, pushed and turned in both directions.
 /// let measurements = (0..12).map(|n| {
 ///     let mut wrench = Vector6::zeros();
 ///     wrench[n % 6] = if n < 6 { 200.0 } else { -100.0 };

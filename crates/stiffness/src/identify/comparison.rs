@@ -25,7 +25,7 @@ const ENOUGH: usize = 36;
 /// Expected error of a matrix, relative, from which on its attenuation is worth a word.
 const NOTABLE: f64 = 0.01;
 
-/// A way to identify the stiffness.
+/// A method to identify the stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Of one pose.

@@ -5,7 +5,7 @@ use super::statistics::{CHI_SQUARE_MEDIAN, CHI_SQUARE_REJECTED, median};
 
 /// Random subsets to start from. With 5 % outliers, 12 measurements are all good in 54 % of them; with 20 % still in 7 %.
 const SUBSETS: usize = 60;
-/// Share of outliers beyond which the model is doubted instead.
+/// Share of outliers beyond which the model is questioned instead.
 const MOST: f64 = 0.3;
 
 /// Median of the squared distances, in units of the one expected, beyond which noise (ten times as large as stated) is no explanation.

@@ -17,7 +17,7 @@ const DAMPING: f64 = 1e-4;
 
 impl Robot {
     /// Joint coordinates that bring the tool point to `pose`, the solution near `start`: Newton's method with damped least
-    /// squares (Wampler 1986), which takes the shortest way where there are more joints than needed.
+    /// squares (Wampler 1986), which takes the shortest step if there are more joints than needed.
     ///
     /// # Errors
     /// [`StiffnessError::NoPose`] where the iteration does not get there; [`StiffnessError`] for a start that does not fit.

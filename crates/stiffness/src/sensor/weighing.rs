@@ -54,7 +54,7 @@ pub enum PayloadError {
     /// Gravity that pulls nowhere.
     #[error("gravity is {0:?} m/s²; give its acceleration in base axes, as (0, 0, -9.81)")]
     Gravity([f64; 3]),
-    /// The weight always pulls the same way in the sensor.
+    /// The weight always pulls in the same direction in the sensor.
     #[error(
         "{readings} readings, all with the weight along the same direction of the sensor (spread {spread:.3} of gravity): \
          mass and force bias cannot be separated; add readings with the sensor tilted by 30° or more about \
@@ -81,7 +81,7 @@ pub enum PayloadError {
     /// A weight that pulls upwards.
     #[error(
         "the readings weigh {mass:.3} kg: either the sensor reads what the robot exerts instead of what acts on it \
-         (change all signs), or gravity points the wrong way"
+         (change all signs), or gravity points in the wrong direction"
     )]
     PullsUp {
         /// Mass in kg.

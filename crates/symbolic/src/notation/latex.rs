@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::name::{begins_with_digit, greek, is_single, spelled};
+use super::name::{greek, is_single, spelled, starts_with_digit};
 use super::tree::{Fence, Joint, Notation, Relation};
 
 impl Notation {
@@ -109,7 +109,7 @@ fn product(factors: &[Notation], out: &mut String) {
         // Two numbers side by side would read as one.
         out.push_str(match i {
             0 => "",
-            _ if begins_with_digit(factor) => " \\cdot ",
+            _ if starts_with_digit(factor) => " \\cdot ",
             _ => " ",
         });
         set(factor, out);

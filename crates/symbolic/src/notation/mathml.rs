@@ -1,6 +1,6 @@
 //! Formulas in MathML, which browsers set by themselves.
 
-use super::name::{begins_with_digit, greek, is_single, spelled};
+use super::name::{greek, is_single, spelled, starts_with_digit};
 use super::tree::{Fence, Joint, Notation, Relation};
 
 impl Notation {
@@ -36,7 +36,7 @@ fn set(formula: &Notation) -> String {
             _ => operator("+") + &set(term),
         })),
         Notation::Product(factors) => row(factors.iter().enumerate().map(|(i, factor)| {
-            let dot = if i > 0 && begins_with_digit(factor) { operator("·") } else { String::new() };
+            let dot = if i > 0 && starts_with_digit(factor) { operator("·") } else { String::new() };
             dot + &set(factor)
         })),
         Notation::Negative(size) => row([operator("−"), set(size)]),

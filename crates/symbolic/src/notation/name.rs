@@ -63,17 +63,17 @@ pub(super) fn spelled(name: &str) -> Notation {
     if indices.is_empty() { letters(stem) } else { letters(stem).subscript(Notation::List(Joint::Tight, indices)) }
 }
 
-/// Whether a formula begins with a digit, so that it would run together with a number before it.
-pub(super) fn begins_with_digit(formula: &Notation) -> bool {
+/// Whether a formula starts with a digit, so that it would run together with a number before it.
+pub(super) fn starts_with_digit(formula: &Notation) -> bool {
     match formula {
         Notation::Number(_) => true,
-        Notation::Symbol(name) => begins_with_digit(&spelled(name)),
+        Notation::Symbol(name) => starts_with_digit(&spelled(name)),
         Notation::Letters(name) => is_single(name) && name.starts_with(|c: char| c.is_ascii_digit()),
         Notation::Row(list) | Notation::Sum(list) | Notation::Product(list) | Notation::List(_, list) => {
-            list.first().is_some_and(begins_with_digit)
+            list.first().is_some_and(starts_with_digit)
         }
         Notation::Superscript(two) | Notation::Subscript(two) | Notation::Relation(two, _) => {
-            begins_with_digit(&two[0])
+            starts_with_digit(&two[0])
         }
         _ => false,
     }

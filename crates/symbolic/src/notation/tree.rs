@@ -30,7 +30,7 @@ pub enum Notation {
     Row(Vec<Notation>),
     /// Terms, of which [negative](Notation::Negative) ones are subtracted.
     Sum(Vec<Notation>),
-    /// Factors, with a dot before one that begins with a digit.
+    /// Factors, with a dot before one that starts with a digit.
     Product(Vec<Notation>),
     /// With a minus in front.
     Negative(Box<Notation>),
