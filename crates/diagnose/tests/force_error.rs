@@ -1,4 +1,4 @@
-//! The force error: what equations leave over on data, without a simulation.
+//! The force error: the residual of equations on data, without a simulation.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use std::collections::BTreeMap;

@@ -4,7 +4,7 @@
 //! of several runs of the loop.
 
 use bracketry_mpc::{
-    Backend, ControlProblem, Dynamics, Method, Plant, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Step,
+    ControlProblem, Dynamics, Method, Plant, ProgramForm, QpSettings, Rti, RtiSettings, RungeKuttaPlant, Step,
     SymbolicDynamics, Trajectory,
 };
 use bracketry_system::System;
@@ -81,16 +81,16 @@ fn row(problem: &ControlProblem, name: &str, qp: QpSettings) {
 fn table(name: &str, problem: &ControlProblem) {
     println!("\n| {name:32} | prepare, µs | program, µs | rest, µs | Σ u² of the loop |");
     println!("|---|---|---|---|---|");
-    let form = |backend| QpSettings { backend, ..QpSettings::default() };
+    let form = |form| QpSettings { form, ..QpSettings::default() };
     row(problem, "default", QpSettings::default());
-    row(problem, "sparse", form(Backend::Sparse));
+    row(problem, "sparse", form(ProgramForm::Sparse));
     for block in [2, 3, 5, 10, 20, problem.ocp.steps] {
-        row(problem, &format!("blocks of {block}"), form(Backend::Condensed { block }));
+        row(problem, &format!("blocks of {block}"), form(ProgramForm::Condensed { block }));
     }
     row(problem, "sizes from numbers", QpSettings { equilibrate: true, ..QpSettings::default() });
     row(problem, "refined", QpSettings { refine: true, ..QpSettings::default() });
     row(problem, "tolerance 1e-6", QpSettings { tolerance: 1e-6, ..QpSettings::default() });
-    let slow = QpSettings { equilibrate: true, refine: true, ..form(Backend::Sparse) };
+    let slow = QpSettings { equilibrate: true, refine: true, ..form(ProgramForm::Sparse) };
     row(problem, "sparse, refined, from numbers", slow);
 }
 

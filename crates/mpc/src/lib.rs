@@ -87,7 +87,7 @@ pub use problem::{
     ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled, Convergence, Estimation, EstimatorKind,
     Feedback, Method, NamedValues, PlanReport, ProblemError, RunConditions, control, control_watched,
 };
-pub use qp::{Backend, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
+pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};
 pub use rti::{Horizon, Preparation, Rti, RtiSettings};
 pub use sqp::{Hessian, Iteration, Solution, SolveStatus, Sqp, SqpController, SqpSettings};

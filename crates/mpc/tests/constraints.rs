@@ -3,13 +3,14 @@
 
 use approx::assert_relative_eq;
 use bracketry_mpc::{
-    Backend, Bounds, CostFunction, CostKind, MpcError, NormConstraint, Ocp, PathConstraint, QpSettings, Softness,
+    Bounds, CostFunction, CostKind, MpcError, NormConstraint, Ocp, PathConstraint, ProgramForm, QpSettings, Softness,
     Solution, SolveStatus, Sqp, SqpSettings, SymbolicDynamics, TerminalSet, Trajectory, VectorFunction,
 };
 use bracketry_system::System;
 use nalgebra::{DMatrix, DVector};
 
-const FORMS: [Backend; 3] = [Backend::Sparse, Backend::Condensed { block: 2 }, Backend::Condensed { block: 100 }];
+const FORMS: [ProgramForm; 3] =
+    [ProgramForm::Sparse, ProgramForm::Condensed { block: 2 }, ProgramForm::Condensed { block: 100 }];
 
 /// A point in the plane that moves with the velocity (u, v).
 fn point() -> System {
@@ -33,8 +34,8 @@ fn problem(system: &System, steps: usize, stage: &str) -> Ocp {
     ocp
 }
 
-fn solve(system: &System, ocp: &Ocp, backend: Backend, x0: [f64; 2]) -> Solution {
-    let qp = QpSettings { backend, tolerance: 1e-10, ..QpSettings::default() };
+fn solve(system: &System, ocp: &Ocp, form: ProgramForm, x0: [f64; 2]) -> Solution {
+    let qp = QpSettings { form, tolerance: 1e-10, ..QpSettings::default() };
     let dynamics = Box::new(SymbolicDynamics::new(system).unwrap());
     let mut sqp = Sqp::new(dynamics, ocp.clone(), SqpSettings { qp, ..SqpSettings::default() }).unwrap();
     let guess = Trajectory::constant(ocp.steps, &x0, &vec![0.0; ocp.inputs()]);
@@ -48,8 +49,8 @@ fn a_limited_input_vector_is_the_projection_of_the_free_one_onto_the_disk() {
     ocp.references = vec![vec![3.0, 4.0], vec![0.3, -0.2], vec![-5.0, 12.0], vec![2.5, 0.0]];
     let (vector, limit) = (function(&system, &["u", "v"]), function(&system, &["2"]));
     ocp.norm_constraints = vec![NormConstraint { vector, limit, softness: Softness::Hard }];
-    for backend in FORMS {
-        let s = solve(&system, &ocp, backend, [0.0, 0.0]);
+    for form in FORMS {
+        let s = solve(&system, &ocp, form, [0.0, 0.0]);
         assert_eq!(s.status, SolveStatus::Converged);
         for (k, free) in ocp.references.iter().enumerate() {
             let shrink = (2.0 / free[0].hypot(free[1])).min(1.0);
@@ -66,8 +67,8 @@ fn a_limit_that_depends_on_the_input_is_a_friction_cone() {
     let mut ocp = problem(&system, 3, "(u - 1)^2 + (v - 1)^2");
     let (vector, limit) = (function(&system, &["u"]), function(&system, &["v/2"]));
     ocp.norm_constraints = vec![NormConstraint { vector, limit, softness: Softness::Hard }];
-    for backend in FORMS {
-        let s = solve(&system, &ocp, backend, [0.0, 0.0]);
+    for form in FORMS {
+        let s = solve(&system, &ocp, form, [0.0, 0.0]);
         let along = (0.5 + 1.0) / 1.25;
         assert_relative_eq!(s.trajectory.u(1)[0], 0.5 * along, epsilon = 1e-6);
         assert_relative_eq!(s.trajectory.u(1)[1], along, epsilon = 1e-6);
@@ -81,8 +82,8 @@ fn the_terminal_set_is_entered_at_its_nearest_point() {
     let mut ocp = problem(&system, 5, "u^2 + v^2");
     let matrix = vec![vec![1.0, 0.0], vec![0.0, 1.0]];
     ocp.terminal_set = Some(TerminalSet { matrix, center: vec![1.0, -1.0], level: 0.25, softness: Softness::Hard });
-    for backend in FORMS {
-        let s = solve(&system, &ocp, backend, [4.0, 3.0]);
+    for form in FORMS {
+        let s = solve(&system, &ocp, form, [4.0, 3.0]);
         assert_eq!(s.status, SolveStatus::Converged);
         assert_relative_eq!(s.trajectory.x(5)[0], 1.0 + 0.5 * 3.0 / 5.0, epsilon = 1e-6);
         assert_relative_eq!(s.trajectory.x(5)[1], -1.0 + 0.5 * 4.0 / 5.0, epsilon = 1e-6);
@@ -96,7 +97,7 @@ fn a_terminal_set_without_weight_in_a_direction_leaves_it_free() {
     let mut ocp = problem(&system, 5, "u^2 + v^2");
     let matrix = vec![vec![4.0, 0.0], vec![0.0, 0.0]];
     ocp.terminal_set = Some(TerminalSet { matrix, center: vec![1.0, 9.0], level: 1.0, softness: Softness::Hard });
-    let s = solve(&system, &ocp, Backend::Sparse, [4.0, 3.0]);
+    let s = solve(&system, &ocp, ProgramForm::Sparse, [4.0, 3.0]);
     assert_relative_eq!(s.trajectory.x(5)[0], 1.5, epsilon = 1e-6);
     assert_relative_eq!(s.trajectory.x(5)[1], 3.0, epsilon = 1e-6);
 }
@@ -109,8 +110,8 @@ fn nonlinear_path_constraints_are_kept_and_touched() {
     let outside = Bounds { min: 1.0, max: f64::INFINITY, softness: Softness::Hard };
     ocp.path_constraints = vec![PathConstraint { function: function(&system, &["p^2 + q^2"]), bounds: outside }];
     ocp.input_bounds = vec![(-0.8, 0.8); 2];
-    for backend in FORMS {
-        let s = solve(&system, &ocp, backend, [-2.0, 0.3]);
+    for form in FORMS {
+        let s = solve(&system, &ocp, form, [-2.0, 0.3]);
         assert_eq!(s.status, SolveStatus::Converged);
         let radius = (1..=12).map(|k| s.trajectory.x(k)[0].hypot(s.trajectory.x(k)[1]));
         let closest = radius.fold(f64::INFINITY, f64::min);
@@ -127,8 +128,8 @@ fn a_soft_path_constraint_gives_way_where_its_price_is_exceeded() {
     let softness = Softness::Soft { linear: 1.0, quadratic: 0.5 };
     let bounds = Bounds { min: f64::NEG_INFINITY, max: 1.0, softness };
     ocp.path_constraints = vec![PathConstraint { function: function(&system, &["u"]), bounds }];
-    for backend in FORMS {
-        let s = solve(&system, &ocp, backend, [0.0, 0.0]);
+    for form in FORMS {
+        let s = solve(&system, &ocp, form, [0.0, 0.0]);
         assert_eq!(s.status, SolveStatus::Converged);
         assert_relative_eq!(s.trajectory.u(0)[0], 2.0, epsilon = 1e-6);
     }
@@ -141,8 +142,8 @@ fn contradictions_are_solved_with_the_smallest_violation_and_reported() {
     ocp.input_bounds[0] = (-1.0, 1.0);
     let bounds = Bounds { min: 1.75, max: f64::INFINITY, softness: Softness::Hard };
     ocp.path_constraints = vec![PathConstraint { function: function(&system, &["u"]), bounds }];
-    for backend in FORMS {
-        let s = solve(&system, &ocp, backend, [0.0, 0.0]);
+    for form in FORMS {
+        let s = solve(&system, &ocp, form, [0.0, 0.0]);
         let SolveStatus::Infeasible { violation } = s.status else { panic!("{:?}", s.status) };
         assert_relative_eq!(violation, 0.75, epsilon = 1e-6);
         assert_relative_eq!(s.trajectory.u(1)[0], 1.0, epsilon = 1e-6);
@@ -151,8 +152,8 @@ fn contradictions_are_solved_with_the_smallest_violation_and_reported() {
     let mut ocp = problem(&system, 3, "(u - 1)^2 + v^2");
     let (vector, limit) = (function(&system, &["u", "v"]), function(&system, &["-0.5"]));
     ocp.norm_constraints = vec![NormConstraint { vector, limit, softness: Softness::Hard }];
-    for backend in FORMS {
-        let s = solve(&system, &ocp, backend, [0.0, 0.0]);
+    for form in FORMS {
+        let s = solve(&system, &ocp, form, [0.0, 0.0]);
         let SolveStatus::Infeasible { violation } = s.status else { panic!("{:?}", s.status) };
         assert_relative_eq!(violation, 0.5, epsilon = 1e-5);
     }
@@ -196,8 +197,8 @@ fn inputs_held_over_blocks_are_the_least_squares_of_the_blocks() {
         right -= *weight * row[3] * a;
     }
     let expected = normal.lu().solve(&right).unwrap();
-    for backend in FORMS {
-        let s = solve(&system, &ocp, backend, x0);
+    for form in FORMS {
+        let s = solve(&system, &ocp, form, x0);
         assert_eq!(s.status, SolveStatus::Converged);
         for (k, b) in block.into_iter().enumerate() {
             assert_relative_eq!(s.trajectory.u(k)[0], expected[b], epsilon = 1e-6);

@@ -117,7 +117,7 @@ fn friction_is_frozen_while_it_sticks_and_found_once_it_slides() {
         let estimate = step(2.0, &mut x);
         assert_eq!(x[1], 0.0, "the block sticks");
         assert!((estimate.parameters[0] - 0.3).abs() < 1e-12, "drift to {}", estimate.parameters[0]);
-        assert!(estimate.std[2] <= 0.06 + 1e-12, "the doubt about what cannot be seen does not grow");
+        assert!(estimate.std[2] <= 0.06 + 1e-12, "the uncertainty of what cannot be observed does not grow");
     }
     let mut last = step(0.0, &mut x);
     for k in 0..50 {
@@ -167,7 +167,7 @@ fn lost_outputs_are_left_out() {
     let none = filter.update(&[0.0], &[f64::NAN, f64::INFINITY]).unwrap();
     assert_eq!(none.status, EstimateStatus::Predicted);
     assert!(none.x.iter().chain(&none.std).all(|v| v.is_finite()));
-    assert!(none.std[0] > one.std[0], "the doubt grows");
+    assert!(none.std[0] > one.std[0], "the uncertainty grows");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_mpc::{
-    Backend, CostFunction, CostKind, FieldDynamics, Hessian, MpcError, Ocp, QpSettings, Solution, SolveStatus, Sqp,
+    CostFunction, CostKind, FieldDynamics, Hessian, MpcError, Ocp, ProgramForm, QpSettings, Solution, SolveStatus, Sqp,
     SqpSettings, SymbolicDynamics, Trajectory,
 };
 use bracketry_system::System;
@@ -24,7 +24,7 @@ fn pendulum() -> (System, Ocp) {
 }
 
 fn settings(hessian: Hessian) -> SqpSettings {
-    let qp = QpSettings { backend: Backend::Sparse, tolerance: 1e-12, refine: true, ..QpSettings::default() };
+    let qp = QpSettings { form: ProgramForm::Sparse, tolerance: 1e-12, refine: true, ..QpSettings::default() };
     SqpSettings { hessian, tolerance: 1e-15, qp, ..SqpSettings::default() }
 }
 

@@ -3,7 +3,7 @@
 use super::reader::{Parsed, Reader};
 use crate::controller::{Brake, FailurePolicy};
 use crate::problem::{Convergence, Feedback, Method};
-use crate::qp::{Backend, QpSettings};
+use crate::qp::{ProgramForm, QpSettings};
 use crate::sqp::Hessian;
 use bracketry_system::{Table, Value};
 
@@ -89,7 +89,7 @@ impl Reader<'_> {
                     Method::StickSlip { iterations: feedback.iterations.max(convergence.max_iterations) }
                 }
             },
-            qp: QpSettings { backend, tolerance, hard_weight, ..QpSettings::default() },
+            qp: QpSettings { form: backend, tolerance, hard_weight, ..QpSettings::default() },
             smoothing,
             rest_input: self.rest(solve, input_bounds)?,
             policy: self.policy(solve)?,
@@ -126,7 +126,7 @@ impl Reader<'_> {
     }
 
     /// The form in which the quadratic programs are solved.
-    fn backend(&self, solve: &Table<'_>) -> Parsed<Backend> {
+    fn backend(&self, solve: &Table<'_>) -> Parsed<ProgramForm> {
         let condensed = self.doc.string(solve, "backend")?.as_deref() == Some("condensed");
         if let Some(v) = solve.get("block").filter(|_| !condensed) {
             return Err(self
@@ -136,9 +136,9 @@ impl Reader<'_> {
         }
         let block = if condensed { self.count(solve, "block", Some(1_000_000))? } else { 0 };
         let forms = [
-            ("automatic", Backend::Automatic),
-            ("sparse", Backend::Sparse),
-            ("condensed", Backend::Condensed { block }),
+            ("automatic", ProgramForm::Automatic),
+            ("sparse", ProgramForm::Sparse),
+            ("condensed", ProgramForm::Condensed { block }),
         ];
         self.choice(solve, "backend", "backend", &forms)
     }

@@ -5,7 +5,7 @@ use crate::error::MpcError;
 
 /// The form in which the quadratic program is solved. The solution is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Backend {
+pub enum ProgramForm {
     /// Partial condensing with the block that is about the fastest: ⌈n/m⌉ intervals, between 2 and 5.
     #[default]
     Automatic,
@@ -23,7 +23,7 @@ pub enum Backend {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QpSettings {
     /// Form in which the program is solved.
-    pub backend: Backend,
+    pub form: ProgramForm,
     /// Largest number of interior-point iterations.
     pub max_iterations: u32,
     /// Absolute and relative tolerance on gap and feasibility.
@@ -42,7 +42,7 @@ pub struct QpSettings {
 impl Default for QpSettings {
     fn default() -> Self {
         Self {
-            backend: Backend::default(),
+            form: ProgramForm::default(),
             max_iterations: 100,
             tolerance: 1e-8,
             refine: false,

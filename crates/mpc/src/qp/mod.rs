@@ -16,7 +16,7 @@ mod sparsity;
 #[cfg(test)]
 mod tests;
 
-pub use backend::{Backend, QpBackend, QpSettings, QpStatus, StageSolution};
+pub use backend::{ProgramForm, QpBackend, QpSettings, QpStatus, StageSolution};
 pub use program::StageProgram;
 
 use crate::error::MpcError;
@@ -63,13 +63,13 @@ impl Qp {
     pub(crate) fn with_hessian(ocp: &Ocp, steps: usize, closure: &[bool], exact: bool, settings: QpSettings) -> Self {
         let assembly = Assembly::new(ocp, steps, closure, exact);
         let program = &assembly.program;
-        let backend: Box<dyn QpBackend> = match settings.backend {
-            Backend::Automatic => {
+        let backend: Box<dyn QpBackend> = match settings.form {
+            ProgramForm::Automatic => {
                 let block = program.states.div_ceil(program.inputs.max(1)).clamp(2, 5);
                 Box::new(Clarabel::condensed(program, settings, block))
             }
-            Backend::Sparse => Box::new(Clarabel::sparse(program, settings)),
-            Backend::Condensed { block } => Box::new(Clarabel::condensed(program, settings, block)),
+            ProgramForm::Sparse => Box::new(Clarabel::sparse(program, settings)),
+            ProgramForm::Condensed { block } => Box::new(Clarabel::condensed(program, settings, block)),
         };
         let (n, m) = (program.states, program.inputs);
         let stage =

@@ -86,8 +86,8 @@ fn random_point(seed: u64) -> (Trajectory, Linearization, Vec<bool>) {
     (Trajectory::from_rows(&x, &u).unwrap(), Linearization { end, jacobian, ..Linearization::default() }, closure)
 }
 
-fn settings(backend: Backend, tolerance: f64) -> QpSettings {
-    QpSettings { backend, tolerance, ..QpSettings::default() }
+fn settings(form: ProgramForm, tolerance: f64) -> QpSettings {
+    QpSettings { form, tolerance, ..QpSettings::default() }
 }
 
 fn difference(a: &[f64], b: &[f64]) -> f64 {
@@ -95,9 +95,9 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-fn solved(ocp: &mut Ocp, seed: u64, backend: Backend) -> (QpStatus, QpSolution) {
+fn solved(ocp: &mut Ocp, seed: u64, form: ProgramForm) -> (QpStatus, QpSolution) {
     let (z, lin, closure) = random_point(seed);
-    let mut qp = Qp::new(ocp, STEPS, &closure, settings(backend, 1e-12));
+    let mut qp = Qp::new(ocp, STEPS, &closure, settings(form, 1e-12));
     qp.assemble(ocp, 2, &z, &lin, 0.1);
     let status = qp.solve().unwrap();
     (status, qp.solution.clone())
@@ -190,17 +190,17 @@ fn every_form_attains_the_same_objective() {
         ocp.move_blocks = blocks;
         for seed in 0..10 {
             let (trajectory, lin, closure) = random_point(seed);
-            let mut solve = |backend| {
-                let mut qp = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-10));
+            let mut solve = |form| {
+                let mut qp = Qp::new(&ocp, STEPS, &closure, settings(form, 1e-10));
                 qp.assemble(&mut ocp, 2, &trajectory, &lin, 0.1);
                 let status = qp.solve().unwrap();
                 assert!(status.is_usable(), "{seed}: {status:?}");
                 let (value, _) = objective_and_rows(&qp.assembly.program, &qp.stage.z);
                 (value, qp.solution)
             };
-            let (best, sparse) = solve(Backend::Sparse);
+            let (best, sparse) = solve(ProgramForm::Sparse);
             for block in [2, 3, 4, STEPS, 100] {
-                let (value, condensed) = solve(Backend::Condensed { block });
+                let (value, condensed) = solve(ProgramForm::Condensed { block });
                 assert_relative_eq!(value, best, max_relative = 1e-9, epsilon = 1e-9);
                 let step = difference(&sparse.dx, &condensed.dx).max(difference(&sparse.du, &condensed.du));
                 assert!(step < 3e-5, "{seed} {block}: {step:e}");
@@ -217,10 +217,10 @@ fn every_form_takes_the_same_step_where_bounds_are_linear() {
         ocp.norm_constraints.clear();
         ocp.terminal_set = None;
         for seed in 0..10 {
-            let (status, sparse) = solved(&mut ocp, seed, Backend::Sparse);
+            let (status, sparse) = solved(&mut ocp, seed, ProgramForm::Sparse);
             assert!(status.is_usable(), "{seed}: {status:?}");
             for block in [2, 3, 4, STEPS, 100] {
-                let (_, condensed) = solved(&mut ocp, seed, Backend::Condensed { block });
+                let (_, condensed) = solved(&mut ocp, seed, ProgramForm::Condensed { block });
                 assert!(difference(&sparse.dx, &condensed.dx) < 1e-8, "{seed} {block}");
                 assert!(difference(&sparse.du, &condensed.du) < 1e-8, "{seed} {block}");
                 assert!(difference(&sparse.multipliers, &condensed.multipliers) < 1e-6, "{seed} {block}");
@@ -241,8 +241,9 @@ fn without_inequalities_every_form_solves_the_optimality_conditions() {
     ocp.state_bounds = vec![Bounds::FREE; 3];
     for seed in 0..5 {
         let (trajectory, lin, closure) = random_point(seed);
-        for backend in [Backend::Sparse, Backend::Condensed { block: 4 }, Backend::Condensed { block: STEPS }] {
-            let mut qp = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-12));
+        for form in [ProgramForm::Sparse, ProgramForm::Condensed { block: 4 }, ProgramForm::Condensed { block: STEPS }]
+        {
+            let mut qp = Qp::new(&ocp, STEPS, &closure, settings(form, 1e-12));
             qp.assemble(&mut ocp, 2, &trajectory, &lin, 0.1);
             assert_eq!(qp.solve().unwrap(), QpStatus::Solved);
             let program = &qp.assembly.program;
@@ -286,9 +287,10 @@ fn a_program_whose_first_interval_was_replaced_is_the_program_assembled_anew() {
     for blocks in [vec![], vec![4, 4, 3]] {
         let mut ocp = everything();
         ocp.move_blocks = blocks;
-        for backend in [Backend::Sparse, Backend::Condensed { block: 3 }, Backend::Condensed { block: STEPS }] {
+        for form in [ProgramForm::Sparse, ProgramForm::Condensed { block: 3 }, ProgramForm::Condensed { block: STEPS }]
+        {
             let (mut trajectory, mut lin, closure) = random_point(5);
-            let mut updated = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-8));
+            let mut updated = Qp::new(&ocp, STEPS, &closure, settings(form, 1e-8));
             updated.assemble(&mut ocp, 2, &trajectory, &lin, 0.1);
             // A new measurement moves x_0, and with it the first block of the flow.
             let mut random = Random(77);
@@ -297,7 +299,7 @@ fn a_program_whose_first_interval_was_replaced_is_the_program_assembled_anew() {
                 *v += 0.01 * i as f64;
             }
             lin.end[..3].copy_from_slice(&random.vector(3, 0.5));
-            let mut anew = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-8));
+            let mut anew = Qp::new(&ocp, STEPS, &closure, settings(form, 1e-8));
             anew.assemble(&mut ocp, 2, &trajectory, &lin, 0.1);
             for _ in 0..2 {
                 updated.update_first_interval(&mut ocp, 2, &trajectory, &lin);
@@ -313,12 +315,12 @@ fn a_program_whose_first_interval_was_replaced_is_the_program_assembled_anew() {
 #[test]
 fn new_numbers_give_the_solution_of_a_new_program() {
     let mut ocp = everything();
-    for backend in [Backend::Sparse, Backend::Condensed { block: 3 }] {
+    for form in [ProgramForm::Sparse, ProgramForm::Condensed { block: 3 }] {
         let (_, _, closure) = random_point(0);
-        let mut updated = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-8));
+        let mut updated = Qp::new(&ocp, STEPS, &closure, settings(form, 1e-8));
         for seed in [0, 2, 4] {
             let (trajectory, lin, _) = random_point(seed);
-            let mut anew = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-8));
+            let mut anew = Qp::new(&ocp, STEPS, &closure, settings(form, 1e-8));
             for qp in [&mut updated, &mut anew] {
                 qp.assemble(&mut ocp, 2, &trajectory, &lin, 0.1);
                 assert!(qp.solve().unwrap().is_usable());
@@ -334,8 +336,8 @@ fn numbers_that_are_not_finite_are_reported_before_anything_is_solved() {
     let mut ocp = everything();
     let (trajectory, mut lin, closure) = random_point(0);
     lin.end[4] = f64::NAN;
-    for backend in [Backend::Sparse, Backend::Condensed { block: 100 }] {
-        let mut qp = Qp::new(&ocp, STEPS, &closure, settings(backend, 1e-8));
+    for form in [ProgramForm::Sparse, ProgramForm::Condensed { block: 100 }] {
+        let mut qp = Qp::new(&ocp, STEPS, &closure, settings(form, 1e-8));
         qp.assemble(&mut ocp, 0, &trajectory, &lin, 0.0);
         assert_eq!(qp.solve().unwrap(), QpStatus::NotANumber);
     }

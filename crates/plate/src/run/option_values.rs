@@ -101,7 +101,7 @@ pub(super) fn amplitude_step(text: &str) -> Result<AmplitudeStep, Problem> {
         "world" => Ok(AmplitudeStep::WorldFixed),
         "smooth" => Ok(AmplitudeStep::Smooth),
         other => Err(problem(
-            format!("`{other}` is not an amplitude law"),
+            format!("`{other}` is not an amplitude step"),
             "name world (the plate jumps, the object stays in the world) or smooth (no jump)",
         )),
     }

@@ -28,7 +28,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Rival:
-    """Something that the experiment cannot tell from a cause."""
+    """A rival that the experiment cannot distinguish from a cause."""
 
     name: str
     equation: str
@@ -46,9 +46,9 @@ class Cause:
     term: str
     parameters: dict[str, Estimate]
     p_value: float
-    #: Names that this experiment cannot tell from it.
+    #: Names that this experiment cannot distinguish from it.
     confusable_with: list[str]
-    #: What to measure in order to tell them apart.
+    #: What to measure to distinguish them.
     separating_experiment: str
     rivals: list[Rival] = field(default_factory=list)
     share: float | None = None
@@ -123,7 +123,7 @@ class Diagnosis(Result):
     gain: Gain | None = field(repr=False, default=None)
     #: The refitted parameters by name.
     parameters: dict[str, RefittedParameter] = field(repr=False)
-    #: What was tried, the best first.
+    #: Candidates, best first.
     candidates: list[Candidate] = field(repr=False)
     #: The model with the causes in it; None without any.
     extended_model: System | None = field(repr=False, default=None)
@@ -172,7 +172,7 @@ def diagnose(
     hold
         How inputs go on between samples; if left out they are held, and derivatives of inputs follow straight lines.
     rename
-        Names in the model by names of columns.
+        Model names of columns.
     fix
         Parameters that keep their values.
     reference

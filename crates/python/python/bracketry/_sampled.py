@@ -46,7 +46,7 @@ class Sampled(Result):
     def columns(self) -> dict[str, Floats]:
         """All columns by name.
 
-        Columns of which nothing is known are left out. NaN follows where an input has no value at the last time.
+        Unknown columns are omitted. NaN follows where an input has no value at the last time.
         """
         names = dict.fromkeys(["t", *(name for names, _ in self._blocks() for name in names)])
         columns = {name: self[name] for name in names if not np.isnan(self[name]).all()}

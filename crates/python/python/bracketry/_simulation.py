@@ -59,7 +59,7 @@ class Trajectory(Sampled):
     ignored_columns: list[str] = field(repr=False, default_factory=list)
     #: Inputs that nothing drives.
     inputs_at_zero: list[str] = field(repr=False, default_factory=list)
-    #: Derivatives of inputs whose impulses are left out, because the input jumps or has kinks.
+    #: Derivatives of inputs whose impulses are neglected, because the input jumps or has kinks.
     impulses_left_out: list[str] = field(repr=False, default_factory=list)
 
     def _blocks(self) -> list[tuple[list[str], Floats]]:
@@ -100,7 +100,7 @@ def simulate(
     x0
         Initial state by name, or an array in the order of the states; what is absent comes from the model's point, else 0.
     inputs
-        What drives the inputs, by name: an expression in ``t`` (text or SymPy), a number, a pair (times, values), a
+        Input signals by name: an expression in ``t`` (text or SymPy), a number, a pair (times, values), a
         function of time that is sampled every ``sample`` seconds. Or a table with a column ``t``: a file, a mapping of
         arrays or a DataFrame; ``der(X,2)`` names the second derivative of X. Inputs that nothing drives are zero.
     parameters

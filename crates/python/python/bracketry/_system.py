@@ -62,7 +62,7 @@ class System:
     delays
         Seconds by which inputs act later than they are commanded; numbers or expressions of parameters.
     static
-        Static levels of dry friction over the sliding ones, by argument of ``sign`` or ``unit``.
+        Ratios of static to sliding friction, by argument of ``sign`` or ``unit``.
     name
         What the model is called.
 

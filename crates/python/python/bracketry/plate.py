@@ -89,7 +89,7 @@ class PlateRun(Sampled):
     start: dict[str, float] = field(repr=False)
     final: dict[str, float]
     drift: dict[str, float] = field(repr=False)
-    #: Changes between sticking and sliding, and other events; None where the model does not tell them.
+    #: Changes between sticking and sliding, and other events; None if the model does not report them.
     events: int | None = field(repr=False, default=None)
     #: Jumps of the plate that the object did not follow.
     plate_jumps: int = field(repr=False, default=0)
@@ -97,7 +97,7 @@ class PlateRun(Sampled):
     stick_share: float = field(repr=False)
     least_normal_force: float = field(repr=False)
     largest_gap: float = field(repr=False)
-    #: Error of the energy balance relative to the energy that was exchanged; None where the model does not tell it.
+    #: Error of the energy balance relative to the energy that was exchanged; None if the model does not report it.
     energy_closure: float | None = field(repr=False, default=None)
     #: Seconds that the simulation took.
     wall_seconds: float = field(repr=False)

@@ -1,4 +1,4 @@
-"""Stiffness of robots: identified from measurements, compensated along logs; what to measure, what the sensor carries."""
+"""Stiffness of robots: identified from measurements, compensated along logs; pose selection, payload."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _WRENCH = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Identification(Result):
-    """Springs of the joints, and the stiffness at the tool point where the measurements are of one pose."""
+    """Joint springs, and the stiffness at the tool point if all measurements are in one pose."""
 
     robot: str
     #: Number of measurements.
@@ -47,7 +47,7 @@ class Identification(Result):
     methods: list[dict[str, Any]] = field(repr=False)
     #: Numbers of the joints' springs: joint (from 1), name, value with the ends of its 95 % interval.
     parameters: list[dict[str, Any]] = field(repr=False)
-    #: What the springs do not explain, and the joints with lost motion that it points to.
+    #: Residual of the springs, and the joints whose lost motion would explain it.
     unexplained: dict[str, Any] | None = field(repr=False, default=None)
     #: Why outliers were kept although they should have been left out.
     outliers_kept: str | None = field(repr=False, default=None)
@@ -61,7 +61,7 @@ class Identification(Result):
     stiffness_interval: Floats | None = field(repr=False, default=None)
     #: Why springs that were found are none to work with.
     withheld: str | None = None
-    #: The text of the robot file with these springs; None where there are none to work with.
+    #: The text of the robot file with these springs; None if there are none.
     identified_robot: str | None = field(repr=False, default=None)
 
     @property
@@ -118,7 +118,7 @@ class Expectation:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ChosenPoses(Result):
-    """The measurements that tell the most about the springs, out of those that could be made."""
+    """The most informative measurements for the springs, out of the candidates."""
 
     robot: str
     #: Number of candidates.
@@ -253,7 +253,7 @@ def compensate(
 
 
 def choose_poses(candidates: Table, robot: str | PathLike[str], *, count: int = 20) -> ChosenPoses:
-    """Chooses, among measurements that could be made, those that tell the most about a robot's springs.
+    """Chooses the candidate measurements that are most informative about a robot's springs.
 
     Parameters
     ----------

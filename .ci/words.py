@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+"""Holds code and documents to American spelling and to the terms of docs/glossary.md: `python3 .ci/words.py`.
+
+Prints each place with the word to use and ends with 1 if there is one. Keys of files, JSON, and Python that keep an older spelling are exempt.
+"""
+
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+IZE = "linear stabil neutral general summar optim minim maxim discret raster symmetr regular memo vector normal parametr"
+SPELLING = {
+    "colour": "color", "behaviour": "behavior", "neighbour": "neighbor", "favour": "favor", "honour": "honor",
+    "centre": "center", "centring": "centering", "metres": "meters", "millimetre": "millimeter", "towards": "toward",
+    "modelled": "modeled", "modelling": "modeling", "labelled": "labeled", "cancelled": "canceled", "travelled": "traveled",
+    "cancelling": "canceling", "licence": "license", "artefact": "artifact", "judgement": "judgment", "whilst": "while",
+    "analysed": "analyzed", "analysing": "analyzing",
+    **{stem + "is": stem + "iz…" for stem in IZE.split()},
+}
+# The part "Former names" of the glossary in the forms that are not also plain English.
+TERMS = {
+    "badness": "cost or objective", "strayed": "diverged", "exhausts": "spans", "investigated": "examined", "begun": "started",
+    "leaves over": "residual, leaves", "leave over": "residual, leave", "stands out of": "is significant",
+    "stand out of": "be significant", "fn carry(": "propagate or transfer", "fn again(": "refit",
+}
+WORDS = SPELLING | TERMS
+# Names of interfaces, which stay, and mistakes that a test makes on purpose.
+EXEMPT = re.compile(
+    r'"centre(_deviation)?"|`centre`|centre = \[|`?centre_of_mass|"linearisation"|"linearise"|"analyse"|Mod(elling|elled), |fn carry\(&mut self, load'
+)
+SUFFIXES = {".rs", ".md", ".toml", ".py", ".pyi", ".ipynb", ".html", ".cff", ".sh"}
+SKIPPED = ("docs/glossary.md", ".ci/words.py")
+
+
+def places(root: Path):
+    names = subprocess.run(["git", "ls-files"], cwd=root, capture_output=True, text=True, check=True).stdout.splitlines()
+    for name in names:
+        if name in SKIPPED or Path(name).suffix not in SUFFIXES:
+            continue
+        text = (root / name).read_text(encoding="utf-8").lower()
+        if name.startswith("crates/python/"):
+            text = re.sub(r"\bcentre(_deviation)?\b", "", text)  # attributes of bracketry.stiffness.Weighing
+        found = [word for word in WORDS if word in text]
+        if not found:
+            continue
+        for number, line in enumerate(text.splitlines(), 1):
+            line = EXEMPT.sub("", line)
+            for word in found:
+                if word in line:
+                    yield f"{name}:{number}: `{word}`: write {WORDS[word]}"
+
+
+if __name__ == "__main__":
+    start = time.perf_counter()
+    found = list(places(Path(__file__).resolve().parent.parent))
+    print("\n".join(found) or f"words: American spelling and the glossary's terms ({time.perf_counter() - start:.2f} s)")
+    sys.exit(bool(found))
