@@ -53,7 +53,7 @@ const SECTIONS: [&str; 7] = [
     "Affine form",
     "What the inputs reach",
     "At the point",
-    "Linearization by feedback",
+    "Feedback linearization",
     "Observability",
     "Certificate",
 ];
@@ -116,7 +116,7 @@ fn without_inputs_the_report_speaks_of_the_outputs_alone() {
     let text = stdout(&["analyze", &path]);
     assert!(text.contains("  no inputs\n") && text.contains("There are no inputs"), "{text}");
     let text = stdout(&["analyze", &path, "--markdown"]);
-    assert!(!text.contains("Linearization by feedback") && text.contains("identifiable parameters: $a$"), "{text}");
+    assert!(!text.contains("Feedback linearization") && text.contains("identifiable parameters: $a$"), "{text}");
 }
 
 #[test]
