@@ -216,7 +216,7 @@ fn mistakes_are_named_with_their_place() {
         ("policy = \"hope\"", "[run]", "there is no policy `hope`", "p.toml:13:10"),
         ("policy = \"brake\"", "[run]", "the table `brake` is missing", "p.toml:13:10"),
         ("rest = { ux = 9 }", "[run]", "outside its bounds", "p.toml:13:15"),
-        ("[parameters]\nmass = 2", "[horizon]", "`mass` is no parameter", "p.toml:4:1"),
+        ("[parameters]\nmass = 2", "[horizon]", "`mass` is not a parameter", "p.toml:4:1"),
         ("[estimation]\noutputs = { z = 0.1 }", "[run]", "`z`", "p.toml:14:13"),
         ("[estimation]\nkind = \"ukf\"", "[run]", "there is no estimator `ukf`", "p.toml:14:8"),
         ("[estimation]\nkind = \"ekf\"", "[run]", "the estimator has no measurements", "p.toml"),
@@ -266,7 +266,7 @@ fn an_estimator_looks_back_no_further_than_the_run() {
     let text = format!("{PROBLEM}[estimation]\nhorizon = 100000\noutputs = {{ x = 0.01, y = 0.01 }}\n");
     assert_eq!(read(&text).unwrap().estimation.unwrap().settings.horizon, 60);
     let long = text.replace("steps = 60", "steps = 100000");
-    assert!(refused(&long, "horizon = 100000").contains("looks back"));
+    assert!(refused(&long, "horizon = 100000").contains("estimation horizon exceeds"));
 }
 
 #[test]

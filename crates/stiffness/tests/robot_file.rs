@@ -164,7 +164,7 @@ fn urdf_joints_that_slide_slide_and_others_are_refused() {
         ("type=\"revolute\"><axis xyz=\"0 0 0\"/>", "no direction"),
         ("type=\"revolute\"><axis xyz=\"0 0 1\"/><origin xyz=\"nan 0 0\"/>", "not finite"),
         ("type=\"revolute\"><axis xyz=\"0 0 1\"/><mimic joint=\"k\"/>", "mimics"),
-        ("type=\"revolute\"><axis xyz=\"0 0 1\"", "no URDF"),
+        ("type=\"revolute\"><axis xyz=\"0 0 1\"", "not a URDF"),
     ] {
         let message = with(joint).unwrap_err().to_string();
         assert!(message.contains(said), "{message}");
@@ -199,7 +199,7 @@ fn errors_name_place_and_remedy() {
     let head = "convention = \"modified\"\n[[joint]]\n";
     for (text, said) in [
         ("name = \"r\"\n", &["convention = \"modified\""][..]),
-        ("convention = \"classic\"\n[[joint]]\na = 1\n", &["robot.toml:1:14", "no convention", "standard"]),
+        ("convention = \"classic\"\n[[joint]]\na = 1\n", &["robot.toml:1:14", "not a convention", "standard"]),
         ("convention = \"modified\"\n", &["has no joints"]),
         (&format!("{head}aa = 0.3\n"), &["robot.toml:3:1", "unknown key `aa`", "alpha_deg"]),
         (&format!("{head}a = 350\n"), &["robot.toml:3:5", "350", "not mm"]),

@@ -146,7 +146,7 @@ fn malformed_text_names_place_and_remedy() {
         ("0^-1", 2, "zero to a negative"),
         ("1e9999", 0, "out of range"),
         ("x ^", 3, "early"),
-        ("1.2.3", 0, "number runs"),
+        ("1.2.3", 0, "number is directly followed"),
         ("x,y", 1, "unexpected text"),
     ] {
         let e = Pool::new().parse(text).unwrap_err();
