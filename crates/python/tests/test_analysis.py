@@ -56,7 +56,7 @@ def test_a_point_of_ones_own_and_brackets(models) -> None:
     ("arguments", "message"),
     [
         ({"at": {"q": 1}}, "`q` is neither a state nor an input"),
-        ({"at": "th"}, "gives no value"),
+        ({"at": "th"}, "has no value"),
         ({"brackets": ["[g1,g9]"]}, "g9"),
     ],
 )
