@@ -42,7 +42,7 @@ fn assert_arrived(run: &ControlRun, spin: f64) {
     for (name, tolerance) in [("x", 2e-3), ("y", 2e-3), ("phi", 2.0 * DEG), ("w", spin * DEG)] {
         assert!(r.miss.get(name).unwrap().abs() < tolerance, "{name} misses by {}", r.miss.get(name).unwrap());
     }
-    assert!(r.x_final.get("vx").unwrap() == 0.0 && r.x_final.get("vy").unwrap() == 0.0, "the object sticks");
+    assert!(*r.x_final.get("vx").unwrap() == 0.0 && *r.x_final.get("vy").unwrap() == 0.0, "the object sticks");
     for name in ["X", "Xd", "theta", "thetad"] {
         assert!(r.miss.get(name).unwrap().abs() < 2e-3, "{name} misses by {}", r.miss.get(name).unwrap());
     }

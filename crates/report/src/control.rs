@@ -43,7 +43,7 @@ impl fmt::Display for Text<'_> {
         writeln!(f, "bounds         violated by at most {}", readable(report.constraint_violation_max))?;
         let width = report.x_final.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(8);
         for (name, v) in report.x_final.iter() {
-            write!(f, "final {name:<width$} {}", readable(v))?;
+            write!(f, "final {name:<width$} {}", readable(*v))?;
             match report.miss.get(name) {
                 Some(e) => writeln!(f, ", misses its target by {}", readable(e.abs()))?,
                 None => writeln!(f)?,

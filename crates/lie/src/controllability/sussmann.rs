@@ -1,6 +1,6 @@
 //! Sussmann's general sufficient condition for small-time local controllability.
 
-use bracketry_symbolic::Pool;
+use bracketry_symbolic::{Named, Pool};
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
@@ -8,7 +8,6 @@ use crate::algebra::field::{Field, bracket, is_plain_zero};
 use crate::algebra::word::{Bracket, Word, generators};
 use crate::controllability::local::Frame;
 use crate::evidence::Evidence;
-use crate::named::Named;
 use crate::options::Limits;
 use crate::residues::{Echelon, Fp, PRIME};
 use crate::undecided::Undecided;

@@ -1,6 +1,6 @@
 //! The parts of the report on dynamic extension and flatness.
 
-use bracketry_symbolic::{Expr, Function, Pool, Symbol};
+use bracketry_symbolic::{Expr, Function, Named, Pool, Symbol};
 use bracketry_system::System;
 use serde::{Serialize, Serializer};
 
@@ -13,7 +13,6 @@ use crate::feedback::extension::{DynamicExtension, ExtensionLimits};
 use crate::feedback::flatness::{Flatness, Known, MAX_INTEGRATORS};
 use crate::feedback::outputs::{fed_through, named_functions};
 use crate::feedback::static_linearization::LinearizationFlag;
-use crate::named::Named;
 use crate::reason::FlatnessReason;
 use crate::undecided::Undecided;
 

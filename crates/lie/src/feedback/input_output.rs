@@ -1,6 +1,6 @@
 //! What the inputs do to the outputs: the part of the report on relative degrees and zero dynamics.
 
-use bracketry_symbolic::{Expr, Function};
+use bracketry_symbolic::{Expr, Function, Named};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
@@ -15,8 +15,6 @@ use crate::feedback::minimum_phase::MinimumPhase;
 use crate::feedback::relative_degree::RelativeDegree;
 use crate::feedback::zero_dynamics::ZeroDynamics;
 use crate::reason::{MinimumPhaseReason, NoZeroDynamics, Reason};
-
-use crate::named::Named;
 
 /// Relative degrees of the outputs, at a generic point, and what follows from them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

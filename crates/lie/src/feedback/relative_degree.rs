@@ -1,6 +1,6 @@
 //! Relative degrees of outputs and the decoupling matrix.
 
-use bracketry_symbolic::{Expr, Func, Function, Node, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, Func, Function, Named, Node, Pool, Rational, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::field::VectorFields;
@@ -9,7 +9,6 @@ use crate::algebra::rational::readable::{tidy, vanishing_factors};
 use crate::budget::check_growth;
 use crate::condition::Condition;
 use crate::evidence::Evidence;
-use crate::named::Named;
 use crate::undecided::Undecided;
 
 /// How the inputs enter the derivatives of the outputs (Isidori 1995, sec. 5.1), at a generic point.

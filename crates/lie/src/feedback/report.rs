@@ -1,6 +1,6 @@
 //! The parts of the report that are about control: outputs, linearization, flatness.
 
-use bracketry_symbolic::{Expr, Function};
+use bracketry_symbolic::{Expr, Function, Named};
 use bracketry_system::System;
 use serde::Serialize;
 
@@ -14,7 +14,6 @@ use crate::feedback::input_output::{InputOutputReport, input_output};
 use crate::feedback::outputs::{fed_through, fresh_symbols, named_functions};
 use crate::feedback::relative_degree::RelativeDegree;
 use crate::feedback::static_linearization::{LinearizationFlag, LinearizingOutputs};
-use crate::named::Named;
 use crate::reason::Reason;
 use crate::undecided::Undecided;
 

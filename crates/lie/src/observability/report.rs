@@ -1,6 +1,6 @@
 //! The report on what the outputs tell: observability, identifiability, and the symmetries that prevent them.
 
-use bracketry_symbolic::{Expr, Pool, Symbol, closest_name};
+use bracketry_symbolic::{Expr, Named, Pool, Symbol, closest_name};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
@@ -10,7 +10,6 @@ use crate::answer::Answer;
 use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::modes::{mode_fields, parameter_bindings};
-use crate::named::Named;
 use crate::observability::codistribution::Observability;
 use crate::observability::symmetry::{Operator, Symmetry};
 use crate::options::Options;

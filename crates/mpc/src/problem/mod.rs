@@ -14,5 +14,5 @@ pub use control_problem::{ControlProblem, ProblemError};
 pub use estimation::{Estimation, EstimatorKind};
 pub use method::{Convergence, Feedback, Method};
 pub use on_plant::{ControlError, Controlled, control, control_watched};
-pub use report::{ClosedLoopReport, NamedValues, PlanReport};
+pub use report::{ClosedLoopReport, PlanReport};
 pub use run::ControlRun;

@@ -1,8 +1,8 @@
 //! What is to be said about a closed-loop run.
 
 use crate::closed_loop::{Counts, SolveTimes};
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use bracketry_symbolic::Named;
+use serde::Serialize;
 
 /// The plan that was made before the run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -17,43 +17,6 @@ pub struct PlanReport {
     pub seconds: f64,
 }
 
-/// Values of states by name, in the order of the model; as JSON one object.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct NamedValues(Vec<(String, f64)>);
-
-impl NamedValues {
-    /// The value of a name.
-    pub fn get(&self, name: &str) -> Option<f64> {
-        self.0.iter().find(|(known, _)| known == name).map(|(_, value)| *value)
-    }
-
-    /// Names and values, in order.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.0.iter().map(|(name, value)| (name.as_str(), *value))
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-}
-
-impl FromIterator<(String, f64)> for NamedValues {
-    fn from_iter<I: IntoIterator<Item = (String, f64)>>(values: I) -> Self {
-        Self(values.into_iter().collect())
-    }
-}
-
-impl Serialize for NamedValues {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for (name, value) in self.iter() {
-            map.serialize_entry(name, &value)?;
-        }
-        map.end()
-    }
-}
-
 /// Figures of a closed-loop run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosedLoopReport {
@@ -63,10 +26,10 @@ pub struct ClosedLoopReport {
     /// [`Method::Rti`](super::Method::Rti) after its initial programs, else the converged one. NaN where there is no such plan.
     pub open_loop_cost: f64,
     /// State at the end.
-    pub x_final: NamedValues,
+    pub x_final: Named<f64>,
     /// What is missing to every target at the end.
-    #[serde(skip_serializing_if = "NamedValues::is_empty")]
-    pub miss: NamedValues,
+    #[serde(skip_serializing_if = "Named::is_empty")]
+    pub miss: Named<f64>,
     /// Number of samples.
     pub steps: usize,
     /// Outcomes of the samples.

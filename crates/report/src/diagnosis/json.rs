@@ -6,6 +6,7 @@ use bracketry_diagnose::{
     Audit, Candidate, Cause, Excess, Gain, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration, Rival,
     Value, Verdict,
 };
+use bracketry_symbolic::Named;
 use serde::{Serialize, Serializer};
 
 use super::sentences::{closeness, flag, note, reason, regime};
@@ -43,8 +44,7 @@ struct CauseJson<'a> {
     name: Cause,
     equation: &'a str,
     term: &'a str,
-    #[serde(serialize_with = "by_name")]
-    parameters: &'a [(String, Value)],
+    parameters: &'a Named<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
     p_value: Option<f64>,
     confusable_with: &'a [Cause],
@@ -126,11 +126,7 @@ impl<'a> PlaceJson<'a> {
     }
 }
 
-/// Lists that are objects by name, in their own order.
-fn by_name<S: Serializer>(values: &[(String, Value)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(values.iter().map(|(name, value)| (name, value)))
-}
-
+/// The list as an object by name, in its own order.
 fn parameters<S: Serializer>(values: &[RefittedParameter], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(values.iter().map(|p| (&p.name, p)))
 }

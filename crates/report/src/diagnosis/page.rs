@@ -69,7 +69,7 @@ fn of_cause(cause: &NamedCause) -> String {
         formula(&cause.equation),
         formula(&cause.term)
     );
-    for (name, value) in &cause.parameters {
+    for (name, value) in cause.parameters.iter() {
         let _ = write!(out, "<li>{} = {}</li>", formula(name), escaped(&value.to_string()));
     }
     let _ = match cause.p_value {

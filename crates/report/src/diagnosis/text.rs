@@ -65,7 +65,7 @@ fn write_report(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
 
 fn write_cause(f: &mut Formatter<'_>, cause: &NamedCause) -> fmt::Result {
     writeln!(f, "{} in {}: {}", cause.name, cause.equation, cause.term)?;
-    for (name, value) in &cause.parameters {
+    for (name, value) in cause.parameters.iter() {
         writeln!(f, "  {name} = {value}")?;
     }
     match cause.p_value {
