@@ -85,7 +85,7 @@ const RENAMED: [(&str, &str); 5] =
 /// What a diagnosis makes of the logs in a folder, one by one.
 fn independent(folder: &Path, system: &System, settings: &Settings, full: bool) -> anyhow::Result<()> {
     let rename = RENAMED.map(|(column, name)| (column.to_owned(), name.to_owned())).to_vec();
-    let reading = RecordSettings { hold: Some(Hold::Linear), rename };
+    let reading = RecordSettings { hold: Some(Hold::Linear), rename, ..Default::default() };
     let mut paths: Vec<PathBuf> =
         std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<anyhow::Result<_>>()?;
     paths.retain(|path| path.extension().is_some_and(|e| e == "csv"));

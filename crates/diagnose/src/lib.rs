@@ -12,6 +12,7 @@ mod numbers;
 mod read;
 mod record;
 mod report;
+mod settings;
 mod statistics;
 mod study;
 mod verdict;
@@ -32,8 +33,13 @@ pub use report::{
     Place, Reason, RefittedParameter, Regime, Repetition, Report, Rescaling, ResidualAcceleration, Rival, ScaledColumn,
     Value, Verdict,
 };
-pub use study::{
-    Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, StudySettings, Window, WindowFit,
-    WindowLength,
+pub use settings::{
+    AlarmSettings, ConsistencySettings, EquationSettings, GainSettings, LibrarySettings, NamingSettings, NoiseSettings,
+    PeriodSettings, PlaceSettings, PredictionSettings, PriorSettings, ReadSettings, RivalSettings, SearchSettings,
+    SelectionSettings, Settings, SignalSettings, SolverSettings, StudySettings, TimeScaleSettings, UnitSettings,
+    VerdictSettings, WindowSettings,
 };
-pub use verdict::{Settings, Stage, diagnose};
+pub use study::{
+    Column, Estimate, Fit, FitStatus, Linearization, Normal, Predictor, Study, Window, WindowFit, WindowLength,
+};
+pub use verdict::{Stage, diagnose};

@@ -3,7 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_diagnose::{Effect, ExtendedModel, Path, Record, RecordSettings, Study, StudySettings, candidates};
+use bracketry_diagnose::{
+    Effect, ExtendedModel, LibrarySettings, Path, Record, RecordSettings, Study, StudySettings, candidates,
+};
 use bracketry_system::System;
 
 const AXIS: &str = r#"
@@ -59,7 +61,7 @@ fn every_effect_of_the_library_reads_back_with_the_same_right_hand_sides() {
     let system = System::parse("axis", AXIS).unwrap();
     let record = record(&system);
     let study = Study::new(&system, std::slice::from_ref(&record), &StudySettings::default()).unwrap();
-    let library = candidates(&system, &[record]).unwrap();
+    let library = candidates(&system, &[record], &LibrarySettings::default()).unwrap();
     assert!(library.len() > 5);
     for effect in &library {
         let (model, values) = extended(&system, &study, effect);
@@ -92,7 +94,7 @@ fn a_lag_becomes_a_state_that_the_equations_use() {
     let system = System::parse("axis", AXIS).unwrap();
     let record = record(&system);
     let study = Study::new(&system, std::slice::from_ref(&record), &StudySettings::default()).unwrap();
-    let library = candidates(&system, &[record]).unwrap();
+    let library = candidates(&system, &[record], &LibrarySettings::default()).unwrap();
     let is_lag = |e: &&Effect| matches!(e.change, bracketry_diagnose::Change::Path { path: Path::ActuatorLag, .. });
     let lag = library.iter().find(is_lag).unwrap();
     let (model, values) = extended(&system, &study, lag);

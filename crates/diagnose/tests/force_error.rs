@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use bracketry_diagnose::{Estimate, Record, RecordSettings, force_error, force_residuals, read_record};
+use bracketry_diagnose::{
+    EquationSettings, Estimate, Record, RecordSettings, force_error, force_residuals, read_record,
+};
 use bracketry_sim::Hold;
 use bracketry_system::System;
 
@@ -35,7 +37,7 @@ fn least_squares_parameters_of_the_positioning_system_leave_the_published_force_
             continue;
         }
         let (record, _) = read_record(&path, &system, &as_published()).unwrap();
-        let residuals = force_residuals(&system, &[], &[], &[record]).unwrap();
+        let residuals = force_residuals(&system, &[], &[], &[record], &EquationSettings::default()).unwrap();
         let error = force_error(&residuals).unwrap();
         assert!(
             (error - published).abs() < 6e-4,
@@ -72,7 +74,7 @@ fn a_missing_force_is_the_error() {
     let record = read(&system, times, columns);
     let residuals = |c: f64| {
         let c = Estimate { name: "c".into(), nominal: 0.0, value: c, std: 0.01 };
-        force_residuals(&system, &[], &[c], std::slice::from_ref(&record)).unwrap()
+        force_residuals(&system, &[], &[c], std::slice::from_ref(&record), &EquationSettings::default()).unwrap()
     };
     let without = residuals(0.0);
     let w = 2.0 * PI * frequency;
@@ -93,7 +95,7 @@ fn it_is_in_the_unit_of_the_input_whatever_the_mass() {
     let mut system = block();
     let record = read(&system, times, columns);
     system.set_parameter("m", bracketry_symbolic::Rational::from(2u8));
-    let residuals = force_residuals(&system, &[], &[], &[record]).unwrap();
+    let residuals = force_residuals(&system, &[], &[], &[record], &EquationSettings::default()).unwrap();
     assert_eq!(residuals[0].input.as_deref(), Some("u"));
     // (f − x')/(∂f/∂u) with f = u/2 is u − 2x' = ω² sin + c ω cos.
     let w = 2.0 * PI * 1.5;
@@ -115,7 +117,7 @@ fn where_the_input_does_not_act_no_force_is_missing() {
     let text = "states = ['q', 'v']\ninputs = ['u']\n[dynamics]\nq = 'v'\nv = 'q*u'";
     let system = System::parse("arm", text).unwrap();
     let record = read(&system, times, columns);
-    let residuals = force_residuals(&system, &[], &[], &[record]).unwrap();
+    let residuals = force_residuals(&system, &[], &[], &[record], &EquationSettings::default()).unwrap();
     let [only] = residuals.as_slice() else { panic!("{} equations", residuals.len()) };
     assert!(only.samples.len() > 2000);
     for (&k, value) in only.samples.iter().zip(&only.values) {
@@ -131,7 +133,7 @@ fn an_equation_whose_states_nothing_measures_is_left_out() {
     let text = "states = ['q', 'v', 'w']\ninputs = ['u']\n[dynamics]\nq = 'v'\nv = 'u - w'\nw = 'v - w'";
     let system = System::parse("hidden", text).unwrap();
     let record = read(&system, times, columns);
-    let residuals = force_residuals(&system, &[], &[], &[record]).unwrap();
+    let residuals = force_residuals(&system, &[], &[], &[record], &EquationSettings::default()).unwrap();
     assert!(residuals.is_empty());
     assert_eq!(force_error(&residuals), None);
 }
@@ -154,7 +156,7 @@ fn at_rest_dry_friction_misses_no_force() {
         *q.last_mut().unwrap() += wobble;
     }
     let record = read(&system, times, BTreeMap::from([("q".to_owned(), q), ("u".to_owned(), u)]));
-    let residuals = force_residuals(&system, &[], &[], &[record]).unwrap();
+    let residuals = force_residuals(&system, &[], &[], &[record], &EquationSettings::default()).unwrap();
     let [only] = residuals.as_slice() else { panic!("{} equations", residuals.len()) };
     // A tenth of a second away from the jumps of the force: what smoothing spreads is left out.
     let calm: Vec<f64> = (only.samples.iter().zip(&only.values))
@@ -178,7 +180,7 @@ fn a_delay_of_the_model_is_honored() {
     let error = |delay: &str| {
         let system = System::parse("late", &text(delay)).unwrap();
         let record = read(&system, times.clone(), columns.clone());
-        force_error(&force_residuals(&system, &[], &[], &[record]).unwrap()).unwrap()
+        force_error(&force_residuals(&system, &[], &[], &[record], &EquationSettings::default()).unwrap()).unwrap()
     };
     assert!(error("0.04") < 1e-3, "{}", error("0.04"));
     assert!((error("0.0") - 2.0 * (0.5 * w * 0.04).sin()).abs() < 0.01, "{}", error("0.0"));

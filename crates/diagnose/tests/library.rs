@@ -3,7 +3,9 @@
 
 use std::collections::HashSet;
 
-use bracketry_diagnose::{Cause, Effect, candidates, dictionary, reference_candidates, separating_experiment};
+use bracketry_diagnose::{
+    Cause, Effect, LibrarySettings, candidates, dictionary, reference_candidates, separating_experiment,
+};
 use bracketry_system::System;
 
 fn model(name: &str) -> System {
@@ -40,7 +42,7 @@ v2 = "tau2/J2"
 
 #[test]
 fn the_published_plate_lacks_friction_of_the_spin_coupling_and_inertial_forces() {
-    let effects = candidates(&model("plate_published"), &[]).unwrap();
+    let effects = candidates(&model("plate_published"), &[], &LibrarySettings::default()).unwrap();
     let against_spin = of(&effects, Cause::YawFriction);
     assert_eq!(against_spin.len(), 3);
     // A body has one load: friction of the footprint against the spin follows it where the model says how it changes.
@@ -58,7 +60,7 @@ fn the_published_plate_lacks_friction_of_the_spin_coupling_and_inertial_forces()
 
 #[test]
 fn a_pendulum_gets_friction_and_a_torque_but_no_tilt() {
-    let effects = candidates(&System::parse("pendulum", PENDULUM).unwrap(), &[]).unwrap();
+    let effects = candidates(&System::parse("pendulum", PENDULUM).unwrap(), &[], &LibrarySettings::default()).unwrap();
     for cause in [Cause::ViscousFriction, Cause::CoulombFriction, Cause::ConstantBias, Cause::QuadraticDrag] {
         assert_eq!(of(&effects, cause).len(), 1, "{cause:?}");
     }
@@ -68,7 +70,7 @@ fn a_pendulum_gets_friction_and_a_torque_but_no_tilt() {
 
 #[test]
 fn joints_of_a_wrist_are_coupled_in_both_directions() {
-    let effects = candidates(&System::parse("wrist", WRIST).unwrap(), &[]).unwrap();
+    let effects = candidates(&System::parse("wrist", WRIST).unwrap(), &[], &LibrarySettings::default()).unwrap();
     let couplings = of(&effects, Cause::JointCoupling);
     for on in ["v1", "v2"] {
         assert!(couplings.iter().any(|e| e.equation == on && e.term.contains("sign(")));
@@ -83,7 +85,7 @@ fn joints_of_a_wrist_are_coupled_in_both_directions() {
 
 #[test]
 fn what_the_model_has_is_not_proposed() {
-    let effects = candidates(&model("spring_mass_friction"), &[]).unwrap();
+    let effects = candidates(&model("spring_mass_friction"), &[], &LibrarySettings::default()).unwrap();
     for cause in [Cause::ViscousFriction, Cause::CoulombFriction, Cause::LinearStiffness] {
         assert!(!has(&effects, cause), "{cause:?}");
     }
@@ -97,8 +99,8 @@ fn coefficients_have_names_of_their_own() {
         let system = model(name);
         let mut names: HashSet<String> = system.state_names().into_iter().chain(system.input_names()).collect();
         names.extend(system.parameters.iter().map(|p| system.symbol_name(p.symbol).to_owned()));
-        let mut all = candidates(&system, &[]).unwrap();
-        all.extend(dictionary(&system, &[]).unwrap());
+        let mut all = candidates(&system, &[], &LibrarySettings::default()).unwrap();
+        all.extend(dictionary(&system, &[], &LibrarySettings::default()).unwrap());
         for c in all.iter().flat_map(|e| &e.coefficients) {
             assert!(names.insert(c.name.clone()), "{} twice in {name}", c.name);
             // What is there altogether or not at all has one value, which is not that of the model without it.
@@ -112,7 +114,7 @@ fn coefficients_have_names_of_their_own() {
 #[test]
 fn the_dictionary_has_terms_for_each_equation() {
     let system = System::parse("wrist", WRIST).unwrap();
-    let terms = dictionary(&system, &[]).unwrap();
+    let terms = dictionary(&system, &[], &LibrarySettings::default()).unwrap();
     for wanted in ["q1*v1/J1", "v2^2/J1", "tau1*q1/J1", "sin(", "tanh("] {
         assert!(terms.iter().any(|e| e.equation == "v1" && e.term.contains(wanted)), "{wanted}");
     }
@@ -123,7 +125,7 @@ fn the_dictionary_has_terms_for_each_equation() {
 fn each_pair_of_causes_has_an_experiment_that_separates_it() {
     for name in ["plate_published", "cart_pole_friction"] {
         let system = model(name);
-        let effects = candidates(&system, &[]).unwrap();
+        let effects = candidates(&system, &[], &LibrarySettings::default()).unwrap();
         for a in &effects {
             for b in &effects {
                 let sentence = separating_experiment(a, b, &system);
@@ -140,7 +142,7 @@ fn each_pair_of_causes_has_an_experiment_that_separates_it() {
 #[test]
 fn the_experiment_for_delays_and_lags_names_the_frequency() {
     let system = model("spring_mass_friction");
-    let effects = candidates(&system, &[]).unwrap();
+    let effects = candidates(&system, &[], &LibrarySettings::default()).unwrap();
     let mut delay = of(&effects, Cause::InputDelay)[0].clone();
     delay.coefficients[0].nominal = 0.008;
     let sentence = separating_experiment(of(&effects, Cause::ActuatorLag)[0], &delay, &system);
@@ -205,8 +207,19 @@ fn a_term_of_the_reference_in_place_of_one_with_its_parameter_comes_as_one_effec
 #[test]
 fn friction_that_fades_with_speed_brings_that_of_sliding_where_the_model_has_none() {
     for (system, coefficients) in [(System::parse("pendulum", PENDULUM).unwrap(), 3), (model("emps"), 2)] {
-        let effects = candidates(&system, &[]).unwrap();
+        let effects = candidates(&system, &[], &LibrarySettings::default()).unwrap();
         let laws = of(&effects, Cause::StribeckFriction);
         assert!(!laws.is_empty() && laws.iter().all(|e| e.coefficients.len() == coefficients), "{laws:?}");
     }
+}
+
+#[test]
+fn the_settings_say_which_values_are_tried() {
+    let system = model("spring_mass_friction");
+    let settings = LibrarySettings { stribeck_trials: 3, ..LibrarySettings::default() };
+    let effects = candidates(&system, &[], &settings).unwrap();
+    let stribeck = effects.iter().filter(|e| e.cause == Cause::StribeckFriction);
+    let trials: Vec<usize> =
+        stribeck.flat_map(|e| &e.coefficients).map(|c| c.trials.len()).filter(|n| *n > 0).collect();
+    assert!(!trials.is_empty() && trials.iter().all(|n| *n == 3), "{trials:?}");
 }

@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::format_push_string)]
 
 use bracketry_diagnose::{
-    Cause, Change, Effect, Fit, Record, RecordSettings, Role, Study, StudySettings, candidates, dictionary,
+    Cause, Change, Effect, Fit, LibrarySettings, Record, RecordSettings, Role, Study, StudySettings, candidates,
+    dictionary,
 };
 use bracketry_system::System;
 use bracketry_system::symbolic::{Bindings, Expr, Rational};
@@ -55,8 +56,8 @@ fn models() -> Vec<System> {
 }
 
 fn library(system: &System) -> Vec<Effect> {
-    let mut effects = candidates(system, &[]).unwrap();
-    effects.extend(dictionary(system, &[]).unwrap());
+    let mut effects = candidates(system, &[], &LibrarySettings::default()).unwrap();
+    effects.extend(dictionary(system, &[], &LibrarySettings::default()).unwrap());
     effects
 }
 
@@ -160,14 +161,14 @@ fn replaced_friction_stays_set_valued() {
         sizes
     };
     let published = model("plate_published");
-    let effects = candidates(&published, &[]).unwrap();
+    let effects = candidates(&published, &[], &LibrarySettings::default()).unwrap();
     let coupling = effects.iter().find(|e| e.cause == Cause::FrictionCoupling).unwrap();
     assert_eq!(unit_vectors(&published, coupling, 1.0), [2]);
     for name in ["plate_reduced", "plate_point_stribeck", "plate_disk"] {
         let system = model(name);
         let before: Vec<usize> =
             system.clone().set_valued_form().unit_vectors.iter().map(|u| u.switches.len()).collect();
-        let effects = candidates(&system, &[]).unwrap();
+        let effects = candidates(&system, &[], &LibrarySettings::default()).unwrap();
         let ellipse = effects.iter().find(|e| e.cause == Cause::AnisotropicFriction).unwrap();
         assert_eq!(unit_vectors(&system, ellipse, 0.25), before, "{name}");
     }
@@ -193,7 +194,7 @@ dynamics = { x = "vx", y = "vy", phi = "w", vx = "0", vy = "0", w = "0" }
     ];
     let (record, _) =
         Record::from_columns("free", times.clone(), columns.into(), &system, &RecordSettings::default()).unwrap();
-    let effects = candidates(&system, std::slice::from_ref(&record)).unwrap();
+    let effects = candidates(&system, std::slice::from_ref(&record), &LibrarySettings::default()).unwrap();
     let com = effects.into_iter().find(|e| e.cause == Cause::ComOffset).unwrap();
     let study = Study::new(&system, &[record], &StudySettings::default()).unwrap();
     let every: Vec<usize> = (0..study.windows().len()).collect();
@@ -227,8 +228,11 @@ fn disk_by_hand(k: &str, q: &str, factor: &str) -> System {
 fn anisotropic_friction_of_a_footprint_is_the_limit_surface_written_by_hand() {
     for factor in ["", "*one"] {
         let given = disk_by_hand("1", "1", factor);
-        let effect =
-            candidates(&given, &[]).unwrap().into_iter().find(|c| c.cause == Cause::AnisotropicFriction).unwrap();
+        let effect = candidates(&given, &[], &LibrarySettings::default())
+            .unwrap()
+            .into_iter()
+            .find(|c| c.cause == Cause::AnisotropicFriction)
+            .unwrap();
         let names: Vec<&str> = effect.coefficients.iter().map(|c| c.name.as_str()).collect();
         assert_eq!(names, ["anisotropy_vy", "anisotropy_spin_w"]);
         let mut extended = given.clone();

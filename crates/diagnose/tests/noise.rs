@@ -3,10 +3,14 @@
 
 use std::f64::consts::TAU;
 
-use bracketry_diagnose::{Noise, estimate_noise};
+use bracketry_diagnose::{Noise, NoiseSettings, estimate_noise};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, Normal, StandardNormal};
+
+fn noise_of(times: &[f64], values: &[f64]) -> Noise {
+    estimate_noise(times, values, &NoiseSettings::default())
+}
 
 /// A random smooth motion of size about one with frequencies up to `highest` Hz.
 fn motion(rng: &mut StdRng, highest: f64) -> impl Fn(f64) -> f64 + use<> {
@@ -41,7 +45,7 @@ fn white_noise_is_measured_to_a_few_percent_at_any_sampling_rate() {
         let (mean, worst) = calibration(|rng| {
             let times = even(n, 1.0 / rate);
             let noise = white(rng, n, std);
-            estimate_noise(&times, &sum(&times, motion(rng, 5.0), &noise)).std / std
+            noise_of(&times, &sum(&times, motion(rng, 5.0), &noise)).std / std
         });
         assert!((mean - 1.0).abs() < 0.03 && worst < 0.1, "{rate} Hz: {mean}, {worst}");
     }
@@ -64,7 +68,7 @@ fn lost_values_gaps_reversals_and_an_uneven_clock_do_not_matter() {
             values[rng.random_range(0..4000)] = f64::NAN;
             values[rng.random_range(0..4000)] += 0.3;
         }
-        estimate_noise(&times, &values).std / 2e-3
+        noise_of(&times, &values).std / 2e-3
     });
     assert!((mean - 1.0).abs() < 0.08 && worst < 0.15, "{mean}, {worst}");
 }
@@ -84,7 +88,7 @@ fn correlated_noise_is_found_to_be_so() {
                     1e-2 * state
                 })
                 .collect();
-            let found = estimate_noise(&times, &sum(&times, motion(rng, 2.0), &noise));
+            let found = noise_of(&times, &sum(&times, motion(rng, 2.0), &noise));
             assert!((found.correlation - correlation).abs() < 0.15, "{correlation}: {found:?}");
             found.std / 1e-2
         });
@@ -100,7 +104,7 @@ fn white_noise_is_not_taken_for_correlated() {
         let n = rng.random_range(300..8000);
         let times = even(n, 1e-3);
         let noise = white(&mut rng, n, 1e-2);
-        let found = estimate_noise(&times, &sum(&times, motion(&mut rng, 5.0), &noise));
+        let found = noise_of(&times, &sum(&times, motion(&mut rng, 5.0), &noise));
         correlated += usize::from(found.correlation != 0.0);
     }
     assert!(correlated <= 5, "{correlated} of 100");
@@ -114,7 +118,7 @@ fn a_coarse_column_has_the_noise_of_its_rounding() {
         let q = 1e-3;
         let round = |noise: Vec<f64>, smooth: &dyn Fn(f64) -> f64| -> Noise {
             let values: Vec<f64> = sum(&times, smooth, &noise).iter().map(|v| (v / q).round() * q).collect();
-            estimate_noise(&times, &values)
+            noise_of(&times, &values)
         };
         let smooth = motion(&mut rng, 2.0);
         let exact = round(vec![0.0; 8000], &smooth);
@@ -133,11 +137,11 @@ fn a_coarse_column_has_the_noise_of_its_rounding() {
 fn columns_without_noise_or_motion_have_a_positive_finite_one() {
     let times = even(100, 0.01);
     for values in [vec![0.0; 100], vec![1e300; 100], vec![f64::NAN; 100], times.clone()] {
-        let found = estimate_noise(&times, &values);
+        let found = noise_of(&times, &values);
         assert!(found.std > 0.0 && found.std.is_finite(), "{found:?}");
     }
     for n in 0..12 {
-        let found = estimate_noise(&times[..n], &times[..n]);
+        let found = noise_of(&times[..n], &times[..n]);
         assert!(found.std > 0.0 && found.std.is_finite(), "{found:?}");
     }
 }

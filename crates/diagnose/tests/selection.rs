@@ -140,3 +140,21 @@ fn a_search_that_ends_at_the_number_of_causes_allowed_says_so() {
     assert_eq!(both, [Cause::ViscousFriction, Cause::LinearStiffness]);
     assert!(!ended);
 }
+
+#[test]
+fn a_changed_setting_changes_what_is_named() {
+    let text = "states = ['x', 'v']\ninputs = ['u']\nparameters = { m = 1 }\n[dynamics]\nx = 'v'\nv = 'u/m'\n";
+    let system = System::parse("cart", text).unwrap();
+    let drive = |t: f64| 2.0 * input(t, 1.3);
+    let record = run(&system, (800, 0.01, 2e-3), [0.0, 0.0], drive, |x, u| [x[1], u - 0.01 * x[1]]);
+    let named = |settings: Settings| {
+        let report = verdict(&system, &record, &settings);
+        report.causes.into_iter().map(|c| c.name).collect::<Vec<_>>()
+    };
+    assert_eq!(named(Settings::default()), [Cause::ViscousFriction]);
+    // Nothing is that significant, and nothing moves that far.
+    assert_eq!(named(Settings { significance: 0.0, ..Settings::default() }), []);
+    let mut strict = Settings::default();
+    strict.verdict.alarm.motion_spread = 1e9;
+    assert_eq!(named(strict), []);
+}

@@ -84,7 +84,7 @@ pub(crate) fn diagnose<'py>(
     window: Option<f64>,
     threads: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let reading = RecordSettings { hold: hold_inputs.map(hold).transpose()?, rename };
+    let reading = RecordSettings { hold: hold_inputs.map(hold).transpose()?, rename, ..Default::default() };
     let data: Vec<Source> = data.into_iter().map(Source::from).collect();
     let validate: Vec<Source> = validate.into_iter().map(Source::from).collect();
     let mut system = model.get().system.clone();

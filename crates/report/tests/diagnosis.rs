@@ -19,7 +19,7 @@ fn report() -> Report {
             name: Cause::ViscousFriction,
             equation: "v".into(),
             term: "-c*v".into(),
-            parameters: vec![("c".into(), c)],
+            parameters: bracketry_symbolic::Named(vec![("c".into(), c)]),
             p_value: Some(1e-6),
             confusable_with: vec![Cause::QuadraticDrag],
             separating_experiment: "drive faster".into(),

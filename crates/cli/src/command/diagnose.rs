@@ -92,6 +92,7 @@ pub(crate) fn run(args: &DiagnoseArgs, output: &OutputArgs) -> anyhow::Result<Ou
             HoldArg::Linear => Hold::Linear,
         }),
         rename: args.rename.clone(),
+        ..RecordSettings::default()
     };
     let progress = spinner("reading the data");
     let (records, mut audits) = read(&args.data, &system, &reading)?;

@@ -1,12 +1,14 @@
 //! Intervals from resampling windows.
 
-use super::limits::{INTERVAL_ENDS, RESAMPLES};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
 use crate::statistics::quantile;
 use crate::study::Linearization;
+
+/// Ends of an interval of 95 %.
+const INTERVAL_ENDS: [f64; 2] = [0.025, 0.975];
 
 /// How far each column of a linearization goes, in its natural unit, when some windows count more than once and others not
 /// at all: `(Σ wG + P)⁻¹(Σ wg + P pull)`; those that are `held` stay. `None` if the weighted windows do not determine a step.
@@ -37,18 +39,23 @@ pub(super) fn weighted_step(
 }
 
 /// Intervals of 95 % for the columns of a linearization, relative to the values at which it was made: percentiles over
-/// resamples of whole windows (block bootstrap: Künsch, Annals of Statistics 17, 1989), each solved in linear approximation.
+/// `resamples` of whole windows (block bootstrap: Künsch, Annals of Statistics 17, 1989), each solved in linear approximation.
 /// The step that all windows ask for, each once, is subtracted: it is what the iteration left undone, or what a kink in the sum
 /// of squares hides, no scatter. Columns that are `held` do not move, and have no interval. `None` with fewer than five windows.
-pub fn bootstrap(linearization: &Linearization, held: &[usize], seed: u64) -> Option<Vec<Option<[f64; 2]>>> {
+pub fn bootstrap(
+    linearization: &Linearization,
+    held: &[usize],
+    resamples: usize,
+    seed: u64,
+) -> Option<Vec<Option<[f64; 2]>>> {
     let windows = linearization.windows.len();
     if windows < 5 {
         return None;
     }
     let rest = weighted_step(linearization, held, |_| 1.0)?;
     let mut random = StdRng::seed_from_u64(seed);
-    let mut steps: Vec<Vec<f64>> = vec![Vec::with_capacity(RESAMPLES); linearization.columns.len()];
-    for _ in 0..RESAMPLES {
+    let mut steps: Vec<Vec<f64>> = vec![Vec::with_capacity(resamples); linearization.columns.len()];
+    for _ in 0..resamples {
         let mut times = vec![0.0; windows];
         for _ in 0..windows {
             times[random.random_range(0..windows)] += 1.0;
@@ -58,7 +65,7 @@ pub fn bootstrap(linearization: &Linearization, held: &[usize], seed: u64) -> Op
         }
     }
     let intervals = steps.into_iter().enumerate().map(|(j, list)| {
-        let made = !held.contains(&j) && 2 * list.len() > RESAMPLES;
+        let made = !held.contains(&j) && 2 * list.len() > resamples;
         made.then(|| middle(list)).flatten().filter(|[low, high]| *low <= 0.0 && 0.0 <= *high)
     });
     Some(intervals.collect())
@@ -103,7 +110,7 @@ mod tests {
     #[test]
     fn the_interval_has_the_width_of_least_squares() {
         let linearization = windows(0.3, 0.1, 60);
-        let interval = bootstrap(&linearization, &[], 1).and_then(|b| b[0]);
+        let interval = bootstrap(&linearization, &[], 1000, 1).and_then(|b| b[0]);
         let [low, high] = interval.unwrap_or([f64::NAN; 2]);
         // Var x = 1/3: std = 2 · 0.1/√(3000/3), twice 1.96 of it.
         let expected = 2.0 * 1.96 * 2.0 * 0.1 / 1000_f64.sqrt();
@@ -114,8 +121,8 @@ mod tests {
     #[test]
     fn the_same_seed_gives_the_same_interval() {
         let linearization = windows(0.3, 0.1, 20);
-        assert_eq!(bootstrap(&linearization, &[], 5), bootstrap(&linearization, &[], 5));
-        assert_ne!(bootstrap(&linearization, &[], 5), bootstrap(&linearization, &[], 6));
+        assert_eq!(bootstrap(&linearization, &[], 1000, 5), bootstrap(&linearization, &[], 1000, 5));
+        assert_ne!(bootstrap(&linearization, &[], 1000, 5), bootstrap(&linearization, &[], 1000, 6));
     }
 
     #[test]
@@ -130,12 +137,12 @@ mod tests {
         for list in [&mut linearization.scales, &mut linearization.prior, &mut linearization.pull] {
             list.push(list[0]);
         }
-        let alone = bootstrap(&windows(0.3, 0.1, 20), &[], 1).and_then(|b| b[0]);
-        assert_eq!(bootstrap(&linearization, &[1], 1), Some(vec![alone, None]));
+        let alone = bootstrap(&windows(0.3, 0.1, 20), &[], 1000, 1).and_then(|b| b[0]);
+        assert_eq!(bootstrap(&linearization, &[1], 1000, 1), Some(vec![alone, None]));
     }
 
     #[test]
     fn few_windows_give_no_interval() {
-        assert_eq!(bootstrap(&windows(0.3, 0.1, 4), &[], 1), None);
+        assert_eq!(bootstrap(&windows(0.3, 0.1, 4), &[], 1000, 1), None);
     }
 }

@@ -3,10 +3,10 @@
 use bracketry_system::System;
 
 use super::evaluation::{Equations, Evaluated};
-use super::limits::WEAK_INPUT;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::record::Record;
+use crate::settings::EquationSettings;
 use crate::study::Estimate;
 
 /// Residual of one equation in one stretch of a record, over time.
@@ -50,7 +50,7 @@ impl ForceResidual {
 /// them it is taken as it stands.
 ///
 /// Equations that need states which no measured column gives, directly or as a derivative, and stretches that are too short
-/// or too noisy, are left out; so are samples at which the input hardly acts, `|∂f/∂u|` below a tenth of its root mean square.
+/// or too noisy, are left out; so are samples at which the input hardly acts, `|∂f/∂u|` below a share of its root mean square.
 ///
 /// # Errors
 /// [`DiagnoseError`] for effects that do not fit the model.
@@ -59,8 +59,9 @@ pub fn force_residuals(
     effects: &[Effect],
     values: &[Estimate],
     records: &[Record],
+    settings: &EquationSettings,
 ) -> Result<Vec<ForceResidual>, DiagnoseError> {
-    let equations = Equations::new(system, effects, values, false)?;
+    let equations = Equations::new(system, effects, values, false, settings)?;
     let stretches = records.iter().enumerate().flat_map(|(index, record)| equations.evaluate(index, record));
     Ok(stretches.flat_map(|stretch| in_stretch(&equations, &stretch)).collect())
 }
@@ -69,7 +70,7 @@ pub fn force_residuals(
 fn in_stretch(equations: &Equations, stretch: &Evaluated) -> Vec<ForceResidual> {
     let made = stretch.rows.iter().filter_map(|row| {
         let weights = weights(&row.gain);
-        let weak: Vec<bool> = weights.iter().map(|w| *w < WEAK_INPUT).collect();
+        let weak: Vec<bool> = weights.iter().map(|w| *w < equations.settings.weak_input).collect();
         let missing: Vec<f64> = row
             .model
             .iter()

@@ -7,9 +7,6 @@ use bracketry_sim::{Bandwidth, Hold, SmoothingSpline};
 use bracketry_symbolic::{Expr, Node, Symbol, Tape};
 use bracketry_system::System;
 
-use super::limits::{
-    FEWEST_PERIODS, LOST_PERIODS, MOST_DERIVATIVE_NOISE, NARROWER, SAMPLES_PER_PERIOD, STATE_BANDWIDTH,
-};
 use super::motion::{Origin, origins};
 use super::rest::Rest;
 use crate::effect::{Change, Effect, Path};
@@ -17,6 +14,7 @@ use crate::error::DiagnoseError;
 use crate::extend::equations;
 use crate::library::{Structure, TIME_INPUT};
 use crate::record::{Measured, Record, Signal};
+use crate::settings::EquationSettings;
 use crate::study::{Estimate, lagged, stretches};
 
 /// One stretch of a record without a gap, with the equations evaluated at all of its samples.
@@ -84,6 +82,7 @@ pub(super) struct Equations {
     inputs: Vec<(f64, f64)>,
     /// Name, delay and offset of measured columns.
     columns: Vec<(String, f64, f64)>,
+    pub(super) settings: EquationSettings,
 }
 
 /// An equation that can be evaluated on data.
@@ -101,6 +100,7 @@ impl Equations {
         effects: &[Effect],
         values: &[Estimate],
         forces: bool,
+        settings: &EquationSettings,
     ) -> Result<Self, DiagnoseError> {
         let mut system = equations(system, effects, values)?;
         // The model's own delays; a delay that is no number is refused where the model is simulated.
@@ -155,7 +155,7 @@ impl Equations {
             .compile(&arguments, &expressions)
             .map_err(|e| DiagnoseError::Term { text: system.name.clone(), message: e.to_string() })?;
         let rest = Rest::new(&mut system, &arguments)?;
-        Ok(Self { system, tape, rows, mechanics, forces, rest, inputs, columns })
+        Ok(Self { system, tape, rows, mechanics, forces, rest, inputs, columns, settings: settings.clone() })
     }
 
     /// Name of a state.
@@ -211,17 +211,18 @@ impl Equations {
     ) -> Option<Evaluated> {
         let range = stretch.from..stretch.to;
         let times = &record.times[range.clone()];
+        let settings = &self.settings;
         let bandwidth = rows
             .iter()
             .map(|(_, origin)| {
                 let m = &record.measured[origin.column];
-                bandwidth(times, &m.values[range.clone()], m.noise, origin.order + 1, stretch.dt)
+                bandwidth(times, &m.values[range.clone()], m.noise, origin.order + 1, stretch.dt, settings)
             })
             .try_fold(f64::INFINITY, |least, b| Some(least.min(b?)))?;
-        let lost = (LOST_PERIODS / (bandwidth * stretch.dt)).ceil() as usize;
+        let lost = (settings.lost_periods / (bandwidth * stretch.dt)).ceil() as usize;
         let kept = lost..times.len().checked_sub(lost).filter(|&end| end > lost)?;
 
-        let columns = self.columns(record, stretch, STATE_BANDWIDTH * bandwidth)?;
+        let columns = self.columns(record, stretch, settings.state_bandwidth * bandwidth)?;
         let signals = self.signals(record, derivatives, stretch);
         let of = |o: &Origin| columns[o.column].iter().map(|x| x[o.order]).collect::<Vec<f64>>();
         let states: Vec<Option<Vec<f64>>> = origins.iter().map(|o| o.as_ref().map(of)).collect();
@@ -246,7 +247,12 @@ impl Equations {
             .iter()
             .map(|o| {
                 o.map_or(0.0, |o| {
-                    deviation(record.measured[o.column].noise, o.order, STATE_BANDWIDTH * bandwidth, stretch.dt)
+                    deviation(
+                        record.measured[o.column].noise,
+                        o.order,
+                        settings.state_bandwidth * bandwidth,
+                        stretch.dt,
+                    )
                 })
             })
             .collect();
@@ -254,7 +260,7 @@ impl Equations {
             let states = states.iter().map(|values| values.as_ref().map_or(0.0, |v| v[k]));
             arguments.iter_mut().zip(states.chain(signals.iter().map(|u| u[k]))).for_each(|(slot, v)| *slot = v);
             self.tape.eval(&arguments, &mut work, &mut results);
-            let ranges = rest.as_mut().and_then(|rest| rest.range(&arguments, &noise));
+            let ranges = rest.as_mut().and_then(|rest| rest.range(&arguments, &noise, settings));
             for (out, (row, _)) in evaluated.iter_mut().zip(rows) {
                 // What dry friction holds moves as it does.
                 let held = ranges.as_ref().map(|r| r[row.state]).filter(|[low, high]| low <= high);
@@ -336,19 +342,26 @@ fn shifted(values: &[f64], by: f64) -> Vec<f64> {
     (0..=last).map(|k| (1.0 - part) * at(k - whole) + part * at(k - whole - 1)).collect()
 }
 
-/// The largest bandwidth up to [`SAMPLES_PER_PERIOD`] at which noise of the sensor makes up no more than [`MOST_DERIVATIVE_NOISE`] of the
+/// The largest bandwidth up to `samples_per_period` at which noise of the sensor makes up no more than `most_derivative_noise` of the
 /// derivative of the given order.
-fn bandwidth(times: &[f64], values: &[f64], noise: f64, order: usize, dt: f64) -> Option<f64> {
-    let mut b = 1.0 / (SAMPLES_PER_PERIOD * dt);
-    let narrowest = FEWEST_PERIODS / (dt * times.len() as f64);
+fn bandwidth(
+    times: &[f64],
+    values: &[f64],
+    noise: f64,
+    order: usize,
+    dt: f64,
+    settings: &EquationSettings,
+) -> Option<f64> {
+    let mut b = 1.0 / (settings.samples_per_period * dt);
+    let narrowest = settings.fewest_periods / (dt * times.len() as f64);
     while b > narrowest {
         let spline = SmoothingSpline::fit(times, values, Bandwidth::Cutoff(b))?;
         let derivative = if order == 1 { &spline.first } else { &spline.second };
         let mean_square = derivative.iter().map(|v| v * v).sum::<f64>() / derivative.len() as f64;
-        if deviation(noise, order, b, dt) <= MOST_DERIVATIVE_NOISE * mean_square.sqrt() {
+        if deviation(noise, order, b, dt) <= settings.most_derivative_noise * mean_square.sqrt() {
             return Some(b);
         }
-        b *= NARROWER;
+        b *= settings.narrower;
     }
     None
 }

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::limits::{FEWEST_PREDICTIONS, HORIZON_SHARES, HORIZONS, MOST_PREDICTIONS};
 use super::trial::Trial;
 use crate::error::DiagnoseError;
 use crate::record::Record;
+use crate::settings::PredictionSettings;
 use crate::study::{Fit, Predictor, Study, Window};
 
 /// Mean squared errors by model (as given, refitted, extended), in units of the columns' variance, and their number.
@@ -53,12 +53,13 @@ impl Ahead {
 }
 
 /// The horizons that stretches of these lengths (seconds, after the part for the state) allow.
-fn horizons(longest: f64) -> Vec<f64> {
-    let standard: Vec<f64> = HORIZONS.into_iter().filter(|h| *h < longest).collect();
+fn horizons(longest: f64, settings: &PredictionSettings) -> Vec<f64> {
+    let standard: Vec<f64> = settings.horizons.iter().copied().filter(|h| *h < longest).collect();
     if standard.len() >= 2 {
         return standard;
     }
-    HORIZON_SHARES.iter().map(|s| (s * longest * 1e3).round() / 1e3).filter(|h| *h > 0.0).collect()
+    let parts = settings.horizon_shares.iter().map(|s| (s * longest * 1e3).round() / 1e3);
+    parts.filter(|h| *h > 0.0).collect()
 }
 
 /// Sets of predictions over held-out stretches.
@@ -66,6 +67,7 @@ pub(super) fn predict(
     study: &Study,
     trials: &[Trial],
     window: f64,
+    settings: &PredictionSettings,
 ) -> Result<(Vec<AtHorizon>, Vec<Predicted>), DiagnoseError> {
     let records = study.records();
     let seconds = |w: &Window| records[w.record].times[w.to - 1] - records[w.record].times[w.from];
@@ -74,12 +76,12 @@ pub(super) fn predict(
     if longest <= 0.0 {
         return Ok((Vec::new(), Vec::new()));
     }
-    let horizons = horizons(longest);
+    let horizons = horizons(longest, settings);
     let mut found: Vec<AtHorizon> =
         horizons.iter().map(|&seconds| AtHorizon { seconds, ..AtHorizon::default() }).collect();
     // Starts as densely as the number of predictions allows, at least a tenth of the shortest horizon apart.
     let total: f64 = stretches().map(|w| (seconds(w) - window).max(0.0)).sum();
-    let spacing = (total / MOST_PREDICTIONS as f64).max(0.1 * horizons.first().copied().unwrap_or(total));
+    let spacing = (total / settings.most_predictions as f64).max(0.1 * horizons.first().copied().unwrap_or(total));
     let variances: Vec<Vec<f64>> =
         records.iter().map(|r| r.measured.iter().map(|m| variance(&m.values)).collect()).collect();
     let mut drawn: Vec<Predicted> = Vec::new();
@@ -102,7 +104,7 @@ pub(super) fn predict(
             drawn.push(predicted);
         }
     }
-    found.retain(|h| h.predictions >= FEWEST_PREDICTIONS);
+    found.retain(|h| h.predictions >= settings.fewest_predictions);
     Ok((found, drawn))
 }
 

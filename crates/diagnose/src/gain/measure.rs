@@ -5,13 +5,13 @@ use rayon::prelude::*;
 use super::bootstrap::weighted_step;
 use super::equation::{ForceResidual, force_error, force_residuals};
 use super::horizon::{Predicted, predict};
-use super::limits::{FOLDS, SHORTEST_FOLD};
 use super::report::Gain;
 use super::trial::Trial;
 use crate::error::DiagnoseError;
 use crate::record::Record;
+use crate::settings::{EquationSettings, GainSettings, PredictionSettings, Settings, StudySettings};
 use crate::statistics::median;
-use crate::study::{Fit, Linearization, Study, StudySettings, Window};
+use crate::study::{Fit, Linearization, Study, Window};
 
 /// The refitted and the extended model with their least-squares problems, both over all windows of a study.
 pub struct Fitted<'a> {
@@ -47,15 +47,16 @@ pub fn measure_gain(
     study: &Study,
     fitted: &Fitted<'_>,
     validate: &[Record],
-    settings: &StudySettings,
+    settings: &Settings,
 ) -> Result<Option<(Gain, HeldOut)>, DiagnoseError> {
     let window = typical_window(study);
+    let GainSettings { predictions, equations, .. } = &settings.gain;
     let of_validation;
     let (study, trials) = if validate.is_empty() {
-        (study, folds(study, fitted))
+        (study, folds(study, fitted, predictions))
     } else {
         of_validation =
-            Study::new(study.system(), validate, &StudySettings { window: Some(window), ..settings.clone() })?;
+            Study::new(study.system(), validate, &StudySettings { window: Some(window), ..settings.study.clone() })?;
         let trial = Trial {
             as_given: of_validation.nominal(),
             refitted: fitted.refitted.clone(),
@@ -64,11 +65,11 @@ pub fn measure_gain(
         };
         (&of_validation, vec![trial])
     };
-    let (horizons, predicted) = predict(study, &trials, window)?;
+    let (horizons, predicted) = predict(study, &trials, window, predictions)?;
     let residuals = [
-        force(study, &trials, |t| &t.as_given)?,
-        force(study, &trials, |t| &t.refitted)?,
-        force(study, &trials, |t| &t.extended)?,
+        force(study, &trials, equations, |t| &t.as_given)?,
+        force(study, &trials, equations, |t| &t.refitted)?,
+        force(study, &trials, equations, |t| &t.extended)?,
     ];
     if horizons.is_empty() && residuals[2].is_empty() {
         return Ok(None);
@@ -118,9 +119,9 @@ fn joined(windows: &[Window]) -> Vec<Window> {
 }
 
 /// Splits the windows into parts that follow each other in time; every part is tried with the values that the others give.
-fn folds(study: &Study, fitted: &Fitted<'_>) -> Vec<Trial> {
+fn folds(study: &Study, fitted: &Fitted<'_>, settings: &PredictionSettings) -> Vec<Trial> {
     let windows = study.windows();
-    let parts = FOLDS.min(windows.len() / SHORTEST_FOLD);
+    let parts = settings.folds.min(windows.len() / settings.shortest_fold);
     if parts < 2 {
         return Vec::new();
     }
@@ -155,11 +156,12 @@ fn folds(study: &Study, fitted: &Fitted<'_>) -> Vec<Trial> {
 fn force(
     study: &Study,
     trials: &[Trial],
+    settings: &EquationSettings,
     of: impl Fn(&Trial) -> &Fit + Sync,
 ) -> Result<Vec<ForceResidual>, DiagnoseError> {
     let residuals = |trial: &Trial| {
         let fit = of(trial);
-        force_residuals(study.system(), &fit.effects, &fit.values, study.records())
+        force_residuals(study.system(), &fit.effects, &fit.values, study.records(), settings)
     };
     // The model as given is the same in all trials.
     let same = trials.iter().all(|t| of(t).values == of(&trials[0]).values);

@@ -7,6 +7,7 @@ use super::evaluation::{Equations, Evaluated};
 use crate::error::DiagnoseError;
 use crate::library::Structure;
 use crate::record::Record;
+use crate::settings::EquationSettings;
 use crate::study::Fit;
 
 /// What the equations miss in one stretch of a record, all at the same samples.
@@ -57,8 +58,9 @@ pub(crate) fn missing(
     system: &System,
     fit: &Fit,
     records: &[Record],
+    settings: &EquationSettings,
 ) -> Result<(Vec<Missing>, Option<Structure>), DiagnoseError> {
-    let equations = Equations::new(system, &fit.effects, &fit.values, true)?;
+    let equations = Equations::new(system, &fit.effects, &fit.values, true, settings)?;
     let stretches = records.iter().enumerate().flat_map(|(index, record)| equations.evaluate(index, record));
     let list = stretches.filter_map(|stretch| in_stretch(&equations, &stretch)).collect();
     Ok((list, equations.mechanics))

@@ -1,10 +1,10 @@
 //! Equations where dry friction holds: there they give a set of rates.
 
-use super::limits::{MOST_UNDECIDED, UNDECIDED_SIGN};
 use bracketry_symbolic::{Expr, Symbol, Tape};
 use bracketry_system::{SwitchKind, System};
 
 use crate::error::DiagnoseError;
+use crate::settings::EquationSettings;
 
 /// The signs in the equations of a model, and the equations with these as arguments.
 #[derive(Clone)]
@@ -60,7 +60,12 @@ impl Rest {
 
     /// Smallest and largest right-hand side of every state over the signs that noise of the states, by its standard deviation,
     /// leaves undecided at a sample; `None` where it leaves none.
-    pub(super) fn range(&mut self, arguments: &[f64], noise: &[f64]) -> Option<Vec<[f64; 2]>> {
+    pub(super) fn range(
+        &mut self,
+        arguments: &[f64],
+        noise: &[f64],
+        settings: &EquationSettings,
+    ) -> Option<Vec<[f64; 2]>> {
         self.surfaces.eval(arguments, &mut self.work, &mut self.values);
         let n = self.jumps.len();
         let (surfaces, gradients) = self.values.split_at(n);
@@ -68,9 +73,9 @@ impl Rest {
             let gradient = &gradients[i * self.states..(i + 1) * self.states];
             gradient.iter().zip(noise).map(|(g, s)| (g * s).powi(2)).sum::<f64>().sqrt()
         };
-        let undecided: Vec<usize> =
-            (0..n).filter(|&i| self.jumps[i] && surfaces[i].abs() <= UNDECIDED_SIGN * deviation(i)).collect();
-        if undecided.is_empty() || undecided.len() > MOST_UNDECIDED {
+        let near = |i: usize| surfaces[i].abs() <= settings.undecided_sign * deviation(i);
+        let undecided: Vec<usize> = (0..n).filter(|&i| self.jumps[i] && near(i)).collect();
+        if undecided.is_empty() || undecided.len() > settings.most_undecided {
             return None;
         }
         let first = arguments.len();

@@ -4,13 +4,13 @@ use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashSet;
 
-use super::limits::TYPICAL_SHARE;
 use super::names::{ModelNames, symbols};
 use super::probe::Probe;
 use super::structure::{Structure, pairs};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path, Role};
 use crate::error::DiagnoseError;
 use crate::record::Record;
+use crate::settings::LibrarySettings;
 use crate::statistics::rms;
 
 /// Collects the effects for one model.
@@ -26,6 +26,7 @@ pub(crate) struct Builder {
     pub(crate) effects: Vec<Effect>,
     /// Of each effect with one amplitude: its column at the points in general position.
     known: Vec<(Cause, Vec<Vec<f64>>)>,
+    pub(crate) settings: LibrarySettings,
 }
 
 /// A parameter without a typical size yet: an amplitude that vanishes at 0.
@@ -73,15 +74,16 @@ pub(crate) fn log_grid(from: f64, to: f64, count: usize) -> Vec<f64> {
 
 impl Builder {
     /// Finds the structure of a model; records give the points along the trajectory of the data.
-    pub(crate) fn new(system: &System, records: &[Record]) -> Self {
+    pub(crate) fn new(system: &System, records: &[Record], settings: &LibrarySettings) -> Self {
         let mut system = system.clone();
         let pairs = pairs(&mut system);
-        let data = Probe::of_records(&system, records, &pairs);
+        let data = Probe::of_records(&system, records, &pairs, settings);
         let structure = Structure::of(&mut system, &pairs);
         let symbols = symbols(&system).map(|s| system.symbol_name(s).to_owned());
         let taken = symbols.chain(system.definitions.iter().map(|d| d.0.clone())).collect();
         let fixed = Probe::fixed(&system);
-        Builder { system, structure, data, fixed, taken, effects: Vec::new(), known: Vec::new() }
+        let settings = settings.clone();
+        Builder { system, structure, data, fixed, taken, effects: Vec::new(), known: Vec::new(), settings }
     }
 
     /// Name of a state.
@@ -201,7 +203,7 @@ impl Builder {
             let Some(column) = column else { continue };
             let sizes = self.data.rms(&mut extended, &column);
             let own = if sizes[row] > 0.0 { sizes[row] } else { sizes.iter().copied().fold(0.0, f64::max) };
-            let size = TYPICAL_SHARE * typical / own;
+            let size = self.settings.typical_share * typical / own;
             let room = (c.max - c.nominal).max(c.nominal - c.min);
             c.scale = if size.is_finite() && size > 0.0 { size.min(room) } else { room.min(1.0) };
         }

@@ -6,6 +6,7 @@ use super::builder::Builder;
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::record::Record;
+use crate::settings::LibrarySettings;
 
 /// The effects that may be missing in a model: the causes of the library, each instantiated where the structure of the
 /// equations has a place for it.
@@ -19,8 +20,12 @@ use crate::record::Record;
 ///
 /// # Errors
 /// [`DiagnoseError`] if an effect cannot be written in the names of the model, which the names of a valid model exclude.
-pub fn candidates(system: &System, records: &[Record]) -> Result<Vec<Effect>, DiagnoseError> {
-    let mut builder = Builder::new(system, records);
+pub fn candidates(
+    system: &System,
+    records: &[Record],
+    settings: &LibrarySettings,
+) -> Result<Vec<Effect>, DiagnoseError> {
+    let mut builder = Builder::new(system, records, settings);
     builder.add_friction()?;
     builder.add_forces()?;
     builder.add_first_order()?;

@@ -6,11 +6,11 @@ use bracketry_symbolic::Expr;
 use bracketry_system::System;
 
 use super::builder::{Builder, amplitude, log_grid, shape};
-use super::limits::{MOST_WAVES, SPEED_TRIALS};
 use super::structure::Kind;
 use crate::effect::{Cause, Coefficient, Effect};
 use crate::error::DiagnoseError;
 use crate::record::Record;
+use crate::settings::LibrarySettings;
 
 /// The equation that a term is added to.
 struct Place {
@@ -32,8 +32,12 @@ struct Place {
 ///
 /// # Errors
 /// As [`super::candidates`].
-pub fn dictionary(system: &System, records: &[Record]) -> Result<Vec<Effect>, DiagnoseError> {
-    let mut builder = Builder::new(system, records);
+pub fn dictionary(
+    system: &System,
+    records: &[Record],
+    settings: &LibrarySettings,
+) -> Result<Vec<Effect>, DiagnoseError> {
+    let mut builder = Builder::new(system, records, settings);
     let one = builder.system.pool.int(1);
     let mut places: Vec<Place> = Vec::new();
     for c in builder.structure.coordinates.clone() {
@@ -111,7 +115,7 @@ impl Terms<'_> {
             self.add(&f)?;
         }
         let fastest = self.builder.data.extent(&v).unwrap_or(1.0);
-        let speeds = log_grid(0.02 * fastest, 0.5 * fastest, SPEED_TRIALS);
+        let speeds = log_grid(0.02 * fastest, 0.5 * fastest, self.builder.settings.speed_trials);
         self.add_with(&format!("tanh({v}/#)"), Some((speeds.clone(), "where the function saturates")))?;
         self.add_with(&format!("exp(-abs({v})/#)"), Some((speeds, "where the function decays")))?;
         if self.place.is_rate {
@@ -128,7 +132,8 @@ impl Terms<'_> {
             self.add(&f)?;
         }
         let extent = self.builder.data.extent(&q).unwrap_or(1.0);
-        let waves: Vec<f64> = (-1..=MOST_WAVES).map(|k| TAU / (2.0 * extent) * 2f64.powi(k)).collect();
+        let waves: Vec<f64> =
+            (-1..=self.builder.settings.most_waves).map(|k| TAU / (2.0 * extent) * 2f64.powi(k)).collect();
         for f in [
             "sin(#*{q})",
             "cos(#*{q})",

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use bracketry_symbolic::{Expr, Symbol};
 
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
-use super::limits::RIPPLES_PER_TURN;
 use super::names::TIME_INPUT;
 use super::structure::{Coordinate, Kind, is_angle, is_constant};
 use crate::effect::{Cause, Coefficient};
@@ -122,7 +121,7 @@ impl Builder {
         if let Some(q) = c.position.map(|q| self.state(q)) {
             let extent = self.data.extent(&q).unwrap_or(1.0);
             let trials = match c.kind {
-                Kind::Angle => RIPPLES_PER_TURN.iter().map(|n| TAU / n).collect(),
+                Kind::Angle => self.settings.ripples_per_turn.iter().map(|n| TAU / n).collect(),
                 Kind::Translation => log_grid(extent / 20.0, extent, 6),
             };
             self.wave(c, "ripple", &q, &q, trials, c.kind.unit())?;

@@ -4,7 +4,6 @@ use bracketry_symbolic::{Expr, Func};
 use rustc_hash::FxHashMap;
 
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
-use super::limits::{STRIBECK_RANGE, STRIBECK_TRIALS};
 use super::names::ModelNames;
 use super::structure::{Coordinate, Kind, is_constant};
 use super::terms::slope;
@@ -75,7 +74,8 @@ impl Builder {
         let square = first.friction.as_ref().and_then(|f| f.square).map(|s| self.text(s));
         let fastest = group.iter().filter_map(|c| self.data.extent(&self.state(c.rate))).fold(0.0, f64::max);
         let fastest = if fastest > 0.0 { fastest } else { 1.0 };
-        let trials = log_grid(STRIBECK_RANGE.0 * fastest, STRIBECK_RANGE.1 * fastest, STRIBECK_TRIALS);
+        let (least, most) = self.settings.stribeck_range;
+        let trials = log_grid(least * fastest, most * fastest, self.settings.stribeck_trials);
         for (form, exponent) in [("gauss", 2), ("exp", 1)] {
             let k = self.name(if exponent == 2 { "stribeck" } else { "stribeck_exp" }, &v);
             let s = self.name(&format!("{k}_velocity"), "");

@@ -3,7 +3,6 @@
 use bracketry_symbolic::Expr;
 
 use super::builder::{Builder, amplitude, dissipation, shape};
-use super::limits::RATIOS;
 use super::structure::Coordinate;
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
@@ -63,7 +62,12 @@ impl Builder {
             Coefficient {
                 nominal: 1.0,
                 min: f64::NEG_INFINITY,
-                ..shape(r, RATIOS.to_vec(), "1", format!("revolutions of the shared part per revolution of {w}"))
+                ..shape(
+                    r,
+                    self.settings.joint_ratios.clone(),
+                    "1",
+                    format!("revolutions of the shared part per revolution of {w}"),
+                )
             },
         ];
         self.described(Cause::JointCoupling, a.rate, term, &direction, &law, coefficients)

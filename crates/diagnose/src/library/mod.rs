@@ -8,7 +8,6 @@ mod forces;
 mod friction;
 mod inertia;
 mod joints;
-mod limits;
 mod names;
 mod paths;
 mod physical_terms;

@@ -1,7 +1,6 @@
 //! Effects in signal paths: gains, delays, lags, offsets.
 
 use super::builder::{Builder, amplitude, dissipation, log_grid};
-use super::limits::{LONGEST_DELAY, SMALL_OFFSET, TIME_TRIALS};
 use super::structure::{Coordinate, Kind};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path};
 use crate::error::DiagnoseError;
@@ -74,7 +73,7 @@ impl Builder {
         let coefficients = [("along", "first"), ("across", "second")].map(|(name, axis)| {
             let about =
                 format!("position of the tracked point off the center of mass, along the {axis} axis of the body");
-            Coefficient { scale: SMALL_OFFSET, ..amplitude(self.name("com", name), "m", about) }
+            Coefficient { scale: self.settings.small_offset, ..amplitude(self.name("com", name), "m", about) }
         });
         self.effects.push(Effect {
             cause: Cause::ComOffset,
@@ -126,11 +125,12 @@ impl Builder {
             Path::ActuatorLag => format!("{shown}: {k}*der(y) = u - y"),
             _ => format!("{shown}(t - {k})"),
         };
+        let longest = self.settings.longest_delay;
         let c = Coefficient {
             min: 0.0,
-            max: 10.0 * LONGEST_DELAY.max(interval),
+            max: 10.0 * longest.max(interval),
             scale: interval,
-            trials: log_grid(0.5 * interval, LONGEST_DELAY.max(20.0 * interval), TIME_TRIALS),
+            trials: log_grid(0.5 * interval, longest.max(20.0 * interval), self.settings.time_trials),
             ..dissipation(k, "s", format!("{shown} {what}"))
         };
         self.path(cause, path, signals, term, c);

@@ -4,9 +4,9 @@ use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 
-use super::limits::{CLEAR_OF_NOISE, MOST_POINTS};
 use super::names::{TIME_INPUT, derivative_name};
 use crate::record::{Measured, Quantity, Record};
+use crate::settings::LibrarySettings;
 use crate::statistics::rms;
 
 /// Values of states, inputs and derivatives of inputs by name.
@@ -43,12 +43,17 @@ impl Probe {
 
     /// Points along the records. States that were not measured come from difference quotients where they are
     /// rates of measured ones, and stay 0 otherwise. Meant for typical sizes, not for estimates.
-    pub(crate) fn of_records(system: &System, records: &[Record], pairs: &[(usize, usize)]) -> Self {
+    pub(crate) fn of_records(
+        system: &System,
+        records: &[Record],
+        pairs: &[(usize, usize)],
+        settings: &LibrarySettings,
+    ) -> Self {
         let total: usize = records.iter().map(|r| r.times.len()).sum();
-        let stride = total.div_ceil(MOST_POINTS).max(1);
+        let stride = total.div_ceil(settings.most_points).max(1);
         let mut probe = Probe { columns: FxHashMap::default(), len: 0 };
         for record in records {
-            let columns = columns(system, record, pairs);
+            let columns = columns(system, record, pairs, settings.clear_of_noise);
             let n = record.times.len();
             for (name, values) in columns {
                 let kept = (0..n).step_by(stride).map(|k| values.get(k).copied().filter(|v| v.is_finite()));
@@ -100,7 +105,7 @@ impl Probe {
 }
 
 /// Every quantity of a record that the names of the model stand for.
-fn columns(system: &System, record: &Record, pairs: &[(usize, usize)]) -> Vec<(String, Vec<f64>)> {
+fn columns(system: &System, record: &Record, pairs: &[(usize, usize)], clear: f64) -> Vec<(String, Vec<f64>)> {
     let mut columns = Vec::new();
     let name = |s: Symbol| system.symbol_name(s).to_owned();
     let mut states: Vec<Option<(Vec<f64>, f64)>> = vec![None; system.states.len()];
@@ -114,7 +119,7 @@ fn columns(system: &System, record: &Record, pairs: &[(usize, usize)]) -> Vec<(S
     for &(q, v) in pairs {
         if let (Some((values, noise)), None) = (&states[q], &states[v]) {
             let ratio = unit_ratio(system, q, v);
-            let slope = slope(&record.times, values, *noise);
+            let slope = slope(&record.times, values, clear * *noise);
             states[v] = Some((slope.into_iter().map(|s| s / ratio).collect(), 0.0));
         }
     }
@@ -127,7 +132,7 @@ fn columns(system: &System, record: &Record, pairs: &[(usize, usize)]) -> Vec<(S
             let given = system.input_derivatives.iter().position(|d| d.input == i && d.order == order);
             let next = match given.and_then(|k| record.input_derivatives.get(k)) {
                 Some(signal) => signal.values.clone(),
-                None => slope(&record.times, &last, 1e-3 * rms(last.iter().copied())),
+                None => slope(&record.times, &last, clear * (1e-3 * rms(last.iter().copied()))),
             };
             columns.push((derivative_name(&name(u), order), next.clone()));
             last = next;
@@ -159,15 +164,15 @@ fn unit_ratio(system: &System, q: usize, v: usize) -> f64 {
     system.value(slope).filter(|k| *k != 0.0).unwrap_or(1.0)
 }
 
-/// Central difference quotients over as few samples as keep clear of the noise.
-fn slope(times: &[f64], values: &[f64], noise: f64) -> Vec<f64> {
+/// Central difference quotients over as few samples as make differences of at least this size.
+fn slope(times: &[f64], values: &[f64], least: f64) -> Vec<f64> {
     let n = times.len().min(values.len());
     let difference = |k: usize, h: usize| {
         let (a, b) = (k.saturating_sub(h), (k + h).min(n - 1));
         (values[b] - values[a], times[b] - times[a])
     };
     let mut h = 1;
-    while 2 * h < n / 20 && rms((0..n).map(|k| difference(k, h).0)) < CLEAR_OF_NOISE * noise {
+    while 2 * h < n / 20 && rms((0..n).map(|k| difference(k, h).0)) < least {
         h *= 2;
     }
     (0..n)

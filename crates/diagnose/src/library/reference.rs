@@ -10,6 +10,7 @@ use super::structure::{Kind, is_constant};
 use super::terms::{slope, summands};
 use crate::effect::{Cause, Coefficient, Effect, Role};
 use crate::error::DiagnoseError;
+use crate::settings::LibrarySettings;
 
 /// The additive terms that the equations of a more complete model have and those of this one lack, each with an amplitude
 /// that is 0 in this model and 1 in the other.
@@ -33,7 +34,8 @@ pub fn reference_candidates(system: &System, reference: &System) -> Result<Vec<E
             known: system.state_names().join(", "),
         });
     }
-    let mut builder = Builder::new(system, &[]);
+    // Without records nothing is tried.
+    let mut builder = Builder::new(system, &[], &LibrarySettings::default());
     let mut theirs = reference.clone();
     let directed = !theirs.set_valued_form().unit_vectors.is_empty();
     if directed {

@@ -7,10 +7,10 @@ use bracketry_system::{counted, readable};
 use serde::Serialize;
 
 use super::clock::Clock;
-use super::limits::{CORRELATED, FLAT_SAMPLES, MOSTLY_NOISE, UNEVEN};
 use super::noise::Noise;
 use crate::Signal;
 use crate::numbers::significant;
+use crate::settings::ReadSettings;
 use crate::statistics::extremes;
 
 /// Something about the data that may spoil a conclusion.
@@ -73,13 +73,13 @@ impl ColumnAudit {
         }
     }
 
-    pub(super) fn measured(name: &str, values: &[f64], noise: Noise) -> Self {
+    pub(super) fn measured(name: &str, values: &[f64], noise: Noise, settings: &ReadSettings) -> Self {
         let column = Self::new(name, false, values);
         Self {
             noise: Some(noise.std),
             noise_correlation: Some(noise.correlation),
             resolution: noise.resolution,
-            saturated: saturated(values, column.min, column.max),
+            saturated: saturated(values, column.min, column.max, settings.flat_samples),
             ..column
         }
     }
@@ -95,7 +95,7 @@ impl ColumnAudit {
     }
 
     /// What is to be said of the column.
-    fn warnings(&self, samples: usize, step: f64) -> Vec<Warning> {
+    fn warnings(&self, samples: usize, step: f64, settings: &ReadSettings) -> Vec<Warning> {
         let name = &self.name;
         let mut out = Vec::new();
         let mut warn = |message: String, remedy: &str| out.push(Warning { message, remedy: remedy.into() });
@@ -122,11 +122,11 @@ impl ColumnAudit {
             let message = format!("`{name}` is rounded to multiples of {q:.3e}, as coarse as its noise");
             warn(message, "record it with more digits if there are more");
         }
-        if noise > MOSTLY_NOISE * (self.max - self.min) {
+        if noise > settings.mostly_noise * (self.max - self.min) {
             warn(format!("`{name}` is mostly noise"), "move more, or measure better");
         }
         let correlation = self.noise_correlation.unwrap_or(0.0);
-        if correlation > CORRELATED {
+        if correlation > settings.correlated {
             let time = -step / correlation.ln();
             let message = format!("the noise of `{name}` is correlated over about {time:.2e} s");
             warn(message, "it comes through a filter: a delay of the sensor may be that of the filter");
@@ -135,11 +135,11 @@ impl ColumnAudit {
     }
 }
 
-/// Number of samples in rows of at least five at the smallest or the largest value, if at least half of all such rows are
+/// Number of samples in rows of at least `flat` at the smallest or the largest value, if at least half of all such rows are
 /// there: a column that rests or is coarse has them everywhere.
-fn saturated(values: &[f64], min: f64, max: f64) -> Option<usize> {
+fn saturated(values: &[f64], min: f64, max: f64, flat: usize) -> Option<usize> {
     let (mut rows_there, mut rows_elsewhere, mut there) = (0, 0, 0);
-    for row in values.chunk_by(|a, b| a == b).filter(|row| row.len() >= FLAT_SAMPLES) {
+    for row in values.chunk_by(|a, b| a == b).filter(|row| row.len() >= flat) {
         if row[0] == min || row[0] == max {
             rows_there += 1;
             there += row.len();
@@ -180,11 +180,13 @@ impl Audit {
         clock: &Clock,
         columns: Vec<ColumnAudit>,
         ignored: Vec<String>,
+        settings: &ReadSettings,
     ) -> Self {
         let samples = times.len();
-        let mut warnings: Vec<Warning> = columns.iter().flat_map(|c| c.warnings(samples, clock.step)).collect();
+        let of_column = |c: &ColumnAudit| c.warnings(samples, clock.step, settings);
+        let mut warnings: Vec<Warning> = columns.iter().flat_map(of_column).collect();
         let mut warn = |message: String, remedy: &str| warnings.push(Warning { message, remedy: remedy.into() });
-        if clock.jitter > UNEVEN {
+        if clock.jitter > settings.uneven {
             let message = format!("the steps in time vary by {:.0} %", 100.0 * clock.jitter);
             warn(
                 message,

@@ -2,7 +2,6 @@
 
 use bracketry_system::FileError;
 
-use super::limits::GAP;
 use super::origin::Origin;
 
 /// What the times of a run are like.
@@ -17,11 +16,11 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// Looks at the times.
+    /// Looks at the times; steps of more than `gap` usual ones are gaps.
     ///
     /// # Errors
     /// [`FileError`] for fewer than two, for one that is not finite, and for the first that does not increase.
-    pub(super) fn of(origin: &Origin<'_>, times: &[f64]) -> Result<Self, FileError> {
+    pub(super) fn of(origin: &Origin<'_>, times: &[f64], gap: f64) -> Result<Self, FileError> {
         if times.len() < 2 {
             return Err(origin.whole("the table has fewer than two rows", "give at least two samples"));
         }
@@ -38,8 +37,8 @@ impl Clock {
         let step = sorted[sorted.len() / 2];
         // Of a clock that runs unevenly, the long steps are no gaps.
         let usual = step.max(sorted[sorted.len() * 9 / 10]);
-        let gaps: Vec<usize> = (1..times.len()).filter(|&row| steps[row - 1] > GAP * usual).collect();
-        let regular = sorted.iter().filter(|dt| **dt <= GAP * usual);
+        let gaps: Vec<usize> = (1..times.len()).filter(|&row| steps[row - 1] > gap * usual).collect();
+        let regular = sorted.iter().filter(|dt| **dt <= gap * usual);
         let count = regular.clone().count() as f64;
         let mean = regular.clone().sum::<f64>() / count;
         let variance = regular.map(|dt| (dt - mean).powi(2)).sum::<f64>() / count;

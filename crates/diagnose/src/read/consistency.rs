@@ -4,8 +4,8 @@ use bracketry_symbolic::{Func, Node};
 use bracketry_system::{FileError, System};
 
 use super::audit::Warning;
-use super::limits::{CALIBRATION, DISPLACEMENTS, LEAST_CORRELATION, MOST_TURNS, SIGNIFICANT_DISPLACEMENT};
 use super::origin::Origin;
+use crate::settings::ConsistencySettings;
 use crate::{Quantity, Record};
 
 /// Slopes of other units, and what they mean.
@@ -22,7 +22,12 @@ const UNITS: [(f64, &str); 6] = [
 ///
 /// # Errors
 /// [`FileError`] where they differ by the factor of another unit.
-pub(super) fn check_rates(origin: &Origin<'_>, record: &Record, system: &System) -> Result<Vec<Warning>, FileError> {
+pub(super) fn check_rates(
+    origin: &Origin<'_>,
+    record: &Record,
+    system: &System,
+    settings: &ConsistencySettings,
+) -> Result<Vec<Warning>, FileError> {
     let mut warnings = Vec::new();
     for (state, rate) in system.dynamics.iter().enumerate() {
         let Node::Sym(rate) = system.pool.node(*rate) else {
@@ -37,18 +42,18 @@ pub(super) fn check_rates(origin: &Origin<'_>, record: &Record, system: &System)
             continue;
         };
         let names = (system.symbol_name(system.states[state]), system.symbol_name(rate));
-        if let Some((stuck, other)) = stuck(record, (position, noise), (rates, rate_noise), names) {
+        if let Some((stuck, other)) = stuck(record, (position, noise), (rates, rate_noise), names, settings) {
             return Err(origin.whole(
                 format!("`{stuck}` never changes although `{other}` says that it does"),
                 format!("its sensor is dead, or the column means something else: remove the column `{stuck}`"),
             ));
         }
-        let Some((slope, correlation)) = compare(record, position, noise, rates) else {
+        let Some((slope, correlation)) = compare(record, position, noise, rates, settings) else {
             continue;
         };
         let (name, says) = (system.symbol_name(system.states[state]), system.symbol_name(rate));
-        let near = |factor: f64| (slope / factor - 1.0).abs() < CALIBRATION;
-        if correlation.abs() < LEAST_CORRELATION {
+        let near = |factor: f64| (slope / factor - 1.0).abs() < settings.calibration;
+        if correlation.abs() < settings.least_correlation {
             warnings.push(Warning {
                 message: format!("`{name}` does not move as `{says}` says (correlation {correlation:.2})"),
                 remedy: "check that these columns belong together and to the same axis".into(),
@@ -74,7 +79,7 @@ pub(super) fn check_rates(origin: &Origin<'_>, record: &Record, system: &System)
 }
 
 /// Angles (what stands under a sine, cosine or tangent) that turn very far.
-pub(super) fn check_angles(record: &Record, system: &System) -> Vec<Warning> {
+pub(super) fn check_angles(record: &Record, system: &System, settings: &ConsistencySettings) -> Vec<Warning> {
     let roots: Vec<_> = system.dynamics.iter().copied().chain(system.outputs.iter().map(|(_, e)| *e)).collect();
     let mut warnings = Vec::new();
     for e in system.pool.reachable(&roots) {
@@ -91,7 +96,9 @@ pub(super) fn check_angles(record: &Record, system: &System) -> Vec<Warning> {
         let largest = values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).fold(0.0, f64::max);
         let name = system.symbol_name(symbol);
         let message = format!("the angle `{name}` reaches {largest:.4} rad");
-        if largest > MOST_TURNS * std::f64::consts::TAU && !warnings.iter().any(|w: &Warning| w.message == message) {
+        if largest > settings.most_turns * std::f64::consts::TAU
+            && !warnings.iter().any(|w: &Warning| w.message == message)
+        {
             warnings.push(Warning { message, remedy: "multiply it by pi/180 if it is in degrees".into() });
         }
     }
@@ -111,6 +118,7 @@ fn stuck<'a>(
     (position, noise): (&[f64], f64),
     (rates, rate_noise): (&[f64], f64),
     (name, rate): (&'a str, &'a str),
+    settings: &ConsistencySettings,
 ) -> Option<(&'a str, &'a str)> {
     let constant = |values: &[f64]| values.windows(2).all(|pair| pair[0] == pair[1]);
     let (still, resting) = (constant(position), constant(rates));
@@ -119,7 +127,7 @@ fn stuck<'a>(
     }
     let mean =
         rates.iter().filter(|v| v.is_finite()).sum::<f64>() / rates.iter().filter(|v| v.is_finite()).count() as f64;
-    let length = (position.len() / DISPLACEMENTS).max(4);
+    let length = (position.len() / settings.displacements).max(4);
     let (mut moved, mut of_noise, mut count) = (0.0, 0.0, 0);
     for start in (0..position.len().saturating_sub(length)).step_by(length) {
         let end = start + length;
@@ -142,15 +150,21 @@ fn stuck<'a>(
             count += 1;
         }
     }
-    let moves = count >= 8 && moved > SIGNIFICANT_DISPLACEMENT * SIGNIFICANT_DISPLACEMENT * of_noise;
+    let moves = count >= 8 && moved > settings.significant_displacement.powi(2) * of_noise;
     moves.then_some(if still { (name, rate) } else { (rate, name) })
 }
 
 /// Regression of displacements on integrated rates over parts of the run: slope and correlation. None where neither stands
 /// out of the noise.
-fn compare(record: &Record, position: &[f64], noise: f64, rates: &[f64]) -> Option<(f64, f64)> {
+fn compare(
+    record: &Record,
+    position: &[f64],
+    noise: f64,
+    rates: &[f64],
+    settings: &ConsistencySettings,
+) -> Option<(f64, f64)> {
     let n = position.len();
-    let length = (n / DISPLACEMENTS).max(4);
+    let length = (n / settings.displacements).max(4);
     let (mut dd, mut di, mut ii, mut count) = (0.0, 0.0, 0.0, 0.0);
     for start in (0..n.saturating_sub(length)).step_by(length) {
         let end = start + length;
@@ -167,6 +181,6 @@ fn compare(record: &Record, position: &[f64], noise: f64, rates: &[f64]) -> Opti
             count += 1.0;
         }
     }
-    let moves = dd > SIGNIFICANT_DISPLACEMENT * SIGNIFICANT_DISPLACEMENT * 2.0 * noise * noise * count;
+    let moves = dd > settings.significant_displacement.powi(2) * 2.0 * noise * noise * count;
     (count >= 8.0 && moves && ii > 0.0).then(|| (di / ii, di / (dd * ii).sqrt()))
 }

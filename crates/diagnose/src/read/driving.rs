@@ -6,10 +6,12 @@ use bracketry_sim::{Bandwidth, Hold, SmoothingSpline};
 use bracketry_system::{FileError, System};
 
 use super::audit::ColumnAudit;
-use super::limits::HIGHEST_DERIVATIVE;
 use super::origin::Origin;
 use super::settings::RecordSettings;
 use crate::{Record, Signal};
+
+/// Highest derivative that is taken from a spline; the next one jumps.
+const HIGHEST_DERIVATIVE: u32 = 2;
 
 /// Inputs and derivatives in the order of the model, and what is to be said of them.
 pub(super) struct Driving {

@@ -4,7 +4,6 @@ mod audit;
 mod clock;
 mod consistency;
 mod driving;
-mod limits;
 mod noise;
 mod npz;
 mod origin;

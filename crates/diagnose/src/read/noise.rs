@@ -1,10 +1,12 @@
 //! The noise of a column, from the column itself.
 
-use super::limits::{
-    DIFFERENCE_ORDERS, FARTHEST_NEIGHBOR, FEWEST_DIFFERENCES, FINEST_RESOLUTION, HIGHEST_DIFFERENCE, MOTION_GROWTH,
-    SAME_SCALE,
-};
+use crate::settings::NoiseSettings;
 use crate::statistics::extremes;
+
+/// Orders of differences, from the least spread to the least influenced by the motion.
+const DIFFERENCE_ORDERS: [usize; 5] = [3, 4, 5, 6, HIGHEST_DIFFERENCE];
+const HIGHEST_DIFFERENCE: usize = 8;
+
 /// What the noise of a column is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
@@ -24,16 +26,18 @@ pub struct Noise {
 /// deviations. The same with every second, fourth, … sample tells correlated noise from white: of white noise the estimate stays,
 /// and where it does not it is followed until it does, or until motion sets in. Noise is at least q/√12 for a resolution q,
 /// and a millionth of the range.
-pub fn estimate_noise(times: &[f64], values: &[f64]) -> Noise {
+pub fn estimate_noise(times: &[f64], values: &[f64], settings: &NoiseSettings) -> Noise {
     let (low, high) = extremes(values.iter().copied().filter(|v| v.is_finite()));
-    let size = (high - low).max(high.abs() * FINEST_RESOLUTION);
-    let resolution = resolution(values);
-    let floor = (size * FINEST_RESOLUTION).max(resolution.unwrap_or(0.0) / 12f64.sqrt()).max(f64::MIN_POSITIVE);
+    let size = (high - low).max(high.abs() * settings.finest_resolution);
+    let resolution = resolution(values, settings.fewest_differences);
+    let floor =
+        (size * settings.finest_resolution).max(resolution.unwrap_or(0.0) / 12f64.sqrt()).max(f64::MIN_POSITIVE);
     let floor = if floor.is_finite() { floor } else { 1.0 };
-    let column = Column::new(times, values);
+    let column = Column::new(times, values, settings.fewest_differences);
     let scales: Vec<f64> = DIFFERENCE_ORDERS.iter().map_while(|order| column.scale(*order, 1)).collect();
     let lowest = |k: usize| scales[k + 1..].iter().copied().fold(f64::INFINITY, f64::min);
-    let Some(white) = (0..scales.len()).find(|k| scales[*k] <= SAME_SCALE * lowest(*k)).map(|k| scales[k]) else {
+    let Some(white) = (0..scales.len()).find(|k| scales[*k] <= settings.same_scale * lowest(*k)).map(|k| scales[k])
+    else {
         return Noise { std: floor, correlation: 0.0, resolution };
     };
     // Beyond the statistical error of the ratio of two scales.
@@ -41,9 +45,10 @@ pub fn estimate_noise(times: &[f64], values: &[f64]) -> Noise {
     let (mut std, mut distance, mut correlation) = (white, 1, 0.0);
     let nearest = column.scale(HIGHEST_DIFFERENCE, 1).unwrap_or(white);
     let mut here = nearest;
-    while let Some(next) = column.scale(HIGHEST_DIFFERENCE, 2 * distance).filter(|_| 2 * distance <= FARTHEST_NEIGHBOR)
+    while let Some(next) =
+        column.scale(HIGHEST_DIFFERENCE, 2 * distance).filter(|_| 2 * distance <= settings.farthest_neighbor)
     {
-        if !(next > here * tolerance || next < here / tolerance) || next > MOTION_GROWTH * here {
+        if !(next > here * tolerance || next < here / tolerance) || next > settings.motion_growth * here {
             break;
         }
         (std, here, distance) = (next, next, 2 * distance);
@@ -60,17 +65,19 @@ struct Column<'a> {
     step: f64,
     /// Whether all steps are the same, to a thousandth.
     even: bool,
+    /// Fewest differences that give a scale.
+    fewest: usize,
 }
 
 impl<'a> Column<'a> {
-    fn new(times: &'a [f64], values: &'a [f64]) -> Self {
+    fn new(times: &'a [f64], values: &'a [f64], fewest: usize) -> Self {
         let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
         let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
         // A few gaps do not make a clock uneven.
         let quantile = |share: f64| steps.get((steps.len() as f64 * share) as usize).copied().unwrap_or(step);
         let even = (quantile(0.95) - quantile(0.05)).abs() <= 1e-3 * step;
-        Self { times, values, step, even }
+        Self { times, values, step, even, fewest }
     }
 
     /// Robust standard deviation of the differences of an order, of samples so many apart, over that of white noise of
@@ -101,7 +108,7 @@ impl<'a> Column<'a> {
                 sizes.push(d.abs());
             }
         }
-        if sizes.len() < FEWEST_DIFFERENCES { None } else { Some(robust_scale(&mut sizes)) }
+        if sizes.len() < self.fewest { None } else { Some(robust_scale(&mut sizes)) }
     }
 }
 
@@ -154,15 +161,15 @@ fn correlation_of(ratio: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The distance q of which all values are multiples, if there is one that is coarser than rounding.
-fn resolution(values: &[f64]) -> Option<f64> {
+/// The distance q of which all values are multiples, if there is one that is coarser than rounding, from at least `fewest` steps.
+fn resolution(values: &[f64], fewest: usize) -> Option<f64> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     sorted.dedup();
     let size = sorted.last()?.abs().max(sorted.first()?.abs());
     let rounding = 64.0 * f64::EPSILON * size;
     let steps: Vec<f64> = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|d| *d > rounding).collect();
-    if steps.len() < FEWEST_DIFFERENCES {
+    if steps.len() < fewest {
         return None;
     }
     let step = steps.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,6 +1,5 @@
 //! Columns of NumPy archives.
 
-use super::limits::{MOST_BYTES, MOST_PARENTHESES};
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -9,6 +8,12 @@ use bracketry_system::{Document, FileError};
 use npyz::{DType, Deserialize, NpyFile, TypeChar};
 use zip::ZipArchive;
 use zip::result::ZipError;
+
+/// Files, and arrays in them, larger than this are refused.
+const MOST_BYTES: u64 = 512 << 20;
+/// The header of an array of numbers opens one brace and one parenthesis. The parser of headers tries every way to read what
+/// is nested, which takes exponential time on deep nesting.
+const MOST_PARENTHESES: usize = 6;
 
 /// Columns by name, and the names that were not read.
 type Columns = (BTreeMap<String, Vec<f64>>, Vec<String>);

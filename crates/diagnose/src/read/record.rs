@@ -9,7 +9,6 @@ use super::audit::{Audit, ColumnAudit};
 use super::clock::Clock;
 use super::consistency::{check_angles, check_rates};
 use super::driving::Driving;
-use super::limits::{MOST_LOST, SIZES};
 use super::noise::estimate_noise;
 use super::npz;
 use super::origin::Origin;
@@ -87,6 +86,9 @@ impl Record {
     }
 }
 
+/// Sizes of columns whose squares, and those of their noise, are numbers.
+const SIZES: std::ops::Range<f64> = 1e-100..1e100;
+
 /// Refuses a column that is too large or too small to be squared.
 fn check_size(origin: &Origin<'_>, column: &str, values: &[f64]) -> Result<(), FileError> {
     let size = values.iter().map(|v| v.abs()).fold(0.0, f64::max);
@@ -112,7 +114,7 @@ fn build(
     settings: &RecordSettings,
 ) -> Result<(Record, Audit), DiagnoseError> {
     let mut roles = Roles::of(origin, columns, &ignored, system)?;
-    let clock = Clock::of(origin, &roles.times)?;
+    let clock = Clock::of(origin, &roles.times, settings.limits.gap)?;
     for (column, values) in roles.driving() {
         if let Some(row) = values.iter().position(|v| !v.is_finite()) {
             let remedy = "an input must be known at all times: correct or remove the row";
@@ -129,18 +131,18 @@ fn build(
             }
         }
         let lost = values.iter().filter(|v| v.is_nan()).count();
-        if lost as f64 > MOST_LOST * values.len() as f64 {
+        if lost as f64 > settings.limits.most_lost * values.len() as f64 {
             let message = format!("column `{name}`: {lost} of {} values were lost", values.len());
             return Err(origin.whole(message, "remove the column, or the part of the run where it is missing").into());
         }
         check_size(origin, &name, &values)?;
-        let noise = estimate_noise(&roles.times, &values);
-        audits.push(ColumnAudit::measured(&name, &values, noise));
+        let noise = estimate_noise(&roles.times, &values, &settings.limits.noise);
+        audits.push(ColumnAudit::measured(&name, &values, noise, &settings.limits));
         measured.push(Measured { name, quantity, values, noise: noise.std });
     }
     let driving = Driving::of(origin, roles.inputs, roles.derivatives, &roles.times, &clock.gaps, system, settings)?;
     audits.extend(driving.audits);
-    let mut audit = Audit::new(origin.name, &roles.times, &clock, audits, ignored);
+    let mut audit = Audit::new(origin.name, &roles.times, &clock, audits, ignored, &settings.limits);
     let record = Record {
         name: origin.name.to_owned(),
         times: roles.times,
@@ -149,7 +151,8 @@ fn build(
         input_derivatives: driving.derivatives,
         measured,
     };
-    audit.warnings.extend(check_rates(origin, &record, system)?);
-    audit.warnings.extend(check_angles(&record, system));
+    let limits = &settings.limits.consistency;
+    audit.warnings.extend(check_rates(origin, &record, system, limits)?);
+    audit.warnings.extend(check_angles(&record, system, limits));
     Ok((record, audit))
 }

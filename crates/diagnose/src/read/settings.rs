@@ -7,6 +7,7 @@ use bracketry_system::{FileError, System};
 
 use super::origin::Origin;
 use super::roles::{known, role};
+use crate::settings::ReadSettings;
 
 /// How the columns of a table are meant.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +17,8 @@ pub struct RecordSettings {
     pub hold: Option<Hold>,
     /// Pairs: the name of a column, the name in the model that it gets.
     pub rename: Vec<(String, String)>,
+    /// What is accepted, and what deserves a warning.
+    pub limits: ReadSettings,
 }
 
 impl RecordSettings {

@@ -6,7 +6,8 @@ use crate::error::DiagnoseError;
 use crate::extend::ExtendedModel;
 use crate::gain::{Fitted, bootstrap, measure_gain};
 use crate::record::Record;
-use crate::study::{Estimate, Fit, Linearization, Study, StudySettings};
+use crate::settings::Settings;
+use crate::study::{Estimate, Fit, Linearization, Study};
 
 /// The fits of a report, to all windows of the study.
 #[derive(Clone, Copy)]
@@ -19,9 +20,6 @@ pub(crate) struct Fits<'a> {
     pub(crate) width: f64,
 }
 
-/// An interval that is narrower than this part of the one that the standard deviation promises has no meaning: resampled windows
-/// that all say the same, wrongly, do not scatter.
-const NARROWEST: f64 = 0.125;
 /// Half the width of an interval of 95 % in standard deviations.
 const NORMAL: f64 = 1.96;
 
@@ -33,19 +31,19 @@ impl Report {
         study: &Study,
         fits: Fits<'_>,
         validate: &[Record],
-        settings: &StudySettings,
-        seed: u64,
+        settings: &Settings,
     ) -> Result<(), DiagnoseError> {
         let Fits { refitted, extended, width } = fits;
         let all: Vec<usize> = (0..study.windows().len()).collect();
         let at_extended = study.linearize(extended, &[], &all)?;
-        let hardly = hardly_told(extended, &at_extended, width);
+        let vague = settings.study.priors.unidentified_share;
+        let hardly = hardly_told(extended, &at_extended, width, vague);
         let mut alike = Vec::new();
-        if let Some(steps) = bootstrap(&at_extended, &extended.limited, seed) {
+        if let Some(steps) = bootstrap(&at_extended, &extended.limited, settings.gain.resamples, settings.seed) {
             for (j, (estimate, step)) in extended.values.iter().zip(steps).enumerate() {
                 // What the data do not tell keeps near the prior in every resample.
                 let Some([low, high]) = step.filter(|_| !hardly.contains(&j)) else { continue };
-                if high - low < NARROWEST * 2.0 * NORMAL * estimate.widened(width) {
+                if high - low < settings.gain.narrowest_interval * 2.0 * NORMAL * estimate.widened(width) {
                     alike.push(estimate.name.clone());
                 } else {
                     let (min, max) = allowed(extended, &estimate.name);
@@ -106,7 +104,7 @@ impl Report {
         for p in self.parameters.iter_mut().filter(|p| p.name == name) {
             p.interval = Some(interval);
         }
-        for (_, value) in self.causes.iter_mut().flat_map(|c| &mut c.parameters).filter(|(n, _)| n == name) {
+        for (_, value) in self.causes.iter_mut().flat_map(|c| &mut c.parameters.0).filter(|(n, _)| n == name) {
             value.interval = Some(interval);
         }
     }
@@ -118,10 +116,10 @@ fn allowed(fit: &Fit, name: &str) -> (f64, f64) {
     coefficient.map_or((f64::NEG_INFINITY, f64::INFINITY), |c| (c.min, c.max))
 }
 
-/// Places in the values of a fit that the data hardly tell: of which the standard deviation that is stated is more than half of the
+/// Places in the values of a fit that the data hardly tell: of which the standard deviation that is stated is more than this share of the
 /// prior's.
-fn hardly_told(fit: &Fit, at: &Linearization, width: f64) -> Vec<usize> {
+fn hardly_told(fit: &Fit, at: &Linearization, width: f64, share: f64) -> Vec<usize> {
     let prior = |j: usize| at.scales.get(j).zip(at.prior.get(j)).map_or(f64::INFINITY, |(s, p)| s / p.sqrt());
-    let vague = |(j, e): &(usize, &Estimate)| fit.unidentified.contains(j) || e.widened(width) > 0.5 * prior(*j);
+    let vague = |(j, e): &(usize, &Estimate)| fit.unidentified.contains(j) || e.widened(width) > share * prior(*j);
     fit.values.iter().enumerate().filter(vague).map(|(j, _)| j).collect()
 }

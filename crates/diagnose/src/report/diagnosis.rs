@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use bracketry_symbolic::Named;
 use serde::Serialize;
 
 use super::note::{Closeness, Flag, Note};
@@ -67,7 +68,7 @@ pub struct NamedCause {
     /// The formula for the reader, in the names of the model and of `parameters`.
     pub term: String,
     /// Its parameters by name; for [`Cause::ParameterError`] the parameter of the model.
-    pub parameters: Vec<(String, Value)>,
+    pub parameters: Named<Value>,
     /// Probability of such an improvement by chance, corrected for the number of candidates; absent where some of the data cannot be
     /// simulated without the cause.
     pub p_value: Option<f64>,

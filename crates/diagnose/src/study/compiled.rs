@@ -1,12 +1,12 @@
 //! A model with effects, compiled once for all values of its unknowns.
 
-use super::limits::{DIFFERENCE_STEP, TIME_STEP};
 use super::tracked::TrackedPoint;
 use super::unknown::Unknown;
 use crate::effect::{Change, Effect, Path};
 use crate::error::DiagnoseError;
 use crate::library::{TIME_INPUT, apply_all, input_index, unknown};
 use crate::record::{Record, Signal};
+use crate::settings::StudySettings;
 use bracketry_sim::{Hold, Inputs, Model, Samples};
 use bracketry_symbolic::StopFlag;
 use bracketry_system::System;
@@ -38,6 +38,8 @@ pub(super) struct Compiled {
     pub(super) differentiable: bool,
     /// That of the model's pool.
     pub(super) stop: StopFlag,
+    /// Those of the study.
+    pub(super) settings: StudySettings,
 }
 
 /// An input, or a derivative of one, that a record's samples drive.
@@ -95,8 +97,9 @@ impl Compiled {
         sources: &Sources,
         parameters: &[usize],
         effects: &[Effect],
+        settings: &StudySettings,
     ) -> Result<Self, DiagnoseError> {
-        Self::with_derivatives(system, sources, parameters, effects, None)
+        Self::with_derivatives(system, sources, parameters, effects, None, settings)
     }
 
     /// As [`Compiled::new`], with derivatives by the named unknowns alone.
@@ -106,6 +109,7 @@ impl Compiled {
         parameters: &[usize],
         effects: &[Effect],
         by: Option<&[String]>,
+        settings: &StudySettings,
     ) -> Result<Self, DiagnoseError> {
         let stop = system.pool.stop_flag().clone();
         if stop.is_raised() {
@@ -114,12 +118,12 @@ impl Compiled {
         let records = &sources.records;
         let mut changed = system.clone();
         let mut unknowns: Vec<Unknown> =
-            parameters.iter().map(|&i| Unknown::parameter(system, &system.parameters[i])).collect();
+            parameters.iter().map(|&i| Unknown::parameter(system, &system.parameters[i], &settings.priors)).collect();
         let mut targets = vec![Target::Equations; unknowns.len()];
         apply_all(effects, &mut changed)?;
         for effect in effects {
             for (number, c) in effect.coefficients.iter().enumerate() {
-                unknowns.push(Unknown::coefficient(c));
+                unknowns.push(Unknown::coefficient(c, &settings.priors));
                 targets.push(target(system, records, effect, number)?);
             }
         }
@@ -134,7 +138,7 @@ impl Compiled {
             };
             models.push(model);
         }
-        Ok(Self { models, unknowns, targets, driven, differentiable: by.is_none(), stop })
+        Ok(Self { models, unknowns, targets, driven, differentiable: by.is_none(), stop, settings: settings.clone() })
     }
 }
 
@@ -218,8 +222,8 @@ impl Compiled {
     /// A step for finite differences in an unknown. Times (delays and lags) move by a fraction of the sampling time.
     pub(super) fn step(&self, unknown: usize, sampling: f64) -> f64 {
         match &self.targets[unknown] {
-            Target::Input(..) | Target::Column(Path::SensorDelay, _) => TIME_STEP * sampling,
-            _ => DIFFERENCE_STEP * self.unknowns[unknown].scale,
+            Target::Input(..) | Target::Column(Path::SensorDelay, _) => self.settings.solver.time_step * sampling,
+            _ => self.settings.solver.difference_step * self.unknowns[unknown].scale,
         }
     }
 }

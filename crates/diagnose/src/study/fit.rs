@@ -1,14 +1,12 @@
 //! Fits by simulation error over windows: multiple shooting with the initial states eliminated.
 
 use super::compiled::Compiled;
-use super::limits::{
-    FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING, RANGE_MOVES, SETTLED_FALL, SETTLED_SHARE, UNIDENTIFIED_SHARE,
-};
 use super::linearization::Normal;
 use super::normal::{Eliminated, Full, Point, States, full, residual, sensitivities, settle, simulate};
 use super::runner::{Failure, Runner};
 use super::unknown::{Range, Unknown};
 use crate::effect::Effect;
+use crate::settings::SolverSettings;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -113,7 +111,7 @@ pub(super) struct Slot<'a> {
 
 impl Slot<'_> {
     pub(super) fn states(&self) -> States<'_> {
-        States { guess: &self.guess, scales: &self.scales }
+        States::new(&self.guess, &self.scales, self.runner.compiled.settings.priors.state)
     }
 
     fn cost(&self) -> f64 {
@@ -122,7 +120,7 @@ impl Slot<'_> {
 
     /// Fits the initial state until the sum of squares falls by less than `share` of it.
     pub(super) fn settle(&mut self, compiled: &Compiled, theta: &[f64], share: f64) {
-        let states = States { guess: &self.guess, scales: &self.scales };
+        let states = States::new(&self.guess, &self.scales, compiled.settings.priors.state);
         self.state = settle(&mut self.runner, compiled, theta, &self.start, &states, share);
     }
 
@@ -131,7 +129,7 @@ impl Slot<'_> {
         if self.known {
             self.state = simulate(&mut self.runner, theta, &self.start);
         } else {
-            self.settle(compiled, theta, SETTLED_SHARE);
+            self.settle(compiled, theta, compiled.settings.solver.settled_share);
         }
     }
 
@@ -203,8 +201,8 @@ pub(super) struct Solution {
 /// where it has gone all the way toward zero (a term that is not there: `k` in `k h` where the law is another); else the
 /// parameters have no bounds to find, and stay at the end of the first range.
 pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], iterations: usize) -> Solution {
-    let unknowns = &compiled.unknowns;
-    let mut ranges: Vec<Range> = unknowns.iter().zip(start).map(|(u, v)| u.first_range(*v)).collect();
+    let (unknowns, priors) = (&compiled.unknowns, &compiled.settings.priors);
+    let mut ranges: Vec<Range> = unknowns.iter().zip(start).map(|(u, v)| u.first_range(*v, priors)).collect();
     let initial = start.iter().zip(&ranges).map(|(v, r)| r.bounded(*v)).collect();
     let first = minimize(slots, compiled, initial, &ranges, iterations);
     let stopped = |s: &Solution, ranges: &[Range]| -> Vec<usize> {
@@ -217,14 +215,15 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], 
     let states: Vec<_> = slots.iter().map(|s| s.state.clone()).collect();
     let mut theta = first.theta.clone();
     let mut moved = ends.clone();
-    for round in 1..=RANGE_MOVES {
+    for round in 1..=priors.range_moves {
         for &j in &ends {
-            ranges[j] = unknowns[j].range(theta[j]);
+            ranges[j] = unknowns[j].range(theta[j], priors);
         }
         let next = minimize(slots, compiled, theta, &ranges, iterations);
         ends = stopped(&next, &ranges);
         moved.extend(&ends);
-        let vanished = round == RANGE_MOVES && ends.iter().all(|&j| next.theta[j].abs() < unknowns[j].nominal.abs());
+        let last = round == priors.range_moves;
+        let vanished = last && ends.iter().all(|&j| next.theta[j].abs() < unknowns[j].nominal.abs());
         if ends.is_empty() || vanished {
             if moved.iter().any(|j| next.unidentified.contains(j)) {
                 break;
@@ -247,10 +246,10 @@ fn minimize(
     ranges: &[Range],
     iterations: usize,
 ) -> Solution {
-    let unknowns = &compiled.unknowns;
+    let (unknowns, solver) = (&compiled.unknowns, &compiled.settings.solver);
     let p = unknowns.len();
     let mut theta = start;
-    let mut lambda = FIRST_DAMPING;
+    let mut lambda = solver.first_damping;
     let mut status = FitStatus::IterationLimit;
     if p == 0 {
         return Solution {
@@ -265,10 +264,10 @@ fn minimize(
     let mut normals = linearize(slots, compiled, &theta);
     for _ in 0..iterations {
         let cost = slots.iter().map(Slot::cost).sum::<f64>() + penalty(unknowns, &theta);
-        let settled = settled(slots, cost);
+        let settled = settled(slots, cost, solver);
         let mut found = None;
         let mut rejected = false;
-        while lambda < MOST_DAMPING {
+        while lambda < solver.most_damping {
             let Some(step) = Step::new(slots, unknowns, &theta, ranges, &normals, lambda) else { break };
             if step.fall < settled {
                 if !rejected {
@@ -280,7 +279,7 @@ fn minimize(
                 let next = squares + penalty(unknowns, &step.theta);
                 if next < cost {
                     found = Some((step.theta, points, cost - next));
-                    lambda = (0.1 * lambda).max(LEAST_DAMPING);
+                    lambda = (0.1 * lambda).max(solver.least_damping);
                     break;
                 }
             }
@@ -306,19 +305,23 @@ fn minimize(
         }
     }
     let normals = eliminate(slots, &normals);
-    let (covariance, unidentified) = uncertainty(&normals, unknowns, slots.first().map_or(0, |s| s.scales.len()));
+    let covariance = covariance(&normals, unknowns, slots.first().map_or(0, |s| s.scales.len()));
+    let vague =
+        |&j: &usize| covariance[(j, j)] > (compiled.settings.priors.unidentified_share * unknowns[j].prior).powi(2);
+    let unidentified = (0..p).filter(vague).collect();
     let limited = (0..p).filter(|&j| ranges[j].ends_at(theta[j]) && !unknowns[j].is_settled()).collect();
     Solution { theta, status, covariance, unidentified, limited, normals }
 }
 
 /// A fall of the cost that ends the iteration. What exceeds the noise is the model's error, which stays alike throughout a window: it
 /// says as much as one number per window and column, and a hundredth of such a number does not matter.
-fn settled(slots: &[Slot<'_>], cost: f64) -> f64 {
+fn settled(slots: &[Slot<'_>], cost: f64, solver: &SolverSettings) -> f64 {
     let running = slots.iter().filter(|s| s.state.is_ok());
     let (count, numbers) = running.fold((0, 0), |(count, numbers), slot| {
         (count + slot.runner.present.iter().filter(|p| **p).count(), numbers + slot.runner.weights.len())
     });
-    SETTLED_FALL + SETTLED_SHARE * cost + SETTLED_FALL * (cost - count as f64).max(0.0) / numbers.max(1) as f64
+    let fall = solver.settled_fall;
+    fall + solver.settled_share * cost + fall * (cost - count as f64).max(0.0) / numbers.max(1) as f64
 }
 
 /// The Jacobian of every window that can be simulated, initial state first; the others are marked.
@@ -451,8 +454,8 @@ fn bounded_step(
     }
 }
 
-/// Covariance in natural units, and the unknowns whose standard deviation is more than half of the prior's.
-fn uncertainty(normals: &[Normal], unknowns: &[Unknown], states: usize) -> (DMatrix<f64>, Vec<usize>) {
+/// Covariance in natural units.
+fn covariance(normals: &[Normal], unknowns: &[Unknown], states: usize) -> DMatrix<f64> {
     let p = unknowns.len();
     let mut gram = DMatrix::zeros(p, p);
     let (mut square, mut freedom) = (0.0, -(p as f64));
@@ -472,8 +475,5 @@ fn uncertainty(normals: &[Normal], unknowns: &[Unknown], states: usize) -> (DMat
         |c| c.inverse(),
     );
     let unit = |j: usize| if unknowns[j].is_settled() { 0.0 } else { unknowns[j].scale };
-    let covariance = DMatrix::from_fn(p, p, |i, j| scaled[(i, j)] * unit(i) * unit(j));
-    let unidentified =
-        (0..p).filter(|&j| covariance[(j, j)] > (UNIDENTIFIED_SHARE * unknowns[j].prior).powi(2)).collect();
-    (covariance, unidentified)
+    DMatrix::from_fn(p, p, |i, j| scaled[(i, j)] * unit(i) * unit(j))
 }

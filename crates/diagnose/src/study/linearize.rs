@@ -79,7 +79,7 @@ impl Study {
         candidates: &[Effect],
         windows: &[usize],
     ) -> Result<Linearization, DiagnoseError> {
-        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &fit.effects)?;
+        let compiled = self.compiled(&fit.effects)?;
         let theta = theta_of(fit);
         let mut slots = self.slots(&compiled, windows, Some(fit))?;
         slots.par_iter_mut().for_each(|slot| slot.resume(&compiled, &theta));
@@ -164,7 +164,14 @@ impl Study {
         let smooth = amplitudes.iter().all(|c| c.trials.is_empty());
         let propagated = smooth && !matches!(candidate.change, Change::Path { .. } | Change::TrackedPoint { .. });
         let by = if propagated { names.as_slice() } else { &[] };
-        let compiled = Compiled::with_derivatives(&self.system, &self.sources, &self.parameters, &effects, Some(by))?;
+        let compiled = Compiled::with_derivatives(
+            &self.system,
+            &self.sources,
+            &self.parameters,
+            &effects,
+            Some(by),
+            &self.settings,
+        )?;
         let sampling = slots.first().map_or(1e-3, |s| s.runner.sampling());
         let first = theta.len();
         let secants = secants(index, candidate, trials, |coefficient, c| {

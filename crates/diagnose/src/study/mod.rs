@@ -7,7 +7,6 @@
 mod compiled;
 mod fit;
 mod initial;
-mod limits;
 mod linearization;
 mod linearize;
 mod multiple_shooting;
@@ -15,7 +14,6 @@ mod normal;
 mod predictor;
 mod runner;
 mod sensitivity;
-mod settings;
 mod signal_path;
 mod time_scale;
 mod tracked;
@@ -28,7 +26,6 @@ pub use fit::{Estimate, Fit, FitStatus, WindowFit};
 pub use linearization::{Column, Linearization, Normal};
 pub use multiple_shooting::Study;
 pub use predictor::Predictor;
-pub use settings::StudySettings;
 pub use window::{Window, WindowLength};
 
 pub(crate) use signal_path::lagged;

@@ -3,15 +3,14 @@
 use super::compiled::{Compiled, Sources};
 use super::fit::{Estimate, Fit, Slot, WindowFit, solve};
 use super::initial::Guess;
-use super::limits::{FEWEST_SAMPLES, ROUGH_SHARE, SETTLED_SHARE};
 use super::linearization::Normal;
 use super::runner::{Failure, Runner};
-use super::settings::StudySettings;
 use super::unknown::is_natural_constant;
 use super::window::{Window, WindowLength, cut, longest_window, stretches};
 use crate::effect::Effect;
 use crate::error::DiagnoseError;
 use crate::record::Record;
+use crate::settings::StudySettings;
 use bracketry_system::System;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -40,7 +39,7 @@ impl Study {
     /// [`DiagnoseError`] for no data, data of another model, or too few samples.
     pub fn new(system: &System, records: &[Record], settings: &StudySettings) -> Result<Self, DiagnoseError> {
         check(system, records, settings)?;
-        let guesses = records.iter().map(|r| Guess::new(system, r, FEWEST_SAMPLES)).collect();
+        let guesses = records.iter().map(|r| Guess::new(system, r, settings.windows.fewest_samples)).collect();
         let noise = records.iter().map(|r| r.measured.iter().map(|m| m.noise).collect()).collect();
         let study = Self {
             parameters: refitted(system, &settings.fixed),
@@ -52,7 +51,7 @@ impl Study {
             noise,
             guesses,
         };
-        study.with_windows(settings.window.unwrap_or_else(|| longest_window(&study.sources.records)))
+        study.with_windows(settings.window.unwrap_or_else(|| longest_window(records, &settings.windows)))
     }
 
     /// The same study with windows of another length, as near to `seconds` as whole windows allow.
@@ -60,7 +59,7 @@ impl Study {
     /// # Errors
     /// [`DiagnoseError::TooShort`] if no stretch of data is long enough for a window.
     pub fn with_windows(&self, seconds: f64) -> Result<Self, DiagnoseError> {
-        let windows = cut(&self.sources.records, seconds, FEWEST_SAMPLES);
+        let windows = cut(&self.sources.records, seconds, self.settings.windows.fewest_samples);
         if windows.is_empty() {
             return Err(self.too_short());
         }
@@ -108,14 +107,15 @@ impl Study {
         windows: &[usize],
         start: Option<&Fit>,
     ) -> Result<(Fit, Vec<Normal>, Vec<f64>), DiagnoseError> {
-        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, effects)?;
+        let compiled = self.compiled(effects)?;
         let theta: Vec<f64> = compiled
             .unknowns
             .iter()
             .map(|u| start.and_then(|s| s.estimate(&u.name)).map_or(u.start, |e| e.value).max(u.min).min(u.max))
             .collect();
         let mut slots = self.slots(&compiled, windows, start)?;
-        let share = if compiled.unknowns.is_empty() { SETTLED_SHARE } else { ROUGH_SHARE };
+        let solver = &self.settings.solver;
+        let share = if compiled.unknowns.is_empty() { solver.settled_share } else { solver.rough_share };
         settle_all(&mut slots, &compiled, &theta, share);
         self.some_window(&slots)?;
         let solution = solve(&mut slots, &compiled, &theta, self.settings.iterations);
@@ -150,10 +150,15 @@ impl Study {
     /// # Errors
     /// [`DiagnoseError`] for effects that do not fit the model.
     pub fn evaluate(&self, fit: &Fit, windows: &[usize]) -> Result<Vec<WindowFit>, DiagnoseError> {
-        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &fit.effects)?;
+        let compiled = self.compiled(&fit.effects)?;
         let mut slots = self.slots(&compiled, windows, Some(fit))?;
-        settle_all(&mut slots, &compiled, &theta_of(fit), SETTLED_SHARE);
+        settle_all(&mut slots, &compiled, &theta_of(fit), self.settings.solver.settled_share);
         Ok(slots.iter().map(Slot::report).collect())
+    }
+
+    /// The model with effects, compiled.
+    pub(super) fn compiled(&self, effects: &[Effect]) -> Result<Compiled, DiagnoseError> {
+        Compiled::new(&self.system, &self.sources, &self.parameters, effects, &self.settings)
     }
 
     /// Windows ready to be simulated, with the initial states of `start` where it has them.
@@ -193,21 +198,22 @@ impl Study {
 
     pub(super) fn too_short(&self) -> DiagnoseError {
         let records: Vec<&str> = self.sources.records.iter().map(|r| r.name.as_str()).collect();
-        DiagnoseError::TooShort { records: records.join(", "), samples: FEWEST_SAMPLES }
+        DiagnoseError::TooShort { records: records.join(", "), samples: self.settings.windows.fewest_samples }
     }
 
     /// Refuses a length of windows in the settings that is longer than every stretch of the data, or shorter than the fewest
     /// samples of a window; [`Study::with_windows`] takes the nearest that there is.
     pub(crate) fn check_window(&self) -> Result<(), DiagnoseError> {
         let Some(length) = self.settings.window else { return Ok(()) };
+        let fewest = self.settings.windows.fewest_samples;
         let mut longest = 0.0;
         let mut shortest = f64::INFINITY;
         for record in &self.sources.records {
-            for (from, to) in stretches(record).into_iter().filter(|(from, to)| to - from >= FEWEST_SAMPLES) {
+            for (from, to) in stretches(record).into_iter().filter(|(from, to)| to - from >= fewest) {
                 let duration = record.times[to - 1] - record.times[from];
                 let step = duration / (to - from - 1) as f64;
                 longest = f64::max(longest, duration + step);
-                shortest = f64::min(shortest, step * (FEWEST_SAMPLES - 1) as f64);
+                shortest = f64::min(shortest, step * (fewest - 1) as f64);
             }
         }
         if length < shortest || length > longest {

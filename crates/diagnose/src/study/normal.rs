@@ -1,10 +1,6 @@
 //! Sensitivities of one window, and its normal equations.
 
 use super::compiled::{Compiled, Target};
-use super::limits::{
-    DIFFERENCE_STEP, FIRST_DAMPING, LEAST_DAMPING, MOST_STATE_DAMPING, ROUGH_STATE_ITERATIONS, SETTLED_FALL,
-    SETTLED_SHARE, STATE_ITERATIONS, STATE_PRIOR,
-};
 use super::runner::{Failure, Runner};
 use super::unknown::Unknown;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -31,15 +27,19 @@ pub(super) struct Full {
 pub(super) struct States<'a> {
     pub(super) guess: &'a [f64],
     pub(super) scales: &'a [f64],
+    /// Weight of the prior, in scaled units.
+    pub(super) weight: f64,
 }
 
-impl States<'_> {
-    /// Weight of the prior, in scaled units.
-    pub(super) const WEIGHT: f64 = 1.0 / (STATE_PRIOR * STATE_PRIOR);
+impl<'a> States<'a> {
+    /// The prior's standard deviation, over the scales, is `prior`.
+    pub(super) fn new(guess: &'a [f64], scales: &'a [f64], prior: f64) -> Self {
+        Self { guess, scales, weight: 1.0 / (prior * prior) }
+    }
 
     pub(super) fn penalty(&self, x0: &[f64]) -> f64 {
         let off = |i: usize| (x0[i] - self.guess[i]) / self.scales[i];
-        (0..x0.len()).map(|i| Self::WEIGHT * off(i) * off(i)).sum()
+        (0..x0.len()).map(|i| self.weight * off(i) * off(i)).sum()
     }
 }
 
@@ -71,6 +71,7 @@ pub(super) fn sensitivities(
     let rows = runner.target.len();
     let mut jacobian = DMatrix::zeros(rows, n + unknowns);
     let mut moved = vec![0.0; rows];
+    let step = compiled.settings.solver.difference_step;
     let mut propagated = if runner.map(theta, &point.x0)? {
         runner.by_state_and_equations(with_unknowns).into_iter()
     } else {
@@ -84,9 +85,9 @@ pub(super) fn sensitivities(
             continue;
         }
         let mut x0 = point.x0.clone();
-        x0[i] += DIFFERENCE_STEP * scales[i];
+        x0[i] += step * scales[i];
         runner.simulate(theta, &x0, &mut moved)?;
-        difference(&moved, &point.simulated, DIFFERENCE_STEP, jacobian.column_mut(i).as_mut_slice());
+        difference(&moved, &point.simulated, step, jacobian.column_mut(i).as_mut_slice());
     }
     for j in 0..unknowns {
         let unknown = &compiled.unknowns[j];
@@ -152,8 +153,8 @@ impl Eliminated {
         let mut gxx = full.gram.view((0, 0), (n, n)).into_owned();
         let mut gx = full.gradient.rows(0, n).into_owned();
         for i in 0..n {
-            gxx[(i, i)] += lambda * gxx[(i, i)] + States::WEIGHT;
-            gx[i] += States::WEIGHT * (states.guess[i] - x0[i]) / states.scales[i];
+            gxx[(i, i)] += lambda * gxx[(i, i)] + states.weight;
+            gx[i] += states.weight * (states.guess[i] - x0[i]) / states.scales[i];
         }
         let cholesky = Cholesky::new(gxx)?;
         let cross = full.gram.view((0, n), (n, p)).into_owned();
@@ -182,17 +183,19 @@ pub(super) fn settle(
 ) -> Result<Point, Failure> {
     let mut point = simulate(runner, theta, start)?;
     let mut cost = point.square + states.penalty(start);
-    let mut lambda = FIRST_DAMPING;
-    let iterations = if share > SETTLED_SHARE { ROUGH_STATE_ITERATIONS } else { STATE_ITERATIONS };
+    let solver = &compiled.settings.solver;
+    let mut lambda = solver.first_damping;
+    let rough = share > solver.settled_share;
+    let iterations = if rough { solver.rough_state_iterations } else { solver.state_iterations };
     for _ in 0..iterations {
         let jacobian = sensitivities(runner, compiled, theta, &point, states.scales, false)?;
         let full = full(runner, &point, &jacobian);
-        let settled = SETTLED_FALL + share * cost;
+        let settled = solver.settled_fall + share * cost;
         if Eliminated::new(&full, &point.x0, states, 0.0).is_some_and(|e| e.gain < settled) {
             break;
         }
         let mut improved = None;
-        while lambda < MOST_STATE_DAMPING {
+        while lambda < solver.most_state_damping {
             let Some(eliminated) = Eliminated::new(&full, &point.x0, states, lambda) else { break };
             let step = eliminated.step(&DVector::zeros(0));
             let x0: Vec<f64> = (0..start.len()).map(|i| point.x0[i] + step[i] * states.scales[i]).collect();
@@ -200,7 +203,7 @@ pub(super) fn settle(
                 let next_cost = next.square + states.penalty(&x0);
                 if next_cost < cost {
                     improved = Some((next, next_cost));
-                    lambda = (0.1 * lambda).max(LEAST_DAMPING);
+                    lambda = (0.1 * lambda).max(solver.least_damping);
                     break;
                 }
             }

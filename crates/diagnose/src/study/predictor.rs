@@ -2,7 +2,6 @@
 
 use super::compiled::Compiled;
 use super::fit::{Estimate, Fit, FitStatus, Slot};
-use super::limits::SETTLED_SHARE;
 use super::multiple_shooting::{Study, theta_of};
 use super::runner::{Failure, Runner};
 use super::unknown::Unknown;
@@ -20,8 +19,9 @@ pub struct Predictor<'a> {
 impl Study {
     /// The model as it was given: parameters at their values, no effects, no windows. Standard deviations are those of the prior.
     pub fn nominal(&self) -> Fit {
+        let parameters = self.parameters.iter().map(|&i| &self.system.parameters[i]);
         let unknowns: Vec<Unknown> =
-            self.parameters.iter().map(|&i| Unknown::parameter(&self.system, &self.system.parameters[i])).collect();
+            parameters.map(|p| Unknown::parameter(&self.system, p, &self.settings.priors)).collect();
         let variances = unknowns.iter().map(|u| u.prior * u.prior);
         Fit {
             effects: Vec::new(),
@@ -42,7 +42,7 @@ impl Study {
     /// # Errors
     /// [`DiagnoseError`] for effects that do not fit the model.
     pub fn predictor(&self, fit: &Fit) -> Result<Predictor<'_>, DiagnoseError> {
-        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &fit.effects)?;
+        let compiled = self.compiled(&fit.effects)?;
         Ok(Predictor { study: self, compiled, theta: theta_of(fit) })
     }
 }
@@ -67,7 +67,7 @@ impl Predictor<'_> {
             scales: guess.scales.clone(),
             state: Err(Failure::not_simulated()),
         };
-        slot.settle(&self.compiled, &self.theta, SETTLED_SHARE);
+        slot.settle(&self.compiled, &self.theta, self.compiled.settings.solver.settled_share);
         Ok(slot.state.map(|point| point.x0).map_err(|failure| failure.to_string()))
     }
 

@@ -1,7 +1,6 @@
 //! The simulation of one window, for any values of the unknowns.
 
 use super::compiled::{Compiled, Target};
-use super::limits::{MOST_STEPS, TOLERANCE};
 use super::signal_path::through_path;
 use super::tracked::TrackedPoint;
 use super::trajectory::Trajectory;
@@ -96,8 +95,9 @@ impl<'a> Runner<'a> {
         }
         let model = compiled.models[window.record].clone();
         let t0 = record.times[window.from];
-        let mut settings = Settings::default().with_tolerance(TOLERANCE.0, TOLERANCE.1);
-        settings.max_steps = MOST_STEPS;
+        let solver = &compiled.settings.solver;
+        let mut settings = Settings::default().with_tolerance(solver.tolerance.0, solver.tolerance.1);
+        settings.max_steps = solver.most_steps;
         settings.stop = compiled.stop.clone();
         let stepper = Stepper::new(model, t0, &vec![0.0; n], &settings)?;
         let schedule = Vec::with_capacity(target.len());
@@ -190,8 +190,10 @@ impl<'a> Runner<'a> {
             let last = self.window.to.min(self.usable.1);
             // The model's own delay comes on top.
             let needed = start - self.stepper.system().samples_delay(&d.name);
-            let samples = through_path(&self.record.times, signal, (self.usable.0, last), needed, delay, lag)
-                .map_err(|e| Failure { t: start, reason: e.to_string() })?;
+            let history = self.compiled.settings.solver.lag_history;
+            let samples =
+                through_path(&self.record.times, signal, (self.usable.0, last), needed, (delay, lag), history)
+                    .map_err(|e| Failure { t: start, reason: e.to_string() })?;
             self.stepper.system_mut().set_samples(&d.name, d.order, samples);
         }
         self.paths = Some(paths);

@@ -104,7 +104,6 @@ impl Runner<'_> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use crate::record::{Measured, Quantity, Record, Signal};
-    use crate::study::compiled::Compiled;
     use crate::study::normal::{sensitivities, simulate};
     use crate::{Study, StudySettings};
     use bracketry_sim::Hold;
@@ -138,7 +137,7 @@ mod tests {
         };
         let settings = StudySettings { window: Some(0.4), ..StudySettings::default() };
         let study = Study::new(&system, &[record], &settings).unwrap();
-        let mut compiled = Compiled::new(&study.system, &study.sources, &study.parameters, &[]).unwrap();
+        let mut compiled = study.compiled(&[]).unwrap();
         let theta: Vec<f64> = compiled.unknowns.iter().map(|u| u.nominal).collect();
         let scales = vec![1.0; start.len()];
         let mut of = |differentiable: bool| {

@@ -1,6 +1,5 @@
 //! What a delay and a first-order lag do to the samples of an input.
 
-use super::limits::LAG_HISTORY;
 use crate::record::Signal;
 use bracketry_sim::{Hold, InputError, Samples};
 
@@ -11,16 +10,16 @@ use bracketry_sim::{Hold, InputError, Samples};
 /// impulse is exact for every `τ`, also far below the sampling time, and depends smoothly on `τ` at 0; a linear one is joined
 /// by straight lines.
 ///
-/// `history..=last` are samples without a gap; the window starts at time `start`.
+/// `history..=last` are samples without a gap; the window starts at time `start`, and `lag_history` lags before it are enough.
 pub(super) fn through_path(
     times: &[f64],
     signal: &Signal,
     (history, last): (usize, usize),
     start: f64,
-    delay: f64,
-    lag: f64,
+    (delay, lag): (f64, f64),
+    lag_history: f64,
 ) -> Result<Samples, InputError> {
-    let needed = start - delay - LAG_HISTORY * lag;
+    let needed = start - delay - lag_history * lag;
     let first = (history + times[history..=last].partition_point(|&t| t <= needed)).saturating_sub(1).max(history);
     let mut kept: Vec<f64> = times[first..=last].to_vec();
     let mut values: Vec<f64> = signal.values[first..=last].to_vec();
@@ -101,7 +100,7 @@ mod tests {
     fn the_history_that_is_left_out_has_no_influence() {
         let (times, signal) = sampled(|t| (7.0 * t).sin(), Hold::Previous);
         let whole = lagged(&times, &signal.values, Hold::Previous, 5e-3);
-        let part = through_path(&times, &signal, (0, 2000), 1.5, 0.0, 5e-3).unwrap();
+        let part = through_path(&times, &signal, (0, 2000), 1.5, (0.0, 5e-3), 40.0).unwrap();
         let from_rest = Samples::new(times, whole, Hold::Previous).unwrap();
         let system =
             bracketry_system::System::parse("m", "states = ['v']\ninputs = ['u']\n[dynamics]\nv = 'u'").unwrap();

@@ -5,12 +5,13 @@ use std::f64::consts::PI;
 use bracketry_system::System;
 use nalgebra::DMatrix;
 
-use super::compiled::Compiled;
-use super::limits::{EXAMINED_WINDOWS, MOST_STEPS_IN_ALL, MOST_STEPS_PER_SAMPLE, ZERO_EIGENVALUE};
 use super::multiple_shooting::Study;
 use super::window::Window;
 use crate::error::DiagnoseError;
 use crate::record::Record;
+
+/// Eigenvalues below this share of the largest are zero: motions that never end.
+const ZERO_EIGENVALUE: f64 = 1e-6;
 
 impl Study {
     /// Refuses data between whose samples the model, with the parameters that it has, does all that it ever does, and data over
@@ -20,7 +21,7 @@ impl Study {
     /// ever turns by more than half a turn between two samples, and some motion oscillates, the data are aliased.
     pub(crate) fn check_time_scale(&self) -> Result<(), DiagnoseError> {
         let mut fast: Vec<Option<f64>> = Vec::new();
-        let every = self.windows.len().div_ceil(EXAMINED_WINDOWS).max(1);
+        let every = self.windows.len().div_ceil(self.settings.time_scale.examined_windows).max(1);
         let mut jacobian = Jacobian::new(&self.system)?;
         for window in self.windows.iter().step_by(every) {
             let record = &self.sources.records[window.record];
@@ -49,7 +50,7 @@ impl Study {
 
     /// Counts the steps of a simulation over one window.
     fn check_effort(&self) -> Result<(), DiagnoseError> {
-        let compiled = Compiled::new(&self.system, &self.sources, &self.parameters, &[])?;
+        let compiled = self.compiled(&[])?;
         let theta: Vec<f64> = compiled.unknowns.iter().map(|u| u.nominal).collect();
         let mut slots = self.slots(&compiled, &[0], None)?;
         let Some(slot) = slots.first_mut() else { return Ok(()) };
@@ -58,7 +59,8 @@ impl Study {
         let Some(steps) = slot.runner.steps(&theta, &slot.start, &mut out) else { return Ok(()) };
         let per_sample = steps as f64 / slot.runner.samples() as f64;
         let samples: f64 = self.sources.records.iter().map(|r| r.times.len() as f64).sum();
-        if per_sample > MOST_STEPS_PER_SAMPLE && per_sample * samples > MOST_STEPS_IN_ALL {
+        let most = &self.settings.time_scale;
+        if per_sample > most.most_steps_per_sample && per_sample * samples > most.most_steps_in_all {
             let window = self.windows[0];
             return Err(DiagnoseError::Effort {
                 record: self.sources.records[window.record].name.clone(),

@@ -1,7 +1,7 @@
 //! The unknowns of a fit: refitted parameters, then the coefficients of effects.
 
-use super::limits::{AMPLITUDE_PRIOR, LARGEST_CHANGE, ONE_VALUE_PRIOR, PARAMETER_PRIOR, RANGE_MOVES, SHAPE_PRIOR};
 use crate::effect::{Coefficient, Role};
+use crate::settings::PriorSettings;
 use bracketry_system::{Parameter, System};
 
 /// A number that is fitted.
@@ -24,14 +24,14 @@ pub(super) struct Unknown {
 }
 
 impl Unknown {
-    pub(super) fn parameter(system: &System, parameter: &Parameter) -> Self {
+    pub(super) fn parameter(system: &System, parameter: &Parameter, priors: &PriorSettings) -> Self {
         let number = |r: &bracketry_symbolic::Rational| r.to_f64().value();
         let nominal = number(&parameter.value);
         let min = parameter.min.as_ref().map_or(f64::NEG_INFINITY, number);
         let max = parameter.max.as_ref().map_or(f64::INFINITY, number);
         let range = max - min;
         let (scale, prior) = if nominal != 0.0 {
-            (nominal.abs(), PARAMETER_PRIOR * nominal.abs())
+            (nominal.abs(), priors.parameter * nominal.abs())
         } else if range.is_finite() && range > 0.0 {
             (0.5 * range, 0.5 * range)
         } else {
@@ -41,11 +41,11 @@ impl Unknown {
         Self { name, nominal, scale, min, max, calibrated: nominal != 0.0, prior, start: nominal }
     }
 
-    pub(super) fn coefficient(c: &Coefficient) -> Self {
+    pub(super) fn coefficient(c: &Coefficient, priors: &PriorSettings) -> Self {
         let prior = match c.role {
-            _ if c.settled().is_some() => ONE_VALUE_PRIOR * c.scale,
-            Role::Amplitude => AMPLITUDE_PRIOR * c.scale,
-            Role::Shape => SHAPE_PRIOR * c.scale.max(c.nominal.abs()),
+            _ if c.settled().is_some() => priors.one_value * c.scale,
+            Role::Amplitude => priors.amplitude * c.scale,
+            Role::Shape => priors.shape * c.scale.max(c.nominal.abs()),
         };
         Self {
             name: c.name.clone(),
@@ -64,17 +64,18 @@ impl Unknown {
         self.min == self.max
     }
 
-    /// The range of a fit that comes from `value`: the limits, and where there is none a factor of [`LARGEST_CHANGE`], but no
-    /// further from the nominal value than [`RANGE_MOVES`] moves lead; the last of them toward zero reaches it, for a term may not be
+    /// The range of a fit that comes from `value`: the limits, and where there is none a factor of `largest_change`, but no
+    /// further from the nominal value than `range_moves` moves lead; the last of them toward zero reaches it, for a term may not be
     /// there at all.
-    pub(super) fn range(&self, value: f64) -> Range {
+    pub(super) fn range(&self, value: f64, priors: &PriorSettings) -> Range {
         if !self.calibrated {
             return Range { min: self.min, max: self.max };
         }
-        let farthest = LARGEST_CHANGE.powi(RANGE_MOVES + 1);
+        let change = priors.largest_change;
+        let farthest = change.powi(priors.range_moves + 1);
         let factor = (value / self.nominal).clamp(1.0 / farthest, farthest);
-        let near = if factor <= LARGEST_CHANGE / farthest { 0.0 } else { self.nominal * factor / LARGEST_CHANGE };
-        let far = self.nominal * (factor * LARGEST_CHANGE).min(farthest);
+        let near = if factor <= change / farthest { 0.0 } else { self.nominal * factor / change };
+        let far = self.nominal * (factor * change).min(farthest);
         let (low, high) = if near < far { (near, far) } else { (far, near) };
         Range {
             min: if self.min.is_finite() { self.min } else { low.min(self.max) },
@@ -83,9 +84,9 @@ impl Unknown {
     }
 
     /// The range in which a fit begins that starts from `value`: that of the nominal value, moved if it has moved before.
-    pub(super) fn first_range(&self, value: f64) -> Range {
-        let range = self.range(self.nominal);
-        if range.bounded(value) == value { range } else { self.range(value) }
+    pub(super) fn first_range(&self, value: f64, priors: &PriorSettings) -> Range {
+        let range = self.range(self.nominal, priors);
+        if range.bounded(value) == value { range } else { self.range(value, priors) }
     }
 
     /// Whether a value has come to the end of a range where the model file or the effect sets none.

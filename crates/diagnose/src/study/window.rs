@@ -1,7 +1,7 @@
 //! Windows: disjoint stretches of a record, each with an initial state of its own.
 
-use super::limits::{FEWEST_SAMPLES, FEWEST_WINDOWS};
 use crate::record::Record;
+use crate::settings::WindowSettings;
 
 /// A stretch of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,21 +60,24 @@ pub struct WindowLength {
 }
 
 /// The stretches that hold a window: durations, s, and intervals between samples.
-fn usable(records: &[Record]) -> impl Iterator<Item = (f64, usize)> {
+fn usable(records: &[Record], fewest: usize) -> impl Iterator<Item = (f64, usize)> {
     let all = records.iter().flat_map(|r| stretches(r).into_iter().map(move |(from, to)| (r, from, to)));
-    all.filter(|(_, from, to)| to - from >= FEWEST_SAMPLES)
+    all.filter(move |(_, from, to)| to - from >= fewest)
         .map(|(r, from, to)| (r.times[to - 1] - r.times[from], to - from - 1))
 }
 
 /// The length that leaves the fewest windows, s.
-pub(super) fn longest_window(records: &[Record]) -> f64 {
-    let total: f64 = usable(records).map(|(duration, _)| duration).sum();
-    let stretch = usable(records).map(|(duration, _)| duration).fold(0.0, f64::max);
-    (total / FEWEST_WINDOWS).min(stretch).max(f64::MIN_POSITIVE)
+pub(super) fn longest_window(records: &[Record], settings: &WindowSettings) -> f64 {
+    let usable = || usable(records, settings.fewest_samples);
+    let total: f64 = usable().map(|(duration, _)| duration).sum();
+    let stretch = usable().map(|(duration, _)| duration).fold(0.0, f64::max);
+    (total / settings.fewest_windows).min(stretch).max(f64::MIN_POSITIVE)
 }
 
 /// The shortest window, s: of the fewest samples, and of ten per state.
-pub(super) fn shortest_window(records: &[Record], states: usize) -> f64 {
-    let (total, intervals) = usable(records).fold((0.0, 0), |(t, n), (duration, steps)| (t + duration, n + steps));
-    FEWEST_SAMPLES.max(10 * states) as f64 * total / f64::max(intervals as f64, 1.0)
+pub(super) fn shortest_window(records: &[Record], states: usize, settings: &WindowSettings) -> f64 {
+    let fewest = settings.fewest_samples;
+    let (total, intervals) =
+        usable(records, fewest).fold((0.0, 0), |(t, n), (duration, steps)| (t + duration, n + steps));
+    fewest.max(10 * states) as f64 * total / f64::max(intervals as f64, 1.0)
 }

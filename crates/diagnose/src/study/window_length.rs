@@ -6,7 +6,6 @@
 //! (White, "Maximum likelihood estimation of misspecified models", Econometrica 50, 1982).
 
 use super::fit::Fit;
-use super::limits::{CERTAIN_SHARE, INDIFFERENT};
 use super::linearization::Normal;
 use super::multiple_shooting::Study;
 use super::window::{WindowLength, longest_window, shortest_window};
@@ -38,8 +37,9 @@ impl Study {
 
 /// Tries all lengths, the shortest first: there a fit converges from afar, and its estimates start the next.
 fn choose(study: &Study, effects: &[Effect], start: Option<&Fit>) -> Result<(Study, Fit), DiagnoseError> {
-    let longest = longest_window(study.records());
-    let shortest = shortest_window(study.records(), study.system.states.len());
+    let settings = &study.settings.windows;
+    let longest = longest_window(study.records(), settings);
+    let shortest = shortest_window(study.records(), study.system.states.len(), settings);
     let mut lengths = vec![study.settings.window.unwrap_or(longest)];
     while study.settings.window.is_none() && 0.5 * lengths[lengths.len() - 1] >= shortest {
         lengths.push(0.5 * lengths[lengths.len() - 1]);
@@ -58,14 +58,14 @@ fn choose(study: &Study, effects: &[Effect], start: Option<&Fit>) -> Result<(Stu
             Err(error) => return Err(error),
         };
         let uncertainty = uncertainty(&normals, &prior).unwrap_or(f64::INFINITY);
-        if certain(&normals, &prior) {
+        if certain(&normals, &prior, settings.certain_share) {
             start = Some(fit.without_windows());
         }
         tried.push((WindowLength { seconds, uncertainty }, trial, fit));
     }
     let lengths: Vec<WindowLength> = tried.iter().map(|t| t.0).collect();
     let least = lengths.iter().map(|w| w.uncertainty).fold(f64::INFINITY, f64::min);
-    let good = tried.into_iter().rfind(|(w, ..)| w.uncertainty <= least + INDIFFERENT);
+    let good = tried.into_iter().rfind(|(w, ..)| w.uncertainty <= least + settings.indifferent);
     let (_, mut best, fit) = good.ok_or_else(|| study.too_short())?;
     best.lengths = lengths;
     Ok((best, fit))
@@ -99,9 +99,9 @@ fn information(normals: &[Normal], prior: &[f64]) -> DMatrix<f64> {
 }
 
 /// Whether the data tell much more of every unknown than the prior does.
-fn certain(normals: &[Normal], prior: &[f64]) -> bool {
+fn certain(normals: &[Normal], prior: &[f64], share: f64) -> bool {
     Cholesky::new(information(normals, prior)).is_some_and(|c| {
         let covariance = c.inverse();
-        prior.iter().enumerate().all(|(j, weight)| covariance[(j, j)] * weight < CERTAIN_SHARE * CERTAIN_SHARE)
+        prior.iter().enumerate().all(|(j, weight)| covariance[(j, j)] * weight < share * share)
     })
 }

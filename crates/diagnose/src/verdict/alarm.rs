@@ -1,9 +1,9 @@
 //! Whether the residual of a fit is more than noise.
 
-use super::limits::{FEWEST_SPECTRUM_SAMPLES, LEAST_NOISE};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::WindowFit;
+use crate::settings::AlarmSettings;
 
 /// The residual of a fit, against noise.
 ///
@@ -30,11 +30,11 @@ pub(crate) struct Alarm {
 
 impl Alarm {
     /// Of fitted windows; `fitted` coefficients were adapted in common, `initial` per window.
-    pub(crate) fn of(windows: &[WindowFit], initial: usize, fitted: usize) -> Self {
+    pub(crate) fn of(windows: &[WindowFit], initial: usize, fitted: usize, settings: &AlarmSettings) -> Self {
         let spectra: Vec<(usize, Spectrum)> = windows
             .iter()
             .flat_map(|w| w.residuals.iter().enumerate())
-            .filter_map(|(column, values)| Some((column, Spectrum::of(values)?)))
+            .filter_map(|(column, values)| Some((column, Spectrum::of(values, settings.fewest_samples)?)))
             .collect();
         let columns = spectra.iter().map(|s| s.0 + 1).max().unwrap_or(0);
         let mut noise = vec![1.0; columns];
@@ -43,7 +43,7 @@ impl Alarm {
             let own = spectra.iter().filter(|s| s.0 == column).map(|s| &s.1);
             let (sum, count) = own.fold((0.0, 0), |(sum, count), s| (sum + s.high, count + s.high_count));
             if count > 0 {
-                *noise = (sum / count as f64).max(LEAST_NOISE * LEAST_NOISE);
+                *noise = (sum / count as f64).max(settings.least_noise * settings.least_noise);
             }
             reference += count as f64;
         }
@@ -104,11 +104,11 @@ struct Spectrum {
 }
 
 impl Spectrum {
-    /// `None` if too few samples are there to tell low from high.
-    fn of(values: &[f64]) -> Option<Self> {
+    /// `None` if fewer than `fewest` samples are there to tell low from high.
+    fn of(values: &[f64], fewest: usize) -> Option<Self> {
         let samples: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
         let n = samples.len();
-        if n < FEWEST_SPECTRUM_SAMPLES || 5 * n < 4 * values.len() {
+        if n < fewest || 5 * n < 4 * values.len() {
             return None;
         }
         let total: f64 = samples.iter().map(|v| v * v).sum();

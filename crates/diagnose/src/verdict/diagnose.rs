@@ -9,7 +9,6 @@ use super::explanation::Explanation;
 use super::findings::{Ending, Findings, Rivals};
 use super::held_out::{UnseenWindows, thinned};
 use super::hold::{half_a_sample, other_hold};
-use super::limits::{LEAST_EXPLAINED, NEAR_NOISE, SHORTER, WITHIN_REACH};
 use super::motion::{driven, still, uninformative};
 use super::noise::Scatter;
 use super::places::{Places, places};
@@ -19,13 +18,14 @@ use super::rivals::rivals;
 use super::scale::{factors, rescaled};
 use super::search::Search;
 use super::select::{Selection, backwards, select};
-use super::settings::{Settings, Stage};
+use super::stage::Stage;
 use super::units::other_units;
 use super::unnamed::unnamed;
 use super::validation::mispredicted;
 use super::{periods, scale, write};
 use crate::library::{candidates, dictionary};
 use crate::report::{Caveat, Fits, Note};
+use crate::settings::{SearchSettings, Settings};
 use crate::{DiagnoseError, Effect, Fit, Record, Report, Study, Verdict};
 
 /// Finds what `system` gets wrong about `records`; `validate` are records on which nothing but the gain is
@@ -65,31 +65,29 @@ fn examined(
 ) -> Result<Report, DiagnoseError> {
     progress(Stage::Refit);
     let Distinct { mut records, mut validate, mut notes } = data;
-    let mut library = candidates(system, &records)?;
+    let mut library = candidates(system, &records, &settings.library)?;
     // What another model suggests may be in the library already.
     let more = settings.candidates.iter().filter(|c| library.iter().all(|known| known.change != c.change));
     library.extend(more.cloned().collect::<Vec<_>>());
     let first = Study::new(system, &records, &settings.study)?;
     first.check_window()?;
     first.check_time_scale()?;
-    if still(&records).1 {
+    if still(&records, settings.verdict.alarm.motion_spread).1 {
         return Ok(Report { notes, ..uninformative(system, &records, started) });
     }
     let (shorter, weighed);
     let mut study = &first;
     let mut attempt = Attempt::new(study, None, &library, settings, progress)?;
-    if let Some(factors) =
-        factors(&attempt.selection.chosen.alarm, records.iter().chain(&validate), settings.significance)
-    {
+    if let Some(factors) = factors(&attempt.selection.chosen.alarm, records.iter().chain(&validate), settings) {
         progress(Stage::Refit);
-        notes.extend(scale::notes(&records, &factors));
+        notes.extend(scale::notes(&records, &factors, settings.verdict.alarm.noise_off));
         (records, validate) = (rescaled(&records, &factors), rescaled(&validate, &factors));
         weighed = Study::new(system, &records, &settings.study)?;
         study = &weighed;
         attempt = Attempt::new(study, None, &library, settings, progress)?;
     }
     let structured = attempt.selection.chosen.alarm.p_value < settings.significance
-        && !attempt.selection.chosen.spans(&attempt.base);
+        && !attempt.selection.chosen.spans(&attempt.base, &settings.verdict.search);
     if structured && settings.study.window.is_none() {
         progress(Stage::Refit);
         let near = attempt.selection.chosen.fit.clone();
@@ -101,7 +99,7 @@ fn examined(
     let Attempt { mut search, mut base, selection } = attempt;
     if lines && let Some((better, note)) = curved_where_better(system, search.study, &selection.chosen, settings)? {
         notes.push(note);
-        let data = Distinct { records: better, validate: curved(system, &validate), notes };
+        let data = Distinct { records: better, validate: curved(system, &validate, &settings.verdict.signals), notes };
         return examined(system, data, false, settings, started, progress);
     }
     let validate = validate.as_slice();
@@ -157,9 +155,9 @@ fn weigh(
     let mut among: Vec<usize> = (0..search.candidates.len()).collect();
     let chosen = &now.explanation;
     // Structure that is hardly worth a name; several causes or parameters far off that one law may say more simply.
-    let structured = chosen.alarm.p_value < settings.significance && !chosen.spans(base);
+    let structured = chosen.alarm.p_value < settings.significance && !chosen.spans(base, &settings.verdict.search);
     if structured || chosen.members.len() > 1 || chosen.moved_parameters(settings.tolerance) > 0 {
-        let terms = search.extend(dictionary(system, search.study.records())?);
+        let terms = search.extend(dictionary(system, search.study.records(), &settings.library)?);
         let lists = (among.as_slice(), terms.as_slice());
         if let Some((better, scatter)) = unnamed(search, base, chosen, lists, settings, progress)? {
             (now.explanation, now.scatter) = (better, scatter);
@@ -172,7 +170,7 @@ fn weigh(
         return Ok(now);
     }
     progress(Stage::Rivals);
-    let unseen = UnseenWindows::new(search.study, &search.windows);
+    let unseen = UnseenWindows::new(search.study, &search.windows, settings.verdict.search.most_windows);
     let compare = |search: &mut Search<'_>, explanation: &mut Explanation| {
         rivals(search, explanation, &now.scatter, &among, unseen.as_ref(), settings.significance)
     };
@@ -219,7 +217,8 @@ fn written(
 ) -> Result<Report, DiagnoseError> {
     let mut report = write::report(system, search, findings, settings, started);
     if report.verdict != Verdict::NothingFound {
-        let Places { motion, regimes, over_time } = places(system, search.study.records(), &findings.base.fit)?;
+        let records = search.study.records();
+        let Places { motion, regimes, over_time } = places(system, records, &findings.base.fit, settings)?;
         (report.places, report.regimes, report.residual_acceleration) = (motion, regimes, over_time);
         if report.places.is_empty() {
             report.notes.push(Note::NoPlaces);
@@ -228,7 +227,7 @@ fn written(
     progress(Stage::Gain);
     let width = findings.scatter.width();
     let fits = Fits { refitted: &findings.base.fit, extended: &findings.chosen.fit, width };
-    report.complete(search.study, fits, validate, &settings.study, settings.seed)?;
+    report.complete(search.study, fits, validate, settings)?;
     report.withdraw_if_refuted();
     add_caveats(&mut report, system, search, findings, validate, settings)?;
     report.seconds = started.elapsed().as_secs_f64();
@@ -246,7 +245,7 @@ fn add_caveats(
     settings: &Settings,
 ) -> Result<(), DiagnoseError> {
     let records = search.study.records();
-    let (still, _) = still(records);
+    let (still, _) = still(records, settings.verdict.alarm.motion_spread);
     if !still.is_empty() {
         report.notes.push(Note::StillColumns(still));
     }
@@ -263,7 +262,7 @@ fn add_caveats(
     }
     report.notes.extend(other_units(system, search, findings, settings)?);
     for cause in &mut report.causes {
-        cause.flags.extend(half_a_sample(cause, records));
+        cause.flags.extend(half_a_sample(cause, records, settings.verdict.signals.near_half_sample));
     }
     if report.verdict != Verdict::Unexplained {
         for run in mispredicted(system, search.study, &findings.chosen, validate, settings)? {
@@ -286,21 +285,22 @@ impl<'a> Attempt<'a> {
         study: &'a Study,
         near: Option<&Fit>,
         library: &[Effect],
-        settings: &Settings,
+        settings: &'a Settings,
         progress: &mut dyn FnMut(Stage),
     ) -> Result<Self, DiagnoseError> {
+        let limits = &settings.verdict;
         // Only the parameters carry over: windows of another length have other initial states.
         let start = near.map(Fit::without_windows);
-        let windows = thinned(study.windows().len());
+        let windows = thinned(study.windows().len(), limits.search.most_windows);
         let mut fit = study.fit(&[], &windows, start.as_ref())?;
         if near.is_none() && !fit.limited.is_empty() {
-            fit = from_short_windows(study, fit, &windows)?;
+            fit = from_short_windows(study, fit, &windows, &limits.search)?;
         }
         let mut library = library.to_vec();
-        periods::tune(study, &fit, &mut library);
+        periods::tune(study, &fit, &mut library, &limits.periods);
         let named: Vec<usize> = (0..library.len()).collect();
         progress(Stage::Screen { candidates: library.len() });
-        let mut search = Search::new(study, library, windows);
+        let mut search = Search::new(study, library, windows, limits);
         let base = search.nothing(fit);
         let patient = near.is_some() || settings.study.window.is_some();
         // Three causes at once are left to the windows that suit what remains.
@@ -317,14 +317,19 @@ impl<'a> Attempt<'a> {
 
 /// The fit, or a better one that begins with the parameters that short windows give: over long ones, parameters that are far
 /// off leave local minima, in which motions fall out of step.
-fn from_short_windows(study: &Study, mut fit: Fit, windows: &[usize]) -> Result<Fit, DiagnoseError> {
+fn from_short_windows(
+    study: &Study,
+    mut fit: Fit,
+    windows: &[usize],
+    settings: &SearchSettings,
+) -> Result<Fit, DiagnoseError> {
     let failures = |fit: &Fit| fit.windows.iter().filter(|w| w.count == 0).count();
     let Some(first) = study.windows().first() else { return Ok(fit) };
     let times = &study.records()[first.record].times;
     let length = times[first.to - 1] - times[first.from];
-    for part in SHORTER {
+    for &part in &settings.shorter {
         let short = study.with_windows(part * length)?;
-        let start = short.fit(&[], &thinned(short.windows().len()), None)?;
+        let start = short.fit(&[], &thinned(short.windows().len(), settings.most_windows), None)?;
         let refit = study.fit(&[], windows, Some(&start.without_windows()))?;
         if failures(&refit) <= failures(&fit) && refit.square() < fit.square() {
             fit = refit;
@@ -337,7 +342,8 @@ fn from_short_windows(study: &Study, mut fit: Fit, windows: &[usize]) -> Result<
 fn within_reach(search: &mut Search<'_>, base: &Explanation, named: &[usize]) -> Result<bool, DiagnoseError> {
     let linearized = search.linearized(base, named)?;
     let promised = search.pairs(&linearized, 1).first().map_or(0.0, |p| p.square);
-    Ok(base.square() - promised < WITHIN_REACH * WITHIN_REACH * base.alarm.floor)
+    let reach = search.settings.search.within_reach;
+    Ok(base.square() - promised < reach * reach * base.alarm.floor)
 }
 
 /// Share of the excess that an explanation takes away.
@@ -349,14 +355,14 @@ fn share(base: &Explanation, chosen: &Explanation) -> f64 {
 fn ending(base: &Explanation, chosen: &Explanation, refuted: Option<f64>, settings: &Settings) -> Ending {
     let share = share(base, chosen);
     if chosen.members.is_empty() {
-        if base.alarm.size < NEAR_NOISE {
+        if base.alarm.size < settings.verdict.search.near_noise {
             Ending::Correlated
         } else {
             refuted.map_or(Ending::Unexplained(0.0), Ending::Refuted)
         }
     } else if chosen.alarm.p_value >= settings.significance {
         Ending::Explained
-    } else if share >= LEAST_EXPLAINED {
+    } else if share >= settings.verdict.naming.least_explained {
         Ending::Partly(share)
     } else {
         Ending::Unexplained(share)

@@ -1,7 +1,7 @@
 //! Sets of candidates with their fits, and those that the linearized problem promises.
 
 use super::alarm::Alarm;
-use super::limits::{INEXACT, NEAR_NOISE, VANISHED};
+use crate::settings::SearchSettings;
 use crate::{Effect, Fit, Role};
 
 /// A set of candidates, fitted together.
@@ -26,17 +26,20 @@ impl Explanation {
 
     /// Whether causes remove all of the residual of `base` but for what the inexactness of any law leaves, and that is near
     /// the noise: a further name would be given to it.
-    pub(crate) fn spans(&self, base: &Explanation) -> bool {
-        !self.members.is_empty() && self.alarm.size < NEAR_NOISE && self.alarm.excess() < INEXACT * base.alarm.excess()
+    pub(crate) fn spans(&self, base: &Explanation, settings: &SearchSettings) -> bool {
+        !self.members.is_empty()
+            && self.alarm.size < settings.near_noise
+            && self.alarm.excess() < settings.inexact * base.alarm.excess()
     }
 
-    /// Names of the model's parameters that stopped at a limit, but for those that nearly vanished there with their term.
-    pub(crate) fn stopped(&self) -> impl Iterator<Item = &str> {
+    /// Names of the model's parameters that stopped at a limit, except those that fell there below the share `vanished` of their nominal
+    /// value.
+    pub(crate) fn stopped(&self, vanished: f64) -> impl Iterator<Item = &str> {
         let parameters = self.fit.values.len() - self.coefficients;
         let limited = self.fit.limited.iter().filter(move |&&i| i < parameters);
         limited
             .map(|&i| &self.fit.values[i])
-            .filter(|e| e.value.abs() > VANISHED * e.nominal.abs())
+            .filter(move |e| e.value.abs() > vanished * e.nominal.abs())
             .map(|e| e.name.as_str())
     }
 

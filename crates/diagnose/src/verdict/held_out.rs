@@ -1,12 +1,11 @@
 //! Windows that no fit has seen.
 
 use super::explanation::Explanation;
-use super::limits::MOST_WINDOWS;
 use crate::{DiagnoseError, Study};
 
-/// Evenly spread windows out of `count`, where not all are needed.
-pub(crate) fn thinned(count: usize) -> Vec<usize> {
-    (0..count).step_by(count.div_ceil(MOST_WINDOWS).max(1)).collect()
+/// At most `most` evenly spread windows out of `count`.
+pub(crate) fn thinned(count: usize, most: usize) -> Vec<usize> {
+    (0..count).step_by(count.div_ceil(most).max(1)).collect()
 }
 
 /// Length of the windows of a study, s.
@@ -25,10 +24,10 @@ pub(crate) struct UnseenWindows {
 }
 
 impl UnseenWindows {
-    /// The windows of a study that are not among `seen`; `None` if there are none.
-    pub(crate) fn new(study: &Study, seen: &[usize]) -> Option<Self> {
+    /// At most `most` windows of a study that are not among `seen`; `None` if there are none.
+    pub(crate) fn new(study: &Study, seen: &[usize], most: usize) -> Option<Self> {
         let unseen: Vec<usize> = (0..study.windows().len()).filter(|w| !seen.contains(w)).collect();
-        let windows: Vec<usize> = thinned(unseen.len()).into_iter().map(|i| unseen[i]).collect();
+        let windows: Vec<usize> = thinned(unseen.len(), most).into_iter().map(|i| unseen[i]).collect();
         (!windows.is_empty()).then(|| Self { study: study.clone(), windows })
     }
 

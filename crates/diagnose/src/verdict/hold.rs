@@ -6,10 +6,9 @@ use bracketry_system::System;
 use super::alarm::Alarm;
 use super::findings::Findings;
 use super::held_out::{thinned, window_length};
-use super::limits::{NEAR_HALF_SAMPLE, OTHER_HOLD_WORTH};
 use super::search::Search;
-use super::settings::Settings;
 use crate::report::{Flag, NamedCause, OtherHold};
+use crate::settings::Settings;
 use crate::statistics::{median, steps};
 use crate::{Cause, DiagnoseError, Record, Study, StudySettings};
 
@@ -33,11 +32,12 @@ pub(super) fn other_hold(
     let length = window_length(search.study);
     let study = Study::new(system, &records, &StudySettings { window: length, ..settings.study.clone() })?;
     let start = findings.base.fit.without_windows();
-    let fit = study.fit(&[], &thinned(study.windows().len()), Some(&start))?;
-    let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
+    let fit = study.fit(&[], &thinned(study.windows().len(), settings.verdict.search.most_windows), Some(&start))?;
+    let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len(), &settings.verdict.alarm);
     let stays = beyond(alarm.size) / excess;
     let noise = alarm.p_value >= settings.significance;
-    Ok((noise || stays <= OTHER_HOLD_WORTH).then_some(OtherHold { hold, stays: (!noise).then_some(stays) }))
+    Ok((noise || stays <= settings.verdict.signals.other_hold_worth)
+        .then_some(OtherHold { hold, stays: (!noise).then_some(stays) }))
 }
 
 /// All inputs, by index, but those whose derivatives the model uses, which are motions.
@@ -61,15 +61,15 @@ fn with_other_hold(system: &System, records: &[Record]) -> Option<(Vec<Record>, 
     Some((records, hold))
 }
 
-/// What is odd about a cause that says inputs are late: whether it is half a sampling time.
-pub(super) fn half_a_sample(cause: &NamedCause, records: &[Record]) -> Option<Flag> {
+/// What is odd about a cause that says inputs are late: whether it is half a sampling time, up to the share `near` of one.
+pub(super) fn half_a_sample(cause: &NamedCause, records: &[Record], near: f64) -> Option<Flag> {
     if cause.name != Cause::InputDelay {
         return None;
     }
     let (_, delay) = cause.parameters.first()?;
     let record = records.first()?;
     let step = median(steps(&record.times))?;
-    if (delay.value - 0.5 * step).abs() > (NEAR_HALF_SAMPLE * step).max(2.0 * delay.std) || delay.std > 0.25 * step {
+    if (delay.value - 0.5 * step).abs() > (near * step).max(2.0 * delay.std) || delay.std > 0.25 * step {
         return None;
     }
     let lines = record.inputs.first().is_some_and(|signal| signal.hold == Hold::Linear);

@@ -1,6 +1,5 @@
 //! Whether data hold any motion.
 
-use super::limits::{MOTION_SPREAD, NINE_TENTHS};
 use std::time::Instant;
 
 use bracketry_system::System;
@@ -9,9 +8,12 @@ use crate::report::{Evidence, NoMotion, Outcome, Reason};
 use crate::statistics::quantile;
 use crate::{Measured, Record, Report, Verdict};
 
+/// Nine tenths of a normal variable lie within this many standard deviations around its mean, to both sides.
+const NINE_TENTHS: f64 = 1.645;
+
 /// Measured columns that are significant above their noise in no record, by name, and whether those are all. Single outliers are no motion.
-pub(super) fn still(records: &[Record]) -> (Vec<String>, bool) {
-    let moves = |m: &Measured| spread(&m.values) > MOTION_SPREAD * 2.0 * NINE_TENTHS * m.noise;
+pub(super) fn still(records: &[Record], motion_spread: f64) -> (Vec<String>, bool) {
+    let moves = |m: &Measured| spread(&m.values) > motion_spread * 2.0 * NINE_TENTHS * m.noise;
     let mut names: Vec<&str> = Vec::new();
     for m in records.iter().flat_map(|r| &r.measured) {
         if !names.contains(&m.name.as_str()) {

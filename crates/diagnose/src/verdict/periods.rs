@@ -1,6 +1,5 @@
 //! Periods worth trying: where the residual of the refitted model repeats.
 
-use super::limits::{FINER_STEPS, MOST_CYCLES, MOST_PERIODS, MOST_REFINED_PEAKS, STEPS_PER_CYCLE};
 use std::f64::consts::TAU;
 
 use bracketry_symbolic::Node;
@@ -9,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::library::TIME_INPUT;
+use crate::settings::PeriodSettings;
 use crate::{Cause, Effect, Fit, Quantity, Record, Study, Window};
 
 /// What a force wave does to a measured column while the rest of the dynamics is left alone.
@@ -26,12 +26,12 @@ enum Response {
 /// A period tells itself only within half a cycle over all the data, so that a few fixed trials would miss most. The
 /// periodogram is that of least squares (Lomb, Astrophysics and Space Science 39, 1976): per window the residual is put
 /// against the sine and the cosine, integrated from the force to the column, with the initial state's part taken out.
-pub(super) fn tune(study: &Study, fit: &Fit, effects: &mut [Effect]) {
+pub(super) fn tune(study: &Study, fit: &Fit, effects: &mut [Effect], settings: &PeriodSettings) {
     let system = study.system();
     for effect in effects.iter_mut().filter(|e| e.cause == Cause::PeriodicDisturbance) {
         let Some(period) = effect.coefficients.iter_mut().find(|c| c.period_of.is_some()) else { continue };
         let Some(along) = &period.period_of else { continue };
-        let peaks = peaks(&lanes(system, study, fit, &effect.equation, along));
+        let peaks = peaks(&lanes(system, study, fit, &effect.equation, along), settings);
         let (Some(&first), Some(shortest)) = (peaks.first(), peaks.iter().copied().reduce(f64::min)) else { continue };
         period.nominal = first;
         period.scale = first;
@@ -85,28 +85,29 @@ fn values<'a>(system: &System, record: &'a Record, name: &str) -> Option<&'a [f6
 }
 
 /// Periods of the highest peaks, the highest first.
-fn peaks(lanes: &[Lane]) -> Vec<f64> {
+fn peaks(lanes: &[Lane], settings: &PeriodSettings) -> Vec<f64> {
+    let (per_cycle, finer) = (settings.steps_per_cycle, settings.finer_steps);
     let all = || lanes.iter().flat_map(|l| &l.phase).copied();
     let range = all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min);
     if range.is_nan() || range <= 0.0 {
         return Vec::new();
     }
     let at = |cycles: f64| power(lanes, range / cycles);
-    let step = 1.0 / STEPS_PER_CYCLE as f64;
-    let coarse: Vec<f64> =
-        (STEPS_PER_CYCLE..=MOST_CYCLES * STEPS_PER_CYCLE).into_par_iter().map(|k| at(step * k as f64)).collect();
+    let step = 1.0 / per_cycle as f64;
+    let steps = per_cycle..=settings.most_cycles * per_cycle;
+    let coarse: Vec<f64> = steps.into_par_iter().map(|k| at(step * k as f64)).collect();
     let beside = |i: Option<usize>| i.and_then(|i| coarse.get(i)).copied().unwrap_or(f64::NEG_INFINITY);
     let mut highest: Vec<usize> = (0..coarse.len())
         .filter(|&i| coarse[i] > beside(i.checked_sub(1)) && coarse[i] >= beside(i.checked_add(1)))
         .collect();
     highest.sort_by(|&a, &b| coarse[b].total_cmp(&coarse[a]));
-    highest.truncate(MOST_REFINED_PEAKS);
+    highest.truncate(settings.most_refined_peaks);
     let mut crests: Vec<(f64, f64)> = highest
         .into_par_iter()
         .map(|i| {
-            let middle = step * (i + STEPS_PER_CYCLE) as f64;
-            (0..2 * FINER_STEPS)
-                .map(|j| middle + step * (j as f64 / FINER_STEPS as f64 - 1.0))
+            let middle = step * (i + per_cycle) as f64;
+            (0..2 * finer)
+                .map(|j| middle + step * (j as f64 / finer as f64 - 1.0))
                 .map(|cycles| (cycles, if cycles == middle { coarse[i] } else { at(cycles) }))
                 .max_by(|a, b| a.1.total_cmp(&b.1))
                 .unwrap_or((middle, coarse[i]))
@@ -120,7 +121,7 @@ fn peaks(lanes: &[Lane]) -> Vec<f64> {
             periods.push(range / cycles);
         }
     }
-    periods.truncate(MOST_PERIODS);
+    periods.truncate(settings.most_periods);
     periods
 }
 
@@ -212,10 +213,14 @@ mod tests {
 
     #[test]
     fn the_highest_peak_is_the_period_of_the_force() {
+        let settings = PeriodSettings::default();
         for period in [0.013, 0.0603, 0.21] {
-            let found = peaks(&pushed(period, 2.0))[0];
+            let found = peaks(&pushed(period, 2.0), &settings)[0];
             // Half a step of frequency over the range of 0.6.
-            assert!((0.6 / found - 0.6 / period).abs() <= 0.5 / STEPS_PER_CYCLE as f64 + 0.05, "{period}: {found}");
+            assert!(
+                (0.6 / found - 0.6 / period).abs() <= 0.5 / settings.steps_per_cycle as f64 + 0.05,
+                "{period}: {found}"
+            );
         }
     }
 
@@ -225,6 +230,6 @@ mod tests {
         for lane in &mut still {
             lane.phase.fill(0.1);
         }
-        assert!(peaks(&still).is_empty());
+        assert!(peaks(&still, &PeriodSettings::default()).is_empty());
     }
 }

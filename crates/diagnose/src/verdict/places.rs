@@ -1,12 +1,12 @@
 //! Where the refitted model is wrong: in which equation, and when.
 
-use super::limits::{LEAST_PLACE_SHARE, LINGERING, MOST_ANGLES, MOST_VALUES, NEAR_REST};
 use bracketry_symbolic::Symbol;
 use bracketry_system::System;
 
 use crate::gain::{Missing, MissingIn, missing};
 use crate::library::{Kind, Structure, is_angle};
 use crate::report::{Place, Regime, ResidualAcceleration};
+use crate::settings::{PlaceSettings, Settings};
 use crate::statistics::extremes;
 use crate::{DiagnoseError, Fit, Record};
 
@@ -28,8 +28,14 @@ pub(super) struct Places {
 ///
 /// # Errors
 /// [`DiagnoseError`] if the model cannot be evaluated.
-pub(super) fn places(system: &System, records: &[Record], fit: &Fit) -> Result<Places, DiagnoseError> {
-    let (stretches, mechanics) = missing(system, fit, records)?;
+pub(super) fn places(
+    system: &System,
+    records: &[Record],
+    fit: &Fit,
+    settings: &Settings,
+) -> Result<Places, DiagnoseError> {
+    let (stretches, mechanics) = missing(system, fit, records, &settings.gain.equations)?;
+    let limits = &settings.verdict.places;
     let mut names: Vec<&str> = Vec::new();
     for m in stretches.iter().flat_map(|s| &s.equations) {
         if !names.contains(&m.name.as_str()) {
@@ -43,7 +49,7 @@ pub(super) fn places(system: &System, records: &[Record], fit: &Fit) -> Result<P
             stretches.iter().filter_map(|s| Some((s, s.equations.iter().find(|m| m.name == name)?))).collect();
         let needed = rms(parts.iter().flat_map(|(_, m)| &m.inertia));
         if needed > 0.0 {
-            let view = View::new(&mut system, mechanics.as_ref(), &parts);
+            let view = View::new(&mut system, mechanics.as_ref(), &parts, limits);
             for (stretch, m) in &parts {
                 tally.add(name, &view.motion(stretch, m), m, needed, true);
                 for regimes in view.others(stretch, m) {
@@ -52,10 +58,11 @@ pub(super) fn places(system: &System, records: &[Record], fit: &Fit) -> Result<P
             }
         }
     }
-    let over_time = stretches.iter().flat_map(|s| s.equations.iter().map(|m| over_time(records, s, m))).collect();
+    let series = |s| move |m| over_time(records, s, m, limits.most_values);
+    let over_time = stretches.iter().flat_map(|s| s.equations.iter().map(series(s))).collect();
     let (motion, mut regimes) = tally.places();
     let share = |equation: &str| motion.iter().filter(|p| p.equation == equation).map(|p| p.share).sum::<f64>();
-    regimes.retain(|p| share(&p.equation) >= LEAST_PLACE_SHARE);
+    regimes.retain(|p| share(&p.equation) >= limits.least_share);
     Ok(Places { motion, regimes, over_time })
 }
 
@@ -64,8 +71,8 @@ fn rms<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
     if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
 }
 
-fn over_time(records: &[Record], stretch: &Missing, m: &MissingIn) -> ResidualAcceleration {
-    let every = stretch.times.len().div_ceil(MOST_VALUES).max(1);
+fn over_time(records: &[Record], stretch: &Missing, m: &MissingIn, most: usize) -> ResidualAcceleration {
+    let every = stretch.times.len().div_ceil(most).max(1);
     ResidualAcceleration {
         record: records[stretch.record].name.clone(),
         equation: m.name.clone(),
@@ -142,6 +149,7 @@ struct View {
     /// Whether the coordinate has dry friction.
     sliding: bool,
     near_rest: f64,
+    lingering: f64,
     typical_rate: f64,
     /// The quantity whose thirds are told apart, and where they end.
     thirds: Option<(usize, String, [f64; 2])>,
@@ -155,7 +163,12 @@ enum Angle {
 }
 
 impl View {
-    fn new(system: &mut System, mechanics: Option<&Structure>, parts: &[(&Missing, &MissingIn)]) -> Self {
+    fn new(
+        system: &mut System,
+        mechanics: Option<&Structure>,
+        parts: &[(&Missing, &MissingIn)],
+        limits: &PlaceSettings,
+    ) -> Self {
         let state = parts[0].1.state;
         let coordinate = mechanics.and_then(|m| m.coordinates.iter().find(|c| c.rate == state));
         let values = |i: usize| parts.iter().filter_map(move |(s, _)| s.states[i].as_ref()).flatten();
@@ -180,13 +193,14 @@ impl View {
                 angles.push((Angle::Input(i), system.symbol_name(s).to_owned()));
             }
         }
-        angles.truncate(MOST_ANGLES);
+        angles.truncate(limits.most_angles);
         Self {
             name: parts[0].1.name.clone(),
             is_rate: coordinate.is_some(),
             sliding: coordinate.is_some_and(|c| c.has_dry_friction),
-            near_rest: NEAR_REST * rms(values(state)),
+            near_rest: limits.near_rest * rms(values(state)),
             typical_rate: rms(parts.iter().flat_map(|(_, m)| &m.rate_of_state)),
+            lingering: limits.lingering,
             thirds,
             angles,
         }
@@ -201,7 +215,7 @@ impl View {
         let (name, limit) = (&self.name, self.near_rest);
         let moving = |v: &f64| Regime::Motion { name: name.clone(), sliding: self.sliding, positive: *v > 0.0 };
         let mut regimes: Vec<Regime> = v.iter().map(moving).collect();
-        let longest = LINGERING * 2.0 * limit / self.typical_rate.max(f64::MIN_POSITIVE);
+        let longest = self.lingering * 2.0 * limit / self.typical_rate.max(f64::MIN_POSITIVE);
         let mut from = 0;
         for run in v.chunk_by(|a, b| (a.abs() <= limit) == (b.abs() <= limit)) {
             let to = from + run.len();

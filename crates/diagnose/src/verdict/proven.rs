@@ -1,12 +1,11 @@
 //! What a cause must be worth to be named.
 
 use super::explanation::Explanation;
-use super::limits::SURE;
 use super::noise::Scatter;
 use super::search::Search;
-use super::settings::Settings;
 use crate::gain::Gain;
 use crate::report::{Note, Outcome, Report, Verdict};
+use crate::settings::Settings;
 use crate::{Effect, Role};
 
 /// Improvement by a member of an explanation: decrease of the sum of squares and its p-value, corrected for the number of
@@ -38,7 +37,7 @@ pub(super) fn drop_unproven(
         let mut least: Option<(f64, Explanation)> = None;
         for member in chosen.members.clone() {
             let Some((gained, p_value, rest)) = worth(search, chosen, member, scatter, tests) else { continue };
-            let times = if chosen.alarm.p_value < settings.significance { SURE } else { 1.0 };
+            let times = if chosen.alarm.p_value < settings.significance { settings.verdict.naming.sure } else { 1.0 };
             let sizeable = sizeable(&search.candidates[member], chosen, times, scatter);
             let proven = p_value < settings.significance && sizeable;
             if !proven && least.as_ref().is_none_or(|l| gained < l.0) {

@@ -5,11 +5,10 @@ use rand::{RngExt, SeedableRng};
 
 use super::explanation::Explanation;
 use super::findings::Findings;
-use super::limits::{FEWEST_RESAMPLED, LISTED_CANDIDATES};
 use super::search::Search;
-use super::settings::Settings;
-use crate::gain::{RESAMPLES, middle};
+use crate::gain::middle;
 use crate::report::Candidate;
+use crate::settings::Settings;
 
 /// Candidates by what their exact fit alone explains, with intervals from resampling windows.
 pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Settings) -> Vec<Candidate> {
@@ -19,7 +18,7 @@ pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Setti
     singles.sort_by(|a, b| a.square().total_cmp(&b.square()).then_with(|| a.members.cmp(&b.members)));
     singles
         .iter()
-        .take(LISTED_CANDIDATES)
+        .take(settings.verdict.naming.listed_candidates)
         .map(|e| {
             let member = e.members[0];
             let effect = &search.candidates[member];
@@ -30,7 +29,7 @@ pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Setti
                 equation: effect.equation.clone(),
                 term: effect.term.clone(),
                 share,
-                interval: share.and_then(|share| interval(base, e, share, settings.seed)),
+                interval: share.and_then(|share| interval(base, e, share, settings)),
                 p_value: (findings.scatter.p_value(gained, e.coefficients) * findings.tests).min(1.0),
                 chosen: findings.chosen.members.contains(&member),
             }
@@ -40,7 +39,7 @@ pub(super) fn ranking(search: &Search<'_>, findings: &Findings, settings: &Setti
 
 /// The interval of 95 % for the share of the excess that an explanation takes away: percentiles of the ratio of both over resamples of
 /// whole windows (Künsch, Annals of Statistics 17, 1989), parameters at the values that all windows give.
-fn interval(base: &Explanation, explanation: &Explanation, share: f64, seed: u64) -> Option<[f64; 2]> {
+fn interval(base: &Explanation, explanation: &Explanation, share: f64, settings: &Settings) -> Option<[f64; 2]> {
     let noise = base.alarm.floor / base.alarm.freedom;
     let pairs: Vec<[f64; 2]> = explanation
         .fit
@@ -51,12 +50,13 @@ fn interval(base: &Explanation, explanation: &Explanation, share: f64, seed: u64
             Some([b.square - e.square, b.square - noise * b.count as f64])
         })
         .collect();
-    if pairs.len() < FEWEST_RESAMPLED {
+    if pairs.len() < settings.verdict.naming.fewest_resampled {
         return None;
     }
-    let mut random = StdRng::seed_from_u64(seed);
-    let mut shares = Vec::with_capacity(RESAMPLES);
-    for _ in 0..RESAMPLES {
+    let mut random = StdRng::seed_from_u64(settings.seed);
+    let resamples = settings.gain.resamples;
+    let mut shares = Vec::with_capacity(resamples);
+    for _ in 0..resamples {
         let drawn = (0..pairs.len()).map(|_| pairs[random.random_range(0..pairs.len())]);
         let [gained, excess] = drawn.fold([0.0, 0.0], |sum, pair| [sum[0] + pair[0], sum[1] + pair[1]]);
         if excess > 0.0 {
@@ -64,7 +64,7 @@ fn interval(base: &Explanation, explanation: &Explanation, share: f64, seed: u64
         }
     }
     // Where hardly any excess is left in some resamples, the ratio says nothing.
-    if 10 * shares.len() < 9 * RESAMPLES {
+    if 10 * shares.len() < 9 * resamples {
         return None;
     }
     let [low, high] = middle(shares)?;

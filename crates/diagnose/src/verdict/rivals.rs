@@ -6,13 +6,11 @@ use std::collections::HashMap;
 use super::explanation::Explanation;
 use super::findings::Rivals;
 use super::held_out::UnseenWindows;
-use super::limits::{
-    BESIDE, DIFFERENT, INEXACT, LEAST_SHARE, MARGIN, MOST_RIVAL_FITS, MOST_SWAPS, NEAR_NOISE, UNDERRATED,
-};
 use super::noise::Scatter;
 use super::search::Search;
 use super::select::{add, merit};
 use crate::DiagnoseError;
+use crate::settings::VerdictSettings;
 
 /// Puts each other candidate in the place of each cause; where one turns out better, the explanation changes.
 ///
@@ -33,13 +31,15 @@ pub(crate) fn rivals(
     held_out: Option<&UnseenWindows>,
     significance: f64,
 ) -> Result<Vec<Rivals>, DiagnoseError> {
+    let VerdictSettings { search: limits, selection, rivals: settings, .. } = search.settings;
+    let least_share = selection.least_share;
     let mut swaps = 0;
     'retry: loop {
         let linearized = search.linearized(chosen, among)?;
         let beside: HashMap<usize, f64> =
             search.singles(&linearized).iter().map(|p| (p.candidates[0], p.square)).collect();
-        let structured = chosen.alarm.p_value < significance && chosen.alarm.size < NEAR_NOISE;
-        let inexact = search.base().map_or(0.0, |b| INEXACT * b.alarm.excess());
+        let structured = chosen.alarm.p_value < significance && chosen.alarm.size < limits.near_noise;
+        let inexact = search.base().map_or(0.0, |b| limits.inexact * b.alarm.excess());
         let mut all = Vec::new();
         for member in chosen.members.clone() {
             let Some(rest) = search.without(chosen, member) else {
@@ -47,41 +47,42 @@ pub(crate) fn rivals(
                 continue;
             };
             let found = of_one(search, chosen, &rest, member, scatter, among)?;
-            let little = LEAST_SHARE * (rest.square() - chosen.square());
-            let limit = chosen.square() + MARGIN * scatter.unit();
+            let little = least_share * (rest.square() - chosen.square());
+            let limit = chosen.square() + settings.margin * scatter.unit();
             let mut near = Vec::new();
             let mut better: Option<Explanation> = None;
             for (candidate, rival) in found {
                 let mut wins = merit(search, &rival, scatter) < merit(search, chosen, scatter);
                 if let Some(held_out) = held_out {
                     let worse = held_out.worse(&rival, chosen)?;
-                    if worse > DIFFERENT {
+                    if worse > settings.different {
                         continue;
                     }
-                    wins |= worse < -DIFFERENT;
+                    wins |= worse < -settings.different;
                 }
                 // More coefficients must be worth it; what is not is told by the simpler one as well.
-                let told = told_as_well(&rival, chosen) && rival.square() - chosen.square() < little
+                let told = told_as_well(&rival, chosen, least_share) && rival.square() - chosen.square() < little
                     || structured && rival.square() - chosen.square() < inexact;
                 match rival.coefficients.cmp(&chosen.coefficients) {
                     Ordering::Less => wins |= rival.physical && told,
                     Ordering::Equal => {}
                     Ordering::Greater => {
                         let gained = chosen.square() - rival.square();
-                        wins &= !(told_as_well(chosen, &rival) || structured && gained < inexact);
+                        wins &= !(told_as_well(chosen, &rival, least_share) || structured && gained < inexact);
                     }
                 }
                 if wins && better.as_ref().is_none_or(|b| merit(search, &rival, scatter) < merit(search, b, scatter)) {
                     better = Some(rival.clone());
                 }
                 let own = rest.square() - rival.square();
-                let other = beside.get(&candidate).is_some_and(|&b| b > MARGIN * scatter.unit() && b > BESIDE * own);
+                let besides = |b: f64| b > settings.margin * scatter.unit() && b > settings.beside * own;
+                let other = beside.get(&candidate).is_some_and(|&b| besides(b));
                 if (rival.square() <= limit || told) && !other {
                     near.push((candidate, rival));
                 }
             }
             if let Some(better) = better
-                && swaps < MOST_SWAPS
+                && swaps < settings.most_swaps
             {
                 *chosen = better;
                 swaps += 1;
@@ -93,9 +94,9 @@ pub(crate) fn rivals(
     }
 }
 
-/// Whether `full` takes away no substantial share of the excess that `plain` leaves.
-fn told_as_well(plain: &Explanation, full: &Explanation) -> bool {
-    plain.square() - full.square() < LEAST_SHARE * plain.alarm.excess()
+/// Whether `full` takes away less than this share of the excess that `plain` leaves.
+fn told_as_well(plain: &Explanation, full: &Explanation, least_share: f64) -> bool {
+    plain.square() - full.square() < least_share * plain.alarm.excess()
 }
 
 fn of_one(
@@ -113,10 +114,11 @@ fn of_one(
     // What is there altogether or not at all changes too much for the linearized problem to tell its gain.
     let whole = search.candidates[member].coefficients.iter().all(|c| c.settled().is_some());
     let told = if whole { exact } else { own.min(exact) };
-    let needed = UNDERRATED * told - MARGIN * scatter.unit();
+    let settings = &search.settings.rivals;
+    let needed = settings.underrated * told - settings.margin * scatter.unit();
     let mut found = Vec::new();
     let near = promises.iter().filter(|p| p.candidates != [member] && p.square >= needed);
-    for promise in near.take(MOST_RIVAL_FITS) {
+    for promise in near.take(settings.most_fits) {
         if let Some(explanation) = add(search, rest, promise) {
             found.push((promise.candidates[0], explanation));
         }

@@ -1,8 +1,8 @@
 //! The noise of the columns, estimated again from the residual of a fit.
 
 use super::alarm::Alarm;
-use super::limits::NOISE_OFF;
 use crate::report::Note;
+use crate::settings::Settings;
 use crate::{Measured, Record};
 
 /// By what the estimates of noise of the columns are to be multiplied, if the residual of a fit is noise and says that the columns weigh
@@ -10,7 +10,7 @@ use crate::{Measured, Record};
 pub(super) fn factors<'a>(
     alarm: &Alarm,
     mut records: impl Iterator<Item = &'a Record>,
-    significance: f64,
+    settings: &Settings,
 ) -> Option<Vec<f64>> {
     let names = |r: &'a Record| r.measured.iter().map(|m| m.name.as_str());
     let first = records.next()?;
@@ -20,7 +20,8 @@ pub(super) fn factors<'a>(
     let factors: Vec<f64> = alarm.noise.iter().map(|variance| variance.sqrt()).collect();
     let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
     let most = factors.iter().copied().fold(0.0, f64::max);
-    (alarm.p_value >= significance && least > 0.0 && most.is_finite() && most > NOISE_OFF * least).then_some(factors)
+    let off = least > 0.0 && most.is_finite() && most > settings.verdict.alarm.noise_off * least;
+    (alarm.p_value >= settings.significance && off).then_some(factors)
 }
 
 /// The records with the noise of their columns times the factors.
@@ -35,9 +36,9 @@ pub(super) fn rescaled(records: &[Record], factors: &[f64]) -> Vec<Record> {
 }
 
 /// Columns whose noise is another than they show by themselves.
-pub(super) fn notes(records: &[Record], factors: &[f64]) -> Vec<Note> {
+pub(super) fn notes(records: &[Record], factors: &[f64], noise_off: f64) -> Vec<Note> {
     let Some(record) = records.first() else { return Vec::new() };
-    let off = record.measured.iter().zip(factors).filter(|(_, f)| !(1.0 / NOISE_OFF..=NOISE_OFF).contains(*f));
+    let off = record.measured.iter().zip(factors).filter(|(_, f)| !(1.0 / noise_off..=noise_off).contains(*f));
     let note =
         |(m, &factor): (&Measured, &f64)| Note::NoiseOfColumn { column: m.name.clone(), std: m.noise * factor, factor };
     off.map(note).collect()

@@ -1,9 +1,12 @@
 //! What candidates would gain, from the linearized problem.
 
-use super::limits::LEAST_ANGLE;
 use nalgebra::{DMatrix, DVector};
 
 use crate::{Column, Linearization};
+
+/// Share of a column's response that must be left after the refitted parameters have taken what they can: the square of the
+/// sine of its angle to them. Below, it is the rounding of finite differences.
+const LEAST_ANGLE: f64 = 1e-7;
 
 /// A candidate at one trial value of its shapes: the columns of its amplitudes.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,8 +7,8 @@ use nalgebra::DVector;
 
 use super::alarm::Alarm;
 use super::explanation::{Explanation, Promise};
-use super::limits::{FAR_PARAMETER, FARTHEST, MARGIN, MOST_RETURNS, NEARER, STOPPED_SHORT, UNCERTAIN};
 use super::score::{Group, Scores};
+use crate::settings::VerdictSettings;
 use crate::statistics::extremes;
 use crate::{Cause, Change, DiagnoseError, Effect, Estimate, Fit, Linearization, Path, Role, Study};
 
@@ -20,6 +20,7 @@ pub(crate) struct Search<'a> {
     pub(crate) study: &'a Study,
     pub(crate) candidates: Vec<Effect>,
     pub(crate) windows: Vec<usize>,
+    pub(super) settings: &'a VerdictSettings,
     /// Initial values per window.
     initial: usize,
     known: HashMap<Vec<usize>, Option<Explanation>>,
@@ -38,9 +39,14 @@ pub(crate) struct Linearized {
 
 impl<'a> Search<'a> {
     /// Fits will be made over `windows` of the study.
-    pub(crate) fn new(study: &'a Study, candidates: Vec<Effect>, windows: Vec<usize>) -> Self {
+    pub(crate) fn new(
+        study: &'a Study,
+        candidates: Vec<Effect>,
+        windows: Vec<usize>,
+        settings: &'a VerdictSettings,
+    ) -> Self {
         let initial = study.system().states.len();
-        Self { study, candidates, windows, initial, known: HashMap::new(), linearized: HashMap::new() }
+        Self { study, candidates, windows, settings, initial, known: HashMap::new(), linearized: HashMap::new() }
     }
 
     /// Adds candidates; returns their places.
@@ -71,8 +77,8 @@ impl<'a> Search<'a> {
         }
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
         let initial = started(near.clone(), start);
-        let refitted =
-            returned(&initial, &effects).and_then(|b| self.study.fit(&effects, &self.windows, Some(&b)).ok());
+        let refitted = returned(&initial, &effects, self.settings.search.far_parameter)
+            .and_then(|b| self.study.fit(&effects, &self.windows, Some(&b)).ok());
         let found = self
             .fit_from(&effects, initial, near, start)
             .into_iter()
@@ -93,7 +99,8 @@ impl<'a> Search<'a> {
         let unit = explanation.alarm.square / explanation.alarm.freedom;
         let expected = explanation.expected_cost(&self.candidates[member]);
         let gained = gained / unit.max(1.0);
-        if gained < MARGIN || expected > UNCERTAIN || gained < STOPPED_SHORT * expected {
+        let VerdictSettings { search, rivals, .. } = self.settings;
+        if gained < rivals.margin || expected > search.uncertain || gained < search.stopped_short * expected {
             return Some(found);
         }
         self.refit(rest, &explanation.fit)
@@ -125,7 +132,7 @@ impl<'a> Search<'a> {
     /// values that were added (`start`) mislead, and the fit restarts with smaller amplitudes.
     fn fit_from(&self, effects: &[Effect], mut initial: Fit, near: &Fit, start: &[(String, f64)]) -> Option<Fit> {
         let mut best = self.study.fit(effects, &self.windows, Some(&initial)).ok();
-        for _ in 0..MOST_RETURNS {
+        for _ in 0..self.settings.search.most_returns {
             let astray = best.as_ref().is_none_or(|fit| fit.square() > near.square());
             if start.is_empty() || !astray {
                 break;
@@ -133,7 +140,7 @@ impl<'a> Search<'a> {
             let amplitudes = effects.iter().flat_map(|e| &e.coefficients).filter(|c| c.role == Role::Amplitude);
             for c in amplitudes.filter(|c| start.iter().any(|(name, _)| *name == c.name)) {
                 for e in initial.values.iter_mut().filter(|e| e.name == c.name) {
-                    e.value = c.nominal + NEARER * (e.value - c.nominal);
+                    e.value = c.nominal + self.settings.search.nearer * (e.value - c.nominal);
                 }
             }
             let refitted = self.study.fit(effects, &self.windows, Some(&initial)).ok();
@@ -173,7 +180,7 @@ impl<'a> Search<'a> {
     }
 
     fn judge(&self, members: Vec<usize>, fit: Fit) -> Explanation {
-        let alarm = Alarm::of(&fit.windows, self.initial, fit.values.len());
+        let alarm = Alarm::of(&fit.windows, self.initial, fit.values.len(), &self.settings.alarm);
         let coefficients = members.iter().map(|&m| self.candidates[m].coefficients.len()).sum();
         let physical = members.iter().all(|&m| {
             self.candidates[m].coefficients.iter().all(|c| {
@@ -243,7 +250,13 @@ impl<'a> Search<'a> {
                     candidates: vec![others[group.candidate]],
                     square,
                     coefficients: effect.coefficients.len(),
-                    start: start(effect, linearization, scores, group, step.as_slice()),
+                    start: start(
+                        effect,
+                        linearization,
+                        scores,
+                        (group, step.as_slice()),
+                        self.settings.search.farthest,
+                    ),
                 }
             })
             .collect();
@@ -283,8 +296,9 @@ impl<'a> Search<'a> {
                 let (a, b) = (&scores.groups[i], &scores.groups[j]);
                 let (first, second) = (&self.candidates[others[a.candidate]], &self.candidates[others[b.candidate]]);
                 let (for_a, for_b) = step.as_slice().split_at(a.columns.len());
-                let mut initial = start(first, linearization, scores, a, for_a);
-                initial.extend(start(second, linearization, scores, b, for_b));
+                let reach = self.settings.search.farthest;
+                let mut initial = start(first, linearization, scores, (a, for_a), reach);
+                initial.extend(start(second, linearization, scores, (b, for_b), reach));
                 Promise {
                     candidates: vec![others[a.candidate], others[b.candidate]],
                     square,
@@ -307,16 +321,13 @@ pub(crate) fn started(mut near: Fit, start: &[(String, f64)]) -> Fit {
     near
 }
 
-/// The fit with parameters back at their nominal values that another explanation has driven far away from them; `None` if there are
+/// The fit with parameters back at their nominal values that another explanation has driven away from them by more than the share `far`; `None` if there are
 /// none. From where they went (a radius that vanishes) there may be no slope back.
-fn returned(initial: &Fit, effects: &[Effect]) -> Option<Fit> {
+fn returned(initial: &Fit, effects: &[Effect], far: f64) -> Option<Fit> {
     let mut back = initial.clone();
     let own = |name: &str| effects.iter().flat_map(|e| &e.coefficients).all(|c| c.name != name);
-    let far = back
-        .values
-        .iter_mut()
-        .filter(|e| own(&e.name) && (e.value - e.nominal).abs() > FAR_PARAMETER * e.nominal.abs());
-    let moved = far.map(|e| e.value = e.nominal).count();
+    let moved = back.values.iter_mut().filter(|e| own(&e.name) && (e.value - e.nominal).abs() > far * e.nominal.abs());
+    let moved = moved.map(|e| e.value = e.nominal).count();
     (moved > 0).then_some(back)
 }
 
@@ -329,13 +340,13 @@ fn signs(effect: &Effect, group: &Group) -> Vec<i8> {
     group.coefficients.iter().map(|&c| effect.coefficients[c].physical_sign).collect()
 }
 
-/// Values of an effect's coefficients after a step from the linearized problem.
+/// Values of an effect's coefficients after a step from the linearized problem, at most `farthest` times the secant.
 fn start(
     effect: &Effect,
     linearization: &Linearization,
     scores: &Scores,
-    group: &Group,
-    step: &[f64],
+    (group, step): (&Group, &[f64]),
+    farthest: f64,
 ) -> Vec<(String, f64)> {
     let at = linearization.trials.get(group.candidate).and_then(|t| t.get(group.trial));
     effect
@@ -347,7 +358,7 @@ fn start(
             let value = match (c.role, group.coefficients.iter().position(|&k| k == i)) {
                 (Role::Amplitude, Some(place)) => {
                     let moved = step[place] * linearization.scales[scores.columns[group.columns[place]]];
-                    let reach = FARTHEST * (tried - c.nominal).abs();
+                    let reach = farthest * (tried - c.nominal).abs();
                     c.nominal + if c.trials.is_empty() || reach == 0.0 { moved } else { moved.clamp(-reach, reach) }
                 }
                 _ => tried,

@@ -1,12 +1,12 @@
 //! Forward selection with pairs, then backwards.
 
 use super::explanation::{Explanation, Promise};
-use super::limits::{LEAST_SHARE, MOST_PAIR_FITS, MOST_SINGLE_FITS, NEAR_BEST};
 use super::noise::Scatter;
 use super::precedence::surprise;
 use super::search::Search;
-use super::settings::{Settings, Stage};
+use super::stage::Stage;
 use crate::DiagnoseError;
+use crate::settings::Settings;
 
 /// What a selection ends with.
 pub(crate) struct Selection {
@@ -45,7 +45,7 @@ pub(crate) fn select(
         let room = settings.max_causes - selection.chosen.members.len();
         let still = selection.chosen.alarm.p_value < settings.significance
             || screened(&promises, &selection.scatter, tests) < settings.significance;
-        if !still || promises.is_empty() || selection.chosen.spans(base) {
+        if !still || promises.is_empty() || selection.chosen.spans(base, &settings.verdict.search) {
             break;
         }
         progress(Stage::Fit { causes: selection.chosen.members.len() + 1 });
@@ -55,7 +55,9 @@ pub(crate) fn select(
         let added = next.coefficients.saturating_sub(selection.chosen.coefficients);
         let size = next.members.len().saturating_sub(selection.chosen.members.len());
         let p_value = scatter.p_value(gained, added) * tests.powi(size as i32);
-        if p_value > settings.significance || gained < LEAST_SHARE * selection.chosen.alarm.excess() {
+        if p_value > settings.significance
+            || gained < settings.verdict.selection.least_share * selection.chosen.alarm.excess()
+        {
             break;
         }
         selection.chosen = next;
@@ -85,9 +87,10 @@ fn attempts(
     settings: &Settings,
 ) -> Result<Vec<Explanation>, DiagnoseError> {
     let current = &selection.chosen;
+    let limits = &settings.verdict.selection;
     let mut tried = Vec::new();
     let top = promises.first().map_or(0.0, |p| p.square);
-    for promise in promises.iter().take_while(|p| p.square >= NEAR_BEST * top).take(MOST_SINGLE_FITS) {
+    for promise in promises.iter().take_while(|p| p.square >= limits.near_best * top).take(limits.most_single_fits) {
         tried.extend(add(search, current, promise));
     }
     tried.extend(search.with_sign_flips(current));
@@ -95,7 +98,7 @@ fn attempts(
     if room >= 2 {
         let linearized = search.linearized(current, among)?;
         let scatter = Scatter::of(&reached.alarm);
-        for promise in search.pairs(&linearized, MOST_PAIR_FITS) {
+        for promise in search.pairs(&linearized, limits.most_pair_fits) {
             let more = promise.square - (current.square() - reached.square());
             let added = (current.coefficients + promise.coefficients).saturating_sub(reached.coefficients);
             if more > 0.0 && scatter.p_value(more, added) * selection.tests.powi(2) < settings.significance {
@@ -153,7 +156,8 @@ pub(crate) fn backwards(
             let Some(without) = search.without(chosen, member) else { continue };
             let gained = without.square() - chosen.square();
             let p_value = scatter.p_value(gained, search.candidates[member].coefficients.len()) * tests;
-            let needed = p_value <= settings.significance && gained >= LEAST_SHARE * without.alarm.excess();
+            let least = settings.verdict.selection.least_share * without.alarm.excess();
+            let needed = p_value <= settings.significance && gained >= least;
             if !needed && worst.as_ref().is_none_or(|w| gained < w.0) {
                 worst = Some((gained, without));
             }

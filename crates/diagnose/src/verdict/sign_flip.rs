@@ -1,7 +1,6 @@
 //! Terms of the model that may have the opposite sign.
 
 use super::explanation::Explanation;
-use super::limits::LITTLE_LEFT;
 use super::search::{Search, started};
 use crate::{Coefficient, Effect, Fit, Role};
 
@@ -51,7 +50,7 @@ impl Search<'_> {
                 let flipped = c.sign_flipped?;
                 let value = explanation.fit.estimate(&c.name)?.value;
                 let gone = 0.5 * (c.nominal + flipped);
-                ((value - gone).abs() < LITTLE_LEFT * (flipped - gone).abs())
+                ((value - gone).abs() < self.settings.search.little_left * (flipped - gone).abs())
                     .then(|| (member, (c.name.clone(), flipped)))
             })
             .collect()

@@ -1,6 +1,7 @@
 //! The statistics on problems whose answer is known.
 #![allow(clippy::unwrap_used)]
 
+use bracketry_symbolic::Named;
 use nalgebra::{DMatrix, DVector};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -11,7 +12,13 @@ use super::noise::Scatter;
 use super::score::Scores;
 use super::write::{physical_name, withhold_uncertain};
 use crate::report::NamedCause;
+use crate::settings::{AlarmSettings, NamingSettings};
 use crate::{Cause, Change, Coefficient, Column, Effect, Estimate, Linearization, Normal, Role, WindowFit};
+
+/// The alarm of windows without fitted numbers.
+fn alarm_of(windows: &[WindowFit]) -> Alarm {
+    Alarm::of(windows, 0, 0, &AlarmSettings::default())
+}
 
 fn normal(rng: &mut StdRng) -> f64 {
     StandardNormal.sample(rng)
@@ -31,8 +38,7 @@ fn windows(rng: &mut StdRng, size: f64, extra: impl Fn(usize) -> f64) -> Vec<Win
 fn white_noise_of_any_size_rings_as_rarely_as_promised() {
     let mut rng = StdRng::seed_from_u64(5);
     for size in [0.2, 1.0, 4.0] {
-        let false_alarms =
-            (0..200).filter(|_| Alarm::of(&windows(&mut rng, size, |_| 0.0), 0, 0).p_value < 0.05).count();
+        let false_alarms = (0..200).filter(|_| alarm_of(&windows(&mut rng, size, |_| 0.0)).p_value < 0.05).count();
         // 10 expected at most (the correction for several scales is conservative); 20 is three standard deviations more.
         assert!(false_alarms <= 20, "{false_alarms} of 200 at size {size}");
     }
@@ -41,8 +47,8 @@ fn white_noise_of_any_size_rings_as_rarely_as_promised() {
 #[test]
 fn a_slow_residual_below_the_noise_rings() {
     let mut rng = StdRng::seed_from_u64(6);
-    let quiet = Alarm::of(&windows(&mut rng, 1.0, |_| 0.0), 0, 0);
-    let loud = Alarm::of(&windows(&mut rng, 1.0, |i| 0.4 * (i as f64 / 40.0).sin()), 0, 0);
+    let quiet = alarm_of(&windows(&mut rng, 1.0, |_| 0.0));
+    let loud = alarm_of(&windows(&mut rng, 1.0, |i| 0.4 * (i as f64 / 40.0).sin()));
     assert!(quiet.p_value > 0.01 && loud.p_value < 1e-10, "{quiet:?} {loud:?}");
     // Excess: 3000 samples with mean square 0.08.
     assert!((loud.excess() - 240.0).abs() < 120.0, "{}", loud.excess());
@@ -51,9 +57,8 @@ fn a_slow_residual_below_the_noise_rings() {
 #[test]
 fn what_a_simulation_is_inexact_by_does_not_ring() {
     let mut rng = StdRng::seed_from_u64(7);
-    let rings = |level: f64, rng: &mut StdRng| {
-        Alarm::of(&windows(rng, 0.0, |i| level * (i as f64 / 40.0).sin()), 0, 0).p_value < 0.01
-    };
+    let rings =
+        |level: f64, rng: &mut StdRng| alarm_of(&windows(rng, 0.0, |i| level * (i as f64 / 40.0).sin())).p_value < 0.01;
     assert!(!rings(0.0, &mut rng) && !rings(0.02, &mut rng));
     assert!(rings(0.3, &mut rng));
 }
@@ -177,7 +182,7 @@ fn friction_that_may_vanish_at_rest_loses_its_name() {
     };
     let name = |value, width| {
         let estimate = Estimate { name: "k".to_owned(), nominal: 0.0, value, std: 0.1 };
-        physical_name(&effect, &[&estimate], width)
+        physical_name(&effect, &[&estimate], width, NamingSettings::default().near_no_friction)
     };
     // Falling friction, and friction that rises but is there at rest.
     assert_eq!(name(0.9, 1.0), (Cause::StribeckFriction, Vec::new()));
@@ -193,7 +198,7 @@ fn small_names_beside_large_unknowns_are_withheld() {
         name,
         equation: String::new(),
         term: String::new(),
-        parameters: Vec::new(),
+        parameters: Named(Vec::new()),
         p_value: Some(0.0),
         confusable_with: Vec::new(),
         separating_experiment: String::new(),
@@ -202,7 +207,7 @@ fn small_names_beside_large_unknowns_are_withheld() {
         flags: Vec::new(),
     };
     let names = |mut causes: Vec<NamedCause>| {
-        withhold_uncertain(&mut causes);
+        withhold_uncertain(&mut causes, NamingSettings::default().uncertain_share);
         causes.into_iter().map(|c| (c.name, c.confusable_with)).collect::<Vec<_>>()
     };
     let (tilt, drag) = (Cause::Tilt, Cause::QuadraticDrag);

@@ -5,10 +5,9 @@ use bracketry_system::System;
 use super::alarm::Alarm;
 use super::findings::{Ending, Findings};
 use super::held_out::window_length;
-use super::limits::{OUTDONE, UNIT_CHANGE, UNIT_EXPLAINS, UNIT_WINDOWS, UNITS_ALIKE};
 use super::search::Search;
-use super::settings::Settings;
 use crate::report::{Note, Rescaling, ScaledColumn};
+use crate::settings::{Settings, UnitSettings};
 use crate::{Cause, DiagnoseError, Estimate, Record, Study, StudySettings};
 
 /// What columns are scaled together.
@@ -32,15 +31,17 @@ pub(super) fn other_units(
     settings: &Settings,
 ) -> Result<Option<Note>, DiagnoseError> {
     let base = &findings.base;
-    if !suspicious(search, findings) {
+    let limits = &settings.verdict.units;
+    if !suspicious(search, findings, limits) {
         return Ok(None);
     }
     let of = StudySettings { window: window_length(search.study), ..settings.study.clone() };
     let records = search.study.records();
     let plain = Study::new(system, records, &of)?;
     let count = plain.windows().len();
-    let windows: Vec<usize> = (0..count).step_by(count.div_ceil(UNIT_WINDOWS).max(1)).collect();
-    let refitted = Alarm::of(&plain.evaluate(&base.fit, &windows)?, system.states.len(), 0);
+    let windows: Vec<usize> = (0..count).step_by(count.div_ceil(limits.windows).max(1)).collect();
+    let states = system.states.len();
+    let refitted = Alarm::of(&plain.evaluate(&base.fit, &windows)?, states, 0, &settings.verdict.alarm);
     let mut tried: Vec<(f64, Scaled, Rescaling)> = Vec::new();
     for scaled in scalable(&records[0]) {
         for rescaling in Rescaling::ALL {
@@ -55,17 +56,18 @@ pub(super) fn other_units(
     let Some((square, scaled, rescaling)) = tried.first() else { return Ok(None) };
     let study = Study::new(system, &scale(system, records, scaled, rescaling.factor()), &of)?;
     let Ok(fit) = study.fit(&[], &windows, None) else { return Ok(None) };
-    let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len());
+    let alarm = Alarm::of(&fit.windows, states, fit.values.len(), &settings.verdict.alarm);
     let excess = |alarm: &Alarm| (alarm.square - alarm.floor).max(0.0);
-    let explains = excess(&alarm) <= UNIT_EXPLAINS * excess(&refitted) || alarm.square <= UNITS_ALIKE * refitted.square;
-    let near = fit.values.iter().enumerate().all(|(j, e)| !far(e) || fit.unidentified.contains(&j));
+    let explains =
+        excess(&alarm) <= limits.explains * excess(&refitted) || alarm.square <= limits.alike * refitted.square;
+    let near = fit.values.iter().enumerate().all(|(j, e)| !far(e, limits) || fit.unidentified.contains(&j));
     // What was named explains the data far better.
-    let outdone = !findings.chosen.members.is_empty() && alarm.size > OUTDONE * findings.chosen.alarm.size;
+    let outdone = !findings.chosen.members.is_empty() && alarm.size > limits.outdone * findings.chosen.alarm.size;
     if !near || !explains || outdone {
         return Ok(None);
     }
     // In a linear model it is the same which column it is.
-    let alike = tried.iter().filter(|t| t.0 <= UNITS_ALIKE * square).map(|(_, scaled, rescaling)| {
+    let alike = tried.iter().filter(|t| t.0 <= limits.alike * square).map(|(_, scaled, rescaling)| {
         let column = match scaled {
             Scaled::Measured(c) => ScaledColumn::Column(records[0].measured[*c].name.clone()),
             Scaled::AllMeasured => ScaledColumn::AllMeasured,
@@ -78,8 +80,8 @@ pub(super) fn other_units(
 
 /// Whether what was found looks as if columns had another unit: structure remains, parameters have moved far or stopped at a
 /// limit, or the cause is a gain or has no name.
-fn suspicious(search: &Search<'_>, findings: &Findings) -> bool {
-    let moved = findings.base.fit.values.iter().any(far);
+fn suspicious(search: &Search<'_>, findings: &Findings, limits: &UnitSettings) -> bool {
+    let moved = findings.base.fit.values.iter().any(|e| far(e, limits));
     let gain = findings
         .chosen
         .members
@@ -92,9 +94,9 @@ fn suspicious(search: &Search<'_>, findings: &Findings) -> bool {
     }
 }
 
-/// Whether a parameter has moved by more than [`UNIT_CHANGE`].
-fn far(e: &Estimate) -> bool {
-    e.nominal != 0.0 && !(1.0 / UNIT_CHANGE..=UNIT_CHANGE).contains(&(e.value / e.nominal))
+/// Whether a parameter has changed by more than the factor of another unit.
+fn far(e: &Estimate, limits: &UnitSettings) -> bool {
+    e.nominal != 0.0 && !(1.0 / limits.change..=limits.change).contains(&(e.value / e.nominal))
 }
 
 fn scalable(record: &Record) -> Vec<Scaled> {

@@ -1,14 +1,12 @@
 //! Terms without a name, for what no named cause explains.
 
 use super::explanation::Explanation;
-use super::limits::{
-    LEAST_SHARE, MOST_TERM_PAIRS, MOST_TERMS_ALONE, MOST_TERMS_BESIDE, NEAR_BEST_TERM, SHORTLIST, SUBSTANTIAL,
-};
 use super::noise::Scatter;
 use super::search::Search;
 use super::select::{add, leading, merit};
-use super::settings::{Settings, Stage};
+use super::stage::Stage;
 use crate::DiagnoseError;
+use crate::settings::Settings;
 
 /// An explanation with terms among `terms` that is better than the one of named causes, if there is one.
 ///
@@ -30,38 +28,40 @@ pub(crate) fn unnamed(
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Option<(Explanation, Scatter)>, DiagnoseError> {
     progress(Stage::Dictionary);
+    let limits = &settings.verdict.selection;
     let structured = chosen.alarm.p_value < settings.significance;
-    let terms = &search.shortlist(base, terms, SHORTLIST)?;
+    let terms = &search.shortlist(base, terms, limits.shortlist)?;
     let linearized = search.linearized(base, terms)?;
     let mut tried = Vec::new();
     let promises = search.singles(&linearized);
     let top = promises.first().map_or(0.0, |p| p.square);
-    let near =
-        promises.iter().enumerate().take_while(|(i, p)| *i < MOST_TERMS_BESIDE || p.square >= NEAR_BEST_TERM * top);
-    for (_, promise) in near.take(MOST_TERMS_ALONE) {
+    let near = |i: usize, square: f64| i < limits.most_terms_beside || square >= limits.near_best_term * top;
+    let best = promises.iter().enumerate().take_while(|(i, p)| near(*i, p.square));
+    for (_, promise) in best.take(limits.most_terms_alone) {
         tried.extend(add(search, base, promise));
     }
     let alone = tried.iter().map(Explanation::square).fold(base.square(), f64::min);
     if structured {
-        let own = LEAST_SHARE * base.alarm.excess();
+        let own = limits.least_share * base.alarm.excess();
         let worth = |e: &Explanation, less: f64| e.alarm.p_value >= settings.significance || e.square() < less - own;
-        let pairs = if settings.max_causes < 2 { Vec::new() } else { search.pairs(&linearized, MOST_TERM_PAIRS) };
+        let pairs =
+            if settings.max_causes < 2 { Vec::new() } else { search.pairs(&linearized, limits.most_term_pairs) };
         for promise in pairs {
             tried.extend(add(search, base, &promise).filter(|e| worth(e, alone)));
         }
         if (1..settings.max_causes).contains(&chosen.members.len()) {
             let linearized = search.linearized(chosen, terms)?;
-            for promise in search.singles(&linearized).iter().take(MOST_TERMS_BESIDE) {
+            for promise in search.singles(&linearized).iter().take(limits.most_terms_beside) {
                 tried.extend(add(search, chosen, promise).filter(|e| worth(e, alone.min(chosen.square()))));
             }
         }
     }
-    tried.retain(|e| e.stopped().next().is_none());
+    tried.retain(|e| e.stopped(settings.verdict.search.vanished).next().is_none());
     let Some(closest) = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())) else { return Ok(None) };
     let linearized = search.linearized(closest, named)?;
     let scatter = Scatter::linearized(&closest.alarm, &linearized.scores);
     let Some(best) = leading(search, &tried, &scatter).cloned() else { return Ok(None) };
-    let substantial = chosen.square() - best.square() >= SUBSTANTIAL * chosen.alarm.excess();
+    let substantial = chosen.square() - best.square() >= limits.substantial * chosen.alarm.excess();
     let price =
         |e: &Explanation| merit(search, e, &scatter) + scatter.price() * e.moved_parameters(settings.tolerance) as f64;
     let better = price(&best) < price(chosen);

@@ -5,9 +5,8 @@ use bracketry_system::System;
 use super::alarm::Alarm;
 use super::explanation::Explanation;
 use super::held_out::{thinned, window_length};
-use super::limits::{MUCH_MORE, NEAR_NOISE};
-use super::settings::Settings;
 use crate::report::Mispredicted;
+use crate::settings::Settings;
 use crate::{DiagnoseError, Record, Study, StudySettings};
 
 /// The runs for validation, with the size of their residual over noise, that the explanation predicts much worse than the data
@@ -22,13 +21,15 @@ pub(super) fn mispredicted(
     validate: &[Record],
     settings: &Settings,
 ) -> Result<Vec<Mispredicted>, DiagnoseError> {
+    let limits = &settings.verdict;
     let mut found = Vec::new();
     for record in validate {
         let length = StudySettings { window: window_length(like), ..settings.study.clone() };
         let study = Study::new(system, std::slice::from_ref(record), &length)?;
-        let windows = study.evaluate(&explanation.fit, &thinned(study.windows().len()))?;
-        let alarm = Alarm::of(&windows, system.states.len(), 0);
-        if alarm.p_value < settings.significance && alarm.size > NEAR_NOISE.max(MUCH_MORE * explanation.alarm.size) {
+        let windows = study.evaluate(&explanation.fit, &thinned(study.windows().len(), limits.search.most_windows))?;
+        let alarm = Alarm::of(&windows, system.states.len(), 0, &limits.alarm);
+        let large = limits.search.near_noise.max(limits.naming.much_more * explanation.alarm.size);
+        if alarm.p_value < settings.significance && alarm.size > large {
             found.push(Mispredicted { record: record.name.clone(), size: alarm.size });
         }
     }

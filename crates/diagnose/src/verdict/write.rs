@@ -3,19 +3,19 @@
 use std::time::Instant;
 
 use bracketry_sim::Hold;
+use bracketry_symbolic::Named;
 use bracketry_system::System;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::findings::{Ending, Findings, Rivals};
-use super::limits::{DIFFERENT, LEAST_EXPLAINED, MARGIN, OUTSIDE_TOLERANCE};
 use super::proven::worth;
 use super::ranking::ranking;
 use super::search::Search;
-use super::settings::Settings;
 use crate::report::{
     Closeness, Evidence, Excess, Flag, NamedCause, Note, Outcome, Reason, RefittedParameter, Report, Rival, Value,
     Verdict,
 };
+use crate::settings::Settings;
 use crate::{Cause, Change, Effect, Estimate, Path, Role, separating_experiment};
 
 pub(super) fn report(
@@ -33,7 +33,7 @@ pub(super) fn report(
             causes.push(cause(system, search, findings, member, rivals));
         }
         if matches!(findings.ending, Ending::Partly(_)) {
-            withhold_uncertain(&mut causes);
+            withhold_uncertain(&mut causes, settings.verdict.naming.uncertain_share);
         }
         let room = settings.max_causes.saturating_sub(causes.len());
         // Beside structure that is not explained or has no name, a moved parameter says nothing: it takes what it can of
@@ -148,7 +148,7 @@ fn parameter_errors(
                 .max(known.max.as_ref().map_or(0.0, |m| p.after - bound(m)));
             let beyond = (moved - settings.tolerance * p.before.abs()).max(beyond_range);
             let std = p.std.max(f64::MIN_POSITIVE);
-            if beyond <= 0.0 || tail(beyond / std) > OUTSIDE_TOLERANCE {
+            if beyond <= 0.0 || tail(beyond / std) > settings.verdict.naming.outside_tolerance {
                 return None;
             }
             let p_value = (2.0 * tail(moved / std) * parameters.len() as f64).min(1.0);
@@ -160,7 +160,7 @@ fn parameter_errors(
                 name: Cause::ParameterError,
                 equation: acts_on(system, known.symbol),
                 term: format!("{} -> {}", p.name, short(p.after)),
-                parameters: vec![(p.name.clone(), shown)],
+                parameters: Named(vec![(p.name.clone(), shown)]),
                 p_value: Some(p_value),
                 confusable_with: Vec::new(),
                 separating_experiment: String::new(),
@@ -184,6 +184,7 @@ fn short(value: f64) -> String {
 
 fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: usize, rivals: &Rivals) -> NamedCause {
     let effect = search.candidates[member].clone();
+    let limits = search.settings;
     let chosen = &findings.chosen;
     let worth = worth(search, chosen, member, &findings.scatter, findings.tests);
     let p_value = worth.as_ref().map(|w| w.1);
@@ -198,9 +199,10 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
         .zip(&estimates)
         .map(|(c, e)| (c.name.clone(), value(e, &c.unit, findings.scatter.width())))
         .collect();
-    let (name, mut flags) = physical_name(&effect, &estimates, findings.scatter.width());
+    let (name, mut flags) =
+        physical_name(&effect, &estimates, findings.scatter.width(), limits.naming.near_no_friction);
     flags.extend(hold_delays(search, &effect, &estimates));
-    flags.extend(chosen.stopped().map(|p| Flag::ParameterAtLimit(p.to_owned())));
+    flags.extend(chosen.stopped(limits.search.vanished).map(|p| Flag::ParameterAtLimit(p.to_owned())));
     let others: Vec<Rival> = rivals
         .iter()
         .map(|(candidate, explanation)| {
@@ -210,8 +212,8 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
                 Closeness::Equal
             } else if more < 0.0 {
                 Closeness::Better(-more)
-            } else if more <= MARGIN {
-                Closeness::Worse { by: more, margin: MARGIN }
+            } else if more <= limits.rivals.margin {
+                Closeness::Worse { by: more, margin: limits.rivals.margin }
             } else {
                 Closeness::LittleMore
             };
@@ -240,13 +242,13 @@ fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: 
 }
 
 /// Takes their names from causes that stand beside terms without a name, with structure remaining, and explain less than
-/// half of what is there without them: what the library lacks is then larger than they are, and they may be its image.
-pub(super) fn withhold_uncertain(causes: &mut [NamedCause]) {
+/// the share `uncertain` of what is there without them: what the library lacks is then larger than they are, and they may be its image.
+pub(super) fn withhold_uncertain(causes: &mut [NamedCause], uncertain: f64) {
     if causes.iter().all(|c| c.name != Cause::UnknownTerm) {
         return;
     }
     for cause in causes.iter_mut().filter(|c| c.name != Cause::UnknownTerm) {
-        if cause.share.is_some_and(|share| share < LEAST_EXPLAINED) {
+        if cause.share.is_some_and(|share| share < uncertain) {
             cause.flags.push(Flag::SmallerThanUnknown(cause.name));
             cause.confusable_with.insert(0, cause.name);
             cause.name = Cause::UnknownTerm;
@@ -280,14 +282,14 @@ fn separating(system: &System, search: &Search<'_>, effect: &Effect, name: Cause
 /// A cause whose coefficient has the wrong sign loses its name, for a friction that drives is none; only Stribeck's effect
 /// keeps it, for friction that rises from rest is found in real machines. Friction that may as well be none at rest is no dry
 /// friction: something yields before it slips, or flows, which Stribeck's law does not describe. `width` is the factor by
-/// which correlation widens standard deviations.
-pub(super) fn physical_name(effect: &Effect, estimates: &[&Estimate], width: f64) -> (Cause, Vec<Flag>) {
+/// which correlation widens standard deviations, `near` the number of them within which friction is none.
+pub(super) fn physical_name(effect: &Effect, estimates: &[&Estimate], width: f64, near: f64) -> (Cause, Vec<Flag>) {
     let mut name = effect.cause;
     let mut flags = Vec::new();
     for (c, e) in effect.coefficients.iter().zip(estimates) {
         let moved = e.value - c.nominal;
         if effect.cause == Cause::StribeckFriction && c.role == Role::Amplitude && moved < 0.0 {
-            if e.value - c.min < DIFFERENT * width * e.std {
+            if e.value - c.min < near * width * e.std {
                 flags.push(Flag::NoFrictionAtRest(c.name.clone()));
                 name = Cause::UnknownTerm;
             } else {

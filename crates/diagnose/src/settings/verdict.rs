@@ -1,0 +1,196 @@
+//! Settings of search, selection, and verdict. Shares are of the excess unless they say otherwise; sizes are root mean squares in units
+//! of the noise.
+
+settings! {
+    /// Search, selection, and verdict.
+    VerdictSettings {
+        /// What is noise, and what is motion.
+        alarm: AlarmSettings = AlarmSettings::default(),
+        /// Inputs between samples, and delays.
+        signals: SignalSettings = SignalSettings::default(),
+        /// Periods of disturbances.
+        periods: PeriodSettings = PeriodSettings::default(),
+        /// Exact fits of sets of candidates.
+        search: SearchSettings = SearchSettings::default(),
+        /// Which candidates are fitted and selected.
+        selection: SelectionSettings = SelectionSettings::default(),
+        /// Comparison with rivals.
+        rivals: RivalSettings = RivalSettings::default(),
+        /// What is named and reported.
+        naming: NamingSettings = NamingSettings::default(),
+        /// Columns in another unit.
+        units: UnitSettings = UnitSettings::default(),
+        /// Where the model is wrong.
+        places: PlaceSettings = PlaceSettings::default(),
+    }
+
+    /// What is noise, and what is motion.
+    AlarmSettings {
+        /// Fewest samples of a column in a window for which low and high frequencies can be told apart.
+        fewest_samples: usize = 12,
+        /// Least standard deviation of the noise, relative to the estimate from the column itself. Smaller residuals, of data
+        /// without noise, may be the error of the simulation.
+        least_noise: f64 = 0.2,
+        /// A column holds motion if nine tenths of its values spread more than this many times as far as its noise would.
+        motion_spread: f64 = 1.5,
+        /// Standard deviations of the noise of two columns that differ by this factor more than their estimates weigh the columns
+        /// wrongly; a column that differs from its estimate by this factor is reported.
+        noise_off: f64 = 1.5,
+    }
+
+    /// Inputs between samples, and delays.
+    SignalSettings {
+        /// Curves replace straight lines between samples if at most this share of the excess remains with them.
+        curves_worth: f64 = 0.5,
+        /// Relative difference of two steps in time that are equal.
+        even_steps: f64 = 0.01,
+        /// The other hold is reported if at most this share of the excess remains with it, without any cause.
+        other_hold_worth: f64 = 0.5,
+        /// A delay is half a sampling time if it differs by at most this share of one, or by two standard deviations.
+        near_half_sample: f64 = 0.05,
+    }
+
+    /// Periods of disturbances.
+    PeriodSettings {
+        /// Frequencies per cycle over the range of the data: between two of them, half a cycle apart, a wave loses a quarter of
+        /// a cycle toward the ends of the data.
+        steps_per_cycle: usize = 2,
+        /// Most cycles over the range of the data.
+        most_cycles: usize = 200,
+        /// Steps between two neighboring frequencies around a peak. Where a motion reverses, a wave pushes longest in one
+        /// direction, so that reversals dominate: frequencies a whole cycle apart fit them nearly as well as the true one, and
+        /// half a cycle is too coarse to tell which peak is the highest.
+        finer_steps: usize = 16,
+        /// Most peaks that are refined.
+        most_refined_peaks: usize = 24,
+        /// Most periods that are tried.
+        most_periods: usize = 6,
+    }
+
+    /// Exact fits of sets of candidates.
+    SearchSettings {
+        /// Most windows that a search or a comparison uses: more cost time and change no verdict.
+        most_windows: usize = 330,
+        /// Lengths of windows, as shares of the longest, with which parameters that are far off start.
+        shorter: Vec<f64> = vec![0.25, 0.0625],
+        /// Long windows are worth a search if a pair of candidates promises a residual of at most this many times the noise.
+        within_reach: f64 = 3.0,
+        /// Largest factor by which an amplitude may differ from the secant that it starts from: beyond it the secant is not valid.
+        farthest: f64 = 2.0,
+        /// How often a fit that diverged starts anew, each time with smaller amplitudes.
+        most_returns: usize = 2,
+        /// The factor by which these amplitudes are smaller.
+        nearer: f64 = 0.25,
+        /// Share of the model's excess below which, near the noise, the residual of an explanation is the inaccuracy of its laws:
+        /// three per cent in amplitude, as no real part follows its law more exactly.
+        inexact: f64 = 1e-3,
+        /// Size below which residuals are near the noise.
+        near_noise: f64 = 1.5,
+        /// A parameter below this share of its nominal value has removed its term.
+        vanished: f64 = 0.05,
+        /// An effect is uncertain if the squares of its amplitudes over their standard deviations add up to less than this: five
+        /// standard deviations.
+        uncertain: f64 = 25.0,
+        /// Where removing an effect that is not uncertain costs this many times what its amplitudes imply, the fit without it has
+        /// stopped at another minimum.
+        stopped_short: f64 = 10.0,
+        /// A parameter is far from its nominal value beyond this share of it.
+        far_parameter: f64 = 0.5,
+        /// A term of which less than this share remains hides its sign: little is left for friction to resist.
+        little_left: f64 = 0.5,
+    }
+
+    /// Which candidates are fitted and selected.
+    SelectionSettings {
+        /// Single candidates are fitted exactly if they promise at least this share of what the best one promises.
+        near_best: f64 = 0.5,
+        /// Most exact fits of singles per round.
+        most_single_fits: usize = 5,
+        /// Most exact fits of pairs per round.
+        most_pair_fits: usize = 3,
+        /// A cause must remove this share of the excess that is there without it.
+        least_share: f64 = 0.1,
+        /// Number of terms without a name that are tried on all windows, after a test on some of them.
+        shortlist: usize = 25,
+        /// Share of the excess of the named causes that terms without a name must remove.
+        substantial: f64 = 0.2,
+        /// Beyond the first few, single terms are fitted exactly if they promise at least this share of what the best one promises.
+        near_best_term: f64 = 0.8,
+        /// Most exact fits of single terms.
+        most_terms_alone: usize = 8,
+        /// Most exact fits of terms beside named causes.
+        most_terms_beside: usize = 3,
+        /// Most exact fits of pairs of terms.
+        most_term_pairs: usize = 2,
+    }
+
+    /// Comparison with rivals.
+    RivalSettings {
+        /// Two explanations differ on unseen windows if the mean difference is this many standard errors: one-sided 1 %.
+        different: f64 = 2.33,
+        /// A rival stays if its sum of squares exceeds that of the chosen one by less than this many units of scatter.
+        ///
+        /// If the rival is the truth, at distance d (in standard deviations) from the chosen explanation, the difference is
+        /// normal with mean −d² and standard deviation 2d. It exceeds 9 with probability Φ(−(d² + 9)/(2d)), at most Φ(−3) = 0.13 %
+        /// for all d: so seldom is the truth excluded.
+        margin: f64 = 9.0,
+        /// The linearized problem may underrate what an exact fit gains by this factor.
+        underrated: f64 = 0.6,
+        /// A candidate that gains beside a cause at least this share of what it gains in its place explains something else.
+        beside: f64 = 0.5,
+        /// Most times that a rival takes a cause's place.
+        most_swaps: usize = 4,
+        /// Most exact fits per cause.
+        most_fits: usize = 8,
+    }
+
+    /// What is named and reported.
+    NamingSettings {
+        /// Share of the excess that named causes must explain if structure remains; with less, the data are unexplained.
+        least_explained: f64 = 0.5,
+        /// Standard deviations that some amplitude of a cause must exceed if structure remains, which covers the uncertainty of
+        /// the cause's shape; if only noise remains, one is enough.
+        sure: f64 = 2.0,
+        /// One-sided level at which a parameter must have left its tolerance.
+        outside_tolerance: f64 = 0.05,
+        /// Most candidates in the report.
+        listed_candidates: usize = 15,
+        /// Fewest windows that are resampled.
+        fewest_resampled: usize = 5,
+        /// A named cause beside terms without a name keeps its name if it explains this share of what is there without it: else
+        /// what the library lacks is larger, and the cause may be its image.
+        uncertain_share: f64 = 0.5,
+        /// Stribeck friction within this many standard deviations of none at rest is no dry friction: one-sided 1 %.
+        near_no_friction: f64 = 2.33,
+        /// A run for validation whose residual is this many times that of the fit is reported.
+        much_more: f64 = 1.5,
+    }
+
+    /// Columns in another unit.
+    UnitSettings {
+        /// Windows that are examined.
+        windows: usize = 8,
+        /// Share of the excess that may remain with another unit, without any cause.
+        explains: f64 = 0.1,
+        /// Another unit whose residual is this many times that of the named causes is rejected.
+        outdone: f64 = 1.5,
+        /// Columns that explain the data within this factor of the best one are named with it.
+        alike: f64 = 1.05,
+        /// A parameter that changes by more than this factor suggests a wrong unit.
+        change: f64 = 2.0,
+    }
+
+    /// Where the model is wrong.
+    PlaceSettings {
+        /// A velocity below this share of its root mean square counts as near rest.
+        near_rest: f64 = 0.1,
+        /// Near rest for this many times as long as a reversal at typical acceleration takes is rest.
+        lingering: f64 = 4.0,
+        /// Equations with a smaller share of the error are not divided by acceleration, position, and tilt.
+        least_share: f64 = 0.01,
+        /// Most angles per equation by whose sign the error is divided.
+        most_angles: usize = 3,
+        /// Most values over time in the report, per equation and stretch.
+        most_values: usize = 500,
+    }
+}
