@@ -36,7 +36,7 @@ fn candidates(count: usize) -> Vec<Effect> {
         .map(|i| Effect {
             cause: Cause::UnknownTerm,
             equation: "v".into(),
-            term: term(i),
+            term: term(i).as_str().into(),
             coefficients: vec![Coefficient {
                 name: format!("k{i}"),
                 role: Role::Amplitude,

@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::formula::Formula;
+
 /// Names of causes, as reports print them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -143,7 +145,7 @@ pub struct Effect {
     /// The state, input or measured column that it acts on.
     pub equation: String,
     /// The formula for the reader, as `-c*v`.
-    pub term: String,
+    pub term: Formula,
     /// Its parameters.
     pub coefficients: Vec<Coefficient>,
     /// What it does to the model.

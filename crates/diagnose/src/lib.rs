@@ -6,6 +6,7 @@
 mod effect;
 mod error;
 mod extend;
+mod formula;
 mod gain;
 mod library;
 mod numbers;
@@ -21,6 +22,7 @@ pub use bracketry_sim::{Bandwidth, SmoothingSpline, smooth};
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
 pub use error::DiagnoseError;
 pub use extend::{ExtendedModel, OutsideDelay};
+pub use formula::Formula;
 pub use gain::{
     Fitted, ForceResidual, Gain, HeldOut, Predicted, bootstrap, force_error, force_residuals, measure_gain,
 };

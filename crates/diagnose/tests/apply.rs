@@ -41,7 +41,7 @@ fn effect(change: Change) -> Effect {
     Effect {
         cause: Cause::UnknownTerm,
         equation: "vy".to_owned(),
-        term: String::new(),
+        term: "".into(),
         coefficients: vec![coefficient("c")],
         change,
     }

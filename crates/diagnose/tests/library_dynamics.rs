@@ -128,7 +128,7 @@ fn the_term_is_what_the_equation_gains() {
             }
             let written = Effect {
                 coefficients: Vec::new(),
-                change: Change::Terms(vec![(effect.equation.clone(), effect.term.clone())]),
+                change: Change::Terms(vec![(effect.equation.clone(), effect.term.text().to_owned())]),
                 ..effect.clone()
             };
             if effect.cause == Cause::JointCoupling && effect.coefficients.len() > 1 {

@@ -24,12 +24,11 @@ pub enum Condition {
 }
 
 impl Condition {
-    /// At least one of the functions vanishes, shortest text first.
+    /// At least one of the functions vanishes, shortest first.
     pub(crate) fn any_vanishes(pool: &Pool, functions: &[Expr]) -> Self {
-        let mut list: Vec<(String, Function)> =
-            functions.iter().map(|&e| Function::new(pool, e)).map(|f| (f.to_string(), f)).collect();
-        list.sort_by(|(a, _), (b, _)| (a.len(), a).cmp(&(b.len(), b)));
-        Condition::Any(list.into_iter().map(|(_, f)| Condition::Vanishes(f)).collect())
+        let mut list: Vec<(u64, Expr)> = functions.iter().map(|&e| (pool.text_size(e).length, e)).collect();
+        list.sort_by(|&(a, x), &(b, y)| a.cmp(&b).then_with(|| pool.compare(x, y)));
+        Condition::Any(list.into_iter().map(|(_, e)| Condition::Vanishes(Function::new(pool, e))).collect())
     }
 
     /// Whether it is seen to hold nowhere.

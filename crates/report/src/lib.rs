@@ -5,6 +5,7 @@ pub mod control;
 mod diagnosis;
 mod document;
 pub mod html;
+mod notation;
 pub mod plate;
 pub mod simulation;
 pub mod stiffness;

@@ -2,11 +2,18 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{
-    Candidate, Cause, Closeness, Evidence, Excess, Gain, NamedCause, Note, Outcome, Place, Reason, RefittedParameter,
-    Regime, Report, Rival, Value, Verdict,
+    Candidate, Cause, Closeness, Evidence, Excess, Formula, Gain, NamedCause, Note, Outcome, Place, Reason,
+    RefittedParameter, Regime, Report, Rival, Value, Verdict,
 };
 use bracketry_report::{DiagnosisJson, diagnosis_text};
+use bracketry_symbolic::Pool;
 use serde_json::{Value as Json, json, to_value};
+
+fn formula(text: &str) -> Formula {
+    let mut pool = Pool::new();
+    let e = pool.parse(text).unwrap();
+    Formula::new(text, pool.notation(e))
+}
 
 fn report() -> Report {
     let c = Value { value: 0.52, std: 0.01, interval: Some([0.5, 0.54]), unit: "kg/s".into() };
@@ -18,7 +25,7 @@ fn report() -> Report {
         causes: vec![NamedCause {
             name: Cause::ViscousFriction,
             equation: "v".into(),
-            term: "-c*v".into(),
+            term: formula("-c*v"),
             parameters: bracketry_symbolic::Named(vec![("c".into(), c)]),
             p_value: Some(1e-6),
             confusable_with: vec![Cause::QuadraticDrag],
@@ -26,7 +33,7 @@ fn report() -> Report {
             rivals: vec![Rival {
                 name: Cause::QuadraticDrag,
                 equation: "v".into(),
-                term: "-c*v*abs(v)".into(),
+                term: formula("-c*v*abs(v)"),
                 closeness: Closeness::Equal,
             }],
             share: Some(0.93),
@@ -61,7 +68,7 @@ fn report() -> Report {
         candidates: vec![Candidate {
             name: Cause::ViscousFriction,
             equation: "v".into(),
-            term: "-c*v".into(),
+            term: formula("-c*v"),
             share: Some(0.93),
             interval: Some([0.9, 0.95]),
             p_value: 1e-6,

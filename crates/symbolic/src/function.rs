@@ -16,7 +16,7 @@ pub struct Function {
 }
 
 /// Longer expressions are not written into a report.
-const MAX_TEXT: usize = 4000;
+const MAX_TEXT: u64 = 4000;
 
 impl Function {
     /// A copy of `e`, which belongs to `pool`.
@@ -63,10 +63,10 @@ impl Pool {
 
 impl fmt::Display for Function {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let short = self.pool.tree_size(self.expr) < MAX_TEXT as f64;
-        match short.then(|| self.text()).filter(|text| text.len() <= MAX_TEXT) {
-            Some(text) => f.write_str(&text),
-            None => write!(f, "<{} nodes, not shown>", self.pool.reachable(&[self.expr]).len()),
+        if self.pool.text_size(self.expr).length <= MAX_TEXT {
+            f.write_str(&self.text())
+        } else {
+            write!(f, "<{} nodes, not shown>", self.pool.reachable(&[self.expr]).len())
         }
     }
 }

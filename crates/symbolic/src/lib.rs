@@ -30,6 +30,7 @@ mod stop_flag;
 mod table;
 mod tape;
 mod text;
+mod text_size;
 
 pub use closest_name::closest_name;
 pub use dashu_ratio::RBig as Rational;
@@ -45,3 +46,4 @@ pub use source::Language;
 pub use stop_flag::StopFlag;
 pub use table::{Entry, ExprTable, TableError};
 pub use tape::{CompileError, Instruction, Op, Tape};
+pub use text_size::TextSize;

@@ -47,6 +47,18 @@ proptest! {
         }
     }
 
+    /// The size that is found from the structure is that of what is printed.
+    #[test]
+    fn the_size_of_a_text_is_known_without_it(seed: u64) {
+        let (mut p, mut rng) = (Pool::new(), generator(seed));
+        let e = random(&mut p, &mut rng, 6, Kind::Any);
+        for e in [e, p.expand(e), p.simplify(e)] {
+            let (size, text) = (p.text_size(e), p.text(e));
+            let found = (size.length as usize, size.quotients as usize, size.negative);
+            prop_assert_eq!(found, (text.len(), text.matches('/').count(), text.starts_with('-')), "{}", text);
+        }
+    }
+
     /// LaTeX is balanced, names no internal node, and depends on the structure only.
     #[test]
     fn latex_is_well_formed(seed: u64) {
@@ -67,6 +79,18 @@ proptest! {
         let f = q.import(&p.export(&[e])).unwrap()[0];
         prop_assert_eq!(q.latex(f), s);
     }
+}
+
+#[test]
+fn what_is_shared_is_measured_once() {
+    let mut p = Pool::new();
+    let (mut e, one) = (p.var("x"), p.int(1));
+    for _ in 0..200 {
+        let next = p.add(e, one);
+        e = p.call(bracketry_symbolic::Func::Sin, next);
+        e = p.mul(e, next);
+    }
+    assert!(p.text_size(e).length > 1 << 60);
 }
 
 #[test]

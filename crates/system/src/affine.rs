@@ -6,11 +6,12 @@ use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, Undecided, ZeroTest};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::augment::{Arguments, augment, lone_derivatives};
-use crate::candidate::{Candidate, Method, NewInput, NewState};
+use crate::candidate::{Candidate, Method, NewInput};
 use crate::feedback::by_rows;
 use crate::input_change::{Checks, apply};
 use crate::lowering::{Transformation, lowered};
-use crate::reason::{Reason, Rejection};
+use crate::new_state::NewState;
+use crate::reason::{AffineError, MAX_INPUTS, Reason, Rejection};
 use crate::separation::separated;
 use crate::system::System;
 
@@ -52,25 +53,6 @@ pub struct Affinization {
     /// All candidates, accepted ones first, by added states and then by simplicity; the one taken among them.
     pub candidates: Vec<Candidate>,
 }
-
-/// Why no affine form was given.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum AffineError {
-    /// An exact test came out undecided.
-    #[error("whether the equations are affine in the inputs is undecided: {0}")]
-    Undecided(#[from] Undecided),
-    /// More inputs multiply each other than the search over subsets takes.
-    #[error(
-        "{inputs} inputs multiply each other, too many for the search over integrators (at most {MAX_INPUTS}): write some of \
-         them as states with a new input each"
-    )]
-    TooManyInputs {
-        /// Number of such inputs.
-        inputs: usize,
-    },
-}
-
-const MAX_INPUTS: usize = 16;
 
 /// Sets of inputs for which integrators together with new inputs are tried.
 const MAX_SETS: usize = 60;

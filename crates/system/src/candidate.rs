@@ -6,6 +6,7 @@ use bracketry_symbolic::{Certificate, Expr, Function, Rational};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
+use crate::new_state::NewState;
 use crate::range::{Bound, Range};
 use crate::reason::Reason;
 use crate::singular::SingularSet;
@@ -59,26 +60,6 @@ impl NewInput {
     pub fn range(&self) -> Option<String> {
         self.values.text(&self.name)
     }
-}
-
-/// A new state z = T(x, u, …) in place of an old one.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct NewState {
-    /// Its name.
-    pub name: String,
-    /// The old state whose place it takes.
-    pub replaces: String,
-    /// T
-    #[serde(serialize_with = "whole")]
-    pub function: Function,
-    /// The old state as a function of the new ones.
-    #[serde(serialize_with = "whole")]
-    pub inverse: Function,
-}
-
-/// A function's text, however long.
-fn whole<S: Serializer>(function: &Function, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(&function.text())
 }
 
 /// A candidate for making a system affine, accepted or rejected.

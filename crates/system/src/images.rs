@@ -4,7 +4,7 @@ use bracketry_symbolic::{Expr, Function, Node, Pool, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
 use crate::interval::Interval;
-use crate::reason::UnknownRange;
+use crate::unknown_range::UnknownRange;
 
 /// Images formed in one question.
 const MAX_EFFORT: usize = 2000;

@@ -8,8 +8,8 @@
 use bracketry_symbolic::{Expr, Func, Function, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
-use crate::candidate::NewState;
 use crate::input_change::{Checks, canonical, fresh, without_switches};
+use crate::new_state::NewState;
 use crate::reason::Rejection;
 use crate::switching::is_switch;
 use crate::system::{InputDerivative, System};

@@ -10,9 +10,9 @@ use serde::{Serialize, Serializer};
 use crate::images::{Images, flattened};
 use crate::interval::{End, Interval};
 use crate::rational_function::RationalFunction;
-use crate::reason::UnknownRange;
 use crate::switching::is_switch;
 use crate::trend::rises_through_all;
+use crate::unknown_range::UnknownRange;
 
 /// An end of a [`Range`].
 #[derive(Clone, Debug, PartialEq)]

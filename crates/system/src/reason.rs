@@ -5,10 +5,10 @@ use std::fmt;
 use bracketry_symbolic::{Function, Undecided};
 use serde::{Serialize, Serializer};
 
-use crate::affine::AffineError;
-use crate::candidate::NewState;
+use crate::new_state::NewState;
 use crate::range::Range;
 use crate::readable::counted;
+use crate::unknown_range::UnknownRange;
 
 /// What is said for a candidate.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,6 +84,26 @@ pub enum Nonlinearity {
         input: String,
         /// The others.
         with: Vec<String>,
+    },
+}
+
+/// More inputs that multiply each other are not searched.
+pub(crate) const MAX_INPUTS: usize = 16;
+
+/// Why no affine form was given.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AffineError {
+    /// An exact test came out undecided.
+    #[error("whether the equations are affine in the inputs is undecided: {0}")]
+    Undecided(#[from] Undecided),
+    /// More inputs multiply each other than the search over subsets takes.
+    #[error(
+        "{inputs} inputs multiply each other, too many for the search over integrators (at most {MAX_INPUTS}): write some of \
+         them as states with a new input each"
+    )]
+    TooManyInputs {
+        /// Number of such inputs.
+        inputs: usize,
     },
 }
 
@@ -214,38 +234,6 @@ pub enum Rejection {
     },
 }
 
-/// Why the set of values of a function is not known.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum UnknownRange {
-    /// The search was given up.
-    #[error("the function is too large")]
-    TooLarge,
-    /// No rule gives an interval.
-    #[error("the values of {} are not an interval that is known", .0.text())]
-    NoInterval(Function),
-    /// Operands share inputs.
-    #[error("the values of {} are not known", .0.text())]
-    Shared(Function),
-    /// A switching function's zeros are not known.
-    #[error("where {} switches is not known", .0.text())]
-    Switch(Function),
-    /// The values have a gap.
-    #[error("{} jumps over values", .0.text())]
-    Gap(Function),
-    /// The function has a free symbol.
-    #[error("it depends on {0}")]
-    Free(String),
-    /// A constant has no value.
-    #[error("{} has no value", .0.text())]
-    NoValue(Function),
-    /// A product of intervals has no value.
-    #[error("a product has no value")]
-    Product,
-    /// A sum or product without terms.
-    #[error("")]
-    Empty,
-}
-
 impl fmt::Display for Nonlinearity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -306,12 +294,6 @@ impl fmt::Display for Reason {
 }
 
 impl Serialize for Reason {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl Serialize for UnknownRange {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }

@@ -15,8 +15,8 @@ use crate::system::System;
 /// Largest number of minors of the Jacobian that are written out.
 const MAX_MINORS: usize = 6;
 
-/// Longer conditions are not given.
-const MAX_NODES: f64 = 1000.0;
+/// Longer conditions, by the characters of their functions, are not given.
+const MAX_LENGTH: u64 = 2000;
 
 /// Where new inputs do not determine the old ones locally: of each list, one function takes its value.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,8 +86,8 @@ pub(crate) fn singular_set(system: &mut System, functions: &[Expr]) -> Option<Si
             conditions.push(factors);
         }
     }
-    let nodes: f64 = conditions.iter().flatten().map(|l| l.function.pool().tree_size(l.function.expr())).sum();
-    (!conditions.is_empty() && nodes < MAX_NODES).then_some(SingularSet(conditions))
+    let lengths = conditions.iter().flatten().map(|l| l.function.pool().text_size(l.function.expr()).length);
+    (!conditions.is_empty() && lengths.fold(0, u64::saturating_add) < MAX_LENGTH).then_some(SingularSet(conditions))
 }
 
 /// The conditions, one of which holds where the factor vanishes; none if it vanishes nowhere.

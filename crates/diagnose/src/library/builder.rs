@@ -1,6 +1,6 @@
 //! Putting effects together: names, texts, typical sizes, and what the model has already.
 
-use bracketry_symbolic::{Expr, Symbol};
+use bracketry_symbolic::{Expr, Notation, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashSet;
 
@@ -9,6 +9,7 @@ use super::probe::Probe;
 use super::structure::{Structure, pairs};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path, Role};
 use crate::error::DiagnoseError;
+use crate::formula::Formula;
 use crate::record::Record;
 use crate::settings::LibrarySettings;
 use crate::statistics::rms;
@@ -118,16 +119,23 @@ impl Builder {
         coefficients: Vec<Coefficient>,
     ) -> Result<(), DiagnoseError> {
         let own = direction.iter().find(|d| d.0 == equation).or(direction.first());
-        let term = own.map_or_else(String::new, |d| product(law, &self.text(d.1)));
+        let Some(&(_, entry)) = own else {
+            return self.described(cause, equation, "".into(), direction, law, coefficients);
+        };
+        let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
+        let read = names.read(&mut self.system.pool, law)?;
+        let whole = self.system.pool.mul(read, entry);
+        let notation = names.notation(&self.system.pool, whole);
+        let term = Formula::new(product(law, &self.text(entry)), notation);
         self.described(cause, equation, term, direction, law, coefficients)
     }
 
-    /// As [`Builder::along`], with another text for the reader.
+    /// As [`Builder::along`], with another formula for the reader.
     pub(crate) fn described(
         &mut self,
         cause: Cause,
         equation: usize,
-        term: String,
+        term: Formula,
         direction: &[(usize, Expr)],
         law: &str,
         coefficients: Vec<Coefficient>,
@@ -144,7 +152,7 @@ impl Builder {
         &mut self,
         cause: Cause,
         equation: usize,
-        term: String,
+        term: Formula,
         terms: Vec<(usize, String)>,
         coefficients: Vec<Coefficient>,
     ) -> Result<(), DiagnoseError> {
@@ -165,13 +173,21 @@ impl Builder {
         pairs: Vec<(String, String)>,
         coefficients: Vec<Coefficient>,
     ) -> Result<(), DiagnoseError> {
-        let term = pairs.first().map(|(a, b)| format!("{a} -> {}", bare(b))).unwrap_or_default();
+        let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
+        let mut term = Formula::from("");
+        if let Some((a, b)) = pairs.first() {
+            let pool = &mut self.system.pool;
+            let (old, new) = (names.read(pool, a)?, names.read(pool, b)?);
+            let [old, new] = [old, new].map(|e| names.notation(pool, e));
+            let notation = Notation::Row(vec![old, Notation::Sign('→'), new]);
+            term = Formula::new(format!("{a} -> {}", bare(b)), notation);
+        }
         let change = Change::Substitution { states: Vec::new(), pairs };
         self.finish(Effect { cause, equation: on, term, coefficients, change }, equation)
     }
 
     /// Adds an effect in signal paths.
-    pub(crate) fn path(&mut self, cause: Cause, path: Path, signals: Vec<String>, term: String, c: Coefficient) {
+    pub(crate) fn path(&mut self, cause: Cause, path: Path, signals: Vec<String>, term: Formula, c: Coefficient) {
         let equation = signals.join(", ");
         self.effects.push(Effect {
             cause,

@@ -1,11 +1,12 @@
 //! What one joint does to another.
 
-use bracketry_symbolic::Expr;
+use bracketry_symbolic::{Expr, Func, Joint, Notation, Pool, Relation};
 
 use super::builder::{Builder, amplitude, dissipation, shape};
 use super::structure::Coordinate;
 use crate::effect::{Cause, Coefficient};
 use crate::error::DiagnoseError;
+use crate::formula::Formula;
 
 impl Builder {
     /// Couplings between joints.
@@ -50,7 +51,10 @@ impl Builder {
         let slip = format!("({v} + {r}*{w})");
         let law =
             format!("-({viscous}*{slip} + {dry}*sign{slip} + {inertia}*{acceleration})/(1 + {inertia}*{mobility})");
-        let term = format!("-({viscous}*s + {dry}*sign(s) + {inertia}*der(s)), s = {v} + {r}*{w}");
+        let term = Formula::new(
+            format!("-({viscous}*s + {dry}*sign(s) + {inertia}*der(s)), s = {v} + {r}*{w}"),
+            shared([&viscous, &dry, &inertia], [&v, &r, &w]),
+        );
         let part = |name: String, unit: String, what: &str| Coefficient {
             min: 0.0,
             ..dissipation(name, unit, format!("{what} shared by {v} and {w}"))
@@ -108,4 +112,21 @@ impl Builder {
         let c = amplitude(k.clone(), unit, about);
         self.along(Cause::JointCoupling, a.rate, direction, &format!("{k}*{law}"), vec![c])
     }
+}
+
+/// What two coordinates share, over their common slip s = v + r w.
+fn shared(coefficients: [&String; 3], [v, r, w]: [&String; 3]) -> Notation {
+    let mut pool = Pool::new();
+    let (s, rate) = (pool.var("s"), pool.var("der(s)"));
+    let sign = pool.call(Func::Sign, s);
+    let terms = coefficients.map(|c| pool.var(c)).into_iter().zip([s, sign, rate]);
+    let terms: Vec<Expr> = terms.map(|(c, e)| pool.mul(c, e)).collect();
+    let sum = pool.sum(terms);
+    let law = pool.neg(sum);
+    let [v, r, w] = [v, r, w].map(|name| pool.var(name));
+    let scaled = pool.mul(r, w);
+    let slip = pool.add(v, scaled);
+    let dotted = |name: &str| (name == "der(s)").then(|| Notation::symbol("s").dotted(1));
+    let law = pool.notation(law).with_symbols(&dotted);
+    Notation::List(Joint::Quad, vec![law, Notation::symbol("s").relation(Relation::Equal, pool.notation(slip))])
 }

@@ -1,6 +1,6 @@
 //! Names in a model: what terms may use, and the states and inputs that a name stands for.
 
-use bracketry_symbolic::{Expr, Names, Pool, Symbol};
+use bracketry_symbolic::{Expr, Names, Notation, Pool, Symbol};
 use bracketry_system::{InputDerivative, System};
 use rustc_hash::FxHashMap;
 
@@ -86,6 +86,14 @@ impl ModelNames {
     /// Reads an expression.
     pub(crate) fn read(&mut self, pool: &mut Pool, text: &str) -> Result<Expr, DiagnoseError> {
         pool.parse_with(text, self).map_err(|e| DiagnoseError::Term { text: text.to_owned(), message: e.to_string() })
+    }
+
+    /// The layout of an expression, derivatives of inputs with dots.
+    pub(crate) fn notation(&self, pool: &Pool, e: Expr) -> Notation {
+        pool.notation(e).with_symbols(&|name| {
+            let d = self.derivatives.iter().find(|d| pool.name(d.symbol) == name)?;
+            Some(Notation::symbol(&*self.inputs[d.input].0).dotted(d.order))
+        })
     }
 
     /// Registers in the system what terms have used beyond what it had.

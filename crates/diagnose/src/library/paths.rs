@@ -1,9 +1,12 @@
 //! Effects in signal paths: gains, delays, lags, offsets.
 
+use bracketry_symbolic::{Fence, Joint, Notation, Relation};
+
 use super::builder::{Builder, amplitude, dissipation, log_grid};
 use super::structure::{Coordinate, Kind};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path};
 use crate::error::DiagnoseError;
+use crate::formula::Formula;
 use crate::record::{Quantity, Record};
 use crate::statistics::{median, rms, steps};
 
@@ -52,7 +55,9 @@ impl Builder {
             let about = format!("offset of {name}: reading minus true value");
             let scale = if scale > 0.0 { scale } else { 1.0 };
             let c = Coefficient { scale, ..amplitude(k.clone(), "", about) };
-            self.path(Cause::SensorBias, Path::SensorBias, vec![name.clone()], format!("{name} + {k}"), c);
+            let shown = Notation::Sum(symbols(&[name.clone(), k.clone()]));
+            let term = Formula::new(format!("{name} + {k}"), shown);
+            self.path(Cause::SensorBias, Path::SensorBias, vec![name], term, c);
         }
         Ok(())
     }
@@ -75,10 +80,15 @@ impl Builder {
                 format!("position of the tracked point off the center of mass, along the {axis} axis of the body");
             Coefficient { scale: self.settings.small_offset, ..amplitude(self.name("com", name), "m", about) }
         });
+        let offset = coefficients.each_ref().map(|c| c.name.clone());
+        let vector = |names: &[String]| Notation::List(Joint::Comma, symbols(names)).fenced(Fence::Parentheses);
+        let position = [x.clone(), y.clone()];
+        let turned = [Notation::Letters("R".to_owned()), vector(std::slice::from_ref(&phi)), vector(&offset)];
+        let shown = Notation::Sum(vec![vector(&position), Notation::Row(turned.to_vec())]);
         self.effects.push(Effect {
             cause: Cause::ComOffset,
             equation: format!("{x}, {y}"),
-            term: format!("({x}, {y}) + R({phi})*({}, {})", coefficients[0].name, coefficients[1].name),
+            term: Formula::new(format!("({x}, {y}) + R({phi})*({}, {})", offset[0], offset[1]), shown),
             coefficients: coefficients.to_vec(),
             change: Change::TrackedPoint { position: [x, y], velocity: [vx, vy], angle: phi, spin: w },
         });
@@ -122,8 +132,8 @@ impl Builder {
         };
         let shown = signals.join(", ");
         let term = match path {
-            Path::ActuatorLag => format!("{shown}: {k}*der(y) = u - y"),
-            _ => format!("{shown}(t - {k})"),
+            Path::ActuatorLag => Formula::new(format!("{shown}: {k}*der(y) = u - y"), lagged(&signals, &k)),
+            _ => Formula::new(format!("{shown}(t - {k})"), delayed(&signals, &k)),
         };
         let longest = self.settings.longest_delay;
         let c = Coefficient {
@@ -169,6 +179,26 @@ impl Builder {
 /// The median sampling interval, s.
 fn interval(records: &[Record]) -> f64 {
     median(records.iter().flat_map(|r| steps(&r.times)).collect()).filter(|s| *s > 0.0).unwrap_or(1e-3)
+}
+
+fn symbols(names: &[String]) -> Vec<Notation> {
+    names.iter().map(Notation::symbol).collect()
+}
+
+/// u(t − τ) of each signal.
+fn delayed(signals: &[String], tau: &str) -> Notation {
+    let time = Notation::Sum(vec![Notation::symbol("t"), Notation::Negative(Box::new(Notation::symbol(tau)))]);
+    let at = |u: Notation| Notation::Row(vec![u, time.clone().fenced(Fence::Parentheses)]);
+    Notation::List(Joint::Comma, symbols(signals).into_iter().map(at).collect())
+}
+
+/// τ y' = u − y for each signal.
+fn lagged(signals: &[String], tau: &str) -> Notation {
+    let y = || Notation::symbol("y");
+    let rate = Notation::Product(vec![Notation::symbol(tau), y().dotted(1)]);
+    let gap = Notation::Sum(vec![Notation::symbol("u"), Notation::Negative(Box::new(y()))]);
+    let each = Notation::List(Joint::Comma, symbols(signals));
+    Notation::Row(vec![each, Notation::Sign(':'), Notation::text(" "), rate.relation(Relation::Equal, gap)])
 }
 
 /// A name made of the characters that names may have.

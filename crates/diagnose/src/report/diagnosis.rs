@@ -11,6 +11,7 @@ use super::reason::Reason;
 use super::regime::Regime;
 use crate::effect::Cause;
 use crate::extend::ExtendedModel;
+use crate::formula::Formula;
 use crate::gain::{Gain, HeldOut};
 use crate::numbers::{measured, significant};
 use crate::read::Audit;
@@ -53,7 +54,7 @@ pub struct Rival {
     /// The state, input or measured column that it acts on.
     pub equation: String,
     /// The formula for the reader.
-    pub term: String,
+    pub term: Formula,
     /// Why it cannot be ruled out.
     pub closeness: Closeness,
 }
@@ -66,7 +67,7 @@ pub struct NamedCause {
     /// The state, input or measured column that it acts on.
     pub equation: String,
     /// The formula for the reader, in the names of the model and of `parameters`.
-    pub term: String,
+    pub term: Formula,
     /// Its parameters by name; for [`Cause::ParameterError`] the parameter of the model.
     pub parameters: Named<Value>,
     /// Probability of such an improvement by chance, corrected for the number of candidates; absent where some of the data cannot be
@@ -144,7 +145,7 @@ pub struct Candidate {
     /// The state, input or measured column that it acts on.
     pub equation: String,
     /// The formula for the reader.
-    pub term: String,
+    pub term: Formula,
     /// Share of the excess error that it takes away; negative if it makes things worse, absent where the refitted model leaves
     /// over no more than noise.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -176,7 +176,7 @@ fn friction_that_may_vanish_at_rest_loses_its_name() {
     let effect = Effect {
         cause: Cause::StribeckFriction,
         equation: "v".to_owned(),
-        term: "-k*exp(-abs(v))*sign(v)".to_owned(),
+        term: "-k*exp(-abs(v))*sign(v)".into(),
         coefficients: vec![coefficient],
         change: Change::Terms(Vec::new()),
     };
@@ -197,7 +197,7 @@ fn small_names_beside_large_unknowns_are_withheld() {
     let cause = |name, share| NamedCause {
         name,
         equation: String::new(),
-        term: String::new(),
+        term: "".into(),
         parameters: Named(Vec::new()),
         p_value: Some(0.0),
         confusable_with: Vec::new(),

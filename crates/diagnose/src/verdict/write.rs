@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use bracketry_sim::Hold;
-use bracketry_symbolic::Named;
+use bracketry_symbolic::{Named, Notation};
 use bracketry_system::System;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -16,7 +16,7 @@ use crate::report::{
     Verdict,
 };
 use crate::settings::Settings;
-use crate::{Cause, Change, Effect, Estimate, Path, Role, separating_experiment};
+use crate::{Cause, Change, Effect, Estimate, Formula, Path, Role, separating_experiment};
 
 pub(super) fn report(
     system: &System,
@@ -159,7 +159,7 @@ fn parameter_errors(
             Some(NamedCause {
                 name: Cause::ParameterError,
                 equation: acts_on(system, known.symbol),
-                term: format!("{} -> {}", p.name, short(p.after)),
+                term: moved_to(&p.name, p.after),
                 parameters: Named(vec![(p.name.clone(), shown)]),
                 p_value: Some(p_value),
                 confusable_with: Vec::new(),
@@ -178,8 +178,11 @@ fn acts_on(system: &System, symbol: bracketry_symbolic::Symbol) -> String {
     place.map(|i| system.symbol_name(system.states[i]).to_owned()).unwrap_or_default()
 }
 
-fn short(value: f64) -> String {
-    format!("{value:.4e}").parse::<f64>().map_or_else(|_| value.to_string(), |v| v.to_string())
+/// A parameter and its new value, with five digits.
+fn moved_to(name: &str, value: f64) -> Formula {
+    let rounded = format!("{value:.4e}").parse::<f64>().unwrap_or(value);
+    let notation = Notation::Row(vec![Notation::symbol(name), Notation::Sign('→'), Notation::number(rounded)]);
+    Formula::new(format!("{name} -> {rounded}"), notation)
 }
 
 fn cause(system: &System, search: &mut Search<'_>, findings: &Findings, member: usize, rivals: &Rivals) -> NamedCause {

@@ -93,7 +93,7 @@ pub(crate) fn reduced(
     for i in 0..rows.len() {
         check_size(pool, first)?;
         // The shortest entry that does not vanish.
-        let mut order: Vec<(usize, usize)> = rows[i].iter().map(|&e| pool.text(e).len()).zip(0..).collect();
+        let mut order: Vec<(u64, usize)> = rows[i].iter().map(|&e| pool.text_size(e).length).zip(0..).collect();
         order.sort_unstable();
         let mut pivot = None;
         for (_, j) in order {

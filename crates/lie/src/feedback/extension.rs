@@ -161,7 +161,7 @@ impl DynamicExtension {
         }
         // Combinations of inputs: B⁻¹ A of independent rows, with pivot columns where that is shortest.
         let top: Vec<Vec<Expr>> = rows[..rank].iter().map(|&i| a[i].clone()).collect();
-        let mut best: Option<(usize, Vec<usize>, Vec<Vec<Expr>>)> = None;
+        let mut best: Option<(u64, Vec<usize>, Vec<Vec<Expr>>)> = None;
         for places in subsets(present.len(), rank) {
             let pivots: Vec<usize> = places.into_iter().map(|k| present[k]).collect();
             let b: Vec<Vec<Expr>> = top.iter().map(|row| pivots.iter().map(|&j| row[j]).collect()).collect();
@@ -177,14 +177,10 @@ impl DynamicExtension {
                     share.push(x);
                 }
             }
-            let length: usize = shares
-                .iter()
-                .flatten()
-                .map(|&x| {
-                    let text = pool.text(x);
-                    text.len() + 20 * text.matches('/').count()
-                })
-                .sum();
+            let length = shares.iter().flatten().fold(0u64, |sum, &x| {
+                let size = pool.text_size(x);
+                sum.saturating_add(size.length).saturating_add(20 * size.quotients)
+            });
             if best.as_ref().is_none_or(|b| length < b.0) {
                 best = Some((length, pivots, shares));
             }

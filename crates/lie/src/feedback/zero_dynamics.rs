@@ -288,7 +288,7 @@ impl Set<'_> {
             let map: FxHashMap<Expr, Expr> = held.iter().map(|&(j, v)| (inputs[j], v)).collect();
             let total = pool.substitute(total, &map);
             // The pivot: one that does not vanish at the point, and of those the shortest.
-            let mut pivot: Option<(bool, usize, usize, Expr)> = None;
+            let mut pivot: Option<(bool, u64, usize, Expr)> = None;
             for (j, &u) in inputs.iter().enumerate() {
                 let Node::Sym(symbol) = pool.node(u) else { continue };
                 let b = pool.diff(total, symbol);
@@ -297,7 +297,7 @@ impl Set<'_> {
                     continue;
                 }
                 let here = self.vanishes_at_point(pool, b, evidence) != Some(false);
-                let length = pool.text(b).len();
+                let length = pool.text_size(b).length;
                 if pivot.is_none_or(|p| (here, length) < (p.0, p.1)) {
                     pivot = Some((here, length, j, b));
                 }

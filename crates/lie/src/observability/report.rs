@@ -1,6 +1,6 @@
 //! The report on what the outputs tell: observability, identifiability, and the symmetries that prevent them.
 
-use bracketry_symbolic::{Expr, Named, Pool, Symbol, closest_name};
+use bracketry_symbolic::{Expr, Function, Named, Pool, Symbol, closest_name};
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
@@ -57,6 +57,9 @@ pub struct ObservabilityReport {
     /// Functions asked for, and whether the outputs determine them while no parameter is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub determined: Option<Named<bool>>,
+    /// The functions asked for, in the order of `determined`.
+    #[serde(skip)]
+    pub determined_functions: Vec<Function>,
     /// Why something is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<Reason>,
@@ -222,6 +225,7 @@ impl ObservabilityReport {
                 answers.push((text.clone(), o.determines(pool, *e, evidence)?));
             }
             self.determined = Some(Named(answers));
+            self.determined_functions = asked.iter().map(|&(_, e)| Function::new(pool, e)).collect();
         }
         if parameters.is_empty() {
             return Ok(());

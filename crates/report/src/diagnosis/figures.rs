@@ -98,7 +98,7 @@ impl Diagnosis {
         for c in causes.iter().filter(|_| several) {
             if let Some(share) = c.share {
                 let alike = causes.iter().filter(|o| o.name == c.name && o.equation == c.equation).count() > 1;
-                chart = chart.row(row_name(c.name, &c.equation, &c.term, alike), 100.0 * share, None, BESIDE);
+                chart = chart.row(row_name(c.name, &c.equation, c.term.text(), alike), 100.0 * share, None, BESIDE);
             }
         }
         for c in candidates.iter().take(MOST_CANDIDATES) {
@@ -114,7 +114,7 @@ impl Diagnosis {
             let alike = c.name == Cause::UnknownTerm
                 || candidates.iter().filter(|o| o.name == c.name && o.equation == c.equation).count() > 1;
             chart = chart.row(
-                row_name(c.name, &c.equation, &c.term, alike),
+                row_name(c.name, &c.equation, c.term.text(), alike),
                 100.0 * share,
                 c.interval.map(|[a, b]| (100.0 * a, 100.0 * b)),
                 category,

@@ -102,13 +102,13 @@ impl<'a> CauseJson<'a> {
         let of_rival = |rival: &'a Rival| RivalJson {
             name: rival.name,
             equation: &rival.equation,
-            term: &rival.term,
+            term: rival.term.text(),
             why: closeness(rival.closeness),
         };
         Self {
             name: cause.name,
             equation: &cause.equation,
-            term: &cause.term,
+            term: cause.term.text(),
             parameters: &cause.parameters,
             p_value: cause.p_value,
             confusable_with: &cause.confusable_with,

@@ -6,7 +6,7 @@ use bracketry_diagnose::{Gain, NamedCause, Report, measured, probability, signif
 
 use super::Diagnosis;
 use super::sentences::{self, closeness, reason, regime};
-use crate::html::{self, Figure, equations, escaped, formula, heading, paragraph, percent, table, verbatim};
+use crate::html::{self, Figure, equations, escaped, heading, paragraph, percent, symbol, table, verbatim};
 
 impl Diagnosis {
     /// The report as an HTML page with the given figures in it; it needs no network and no other file.
@@ -66,11 +66,11 @@ fn of_cause(cause: &NamedCause) -> String {
     let mut out = format!(
         "<div class=\"cause\"><h4>{} in the equation of {}</h4>\n<p>{}</p>\n<ul>",
         escaped(&title),
-        formula(&cause.equation),
-        formula(&cause.term)
+        symbol(&cause.equation),
+        cause.term.notation().mathml()
     );
     for (name, value) in cause.parameters.iter() {
-        let _ = write!(out, "<li>{} = {}</li>", formula(name), escaped(&value.to_string()));
+        let _ = write!(out, "<li>{} = {}</li>", symbol(name), escaped(&value.to_string()));
     }
     let _ = match cause.p_value {
         Some(p) => write!(out, "<li>p-value: {}</li>", p_value(p)),
@@ -91,8 +91,8 @@ fn of_cause(cause: &NamedCause) -> String {
                 out,
                 "<li>{} in {}: {} ({})</li>",
                 escaped(&name),
-                formula(&rival.equation),
-                formula(&rival.term),
+                symbol(&rival.equation),
+                rival.term.notation().mathml(),
                 escaped(&closeness(rival.closeness))
             );
         }
@@ -130,7 +130,7 @@ fn tables(report: &Report, level: usize) -> String {
     if !report.places.is_empty() {
         let rows = report.places.iter().chain(&report.regimes).map(|p| {
             let time = p.time.map_or_else(String::new, percent);
-            vec![formula(&p.equation), escaped(&regime(&p.regime)), percent(p.share), time]
+            vec![symbol(&p.equation), escaped(&regime(&p.regime)), percent(p.share), time]
         });
         out += &heading(level, "Where the refitted model is wrong");
         out += &table(&["equation", "when", "share of the excess", "share of the time"], rows);
@@ -141,7 +141,7 @@ fn tables(report: &Report, level: usize) -> String {
                 .interval
                 .map_or_else(String::new, |[a, b]| format!("{} … {}", measured(a, p.std), measured(b, p.std)));
             vec![
-                formula(&p.name),
+                symbol(&p.name),
                 p.before.to_string(),
                 measured(p.after, p.std),
                 significant(p.std, 2),
@@ -158,8 +158,8 @@ fn tables(report: &Report, level: usize) -> String {
             vec![
                 mark.to_owned(),
                 escaped(&c.name.to_string().replace('_', " ")),
-                formula(&c.equation),
-                formula(&c.term),
+                symbol(&c.equation),
+                c.term.notation().mathml(),
                 c.share.map_or_else(String::new, percent),
                 c.interval.map_or_else(String::new, |[low, high]| format!("{} … {}", percent(low), percent(high))),
                 p_value(c.p_value),

@@ -150,7 +150,7 @@ fn write_candidates(f: &mut Formatter<'_>, candidates: &[Candidate]) -> fmt::Res
             mark,
             &name,
             &c.equation,
-            &c.term,
+            c.term.text(),
             &c.share.map_or_else(String::new, percent),
             &interval,
             probability(c.p_value).trim_start_matches("= "),

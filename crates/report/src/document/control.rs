@@ -68,7 +68,7 @@ fn decoupling(io: &InputOutputReport, degrees: &[Option<usize>], out: &mut Vec<B
         items.push(vec![text(format!("generic rank of A: {rank}{full}"))]);
     }
     if let Some(set) = &io.singular_set {
-        items.push(singular(set, "A is singular where "));
+        items.push(singular(set, "A is singular where ", "A is singular nowhere"));
     }
     if let Some(feedback) = &io.decoupling_feedback {
         items.push(feedback_line("feedback that decouples the outputs: ", &feedback.0));
@@ -78,12 +78,9 @@ fn decoupling(io: &InputOutputReport, degrees: &[Option<usize>], out: &mut Vec<B
     }
 }
 
-/// `words` with the set, which may be empty.
-fn singular(set: &Condition, words: &str) -> Line {
-    if set.is_nowhere() {
-        return vec![text(words.replace("not defined where ", "defined everywhere").replace("where ", "nowhere"))];
-    }
-    vec![text(words), math(condition(set))]
+/// `words` with the set, or what is said where it is empty.
+fn singular(set: &Condition, words: &str, nowhere: &str) -> Line {
+    if set.is_nowhere() { vec![text(nowhere)] } else { vec![text(words), math(condition(set))] }
 }
 
 fn feedback_line(words: &str, feedback: &[(String, Function)]) -> Line {
@@ -201,7 +198,7 @@ fn flatness(f: &FlatnessReport, out: &mut Vec<Block>) {
         ]);
     }
     if let Some(set) = &f.singular_set {
-        items.push(singular(set, "singular where "));
+        items.push(singular(set, "singular where ", "singular nowhere"));
     }
     out.push(Block::List(items));
 }
@@ -241,7 +238,7 @@ fn linear_form(l: &LinearizationReport, out: &mut Vec<Block>) {
         items.push(feedback_line("linearizing feedback: ", &feedback.0));
     }
     if let Some(set) = &l.singular_set {
-        items.push(singular(set, "not defined where "));
+        items.push(singular(set, "not defined where ", "defined everywhere"));
     }
     if !items.is_empty() {
         out.push(Block::List(items));

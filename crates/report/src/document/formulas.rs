@@ -1,14 +1,19 @@
 //! From what an analysis found to formulas in LaTeX.
 
 use bracketry_lie::{Bracket, Condition, Function, Generator, Word};
-use bracketry_symbolic::{Expr, Pool};
+use bracketry_symbolic::{Expr, Notation, Pool};
 
 /// Longer formulas are named by their size: nobody reads them, and they break a page.
 const LONGEST: usize = 1500;
 
 /// An expression of a pool.
 pub(super) fn expression(pool: &Pool, e: Expr) -> String {
-    let formula = pool.latex(e);
+    shortened(pool, e, &pool.notation(e))
+}
+
+/// The layout of an expression of a pool.
+pub(super) fn shortened(pool: &Pool, e: Expr, notation: &Notation) -> String {
+    let formula = notation.latex();
     if formula.len() <= LONGEST {
         formula
     } else {
@@ -16,20 +21,9 @@ pub(super) fn expression(pool: &Pool, e: Expr) -> String {
     }
 }
 
-/// A text in the syntax of model files.
-pub(super) fn printed(text: &str) -> String {
-    let mut pool = Pool::new();
-    match pool.parse(text) {
-        Ok(e) => expression(&pool, e),
-        Err(_) => format!("\\text{{{}}}", text.replace(['$', '\\', '{', '}', '_', '^', '%', '#', '&', '~'], " ")),
-    }
-}
-
 /// The name of a state, input or parameter.
 pub(super) fn symbol(name: &str) -> String {
-    let mut pool = Pool::new();
-    let e = pool.var(name);
-    pool.latex(e)
+    Notation::symbol(name).latex()
 }
 
 /// Entries below each other.
@@ -114,10 +108,5 @@ mod tests {
         assert_eq!(word(&nested, &names), "[g_{12}, [f, g_{12}]]");
         let names = [Generator::DriftDifference { mode: 3 }, input(2, Some(4))];
         assert_eq!(word(&Word::bracket(f, g), &names), "[f^{(3)}-f^{(1)}, g_{2}^{(4)}]");
-    }
-
-    #[test]
-    fn what_is_no_expression_is_set_as_text() {
-        assert_eq!(printed("<3 nodes>"), "\\text{<3 nodes>}");
     }
 }

@@ -3,7 +3,7 @@
 use bracketry_lie::{Analysis, Answer, Direction, Named};
 
 use super::blocks::{Block, Line, code, math, text};
-use super::formulas::{printed, symbol};
+use super::formulas::{function, symbol};
 use super::sections::{item, section};
 
 /// Observability, identifiability, and the symmetries that prevent them.
@@ -18,25 +18,28 @@ pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
     }];
     if !o.unobservable.is_empty() {
         let mut line = vec![text("not determined by the outputs: ")];
-        line.extend(names(&o.unobservable));
+        line.extend(listed(o.unobservable.iter().map(|n| symbol(n))));
         items.push(line);
     }
     items.extend(o.unobservable_directions.iter().map(|d| direction("no output changes along ", d)));
     let told = |list: &Option<Named<bool>>, yes: bool| -> Vec<String> {
-        list.iter().flat_map(|m| &m.0).filter(|(_, v)| *v == yes).map(|(n, _)| n.clone()).collect()
+        list.iter().flat_map(|m| &m.0).filter(|(_, v)| *v == yes).map(|(n, _)| symbol(n)).collect()
     };
-    for (list, yes, words) in [
-        (&o.identifiable, true, "identifiable parameters: "),
-        (&o.identifiable, false, "parameters that are not identifiable: "),
-        (&o.identifiable_states, false, "states that are not determined while parameters are unknown: "),
-        (&o.identifiable_without_inputs, false, "not identifiable while all inputs are zero: "),
-        (&o.determined, true, "determined, while parameters are unknown: "),
-        (&o.determined, false, "not determined, while parameters are unknown: "),
+    let asked = |yes: bool| -> Vec<String> {
+        let answers = o.determined.iter().flat_map(|m| &m.0).zip(&o.determined_functions);
+        answers.filter(|((_, v), _)| *v == yes).map(|(_, f)| function(f)).collect()
+    };
+    for (found, words) in [
+        (told(&o.identifiable, true), "identifiable parameters: "),
+        (told(&o.identifiable, false), "parameters that are not identifiable: "),
+        (told(&o.identifiable_states, false), "states that are not determined while parameters are unknown: "),
+        (told(&o.identifiable_without_inputs, false), "not identifiable while all inputs are zero: "),
+        (asked(true), "determined, while parameters are unknown: "),
+        (asked(false), "not determined, while parameters are unknown: "),
     ] {
-        let found = told(list, yes);
         if !found.is_empty() {
             let mut line = vec![text(words)];
-            line.extend(names(&found));
+            line.extend(listed(found));
             items.push(line);
         }
     }
@@ -45,7 +48,7 @@ pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
     );
     if let Some(fix) = o.fix_to_identify.as_ref().filter(|f| !f.is_empty()) {
         let mut line = vec![text("all parameters are identifiable given ")];
-        line.extend(names(fix));
+        line.extend(listed(fix.iter().map(|n| symbol(n))));
         items.push(line);
     }
     if let Some(why) = &o.reason {
@@ -54,15 +57,14 @@ pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
     out.push(Block::List(items));
 }
 
-/// Names or formulas with commas between them.
-fn names(list: &[String]) -> Line {
+/// Formulas with commas between them.
+pub(super) fn listed(formulas: impl IntoIterator<Item = String>) -> Line {
     let mut line = Vec::new();
-    for (k, name) in list.iter().enumerate() {
+    for (k, formula) in formulas.into_iter().enumerate() {
         if k > 0 {
             line.push(text(", "));
         }
-        let plain = name.chars().all(|c| c.is_alphanumeric() || c == '_');
-        line.push(math(if plain { symbol(name) } else { printed(name) }));
+        line.push(math(formula));
     }
     line
 }

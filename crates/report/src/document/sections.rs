@@ -5,11 +5,13 @@ use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::{AffineForm, Candidate, Parameter, System};
 
 use super::blocks::{Block, Line, Span, code, math, text, words};
-use super::formulas::{bracket, column, condition, expression, function, list, symbol};
+use super::formulas::{bracket, column, condition, expression, function, list, shortened, symbol};
+use super::outputs::listed;
 use super::{control, local, outputs};
 use crate::analysis::affinization::method_name;
 use crate::analysis::summary::summary;
 use crate::analysis::text::{family, lie_algebra};
+use crate::notation::rate;
 
 /// The whole report.
 pub(super) fn document(a: &Analysis) -> Vec<Block> {
@@ -30,40 +32,19 @@ pub(super) fn section(out: &mut Vec<Block>, title: &str) {
 }
 
 fn equations(system: &System) -> Block {
-    let rate = |(&s, &e): (&Symbol, &Expr)| {
-        let mut formula = expression(&system.pool, e);
-        for d in &system.input_derivatives {
-            let input = symbol(system.symbol_name(system.inputs[d.input]));
-            let dots = match d.order {
-                1 => format!("\\dot{{{input}}}"),
-                2 => format!("\\ddot{{{input}}}"),
-                k => format!("{{{input}}}^{{({k})}}"),
-            };
-            formula = formula.replace(&symbol(system.symbol_name(d.symbol)), &dots);
-        }
-        format!("\\dot{{{}}} &= {formula}", symbol(system.symbol_name(s)))
+    let equation = |(&s, &e): (&Symbol, &Expr)| {
+        format!("\\dot{{{}}} &= {}", symbol(system.symbol_name(s)), shortened(&system.pool, e, &rate(system, e)))
     };
-    Block::Display(system.states.iter().zip(&system.dynamics).map(rate).collect())
-}
-
-fn names(list: &[String]) -> Line {
-    let mut line = Vec::new();
-    for (k, name) in list.iter().enumerate() {
-        if k > 0 {
-            line.push(text(", "));
-        }
-        line.push(math(symbol(name)));
-    }
-    line
+    Block::Display(system.states.iter().zip(&system.dynamics).map(equation).collect())
 }
 
 fn model(a: &Analysis, out: &mut Vec<Block>) {
     section(out, "Model");
     let system = &a.original;
     let mut line = vec![text("States ")];
-    line.extend(names(&system.state_names()));
+    line.extend(listed(system.state_names().iter().map(|n| symbol(n))));
     line.push(text(if system.inputs.is_empty() { ", no inputs" } else { "; inputs " }));
-    line.extend(names(&system.input_names()));
+    line.extend(listed(system.input_names().iter().map(|n| symbol(n))));
     line.push(text("."));
     out.push(Block::Paragraph(line));
     out.push(equations(system));
@@ -273,12 +254,7 @@ fn autonomous(when: Line, m: &ModeReport, out: &mut Vec<Block>) {
         Answer::Known(functions) if functions.is_empty() && m.autonomous_not_found.is_none() => return,
         Answer::Known(functions) => {
             line.push(text(", no input influences "));
-            for (k, f) in functions.iter().enumerate() {
-                if k > 0 {
-                    line.push(text(", "));
-                }
-                line.push(math(function(f)));
-            }
+            line.extend(listed(functions.iter().map(function)));
             if let Some(k) = m.autonomous_not_found {
                 let and = if functions.is_empty() { "" } else { " and " };
                 line.push(text(format!("{and}{k} independent functions that were not found in closed form")));

@@ -1,15 +1,14 @@
 //! Pages that need no network and no other file: one style, and the pieces that they are made of.
 
-mod formula;
-
 use std::fmt::Write as _;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use bracketry_plot::{Drawing, PlotError};
+use bracketry_symbolic::Notation;
 use bracketry_system::System;
 
-pub use formula::{escaped, formula};
+use crate::notation::rate;
 
 const STYLE: &str = "\
 body{font:16px/1.5 system-ui,sans-serif;color:#262626;max-width:52rem;margin:2rem auto;padding:0 1rem}\
@@ -34,6 +33,16 @@ pub struct Figure {
     pub caption: String,
     /// The figure, or why it cannot be drawn.
     pub drawing: Result<Drawing, PlotError>,
+}
+
+/// Text in which no sign has a meaning of its own in HTML.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// The name of a state, input, or parameter, set.
+pub fn symbol(name: &str) -> String {
+    Notation::symbol(name).mathml()
 }
 
 /// A page with this title and body.
@@ -85,8 +94,8 @@ pub fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> St
 /// The equations of a model, set.
 pub fn equations(system: &System) -> String {
     let names = system.state_names();
-    let rates = names.iter().zip(&system.dynamics);
-    table(&[], rates.map(|(name, rate)| vec![format!("{} ′ =", formula(name)), system.pool.notation(*rate).mathml()]))
+    let rows = names.iter().zip(&system.dynamics);
+    table(&[], rows.map(|(name, &e)| vec![format!("{} ′ =", symbol(name)), rate(system, e).mathml()]))
 }
 
 /// Figures inside the page; those that cannot be drawn are left out.
@@ -113,4 +122,34 @@ pub fn animation(gif: &[u8], caption: &str) -> String {
 /// A share in percent.
 pub fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use bracketry_symbolic::Pool;
+
+    #[test]
+    fn every_tag_that_is_opened_is_closed() {
+        for text in ["-c*v*abs(v)", "F_c*sign(v)*exp(-(v/v_s)^2)", "sin(theta1)^2/(m*L^2)", "atan2(a, b) - min(a, 2.5)"]
+        {
+            let mut pool = Pool::new();
+            let e = pool.parse(text).unwrap();
+            let set = pool.notation(e).mathml();
+            for tag in ["math", "mrow", "mfrac", "msup", "msub", "mi", "mn", "mo"] {
+                let (open, close) =
+                    (set.matches(&format!("<{tag}>")).count(), set.matches(&format!("</{tag}>")).count());
+                let attributed = set.matches(&format!("<{tag} ")).count();
+                assert_eq!(open + attributed, close, "{tag} in {set}");
+            }
+            assert!(!set.contains('\\'), "{set}");
+        }
+    }
+
+    #[test]
+    fn words_and_names_stay_as_they_are_written() {
+        assert!(Notation::text("a <- b").mathml().contains("a &lt;- b"));
+        assert!(symbol("a<b").contains("a&lt;b"));
+    }
 }

@@ -8,6 +8,7 @@ mod order;
 mod product;
 mod sum;
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use dashu_ratio::RBig;
@@ -36,6 +37,11 @@ const MAX_COLLECTED_TERMS: usize = 20_000;
 const EFFORT_PER_NODE: usize = 4;
 
 impl Pool {
+    /// An order of expressions by their names and shapes, not by when they were made.
+    pub fn compare(&self, a: Expr, b: Expr) -> Ordering {
+        order::compare(self, a, b)
+    }
+
     /// An equal expression that is shorter or the same: like terms and like factors merged, rational
     /// coefficients collected, sin² + cos² = 1 applied where it shortens, products multiplied out where that
     /// makes terms cancel, the [trigonometric](Pool::trig_form) or [exponential](Pool::exp_form) normal form taken

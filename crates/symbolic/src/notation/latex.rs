@@ -36,6 +36,7 @@ fn set(formula: &Notation, out: &mut String) {
             _ => wrapped("\\operatorname", name, out),
         },
         Notation::Sign('π') => out.push_str("\\pi"),
+        Notation::Sign('→') => out.push_str("\\to "),
         Notation::Sign('…') => out.push_str("\\dots"),
         Notation::Sign(c) => out.push(*c),
         Notation::Row(parts) => joined(parts, "", out),

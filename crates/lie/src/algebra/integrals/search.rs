@@ -329,7 +329,7 @@ impl Search {
             return Some(sum);
         }
         let phi = pool.simplify(sum);
-        if pool.text(phi).starts_with('-') {
+        if pool.text_size(phi).negative {
             let minus = pool.neg(phi);
             return Some(pool.simplify(minus));
         }

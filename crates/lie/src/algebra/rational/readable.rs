@@ -13,7 +13,7 @@ const MAX_NODES: usize = 1500;
 const MAX_COMPARED_NODES: usize = 150;
 
 /// A further quotient weighs as much as this many characters.
-const QUOTIENT: usize = 20;
+const QUOTIENT: u64 = 20;
 
 /// An equal expression that reads well: a product of powers where it factors, one fraction, common
 /// factors canceled, sin² + cos² = 1 used where it shortens. Equal wherever both have a value.
@@ -28,8 +28,8 @@ pub(crate) fn tidy(pool: &mut Pool, e: Expr) -> Expr {
     let collected = pool.simplify(fraction);
     // The first of the shortest, where every quotient but one takes some reading.
     let length = |e: &Expr| {
-        let text = pool.text(*e);
-        text.len() + QUOTIENT * text.matches('/').count().saturating_sub(1)
+        let size = pool.text_size(*e);
+        size.length.saturating_add(QUOTIENT * size.quotients.saturating_sub(1))
     };
     [collected, fraction, plain].into_iter().min_by_key(length).unwrap_or(plain)
 }
