@@ -108,3 +108,23 @@ fn a_user_of_the_library_builds_nothing_of_the_command() {
         assert!(!dependencies(&manifest).iter().any(|d| d == "anyhow"), "{name} uses anyhow");
     }
 }
+
+/// The Rust files below a folder.
+fn sources(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
+}
+
+/// Reports print expressions that results hold; a pool of their own would be one for expressions read from text.
+#[test]
+fn reports_read_no_expression_from_text() {
+    for folder in ["crates/report/src", "crates/cli/src"] {
+        for path in sources(&root().join(folder)) {
+            let text = fs::read_to_string(&path).unwrap();
+            let code = text.split("#[cfg(test)]").next().unwrap();
+            for reads in ["Pool::new", "pool.parse", "parse_with"] {
+                assert!(!code.contains(reads), "{} has `{reads}`", path.display());
+            }
+        }
+    }
+}

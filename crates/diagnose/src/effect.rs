@@ -38,6 +38,20 @@ pub enum Cause {
     UnknownTerm,
 }
 
+impl Cause {
+    /// Its name in words: `viscous friction`.
+    pub fn words(self) -> String {
+        let mut text = String::new();
+        for c in format!("{self:?}").chars() {
+            if c.is_uppercase() && !text.is_empty() {
+                text.push(' ');
+            }
+            text.extend(c.to_lowercase());
+        }
+        text
+    }
+}
+
 impl fmt::Display for Cause {
     /// As in reports: `viscous_friction`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

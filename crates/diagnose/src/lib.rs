@@ -27,7 +27,7 @@ pub use gain::{
     Fitted, ForceResidual, Gain, HeldOut, Predicted, bootstrap, force_error, force_residuals, measure_gain,
 };
 pub use library::{TIME_INPUT, candidates, dictionary, reference_candidates, separating_experiment};
-pub use numbers::{measured, probability, significant};
+pub use numbers::{measured, p_value, probability, significant};
 pub use read::{Audit, ColumnAudit, Noise, RecordSettings, Warning, estimate_noise, read_record};
 pub use record::{Measured, Quantity, Record, Signal};
 pub use report::{

@@ -27,7 +27,15 @@ pub fn measured(value: f64, std: f64) -> String {
     significant(value, digits.clamp(2, 9))
 }
 
+/// Below this the number of a probability means nothing any more.
+const LEAST_PROBABILITY: f64 = 1e-12;
+
 /// `= p`, or a bound where the number means nothing any more.
 pub fn probability(p: f64) -> String {
-    if p < 1e-12 { "< 1e-12".to_owned() } else { format!("= {}", significant(p, 2)) }
+    if p < LEAST_PROBABILITY { p_value(p) } else { format!("= {}", p_value(p)) }
+}
+
+/// `p`, or a bound where the number means nothing any more.
+pub fn p_value(p: f64) -> String {
+    if p < LEAST_PROBABILITY { format!("< {LEAST_PROBABILITY:e}") } else { significant(p, 2) }
 }

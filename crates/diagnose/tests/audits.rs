@@ -59,7 +59,7 @@ impl Swing {
     /// The warnings, all in one text.
     fn warnings(self) -> String {
         let (_, audit) = self.read().unwrap();
-        audit.warnings.iter().map(|w| format!("{}; {}", w.message, w.remedy)).collect::<Vec<_>>().join("\n")
+        audit.warnings.iter().map(|w| format!("{}; {}", w.message(), w.remedy())).collect::<Vec<_>>().join("\n")
     }
 }
 

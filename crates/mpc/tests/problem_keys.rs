@@ -294,6 +294,11 @@ fn real_time_iteration_predicts_the_cost_of_its_first_plan() {
     assert!(converged < 20.0, "the guess costs 4 along the horizon and 20 at its end: {converged}");
 }
 
+/// The notes, one to a line.
+fn told(report: &ClosedLoopReport) -> String {
+    report.notes.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
 #[test]
 fn a_cost_that_is_not_a_number_solves_nothing() {
     for method in ["rti", "sqp"] {
@@ -302,7 +307,7 @@ fn a_cost_that_is_not_a_number_solves_nothing() {
         assert_eq!((report.status.solved, report.status.fallback), (0, 60), "{method}");
         assert_eq!(report.status.reasons.total(), 60);
         assert!(!report.succeeded);
-        let said = report.notes.join("\n");
+        let said = told(&report);
         assert!(said.contains("the stage cost is not finite at sample 0 (t = 0 s)"), "{said}");
         assert!(said.contains("60 × fallback, first at sample 0"), "{said}");
     }
@@ -311,10 +316,10 @@ fn a_cost_that_is_not_a_number_solves_nothing() {
 #[test]
 fn the_report_says_why_samples_were_not_solved() {
     let (report, _, _) = run(&format!("{PROBLEM}faults = [{{ at = 3, until = 5, lost = true }}]\n"));
-    let said = report.notes.join("\n");
+    let said = told(&report);
     assert!(said.contains("3 × fallback, first at sample 3 (t = 0.3 s): nothing was measured"), "{said}");
     let (report, _, _) = run(&with("x = { max = -1, hard = true }", "[solve]"));
-    let said = report.notes.join("\n");
+    let said = told(&report);
     assert!(said.contains("infeasible: a hard bound cannot be kept"), "{said}");
 }
 
@@ -344,7 +349,7 @@ fn what_an_estimator_cannot_tell_is_noted() {
     let estimation = |disturbances: &str| {
         let text =
             format!("{PROBLEM}[estimation]\noutputs = {{ x = 0.01, y = 0.01 }}\ndisturbances = {disturbances}\n");
-        run(&text).0.notes.join("; ")
+        told(&run(&text).0)
     };
     let both = estimation("{ ux = { std = 1 }, vx = { std = 1 } }");
     assert!(both.contains("do not determine the disturbance of ux, the disturbance of vx"), "{both}");

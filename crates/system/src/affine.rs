@@ -289,6 +289,7 @@ fn change_after(system: &System, arguments: &Arguments, with: &[bool]) -> Result
         candidate.method = Method::InputAugmentation;
         candidate.added_states = integrators.added_states;
         candidate.integrators = integrators.integrators;
+        candidate.derivatives = integrators.derivatives;
     }
     Ok(candidate)
 }

@@ -39,6 +39,7 @@ pub(crate) fn augment(original: &System, arguments: &Arguments, extra: &[bool], 
     let mut point_inputs = Vec::new();
     let zero = system.pool.int(0);
     let mut chains = Vec::new();
+    let mut derivatives = Vec::new();
     for (i, &u) in old_inputs.iter().enumerate() {
         let count = arguments.highest[i].0 + u32::from(extra[i]);
         let base = system.pool.name(u).to_owned();
@@ -62,6 +63,7 @@ pub(crate) fn augment(original: &System, arguments: &Arguments, extra: &[bool], 
         }
         if count > 0 {
             integrators.insert(base, count);
+            derivatives.extend(chain[1..].iter().map(|&s| (s, i)));
         }
         chains.push((chain, value));
     }
@@ -95,6 +97,7 @@ pub(crate) fn augment(original: &System, arguments: &Arguments, extra: &[bool], 
     let mut candidate = Candidate::new(method, why);
     candidate.added_states = system.states.len() - original.states.len();
     candidate.integrators = integrators;
+    candidate.derivatives = derivatives;
     if any_taken {
         candidate.input_change = derivatives_as_inputs(&mut system, arguments, taken);
         candidate.independent_ranges = Some(true);

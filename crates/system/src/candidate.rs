@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Certificate, Expr, Function, Rational};
+use bracketry_symbolic::{Certificate, Expr, Function, Rational, Symbol};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
@@ -71,6 +71,8 @@ pub struct Candidate {
     pub chosen: bool,
     /// Integrators in front of each input that gets any.
     pub integrators: BTreeMap<String, u32>,
+    /// States and inputs that stand for derivatives of inputs, with the place of the input in the original.
+    pub(crate) derivatives: Vec<(Symbol, usize)>,
     /// States beyond those of the original.
     pub added_states: usize,
     /// New inputs, in order; inputs that stay as they are, or get integrators, need not be listed.
@@ -112,6 +114,7 @@ impl Candidate {
             method,
             chosen: false,
             integrators: BTreeMap::new(),
+            derivatives: Vec::new(),
             added_states: 0,
             input_change: Vec::new(),
             inverse: Vec::new(),

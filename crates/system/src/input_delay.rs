@@ -1,7 +1,5 @@
 //! Delays of inputs: the table `[delays]` of model files, and what becomes of them where inputs are changed.
 
-use std::collections::BTreeMap;
-
 use bracketry_symbolic::{Expr, Names, Pool, Symbol, closest_name};
 use rustc_hash::FxHashMap;
 
@@ -63,7 +61,7 @@ impl Candidate {
                 // A derivative of the input in the same place.
                 None => original.inputs.get(index).map_or_else(Vec::new, |&u| vec![u]),
                 Some(function) => {
-                    let Some(inputs) = inputs_in(original, &self.integrators, system, function) else {
+                    let Some(inputs) = inputs_in(original, &self.derivatives, system, function) else {
                         inexact.push(name);
                         continue;
                     };
@@ -90,7 +88,7 @@ impl Candidate {
 /// states too.
 fn inputs_in(
     original: &System,
-    integrators: &BTreeMap<String, u32>,
+    derivatives: &[(Symbol, usize)],
     system: &System,
     function: Expr,
 ) -> Option<Vec<Symbol>> {
@@ -99,15 +97,9 @@ fn inputs_in(
         if original.parameters.iter().any(|p| p.symbol == symbol) {
             continue;
         }
-        let name = system.pool.name(symbol);
-        // What integrators made of it: u, ud, udd.
-        let is_of = |base: &&String| {
-            let rest = name.strip_prefix(base.as_str());
-            rest.is_some_and(|rest| rest.chars().all(|c| c == 'd' || c == '_'))
-        };
         let derivative = original.input_derivatives.iter().find(|d| d.symbol == symbol).map(|d| d.input);
         let input = original.inputs.iter().position(|u| *u == symbol).or(derivative);
-        let input = input.or_else(|| original.input_index(integrators.keys().find(is_of)?))?;
+        let input = input.or_else(|| derivatives.iter().find(|d| d.0 == symbol).map(|d| d.1))?;
         found.push(original.inputs[input]);
     }
     Some(found)

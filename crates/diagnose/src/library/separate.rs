@@ -22,22 +22,10 @@ pub fn separating_experiment(a: &Effect, b: &Effect, system: &System) -> String 
             "{}, and {}; {} changes with the first only, {} with the second only",
             isolating(a, system),
             isolating(b, system),
-            name(a),
-            name(b)
+            a.cause.words(),
+            b.cause.words()
         )
     })
-}
-
-/// The name of a cause as reports print it.
-fn name(e: &Effect) -> String {
-    let mut text = String::new();
-    for c in format!("{:?}", e.cause).chars() {
-        if c.is_uppercase() && !text.is_empty() {
-            text.push(' ');
-        }
-        text.extend(c.to_lowercase());
-    }
-    text
 }
 
 /// What families of causes look like in data.
@@ -232,8 +220,8 @@ fn by_family(a: &Effect, b: &Effect, system: &System) -> Option<String> {
     if fa == Family::Scale || fb == Family::Scale {
         return Some(format!(
             "repeat the experiment with half and with twice the amplitude of the input, and once without input ({} grows differently from {})",
-            name(a),
-            name(b)
+            a.cause.words(),
+            b.cause.words()
         ));
     }
     None

@@ -8,19 +8,11 @@ use serde::Serialize;
 
 use super::clock::Clock;
 use super::noise::Noise;
+use super::warning::Warning;
 use crate::Signal;
 use crate::numbers::significant;
 use crate::settings::ReadSettings;
 use crate::statistics::extremes;
-
-/// Something about the data that may spoil a conclusion.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Warning {
-    /// What was seen.
-    pub message: String,
-    /// What to do about it.
-    pub remedy: String,
-}
 
 /// What one column is like.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -96,40 +88,27 @@ impl ColumnAudit {
 
     /// What is to be said of the column.
     fn warnings(&self, samples: usize, step: f64, settings: &ReadSettings) -> Vec<Warning> {
-        let name = &self.name;
-        let mut out = Vec::new();
-        let mut warn = |message: String, remedy: &str| out.push(Warning { message, remedy: remedy.into() });
+        let name = self.name.clone();
         if self.constant() {
-            let message = format!("`{name}` is {} throughout", readable(self.min));
-            let remedy = if self.input {
-                "what acts through it cannot be told from an offset; move it to find out"
-            } else {
-                "it says nothing about the motion; if it should move, its sensor is dead: remove the column"
-            };
-            warn(message, remedy);
-            return out;
+            return vec![Warning::Constant { name, value: self.min, input: self.input }];
         }
+        let mut out = Vec::new();
         if self.lost > 0 {
-            let message = format!("`{name}`: {} of {samples} values were lost", self.lost);
-            warn(message, "they are left out; check the sensor if they are many");
+            out.push(Warning::Lost { name: name.clone(), count: self.lost, samples });
         }
         if let Some(count) = self.saturated {
-            let message = format!("`{name}` stays at its smallest or largest value for {count} samples in rows");
-            warn(message, "if the sensor saturates there, leave these entries empty");
+            out.push(Warning::Saturated { name: name.clone(), count });
         }
         let noise = self.noise.unwrap_or(0.0);
         if let Some(q) = self.resolution.filter(|q| q / 12f64.sqrt() > 0.5 * noise) {
-            let message = format!("`{name}` is rounded to multiples of {q:.3e}, as coarse as its noise");
-            warn(message, "record it with more digits if there are more");
+            out.push(Warning::Coarse { name: name.clone(), step: q });
         }
         if noise > settings.mostly_noise * (self.max - self.min) {
-            warn(format!("`{name}` is mostly noise"), "move more, or measure better");
+            out.push(Warning::Noisy { name: name.clone() });
         }
         let correlation = self.noise_correlation.unwrap_or(0.0);
         if correlation > settings.correlated {
-            let time = -step / correlation.ln();
-            let message = format!("the noise of `{name}` is correlated over about {time:.2e} s");
-            warn(message, "it comes through a filter: a delay of the sensor may be that of the filter");
+            out.push(Warning::Correlated { name, time: -step / correlation.ln() });
         }
         out
     }
@@ -183,28 +162,16 @@ impl Audit {
         settings: &ReadSettings,
     ) -> Self {
         let samples = times.len();
-        let of_column = |c: &ColumnAudit| c.warnings(samples, clock.step, settings);
-        let mut warnings: Vec<Warning> = columns.iter().flat_map(of_column).collect();
-        let mut warn = |message: String, remedy: &str| warnings.push(Warning { message, remedy: remedy.into() });
+        let mut warnings: Vec<Warning> = columns.iter().flat_map(|c| c.warnings(samples, clock.step, settings)).collect();
         if clock.jitter > settings.uneven {
-            let message = format!("the steps in time vary by {:.0} %", 100.0 * clock.jitter);
-            warn(
-                message,
-                "the times are taken as exact; check that they are those of the measurement, not of the logging",
-            );
+            warnings.push(Warning::Uneven { jitter: clock.jitter });
         }
         if !clock.gaps.is_empty() {
-            let at: Vec<String> = clock.gaps.iter().take(5).map(|k| format!("{}", times[*k])).collect();
-            let gaps = counted(clock.gaps.len(), "gap", "gaps");
-            let message = format!("{gaps} in time, the run goes on at t = {} s", at.join(", "));
-            warn(message, "the parts are used, each with its own initial state");
+            let after = clock.gaps.iter().take(5).map(|k| times[*k]).collect();
+            warnings.push(Warning::Gaps { count: clock.gaps.len(), after });
         }
         if clock.step >= 1.0 {
-            let message = format!("the samples are {} s apart", clock.step);
-            warn(
-                message,
-                "t is in seconds: divide it by 1000 if it counts milliseconds, by the rate if it counts samples",
-            );
+            warnings.push(Warning::Slow { step: clock.step });
         }
         Self {
             name: name.to_owned(),
@@ -247,7 +214,7 @@ impl fmt::Display for Audit {
             writeln!(f, "  ignored: {}", self.ignored.join(", "))?;
         }
         for w in &self.warnings {
-            writeln!(f, "  warning: {}\n    {}", w.message, w.remedy)?;
+            writeln!(f, "  warning: {}\n    {}", w.message(), w.remedy())?;
         }
         Ok(())
     }

@@ -3,8 +3,8 @@
 use bracketry_symbolic::{Func, Node};
 use bracketry_system::{FileError, System};
 
-use super::audit::Warning;
 use super::origin::Origin;
+use super::warning::Warning;
 use crate::settings::ConsistencySettings;
 use crate::{Quantity, Record};
 
@@ -54,25 +54,16 @@ pub(super) fn check_rates(
         let (name, says) = (system.symbol_name(system.states[state]), system.symbol_name(rate));
         let near = |factor: f64| (slope / factor - 1.0).abs() < settings.calibration;
         if correlation.abs() < settings.least_correlation {
-            warnings.push(Warning {
-                message: format!("`{name}` does not move as `{says}` says (correlation {correlation:.2})"),
-                remedy: "check that these columns belong together and to the same axis".into(),
-            });
+            warnings.push(Warning::Unrelated { name: name.to_owned(), rate: says.to_owned(), correlation });
         } else if slope < 0.0 {
-            warnings.push(Warning {
-                message: format!("`{name}` moves against `{says}`"),
-                remedy: "one of them has the wrong sign".into(),
-            });
+            warnings.push(Warning::Reversed { name: name.to_owned(), rate: says.to_owned() });
         } else if let Some((_, meaning)) = UNITS.iter().find(|(factor, _)| near(*factor)) {
             return Err(origin.whole(
                 format!("`{name}` moves {slope:.4} times as far as `{says}` says"),
                 format!("{meaning}: convert to SI units (m, rad, s)"),
             ));
         } else if !near(1.0) {
-            warnings.push(Warning {
-                message: format!("`{name}` moves {slope:.3} times as far as `{says}` says"),
-                remedy: "check the units and the calibration of these columns".into(),
-            });
+            warnings.push(Warning::Scaled { name: name.to_owned(), rate: says.to_owned(), factor: slope });
         }
     }
     Ok(warnings)
@@ -94,12 +85,9 @@ pub(super) fn check_angles(record: &Record, system: &System, settings: &Consiste
             continue;
         };
         let largest = values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).fold(0.0, f64::max);
-        let name = system.symbol_name(symbol);
-        let message = format!("the angle `{name}` reaches {largest:.4} rad");
-        if largest > settings.most_turns * std::f64::consts::TAU
-            && !warnings.iter().any(|w: &Warning| w.message == message)
-        {
-            warnings.push(Warning { message, remedy: "multiply it by pi/180 if it is in degrees".into() });
+        let warning = Warning::LargeAngle { name: system.symbol_name(symbol).to_owned(), largest };
+        if largest > settings.most_turns * std::f64::consts::TAU && !warnings.contains(&warning) {
+            warnings.push(warning);
         }
     }
     warnings

@@ -10,8 +10,10 @@ mod origin;
 mod record;
 mod roles;
 mod settings;
+mod warning;
 
-pub use audit::{Audit, ColumnAudit, Warning};
+pub use audit::{Audit, ColumnAudit};
 pub use noise::{Noise, estimate_noise};
 pub use record::read_record;
 pub use settings::RecordSettings;
+pub use warning::Warning;

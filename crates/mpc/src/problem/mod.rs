@@ -13,6 +13,7 @@ pub use conditions::RunConditions;
 pub use control_problem::{ControlProblem, ProblemError};
 pub use estimation::{Estimation, EstimatorKind};
 pub use method::{Convergence, Feedback, Method};
+pub use notes::{FirstSample, Note};
 pub use on_plant::{ControlError, Controlled, control, control_watched};
 pub use report::{ClosedLoopReport, PlanReport};
 pub use run::ControlRun;

@@ -1,5 +1,6 @@
 //! What is to be said about a closed-loop run.
 
+use super::notes::Note;
 use crate::closed_loop::{Counts, SolveTimes};
 use bracketry_symbolic::Named;
 use serde::Serialize;
@@ -45,7 +46,7 @@ pub struct ClosedLoopReport {
     pub plan: Option<PlanReport>,
     /// What went wrong: how often, where first, and what to do about it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// Whether the run did what was asked: every target met within its tolerance (without targets: the plan, where there is
     /// one, converged), no sample infeasible or fallen back on an old input, and every figure finite.
     pub succeeded: bool,

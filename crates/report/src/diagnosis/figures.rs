@@ -186,7 +186,7 @@ fn of_places(places: &[Place], name: &str, title: &str) -> Option<Figure> {
 /// Name of a row of the ranking, with the term where others are called alike.
 fn row_name(cause: Cause, equation: &str, term: &str, alike: bool) -> String {
     let term = if alike { format!(": {}", shortened(term)) } else { String::new() };
-    format!("{} in {equation}{term}", cause.to_string().replace('_', " "))
+    format!("{} in {equation}{term}", cause.words())
 }
 
 /// A term as short as a row of a chart has room for.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use bracketry_diagnose::{Gain, NamedCause, Report, measured, probability, significant};
+use bracketry_diagnose::{Gain, NamedCause, Report, measured, p_value, significant};
 
 use super::Diagnosis;
 use super::sentences::{self, closeness, reason, regime};
@@ -56,13 +56,8 @@ impl Diagnosis {
     }
 }
 
-/// A probability without the sign of equality that it has in sentences.
-fn p_value(p: f64) -> String {
-    escaped(probability(p).trim_start_matches("= "))
-}
-
 fn of_cause(cause: &NamedCause) -> String {
-    let title = cause.name.to_string().replace('_', " ");
+    let title = cause.name.words();
     let mut out = format!(
         "<div class=\"cause\"><h4>{} in the equation of {}</h4>\n<p>{}</p>\n<ul>",
         escaped(&title),
@@ -73,7 +68,7 @@ fn of_cause(cause: &NamedCause) -> String {
         let _ = write!(out, "<li>{} = {}</li>", symbol(name), escaped(&value.to_string()));
     }
     let _ = match cause.p_value {
-        Some(p) => write!(out, "<li>p-value: {}</li>", p_value(p)),
+        Some(p) => write!(out, "<li>p-value: {}</li>", escaped(&p_value(p))),
         None => write!(out, "<li>without the cause some of the data cannot be simulated</li>"),
     };
     if let Some(share) = cause.share {
@@ -86,7 +81,7 @@ fn of_cause(cause: &NamedCause) -> String {
     if !cause.rivals.is_empty() {
         out += "<p>This experiment cannot distinguish it from:</p><ul>";
         for rival in &cause.rivals {
-            let name = rival.name.to_string().replace('_', " ");
+            let name = rival.name.words();
             let _ = write!(
                 out,
                 "<li>{} in {}: {} ({})</li>",
@@ -157,12 +152,12 @@ fn tables(report: &Report, level: usize) -> String {
             let mark = if c.chosen { "named" } else { "" };
             vec![
                 mark.to_owned(),
-                escaped(&c.name.to_string().replace('_', " ")),
+                escaped(&c.name.words()),
                 symbol(&c.equation),
                 c.term.notation().mathml(),
                 c.share.map_or_else(String::new, percent),
                 c.interval.map_or_else(String::new, |[low, high]| format!("{} … {}", percent(low), percent(high))),
-                p_value(c.p_value),
+                escaped(&p_value(c.p_value)),
             ]
         });
         out += &heading(level, "Candidates, each alone");

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Formatter};
 
-use bracketry_diagnose::{Candidate, Gain, NamedCause, RefittedParameter, Report, measured, probability, significant};
+use bracketry_diagnose::{Candidate, Gain, NamedCause, RefittedParameter, Report, measured, p_value, probability, significant};
 
 use super::sentences::{closeness, flag as flag_text, note as note_text, reason, regime};
 use super::table::{Table, percent, short};
@@ -153,7 +153,7 @@ fn write_candidates(f: &mut Formatter<'_>, candidates: &[Candidate]) -> fmt::Res
             c.term.text(),
             &c.share.map_or_else(String::new, percent),
             &interval,
-            probability(c.p_value).trim_start_matches("= "),
+            &p_value(c.p_value),
         ]);
     }
     write!(f, "\nCandidates, each alone with all parameters refitted (share of the excess)\n{table}")?;
