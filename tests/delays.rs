@@ -38,7 +38,8 @@ fn a_loop_applies_the_delay_and_the_controller_knows_it() {
     let rest = |problem: &ControlProblem| {
         let run = control(problem).unwrap().run;
         let end = run.closed_loop.x.last().unwrap().clone();
-        (end[0].hypot(end[1]), run.report.closed_loop_cost, run.report.notes.join("\n"))
+        let notes: Vec<String> = run.report.notes.iter().map(ToString::to_string).collect();
+        (end[0].hypot(end[1]), run.report.closed_loop_cost, notes.join("\n"))
     };
     let (_, cost, notes) = rest(&problem("", ""));
     assert!(!notes.contains("later than commanded"), "{notes}");

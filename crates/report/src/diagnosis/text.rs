@@ -2,7 +2,9 @@
 
 use std::fmt::{self, Formatter};
 
-use bracketry_diagnose::{Candidate, Gain, NamedCause, RefittedParameter, Report, measured, p_value, probability, significant};
+use bracketry_diagnose::{
+    Candidate, Gain, NamedCause, RefittedParameter, Report, measured, p_value, probability, significant,
+};
 
 use super::sentences::{closeness, flag as flag_text, note as note_text, reason, regime};
 use super::table::{Table, percent, short};
