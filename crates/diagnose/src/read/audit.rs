@@ -162,7 +162,8 @@ impl Audit {
         settings: &ReadSettings,
     ) -> Self {
         let samples = times.len();
-        let mut warnings: Vec<Warning> = columns.iter().flat_map(|c| c.warnings(samples, clock.step, settings)).collect();
+        let mut warnings: Vec<Warning> =
+            columns.iter().flat_map(|c| c.warnings(samples, clock.step, settings)).collect();
         if clock.jitter > settings.uneven {
             warnings.push(Warning::Uneven { jitter: clock.jitter });
         }
