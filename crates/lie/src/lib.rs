@@ -34,6 +34,7 @@ mod dimensions;
 mod error;
 mod evidence;
 mod feedback;
+mod linear;
 mod modes;
 mod observability;
 mod options;

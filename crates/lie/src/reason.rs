@@ -54,6 +54,12 @@ pub enum Reason {
     /// An uncontrollable eigenvalue decides nothing.
     #[error("the linearization has an uncontrollable eigenvalue on, or too near, the imaginary axis")]
     NearAxis,
+    /// An uncontrollable eigenvalue is exactly on the axis.
+    #[error("the linearisation has an uncontrollable eigenvalue on the imaginary axis")]
+    OnAxis,
+    /// The eigenvalues were not found.
+    #[error("the QR algorithm for the eigenvalues did not converge")]
+    NoConvergence,
     /// Smooth feedback cannot stabilize; other feedback may.
     #[error(
         "the linearization has an unstable uncontrollable mode: no continuously differentiable feedback that keeps the \
@@ -75,6 +81,9 @@ pub enum Reason {
     /// The linearized zero dynamics decide nothing.
     #[error("the zero dynamics have eigenvalues on, or too near, the imaginary axis")]
     ZeroDynamicsNearAxis,
+    /// The linearized zero dynamics are exactly on the axis.
+    #[error("the zero dynamics have eigenvalues on the imaginary axis")]
+    ZeroDynamicsOnAxis,
     /// Nor do higher derivatives.
     #[error("the derivatives of the zero dynamics at the point do not decide")]
     Derivatives,

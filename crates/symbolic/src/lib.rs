@@ -31,6 +31,7 @@ mod table;
 mod tape;
 mod text;
 mod text_size;
+mod univariate;
 
 pub use closest_name::closest_name;
 pub use dashu_ratio::RBig as Rational;
@@ -47,3 +48,4 @@ pub use stop_flag::StopFlag;
 pub use table::{Entry, ExprTable, TableError};
 pub use tape::{CompileError, Instruction, Op, Tape};
 pub use text_size::TextSize;
+pub use univariate::{RealRoot, UnivariatePolynomial};

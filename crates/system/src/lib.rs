@@ -18,7 +18,6 @@ mod model_file;
 mod model_text;
 mod new_state;
 mod point_text;
-mod polynomial;
 mod range;
 mod rational_function;
 mod readable;

@@ -1,10 +1,9 @@
 //! Functions of one input that are rational in the input, in its sine and cosine, or in its exponential.
 
-use bracketry_symbolic::{Expr, Func, Node, Pool, Rational, Symbol};
+use bracketry_symbolic::{Expr, Func, Node, Pool, Rational, RealRoot, Symbol, UnivariatePolynomial};
 
 use crate::images::Images;
 use crate::interval::{End, Interval};
-use crate::polynomial::{Polynomial, Root};
 
 /// What a function is rational in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +26,8 @@ enum Variable {
 /// p/q without common factors, in one [`Variable`].
 #[derive(Clone, Debug)]
 pub(crate) struct RationalFunction {
-    numerator: Polynomial,
-    denominator: Polynomial,
+    numerator: UnivariatePolynomial,
+    denominator: UnivariatePolynomial,
     variable: Option<Variable>,
     input: Symbol,
     /// c and s of a hyperbola.
@@ -44,8 +43,8 @@ fn rational_root(x: &Rational) -> Option<Rational> {
     (root.clone() * root.clone() == *x).then_some(root)
 }
 
-fn integers(c: &[i64]) -> Polynomial {
-    Polynomial::new(c.iter().map(|&k| Rational::from(k)).collect())
+fn integers(c: &[i64]) -> UnivariatePolynomial {
+    UnivariatePolynomial::new(c.iter().map(|&k| Rational::from(k)).collect())
 }
 
 impl RationalFunction {
@@ -61,7 +60,7 @@ impl RationalFunction {
         f.find_hyperbola(pool, e);
         let (p, q) = f.read(pool, e)?;
         let common = p.gcd(&q);
-        let reduced = |p: &Polynomial| p.quotient(&common);
+        let reduced = |p: &UnivariatePolynomial| p.quotient(&common);
         f.numerator = reduced(&p);
         f.denominator = reduced(&q);
         Some(f)
@@ -94,7 +93,12 @@ impl RationalFunction {
     }
 
     /// Powers of the root of the radicand, and the input, on the hyperbola.
-    fn read_on_hyperbola(&self, pool: &mut Pool, e: Expr, base: Expr) -> Option<(Polynomial, Polynomial)> {
+    fn read_on_hyperbola(
+        &self,
+        pool: &mut Pool,
+        e: Expr,
+        base: Expr,
+    ) -> Option<(UnivariatePolynomial, UnivariatePolynomial)> {
         let two_e = integers(&[0, 2]);
         match pool.node(e) {
             Node::Sym(s) if s == self.input => Some((integers(&[-1, 0, 1]).scaled(&self.scales[0]), two_e)),
@@ -102,7 +106,7 @@ impl RationalFunction {
                 let k = pool.number(k)?.clone() * Rational::from(2);
                 let k = i64::try_from(k.numerator()).ok().filter(|k| k.unsigned_abs() <= MAX_DEGREE as u64 / 2)?;
                 let root = (integers(&[1, 0, 1]).scaled(&self.scales[1]), two_e);
-                let power = |p: &Polynomial| (0..k.unsigned_abs()).fold(integers(&[1]), |m, _| m.mul(p));
+                let power = |p: &UnivariatePolynomial| (0..k.unsigned_abs()).fold(integers(&[1]), |m, _| m.mul(p));
                 let (p, q) = (power(&root.0), power(&root.1));
                 Some(if k > 0 { (p, q) } else { (q, p) })
             }
@@ -110,10 +114,10 @@ impl RationalFunction {
         }
     }
 
-    fn read(&mut self, pool: &mut Pool, e: Expr) -> Option<(Polynomial, Polynomial)> {
+    fn read(&mut self, pool: &mut Pool, e: Expr) -> Option<(UnivariatePolynomial, UnivariatePolynomial)> {
         let one = integers(&[1]);
         if let Some(c) = pool.number(e) {
-            return Some((Polynomial::new(vec![c.clone()]), one));
+            return Some((UnivariatePolynomial::new(vec![c.clone()]), one));
         }
         if let Some(Variable::Hyperbola { base }) = self.variable
             && let Some(found) = self.read_on_hyperbola(pool, e, base)
@@ -132,7 +136,7 @@ impl RationalFunction {
             Node::Pow(a, k) if pool.integer(k).is_some_and(|k| k.unsigned_abs() <= MAX_DEGREE as u64) => {
                 let k = pool.integer(k)?;
                 let (p, q) = self.read(pool, a)?;
-                let power = |p: &Polynomial| {
+                let power = |p: &UnivariatePolynomial| {
                     (0..k.unsigned_abs())
                         .try_fold(one.clone(), |m, _| (m.degree() + p.degree() <= MAX_DEGREE).then(|| m.mul(p)))
                 };
@@ -204,7 +208,7 @@ impl RationalFunction {
     }
 
     /// The zeros in the variable.
-    pub(crate) fn zeros(&self) -> Vec<Root> {
+    pub(crate) fn zeros(&self) -> Vec<RealRoot> {
         self.numerator.roots()
     }
 
@@ -229,18 +233,18 @@ impl RationalFunction {
     }
 
     /// The input's values at the zeros, ascending: exactly, else rounded. `None` for a function of something else.
-    pub(crate) fn zeros_of_input(&self) -> Option<Vec<Root>> {
+    pub(crate) fn zeros_of_input(&self) -> Option<Vec<RealRoot>> {
         (self.variable == Some(Variable::Input)).then(|| self.zeros())
     }
 
     /// The set of values on an interval of the variable; `None` if there is a pole.
     pub(crate) fn image(&self, pool: &mut Pool, on: &Interval) -> Option<Interval> {
         let (p, q) = (&self.numerator, &self.denominator);
-        let near = |r: &Root| {
+        let near = |r: &RealRoot| {
             on.holds_inside(r.value) || [&on.lower, &on.upper].iter().any(|e| crate::interval::close(e.value, r.value))
         };
         // A pole at an open end 0 is a limit, that of an exponential at −∞.
-        let limit = |r: &Root| r.exact == Some(Rational::ZERO) && on.lower.value == 0.0 && !on.lower.closed;
+        let limit = |r: &RealRoot| r.exact == Some(Rational::ZERO) && on.lower.value == 0.0 && !on.lower.closed;
         if q.roots().iter().any(|r| near(r) && !limit(r)) {
             return None;
         }
@@ -288,7 +292,7 @@ impl RationalFunction {
     }
 
     /// The value at a zero of the derivative; exact where it is rational.
-    fn at_critical(&self, pool: &mut Pool, c: &Root, slope: &Polynomial) -> End {
+    fn at_critical(&self, pool: &mut Pool, c: &RealRoot, slope: &UnivariatePolynomial) -> End {
         if let Some(x) = &c.exact {
             return End::rational(pool, &self.value(x), true);
         }

@@ -6,11 +6,11 @@ use bracketry_symbolic::{Expr, Func, Function, Node, Pool, Rational};
 use serde::{Serialize, Serializer};
 
 use crate::images::flattened;
-use crate::polynomial::Root;
 use crate::range::image;
 use crate::rational_function::RationalFunction;
 use crate::switching::is_switch;
 use crate::system::System;
+use bracketry_symbolic::RealRoot;
 
 /// Largest number of minors of the Jacobian that are written out.
 const MAX_MINORS: usize = 6;
@@ -112,7 +112,7 @@ fn zeros(system: &mut System, factor: Expr) -> Vec<Level> {
     {
         let input = system.pool.sym(u);
         let function = Function::new(&system.pool, input);
-        let level = |x: Root| Level { function: function.clone(), value: x.value, exact: x.exact };
+        let level = |x: RealRoot| Level { function: function.clone(), value: x.value, exact: x.exact };
         return zeros.into_iter().map(level).collect();
     }
     let inputs = system.inputs.clone();

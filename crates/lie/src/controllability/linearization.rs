@@ -1,12 +1,15 @@
 //! The linearization at an equilibrium.
 
-use bracketry_symbolic::{Expr, Pool};
+use bracketry_symbolic::{Expr, Pool, Rational};
 use nalgebra::{DMatrix, DVector};
 
 use crate::algebra::field::Field;
 use crate::answer::Answer;
 use crate::controllability::local::Frame;
 use crate::evidence::Evidence;
+use crate::linear::matrix::{Echelon as RationalEchelon, RationalMatrix};
+use crate::linear::numerical::eigenvalues;
+use crate::linear::spectrum::{Root, Spectrum};
 use crate::reason::Reason;
 use crate::residues::times;
 use crate::residues::{Echelon, Fp};
@@ -61,40 +64,85 @@ impl Linearization {
     }
 }
 
-/// Whether the modes of the linearization that inputs do not reach decay.
-///
-/// `rank` is the exact dimension of the controllable subspace. True if their eigenvalues
-/// have negative real part, false if one has positive real part (then no smooth feedback
-/// stabilizes the equilibrium), unknown within rounding of the imaginary axis.
-pub(crate) fn uncontrollable_modes_decay(pool: &mut Pool, frame: &Frame, rank: usize) -> Answer<bool> {
-    if rank == frame.fields.states.len() {
-        return Answer::Known(true);
-    }
-    let (block, tolerance) = match uncontrollable_block(pool, frame, rank) {
-        Ok(found) => found,
-        Err(why) => return Answer::Unknown(why),
-    };
-    let worst = block.complex_eigenvalues().iter().map(|z| z.re).fold(f64::NEG_INFINITY, f64::max);
-    if worst < -tolerance {
-        Answer::Known(true)
-    } else if worst > tolerance {
-        Answer::Known(false)
-    } else {
-        Answer::Unknown(Reason::NearAxis)
-    }
+/// The part of the linearization that no input reaches: the states modulo the controllable subspace span{A^k b_i}.
+pub(crate) struct Uncontrollable {
+    /// Its eigenvalues; with exact multiplicities and half-planes where A and B are rational.
+    pub(crate) roots: Vec<Root>,
+    /// Whether all eigenvalues have negative real part (true), one has positive real part (false), or else why neither is known.
+    pub(crate) decays: Answer<bool>,
+    /// A and B, where all their entries are rational.
+    pub(crate) exact: Option<(RationalMatrix, RationalMatrix)>,
 }
 
-/// The matrix of the linearization on the states modulo the controllable subspace, whose exact
-/// dimension is `rank`, with the accuracy of its eigenvalues; or why there is none.
-pub(crate) fn uncontrollable_block(pool: &mut Pool, frame: &Frame, rank: usize) -> Result<(DMatrix<f64>, f64), Reason> {
+/// `rank` is the exact dimension of the controllable subspace.
+///
+/// # Errors
+/// The [`Reason`] why there are no eigenvalues: an entry has no numerical value, the subspace is not clear of rounding,
+/// or the QR algorithm does not converge.
+pub(crate) fn uncontrollable(pool: &mut Pool, frame: &Frame, rank: usize) -> Result<Uncontrollable, Reason> {
     let n = frame.fields.states.len();
+    if rank == n {
+        return Ok(Uncontrollable { roots: Vec::new(), decays: Answer::Known(true), exact: None });
+    }
+    if let Some((a, b)) = rational_matrices(pool, frame) {
+        let spectrum = Spectrum::of(&quotient(&a, &b));
+        let decays = match (spectrum.right, spectrum.on_axis) {
+            (0, 0) => Answer::Known(true),
+            (0, _) => Answer::Unknown(Reason::OnAxis),
+            _ => Answer::Known(false),
+        };
+        return Ok(Uncontrollable { roots: spectrum.roots, decays, exact: Some((a, b)) });
+    }
     let (a, b) = matrices(pool, frame).ok_or(Reason::NoNumbers)?;
     let rest = complement(&a, &b, rank).ok_or(Reason::Rounding)?;
     let block = rest.transpose() * &a * &rest;
-    let scale = a.norm().max(f64::MIN_POSITIVE);
-    // An eigenvalue of multiplicity k moves by the k-th root of a perturbation.
-    let tolerance = 10.0 * scale * (n as f64 * f64::EPSILON).powf(1.0 / block.nrows() as f64);
-    Ok((block, tolerance))
+    let tolerance = tolerance(block.norm().max(f64::EPSILON * a.norm()), block.nrows());
+    let found = eigenvalues(&block).ok_or(Reason::NoConvergence)?;
+    let worst = found.iter().map(|z| z.0).fold(f64::NEG_INFINITY, f64::max);
+    let decays = if worst.abs() > tolerance { Answer::Known(worst < 0.0) } else { Answer::Unknown(Reason::NearAxis) };
+    Ok(Uncontrollable { roots: clustered(&found, tolerance), decays, exact: None })
+}
+
+/// How far an eigenvalue of multiplicity k can move in floating point: as the k-th root of a perturbation.
+pub(crate) fn tolerance(size: f64, k: usize) -> f64 {
+    10.0 * size.max(f64::MIN_POSITIVE) * (k as f64 * f64::EPSILON).powf(1.0 / k as f64)
+}
+
+/// The matrix of A on the rational vectors modulo span{A^k b_i}, in the coordinates w_i x of an annihilating basis.
+fn quotient(a: &RationalMatrix, b: &RationalMatrix) -> RationalMatrix {
+    let mut reached = RationalEchelon::new(a.rows().len());
+    let mut queue: Vec<Vec<Rational>> = b.rows().to_vec();
+    while let Some(v) = queue.pop() {
+        if reached.insert(v.clone()) {
+            queue.push(a.times(&v));
+        }
+    }
+    // W A = Q W, and W is the identity on the columns without pivot.
+    let columns = reached.free_columns();
+    let transposed = a.transposed();
+    let rows = reached.null_space().into_iter().map(|w| {
+        let image = transposed.times(&w);
+        columns.iter().map(|&j| image[j].clone()).collect()
+    });
+    RationalMatrix::new(rows.collect(), columns.len())
+}
+
+/// Eigenvalues nearer than `tolerance` count as one, at their mean.
+fn clustered(found: &[(f64, f64)], tolerance: f64) -> Vec<Root> {
+    let mut clusters: Vec<Vec<(f64, f64)>> = Vec::new();
+    for &z in found {
+        match clusters.iter_mut().find(|c| c.iter().any(|w| (w.0 - z.0).hypot(w.1 - z.1) <= tolerance)) {
+            Some(c) => c.push(z),
+            None => clusters.push(vec![z]),
+        }
+    }
+    let tidy = |x: f64| if x.abs() <= tolerance { 0.0 } else { x };
+    let mean = |c: &[(f64, f64)], part: fn(&(f64, f64)) -> f64| tidy(c.iter().map(part).sum::<f64>() / c.len() as f64);
+    let root =
+        |c: &Vec<(f64, f64)>| Root { re: mean(c, |z| z.0), im: mean(c, |z| z.1), multiplicity: c.len(), exact: None };
+    let mut roots: Vec<Root> = clusters.iter().map(root).collect();
+    roots.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    roots
 }
 
 /// Orthonormal columns that span the orthogonal complement of span{A^k b_i}, whose exact dimension
@@ -137,11 +185,27 @@ pub(crate) fn complement(a: &DMatrix<f64>, b: &DMatrix<f64>, rank: usize) -> Opt
 /// A unit vector less than this away from a subspace counts as in it.
 const INDEPENDENT: f64 = 1e-10;
 
+/// The entries of A by rows, then those of B by columns.
+fn entries(pool: &mut Pool, frame: &Frame) -> Vec<Expr> {
+    let mut roots: Vec<Expr> = pool.jacobian(&frame.fields.drift, &frame.fields.states).concat();
+    roots.extend(frame.fields.controls.concat());
+    roots
+}
+
+/// A and the columns of B as rows; `None` if an entry is not seen to be rational.
+fn rational_matrices(pool: &mut Pool, frame: &Frame) -> Option<(RationalMatrix, RationalMatrix)> {
+    let n = frame.fields.states.len();
+    let roots = entries(pool, frame);
+    let mut values = frame.rationals(pool, &roots)?;
+    let b = values.split_off(n * n);
+    let matrix = |list: Vec<Rational>| RationalMatrix::new(list.chunks(n).map(<[Rational]>::to_vec).collect(), n);
+    Some((matrix(values), matrix(b)))
+}
+
 /// A and B as numbers; `None` if a symbol has no value or a value is not finite.
 fn matrices(pool: &mut Pool, frame: &Frame) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
     let n = frame.fields.states.len();
-    let mut roots: Vec<Expr> = pool.jacobian(&frame.fields.drift, &frame.fields.states).concat();
-    roots.extend(frame.fields.controls.concat());
+    let roots = entries(pool, frame);
     let values = frame.numbers(pool, &roots)?;
     let (a, b) = values.split_at(n * n);
     Some((DMatrix::from_row_slice(n, n, a), DMatrix::from_column_slice(n, b.len() / n, b)))

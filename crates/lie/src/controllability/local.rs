@@ -1,6 +1,6 @@
 //! Accessibility at a given point, where pruning by functional dependence is not allowed.
 
-use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, Tape};
+use bracketry_symbolic::{Bindings, Expr, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::closure::Closure;
@@ -146,6 +146,18 @@ impl Frame {
         let mut values = vec![0.0; tape.n_outputs()];
         tape.eval(&[], &mut Vec::new(), &mut values);
         values.iter().all(|v| v.is_finite()).then_some(values)
+    }
+
+    /// Values at the point; `None` if one is not seen to be a rational number.
+    pub(crate) fn rationals(&self, pool: &mut Pool, roots: &[Expr]) -> Option<Vec<Rational>> {
+        roots
+            .iter()
+            .map(|&e| {
+                let value = self.constants_in(pool, e);
+                let value = pool.simplify(value);
+                pool.number(value).cloned()
+            })
+            .collect()
     }
 
     /// The point, one expression per state.

@@ -15,7 +15,7 @@ use crate::budget::release;
 use crate::controllability::accessibility::Reach;
 use crate::controllability::brockett::brockett_condition;
 use crate::controllability::input_set::InputSet;
-use crate::controllability::linearization::{Linearization, uncontrollable_modes_decay};
+use crate::controllability::linearization::{Linearization, uncontrollable};
 use crate::controllability::local::Frame;
 use crate::controllability::one_sided::{balanced, one_sided};
 use crate::controllability::stlc::{Stlc, Verdict, decide};
@@ -150,7 +150,12 @@ pub(crate) fn point_report(
     };
     let rank = linearization.as_ref().map(|l| l.controllable().rank());
     let driftless = is_plain_zero(pool, &fields.drift);
-    let stabilizable = rank.map(|rank| match uncontrollable_modes_decay(pool, &frame, rank) {
+    let unreached = rank.map(|rank| uncontrollable(pool, &frame, rank));
+    let decay = unreached.as_ref().map(|u| match u {
+        Ok(found) => found.decays.clone(),
+        Err(why) => Answer::Unknown(why.clone()),
+    });
+    let stabilizable = rank.zip(decay).map(|(rank, decay)| match decay {
         Answer::Known(true) if rank == n => (Answer::Known(true), StabilizableReason::Controllable),
         Answer::Known(true) => (Answer::Known(true), StabilizableReason::ModesDecay),
         Answer::Known(false) if is_linear(pool, fields) => (Answer::Known(false), StabilizableReason::UnstableMode),
@@ -173,10 +178,7 @@ pub(crate) fn point_report(
         linear_controllability_rank: rank,
         stabilizable,
         stabilizable_reason,
-        uncontrollable_modes: linearization
-            .as_ref()
-            .zip(rank)
-            .map(|(l, rank)| uncontrollable_modes(pool, &frame, l, rank)),
+        uncontrollable_modes: unreached.map(|u| u.map(|found| uncontrollable_modes(pool, &frame, &found)).into()),
         brockett_condition: linearization.as_ref().map(|l| brockett_condition(pool, &frame, l, evidence)),
         stlc,
         relative_degree_defined: None,

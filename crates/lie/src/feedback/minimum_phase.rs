@@ -1,12 +1,16 @@
 //! Stability of the zero dynamics.
 
-use bracketry_symbolic::{Expr, Pool, Symbol, Tape};
+use bracketry_symbolic::{Expr, Pool, Rational, Symbol, Tape};
 use nalgebra::DMatrix;
 
 use crate::algebra::field::VectorFields;
 use crate::answer::Answer;
+use crate::controllability::linearization::tolerance;
 use crate::evidence::Evidence;
 use crate::feedback::zero_dynamics::{Set, ZeroDynamics};
+use crate::linear::matrix::RationalMatrix;
+use crate::linear::numerical::eigenvalues;
+use crate::linear::spectrum::Spectrum;
 use crate::reason::{MinimumPhaseReason, Reason};
 
 /// Whether the zero dynamics are asymptotically stable at an equilibrium.
@@ -75,13 +79,23 @@ impl ZeroDynamics {
         if let &[z] = self.states.as_slice() {
             return self.scalar(pool, &set, z, evidence);
         }
-        let Some(eigenvalues) = self.eigenvalues(pool, &set) else {
-            return open(Reason::ZeroDynamicsNoNumbers);
-        };
+        let rows = pool.jacobian(&self.equations, &self.states).concat();
         let k = self.states.len();
+        if let Some(exact) = set.rationals(pool, &rows) {
+            let spectrum = Spectrum::of(&RationalMatrix::new(exact.chunks(k).map(<[Rational]>::to_vec).collect(), k));
+            let eigenvalues = listed(&spectrum);
+            return match (spectrum.right, spectrum.on_axis) {
+                (0, 0) => decided(true, MinimumPhaseReason::Stable, eigenvalues),
+                (0, _) => MinimumPhase { eigenvalues, ..open(Reason::ZeroDynamicsOnAxis) },
+                _ => decided(false, MinimumPhaseReason::Unstable, eigenvalues),
+            };
+        }
+        let Some(values) = set.numbers(pool, &rows) else { return open(Reason::ZeroDynamicsNoNumbers) };
+        let Some(eigenvalues) = eigenvalues(&DMatrix::from_row_slice(k, k, &values)) else {
+            return open(Reason::NoConvergence);
+        };
         let size = eigenvalues.iter().map(|z| z.0.hypot(z.1)).fold(f64::MIN_POSITIVE, f64::max);
-        // An eigenvalue of multiplicity k moves by the k-th root of a perturbation.
-        let tolerance = 10.0 * size * (k as f64 * f64::EPSILON).powf(1.0 / k as f64);
+        let tolerance = tolerance(size, k);
         let worst = eigenvalues.iter().map(|z| z.0).fold(f64::NEG_INFINITY, f64::max);
         if worst < -tolerance {
             decided(true, MinimumPhaseReason::Stable, eigenvalues)
@@ -95,9 +109,13 @@ impl ZeroDynamics {
     /// Eigenvalues of the linearization at the point of `set`, real and imaginary parts.
     fn eigenvalues(&self, pool: &mut Pool, set: &Set<'_>) -> Option<Vec<(f64, f64)>> {
         let rows = pool.jacobian(&self.equations, &self.states).concat();
+        let k = self.states.len();
+        if let Some(exact) = set.rationals(pool, &rows) {
+            let a = RationalMatrix::new(exact.chunks(k).map(<[Rational]>::to_vec).collect(), k);
+            return Some(listed(&Spectrum::of(&a)));
+        }
         let values = set.numbers(pool, &rows)?;
-        let a = DMatrix::from_row_slice(self.states.len(), self.states.len(), &values);
-        Some(a.complex_eigenvalues().iter().map(|z| (z.re, z.im)).collect())
+        eigenvalues(&DMatrix::from_row_slice(k, k, &values))
     }
 
     /// z' = F(z): the first derivative of F that does not vanish decides.
@@ -131,11 +149,16 @@ impl ZeroDynamics {
     }
 }
 
+/// Every eigenvalue as often as it occurs.
+fn listed(spectrum: &Spectrum) -> Vec<(f64, f64)> {
+    spectrum.roots.iter().flat_map(|r| std::iter::repeat_n((r.re, r.im), r.multiplicity)).collect()
+}
+
 impl Set<'_> {
-    /// Values at the point, parameters at theirs; `None` if one has none or is not finite.
-    fn numbers(&self, pool: &mut Pool, list: &[Expr]) -> Option<Vec<f64>> {
+    /// The expressions with the values of point and parameters.
+    fn values_at_point(&self, pool: &mut Pool, list: &[Expr]) -> Vec<Expr> {
         let (bindings, mut map) = self.at_point(pool);
-        let mut roots = pool.substitute_all(list, &map);
+        let roots = pool.substitute_all(list, &map);
         map.clear();
         for s in pool.symbols_of(&roots) {
             if let Some(v) = bindings.get(s).cloned() {
@@ -143,7 +166,24 @@ impl Set<'_> {
                 map.insert(x, pool.rational(v));
             }
         }
-        roots = pool.substitute_all(&roots, &map);
+        pool.substitute_all(&roots, &map)
+    }
+
+    /// Values at the point; `None` if one is not seen to be a rational number.
+    fn rationals(&self, pool: &mut Pool, list: &[Expr]) -> Option<Vec<Rational>> {
+        let values = self.values_at_point(pool, list);
+        values
+            .into_iter()
+            .map(|e| {
+                let e = pool.simplify(e);
+                pool.number(e).cloned()
+            })
+            .collect()
+    }
+
+    /// Values at the point, parameters at theirs; `None` if one has none or is not finite.
+    fn numbers(&self, pool: &mut Pool, list: &[Expr]) -> Option<Vec<f64>> {
+        let roots = self.values_at_point(pool, list);
         let tape = Tape::compile(pool, &[], &roots).ok()?;
         let mut values = vec![0.0; tape.n_outputs()];
         tape.eval(&[], &mut Vec::new(), &mut values);

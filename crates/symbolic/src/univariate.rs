@@ -1,75 +1,95 @@
-//! Polynomials of one variable with rational coefficients and their real roots.
+//! UnivariatePolynomials of one variable with rational coefficients and their real roots.
 
-use bracketry_symbolic::Rational;
+use crate::Rational;
 
-/// Coefficients, that of degree k at index k; the last is not zero.
+/// A polynomial Σ c_k x^k: c_k at index k, the last not zero; no coefficients for zero.
+///
+/// ```
+/// use bracketry_symbolic::{Rational, UnivariatePolynomial};
+/// let p = UnivariatePolynomial::new([-2, 0, 1].map(Rational::from).to_vec());
+/// assert_eq!(p.roots().iter().map(|r| r.value).collect::<Vec<_>>(), [-2f64.sqrt(), 2f64.sqrt()]);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Polynomial(Vec<Rational>);
+pub struct UnivariatePolynomial(Vec<Rational>);
 
-/// A real root: an interval with rational ends that holds no other, so narrow that its middle is the nearest `f64`.
+/// A real root: an interval with rational ends that holds no other, so narrow that its ends agree to the accuracy of `f64`.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Root {
+pub struct RealRoot {
     /// The root as a number.
-    pub(crate) value: f64,
+    pub value: f64,
     /// The root itself, where it is rational.
-    pub(crate) exact: Option<Rational>,
+    pub exact: Option<Rational>,
     /// Ends of the isolating interval.
-    pub(crate) between: [Rational; 2],
+    pub between: [Rational; 2],
 }
 
-/// Halvings after which an isolating interval is narrow enough for `f64`.
-const HALVINGS: usize = 70;
+/// An isolating interval is halved until it is narrower than its ends by this power of 2, or until there were so many halvings.
+const ACCURACY: usize = 56;
+const MAX_HALVINGS: usize = 1200;
 
-impl Polynomial {
+impl UnivariatePolynomial {
     /// From coefficients, that of degree k at index k.
-    pub(crate) fn new(mut coefficients: Vec<Rational>) -> Self {
+    pub fn new(mut coefficients: Vec<Rational>) -> Self {
         while coefficients.last().is_some_and(|c| *c == Rational::ZERO) {
             coefficients.pop();
         }
-        Polynomial(coefficients)
+        UnivariatePolynomial(coefficients)
     }
 
-    pub(crate) fn is_zero(&self) -> bool {
+    /// The coefficients, that of degree k at index k.
+    pub fn coefficients(&self) -> &[Rational] {
+        &self.0
+    }
+
+    /// Whether all coefficients vanish.
+    pub fn is_zero(&self) -> bool {
         self.0.is_empty()
     }
 
     /// 0 for a constant, also for the zero polynomial.
-    pub(crate) fn degree(&self) -> usize {
+    pub fn degree(&self) -> usize {
         self.0.len().saturating_sub(1)
     }
 
-    pub(crate) fn leading(&self) -> Rational {
+    /// The coefficient of the highest power; 0 for the zero polynomial.
+    pub fn leading(&self) -> Rational {
         self.0.last().cloned().unwrap_or(Rational::ZERO)
     }
 
     /// The coefficient of the lowest power that occurs.
-    pub(crate) fn lowest(&self) -> Rational {
+    pub fn lowest(&self) -> Rational {
         self.0.iter().find(|c| **c != Rational::ZERO).cloned().unwrap_or(Rational::ZERO)
     }
 
-    pub(crate) fn at(&self, x: &Rational) -> Rational {
+    /// The value at x.
+    pub fn at(&self, x: &Rational) -> Rational {
         self.0.iter().rev().fold(Rational::ZERO, |sum, c| sum * x.clone() + c.clone())
     }
 
-    pub(crate) fn derivative(&self) -> Self {
+    /// dp/dx.
+    pub fn derivative(&self) -> Self {
         Self::new(self.0.iter().enumerate().skip(1).map(|(k, c)| c.clone() * Rational::from(k)).collect())
     }
 
-    pub(crate) fn sub(&self, other: &Self) -> Self {
+    /// p − q.
+    pub fn sub(&self, other: &Self) -> Self {
         let n = self.0.len().max(other.0.len());
         let c = |p: &Self, k: usize| p.0.get(k).cloned().unwrap_or(Rational::ZERO);
         Self::new((0..n).map(|k| c(self, k) - c(other, k)).collect())
     }
 
-    pub(crate) fn add(&self, other: &Self) -> Self {
+    /// p + q.
+    pub fn add(&self, other: &Self) -> Self {
         self.sub(&other.scaled(&Rational::from(-1)))
     }
 
-    pub(crate) fn scaled(&self, factor: &Rational) -> Self {
+    /// c p.
+    pub fn scaled(&self, factor: &Rational) -> Self {
         Self::new(self.0.iter().map(|c| c.clone() * factor.clone()).collect())
     }
 
-    pub(crate) fn mul(&self, other: &Self) -> Self {
+    /// p q.
+    pub fn mul(&self, other: &Self) -> Self {
         if self.is_zero() || other.is_zero() {
             return Self::new(Vec::new());
         }
@@ -100,15 +120,21 @@ impl Polynomial {
         (Self::new(quotient), Self::new(rest))
     }
 
+    /// The remainder of the division by a polynomial that is not zero.
+    pub fn remainder(&self, divisor: &Self) -> Self {
+        self.divided(divisor).1
+    }
+
     /// The quotient of a division without remainder; itself where `divisor` is a constant.
-    pub(crate) fn quotient(&self, divisor: &Self) -> Self {
+    pub fn quotient(&self, divisor: &Self) -> Self {
         if divisor.degree() == 0 { self.clone() } else { self.divided(divisor).0 }
     }
 
-    pub(crate) fn gcd(&self, other: &Self) -> Self {
+    /// The greatest common divisor, with leading coefficient 1; 0 for two zero polynomials.
+    pub fn gcd(&self, other: &Self) -> Self {
         let (mut a, mut b) = (self.clone(), other.clone());
         while !b.is_zero() {
-            let rest = a.divided(&b).1;
+            let rest = a.remainder(&b);
             a = b;
             b = rest;
         }
@@ -126,7 +152,7 @@ impl Polynomial {
     }
 
     /// Whether there is a root in the closed interval.
-    pub(crate) fn has_root_between(&self, [a, b]: &[Rational; 2]) -> bool {
+    pub fn has_root_between(&self, [a, b]: &[Rational; 2]) -> bool {
         let chain = self.sturm_chain();
         self.at(a) == Rational::ZERO || Self::count(&chain, a, b) > 0
     }
@@ -139,15 +165,18 @@ impl Polynomial {
         while let [.., a, b] = &chain[..]
             && !b.is_zero()
         {
-            let rest = a.divided(b).1.scaled(&Rational::from(-1));
-            chain.push(rest);
+            // Only signs matter; without the division the numbers grow exponentially.
+            let rest = a.remainder(b);
+            let leading = rest.leading();
+            let size = if leading > Rational::ZERO { -leading } else { leading };
+            chain.push(if size == Rational::ZERO { rest } else { rest.scaled(&(Rational::ONE / size)) });
         }
         chain.pop();
         chain
     }
 
     /// The distinct real roots, ascending; none for a constant.
-    pub(crate) fn roots(&self) -> Vec<Root> {
+    pub fn roots(&self) -> Vec<RealRoot> {
         if self.degree() == 0 {
             return Vec::new();
         }
@@ -172,25 +201,44 @@ impl Polynomial {
                 }
             }
         }
-        let mut roots: Vec<Root> = isolated.into_iter().map(|i| Self::refined(&chain, i)).collect();
+        let mut roots: Vec<RealRoot> = isolated.into_iter().map(|i| Self::refined(&chain, i)).collect();
         roots.sort_by(|a, b| a.value.total_cmp(&b.value));
         roots
     }
 
-    fn refined(chain: &[Self], [mut a, mut b]: [Rational; 2]) -> Root {
-        for _ in 0..HALVINGS {
+    fn refined(chain: &[Self], [mut a, mut b]: [Rational; 2]) -> RealRoot {
+        let p = &chain[0];
+        let exact =
+            |x: Rational, between: [Rational; 2]| RealRoot { value: x.to_f64().value(), exact: Some(x), between };
+        if a < Rational::ZERO && b >= Rational::ZERO && p.at(&Rational::ZERO) == Rational::ZERO {
+            return exact(Rational::ZERO, [a, b]);
+        }
+        // The root is simple and the only one: beyond it p has the sign that it has at b.
+        let mut at_b = p.at(&b);
+        let resolution = Rational::ONE / Rational::from(dashu_int::IBig::ONE << ACCURACY);
+        for _ in 0..MAX_HALVINGS {
+            if at_b == Rational::ZERO {
+                return exact(b.clone(), [a, b]);
+            }
+            let size = |x: &Rational| if *x < Rational::ZERO { -x.clone() } else { x.clone() };
+            let (size_a, size_b) = (size(&a), size(&b));
+            let nearer = if size_a < size_b { size_a } else { size_b };
+            if b.clone() - a.clone() <= nearer * resolution.clone() {
+                break;
+            }
             let middle = (a.clone() + b.clone()) / Rational::from(2);
-            if Self::count(chain, &a, &middle) > 0 {
-                b = middle;
+            let at_middle = p.at(&middle);
+            if at_middle == Rational::ZERO || (at_middle > Rational::ZERO) == (at_b > Rational::ZERO) {
+                (b, at_b) = (middle, at_middle);
             } else {
                 a = middle;
             }
         }
-        let simple =
-            if chain[0].at(&b) == Rational::ZERO { b.clone() } else { Rational::simplest_in(a.clone(), b.clone()) };
-        let exact = (chain[0].at(&simple) == Rational::ZERO).then_some(simple);
-        let value = exact.as_ref().unwrap_or(&b).to_f64().value();
-        Root { value, exact, between: [a, b] }
+        let simple = Rational::simplest_in(a.clone(), b.clone());
+        if p.at(&simple) == Rational::ZERO {
+            return exact(simple, [a, b]);
+        }
+        RealRoot { value: b.to_f64().value(), exact: None, between: [a, b] }
     }
 }
 
@@ -198,8 +246,8 @@ impl Polynomial {
 mod tests {
     use super::*;
 
-    fn polynomial(c: &[i64]) -> Polynomial {
-        Polynomial::new(c.iter().map(|&k| Rational::from(k)).collect())
+    fn polynomial(c: &[i64]) -> UnivariatePolynomial {
+        UnivariatePolynomial::new(c.iter().map(|&k| Rational::from(k)).collect())
     }
 
     #[test]

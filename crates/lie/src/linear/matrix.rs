@@ -1,0 +1,202 @@
+//! Matrices of rational numbers.
+
+use bracketry_symbolic::{Rational, UnivariatePolynomial};
+
+/// A matrix by its rows, all of the same length.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RationalMatrix {
+    rows: Vec<Vec<Rational>>,
+    columns: usize,
+}
+
+impl RationalMatrix {
+    /// From its rows, of `columns` entries each.
+    pub(crate) fn new(rows: Vec<Vec<Rational>>, columns: usize) -> Self {
+        RationalMatrix { rows, columns }
+    }
+
+    pub(crate) fn rows(&self) -> &[Vec<Rational>] {
+        &self.rows
+    }
+
+    pub(crate) fn transposed(&self) -> Self {
+        let rows = (0..self.columns).map(|j| self.rows.iter().map(|r| r[j].clone()).collect()).collect();
+        RationalMatrix { rows, columns: self.rows.len() }
+    }
+
+    /// The product with a column.
+    pub(crate) fn times(&self, v: &[Rational]) -> Vec<Rational> {
+        self.rows.iter().map(|row| dot(row, v)).collect()
+    }
+
+    /// A basis of {v : M v = 0}, one vector for each column without pivot, with 1 there.
+    pub(crate) fn null_space(&self) -> Vec<Vec<Rational>> {
+        let mut echelon = Echelon::new(self.columns);
+        for row in &self.rows {
+            echelon.insert(row.clone());
+        }
+        echelon.null_space()
+    }
+
+    /// det(λ − M) of a square matrix, from its Hessenberg form.
+    pub(crate) fn characteristic_polynomial(&self) -> UnivariatePolynomial {
+        let mut h = self.rows.clone();
+        hessenberg(&mut h);
+        // p_k, of the leading k × k block: (λ − h_kk) p_(k−1) − Σ h_ik h_(i+1,i) … h_(k,k−1) p_(i−1).
+        let mut blocks = vec![UnivariatePolynomial::new(vec![Rational::ONE])];
+        for k in 0..h.len() {
+            let factor = UnivariatePolynomial::new(vec![-h[k][k].clone(), Rational::ONE]);
+            let mut p = factor.mul(&blocks[k]);
+            let mut below = Rational::ONE;
+            for i in (0..k).rev() {
+                below = below * &h[i + 1][i];
+                if below == Rational::ZERO {
+                    break;
+                }
+                p = p.sub(&blocks[i].scaled(&(below.clone() * &h[i][k])));
+            }
+            blocks.push(p);
+        }
+        blocks.swap_remove(h.len())
+    }
+}
+
+fn dot(a: &[Rational], b: &[Rational]) -> Rational {
+    a.iter().zip(b).filter(|(x, _)| **x != Rational::ZERO).fold(Rational::ZERO, |s, (x, y)| s + x * y)
+}
+
+/// Replaces a square matrix by a similar one with zeros below the first subdiagonal.
+fn hessenberg(h: &mut [Vec<Rational>]) {
+    let n = h.len();
+    for k in 1..n.saturating_sub(1) {
+        let Some(pivot) = (k..n).find(|&i| h[i][k - 1] != Rational::ZERO) else { continue };
+        h.swap(k, pivot);
+        for row in h.iter_mut() {
+            row.swap(k, pivot);
+        }
+        for i in k + 1..n {
+            if h[i][k - 1] == Rational::ZERO {
+                continue;
+            }
+            let factor = &h[i][k - 1] / &h[k][k - 1];
+            let (upper, lower) = h.split_at_mut(i);
+            for (x, y) in lower[0].iter_mut().zip(&upper[k]).skip(k - 1) {
+                *x -= &factor * y;
+            }
+            for row in h.iter_mut() {
+                let step = &factor * &row[i];
+                row[k] += step;
+            }
+        }
+    }
+}
+
+/// A reduced row echelon form that grows by rows.
+pub(crate) struct Echelon {
+    rows: Vec<Vec<Rational>>,
+    pivots: Vec<usize>,
+    columns: usize,
+}
+
+impl Echelon {
+    pub(crate) fn new(columns: usize) -> Self {
+        Echelon { rows: Vec::new(), pivots: Vec::new(), columns }
+    }
+
+    /// Whether the row was independent of those before.
+    pub(crate) fn insert(&mut self, mut row: Vec<Rational>) -> bool {
+        for (r, &p) in self.rows.iter().zip(&self.pivots) {
+            if row[p] != Rational::ZERO {
+                let factor = row[p].clone();
+                subtract(&mut row, &factor, r);
+            }
+        }
+        let Some(pivot) = row.iter().position(|x| *x != Rational::ZERO) else { return false };
+        let head = row[pivot].clone();
+        for x in &mut row {
+            if *x != Rational::ZERO {
+                *x /= &head;
+            }
+        }
+        for r in &mut self.rows {
+            if r[pivot] != Rational::ZERO {
+                let factor = r[pivot].clone();
+                subtract(r, &factor, &row);
+            }
+        }
+        self.rows.push(row);
+        self.pivots.push(pivot);
+        true
+    }
+
+    /// A basis of the vectors orthogonal to all rows, one for each column without pivot, with 1 there.
+    pub(crate) fn null_space(&self) -> Vec<Vec<Rational>> {
+        self.free_columns()
+            .into_iter()
+            .map(|free| {
+                let mut v = vec![Rational::ZERO; self.columns];
+                v[free] = Rational::ONE;
+                for (r, &p) in self.rows.iter().zip(&self.pivots) {
+                    v[p] = -r[free].clone();
+                }
+                v
+            })
+            .collect()
+    }
+
+    /// The columns without pivot, ascending.
+    pub(crate) fn free_columns(&self) -> Vec<usize> {
+        (0..self.columns).filter(|j| !self.pivots.contains(j)).collect()
+    }
+}
+
+fn subtract(row: &mut [Rational], factor: &Rational, other: &[Rational]) {
+    for (x, y) in row.iter_mut().zip(other) {
+        if *y != Rational::ZERO {
+            *x -= factor * y;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn matrix(n: usize, entries: &[i8]) -> RationalMatrix {
+        let rows = entries.chunks(n).map(|r| r.iter().map(|&x| Rational::from(i64::from(x))).collect()).collect();
+        RationalMatrix::new(rows, n)
+    }
+
+    proptest! {
+        /// Cayley and Hamilton: a matrix is a root of its characteristic polynomial.
+        #[test]
+        fn a_matrix_satisfies_its_characteristic_polynomial(n in 1usize..7, entries in prop::collection::vec(-3i8..4, 49), v in prop::collection::vec(-3i8..4, 7)) {
+            let a = matrix(n, &entries[..n * n]);
+            let p = a.characteristic_polynomial();
+            prop_assert_eq!(p.degree(), n);
+            let v: Vec<Rational> = v[..n].iter().map(|&x| Rational::from(i64::from(x))).collect();
+            let mut sum = vec![Rational::ZERO; n];
+            for c in p.coefficients().iter().rev() {
+                sum = a.times(&sum).into_iter().zip(&v).map(|(s, x)| s + c * x).collect();
+            }
+            prop_assert!(sum.iter().all(|x| *x == Rational::ZERO));
+        }
+
+        /// Rank and nullity add up to the number of columns, and the null space is mapped to zero.
+        #[test]
+        fn rank_and_nullity_add_up(m in 1usize..6, n in 1usize..6, entries in prop::collection::vec(-1i8..2, 36)) {
+            let a = matrix(n, &entries[..m * n]);
+            let mut echelon = Echelon::new(n);
+            for row in a.rows() {
+                echelon.insert(row.clone());
+            }
+            let null_space = a.null_space();
+            prop_assert_eq!(echelon.rows.len() + null_space.len(), n);
+            for v in null_space {
+                prop_assert!(a.times(&v).iter().all(|x| *x == Rational::ZERO));
+            }
+        }
+    }
+}
