@@ -62,7 +62,7 @@ pub use controllability::input_values::{InputValues, Side};
 pub use controllability::involutive::InvolutiveClosureReport;
 pub use controllability::local::LocalAccessibility;
 pub use controllability::point::{PointReport, Subject, Vanishing};
-pub use controllability::stlc::{GeneralCondition, Stlc, Verdict};
+pub use controllability::stlc::{BoundedStlc, GeneralCondition, Stlc, Verdict};
 pub use controllability::sussmann::Obstruction;
 pub use controllability::switched::{Switchable, SwitchedReport};
 pub use controllability::uncontrollable::Mode;

@@ -55,7 +55,7 @@ pub enum Reason {
     #[error("the linearization has an uncontrollable eigenvalue on, or too near, the imaginary axis")]
     NearAxis,
     /// An uncontrollable eigenvalue is exactly on the axis.
-    #[error("the linearisation has an uncontrollable eigenvalue on the imaginary axis")]
+    #[error("the linearization has an uncontrollable eigenvalue on the imaginary axis")]
     OnAxis,
     /// The eigenvalues were not found.
     #[error("the QR algorithm for the eigenvalues did not converge")]
@@ -276,6 +276,14 @@ pub enum StlcReason {
         /// The verdict around them.
         reason: Box<StlcReason>,
     },
+    /// Inputs without bounds, by jumps along their fields.
+    #[error("inputs without bounds jump along their fields to where the drift points to all sides")]
+    Jumps,
+    /// A verdict for bounded inputs that says nothing of those without bounds.
+    #[error(
+        "bounded inputs do not suffice ({0}); inputs without [ranges] are not bounded and may take the state far and back"
+    )]
+    Unbounded(Box<StlcReason>),
     /// The ranges do not tell.
     #[error("the inputs at the point are not seen to lie in their ranges")]
     NotInRanges,

@@ -77,10 +77,12 @@ struct Transfer {
     feedback: bool,
     /// From new inputs in their ranges.
     in_ranges: bool,
+    /// From jumps along the fields of new inputs that take all real numbers.
+    jumps: bool,
 }
 
 impl Transfer {
-    fn of(affinization: &Affinization, equilibrium: bool) -> Transfer {
+    fn of(affinization: &Affinization, original: &System, equilibrium: bool) -> Transfer {
         let new = &affinization.input_change;
         // Where the point is no equilibrium, other values than that at the point hold it.
         let free = new.is_empty() || affinization.interior_at_point == Some(true) && equilibrium;
@@ -95,7 +97,10 @@ impl Transfer {
         };
         // Small feedback needs the values themselves, not mixtures of them over short times.
         let feedback = new.is_empty() || affinization.covers_at_point == Some(true) && equilibrium;
-        Transfer { feedback, in_ranges: free || independent && new.iter().all(seen) }
+        let onto = independent && new.iter().all(|v| matches!(v.values, Range::Onto));
+        // An integrator in front of an input with a range makes it a state that does not leave the range.
+        let jumps = original.input_ranges.is_empty() && (new.is_empty() || onto);
+        Transfer { feedback, in_ranges: free || independent && new.iter().all(seen), jumps }
     }
 }
 
@@ -105,15 +110,20 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
     let Some(Answer::Known(point)) = &mut report.at_point else { return };
     let (why, transfer) = if let Some((input, _)) = at_an_end(original).into_iter().next() {
         // One-sided inputs are known to the verdict on the model itself, not to one on an affine form of it.
-        let transfer = Transfer { feedback: false, in_ranges: affinization.method == Method::None };
+        let as_it_is = affinization.method == Method::None;
+        let transfer = Transfer { feedback: false, in_ranges: as_it_is, jumps: as_it_is };
         (Reason::EndOfRange { input }, transfer)
     } else {
         let function = |v: &NewInput| Function::new(&affinization.system.pool, v.function);
         let inputs = affinization.input_change.iter().map(|v| (v.name.clone(), function(v))).collect();
-        let transfer = Transfer::of(affinization, point.equilibrium == Answer::Known(true));
+        let transfer = Transfer::of(affinization, original, point.equilibrium == Answer::Known(true));
         (Reason::InputsNotFree { inputs }, transfer)
     };
-    if point.stlc.verdict == Verdict::Yes && !transfer.in_ranges {
+    let transfers = match point.stlc.reason {
+        StlcReason::Jumps => transfer.jumps || affinization.method == Method::None,
+        _ => transfer.in_ranges,
+    };
+    if point.stlc.verdict == Verdict::Yes && !transfers {
         point.stlc = Stlc::inconclusive(StlcReason::Withheld(why.clone()));
     }
     if transfer.feedback {

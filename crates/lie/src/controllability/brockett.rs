@@ -82,7 +82,7 @@ fn decide(
             row.chain(linearization.b.iter().map(|b| b[i])).collect()
         })
         .collect();
-    let near = NearOrigin { frame, variables: variables.clone() };
+    let near = NearOrigin { frame, variables: variables.clone(), everywhere: false };
     let zero = pool.int(0);
     let mut tried = 0;
     for size in 0..=MAX_SIZE.min(n - 1) {

@@ -17,6 +17,15 @@ pub(crate) struct InputSet<'a> {
 const AT_END: f64 = 1e-9;
 
 impl InputSet<'_> {
+    /// Whether the input takes all real numbers.
+    pub(crate) fn unbounded(&self, i: usize) -> bool {
+        match self.values[i] {
+            None => self.one_sided[i].is_none(),
+            Some(InputValues::Between(lower, upper)) => lower == f64::NEG_INFINITY && upper == f64::INFINITY,
+            Some(InputValues::Unknown) => false,
+        }
+    }
+
     /// The sides to which the inputs can move from `inputs`; `None` where these are outside of
     /// the ranges or have no numerical values.
     pub(crate) fn sides(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> Option<Vec<Option<Side>>> {

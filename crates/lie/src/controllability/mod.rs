@@ -3,6 +3,7 @@
 pub(crate) mod accessibility;
 pub(crate) mod brockett;
 pub(crate) mod canceling;
+pub(crate) mod impulses;
 pub(crate) mod input_set;
 pub(crate) mod input_values;
 pub(crate) mod involutive;
@@ -15,4 +16,5 @@ pub(crate) mod sign;
 pub(crate) mod stlc;
 pub(crate) mod sussmann;
 pub(crate) mod switched;
+pub(crate) mod unbounded;
 pub(crate) mod uncontrollable;

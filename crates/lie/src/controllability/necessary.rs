@@ -91,17 +91,19 @@ pub(crate) fn stefani(
 /// If on the hyperplane λ·(x − x0) = 0 near x0 every f + Σ u_i g_i points to one side or along
 /// it, the half-space on that side is invariant (Nagumo 1942) and x0 is no interior point of what
 /// is reached. Tried are the coordinates and the constant λ that annihilate every input field.
-/// `sides` says for each input whether it deviates to one side only.
+/// `sides` says for each input whether it deviates to one side only; `everywhere`, that the field must point there on the
+/// whole hyperplane, so that trajectories that leave the neighborhood of x0 are bounded by it too.
 pub(crate) fn half_space(
     pool: &mut Pool,
     frame: &Frame,
     sides: &[Option<Side>],
+    everywhere: bool,
     evidence: &mut Evidence,
 ) -> Result<Option<StlcReason>, Undecided> {
     let states = frame.fields.states.clone();
     let n = states.len();
     let (variables, offsets) = frame.deviations(pool);
-    let near = NearOrigin { frame, variables: variables.clone() };
+    let near = NearOrigin { frame, variables: variables.clone(), everywhere };
     for covector in covectors(pool, frame, evidence)? {
         let Some(last) = covector.iter().rposition(|c| !pool.is_zero(*c)) else { continue };
         // On the hyperplane the last coordinate is a combination of the others.

@@ -61,7 +61,7 @@ pub(crate) fn one_sided(
     if !frame.is_equilibrium(pool, evidence)? {
         return Ok(Stlc::inconclusive(StlcReason::OneSidedNoEquilibrium));
     }
-    if let Some(reason) = half_space(pool, frame, sides, evidence)? {
+    if let Some(reason) = half_space(pool, frame, sides, false, evidence)? {
         return Ok(Stlc::new(Verdict::No, reason));
     }
     if points_to_one_side(pool, frame, sides, evidence)? {

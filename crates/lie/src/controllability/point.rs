@@ -19,6 +19,7 @@ use crate::controllability::linearization::{Linearization, uncontrollable};
 use crate::controllability::local::Frame;
 use crate::controllability::one_sided::{balanced, one_sided};
 use crate::controllability::stlc::{Stlc, Verdict, decide};
+use crate::controllability::unbounded::unbounded;
 use crate::controllability::uncontrollable::{Mode, uncontrollable_modes};
 use crate::dimensions::Dimensions;
 use crate::error::Error;
@@ -148,6 +149,8 @@ pub(crate) fn point_report(
         (None, None) if stlc.verdict == Verdict::No => stlc,
         (None, None) => Stlc::inconclusive(StlcReason::NotInRanges),
     };
+    let sides = set.sides(pool, &frame, &point.inputs).unwrap_or_else(|| vec![None; names.len()]);
+    let stlc = unbounded(pool, &frame, &set, &point.inputs, &sides, stlc, evidence)?;
     let rank = linearization.as_ref().map(|l| l.controllable().rank());
     let driftless = is_plain_zero(pool, &fields.drift);
     let unreached = rank.map(|rank| uncontrollable(pool, &frame, rank));

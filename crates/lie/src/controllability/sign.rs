@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 
 use crate::controllability::local::Frame;
 
-/// The sign of a function in a neighborhood of a point.
+/// The sign of a function in a neighborhood of a point, or everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sign {
     Zero,
@@ -65,14 +65,16 @@ const MAX_TREE: f64 = 2_000.0;
 /// Deeper expressions are not looked into.
 const MAX_DEPTH: usize = 60;
 
-/// Signs near the origin of the `variables`; other symbols are parameters.
+/// Signs near the origin of the `variables`, or for all their values; other symbols are parameters.
 pub(crate) struct NearOrigin<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) variables: Vec<Symbol>,
+    /// Whether the signs hold for all values of the variables for which the functions are defined.
+    pub(crate) everywhere: bool,
 }
 
 impl NearOrigin<'_> {
-    /// The sign of `e` near the origin, where it can be seen from its factors and terms, also of its
+    /// The sign of `e` near the origin (or everywhere), where it can be seen from its factors and terms, also of its
     /// expanded form, or from its second derivatives.
     pub(crate) fn sign(&self, pool: &mut Pool, e: Expr) -> Sign {
         if pool.tree_size(e) > MAX_TREE {
@@ -105,11 +107,13 @@ impl NearOrigin<'_> {
         if depth > MAX_DEPTH {
             return Sign::Unknown;
         }
+        let fixed = !self.everywhere || !pool.symbols_of(&[e]).iter().any(|s| self.variables.contains(s));
         match self.value(pool, e) {
-            Some(v) if v > CLEAR => return Sign::Positive,
-            Some(v) if v < -CLEAR => return Sign::Negative,
+            Some(v) if v > CLEAR && fixed => return Sign::Positive,
+            Some(v) if v < -CLEAR && fixed => return Sign::Negative,
             Some(_) => {}
-            None => return Sign::Unknown,
+            None if fixed => return Sign::Unknown,
+            None => {}
         }
         let seen = match pool.node(e) {
             Node::Num(_) => match pool.number(e) {
@@ -128,7 +132,7 @@ impl NearOrigin<'_> {
                         break;
                     }
                 }
-                total
+                if total == Sign::Unknown { self.around_a_wave(pool, e) } else { total }
             }
             Node::Mul(..) => self.product(pool, e, depth),
             Node::Pow(base, exponent) => self.power(pool, base, exponent, depth),
@@ -136,6 +140,7 @@ impl NearOrigin<'_> {
                 Func::Abs | Func::Cosh => Sign::NonNegative,
                 Func::Exp => Sign::Positive,
                 // Increasing through the origin.
+                Func::Sin | Func::Tan if self.everywhere => Sign::Unknown,
                 Func::Sin | Func::Tan | Func::Asin | Func::Atan | Func::Sinh | Func::Tanh => {
                     if self.vanishes_at_origin(pool, a) { self.look(pool, a, depth + 1) } else { Sign::Unknown }
                 }
@@ -157,10 +162,16 @@ impl NearOrigin<'_> {
     fn product(&self, pool: &mut Pool, e: Expr, depth: usize) -> Sign {
         let mut factors = Vec::new();
         flatten(pool, e, &mut factors, |n| if let Node::Mul(a, b) = n { Some((a, b)) } else { None });
-        // Equal bases with integer powers are counted together.
+        // Equal bases with integer powers are counted together, odd increasing functions by their arguments.
         let mut bases: Vec<(Expr, i64)> = Vec::new();
         let mut sign = Sign::Positive;
-        for factor in factors {
+        let mut next = 0;
+        while let Some(&factor) = factors.get(next) {
+            next += 1;
+            if let Node::Call(Func::Tanh | Func::Atan | Func::Sinh, a) = pool.node(factor) {
+                flatten(pool, a, &mut factors, |n| if let Node::Mul(a, b) = n { Some((a, b)) } else { None });
+                continue;
+            }
             let (base, k) = match pool.node(factor) {
                 Node::Pow(b, k) => match pool.integer(k) {
                     Some(k) if k > 0 => (b, k),
@@ -182,8 +193,39 @@ impl NearOrigin<'_> {
 
     fn even(&self, pool: &mut Pool, base: Expr) -> Sign {
         match self.value(pool, base) {
-            Some(v) if v.abs() > CLEAR => Sign::Positive,
+            Some(v) if v.abs() > CLEAR && !self.everywhere => Sign::Positive,
             _ => Sign::NonNegative,
+        }
+    }
+
+    /// c + Σ a_i sin(…) + Σ b_j cos(…) with constants of which |c| is no less than the sum of the others.
+    fn around_a_wave(&self, pool: &mut Pool, e: Expr) -> Sign {
+        if !self.everywhere {
+            return Sign::Unknown;
+        }
+        let mut terms = Vec::new();
+        flatten(pool, e, &mut terms, |n| if let Node::Add(a, b) = n { Some((a, b)) } else { None });
+        let (mut constant, mut amplitudes) = (Rational::ZERO, Rational::ZERO);
+        for term in terms {
+            let mut factors = Vec::new();
+            flatten(pool, term, &mut factors, |n| if let Node::Mul(a, b) = n { Some((a, b)) } else { None });
+            let (waves, others): (Vec<Expr>, Vec<Expr>) =
+                factors.into_iter().partition(|&f| matches!(pool.node(f), Node::Call(Func::Sin | Func::Cos, _)));
+            let one = pool.int(1);
+            let factor = others.into_iter().fold(one, |product, f| pool.mul(product, f));
+            let Some(value) = self.frame.rationals(pool, &[factor]).map(|v| v[0].clone()) else {
+                return Sign::Unknown;
+            };
+            if waves.is_empty() {
+                constant += value;
+            } else {
+                amplitudes += if value < Rational::ZERO { -value } else { value };
+            }
+        }
+        match (constant >= amplitudes, -constant >= amplitudes) {
+            (true, false) => Sign::NonNegative,
+            (false, true) => Sign::NonPositive,
+            _ => Sign::Unknown,
         }
     }
 
@@ -217,6 +259,9 @@ impl NearOrigin<'_> {
         let second = pool.substitute_all(&second, &origin);
         let Some(values) = self.frame.numbers(pool, &second) else { return Sign::Unknown };
         let matrix = DMatrix::from_row_slice(used.len(), used.len(), &values);
+        if self.everywhere && !constant {
+            return Sign::Unknown;
+        }
         match definite(&matrix) {
             Some(true) => return Sign::NonNegative,
             Some(false) => return Sign::NonPositive,

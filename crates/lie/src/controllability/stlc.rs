@@ -52,7 +52,12 @@ pub enum GeneralCondition {
     Unknown,
 }
 
-/// Small-time local controllability (STLC) with inputs around their values at the point.
+/// Small-time local controllability (STLC) at the point x0: for every T > 0, the states that are reached within T contain a
+/// neighborhood of x0.
+///
+/// Inputs take the values of their ranges; one without a range takes all real numbers, and trajectories may leave the
+/// neighborhood of x0 meanwhile. With bounded inputs they cannot go far in a short time; the verdict for those, which is
+/// the one of the literature (|u| ≤ 1), is in `bounded` where it differs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stlc {
     /// The verdict.
@@ -72,11 +77,36 @@ pub struct Stlc {
     /// The first bad bracket that is not neutralized, for the first of the weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub obstruction: Option<Obstruction>,
+    /// The verdict for inputs within any bounds around their values at the point, where it is another one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounded: Option<BoundedStlc>,
+}
+
+/// Small-time local controllability with inputs u that are bounded by a constant, |u − u0| ≤ M, for every M.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BoundedStlc {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The condition that holds or fails.
+    pub reason: StlcReason,
 }
 
 impl Stlc {
+    /// The verdict for bounded inputs.
+    pub fn with_bounded_inputs(&self) -> Verdict {
+        self.bounded.as_ref().map_or(self.verdict, |b| b.verdict)
+    }
+
     pub(crate) fn new(verdict: Verdict, reason: StlcReason) -> Self {
-        Stlc { verdict, reason, weights: None, general_condition: None, weights_tried: Vec::new(), obstruction: None }
+        Stlc {
+            verdict,
+            reason,
+            weights: None,
+            general_condition: None,
+            weights_tried: Vec::new(),
+            obstruction: None,
+            bounded: None,
+        }
     }
 
     /// With the weights for which Sussmann's condition holds.
@@ -103,7 +133,8 @@ impl Stlc {
 /// Most new nodes that the weights of a condition may take that is known to hold.
 const FEW_NODES: usize = 5_000;
 
-/// Decides STLC with free inputs as far as the conditions below go.
+/// Decides STLC with inputs that are free within bounds around their values at the point, as far as the conditions below go.
+/// A "yes" holds for every bound, however small, and a "no" for every bound, however large.
 ///
 /// - not an equilibrium and f(x0) outside span g(x0): no (bounded inputs cannot hold the state);
 /// - dimension at x0 not full: no (the orbit is a lower-dimensional manifold, Nagano–Sussmann);
@@ -151,7 +182,7 @@ pub(crate) fn decide(
         let weights = if holds { vec![1, 1] } else { vec![1, linearization.index() as u32] };
         return Ok(Stlc::new(Verdict::Yes, StlcReason::Controllable).holding(weights));
     }
-    if let Some(reason) = half_space(pool, frame, &vec![None; inputs], evidence)? {
+    if let Some(reason) = half_space(pool, frame, &vec![None; inputs], false, evidence)? {
         let mut stlc = Stlc::new(Verdict::No, reason);
         if dimension.known().is_some() {
             let general = general(pool, frame, limits, evidence)?;

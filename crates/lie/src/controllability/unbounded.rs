@@ -1,0 +1,49 @@
+//! Verdicts on inputs without bounds, from those on bounded ones.
+
+use bracketry_symbolic::{Expr, Pool};
+
+use crate::controllability::impulses::surrounded_by_jumps;
+use crate::controllability::input_set::InputSet;
+use crate::controllability::input_values::Side;
+use crate::controllability::local::Frame;
+use crate::controllability::necessary::half_space;
+use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
+use crate::evidence::Evidence;
+use crate::reason::StlcReason;
+use crate::undecided::Undecided;
+
+/// STLC where some inputs have no bounds, from the verdict `stlc` for bounded ones.
+///
+/// A "yes" holds with fewer inputs already. A "no" rests on fields near the point, where bounded inputs leave the state for a
+/// short time; without bounds the state may go far and return. It stays
+/// - where the accessibility algebra is not full (Nagano–Sussmann: no input leaves the orbit);
+/// - where a half-space is invariant everywhere.
+///
+/// It becomes a yes, as does an inconclusive verdict, where jumps along the input fields surround the point with rates
+/// (see [`surrounded_by_jumps`]); else it is inconclusive.
+pub(crate) fn unbounded(
+    pool: &mut Pool,
+    frame: &Frame,
+    set: &InputSet<'_>,
+    inputs: &[Expr],
+    sides: &[Option<Side>],
+    stlc: Stlc,
+    evidence: &mut Evidence,
+) -> Result<Stlc, Undecided> {
+    let free = (0..inputs.len()).any(|i| set.unbounded(i));
+    if !free || stlc.verdict == Verdict::Yes || matches!(stlc.reason, StlcReason::NotAccessible { .. }) {
+        return Ok(stlc);
+    }
+    if let Some(reason) = half_space(pool, frame, sides, true, evidence)? {
+        return Ok(Stlc { verdict: Verdict::No, reason, ..stlc });
+    }
+    let bounded = BoundedStlc { verdict: stlc.verdict, reason: stlc.reason.clone() };
+    if surrounded_by_jumps(pool, frame, set, inputs) {
+        return Ok(Stlc { verdict: Verdict::Yes, reason: StlcReason::Jumps, bounded: Some(bounded), ..stlc });
+    }
+    if stlc.verdict == Verdict::No {
+        let reason = StlcReason::Unbounded(Box::new(stlc.reason));
+        return Ok(Stlc { verdict: Verdict::Inconclusive, reason, bounded: Some(bounded), ..stlc });
+    }
+    Ok(stlc)
+}
