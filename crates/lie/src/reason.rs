@@ -280,10 +280,8 @@ pub enum StlcReason {
     #[error("inputs without bounds jump along their fields to where the drift points to all sides")]
     Jumps,
     /// A verdict for bounded inputs that says nothing of those without bounds.
-    #[error(
-        "bounded inputs do not suffice ({0}); inputs without [ranges] are not bounded and may take the state far and back"
-    )]
-    Unbounded(Box<StlcReason>),
+    #[error("inputs without a range may take the state far and back, for which no condition decides")]
+    Unbounded,
     /// The ranges do not tell.
     #[error("the inputs at the point are not seen to lie in their ranges")]
     NotInRanges,
@@ -347,6 +345,9 @@ pub enum StabilizableReason {
     /// A linear system with an uncontrollable eigenvalue in the right half-plane.
     #[error("the linearization has an unstable uncontrollable mode")]
     UnstableMode,
+    /// A linear system with an uncontrollable eigenvalue on the imaginary axis.
+    #[error("the system is linear and has an uncontrollable mode on the imaginary axis")]
+    ModeOnAxis,
     /// Coron's theorem.
     #[error("by continuous time-periodic feedback, from small-time controllability (Coron)")]
     Periodic,

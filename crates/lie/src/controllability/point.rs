@@ -162,6 +162,9 @@ pub(crate) fn point_report(
         Answer::Known(true) if rank == n => (Answer::Known(true), StabilizableReason::Controllable),
         Answer::Known(true) => (Answer::Known(true), StabilizableReason::ModesDecay),
         Answer::Known(false) if is_linear(pool, fields) => (Answer::Known(false), StabilizableReason::UnstableMode),
+        Answer::Unknown(Reason::OnAxis) if is_linear(pool, fields) => {
+            (Answer::Known(false), StabilizableReason::ModeOnAxis)
+        }
         // Feedback with kinks, other values of the inputs at the point, or time may do what smooth feedback cannot.
         Answer::Known(false) => (Answer::Unknown(Reason::UnstableMode), StabilizableReason::Open(Reason::UnstableMode)),
         // Coron 1995: the sufficient conditions for STLC used here give stabilization by

@@ -42,7 +42,7 @@ pub(crate) fn unbounded(
         return Ok(Stlc { verdict: Verdict::Yes, reason: StlcReason::Jumps, bounded: Some(bounded), ..stlc });
     }
     if stlc.verdict == Verdict::No {
-        let reason = StlcReason::Unbounded(Box::new(stlc.reason));
+        let reason = StlcReason::Unbounded;
         return Ok(Stlc { verdict: Verdict::Inconclusive, reason, bounded: Some(bounded), ..stlc });
     }
     Ok(stlc)

@@ -210,6 +210,9 @@ fn point(f: &mut String, r: &PointReport) -> fmt::Result {
         writeln!(f, "  Brockett's condition   {what}")?;
     }
     writeln!(f, "  small-time control     {}: {}", r.stlc.verdict, r.stlc.reason)?;
+    if let Some(bounded) = &r.stlc.bounded {
+        writeln!(f, "    bounded inputs       {}: {}", bounded.verdict, bounded.reason)?;
+    }
     match &r.relative_degree_defined {
         Some(defined) => writeln!(f, "  vector relative degree {}", yes_no(defined)),
         None => Ok(()),

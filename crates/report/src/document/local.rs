@@ -73,6 +73,10 @@ fn local(p: &PointReport, out: &mut Vec<Block>) {
         items.push(item("the outputs have a vector relative degree at the point", yes_no(defined)));
     }
     items.push(item("small-time locally controllable", format!("{} ({})", p.stlc.verdict, p.stlc.reason)));
+    if let Some(bounded) = &p.stlc.bounded {
+        let verdict = format!("{} ({})", bounded.verdict, bounded.reason);
+        items.push(item("with bounded inputs", verdict));
+    }
     items.extend(general_condition(&p.stlc));
     out.push(Block::List(items));
 }
