@@ -3,7 +3,6 @@
 pub mod analysis;
 pub mod control;
 mod diagnosis;
-mod document;
 pub mod html;
 mod notation;
 pub mod plate;

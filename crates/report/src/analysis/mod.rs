@@ -1,6 +1,7 @@
 //! What inputs reach and outputs tell, and affine forms: as text, Markdown, LaTeX, JSON and figures.
 
 pub(crate) mod affinization;
+mod document;
 mod feedback_text;
 mod figures;
 mod json;
@@ -8,8 +9,8 @@ mod lists;
 pub(crate) mod summary;
 pub(crate) mod text;
 
-pub use crate::document::{latex, markdown};
 pub use affinization::{AffinizationReport, InputChange, candidates, changes, method_name};
+pub use document::{latex, markdown};
 pub use figures::{growth_figure, reach_figure};
 pub use json::{AnalysisJson, json};
 pub use summary::summary;

@@ -45,3 +45,13 @@ pub(super) fn code(name: impl Into<String>) -> Span {
 pub(super) fn words(words: impl Into<String>) -> Block {
     Block::Paragraph(vec![text(words)])
 }
+
+/// Starts a section.
+pub(super) fn section(out: &mut Vec<Block>, title: &str) {
+    out.push(Block::Heading(2, title.to_owned()));
+}
+
+/// `name: value` as an item.
+pub(super) fn item(name: &str, value: impl Into<String>) -> Line {
+    vec![text(format!("{name}: {}", value.into()))]
+}

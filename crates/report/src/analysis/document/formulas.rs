@@ -36,6 +36,20 @@ pub(super) fn list(numbers: &[usize]) -> String {
     numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
+/// A complex number with four significant digits.
+pub(super) fn complex(re: f64, im: f64) -> String {
+    let digits = |v: f64| {
+        let text = format!("{:.*}", (3 - v.abs().max(1e-12).log10().floor() as i32).clamp(0, 9) as usize, v);
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    };
+    if im == 0.0 {
+        return digits(re);
+    }
+    let sign = if im < 0.0 { '-' } else { '+' };
+    let real = if re == 0.0 { String::new() } else { format!("{} ", digits(re)) };
+    format!("{real}{sign} {}\\,i", digits(im.abs()))
+}
+
 /// A function that an analysis found.
 pub(super) fn function(f: &Function) -> String {
     expression(f.pool(), f.expr())
@@ -80,8 +94,8 @@ pub(super) fn condition(c: &Condition) -> String {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn of(text: &str) -> Function {

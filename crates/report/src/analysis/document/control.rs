@@ -5,9 +5,8 @@ use bracketry_lie::{
     ZeroDynamicsReport,
 };
 
-use super::blocks::{Block, Line, math, text, words};
-use super::formulas::{condition, function, list, matrix, symbol};
-use super::sections::{item, section};
+use super::blocks::{Block, Line, item, math, section, text, words};
+use super::formulas::{complex, condition, function, list, matrix, symbol};
 use crate::analysis::text::yes_no;
 use bracketry_lie::Analysis;
 
@@ -119,20 +118,6 @@ fn zero_dynamics(z: &ZeroDynamicsReport, out: &mut Vec<Block>) {
     if !items.is_empty() {
         out.push(Block::List(items));
     }
-}
-
-/// A complex number with four significant digits.
-pub(super) fn complex(re: f64, im: f64) -> String {
-    let digits = |v: f64| {
-        let text = format!("{:.*}", (3 - v.abs().max(1e-12).log10().floor() as i32).clamp(0, 9) as usize, v);
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-    };
-    if im == 0.0 {
-        return digits(re);
-    }
-    let sign = if im < 0.0 { '-' } else { '+' };
-    let real = if re == 0.0 { String::new() } else { format!("{} ", digits(re)) };
-    format!("{real}{sign} {}\\,i", digits(im.abs()))
 }
 
 /// Linearization by static feedback.

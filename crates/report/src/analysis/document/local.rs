@@ -2,10 +2,8 @@
 
 use bracketry_lie::{Analysis, Answer, Mode, PointReport, Stlc, Vanishing};
 
-use super::blocks::{Block, Line, math, text, words};
-use super::control::complex;
-use super::formulas::{bracket, function};
-use super::sections::{item, section};
+use super::blocks::{Block, Line, item, math, section, text, words};
+use super::formulas::{bracket, complex, function};
 use crate::analysis::text::yes_no;
 
 /// Statements at the point of the model.

@@ -4,7 +4,7 @@ use bracketry_lie::{Analysis, Answer, Dimensions, ModeReport, Switchable};
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::{AffineForm, Candidate, Parameter, System};
 
-use super::blocks::{Block, Line, Span, code, math, text, words};
+use super::blocks::{Block, Line, Span, code, item, math, section, text, words};
 use super::formulas::{bracket, column, condition, expression, function, list, shortened, symbol};
 use super::outputs::listed;
 use super::{control, local, outputs};
@@ -25,10 +25,6 @@ pub(super) fn document(a: &Analysis) -> Vec<Block> {
     outputs::observability(a, &mut out);
     certificate(a, &mut out);
     out
-}
-
-pub(super) fn section(out: &mut Vec<Block>, title: &str) {
-    out.push(Block::Heading(2, title.to_owned()));
 }
 
 fn equations(system: &System) -> Block {
@@ -264,11 +260,6 @@ fn autonomous(when: Line, m: &ModeReport, out: &mut Vec<Block>) {
         Answer::Unknown(why) => line.push(text(format!(", what no input influences is unknown ({why})."))),
     }
     out.push(Block::Paragraph(line));
-}
-
-/// `name: value` as an item.
-pub(super) fn item(name: &str, value: impl Into<String>) -> Line {
-    vec![text(format!("{name}: {}", value.into()))]
 }
 
 /// What single modes leave alone and switching between them reaches.

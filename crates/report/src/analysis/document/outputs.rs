@@ -2,9 +2,8 @@
 
 use bracketry_lie::{Analysis, Answer, Direction, Named};
 
-use super::blocks::{Block, Line, code, math, text};
+use super::blocks::{Block, Line, code, item, math, section, text};
 use super::formulas::{function, symbol};
-use super::sections::{item, section};
 
 /// Observability, identifiability, and the symmetries that prevent them.
 pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
