@@ -16,8 +16,10 @@ use crate::separation::separated;
 use crate::system::System;
 
 /// x' = drift(x) + Σ fields_i(x) u_i.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone)]
 pub struct AffineForm {
+    /// The pool of the system, and of the expressions.
+    pub pool: Pool,
     /// One expression per state.
     pub drift: Vec<Expr>,
     /// One vector field per input.
@@ -74,21 +76,21 @@ impl System {
     ///
     /// # Errors
     /// [`Undecided`] if an exact test cannot decide.
-    pub fn affine_form(&mut self) -> Result<Option<AffineForm>, Undecided> {
-        if !self.input_derivatives.is_empty() || !self.curvature(&self.inputs.clone())?.is_empty() {
+    pub fn affine_form(&self) -> Result<Option<AffineForm>, Undecided> {
+        let mut system = self.clone();
+        if !self.input_derivatives.is_empty() || !system.curvature(&self.inputs)?.is_empty() {
             return Ok(None);
         }
-        let zero = self.pool.int(0);
-        let at_zero: FxHashMap<Expr, Expr> =
-            self.inputs.clone().into_iter().map(|s| (self.pool.sym(s), zero)).collect();
-        let f = self.dynamics.clone();
-        let drift = self.pool.substitute_all(&f, &at_zero);
+        let mut pool = system.pool;
+        let zero = pool.int(0);
+        let at_zero: FxHashMap<Expr, Expr> = self.inputs.iter().map(|&s| (pool.sym(s), zero)).collect();
+        let drift = pool.substitute_all(&self.dynamics, &at_zero);
         let mut fields = Vec::new();
-        for u in self.inputs.clone() {
-            let column: Vec<Expr> = f.iter().map(|&e| self.pool.diff(e, u)).collect();
-            fields.push(self.pool.substitute_all(&column, &at_zero));
+        for &u in &self.inputs {
+            let column: Vec<Expr> = self.dynamics.iter().map(|&e| pool.diff(e, u)).collect();
+            fields.push(pool.substitute_all(&column, &at_zero));
         }
-        Ok(Some(AffineForm { drift, fields }))
+        Ok(Some(AffineForm { pool, drift, fields }))
     }
 
     /// The pairs (i ≤ j) of `arguments` in which the right-hand side is not affine:

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use approx::assert_relative_eq;
-use bracketry_system::{Method, System};
+use bracketry_system::{AffineForm, Method, System};
 
 fn model(states: &str, inputs: &str, equations: &[(&str, &str)]) -> System {
     let list = |s: &str| s.split_whitespace().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(",");
@@ -31,14 +31,14 @@ fn affine_models_are_left_alone() {
 
 #[test]
 fn drift_and_fields_rebuild_the_right_hand_side() {
-    let mut s = model("x y", "u w", &[("x", "(x+u)^2 - u^2 + y*w"), ("y", "sin(x)*w - 2*u")]);
-    let form = s.affine_form().unwrap().unwrap();
-    let (u, w) = (s.pool.var("u"), s.pool.var("w"));
+    let s = model("x y", "u w", &[("x", "(x+u)^2 - u^2 + y*w"), ("y", "sin(x)*w - 2*u")]);
+    let AffineForm { mut pool, drift, fields } = s.affine_form().unwrap().unwrap();
+    let (u, w) = (pool.var("u"), pool.var("w"));
     for k in 0..2 {
-        let (a, b) = (s.pool.mul(form.fields[0][k], u), s.pool.mul(form.fields[1][k], w));
-        let sum = s.pool.sum([form.drift[k], a, b]);
-        let difference = s.pool.sub(sum, s.dynamics[k]);
-        assert!(s.pool.zero_test(difference, &bracketry_system::symbolic::Bindings::default()).is_zero());
+        let (a, b) = (pool.mul(fields[0][k], u), pool.mul(fields[1][k], w));
+        let sum = pool.sum([drift[k], a, b]);
+        let difference = pool.sub(sum, s.dynamics[k]);
+        assert!(pool.zero_test(difference, &bracketry_system::symbolic::Bindings::default()).is_zero());
     }
 }
 
@@ -55,8 +55,7 @@ fn the_plate_needs_four_integrators_and_becomes_a_model_file() {
     // Written and read back, it is affine in every mode and equals the original right-hand side.
     let affine = System::parse("affine", &a.system.to_toml().unwrap()).unwrap();
     for mode in affine.modes().unwrap() {
-        let mut m = mode.system;
-        assert!(m.affine_form().unwrap().is_some());
+        assert!(mode.system.affine_form().unwrap().is_some());
     }
     let compiled = |s: &System| s.compile(&s.arguments(), &s.dynamics).unwrap();
     let (f, g) = (compiled(&original), compiled(&affine));
@@ -129,8 +128,7 @@ fn inputs_that_act_together_are_one_input() {
     let s = model("x y", "u w", &[("x", "(u + w)^2"), ("y", "x")]);
     let a = s.affinize().unwrap();
     assert_ne!(a.method, Method::None);
-    let mut affine = a.system;
-    assert!(affine.affine_form().unwrap().is_some());
+    assert!(a.system.affine_form().unwrap().is_some());
 }
 
 #[test]

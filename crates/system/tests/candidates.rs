@@ -81,7 +81,7 @@ fn extended(candidate: &Candidate, at: &Values) -> Values {
 fn assert_same(original: &System, candidate: &Candidate) {
     let system = candidate.system.as_ref().unwrap();
     let smooth = system.clone().modes().unwrap().len() == 1;
-    assert!(!smooth || system.clone().affine_form().unwrap().is_some(), "{candidate:?}");
+    assert!(!smooth || system.affine_form().unwrap().is_some(), "{candidate:?}");
     for seed in 1..6 {
         let (at, rates) = motion(original, f64::from(seed));
         let here = extended(candidate, &at);
@@ -292,7 +292,7 @@ proptest! {
         let original = System::parse("m", &text("x y z", "u w", &equations)).unwrap();
         let a = affinize(&original);
         prop_assert_eq!(a.system.states.len(), 3, "{:?}: {}", equations, a.why);
-        let mut affine = a.system;
+        let affine = a.system;
         prop_assert!(affine.affine_form().unwrap().is_some());
     }
 

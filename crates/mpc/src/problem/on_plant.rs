@@ -55,10 +55,9 @@ pub fn control(problem: &ControlProblem) -> Result<Controlled, ControlError> {
 pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)) -> Result<Controlled, ControlError> {
     problem.system.check_denominators()?;
     problem.plant.check_denominators()?;
-    let mut plant_system = problem.plant.clone();
     // Delays act within a sample, which is for the simulator too.
-    let delayed = plant_system.delay_values().iter().any(|d| *d != Some(0.0));
-    let smooth = plant_system.set_valued_form().switches.is_empty() && !delayed;
+    let delayed = problem.plant.delay_values().iter().any(|d| *d != Some(0.0));
+    let smooth = problem.plant.is_smooth() && !delayed;
     let mut plant: Box<dyn Plant> = if smooth {
         let dynamics = Box::new(SymbolicDynamics::new(&problem.plant)?);
         Box::new(RungeKuttaPlant::new(dynamics, problem.plant_substeps))

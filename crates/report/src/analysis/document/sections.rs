@@ -100,13 +100,12 @@ fn affine_form(a: &Analysis, out: &mut Vec<Block>) {
     if !a.affine {
         out.push(equations(affine));
     }
-    let mut system = affine.clone();
-    if let Ok(Some(AffineForm { drift, fields })) = system.affine_form() {
-        let inputs = system.input_names();
-        let driftless = drift.iter().all(|&e| system.pool.is_zero(e));
+    if let Ok(Some(AffineForm { pool, drift, fields })) = affine.affine_form() {
+        let inputs = affine.input_names();
+        let driftless = drift.iter().all(|&e| pool.is_zero(e));
         let mut sum: Vec<String> = if driftless { Vec::new() } else { vec!["f".to_owned()] };
         sum.extend((1..=fields.len()).map(|i| format!("g_{{{i}}} {}", symbol(&inputs[i - 1]))));
-        let column = |e: &[Expr]| column(&e.iter().map(|&e| expression(&system.pool, e)).collect::<Vec<_>>());
+        let column = |e: &[Expr]| column(&e.iter().map(|&e| expression(&pool, e)).collect::<Vec<_>>());
         let mut definitions = vec![format!("\\dot x &= {}", if sum.is_empty() { "0".into() } else { sum.join(" + ") })];
         if !driftless {
             definitions.push(format!("f &= {}", column(&drift)));
