@@ -18,9 +18,7 @@ fn run(
 ) -> Result<Run<AreaRecord>, PlateError> {
     let mut plant = AreaObject::new(AreaContact::new(object, &Friction::Coulomb { mu }, settings)?)?;
     let mut state = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
-    if let Some(index) = ["x", "y", "phi"].iter().position(|name| *name == experiment.coordinate) {
-        state[index] = experiment.start;
-    }
+    state[experiment.index()] = experiment.start;
     plant.set_state(0.0, state)?;
     experiment.run_on(&mut plant, duration)
 }

@@ -31,8 +31,8 @@ pub use control::{
 pub use driven::{AreaObject, Course, DrivenObject, ModelObject, STATES};
 pub use error::PlateError;
 pub use experiment::{
-    AmplitudeLaw, AmplitudeStep, Establishing, Experiment, Limits, Map, MeanVelocity, Run, Stage, Summary, TwoStep,
-    linspace, mean_velocity, summarize, sweep, two_step, two_step_on, velocity_field,
+    AmplitudeLaw, AmplitudeStep, Coordinate, Establishing, Experiment, Limits, Map, MeanVelocity, Run, Stage, Summary,
+    TwoStep, linspace, mean_velocity, summarize, sweep, two_step, two_step_on, velocity_field,
 };
 pub use friction::Friction;
 pub use log::{Jump, LoggedMotion, PlateColumns, PlateLog};
@@ -42,6 +42,7 @@ pub use model::{
 pub use motion::{Drive, ExpressionMotion, Harmonic, PeriodicMotion, PlateKinematics, PlateMotion};
 pub use object::{Object, Quadrature, Shape, ShapeError, Vertices};
 pub use run::{
-    Assumption, Comparison, Deviation, ExperimentKind, FrictionLaw, OptionValue, PlateExperiment, PlateModel,
-    PlateOptions, PlateOutcome, PlateRow, PlateRun, PlateRunError, PlateSetup, PlateStop, SetupError,
+    Assumption, Comparison, Deviation, ExperimentKind, FrictionLaw, GivenOption, NumberOption, PlateExperiment,
+    PlateModel, PlateOptions, PlateOutcome, PlateRow, PlateRun, PlateRunError, PlateSetup, PlateStop, SetupError,
+    TextOption,
 };

@@ -67,7 +67,7 @@ fn experiment(
     let contact = AreaContact::new(object, &Friction::Coulomb { mu }, &settings).unwrap();
     let mut plant = AreaObject::new(contact).unwrap();
     let mut state = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let index = ["x", "y", "phi"].iter().position(|name| *name == experiment.coordinate).unwrap();
+    let index = experiment.index();
     state[index] = experiment.start;
     plant.set_state(0.0, state).unwrap();
     let run = experiment.run_on(&mut plant, duration).unwrap();

@@ -5,7 +5,9 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bracketry::plate::{OptionValue, PlateExperiment, PlateLog, PlateOptions, PlateRow, Shape};
+use bracketry::plate::{
+    GivenOption, NumberOption, PlateExperiment, PlateLog, PlateOptions, PlateRow, Shape, TextOption,
+};
 use bracketry::report::plate;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
@@ -16,35 +18,24 @@ use crate::figures::Figures;
 use crate::interrupt::watched;
 use crate::tables::{Answer, Text, matrix};
 
-/// The value of an option of the command line.
-#[derive(FromPyObject)]
-pub(crate) enum Value {
-    Number(f64),
-    Text(String),
-}
+/// Options by name; what is `None` has a default.
+type Given<T> = HashMap<String, Option<T>>;
 
-impl From<Value> for OptionValue {
-    fn from(value: Value) -> Self {
-        match value {
-            Value::Number(number) => Self::Number(number),
-            Value::Text(text) => Self::Text(text),
-        }
-    }
-}
-
-/// The options that are given, numbers before texts; what is absent has a default.
-fn options(mut given: HashMap<String, Option<Value>>) -> Result<PlateOptions, Failure> {
-    let names = PlateOptions::NUMBERS.into_iter().chain(PlateOptions::TEXTS);
-    let values = names.filter_map(|name| Some((name, given.remove(name)??.into())));
-    PlateOptions::from_values(values).map_err(named)
+/// The options that are given, numbers before texts.
+fn options(mut numbers: Given<f64>, mut texts: Given<String>) -> Result<PlateOptions, Failure> {
+    let number = |&option: &NumberOption| Some(GivenOption::Number(option, numbers.remove(option.name())??));
+    let text = |&option: &TextOption| Some(GivenOption::Text(option, texts.remove(option.name())??));
+    let numbers = NumberOption::ALL.iter().filter_map(number);
+    PlateOptions::from_values(numbers.chain(TextOption::ALL.iter().filter_map(text))).map_err(named)
 }
 
 /// One experiment, with the options of a scenario file where they are not given, on a polygon where its vertices are, and beside a log.
 #[pyfunction]
-#[pyo3(signature = (options, *, scenario, polygon, log, driven_by_log))]
+#[pyo3(signature = (numbers, texts, *, scenario, polygon, log, driven_by_log))]
 pub(crate) fn run_plate(
     py: Python<'_>,
-    options: HashMap<String, Option<Value>>,
+    numbers: Given<f64>,
+    texts: Given<String>,
     scenario: Option<PathBuf>,
     polygon: Option<Vec<[f64; 2]>>,
     log: Option<Text>,
@@ -53,7 +44,7 @@ pub(crate) fn run_plate(
     let (answer, ran) = watched(py, move |stop| {
         let scenario = scenario.map_or(Ok(PlateOptions::default()), |path| PlateOptions::read(&path)).map_err(named)?;
         let log = log.map(|log| read(&log)).transpose()?;
-        let options = self::options(options)?.or(scenario);
+        let options = options(numbers, texts)?.or(scenario);
         let mut setup = options.setup(log.as_ref()).map_err(named)?;
         if let Some(vertices) = polygon {
             setup.object.shape = Shape::polygon(&vertices).map_err(|e| Failure::from(e).about("shape"))?;

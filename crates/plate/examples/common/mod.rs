@@ -2,8 +2,8 @@
 
 use anyhow::Context;
 use bracketry_plate::{
-    AmplitudeStep, AreaContact, AreaObject, AreaSettings, DrivenObject, Experiment, Friction, Limits, ModelObject,
-    Object, PlateError, Shape, Summary, Terms, first_principles, published, reduced, summarize,
+    AmplitudeStep, AreaContact, AreaObject, AreaSettings, Coordinate, DrivenObject, Experiment, Friction, Limits,
+    ModelObject, Object, PlateError, Shape, Summary, Terms, first_principles, published, reduced, summarize,
 };
 use bracketry_plot::Drawing;
 use bracketry_sim::Settings;
@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 /// Starts of the experiments: 1 from x = 0.3 m, 2 and 3 from where they are published.
 pub(crate) fn start(experiment: &Experiment) -> [f64; 6] {
     match experiment.coordinate {
-        "phi" => [0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
-        _ => [0.48, -0.03, 0.0, 0.0, 0.0, 0.0],
+        Coordinate::Phi => [0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
+        Coordinate::X | Coordinate::Y => [0.48, -0.03, 0.0, 0.0, 0.0, 0.0],
     }
 }
 
@@ -45,7 +45,7 @@ impl Model {
     /// round, and it knows no jump of the plate.
     pub(crate) fn experiment(self, experiment: Experiment) -> Experiment {
         match self {
-            Self::Published if experiment.coordinate == "phi" => experiment.with_reversed_tilt(),
+            Self::Published if experiment.coordinate == Coordinate::Phi => experiment.with_reversed_tilt(),
             Self::Published => experiment.with_amplitude_step(AmplitudeStep::Smooth),
             _ => experiment,
         }

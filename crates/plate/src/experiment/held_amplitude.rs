@@ -18,7 +18,7 @@ impl<'a> HeldAmplitude<'a> {
         if !(experiment.period.is_finite() && experiment.period > 0.0) {
             return Err(PlateError::BadNumber { name: "period", value: experiment.period });
         }
-        let index = experiment.index()?;
+        let index = experiment.index();
         object.drive(&experiment.drive(object.time()))?;
         Ok(Self { experiment, index, motion: experiment.motion(object.time())?, amplitude: None })
     }

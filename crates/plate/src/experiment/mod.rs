@@ -10,7 +10,7 @@ mod velocity_field;
 
 pub use map::{Limits, Map, Summary, linspace, summarize};
 pub(crate) use protocol::REACHED;
-pub use protocol::{AmplitudeLaw, AmplitudeStep, Experiment};
+pub use protocol::{AmplitudeLaw, AmplitudeStep, Coordinate, Experiment};
 pub use run::Run;
 pub use sweep::sweep;
 pub use two_step::{Stage, TwoStep, two_step, two_step_on};

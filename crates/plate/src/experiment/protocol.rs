@@ -28,13 +28,32 @@ pub enum AmplitudeStep {
     Smooth,
 }
 
+/// A coordinate of the object on the plate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Coordinate {
+    /// Along the motion of the plate, m.
+    X,
+    /// Across, m.
+    Y,
+    /// Yaw, rad.
+    Phi,
+}
+
+impl Coordinate {
+    /// Its name, which is that of the state.
+    pub fn name(self) -> &'static str {
+        STATES[self as usize]
+    }
+}
+
 /// An open-loop experiment: inputs in time with an amplitude `A` that is held over each period.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
     /// What it is called.
     pub name: String,
-    /// The state it moves: `x`, `y` or `phi`.
-    pub coordinate: &'static str,
+    /// The state it moves.
+    pub coordinate: Coordinate,
     /// Start of that state (m, rad).
     pub start: f64,
     /// Where it should go (m, rad).
@@ -56,7 +75,7 @@ impl Experiment {
     pub fn orientation() -> Self {
         Self {
             name: "1, orientation".into(),
-            coordinate: "phi",
+            coordinate: Coordinate::Phi,
             start: 0.0,
             target: 0.5 * PI,
             period: 0.5,
@@ -72,7 +91,7 @@ impl Experiment {
     pub fn translation_x(omega_over_pi: u32) -> Self {
         Self {
             name: format!("2, x with ω = {omega_over_pi}π"),
-            coordinate: "x",
+            coordinate: Coordinate::X,
             start: 0.48,
             target: 0.54,
             period: 1.0 / f64::from(omega_over_pi),
@@ -88,7 +107,7 @@ impl Experiment {
         let degree = PI / 180.0;
         Self {
             name: "3, y".into(),
-            coordinate: "y",
+            coordinate: Coordinate::Y,
             start: -0.03,
             target: 0.0,
             period: 1.0 / 3.0,
@@ -159,13 +178,7 @@ impl Experiment {
     }
 
     /// Index of the coordinate among the states.
-    ///
-    /// # Errors
-    /// [`PlateError::NoState`] for a coordinate that is none of `x`, `y`, `phi`.
-    pub fn index(&self) -> Result<usize, PlateError> {
-        STATES[..3]
-            .iter()
-            .position(|name| *name == self.coordinate)
-            .ok_or(PlateError::NoState { name: self.coordinate })
+    pub fn index(&self) -> usize {
+        self.coordinate as usize
     }
 }

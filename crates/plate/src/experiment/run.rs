@@ -39,7 +39,7 @@ impl Experiment {
         mut ends: impl FnMut(f64, &[f64; 6]) -> bool,
     ) -> Result<Run<P::Course>, PlateError> {
         let mut held = HeldAmplitude::start(self, object)?;
-        let (from, index) = (object.time(), self.index()?);
+        let (from, index) = (object.time(), self.index());
         let (mut trajectory, mut outcome) = object.record(from)?;
         let level = self.start + REACHED * (self.target - self.start);
         let direction = (self.target - self.start).signum();

@@ -70,7 +70,7 @@ pub fn two_step_on<P: DrivenObject>(
     let (mut trajectory, mut outcome) = object.record(object.time())?;
     let mut stages = Vec::new();
     for experiment in experiments {
-        let index = experiment.index()?;
+        let index = experiment.index();
         let (from, last, mut met) = (object.time(), object.time() + limit, false);
         let mut held = HeldAmplitude::start(experiment, object)?;
         let direction = (experiment.target - object.state()[index]).signum();
@@ -101,7 +101,6 @@ pub fn two_step_on<P: DrivenObject>(
         trajectory.join(&piece);
     }
     let state = object.state();
-    let final_errors =
-        experiments.iter().map(|e| Ok(state[e.index()?] - e.target)).collect::<Result<_, PlateError>>()?;
+    let final_errors = experiments.iter().map(|e| state[e.index()] - e.target).collect();
     Ok(TwoStep { stages, trajectory, outcome, final_errors, remaining_spin: state[5] })
 }

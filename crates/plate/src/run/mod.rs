@@ -17,6 +17,6 @@ pub use comparison::{Comparison, Deviation};
 pub use error::PlateRunError;
 pub use experiment::{PlateExperiment, PlateOutcome};
 pub use option_values::{ExperimentKind, FrictionLaw};
-pub use options::{OptionValue, PlateOptions, SetupError};
+pub use options::{GivenOption, NumberOption, PlateOptions, SetupError, TextOption};
 pub use result::{Assumption, PlateRow, PlateRun, PlateStop};
 pub use setup::{PlateModel, PlateSetup};

@@ -6,7 +6,7 @@ use bracketry_files::{Document, FileError};
 
 use super::option_values::{self as values, ExperimentKind, FrictionLaw, Problem, problem};
 use super::setup::{PlateModel, PlateSetup};
-use crate::{AmplitudeStep, Experiment, Friction, Object, PlateLog, Shape};
+use crate::{AmplitudeStep, Coordinate, Experiment, Friction, Object, PlateLog, Shape};
 
 /// Most rows of a result.
 const MAX_ROWS: f64 = 2e6;
@@ -48,24 +48,87 @@ pub struct PlateOptions {
     pub sample: Option<f64>,
 }
 
-/// The value of an option as it is given.
-#[derive(Clone, Debug, PartialEq)]
-pub enum OptionValue {
-    /// Of `experiment`, `model`, `shape`, `friction`, `start` and `jumps`.
-    Text(String),
-    /// Of the others.
-    Number(f64),
+/// Defines options whose values are of one kind, with their names.
+macro_rules! option_names {
+    ($(#[$about:meta])* $kind:ident { $($(#[$what:meta])* $option:ident = $name:literal,)* }) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $kind {
+            $($(#[$what])* $option,)*
+        }
+
+        impl $kind {
+            /// All of them, in the order in which they are read.
+            pub const ALL: &'static [Self] = &[$(Self::$option,)*];
+
+            /// The name on the command line, in a scenario file, and in Python.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$option => $name,)*
+                }
+            }
+        }
+    };
 }
 
-impl From<String> for OptionValue {
-    fn from(text: String) -> Self {
-        Self::Text(text)
+option_names! {
+    /// An option with a number as its value.
+    NumberOption {
+        /// ω of experiment 2 in units of π.
+        Omega = "omega",
+        /// m.
+        Thickness = "thickness",
+        /// kg.
+        Mass = "mass",
+        /// Of sliding.
+        Mu = "mu",
+        /// Duration, s.
+        Seconds = "seconds",
+        /// Of contact.
+        Points = "points",
+        /// Time step, s.
+        Dt = "dt",
+        /// 0 to 1.
+        Restitution = "restitution",
+        /// Time between rows, s.
+        Sample = "sample",
     }
 }
 
-impl From<f64> for OptionValue {
-    fn from(number: f64) -> Self {
-        Self::Number(number)
+option_names! {
+    /// An option with a text as its value.
+    TextOption {
+        /// 1, 2 or 3.
+        Experiment = "experiment",
+        /// See [`PlateModel`].
+        Model = "model",
+        /// `disk:R`, `ellipse:AxB` (semi-axes), `rectangle:AxB` (full sides) or `polygon:FILE.csv`, in meters.
+        Shape = "shape",
+        /// `x,y,phi` in meters and radians, or degrees with `deg`.
+        Start = "start",
+        /// `world` or `smooth`.
+        Jumps = "jumps",
+        /// `coulomb`, `static:MU_S`, `stribeck:MU_S,V`, `anisotropic:MU_Y` or `viscous:C`.
+        Friction = "friction",
+    }
+}
+
+/// An option with its value as it is given.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GivenOption {
+    /// A number.
+    Number(NumberOption, f64),
+    /// A text.
+    Text(TextOption, String),
+}
+
+impl GivenOption {
+    /// The name of the option.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Number(option, _) => option.name(),
+            Self::Text(option, _) => option.name(),
+        }
     }
 }
 
@@ -93,49 +156,49 @@ fn at_option(name: &str, (message, remedy): Problem) -> SetupError {
 }
 
 impl PlateOptions {
-    /// Options with numbers as values.
-    pub const NUMBERS: [&'static str; 9] =
-        ["omega", "thickness", "mass", "mu", "seconds", "points", "dt", "restitution", "sample"];
-    /// Options with texts as values: `experiment` 1, 2 or 3; `model`, see [`PlateModel`]; `shape` `disk:R`, `ellipse:AxB`
-    /// (semi-axes), `rectangle:AxB` (full sides) or `polygon:FILE.csv`, in meters; `start` `x,y,phi` in meters and radians, or
-    /// degrees with `deg`; `jumps` `world` or `smooth`; `friction` `coulomb`, `static:MU_S`, `stribeck:MU_S,V`,
-    /// `anisotropic:MU_Y` or `viscous:C`.
-    pub const TEXTS: [&'static str; 6] = ["experiment", "model", "shape", "start", "jumps", "friction"];
-
-    /// The options of these names and values; the first that has no meaning is told.
+    /// The options of these values; the first that has no meaning is reported.
     ///
     /// # Errors
     /// [`SetupError::Value`] with the option, what is wrong and what to do.
-    pub fn from_values<'a>(values: impl IntoIterator<Item = (&'a str, OptionValue)>) -> Result<Self, SetupError> {
+    pub fn from_values(given: impl IntoIterator<Item = GivenOption>) -> Result<Self, SetupError> {
         let mut options = Self::default();
-        for (name, value) in values {
-            options.set(name, &value).map_err(|p| at_option(name, p))?;
+        for value in given {
+            options.set(&value).map_err(|p| at_option(value.name(), p))?;
         }
         Ok(options)
     }
 
-    fn set(&mut self, name: &str, value: &OptionValue) -> Result<(), Problem> {
-        use OptionValue::{Number, Text};
-        match (name, value) {
-            ("experiment", Text(text)) => self.experiment = Some(values::experiment(text)?),
-            ("omega", Number(v)) => self.omega = Some(values::omega(*v)?),
-            ("model", Text(text)) => self.model = Some(values::model(text)?),
-            ("shape", Text(text)) => self.shape = Some(values::shape(text)?),
-            ("thickness", Number(v)) => self.thickness = Some(values::not_negative(name, *v, "m")?),
-            ("mass", Number(v)) => self.mass = Some(values::positive(name, *v, "kg")?),
-            ("mu", Number(v)) => self.mu = Some(values::not_negative(name, *v, "")?),
-            ("friction", Text(text)) => self.friction = Some(values::friction(text)?),
-            ("start", Text(text)) => self.start = Some(values::start(text)?),
-            ("seconds", Number(v)) => self.seconds = Some(values::positive(name, *v, "s")?),
-            ("points", Number(v)) => self.points = Some(values::points(*v)?),
-            ("dt", Number(v)) => self.dt = Some(values::step(*v)?),
-            ("restitution", Number(v)) => self.restitution = Some(values::restitution(*v)?),
-            ("jumps", Text(text)) => self.jumps = Some(values::amplitude_step(text)?),
-            ("sample", Number(v)) => self.sample = Some(values::sample(*v)?),
-            _ => {
-                let known = Self::TEXTS.into_iter().chain(Self::NUMBERS).collect::<Vec<_>>().join(", ");
-                return Err(problem(format!("there is no such option `{name}`"), format!("give one of {known}")));
-            }
+    fn set(&mut self, given: &GivenOption) -> Result<(), Problem> {
+        match given {
+            GivenOption::Number(option, v) => self.set_number(*option, *v),
+            GivenOption::Text(option, text) => self.set_text(*option, text),
+        }
+    }
+
+    fn set_number(&mut self, option: NumberOption, v: f64) -> Result<(), Problem> {
+        let name = option.name();
+        match option {
+            NumberOption::Omega => self.omega = Some(values::omega(v)?),
+            NumberOption::Thickness => self.thickness = Some(values::not_negative(name, v, "m")?),
+            NumberOption::Mass => self.mass = Some(values::positive(name, v, "kg")?),
+            NumberOption::Mu => self.mu = Some(values::not_negative(name, v, "")?),
+            NumberOption::Seconds => self.seconds = Some(values::positive(name, v, "s")?),
+            NumberOption::Points => self.points = Some(values::points(v)?),
+            NumberOption::Dt => self.dt = Some(values::step(v)?),
+            NumberOption::Restitution => self.restitution = Some(values::restitution(v)?),
+            NumberOption::Sample => self.sample = Some(values::sample(v)?),
+        }
+        Ok(())
+    }
+
+    fn set_text(&mut self, option: TextOption, text: &str) -> Result<(), Problem> {
+        match option {
+            TextOption::Experiment => self.experiment = Some(values::experiment(text)?),
+            TextOption::Model => self.model = Some(values::model(text)?),
+            TextOption::Shape => self.shape = Some(values::shape(text)?),
+            TextOption::Start => self.start = Some(values::start(text)?),
+            TextOption::Jumps => self.jumps = Some(values::amplitude_step(text)?),
+            TextOption::Friction => self.friction = Some(values::friction(text)?),
         }
         Ok(())
     }
@@ -151,22 +214,26 @@ impl PlateOptions {
 
     fn from_document(doc: &Document, folder: Option<&Path>) -> Result<Self, SetupError> {
         let table = doc.table()?;
-        let known: Vec<&str> = Self::TEXTS.into_iter().chain(Self::NUMBERS).collect();
+        let (numbers, texts) = (NumberOption::ALL.iter(), TextOption::ALL.iter());
+        let known: Vec<&str> = texts.clone().map(|o| o.name()).chain(numbers.clone().map(|o| o.name())).collect();
         doc.only_keys(&table, &known, "a plate scenario")?;
         let mut given = Vec::new();
-        for name in Self::NUMBERS {
-            given.extend(doc.number(&table, name)?.map(|v| (name, OptionValue::Number(v))));
+        for &option in numbers {
+            given.extend(doc.number(&table, option.name())?.map(|v| GivenOption::Number(option, v)));
         }
-        for name in Self::TEXTS {
-            let number = name == "experiment" && table.get(name).is_some_and(|v| v.get_ref().as_integer().is_some());
+        for &option in texts {
+            let name = option.name();
+            let number =
+                option == TextOption::Experiment && table.get(name).is_some_and(|v| v.get_ref().as_integer().is_some());
             let text =
                 if number { doc.number(&table, name)?.map(|v| v.to_string()) } else { doc.string(&table, name)? };
-            given.extend(text.map(|text| (name, OptionValue::Text(beside(folder, name, text)))));
+            let text = text.map(|text| if option == TextOption::Shape { beside(folder, text) } else { text });
+            given.extend(text.map(|text| GivenOption::Text(option, text)));
         }
         let mut options = Self::default();
         for (key, value) in &table {
             let name: &str = key.get_ref();
-            let set = given.iter().find(|(n, _)| *n == name).map_or(Ok(()), |(_, value)| options.set(name, value));
+            let set = given.iter().find(|option| option.name() == name).map_or(Ok(()), |option| options.set(option));
             set.map_err(|(message, remedy)| doc.error(value.span(), message, remedy))?;
         }
         if let (Err((message, remedy)), Some(law)) = (options.friction(), table.get("friction")) {
@@ -205,9 +272,9 @@ impl PlateOptions {
         let friction = self.friction().map_err(|p| at_option("friction", p))?;
         let experiment = self.experiment().with_amplitude_step(self.jumps.unwrap_or_default());
         let start = self.start.or(log.map(|l| [l.x[0], l.y[0], l.phi[0]])).unwrap_or(match experiment.coordinate {
-            "x" => [experiment.start, 0.0, 0.0],
-            "y" => [0.3, experiment.start, 0.0],
-            _ => [0.3, 0.0, experiment.start],
+            Coordinate::X => [experiment.start, 0.0, 0.0],
+            Coordinate::Y => [0.3, experiment.start, 0.0],
+            Coordinate::Phi => [0.3, 0.0, experiment.start],
         });
         let from = log.map_or(0.0, |l| l.t[0]);
         let seconds = self.seconds.or(log.map(|l| l.t[l.t.len() - 1] - from)).unwrap_or(15.0);
@@ -254,10 +321,10 @@ impl PlateOptions {
     }
 }
 
-/// The text of an option of a scenario file; the file of a polygon lies beside the scenario.
-fn beside(folder: Option<&Path>, name: &str, text: String) -> String {
+/// The shape of a scenario file; the file of a polygon lies beside the scenario.
+fn beside(folder: Option<&Path>, text: String) -> String {
     match (text.strip_prefix("polygon:"), folder) {
-        (Some(file), Some(folder)) if name == "shape" && Path::new(file).is_relative() => {
+        (Some(file), Some(folder)) if Path::new(file).is_relative() => {
             format!("polygon:{}", folder.join(file).display())
         }
         _ => text,

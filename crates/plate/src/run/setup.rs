@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{Experiment, Friction, Object, STATES};
+use crate::{Experiment, Friction, Object};
 
 /// How object and plate touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -71,7 +71,7 @@ impl PlateSetup {
 
     /// Index of the coordinate that the experiment moves.
     pub fn coordinate(&self) -> usize {
-        STATES.iter().position(|name| *name == self.experiment.coordinate).unwrap_or(0)
+        self.experiment.index()
     }
 
     /// Where the object should go, x, y (m) and yaw (rad); the coordinates that the experiment does not move as at the start.

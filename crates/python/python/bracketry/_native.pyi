@@ -183,7 +183,8 @@ def compensate(log: _Text, robot: _Text, process_stiffness: Sequence[float] | No
 def choose_poses(candidates: _Text, robot: _Text, count: int) -> _ChosenPoses: ...
 def weigh(readings: _Text, robot: _Text) -> _Weighing: ...
 def run_plate(
-    options: Mapping[str, str | float | None],
+    numbers: Mapping[str, float | None],
+    texts: Mapping[str, str | None],
     *,
     scenario: _Path | None,
     polygon: Sequence[Sequence[float]] | None,

@@ -210,17 +210,19 @@ def run(
         "restitution": restitution,
         "sample": sample,
     }
-    options = {
+    texts = {
         "experiment": chosen,
         "model": model,
         "shape": shape if isinstance(shape, str) else None,
         "friction": friction,
         "start": None if start is None else _start(start),
         "jumps": jumps,
-        **{name: None if value is None else float(number(value, name)) for name, value in numbers.items()},
     }
+    given = {name: None if value is None else float(number(value, name)) for name, value in numbers.items()}
     log = None if compare is None else table_text(compare, "compare")
-    answer = _native.run_plate(options, scenario=scenario, polygon=polygon, log=log, driven_by_log=motion == "log")
+    answer = _native.run_plate(
+        given, texts, scenario=scenario, polygon=polygon, log=log, driven_by_log=motion == "log"
+    )
     data = parsed(answer["json"])
     return result_of(
         PlateRun,

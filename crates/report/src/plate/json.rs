@@ -26,7 +26,7 @@ pub fn json(ran: &PlateExperiment) -> Value {
         "restitution": setup.restitution,
         "sample": setup.sample,
         "assumptions": ran.assumptions().into_iter().map(assumption).collect::<Vec<_>>(),
-        "coordinate": setup.experiment.coordinate,
+        "coordinate": setup.experiment.coordinate.name(),
         "target": setup.experiment.target,
         "reached": run.reached,
         "stopped": run.stopped.as_ref().map(stopped),

@@ -49,7 +49,7 @@ fn numerics(setup: &PlateSetup) -> String {
 fn result(out: &mut String, ran: &PlateExperiment) -> fmt::Result {
     let (setup, run) = (&ran.setup, &ran.run);
     let (unit, scale) = if setup.coordinate() == 2 { ("°", DEGREES) } else { (" mm", 1e3) };
-    let goal = format!("{} = {:.1}{unit}", setup.experiment.coordinate, setup.experiment.target * scale);
+    let goal = format!("{} = {:.1}{unit}", setup.experiment.coordinate.name(), setup.experiment.target * scale);
     match run.reached {
         Some(t) => writeln!(out, "  target      {goal} reached after {t:.3} s")?,
         None => writeln!(out, "  target      {goal} not reached")?,

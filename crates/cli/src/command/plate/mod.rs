@@ -5,7 +5,7 @@ mod files;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use bracketry::plate::{OptionValue, PlateExperiment, PlateLog, PlateOptions, PlateOutcome};
+use bracketry::plate::{GivenOption, NumberOption, PlateExperiment, PlateLog, PlateOptions, PlateOutcome, TextOption};
 use bracketry::report::plate;
 use clap::{Args, ValueEnum};
 
@@ -113,26 +113,26 @@ impl PlateArgs {
     fn options(&self) -> anyhow::Result<PlateOptions> {
         let number = self.what.as_ref().filter(|what| !is_file(Path::new(what)));
         let numbers = [
-            ("omega", self.omega),
-            ("thickness", self.thickness),
-            ("mass", self.mass),
-            ("mu", self.mu),
-            ("seconds", self.seconds),
-            ("points", self.points),
-            ("dt", self.dt),
-            ("restitution", self.restitution),
-            ("sample", self.sample),
+            (NumberOption::Omega, self.omega),
+            (NumberOption::Thickness, self.thickness),
+            (NumberOption::Mass, self.mass),
+            (NumberOption::Mu, self.mu),
+            (NumberOption::Seconds, self.seconds),
+            (NumberOption::Points, self.points),
+            (NumberOption::Dt, self.dt),
+            (NumberOption::Restitution, self.restitution),
+            (NumberOption::Sample, self.sample),
         ];
         let texts = [
-            ("experiment", number.or(self.experiment.as_ref())),
-            ("model", self.model.as_ref()),
-            ("shape", self.shape.as_ref()),
-            ("start", self.start.as_ref()),
-            ("jumps", self.jumps.as_ref()),
-            ("friction", self.friction.as_ref()),
+            (TextOption::Experiment, number.or(self.experiment.as_ref())),
+            (TextOption::Model, self.model.as_ref()),
+            (TextOption::Shape, self.shape.as_ref()),
+            (TextOption::Start, self.start.as_ref()),
+            (TextOption::Jumps, self.jumps.as_ref()),
+            (TextOption::Friction, self.friction.as_ref()),
         ];
-        let numbers = numbers.into_iter().filter_map(|(name, v)| Some((name, OptionValue::Number(v?))));
-        let texts = texts.into_iter().filter_map(|(name, text)| Some((name, OptionValue::Text(text?.clone()))));
+        let numbers = numbers.into_iter().filter_map(|(option, v)| Some(GivenOption::Number(option, v?)));
+        let texts = texts.into_iter().filter_map(|(option, text)| Some(GivenOption::Text(option, text?.clone())));
         Ok(PlateOptions::from_values(numbers.chain(texts))?)
     }
 }
