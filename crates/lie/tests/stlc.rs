@@ -194,11 +194,12 @@ fn verdicts_agree_with_the_literature() {
 /// without access, and a clock stay as they are.
 #[test]
 fn inputs_without_bounds_jump() {
-    let forward = [("s", 0.0, 1.0)];
-    let cases: &[(Case, &[(&str, f64, f64)])] = &[
+    type Ranges = &'static [(&'static str, f64, f64)];
+    let forward: Ranges = &[("s", 0.0, 1.0)];
+    let cases: &[(Case, Ranges)] = &[
         (case("cubic and quadratic", "x y", "u", &["u", "x^3 + x^2"], Yes), &[]),
         (case("moving double integrator", "x v", "u", &["v", "u"], Yes).at(&[("v", "1")]), &[]),
-        (case("forward unicycle", "x y th", "s w", &["s*cos(th)", "s*sin(th)", "w"], Yes), &forward),
+        (case("forward unicycle", "x y th", "s w", &["s*cos(th)", "s*sin(th)", "w"], Yes), forward),
         (case("Dubins", "x y th", "u", &["cos(th)", "sin(th)", "u"], Yes), &[]),
         (case("against a square", "x y", "u v", &["u", "v - x^2"], Yes), &[("v", 0.0, f64::INFINITY)]),
         (case("square", "x y", "u", &["u", "x^2"], No), &[]),

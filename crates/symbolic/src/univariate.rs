@@ -67,11 +67,13 @@ impl UnivariatePolynomial {
     }
 
     /// dp/dx.
+    #[must_use]
     pub fn derivative(&self) -> Self {
         Self::new(self.0.iter().enumerate().skip(1).map(|(k, c)| c.clone() * Rational::from(k)).collect())
     }
 
     /// p − q.
+    #[must_use]
     pub fn sub(&self, other: &Self) -> Self {
         let n = self.0.len().max(other.0.len());
         let c = |p: &Self, k: usize| p.0.get(k).cloned().unwrap_or(Rational::ZERO);
@@ -79,16 +81,19 @@ impl UnivariatePolynomial {
     }
 
     /// p + q.
+    #[must_use]
     pub fn add(&self, other: &Self) -> Self {
         self.sub(&other.scaled(&Rational::from(-1)))
     }
 
     /// c p.
+    #[must_use]
     pub fn scaled(&self, factor: &Rational) -> Self {
         Self::new(self.0.iter().map(|c| c.clone() * factor.clone()).collect())
     }
 
     /// p q.
+    #[must_use]
     pub fn mul(&self, other: &Self) -> Self {
         if self.is_zero() || other.is_zero() {
             return Self::new(Vec::new());
@@ -121,16 +126,19 @@ impl UnivariatePolynomial {
     }
 
     /// The remainder of the division by a polynomial that is not zero.
+    #[must_use]
     pub fn remainder(&self, divisor: &Self) -> Self {
         self.divided(divisor).1
     }
 
     /// The quotient of a division without remainder; itself where `divisor` is a constant.
+    #[must_use]
     pub fn quotient(&self, divisor: &Self) -> Self {
         if divisor.degree() == 0 { self.clone() } else { self.divided(divisor).0 }
     }
 
     /// The greatest common divisor, with leading coefficient 1; 0 for two zero polynomials.
+    #[must_use]
     pub fn gcd(&self, other: &Self) -> Self {
         let (mut a, mut b) = (self.clone(), other.clone());
         while !b.is_zero() {

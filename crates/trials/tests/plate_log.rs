@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
-    AmplitudeStep, AreaContact, AreaObject, AreaSettings, Course, DrivenObject, Experiment, Friction, Object, PlateLog,
+    AmplitudeStep, AreaContact, AreaObject, AreaSettings, Coordinate, Course, DrivenObject, Experiment, Friction,
+    Object, PlateLog,
 };
 use bracketry_trials::{PlateMismatch, RecordingSettings, SyntheticLog, TrialError, multisine, synthetic_log};
 
@@ -15,7 +16,7 @@ fn silent() -> RecordingSettings {
 fn shaken(displacement: &str, tilt: &str) -> Experiment {
     Experiment {
         name: "shaken".into(),
-        coordinate: "x",
+        coordinate: Coordinate::X,
         start: 0.3,
         target: 0.3,
         period: 10.0,

@@ -111,9 +111,8 @@ impl NearOrigin<'_> {
         match self.value(pool, e) {
             Some(v) if v > CLEAR && fixed => return Sign::Positive,
             Some(v) if v < -CLEAR && fixed => return Sign::Negative,
-            Some(_) => {}
             None if fixed => return Sign::Unknown,
-            None => {}
+            Some(_) | None => {}
         }
         let seen = match pool.node(e) {
             Node::Num(_) => match pool.number(e) {

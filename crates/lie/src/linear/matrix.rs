@@ -49,7 +49,7 @@ impl RationalMatrix {
             let mut p = factor.mul(&blocks[k]);
             let mut below = Rational::ONE;
             for i in (0..k).rev() {
-                below = below * &h[i + 1][i];
+                below *= &h[i + 1][i];
                 if below == Rational::ZERO {
                     break;
                 }

@@ -5,7 +5,7 @@ use super::recording::RecordingSettings;
 use super::synthetic_log::{SyntheticLog, synthetic_log};
 use crate::TrialError;
 use crate::random::{Random, seed_of};
-use bracketry_plate::{AmplitudeStep, Experiment, ExpressionMotion, PlateMotion};
+use bracketry_plate::{AmplitudeStep, Coordinate, Experiment, ExpressionMotion, PlateMotion};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
@@ -49,7 +49,7 @@ pub fn multisine(
         let tilt = sines(&mut random, part * TILT.to_radians(), duration)?;
         let experiment = Experiment {
             name: "multisine".into(),
-            coordinate: "x",
+            coordinate: Coordinate::X,
             start: start[0],
             target: start[0],
             period: duration,

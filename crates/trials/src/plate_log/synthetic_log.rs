@@ -128,7 +128,7 @@ fn update_amplitude(
     first: bool,
 ) -> Result<(), TrialError> {
     let t = contact.time();
-    let coordinate = contact.state()[experiment.index()?];
+    let coordinate = contact.state()[experiment.index()];
     let before = plate.command(t);
     plate.set_amplitude(t, experiment.amplitude(coordinate - experiment.target));
     let after = plate.command(t);

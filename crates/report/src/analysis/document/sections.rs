@@ -4,7 +4,7 @@ use bracketry_lie::{Analysis, Answer, Dimensions, ModeReport, Switchable};
 use bracketry_symbolic::{Expr, Symbol};
 use bracketry_system::{AffineForm, Candidate, Parameter, System};
 
-use super::blocks::{Block, Line, Span, code, item, math, section, text, words};
+use super::blocks::{Block, Line, Span, code, math, section, text, words};
 use super::formulas::{bracket, column, condition, expression, function, list, shortened, symbol};
 use super::outputs::listed;
 use super::{control, local, outputs};
