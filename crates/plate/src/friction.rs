@@ -95,15 +95,18 @@ impl Friction {
     pub fn static_coefficient(&self) -> f64 {
         match *self {
             Self::StaticLevel { mu_static, .. } => mu_static,
-            _ => self.coefficient(0.0),
+            Self::Coulomb { .. } | Self::Stribeck { .. } | Self::Anisotropic { .. } | Self::Viscous { .. } => {
+                self.coefficient(0.0)
+            }
         }
     }
 
-    /// The part of [`Friction::coefficient`] that grows in proportion to the speed, in s/m.
+    /// The part of [`Friction::coefficient`] that grows in proportion to the speed, in s/m, and at most by the whole of it:
+    /// the step of the contact takes it implicitly.
     pub(crate) fn viscosity(&self) -> f64 {
         match *self {
             Self::Viscous { coefficient, .. } => coefficient,
-            _ => 0.0,
+            Self::Coulomb { .. } | Self::StaticLevel { .. } | Self::Stribeck { .. } | Self::Anisotropic { .. } => 0.0,
         }
     }
 

@@ -118,7 +118,7 @@ impl Equations {
                     (Path::ActuatorLag, Some(i)) => inputs[i].1 += value,
                     (Path::SensorDelay, _) => columns.push((name.clone(), value, 0.0)),
                     (Path::SensorBias, _) => columns.push((name.clone(), 0.0, value)),
-                    _ => {}
+                    (Path::InputDelay | Path::ActuatorLag, None) => {}
                 }
             }
         }

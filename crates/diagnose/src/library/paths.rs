@@ -128,12 +128,14 @@ impl Builder {
         let what = match path {
             Path::ActuatorLag => "follows its command with this time constant",
             Path::InputDelay => "acts this much later than logged",
-            _ => "is logged this much later than it happens",
+            Path::SensorDelay | Path::SensorBias => "is logged this much later than it happens",
         };
         let shown = signals.join(", ");
         let term = match path {
             Path::ActuatorLag => Formula::new(format!("{shown}: {k}*der(y) = u - y"), lagged(&signals, &k)),
-            _ => Formula::new(format!("{shown}(t - {k})"), delayed(&signals, &k)),
+            Path::InputDelay | Path::SensorDelay | Path::SensorBias => {
+                Formula::new(format!("{shown}(t - {k})"), delayed(&signals, &k))
+            }
         };
         let longest = self.settings.longest_delay;
         let c = Coefficient {

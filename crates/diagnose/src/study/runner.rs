@@ -144,7 +144,7 @@ impl<'a> Runner<'a> {
                     for &i in inputs {
                         match path {
                             Path::ActuatorLag => paths.inputs[i].1 += value,
-                            _ => paths.inputs[i].0 += value,
+                            Path::InputDelay | Path::SensorDelay | Path::SensorBias => paths.inputs[i].0 += value,
                         }
                     }
                 }
@@ -153,7 +153,7 @@ impl<'a> Runner<'a> {
                         if names.contains(&m.name) {
                             match path {
                                 Path::SensorBias => column.1 += value,
-                                _ => column.0 += value,
+                                Path::SensorDelay | Path::InputDelay | Path::ActuatorLag => column.0 += value,
                             }
                         }
                     }

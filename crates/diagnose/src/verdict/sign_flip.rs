@@ -7,7 +7,7 @@ use crate::{Coefficient, Effect, Fit, Role};
 impl Search<'_> {
     /// A term of the wrong sign and friction that is missing hide each other: without friction the best that a factor can do is to
     /// take the term out, and nothing is left then for friction to act on. Where an explanation has such a factor, these are the
-    /// exact fits that initial with the sign flipped and friction on the same equation. Where that cannot be simulated in all
+    /// exact fits that start with the sign flipped and friction on the same equation. Where that cannot be simulated in all
     /// windows, a cause that was taken for what the two do is in the way: each of the others is then omitted.
     pub(crate) fn with_sign_flips(&mut self, current: &Explanation) -> Vec<Explanation> {
         // Initial states were fitted to the term that is nearly gone.
@@ -74,7 +74,7 @@ fn resists(effect: &Effect) -> bool {
     signs.peek().is_some() && signs.all(|s| s == 1)
 }
 
-/// Where a fit of a dissipation may initial: typical amplitudes, shapes in the middle of what is tried and, since one start may lead
+/// Where a fit of a dissipation may start: typical amplitudes, shapes in the middle of what is tried and, since one start may lead
 /// nowhere, at its first value.
 fn starts(effect: &Effect) -> Vec<Vec<(String, f64)>> {
     let with = |shape: fn(&Coefficient) -> f64| {

@@ -32,11 +32,17 @@ impl Integrator {
 
     /// Whether a step solves equations, so that stiffness does not limit its length.
     pub fn is_implicit(self) -> bool {
-        self != Self::Rk4
+        match self {
+            Self::Rk4 => false,
+            Self::GaussLegendre { .. } | Self::RadauIIA { .. } => true,
+        }
     }
 
     pub(crate) fn check(self) -> Result<(), MpcError> {
-        let (Self::GaussLegendre { stages } | Self::RadauIIA { stages }) = self else { return Ok(()) };
+        let stages = match self {
+            Self::Rk4 => return Ok(()),
+            Self::GaussLegendre { stages } | Self::RadauIIA { stages } => stages,
+        };
         let what = "the number of stages of the integrator";
         check_value((1..=4).contains(&stages), what, stages as f64, "give 1, 2, 3 or 4")
     }

@@ -76,7 +76,7 @@ impl Reader<'_> {
         self.read_parameters(t, &mut problem)?;
         self.read_disturbances(t, &names, &mut problem)?;
         for key in ["horizon", "iterations"] {
-            if let Some(v) = t.get(key).filter(|_| kind == EstimatorKind::ExtendedKalman) {
+            if let Some(v) = t.get(key).filter(|_| kind != EstimatorKind::MovingHorizon) {
                 let message = format!("an extended Kalman filter has no `{key}`");
                 return Err(self.doc.error(v.span(), message, "write kind = \"mhe\", or remove it").into());
             }
