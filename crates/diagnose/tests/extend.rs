@@ -123,6 +123,6 @@ fn a_fitted_value_beyond_its_limit_drops_the_limit_and_says_what_it_was() {
     let mass = &back.parameters[0];
     assert_eq!((mass.max.clone(), mass.unit.as_deref()), (None, Some("kg")));
     assert!((mass.value.to_f64().value() - 1.72345678).abs() < 1e-7);
-    assert_eq!(mass.about.as_deref(), Some("fitted, std 0.030, before 1.5"));
+    assert_eq!(mass.about.as_deref(), Some("fitted, std 0.030, previously 1.5"));
     assert_eq!(back.name, "axis");
 }
