@@ -114,11 +114,9 @@ proptest! {
         let (p, q) = (at_point(&a), at_point(&b));
         prop_assert_eq!(&p.dimensions.growth, &q.dimensions.growth);
         prop_assert_eq!(&p.linear_controllability_rank, &q.linear_controllability_rank);
-        let bounded = [p.stlc.with_bounded_inputs(), q.stlc.with_bounded_inputs()];
-        prop_assert_eq!(bounded[0], bounded[1], "{} / {}", p.stlc.reason, q.stlc.reason);
-        // Signs that hold everywhere may be seen in one form only.
-        let free = [p.stlc.verdict, q.stlc.verdict];
-        prop_assert!(!(free.contains(&Verdict::Yes) && free.contains(&Verdict::No)), "{} / {}", p.stlc.reason, q.stlc.reason);
+        let verdicts = [p.stlc.verdict, q.stlc.verdict, p.stlc.with_bounded_inputs(), q.stlc.with_bounded_inputs()];
+        prop_assert_eq!(&verdicts[..1], &verdicts[1..2], "{} / {}", p.stlc.reason, q.stlc.reason);
+        prop_assert_eq!(verdicts[2], verdicts[3]);
     }
 
     #[test]

@@ -120,7 +120,7 @@ fn compiled(pool: &mut Pool, frame: &Frame, list: &[Expr]) -> Option<Tape> {
 }
 
 /// Whether the functions are defined and smooth for all values of the states: no jump crosses a pole or a kink.
-fn is_entire(pool: &Pool, list: &[Expr], states: &[Symbol]) -> bool {
+pub(crate) fn is_entire(pool: &Pool, list: &[Expr], states: &[Symbol]) -> bool {
     pool.reachable(list).into_iter().all(|e| match pool.node(e) {
         Node::Num(_) | Node::Pi | Node::Sym(_) | Node::Add(..) | Node::Mul(..) => true,
         Node::Pow(base, exponent) => {

@@ -6,6 +6,7 @@ use crate::controllability::impulses::surrounded_by_jumps;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::Side;
 use crate::controllability::local::Frame;
+use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
 use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
 use crate::evidence::Evidence;
@@ -17,7 +18,7 @@ use crate::undecided::Undecided;
 /// A "yes" holds with fewer inputs already. A "no" rests on fields near the point, where bounded inputs leave the state for a
 /// short time; without bounds the state may go far and return. It stays
 /// - where the accessibility algebra is not full (Nagano–Sussmann: no input leaves the orbit);
-/// - where a half-space is invariant everywhere.
+/// - where a half-space is invariant everywhere, or a function of the state that no input moves rises everywhere.
 ///
 /// It becomes a yes, as does an inconclusive verdict, where jumps along the input fields surround the point with rates
 /// (see [`surrounded_by_jumps`]); else it is inconclusive.
@@ -34,7 +35,11 @@ pub(crate) fn unbounded(
     if !free || stlc.verdict == Verdict::Yes || matches!(stlc.reason, StlcReason::NotAccessible { .. }) {
         return Ok(stlc);
     }
-    if let Some(reason) = half_space(pool, frame, sides, true, evidence)? {
+    let barrier = match half_space(pool, frame, sides, true, evidence)? {
+        None => monotone_function(pool, frame, evidence)?,
+        found => found,
+    };
+    if let Some(reason) = barrier {
         return Ok(Stlc { verdict: Verdict::No, reason, ..stlc });
     }
     let bounded = BoundedStlc { verdict: stlc.verdict, reason: stlc.reason.clone() };
