@@ -207,6 +207,8 @@ fn inputs_without_bounds_jump() {
         (case("form", "x y z", "u v", &["u", "v", "2*x^2 - 2*x*y + y^2"], No), &[]),
         (case("wave", "x y", "u", &["u", "1 - cos(x)"], No), &[]),
         (case("clock", "x t", "u", &["u", "1"], No), &[]),
+        // z − x²/2 falls behind itself only as fast as it is large: Lorenz' equations.
+        (case("Lorenz", "x y z", "u", &["10*(y - x)", "28*x - y - x*z + u", "x*y - 8*z/3"], No), &[]),
         (case("no access", "x y", "u", &["u", "-y"], No), &[]),
     ];
     for (c, ranges) in cases {

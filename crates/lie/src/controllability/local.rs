@@ -160,6 +160,13 @@ impl Frame {
             .collect()
     }
 
+    /// `e` at the point.
+    pub(crate) fn value_at_point(&self, pool: &mut Pool, e: Expr) -> Expr {
+        let at: FxHashMap<Expr, Expr> =
+            self.fields.states.iter().zip(&self.point).map(|(&s, &v)| (pool.sym(s), v)).collect();
+        pool.substitute(e, &at)
+    }
+
     /// The point, one expression per state.
     pub(crate) fn point(&self) -> &[Expr] {
         &self.point
