@@ -72,7 +72,7 @@ impl Spectrum {
                     let z = nalgebra::Complex::new(square.re, square.im).sqrt();
                     let exact = square.exact.as_ref().and_then(square_root);
                     push(z.re, z.im, exact.clone());
-                    push(-z.re, -z.im, exact.map(|r| -r));
+                    push(-z.re, 0.0 - z.im, exact.map(|r| -r));
                     self.left += multiplicity;
                     self.right += multiplicity;
                 }
