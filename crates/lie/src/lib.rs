@@ -61,6 +61,7 @@ pub use condition::Condition;
 pub use controllability::input_values::{InputValues, Side};
 pub use controllability::involutive::InvolutiveClosureReport;
 pub use controllability::local::LocalAccessibility;
+pub use controllability::orbit::SwitchingTheorem;
 pub use controllability::point::{PointReport, Subject, Vanishing};
 pub use controllability::stlc::{BoundedStlc, GeneralCondition, Stlc, Verdict};
 pub use controllability::sussmann::Obstruction;
@@ -83,7 +84,7 @@ pub use observability::report::{Direction, ObservabilityReport, observe};
 pub use observability::symmetry::{Operator, Symmetry};
 pub use options::{Limits, Options};
 pub use reason::{
-    BracketLimit, FamilyReason, FlatnessReason, InputCombination, MinimumPhaseReason, Monotone, NoZeroDynamics, Reason,
-    StabilizableReason, StlcReason,
+    AtSwitch, BracketLimit, FamilyReason, FlatnessReason, InputCombination, MinimumPhaseReason, Monotone,
+    NoZeroDynamics, Reason, StabilizableReason, StlcReason, SwitchingReason,
 };
 pub use undecided::Undecided;

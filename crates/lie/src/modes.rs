@@ -37,6 +37,15 @@ pub struct ModeFields {
     pub signs: Signs,
     /// Drift and input fields, parameters bound to their values.
     pub fields: VectorFields,
+    /// The switching functions with the signs of inner ones put in, in the pool of the fields.
+    pub(crate) surfaces: Vec<Expr>,
+}
+
+impl ModeFields {
+    /// The signs of the switching functions, ±1.
+    pub(crate) fn sign_list(&self) -> Vec<i8> {
+        self.signs.0.iter().map(|s| s.1).collect()
+    }
 }
 
 /// The fields of every mode of a system that is affine in its inputs, all in its pool.
@@ -80,6 +89,7 @@ pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
         controls.push(pool.substitute_all(&column, &no_input));
     }
     let k = form.switches.len();
+    let raw: Vec<Expr> = surfaces;
     let surfaces: Vec<Function> = form.switches.iter().map(|s| Function::new(pool, s.surface)).collect();
     let mut modes = Vec::with_capacity(1 << k);
     for bits in 0..1usize << k {
@@ -93,7 +103,8 @@ pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
             bindings.clone(),
         )?;
         let signs = Signs(surfaces.iter().cloned().zip(signs).collect());
-        modes.push(ModeFields { signs, fields });
+        let surfaces = pool.substitute_all(&raw, &values);
+        modes.push(ModeFields { signs, fields, surfaces });
     }
     Ok(modes)
 }

@@ -24,6 +24,12 @@ pub enum Reason {
     /// The family of constant inputs was not compared with the affine form.
     #[error(transparent)]
     Family(#[from] FamilyReason),
+    /// What switching between modes reaches is open.
+    #[error(transparent)]
+    Switching(#[from] SwitchingReason),
+    /// Something switches at the point.
+    #[error(transparent)]
+    AtSwitch(#[from] AtSwitch),
     /// A bracket has too long an expression.
     #[error("too long to print")]
     Unprintable,
@@ -123,6 +129,67 @@ impl fmt::Display for BracketLimit {
             BracketLimit::Size => ": they are too large",
         })
     }
+}
+
+/// Why the dimension over all modes is open.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SwitchingReason {
+    /// Lower and upper bound differ.
+    #[error(
+        "between {least} (the modes and crossings that were followed) and {most} (the fields of all modes together): {why}"
+    )]
+    Bounds {
+        /// Dimension of what is reached at least.
+        least: usize,
+        /// Dimension that nothing exceeds.
+        most: usize,
+        /// What could not be followed.
+        why: Box<SwitchingReason>,
+    },
+    /// No mode occurs.
+    #[error("no point was found at which the signs of a mode hold")]
+    NoMode,
+    /// There are too many pairs of modes.
+    #[error("{0} pairs of modes differ in one sign and in what they reach, more than are followed")]
+    Pairs(usize),
+    /// A switching function is affine in no state.
+    #[error("{0} = 0 was not solved for a state in which it is affine")]
+    Unsolved(Function),
+    /// Filippov's solutions may leave what both modes keep.
+    #[error("the motion may slide along {0} = 0, which can lead out of what crossing it reaches")]
+    Sliding(Function),
+    /// A crossing that may not occur.
+    #[error("no point of {0} = 0 was found at which the other switching functions have the signs of both modes")]
+    NotSeen(Function),
+    /// Orbits across several surfaces that differ.
+    #[error("orbits across several surfaces differ, and were followed across one at a time")]
+    SeveralSurfaces,
+    /// Which functions are reached was not looked for.
+    #[error("which functions switching reaches is found only where the fields of all modes act together")]
+    FunctionsOpen,
+    /// An exact test cannot tell.
+    #[error(transparent)]
+    Undecided(#[from] Undecided),
+}
+
+/// Why a statement at a point where switching functions vanish is open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum AtSwitch {
+    /// Whether the state rests.
+    #[error("the modes at the point have different rates there, and whether a mixture of them vanishes is not decided")]
+    Equilibrium,
+    /// Whether feedback stabilizes.
+    #[error(
+        "the equations switch at the point: the inputs do not cancel the difference of the modes, and no function is seen to \
+         change to one side only in every mode"
+    )]
+    Stabilizable,
+    /// Brockett's condition.
+    #[error(
+        "the equations switch at the point: no direction is missed in every mode, and the inputs do not cancel the difference \
+         of the modes continuously"
+    )]
+    Brockett,
 }
 
 /// Why there are no zero dynamics in closed form.
@@ -285,12 +352,43 @@ pub enum StlcReason {
     /// The ranges do not tell.
     #[error("the inputs at the point are not seen to lie in their ranges")]
     NotInRanges,
-    /// The statement is of the smoothed model.
-    #[error("{}", of_smoothed(.0))]
-    Smoothed(Box<StlcReason>),
+    /// The same in every mode at the point.
+    #[error("in every mode at the point: {0}")]
+    EveryMode(Box<StlcReason>),
+    /// A continuous function that no mode changes.
+    #[error("{0} never changes, in any mode at the point")]
+    Invariant(Function),
+    /// Filippov's solutions stay on a surface.
+    #[error("whatever the inputs in their ranges, the motion stays on {0} = 0: both modes drive it there (Filippov)")]
+    Sticks(Function),
+    /// The inputs cancel what switches.
+    #[error("feedback cancels the difference of the modes, which the input fields span; of what is left: {0}")]
+    Canceled(Box<StlcReason>),
+    /// Something switches at the point, and no condition decides.
+    #[error(
+        "the equations switch at the point: no half-space holds in every mode, the motion is not seen to stick, and the inputs \
+         do not cancel the difference of the modes"
+    )]
+    Switches,
+    /// Too many modes meet at the point.
+    #[error("{0} modes meet at the point, more than are looked at")]
+    ManyModes(usize),
+    /// The point is in no mode.
+    #[error("a unit vector takes a set of values at the point, which no mode describes")]
+    UnitVector,
     /// The verdict on the affine form does not transfer to the original.
     #[error(transparent)]
     Withheld(Reason),
+}
+
+impl StlcReason {
+    /// The reason behind one after inputs have canceled what switches.
+    pub(crate) fn of_what_is_left(&self) -> &StlcReason {
+        match self {
+            StlcReason::Canceled(reason) => reason,
+            reason => reason,
+        }
+    }
 }
 
 /// How the inputs can not change a function.
@@ -351,12 +449,20 @@ pub enum StabilizableReason {
     /// Coron's theorem.
     #[error("by continuous time-periodic feedback, from small-time controllability (Coron)")]
     Periodic,
+    /// A function that never changes to one side, so that it does not return.
+    #[error("{function} can {change} near the point, whatever the inputs, in any mode")]
+    OneWay {
+        /// The function.
+        function: Function,
+        /// How it can not change.
+        change: Monotone,
+    },
+    /// The inputs cancel what switches.
+    #[error("feedback cancels the difference of the modes, which the input fields span; of what is left: {0}")]
+    Canceled(Box<StabilizableReason>),
     /// Not decided.
     #[error(transparent)]
     Open(Reason),
-    /// The statement is of the smoothed model.
-    #[error("{}", of_smoothed(.0))]
-    Smoothed(Box<StabilizableReason>),
 }
 
 /// What a verdict on the zero dynamics rests on, or why there is none.
@@ -456,10 +562,4 @@ fn texts(list: &[impl fmt::Display]) -> String {
 
 fn equations(list: &[(String, Function)]) -> String {
     texts(&list.iter().map(|(name, e)| format!("{name} = {e}")).collect::<Vec<_>>())
-}
-
-fn of_smoothed(reason: &impl fmt::Display) -> String {
-    format!(
-        "of the smoothed model: {reason}; exact dry friction may hold the state where the inputs do not overcome it"
-    )
 }

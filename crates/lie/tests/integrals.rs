@@ -201,16 +201,22 @@ fn switching_of_friction_reaches_what_no_mode_reaches() {
     assert_eq!(answered(&s.autonomous), Answer::Known(Vec::new()));
 }
 
-/// Two masses that exchange momentum through a dry joint: switching moves the difference, never the sum.
+/// Two masses that exchange momentum through a dry joint, which a third velocity switches: switching moves the difference,
+/// never the sum. Where the masses themselves decide, nothing is chosen.
 #[test]
 fn what_all_modes_conserve_stays_conserved_by_switching() {
-    let model = system(&["p", "q"], &[], &[("c", ratio(1, 2))], &["-c*sign(p - q)", "c*sign(p - q)"], &[], None);
+    let c = [("c", ratio(1, 2))];
+    let model = system(&["p", "q", "r"], &["u"], &c, &["-c*sign(r)", "c*sign(r)", "u"], &[], None);
     let s = analyze_affine(&model, &Options::default()).unwrap().switched.unwrap();
     assert_eq!(answered(&s.autonomous), Answer::Known(vec!["p + q".into()]));
     let list = s.only_by_switching.known().unwrap();
     let reached: Vec<String> = list.iter().map(|f| f.function.to_string()).collect();
     assert_eq!(reached, ["p", "q"]);
     assert_eq!(list[0].reached_by.to_string(), "f(2)-f(1)");
+    let model = system(&["p", "q"], &[], &c, &["-c*sign(p - q)", "c*sign(p - q)"], &[], None);
+    let s = analyze_affine(&model, &Options::default()).unwrap().switched.unwrap();
+    assert!(answered(&s.autonomous).known().unwrap().contains(&"p + q".to_owned()));
+    assert_eq!(s.only_by_switching, Answer::Known(Vec::new()));
 }
 
 #[test]

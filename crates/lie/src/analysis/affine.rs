@@ -15,9 +15,12 @@ use crate::analysis::report::{ModeReport, Report, SmoothedReport};
 use crate::answer::Answer;
 use crate::budget::{check_analysis, release};
 use crate::controllability::accessibility::Reach;
+use crate::controllability::kink::of_modes;
+use crate::controllability::meeting::AtSwitchPoint;
+use crate::controllability::occurrence::Occurrence;
 use crate::controllability::point::Vanishing;
 use crate::controllability::point::{PointReport, Regime, Subject, of_smoothed, point_report, regime};
-use crate::controllability::switched::{SwitchedReport, switched_report};
+use crate::controllability::switched::{AllModes, Invariant, SwitchedReport, switched_report};
 use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::feedback::relative_degree::RelativeDegree;
@@ -68,11 +71,12 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
         for (mode, report) in modes.iter().zip(&mut mode_reports) {
             report.brackets = brackets::components(pool, &mode.fields, &words);
         }
-        together = Some(switching(pool, &modes, &autonomous, first, &mut evidence)?);
+        together = Some(switching(pool, &modes, &reach, &autonomous, first, &mut evidence)?);
         smoothed = Some(Smoothed::of(&mut system, options, first, &mut evidence)?);
     }
     let smoothed_report = smoothed.as_ref().map(|s| s.report(options));
-    let generic = Generic { modes: &modes, reach: &reach, degree: degree.as_ref(), first };
+    let invariants = together.as_ref().map_or(&[][..], |t| &t.0.invariants);
+    let generic = Generic { modes: &modes, reach: &reach, degree: degree.as_ref(), invariants, first };
     let at_point = generic.at_point(&mut system, smoothed.as_mut(), options, &mut evidence)?;
     let (of, fields, among) = match &mut smoothed {
         // Smoothed signs have no elementary integrals in general.
@@ -150,6 +154,8 @@ struct Generic<'a> {
     reach: &'a [Reach],
     /// Relative degree of a smooth system's outputs.
     degree: Option<&'a RelativeDegree>,
+    /// Continuous functions that no mode changes.
+    invariants: &'a [Invariant],
     /// Nodes of the pool when the analysis began.
     first: usize,
 }
@@ -175,32 +181,53 @@ impl Generic<'_> {
                 }
                 report.into()
             }
-            (Ok(Regime::Switching(vanishing)), Some(s)) => s.at_point(&names, options, vanishing, evidence),
-            // Smooth but where a unit vector vanishes, as it does here.
-            (Ok(Regime::Switching(vanishing)), None) => {
-                Smoothed::of(system, options, self.first, evidence)?.at_point(&names, options, vanishing, evidence)
+            (Ok(Regime::Switching(vanishing)), of_smoothed) => {
+                let unit_vector = vanishing.iter().any(|v| matches!(v, Vanishing::UnitVector(_)));
+                let report = match of_smoothed {
+                    Some(s) => s.at_point(&names, options, vanishing, evidence),
+                    // Smooth but where a unit vector vanishes, as it does here.
+                    None => Smoothed::of(system, options, self.first, evidence)?
+                        .at_point(&names, options, vanishing, evidence),
+                };
+                let (modes, invariants) = (self.modes, self.invariants);
+                let given = AtSwitchPoint { modes, point: &point, names: &names, options, invariants, unit_vector };
+                report.map(|report| of_modes(&mut system.pool, &given, report, evidence))
             }
             (Err(why), _) => Answer::Unknown(why.into()),
         }))
     }
 }
 
-/// What all modes together reach, and in which round.
+/// What all modes together reach, and in which round where their fields act together.
 fn switching(
     pool: &mut Pool,
     modes: &[ModeFields],
+    reaches: &[Reach],
     autonomous: &[Vec<Expr>],
     first: usize,
     evidence: &mut Evidence,
 ) -> Result<(SwitchedReport, Option<Vec<Reached>>), Error> {
     let before = pool.len();
-    let family: Vec<VectorFields> = modes.iter().map(|m| m.fields.clone()).collect();
+    let occurrence = Occurrence::of(pool, modes, &modes[0].fields.bindings.clone());
+    // Modes that cannot occur add nothing, but keep their numbers.
+    let possible = occurrence.impossible.iter().position(|&i| !i).unwrap_or(0);
+    let counted = |k: usize| if occurrence.impossible[k] { possible } else { k };
+    let family: Vec<VectorFields> = (0..modes.len()).map(|k| modes[counted(k)].fields.clone()).collect();
     let all = VectorFields::switched(pool, &family)?;
     let generators = brackets::family_generators(pool, &family, &all);
-    let reach = Reach::of(pool, &all, first, evidence);
-    let (dimensions, strong) = (reach.dimensions(&generators), reach.strong.as_ref());
-    let report = switched_report(pool, dimensions, &all, strong, &generators, autonomous, evidence);
-    let rows = strong.ok().and_then(|s| influence(pool, &all.states, s, &autonomous[0], &all.bindings));
+    let union = Reach::of(pool, &all, first, evidence);
+    let given = AllModes {
+        modes,
+        reaches,
+        all: &all,
+        union: &union,
+        generators: &generators,
+        occurrence: &occurrence,
+        in_modes: autonomous,
+    };
+    let report = switched_report(pool, &given, evidence);
+    let strong = union.strong.as_ref().ok().filter(|s| report.dimensions.strong_growth == s.growth);
+    let rows = strong.and_then(|s| influence(pool, &all.states, s, &autonomous[0], &all.bindings));
     release(pool, before, &mut []);
     Ok((report, rows))
 }

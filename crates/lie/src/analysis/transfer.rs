@@ -119,12 +119,15 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
         let transfer = Transfer::of(affinization, original, point.equilibrium == Answer::Known(true));
         (Reason::InputsNotFree { inputs }, transfer)
     };
-    let transfers = match point.stlc.reason {
+    let transfers = match point.stlc.reason.of_what_is_left() {
         StlcReason::Jumps => transfer.jumps || affinization.method == Method::None,
         _ => transfer.in_ranges,
     };
     if point.stlc.verdict == Verdict::Yes && !transfers {
         point.stlc = Stlc::inconclusive(StlcReason::Withheld(why.clone()));
+    }
+    if let Some(smoothed) = point.smoothed_stlc.as_mut().filter(|s| s.verdict == Verdict::Yes && !transfer.in_ranges) {
+        *smoothed = Stlc::inconclusive(StlcReason::Withheld(why.clone()));
     }
     if transfer.feedback {
         return;

@@ -2,19 +2,27 @@
 
 pub(crate) mod accessibility;
 pub(crate) mod brockett;
+pub(crate) mod canceled;
 pub(crate) mod canceling;
+pub(crate) mod cone;
 pub(crate) mod impulses;
 pub(crate) mod input_set;
 pub(crate) mod input_values;
+pub(crate) mod invariants;
 pub(crate) mod involutive;
+pub(crate) mod kink;
 pub(crate) mod linearization;
 pub(crate) mod local;
+pub(crate) mod meeting;
 pub(crate) mod monotone;
 pub(crate) mod necessary;
+pub(crate) mod occurrence;
 pub(crate) mod one_sided;
+pub(crate) mod orbit;
 pub(crate) mod point;
 pub(crate) mod sign;
 pub(crate) mod stlc;
+pub(crate) mod surface;
 pub(crate) mod sussmann;
 pub(crate) mod switched;
 pub(crate) mod unbounded;

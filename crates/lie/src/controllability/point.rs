@@ -89,16 +89,9 @@ pub(crate) fn regime(system: &mut System, point: &Point, modes: &[ModeFields]) -
     Ok(mode.map_or(Regime::Switching(vanishing), Regime::Mode))
 }
 
-/// Says that the statements at a point are those of the smoothed model.
+/// Says that the dimensions and the linearization at a point are those of the smoothed model.
 pub(crate) fn of_smoothed(report: PointReport, vanishing: Vec<Vanishing>, epsilon: &Rational) -> PointReport {
-    PointReport {
-        of: Subject::Smoothed,
-        epsilon: Some(epsilon.to_f64().value()),
-        vanishing,
-        stabilizable_reason: report.stabilizable_reason.map(|r| StabilizableReason::Smoothed(Box::new(r))),
-        stlc: Stlc { reason: StlcReason::Smoothed(Box::new(report.stlc.reason)), ..report.stlc },
-        ..report
-    }
+    PointReport { of: Subject::Smoothed, epsilon: Some(epsilon.to_f64().value()), vanishing, ..report }
 }
 
 /// Whether the drift is linear (with a constant part) and the input fields are constant, seen from the expressions.
@@ -187,6 +180,7 @@ pub(crate) fn point_report(
         uncontrollable_modes: unreached.map(|u| u.map(|found| uncontrollable_modes(pool, &frame, &found)).into()),
         brockett_condition: linearization.as_ref().map(|l| brockett_condition(pool, &frame, l, evidence)),
         stlc,
+        smoothed_stlc: None,
         relative_degree_defined: None,
     })
 }
@@ -227,8 +221,8 @@ serialized_as_text!(Vanishing);
 /// What holds at the point of the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PointReport {
-    /// Whether the statements are of the model or, where switching functions vanish at the
-    /// point, of the smoothed model. Exact dry friction may hold a state that smoothed friction lets go.
+    /// Whether dimensions, rank and uncontrollable modes are of the model or, where switching functions vanish at the
+    /// point, of the smoothed model. All other statements are of the model.
     pub of: Subject,
     /// Width of the smoothing; absent if the statements are of the model.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -259,6 +253,9 @@ pub struct PointReport {
     pub brockett_condition: Option<Answer<bool>>,
     /// Small-time local controllability.
     pub stlc: Stlc,
+    /// That of the smoothed model, which says nothing of the model; absent if no switching function vanishes at the point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smoothed_stlc: Option<Stlc>,
     /// Whether the outputs have a vector relative degree at the point; absent for a model without inputs or outputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relative_degree_defined: Option<Answer<bool>>,

@@ -1,0 +1,192 @@
+//! Half-spaces that no mode leaves, at a point where switching functions vanish.
+
+use bracketry_symbolic::{Expr, Function, Node, Pool, Symbol};
+use rustc_hash::FxHashMap;
+
+use crate::algebra::field::Field;
+use crate::algebra::span::vanishes;
+use crate::controllability::input_values::Side;
+use crate::controllability::meeting::{Adjacent, AtSwitchPoint, change, input_set};
+use crate::controllability::sign::{NearOrigin, Sign};
+use crate::evidence::Evidence;
+use crate::reason::StlcReason;
+use crate::residues::{Echelon, Fp, PRIME};
+use crate::undecided::Undecided;
+
+/// Where the rate of a function is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Extent {
+    /// Where the function has its value at the point: the half-space beyond is not left (Nagumo 1942). Else at all points:
+    /// the function never turns back.
+    pub(crate) hyperplane: bool,
+    /// At all distances from the point, which takes all modes. Else near the point.
+    pub(crate) everywhere: bool,
+}
+
+/// A linear function that can change to one side only in each of these modes, those that meet at the point or all.
+///
+/// In a mode the switching functions that are told have their signs. Where such an s is affine in a coordinate, the
+/// coordinate is replaced by what makes s = ±q², so that the sign of what depends on s is that of q².
+pub(crate) fn half_space_of_modes(
+    pool: &mut Pool,
+    given: &AtSwitchPoint,
+    modes: &[Adjacent],
+    extent: Extent,
+    evidence: &mut Evidence,
+) -> Result<Option<StlcReason>, Undecided> {
+    let Some(first) = modes.first() else { return Ok(None) };
+    let set = input_set(given);
+    let Some(sides) = set.sides(pool, &first.frame, &given.point.inputs) else { return Ok(None) };
+    if extent.hyperplane && !modes.iter().all(|a| is_lipschitz(pool, a, extent.everywhere)) {
+        return Ok(None);
+    }
+    let one_sided = sides.iter().any(Option::is_some);
+    for covector in covectors(pool, modes, evidence)? {
+        if pool.stop_flag().is_raised() {
+            return Err(Undecided::Stopped);
+        }
+        let (mut up, mut down) = (true, true);
+        for mode in modes {
+            for sign in signs(pool, mode, &covector, extent, &sides) {
+                up &= sign.at_least_zero();
+                down &= sign.opposite().at_least_zero();
+            }
+            if !up && !down {
+                break;
+            }
+        }
+        if up || down {
+            let mut terms = Vec::new();
+            for (&s, &c) in first.fields.states.iter().zip(&covector) {
+                let s = pool.sym(s);
+                terms.push(pool.mul(c, s));
+            }
+            let function = pool.sum(terms);
+            let function = pool.simplify(function);
+            let function = Function::new(pool, function);
+            return Ok(Some(StlcReason::HalfSpace { function, change: change(up, down), one_sided }));
+        }
+    }
+    Ok(None)
+}
+
+/// The signs of λ·f and, by the sides to which they move, of what the inputs add, in one mode.
+fn signs(pool: &mut Pool, mode: &Adjacent, covector: &[Expr], extent: Extent, sides: &[Option<Side>]) -> Vec<Sign> {
+    let bindings = &mode.fields.bindings;
+    let (mut variables, offsets) = mode.frame.deviations(pool);
+    let mut steps: Vec<FxHashMap<Expr, Expr>> = vec![offsets];
+    if extent.hyperplane
+        && let Some(last) = covector.iter().rposition(|c| !pool.is_zero(*c))
+    {
+        // On the hyperplane the last coordinate is a combination of the others.
+        let mut solved = pool.int(0);
+        for i in (0..covector.len()).filter(|&i| i != last) {
+            let quotient = pool.div(covector[i], covector[last]);
+            let y = pool.sym(variables[i]);
+            let term = pool.mul(quotient, y);
+            solved = pool.sub(solved, term);
+        }
+        steps.push(std::iter::once((pool.sym(variables[last]), solved)).collect());
+    }
+    let states = variables.clone();
+    let mut used: Vec<Symbol> = Vec::new();
+    for (k, &(s, sign)) in mode.vanishing.iter().enumerate() {
+        let s = steps.iter().fold(s, |s, map| pool.substitute(s, map));
+        let root = pool.symbol(&format!("root of switch {k}"));
+        let square = pool.sym(root);
+        let square = pool.powi(square, 2);
+        let target = if sign > 0 { square } else { pool.neg(square) };
+        let solved = states.iter().filter(|x| !used.contains(x)).find_map(|&x| {
+            let slope = pool.diff(s, x);
+            let slope = pool.simplify(slope);
+            let constant = !pool.symbols_of(&[slope]).iter().any(|y| variables.contains(y));
+            if !constant || vanishes(pool, slope, bindings) {
+                return None;
+            }
+            let (zero, of_x) = (pool.int(0), pool.sym(x));
+            let rest = pool.substitute(s, &std::iter::once((of_x, zero)).collect());
+            let gap = pool.sub(target, rest);
+            let value = pool.div(gap, slope);
+            Some((x, of_x, pool.expand(value)))
+        });
+        // Without it less is known of the mode, which is no harm.
+        if let Some((x, of_x, value)) = solved {
+            used.push(x);
+            variables.push(root);
+            steps.push(std::iter::once((of_x, value)).collect());
+        }
+    }
+    let near = NearOrigin { frame: &mode.frame, variables, everywhere: extent.everywhere };
+    let sign = |pool: &mut Pool, field: &Field| {
+        let terms: Vec<Expr> = field.iter().zip(covector).map(|(&e, &c)| pool.mul(c, e)).collect();
+        let rate = pool.sum(terms);
+        let rate = steps.iter().fold(rate, |e, map| pool.substitute(e, map));
+        if vanishes(pool, rate, bindings) { Sign::Zero } else { near.sign(pool, rate) }
+    };
+    let mut list = vec![sign(pool, &mode.frame.fields.drift)];
+    for (g, side) in mode.frame.fields.controls.iter().zip(sides) {
+        let of_input = sign(pool, g);
+        list.push(match side {
+            Some(Side::Above) => of_input,
+            Some(Side::Below) => of_input.opposite(),
+            None if of_input == Sign::Zero => of_input,
+            None => Sign::Unknown,
+        });
+    }
+    list
+}
+
+/// Whether no root in the fields has a base that vanishes at the point, or that may vanish anywhere. With such a root, solutions may leave a half-space
+/// though they are tangent to its boundary.
+fn is_lipschitz(pool: &mut Pool, mode: &Adjacent, everywhere: bool) -> bool {
+    let mut roots = mode.frame.fields.controls.concat();
+    roots.extend(&mode.frame.fields.drift);
+    let states = &mode.fields.states;
+    let at: FxHashMap<Expr, Expr> = states.iter().zip(mode.frame.point()).map(|(&s, &v)| (pool.sym(s), v)).collect();
+    for e in pool.reachable(&roots) {
+        let Node::Pow(base, exponent) = pool.node(e) else { continue };
+        if pool.integer(exponent).is_some() {
+            continue;
+        }
+        if everywhere && states.iter().any(|&s| pool.depends_on(base, s)) {
+            return false;
+        }
+        let base = pool.substitute(base, &at);
+        if mode.frame.numbers(pool, &[base]).is_none_or(|v| v[0].abs() < CLEAR) {
+            return false;
+        }
+    }
+    true
+}
+
+/// Values nearer to zero count as zero.
+const CLEAR: f64 = 1e-9;
+/// Seed of the points at which constant covectors are sought; largest numerator and denominator in them.
+const SEED: u64 = 0x6272_6163_6b65_7413;
+const BOUND: u64 = 1 << 16;
+
+/// The coordinates, and constant combinations that annihilate every input field of every mode.
+fn covectors(pool: &mut Pool, modes: &[Adjacent], evidence: &mut Evidence) -> Result<Vec<Vec<Expr>>, Undecided> {
+    let Some(first) = modes.first() else { return Ok(Vec::new()) };
+    let n = first.fields.states.len();
+    let (zero, one) = (pool.int(0), pool.int(1));
+    let unit = |i: usize| -> Vec<Expr> { (0..n).map(|j| if i == j { one } else { zero }).collect() };
+    let mut all: Vec<Vec<Expr>> = (0..n).map(unit).collect();
+    let controls: Vec<Expr> = modes.iter().flat_map(|a| a.fields.controls.concat()).collect();
+    if controls.is_empty() {
+        return Ok(all);
+    }
+    let samples = pool.sample_in::<PRIME>(&controls, &first.fields.bindings, n + 1, SEED)?;
+    evidence.add_rank(&samples, n)?;
+    let rows: Vec<Vec<Fp>> = samples.values.iter().flat_map(|v| v.chunks(n).map(<[Fp]>::to_vec)).collect();
+    for covector in Echelon::new(&rows, n).nullspace() {
+        let Some(rational) = covector.iter().map(|c| c.to_rational(BOUND)).collect::<Option<Vec<_>>>() else {
+            continue;
+        };
+        let covector: Vec<Expr> = rational.into_iter().map(|c| pool.rational(c)).collect();
+        if !all.contains(&covector) {
+            all.push(covector);
+        }
+    }
+    Ok(all)
+}
