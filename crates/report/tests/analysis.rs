@@ -31,27 +31,29 @@ fn masses(point: &[(&str, &str)]) -> Report {
 }
 
 #[test]
-fn at_rest_with_dry_friction_the_statements_are_of_the_smoothed_model() {
+fn at_rest_with_dry_friction_only_dimensions_and_linear_statements_are_of_the_smoothed_model() {
     let r = masses(&[]);
     let p = at_point(&r);
     assert_eq!(
         (p.of, p.epsilon, p.vanishing.iter().map(ToString::to_string).collect::<Vec<_>>()),
         (Subject::Smoothed, Some(0.01), vec!["v1".to_owned(), "v2".to_owned()])
     );
-    assert_eq!(p.stlc.verdict, Verdict::Yes);
-    for reason in [p.stlc.reason.to_string(), p.stabilizable_reason.as_ref().unwrap().to_string()] {
-        assert!(reason.starts_with("of the smoothed model: the linearization is controllable"), "{reason}");
-        assert!(
-            reason.ends_with("exact dry friction may hold the state where the inputs do not overcome it"),
-            "{reason}"
-        );
-    }
+    // The smoothed model can be steered; dry friction holds the second mass until the first is far away.
+    let smoothed = p.smoothed_stlc.as_ref().unwrap();
+    assert_eq!(smoothed.verdict, Verdict::Yes);
+    assert_eq!(smoothed.reason.to_string(), "the linearization is controllable");
+    assert_eq!((p.stlc.verdict, p.stlc.with_bounded_inputs()), (Verdict::Inconclusive, Verdict::No));
+    let why = p.stlc.bounded.as_ref().unwrap().reason.to_string();
+    assert!(why.contains("the motion stays on v2 = 0"), "{why}");
+    assert_eq!(p.stabilizable.as_ref().unwrap().known(), None);
     let json = json_of(&r);
     assert_eq!(json["at_point"]["of"], "smoothed");
     assert_eq!(json["at_point"]["epsilon"], 0.01);
     assert_eq!(json["at_point"]["vanishing"], json!(["v1", "v2"]));
+    assert_eq!(json["at_point"]["smoothed_stlc"]["verdict"], "yes");
     let text = report_text(&r);
-    assert!(text.contains("\nat the point of the model, smoothed with width 0.01 (v1, v2 vanish there)\n"), "{text}");
+    let heading = "\nat the point of the model (v1, v2 vanish there); dimensions and linear statements smoothed with width 0.01\n";
+    assert!(text.contains(heading), "{text}");
 }
 
 #[test]

@@ -61,10 +61,12 @@ class LocalControllability:
 class AtPoint(Reach):
     """What holds at the point of the model."""
 
-    #: "model", or "smoothed" where switching functions vanish at the point.
+    #: Of which model the dimensions and linear statements are: "smoothed" where switching functions vanish at the point.
     of: Literal["model", "smoothed"]
     equilibrium: Answer
     stlc: LocalControllability
+    #: That of the smoothed model, which says nothing of the model.
+    smoothed_stlc: LocalControllability | None = None
     vanishing: list[str] = field(default_factory=list)
     #: Rank of the Kalman matrix; None if the point is no equilibrium.
     linear_controllability_rank: int | None = None
@@ -187,10 +189,20 @@ def analyze(
         answer,
         affinization=_affinization(data["affinization"], answer["affine_model"]),
         modes=[fields_of(Mode, m) for m in data["modes"]],
-        at_point=None if point is None else fields_of(AtPoint, point, stlc=fields_of(LocalControllability, point["stlc"])),
+        at_point=None if point is None else _at_point(point),
         markdown=answer["markdown"],
         latex=answer["latex"],
         **reach,
+    )
+
+
+def _at_point(point: dict[str, Any]) -> AtPoint:
+    smoothed = point.get("smoothed_stlc")
+    return fields_of(
+        AtPoint,
+        point,
+        stlc=fields_of(LocalControllability, point["stlc"]),
+        smoothed_stlc=None if smoothed is None else fields_of(LocalControllability, smoothed),
     )
 
 

@@ -38,7 +38,8 @@ pub fn growth_figure(a: &Analysis) -> TileChart {
     if let Some(first) = report.modes.first() {
         chart = chart.grid(staircase(&mode_title(first, &report.modes), &first.dimensions, n, &inputs));
     }
-    if let Some(s) = &report.switched {
+    // Without common brackets there are no steps.
+    if let Some(s) = report.switched.as_ref().filter(|s| !s.dimensions.growth.is_empty()) {
         chart = chart.grid(staircase("all modes together; f(k), g(k): fields in mode k", &s.dimensions, n, &inputs));
     }
     if let Some(s) = &report.smoothed {

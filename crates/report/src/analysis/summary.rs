@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use bracketry_lie::{Analysis, Dimensions, Function};
+use bracketry_lie::{Analysis, Answer, Dimensions, Function, SwitchedReport, SwitchingTheorem};
 
 use super::lists::joined;
 
@@ -65,14 +65,8 @@ fn plain_language(a: &Analysis) -> String {
             fixed_functions(&functions, " there")
         )
     };
-    if let Some(all) = a.report.switched.as_ref().and_then(|s| full(&s.dimensions)).filter(|all| *all > inside) {
-        let _ = write!(
-            text,
-            " Where the motion changes from one mode to another the drift changes, and the difference of two drifts acts \
-             like one more input: with all modes together the dimension is {all} of {n}. So directions that one mode \
-             leaves out can be gained by switching, which for dry friction means sliding to and fro, as far as the inputs \
-             overcome the friction."
-        );
+    if let Some(switched) = &a.report.switched {
+        text += &together(switched, inside, n);
     }
     if let Some(s) = &a.report.smoothed
         && let Some(all) = full(&s.dimensions).filter(|all| *all > inside)
@@ -89,6 +83,24 @@ fn plain_language(a: &Analysis) -> String {
         text += " Modes are combinations of signs; whether each of them occurs is not checked.";
     }
     text
+}
+
+/// What switching adds to the dimension `inside` of a mode.
+fn together(switched: &SwitchedReport, inside: usize, n: usize) -> String {
+    match &switched.dimensions.strongly_accessible_dimension {
+        Answer::Known(all) if *all <= inside => String::new(),
+        Answer::Known(all) if switched.strongly_accessible_by == SwitchingTheorem::SurfaceClosure => format!(
+            " Where the motion crosses from one mode to another it goes on in other directions, and may return: over all modes \
+             together the dimension is {all} of {n}, if the surfaces between the modes are crossed again and again."
+        ),
+        Answer::Known(all) => format!(
+            " Where the motion changes from one mode to another the drift changes, and the difference of two drifts acts \
+             like one more input: with all modes together the dimension is {all} of {n}. So directions that one mode \
+             leaves out can be gained by switching, which for dry friction means sliding to and fro, as far as the inputs \
+             overcome the friction."
+        ),
+        Answer::Unknown(why) => format!(" What switching between the modes adds is not decided: {why}."),
+    }
 }
 
 fn fixed_functions(functions: &[Function], place: &str) -> String {

@@ -94,7 +94,8 @@ fn report(f: &mut String, r: &Report) -> fmt::Result {
             write!(f, "at the point of the model")?;
             if let Some(width) = p.epsilon {
                 let verb = if p.vanishing.len() == 1 { "vanishes" } else { "vanish" };
-                write!(f, ", smoothed with width {width} ({} {verb} there)", joined(&p.vanishing, ", "))?;
+                let vanishing = joined(&p.vanishing, ", ");
+                write!(f, " ({vanishing} {verb} there); dimensions and linear statements smoothed with width {width}")?;
             }
             writeln!(f)?;
             point(f, p)?;
@@ -167,6 +168,11 @@ fn mode(f: &mut String, r: &ModeReport) -> fmt::Result {
 
 fn switched(f: &mut String, r: &SwitchedReport) -> fmt::Result {
     dimensions(f, &r.dimensions)?;
+    if r.accessible_by == r.strongly_accessible_by {
+        writeln!(f, "  theorem                {}", r.accessible_by)?;
+    } else {
+        writeln!(f, "  theorem                {}; strongly: {}", r.accessible_by, r.strongly_accessible_by)?;
+    }
     match &r.autonomous {
         Answer::Known(list) if !list.is_empty() => writeln!(f, "  nothing influences     {}", joined(list, ",  "))?,
         Answer::Known(_) => {}
@@ -212,6 +218,9 @@ fn point(f: &mut String, r: &PointReport) -> fmt::Result {
     writeln!(f, "  small-time control     {}: {}", r.stlc.verdict, r.stlc.reason)?;
     if let Some(bounded) = &r.stlc.bounded {
         writeln!(f, "    bounded inputs       {}: {}", bounded.verdict, bounded.reason)?;
+    }
+    if let Some(smoothed) = &r.smoothed_stlc {
+        writeln!(f, "    smoothed model       {}: {}", smoothed.verdict, smoothed.reason)?;
     }
     match &r.relative_degree_defined {
         Some(defined) => writeln!(f, "  vector relative degree {}", yes_no(defined)),

@@ -35,7 +35,7 @@ pub(super) fn at_the_point(a: &Analysis, out: &mut Vec<Block>) {
 
 fn local(p: &PointReport, out: &mut Vec<Block>) {
     if let Some(width) = p.epsilon {
-        let mut line = vec![text("Of the smoothed model, width "), math(width.to_string()), text("; at the point ")];
+        let mut line = vec![text("At the point ")];
         for (k, s) in p.vanishing.iter().enumerate() {
             if k > 0 {
                 line.push(text(", "));
@@ -45,7 +45,10 @@ fn local(p: &PointReport, out: &mut Vec<Block>) {
                 unit_vector @ Vanishing::UnitVector(_) => format!("\\text{{{unit_vector}}}"),
             }));
         }
-        line.push(text(if p.vanishing.len() == 1 { " vanishes." } else { " vanish." }));
+        let verb = if p.vanishing.len() == 1 { "vanishes" } else { "vanish" };
+        line.push(text(format!(" {verb}. Dimensions and linear statements are of the smoothed model, width ")));
+        line.push(math(width.to_string()));
+        line.push(text("; all others are of the model."));
         out.push(Block::Paragraph(line));
     }
     let mut items = vec![item("equilibrium", yes_no(&p.equilibrium))];
@@ -74,6 +77,10 @@ fn local(p: &PointReport, out: &mut Vec<Block>) {
     if let Some(bounded) = &p.stlc.bounded {
         let verdict = format!("{} ({})", bounded.verdict, bounded.reason);
         items.push(item("with bounded inputs", verdict));
+    }
+    if let Some(smoothed) = &p.smoothed_stlc {
+        let verdict = format!("{} ({})", smoothed.verdict, smoothed.reason);
+        items.push(item("that of the smoothed model", verdict));
     }
     items.extend(general_condition(&p.stlc));
     out.push(Block::List(items));

@@ -264,6 +264,10 @@ fn autonomous(when: Line, m: &ModeReport, out: &mut Vec<Block>) {
 /// What single modes leave alone and switching between them reaches.
 fn by_switching(a: &Analysis, out: &mut Vec<Block>) {
     let Some(switched) = &a.report.switched else { return };
+    out.push(words(format!(
+        "All modes together, by: {}; strongly accessible: {}.",
+        switched.accessible_by, switched.strongly_accessible_by
+    )));
     match &switched.only_by_switching {
         Answer::Known(list) if list.is_empty() => {}
         Answer::Known(list) => {
