@@ -35,7 +35,9 @@ mod univariate;
 
 pub use closest_name::closest_name;
 pub use dashu_ratio::RBig as Rational;
-pub use exact::{Bindings, Certificate, Echelon, Fp, Rank, Residue, SECOND_PRIME, Samples, Undecided, ZeroTest};
+pub use exact::{
+    Bindings, Certificate, Echelon, Fp, Rank, Residue, SECOND_PRIME, Samples, THIRD_PRIME, Undecided, ZeroTest,
+};
 pub use func::{Func, Func2};
 pub use function::Function;
 pub use named::Named;

@@ -69,7 +69,7 @@ impl Pool {
     }
 
     /// The rational constants among the sub-expressions as numbers; `None` if something has no value.
-    fn with_values(&mut self, roots: &[Expr], bindings: &Bindings) -> Option<Vec<Expr>> {
+    pub(super) fn with_values(&mut self, roots: &[Expr], bindings: &Bindings) -> Option<Vec<Expr>> {
         let mut exact: FxHashMap<Expr, RBig> = FxHashMap::default();
         let nodes = self.reachable(roots);
         for &n in &nodes {

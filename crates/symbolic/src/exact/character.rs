@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::field::Residue;
+use super::field::{Residue, THIRD_PRIME};
 
 /// Homomorphism from the field's multiplicative group to the integers modulo a prime ℓ that divides p − 1.
 pub(super) struct Character<const C: u64> {
@@ -17,9 +17,13 @@ pub(super) struct Character<const C: u64> {
 const MAX_EXPONENT: i64 = 24;
 
 impl<const C: u64> Character<C> {
-    /// ℓ = 1321 for p = 2^61 − 1, 7351 for the second prime.
+    /// ℓ = 1321 for p = 2^61 − 1, 7351 for the second prime, and 25633 for the third.
     pub(super) fn new() -> Self {
-        let order: u64 = if C == 1 { 1321 } else { 7351 };
+        let order: u64 = match C {
+            1 => 1321,
+            THIRD_PRIME => 25_633,
+            _ => 7351,
+        };
         let exponent = (Residue::<C>::MODULUS - 1) / order;
         let candidates = (2..1000).map(|g| Residue::<C>::new(g).pow(exponent));
         let root = candidates.into_iter().find(|&r| r != Residue::ONE).unwrap_or(Residue::ONE);

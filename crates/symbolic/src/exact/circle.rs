@@ -1,6 +1,6 @@
 //! Sines and cosines: points on the unit circle over the field, one generator per base angle.
 
-use super::field::{Residue, gcd};
+use super::field::{Residue, THIRD_PRIME, gcd};
 use super::kernels::Angle;
 use super::linear::combination;
 use super::lowering::{FRACTION_BOUND, Lowering, Stop};
@@ -141,13 +141,7 @@ impl<const C: u64> Lowering<'_, C> {
 
     /// cos and sin of n/d·π.
     fn part_of_pi(&mut self, arg: Expr, (n, d): (i64, i64)) -> Result<(Residue<C>, Residue<C>), Stop> {
-        let unknown = |l: &Self| {
-            if C == 1 {
-                l.other_prime(arg, "the field lacks the sine of this part of pi")
-            } else {
-                l.kernel(arg, "only multiples of pi/4320 have known sines and cosines")
-            }
-        };
+        let unknown = |l: &Self| l.other_prime(arg, "only multiples of pi/4320 have known sines and cosines");
         let parts = parts_of_pi::<C>();
         if !parts.is_multiple_of(d.unsigned_abs()) {
             return Err(unknown(self));
@@ -229,7 +223,11 @@ fn power<const C: u64>(mut p: Point<C>, mut k: u64) -> Point<C> {
 
 /// The D for which the field holds cos(π/D) and sin(π/D); 2D divides p + 1, the order of the circle.
 fn parts_of_pi<const C: u64>() -> u64 {
-    if C == 1 { 1024 } else { 4320 }
+    match C {
+        1 => 1024,
+        THIRD_PRIME => 720,
+        _ => 4320,
+    }
 }
 
 /// (cos, sin) of π/D: a point of order 2D, of all conjugate ones one for which the roots of 2, 3 and 5 that follow
@@ -278,5 +276,6 @@ mod tests {
     fn both_fields_hold_parts_of_pi() {
         divides_the_circle::<1>();
         divides_the_circle::<SECOND_PRIME>();
+        divides_the_circle::<THIRD_PRIME>();
     }
 }

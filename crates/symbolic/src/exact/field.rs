@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use dashu_base::UnsignedAbs;
+use dashu_base::{BitTest, UnsignedAbs};
 use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 
@@ -21,6 +21,13 @@ pub type Fp = Residue<1>;
 /// squares modulo it, cube, fifth, seventh, 11th and 13th roots are unique, and it holds the sines and cosines of
 /// π/4320.
 pub const SECOND_PRIME: u64 = 615_950_913;
+
+/// [`Residue<THIRD_PRIME>`] are the integers modulo 2^61 − 962882913, for what one of the other two fields lacks: it
+/// has the same roots as the second, and the sines and cosines of π/720.
+pub const THIRD_PRIME: u64 = 962_882_913;
+
+/// Constants with fewer bits above and below the line are never mistaken for another fraction.
+const HARMLESS_BITS: usize = 39;
 
 const MASK: u64 = (1 << 61) - 1;
 
@@ -113,6 +120,22 @@ impl<const C: u64> Residue<C> {
         let num = Self(u64::try_from(r.numerator().unsigned_abs() % &p).ok()?);
         let q = num * den;
         Some(if *r.numerator() < IBig::ZERO { -q } else { q })
+    }
+
+    /// The class of an exact rational, if nothing is mistaken in this field: neither is the class of a number other
+    /// than zero that of 0, nor that of a long fraction the class of one with at most `bound` above and below.
+    ///
+    /// A fraction of random long integers is refused with probability 2·`bound`²/p.
+    pub(super) fn faithful(r: &RBig, bound: u64) -> Option<Self> {
+        let class = Self::from_rational(r)?;
+        let harmless = |bits: usize| bits <= HARMLESS_BITS;
+        if harmless(r.numerator().bit_len()) && harmless(r.denominator().bit_len()) {
+            return Some(class);
+        }
+        match class.to_rational(bound) {
+            Some(short) if short != *r => None,
+            _ => Some(class),
+        }
     }
 
     /// The fraction n/d with |n| ≤ `bound` and 0 < d ≤ `bound` in this class
@@ -257,18 +280,38 @@ mod tests {
     }
 
     #[test]
-    fn both_primes_give_fields_in_which_minus_one_is_no_square() {
+    fn all_primes_give_fields_in_which_minus_one_is_no_square() {
         field_laws::<1>();
         field_laws::<SECOND_PRIME>();
+        field_laws::<THIRD_PRIME>();
     }
 
     #[test]
-    fn the_second_prime_has_the_roots_it_was_chosen_for() {
+    fn the_other_primes_have_the_roots_they_were_chosen_for() {
+        has_small_roots::<SECOND_PRIME>();
+        has_small_roots::<THIRD_PRIME>();
+    }
+
+    fn has_small_roots<const C: u64>() {
         for n in [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53] {
-            assert!(Residue::<SECOND_PRIME>::new(n).is_residue(), "{n}");
+            assert!(Residue::<C>::new(n).is_residue(), "{n}");
         }
         for q in [3, 5, 7, 11, 13] {
-            assert_ne!((Residue::<SECOND_PRIME>::MODULUS - 1) % q, 0, "{q}");
+            assert_ne!((Residue::<C>::MODULUS - 1) % q, 0, "{q}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_a_field_mistakes_are_refused() {
+        let p = RBig::from(Fp::MODULUS);
+        let (one, two) = (RBig::ONE, RBig::from(2));
+        let mistaken = [p.clone(), &p / &two, &one / &p, &p + &one, &p * &two / RBig::from(3) - &one, &p * &p];
+        for r in &mistaken {
+            assert_eq!(Fp::faithful(r, 1 << 20), None, "{r}");
+            assert!(Residue::<SECOND_PRIME>::faithful(r, 1 << 20).is_some(), "{r}");
+        }
+        for r in [RBig::ZERO, one / two, RBig::from(3).pow(37), RBig::from(981) / RBig::from(100)] {
+            assert!(Fp::faithful(&r, 1 << 20).is_some(), "{r}");
         }
     }
 

@@ -104,7 +104,8 @@ impl<const C: u64> Lowering<'_, C> {
 
     fn node(&mut self, e: Expr) -> Result<Reg, Stop> {
         if let Some(v) = self.exact.get(&e) {
-            let c = Residue::from_rational(v).ok_or(Undecided::DivisionByZero)?;
+            let c = Residue::faithful(v, FRACTION_BOUND)
+                .ok_or_else(|| self.other_prime(e, "modulo the prime it is another number"))?;
             return Ok(self.constant(c));
         }
         match self.pool.node(e) {

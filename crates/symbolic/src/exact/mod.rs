@@ -11,6 +11,7 @@ mod kernels;
 mod linear;
 mod lower;
 mod lowering;
+mod primes;
 mod program;
 mod relation;
 mod roots;
@@ -22,7 +23,7 @@ use dashu_ratio::RBig;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-pub use self::field::{Fp, Residue, SECOND_PRIME};
+pub use self::field::{Fp, Residue, SECOND_PRIME, THIRD_PRIME};
 pub use self::linear::Echelon;
 
 use self::field::Random;
@@ -152,7 +153,12 @@ pub enum Undecided {
     TooComplex,
 }
 
-impl Undecided {}
+impl Undecided {
+    /// True if the same question may have an answer modulo [another prime](SECOND_PRIME).
+    pub fn needs_other_prime(&self) -> bool {
+        matches!(self, Self::OtherPrime { .. } | Self::NoPoint)
+    }
+}
 
 /// Generic rank of a matrix of expressions.
 #[derive(Clone, Debug, PartialEq)]
@@ -195,8 +201,9 @@ const TRIES: usize = 64;
 impl Pool {
     /// Decides whether `e` is zero as a function of the symbols that `bindings` leave free.
     ///
-    /// Works modulo the prime 2^61 − 1 at random points (modulo 2^61 − 615950913
-    /// where numbers are needed that the first field lacks). Sines, exponentials,
+    /// Works modulo the prime 2^61 − 1 at random points. What is not zero modulo one prime is not zero. What seems to
+    /// be is looked at modulo 2^61 − 615950913 too, since coefficients may be multiples of a prime, and modulo
+    /// 2^61 − 962882913 where one of these fields lacks a number or mistakes one for another. Sines, exponentials,
     /// logarithms and roots become algebraically independent generators after their
     /// rational-linear relations are found; independence of constants such as
     /// e, π and log 2 is taken for granted (Schanuel's conjecture).
@@ -218,33 +225,6 @@ impl Pool {
             };
         }
         total
-    }
-
-    /// [`Pool::zero_test`] without cases.
-    fn zero_directly(&self, e: Expr, bindings: &Bindings) -> ZeroTest {
-        let decided = match self.zero::<1>(e, bindings) {
-            Err(Stop::OtherPrime(_)) => self.zero::<SECOND_PRIME>(e, bindings),
-            d => d,
-        };
-        match decided {
-            Ok(Some(c)) => ZeroTest::Zero(c),
-            Ok(None) => ZeroTest::NonZero,
-            Err(stop) => ZeroTest::Unknown(reason(stop)),
-        }
-    }
-
-    fn zero<const C: u64>(&self, e: Expr, bindings: &Bindings) -> Result<Option<Certificate>, Stop> {
-        let s = self.sampled::<C>(&[e], bindings, None, SEED)?;
-        if let Some(v) = &s.exact[0] {
-            return Ok(if *v == RBig::ZERO { Some(Certificate::new(POINTS, 1.0, false)?) } else { None });
-        }
-        let zeros = s.values.iter().filter(|v| v[0].is_zero()).count();
-        match zeros {
-            0 => Ok(None),
-            n if n == s.values.len() => Ok(Some(Certificate::new(s.distinct, s.degree, s.roots)?)),
-            _ if s.ambiguous_signs > 0 => Err(Undecided::Sign.into()),
-            _ => Ok(None),
-        }
     }
 
     /// Rank of the matrix with the given rows, generic in the symbols that `bindings` leave free.
@@ -273,48 +253,6 @@ impl Pool {
             });
         }
         total.ok_or(why)
-    }
-
-    /// [`Pool::rank`] without cases.
-    fn rank_directly(&self, rows: &[Vec<Expr>], bindings: &Bindings) -> Result<Rank, Undecided> {
-        match self.rank_modulo::<1>(rows, bindings) {
-            Err(Stop::OtherPrime(_)) => self.rank_modulo::<SECOND_PRIME>(rows, bindings),
-            r => r,
-        }
-        .map_err(reason)
-    }
-
-    fn rank_modulo<const C: u64>(&self, rows: &[Vec<Expr>], bindings: &Bindings) -> Result<Rank, Stop> {
-        let flat: Vec<Expr> = rows.iter().flatten().copied().collect();
-        let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-        let s = self.sampled::<C>(&flat, bindings, None, SEED)?;
-        // Rank of the rows 0 … i at each point; the generic one is the largest.
-        let mut prefix = vec![0; rows.len()];
-        for (k, values) in s.values.iter().enumerate() {
-            let mut at = 0;
-            let matrix: Vec<Vec<Residue<C>>> = rows
-                .iter()
-                .map(|r| {
-                    at += r.len();
-                    values[at - r.len()..at].to_vec()
-                })
-                .collect();
-            let e = Echelon::new(&matrix, columns);
-            for (i, p) in prefix.iter_mut().enumerate() {
-                let here = e.independent.partition_point(|&j| j <= i);
-                if s.ambiguous_signs > 0 && k > 0 && here != *p {
-                    return Err(Undecided::Sign.into());
-                }
-                *p = here.max(*p);
-            }
-        }
-        let independent: Vec<usize> =
-            (0..rows.len()).filter(|&i| prefix[i] > if i == 0 { 0 } else { prefix[i - 1] }).collect();
-        let rank = independent.len();
-        // A minor that is one larger has this degree.
-        let degree = s.degree * (rank + 1).min(columns.min(rows.len())).max(1) as f64;
-        let certificate = Certificate::new(s.distinct, degree, s.roots)?;
-        Ok(Rank { rank, independent, certificate })
     }
 
     /// Values of `roots` modulo 2^61 − 1 at random points that depend on `seed` only.
@@ -354,7 +292,17 @@ impl Pool {
         points: usize,
         seed: u64,
     ) -> Result<Samples<C>, Undecided> {
-        self.sampled::<C>(roots, bindings, Some(points), seed).map_err(reason)
+        let why = match self.sampled::<C>(roots, bindings, Some(points), seed) {
+            Err(Stop::Undecided(why @ Undecided::Kernel { .. })) => why,
+            other => return other.map_err(reason),
+        };
+        // Known angles such as atan(1), functions of their inverses, and nested roots of constants.
+        let Some(bound) = self.with_values(roots, bindings) else { return Err(why) };
+        let composed = self.composed(&bound);
+        if composed == bound {
+            return Err(why);
+        }
+        self.sampled::<C>(&composed, &Bindings::new(), Some(points), seed).map_err(|_| why)
     }
 
     fn sampled<const C: u64>(
