@@ -71,6 +71,24 @@ impl Evidence {
         Ok(())
     }
 
+    /// Takes the span of the outputs' derivatives of so many orders at one point into account, where rates and outputs
+    /// have this degree.
+    ///
+    /// With a common denominator q of rates and outputs, derivative k times q^(2k+1) is a polynomial whose degree is
+    /// 2k + 1 times theirs; a gradient takes one more.
+    ///
+    /// # Errors
+    /// [`Undecided::Degree`] if the degree leaves too little certainty.
+    pub(crate) fn add_series(&mut self, degree: f64, rank: usize, orders: usize) -> Result<(), Undecided> {
+        let log10_degree = (degree.max(1.0) * (2 * orders + 2) as f64 * (rank + 1) as f64).log10();
+        let log10_error = log10_degree - (Fp::MODULUS as f64).log10();
+        if log10_error > -3.0 {
+            return Err(Undecided::Degree { log10_degree });
+        }
+        self.add_error(log10_error);
+        Ok(())
+    }
+
     /// Takes into account that each of `count` vectors lies in the span of `rank` sampled ones if it does at
     /// all points.
     ///

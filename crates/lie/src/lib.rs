@@ -80,7 +80,7 @@ pub use feedback::static_linearization::{LinearizationFlag, LinearizingOutputs};
 pub use feedback::zero_dynamics::ZeroDynamics;
 pub use modes::{ModeFields, Signs, mode_fields};
 pub use observability::codistribution::Observability;
-pub use observability::report::{Direction, ObservabilityReport, observe};
+pub use observability::report::{Direction, ObservabilityReport, Undetermined, observe};
 pub use observability::symmetry::{Operator, Symmetry};
 pub use options::{Limits, Options};
 pub use reason::{

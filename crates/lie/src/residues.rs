@@ -10,8 +10,8 @@ pub(crate) type Fp = Residue<PRIME>;
 pub(crate) type Echelon = bracketry_symbolic::Echelon<PRIME>;
 
 /// The row with 1 at place i and 0 elsewhere.
-pub(crate) fn unit_row(i: usize, n: usize) -> Vec<Fp> {
-    (0..n).map(|j| if i == j { Fp::ONE } else { Fp::ZERO }).collect()
+pub(crate) fn unit_row<const C: u64>(i: usize, n: usize) -> Vec<Residue<C>> {
+    (0..n).map(|j| if i == j { Residue::ONE } else { Residue::ZERO }).collect()
 }
 
 /// The product of a matrix, given by its rows, with a vector.

@@ -1,5 +1,8 @@
 //! What the outputs tell about states and parameters.
 
 pub(crate) mod codistribution;
+pub(crate) mod expansion;
 pub(crate) mod report;
+pub(crate) mod sensitivity;
+pub(crate) mod series;
 pub(crate) mod symmetry;

@@ -11,6 +11,7 @@ use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::modes::{mode_fields, parameter_bindings};
 use crate::observability::codistribution::Observability;
+use crate::observability::sensitivity::Asked;
 use crate::observability::symmetry::{Operator, Symmetry};
 use crate::options::Options;
 use crate::reason::Reason;
@@ -36,10 +37,11 @@ pub struct ObservabilityReport {
     /// Independent fields on the states along which no output changes, parameters known.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unobservable_directions: Vec<Direction>,
-    /// For each parameter, whether the outputs determine it while no other parameter and no state is known.
+    /// For each parameter, whether the outputs determine it locally (up to finitely many values) while no other parameter
+    /// and no state is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub identifiable: Option<Named<bool>>,
-    /// For each state, whether the outputs determine it while no parameter is known.
+    /// For each state, whether the outputs determine it locally while no parameter is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub identifiable_states: Option<Named<bool>>,
     /// `identifiable` while all inputs are held at zero; absent without inputs.
@@ -54,15 +56,37 @@ pub struct ObservabilityReport {
     /// A smallest set of parameters that, once known, makes all others identifiable; absent if all are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fix_to_identify: Option<Vec<String>>,
-    /// Functions asked for, and whether the outputs determine them while no parameter is known.
+    /// Functions asked for, and whether the outputs determine them locally while no parameter is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub determined: Option<Named<bool>>,
     /// The functions asked for, in the order of `determined`.
     #[serde(skip)]
     pub determined_functions: Vec<Function>,
+    /// Parameters of which it is not known whether the outputs determine them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undecided_parameters: Option<Undetermined>,
+    /// Why `identifiable_without_inputs` is unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undecided_without_inputs: Option<Reason>,
     /// Why something is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<Reason>,
+}
+
+impl ObservabilityReport {
+    /// Whether it is known which states and parameters the outputs determine.
+    pub fn decided(&self) -> bool {
+        self.rank.known().is_some() && self.undecided_parameters.is_none()
+    }
+}
+
+/// Parameters whose identifiability is unknown.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Undetermined {
+    /// Their names.
+    pub names: Vec<String>,
+    /// Why.
+    pub reason: Reason,
 }
 
 /// What the outputs of a system tell about its states and parameters, while the inputs are known
@@ -168,65 +192,89 @@ pub(crate) fn report(
     let parameters: Vec<Symbol> = system.parameters.iter().map(|p| p.symbol).collect();
     let mut report = ObservabilityReport::default();
     let pool = &mut system.pool;
-    if let Err(why) = report.states(pool, fields, &outputs, known, evidence) {
+    let functions: Vec<Expr> = asked.iter().map(|a| a.1).collect();
+    let question = Asked { fields, outputs: &outputs, unknown: &[], known, functions: &[] };
+    let found = report.states(pool, &question, evidence);
+    if let Err(why) =
+        found.or_else(|why| report.states_by_series(pool, &question, evidence).map_err(|last| later(why, last)))
+    {
         report.rank = Answer::Unknown(why.clone().into());
         report.reason = Some(why.into());
     }
+    let question = Asked { unknown: &parameters, functions: &functions, ..question };
     if !parameters.is_empty() || !asked.is_empty() {
-        let found = report.parameters(pool, fields, &outputs, known, &parameters, asked, evidence);
+        let found = report.parameters(pool, &question, asked, evidence).or_else(|why| {
+            report.parameters_by_series(pool, &question, asked, evidence).map_err(|last| later(why, last))
+        });
         if let Err(why) = found {
+            let names = parameters.iter().map(|&s| pool.name(s).to_owned());
+            report.undecided_parameters = Some(Undetermined { names: names.collect(), reason: why.clone().into() });
             report.reason.get_or_insert(why.into());
         }
     }
     let driven = !fields.controls.is_empty() || !known.is_empty();
     if driven && !parameters.is_empty() {
-        report.identifiable_without_inputs = without_inputs(pool, fields, known, &outputs, &parameters, evidence).ok();
+        match without_inputs(pool, &question, evidence) {
+            Ok(answers) => report.identifiable_without_inputs = Some(answers),
+            Err(why) => report.undecided_without_inputs = Some(why.into()),
+        }
     }
     report
 }
 
+/// The reason of the second method where the first one took too much, else that of the first.
+fn later(first: Undecided, second: Undecided) -> Undecided {
+    match first {
+        Undecided::TooLarge { .. } | Undecided::TooMany { .. } => second,
+        Undecided::Exact(_) | Undecided::Stopped => first,
+    }
+}
+
 impl ObservabilityReport {
-    /// What is known of the states while the parameters are.
-    fn states(
-        &mut self,
-        pool: &mut Pool,
-        fields: &VectorFields,
-        outputs: &[Expr],
-        known: &[Symbol],
-        evidence: &mut Evidence,
-    ) -> Result<(), Undecided> {
-        let o = fields.observability_given(pool, outputs, &[], known, evidence)?;
-        self.rank = Answer::Known(o.rank());
+    /// What is known of the states while the parameters are, by Lie derivatives of the outputs.
+    fn states(&mut self, pool: &mut Pool, asked: &Asked<'_>, evidence: &mut Evidence) -> Result<(), Undecided> {
+        let o = asked.fields.observability_given(pool, asked.outputs, &[], asked.known, evidence)?;
         let yes = o.determined_variables(pool, evidence)?;
+        self.rank = Answer::Known(o.rank());
         self.unobservable =
             o.variables.iter().zip(&yes).filter(|v| !v.1).map(|(&s, _)| pool.name(s).to_owned()).collect();
         self.unobservable_directions = directions(pool, &o, evidence);
         Ok(())
     }
 
-    /// What is known of states and parameters together.
-    #[expect(clippy::too_many_arguments, reason = "one question")]
+    /// The same by power series.
+    fn states_by_series(
+        &mut self,
+        pool: &mut Pool,
+        asked: &Asked<'_>,
+        evidence: &mut Evidence,
+    ) -> Result<(), Undecided> {
+        let found = asked.sensitivity(pool, evidence)?;
+        self.rank = Answer::Known(found.rank);
+        let open = found.variables.iter().zip(&found.determined).filter(|v| !v.1);
+        self.unobservable = open.map(|(&s, _)| pool.name(s).to_owned()).collect();
+        self.unobservable_directions = named_directions(pool, &found.variables, &found.directions);
+        Ok(())
+    }
+
+    /// What is known of states and parameters together, by Lie derivatives of the outputs.
     fn parameters(
         &mut self,
         pool: &mut Pool,
-        fields: &VectorFields,
-        outputs: &[Expr],
-        known: &[Symbol],
-        parameters: &[Symbol],
+        question: &Asked<'_>,
         asked: &[(String, Expr)],
         evidence: &mut Evidence,
     ) -> Result<(), Undecided> {
-        let o = fields.observability_given(pool, outputs, parameters, known, evidence)?;
+        let parameters = question.unknown;
+        let o = question.fields.observability_given(pool, question.outputs, parameters, question.known, evidence)?;
         let mut states = named_answers(pool, &o, evidence)?;
         let identifiable = states.split_off(states.len() - parameters.len());
-        if !asked.is_empty() {
-            let mut answers = Vec::with_capacity(asked.len());
-            for (text, e) in asked {
-                answers.push((text.clone(), o.determines(pool, *e, evidence)?));
-            }
-            self.determined = Some(Named(answers));
-            self.determined_functions = asked.iter().map(|&(_, e)| Function::new(pool, e)).collect();
+        let mut answers = Vec::with_capacity(asked.len());
+        for (text, e) in asked {
+            answers.push((text.clone(), o.determines(pool, *e, evidence)?));
         }
+        self.determined = (!answers.is_empty()).then_some(Named(answers));
+        self.determined_functions = asked.iter().map(|&(_, e)| Function::new(pool, e)).collect();
         if parameters.is_empty() {
             return Ok(());
         }
@@ -240,17 +288,39 @@ impl ObservabilityReport {
         self.unidentifiable_directions = directions(pool, &o, evidence);
         Ok(())
     }
+
+    /// The same by power series.
+    fn parameters_by_series(
+        &mut self,
+        pool: &mut Pool,
+        question: &Asked<'_>,
+        asked: &[(String, Expr)],
+        evidence: &mut Evidence,
+    ) -> Result<(), Undecided> {
+        let found = question.sensitivity(pool, evidence)?;
+        let texts = asked.iter().map(|a| a.0.clone());
+        let answers: Vec<(String, bool)> = texts.zip(found.functions.iter().copied()).collect();
+        self.determined = (!answers.is_empty()).then_some(Named(answers));
+        self.determined_functions = asked.iter().map(|&(_, e)| Function::new(pool, e)).collect();
+        if question.unknown.is_empty() {
+            return Ok(());
+        }
+        let name = |s: &Symbol| pool.name(*s).to_owned();
+        let mut states: Vec<(String, bool)> =
+            found.variables.iter().map(name).zip(found.determined.iter().copied()).collect();
+        let identifiable = states.split_off(states.len() - question.unknown.len());
+        self.rank_with_parameters = Some(found.rank);
+        self.fix_to_identify = identifiable.iter().any(|p| !p.1).then(|| found.fix.iter().map(name).collect());
+        self.identifiable = Some(Named(identifiable));
+        self.identifiable_states = Some(Named(states));
+        self.unidentifiable_directions = named_directions(pool, &found.variables, &found.directions);
+        Ok(())
+    }
 }
 
 /// The identifiability of the parameters with all inputs at zero.
-fn without_inputs(
-    pool: &mut Pool,
-    fields: &VectorFields,
-    known: &[Symbol],
-    outputs: &[Expr],
-    parameters: &[Symbol],
-    evidence: &mut Evidence,
-) -> Result<Named<bool>, Undecided> {
+fn without_inputs(pool: &mut Pool, asked: &Asked<'_>, evidence: &mut Evidence) -> Result<Named<bool>, Undecided> {
+    let (fields, known) = (asked.fields, asked.known);
     let zero = pool.int(0);
     let rest: FxHashMap<Expr, Expr> = known.iter().map(|&u| (pool.sym(u), zero)).collect();
     let kept: Vec<usize> = (0..fields.states.len()).filter(|&i| !known.contains(&fields.states[i])).collect();
@@ -261,9 +331,17 @@ fn without_inputs(
         controls: Vec::new(),
         bindings: fields.bindings.clone(),
     };
-    let outputs = pool.substitute_all(outputs, &rest);
-    let o = still.observability(pool, &outputs, parameters, evidence)?;
-    let mut answers = named_answers(pool, &o, evidence)?;
+    let outputs = pool.substitute_all(asked.outputs, &rest);
+    let question = Asked { fields: &still, outputs: &outputs, unknown: asked.unknown, known: &[], functions: &[] };
+    let by_brackets = still.observability(pool, &outputs, asked.unknown, evidence);
+    let mut answers = match by_brackets.and_then(|o| named_answers(pool, &o, evidence)) {
+        Ok(answers) => answers,
+        Err(why) => {
+            let found = question.sensitivity(pool, evidence).map_err(|last| later(why, last))?;
+            let names = found.variables.iter().map(|&s| pool.name(s).to_owned());
+            names.zip(found.determined).collect()
+        }
+    };
     Ok(Named(answers.split_off(still.states.len())))
 }
 
@@ -279,11 +357,13 @@ fn named_answers(
 /// None where the fields cannot be found.
 fn directions(pool: &mut Pool, o: &Observability, evidence: &mut Evidence) -> Vec<Direction> {
     let fields = o.unobservable_directions(pool, evidence).unwrap_or_default();
-    fields
-        .iter()
-        .map(|field| Direction {
-            field: Operator::new(pool, &o.variables, field),
-            symmetry: Symmetry::of(pool, &o.variables, field),
-        })
-        .collect()
+    named_directions(pool, &o.variables, &fields)
+}
+
+fn named_directions(pool: &mut Pool, variables: &[Symbol], fields: &[Field]) -> Vec<Direction> {
+    let named = fields.iter().map(|field| Direction {
+        field: Operator::new(pool, variables, field),
+        symmetry: Symmetry::of(pool, variables, field),
+    });
+    named.collect()
 }
