@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use bracketry::Analysis;
-use bracketry::lie::Options;
+use bracketry::lie::{ObservabilityReport, Options};
 use bracketry::report::analysis as report;
 use bracketry::system::System;
 use clap::{Args, ValueEnum};
@@ -95,11 +95,12 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
     Ok(if answered(&analysis, args) { Outcome::Done } else { Outcome::Negative })
 }
 
-/// Whether every generic dimension is decided, and what was asked for besides.
+/// Whether every generic dimension is decided, what the outputs determine, and what was asked for besides.
 fn answered(analysis: &Analysis, args: &AnalyzeArgs) -> bool {
     let report = &analysis.report;
     let determined = report.observability.as_ref().is_some_and(|o| o.determined.is_some());
     report.dimensions_decided()
+        && report.observability.as_ref().is_none_or(ObservabilityReport::decided)
         && (args.at.is_none() || report.point_decided())
         && (args.determines.is_empty() || determined)
 }

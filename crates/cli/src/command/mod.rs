@@ -63,7 +63,8 @@ enum Command {
     /// Affine form, modes, ranks, brackets, and what no input influences
     #[command(after_help = examples(&analyze::EXAMPLES), after_long_help = guide(&analyze::EXAMPLES, &[(
         "Exit codes",
-        "0  every generic dimension is decided, and what --at, --bracket and --determines ask for\n\
+        "0  every generic dimension is decided, and what --at, --bracket and --determines ask for, and which states and \
+         parameters the outputs determine\n\
          1  one of these is undecided; the report says which and why (other quantities may be unknown)\n2  bad input",
     )]))]
     Analyze(analyze::AnalyzeArgs),

@@ -9,7 +9,23 @@ use super::lists::joined;
 /// One paragraph for who does not know the terms.
 pub fn summary(a: &Analysis) -> String {
     let delays = about_delays(a).map_or(String::new(), |delays| format!(" {delays}"));
-    plain_language(a) + &delays
+    plain_language(a) + &delays + &about_outputs(a)
+}
+
+/// What about the outputs is undecided.
+fn about_outputs(a: &Analysis) -> String {
+    let Some(o) = &a.report.observability else { return String::new() };
+    let mut open = Vec::new();
+    if o.rank.known().is_none() {
+        open.push("which states the outputs determine".to_owned());
+    }
+    if let Some(parameters) = &o.undecided_parameters {
+        open.push(format!("whether they determine {}", joined(&parameters.names, ", ")));
+    }
+    if open.is_empty() {
+        return String::new();
+    }
+    format!(" Undecided, for the reason given in the report: {}.", open.join("; "))
 }
 
 /// What delays of inputs change of all this.
@@ -41,6 +57,7 @@ fn plain_language(a: &Analysis) -> String {
         return "What the inputs reach is undecided; the report above gives the reason.".to_owned();
     };
     let functions = worst.autonomous.known().cloned().unwrap_or_default();
+    let missing = worst.autonomous_not_found.unwrap_or(0);
     let full = |d: &Dimensions| d.strongly_accessible_dimension.known().copied();
     if worst.signs.0.is_empty() {
         return if inside == n {
@@ -51,7 +68,7 @@ fn plain_language(a: &Analysis) -> String {
         } else {
             format!(
                 "At each time the inputs reach only a set of dimension {inside} of {n}. {}",
-                fixed_functions(&functions, "")
+                fixed_functions(&functions, missing, "")
             )
         };
     }
@@ -62,7 +79,7 @@ fn plain_language(a: &Analysis) -> String {
         format!(
             "While no switching function changes its sign (here: {signs}), the inputs reach at each time only a set of \
              dimension {inside} of {n}. {}",
-            fixed_functions(&functions, " there")
+            fixed_functions(&functions, missing, " there")
         )
     };
     if let Some(switched) = &a.report.switched {
@@ -103,12 +120,23 @@ fn together(switched: &SwitchedReport, inside: usize, n: usize) -> String {
     }
 }
 
-fn fixed_functions(functions: &[Function], place: &str) -> String {
-    match functions.len() {
+/// `missing` further functions have no closed form that was found.
+fn fixed_functions(functions: &[Function], missing: usize, place: &str) -> String {
+    let found = match functions.len() {
         0 => String::new(),
         1 => format!("The function {} evolves{place} as if there were no input.", functions[0]),
         _ => format!("The functions {} evolve{place} as if there were no input.", joined(functions, " and ")),
-    }
+    };
+    let rest = match (missing, functions.is_empty()) {
+        (0, _) => return found,
+        (1, true) => format!("One function evolves{place} as if there were no input; it was not found in closed form."),
+        (k, true) => {
+            format!("{k} independent functions evolve{place} as if there were no input; none was found in closed form.")
+        }
+        (1, false) => "One more was not found in closed form.".to_owned(),
+        (k, false) => format!("{k} more were not found in closed form."),
+    };
+    [found, rest].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
 /// Lines of at most `width` characters, broken at spaces.

@@ -5,6 +5,7 @@ use std::fmt::{self, Write as _};
 use bracketry_lie::{
     Analysis, Answer, Bracket, Dimensions, Direction, Family, Function, InvolutiveClosureReport, LieAlgebra, Mode,
     ModeReport, Named, ObservabilityReport, PointReport, Report, RequestedBracket, Subject, SwitchedReport,
+    Undetermined,
 };
 
 use super::affinization::changes;
@@ -338,7 +339,11 @@ fn observability(f: &mut String, r: &ObservabilityReport, of: &str) -> fmt::Resu
         writeln!(f, "  no output changes along {}", direction(d))?;
     }
     for (name, yes) in r.identifiable.iter().flat_map(|m| &m.0) {
-        writeln!(f, "  parameter {name}: {}", if *yes { "identifiable" } else { "not identifiable" })?;
+        writeln!(f, "  parameter {name}: {}", if *yes { "locally identifiable" } else { "not identifiable" })?;
+    }
+    if let Some(Undetermined { names, reason }) = &r.undecided_parameters {
+        let noun = if names.len() == 1 { "parameter" } else { "parameters" };
+        writeln!(f, "  {noun} {}: identifiability unknown ({reason})", joined(names, ", "))?;
     }
     let hidden = |list: &Option<Named<bool>>| -> Vec<String> {
         list.iter().flat_map(|m| &m.0).filter(|v| !v.1).map(|v| v.0.clone()).collect()
@@ -353,14 +358,17 @@ fn observability(f: &mut String, r: &ObservabilityReport, of: &str) -> fmt::Resu
             writeln!(f, "  with all inputs at zero not identifiable: {}", joined(&names, ", "))?;
         }
     }
+    if let Some(why) = &r.undecided_without_inputs {
+        writeln!(f, "  identifiability with all inputs at zero: unknown ({why})")?;
+    }
     for d in r.unidentifiable_directions.iter().filter(|d| !r.unobservable_directions.contains(d)) {
         writeln!(f, "  with unknown parameters no output changes along {}", direction(d))?;
     }
     if let Some(fix) = &r.fix_to_identify {
-        writeln!(f, "  all parameters are identifiable given {}", joined(fix, ", "))?;
+        writeln!(f, "  all parameters are locally identifiable given {}", joined(fix, ", "))?;
     }
     for (text, yes) in r.determined.iter().flat_map(|m| &m.0) {
-        writeln!(f, "  {text}: {}", if *yes { "determined" } else { "not determined" })?;
+        writeln!(f, "  {text}: {}", if *yes { "locally determined" } else { "not determined" })?;
     }
     Ok(())
 }

@@ -29,11 +29,11 @@ pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
         answers.filter(|((_, v), _)| *v == yes).map(|(_, f)| function(f)).collect()
     };
     for (found, words) in [
-        (told(&o.identifiable, true), "identifiable parameters: "),
+        (told(&o.identifiable, true), "locally identifiable parameters: "),
         (told(&o.identifiable, false), "parameters that are not identifiable: "),
         (told(&o.identifiable_states, false), "states that are not determined while parameters are unknown: "),
         (told(&o.identifiable_without_inputs, false), "not identifiable while all inputs are zero: "),
-        (asked(true), "determined, while parameters are unknown: "),
+        (asked(true), "locally determined, while parameters are unknown: "),
         (asked(false), "not determined, while parameters are unknown: "),
     ] {
         if !found.is_empty() {
@@ -42,11 +42,20 @@ pub(super) fn observability(a: &Analysis, out: &mut Vec<Block>) {
             items.push(line);
         }
     }
+    if let Some(open) = &o.undecided_parameters {
+        let mut line = vec![text("parameters whose identifiability is unknown: ")];
+        line.extend(listed(open.names.iter().map(|n| symbol(n))));
+        line.push(text(format!(" ({})", open.reason)));
+        items.push(line);
+    }
+    if let Some(why) = &o.undecided_without_inputs {
+        items.push(vec![text(format!("identifiability while all inputs are zero: unknown ({why})"))]);
+    }
     items.extend(
         o.unidentifiable_directions.iter().map(|d| direction("with unknown parameters no output changes along ", d)),
     );
     if let Some(fix) = o.fix_to_identify.as_ref().filter(|f| !f.is_empty()) {
-        let mut line = vec![text("all parameters are identifiable given ")];
+        let mut line = vec![text("all parameters are locally identifiable given ")];
         line.extend(listed(fix.iter().map(|n| symbol(n))));
         items.push(line);
     }
