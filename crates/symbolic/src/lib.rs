@@ -16,6 +16,7 @@ mod closest_name;
 mod collect;
 mod diff;
 mod exact;
+mod foreign_name;
 mod func;
 mod function;
 mod named;

@@ -1,6 +1,7 @@
 //! Text to expressions: a precedence-climbing parser whose errors name the place and the remedy.
 
 use crate::closest_name::closest_name;
+use crate::foreign_name::{instead_of_function, instead_of_name};
 use dashu_base::BitTest;
 use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
@@ -350,9 +351,13 @@ impl<N: Names> Parser<'_, N> {
 
     fn unknown<T>(&self, name: &str) -> Result<T, ParseError> {
         let known = self.names.known();
-        let remedy = match closest_name(name, known.iter().map(String::as_str)) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => "declare it as a state, an input, a parameter or a definition".into(),
+        let same = known.iter().find(|k| k.to_lowercase() == name.to_lowercase());
+        let near = closest_name(name, known.iter().map(String::as_str));
+        let remedy = match (near, instead_of_name(name)) {
+            (_, Some(foreign)) if same.is_none() => foreign.into(),
+            (_, Some(foreign)) => format!("did you mean `{}`? Otherwise: {foreign}", same.map_or("", String::as_str)),
+            (Some(near), _) => format!("did you mean `{near}`?"),
+            (None, _) => "declare it as a state, an input, a parameter or a definition".into(),
         };
         self.fail(format!("unknown name `{name}`"), remedy)
     }
@@ -364,7 +369,9 @@ impl<N: Names> Parser<'_, N> {
         }
         if !is_function(name) {
             let known: Vec<&str> = function_names().collect();
+            let foreign = instead_of_function(name);
             let remedy = match closest_name(name, known.iter().copied()) {
+                _ if foreign.is_some() => foreign.unwrap_or_default().into(),
                 Some(near) => format!("did you mean `{near}`?"),
                 None if self.names.known().iter().any(|n| n == name) => "write the product with `*`".into(),
                 None => format!("the functions are {}", known.join(" ")),

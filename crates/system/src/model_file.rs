@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bracketry_symbolic::{Expr, Pool, Symbol, closest_name};
+use bracketry_symbolic::{Expr, Pool, Rational, Symbol, Tape, closest_name};
 use rustc_hash::FxHashMap;
 
 use bracketry_files::{Document, FileError, Table, Value};
@@ -59,6 +59,8 @@ struct Reader<'d> {
     state_spans: Vec<std::ops::Range<usize>>,
     inputs: Vec<Symbol>,
     parameters: Vec<Parameter>,
+    /// Parameters with an irrational value, which are names of constants.
+    constants: Vec<(String, Expr)>,
     declared: Declared,
 }
 
@@ -71,6 +73,7 @@ impl<'d> Reader<'d> {
             state_spans: Vec::new(),
             inputs: Vec::new(),
             parameters: Vec::new(),
+            constants: Vec::new(),
             declared: Declared::default(),
         }
     }
@@ -94,9 +97,11 @@ impl<'d> Reader<'d> {
             let e = self.pool.sym(s);
             plain.insert(self.pool.name(s).to_owned(), e);
         }
+        plain.extend(self.constants.iter().cloned());
         let input_names: Vec<String> = self.inputs.iter().map(|&s| self.pool.name(s).to_owned()).collect();
         let mut derivatives = Derivatives::default();
-        let definitions = self.read_definitions(&table, &mut plain, &input_names, &mut derivatives)?;
+        let mut definitions = self.constants.clone();
+        definitions.extend(self.read_definitions(&table, &mut plain, &input_names, &mut derivatives)?);
 
         let mut scope = Scope { plain: &plain, inputs: &input_names, derivatives: &mut derivatives };
         let dynamics = self.read_dynamics(&table, &mut scope)?;
@@ -159,18 +164,28 @@ impl<'d> Reader<'d> {
             self.declared.add(name, "parameter").map_err(|e| e.at(doc, key.span()))?;
             let symbol = self.pool.symbol(name);
             let Value::Table(entries) = value.get_ref() else {
-                let value = doc.exact_number(value, name)?;
+                let Some(value) = self.parameter_value(value, name)? else { continue };
                 self.parameters.push(Parameter { symbol, value, min: None, max: None, unit: None, about: None });
                 continue;
             };
             doc.only_keys(entries, &PARAMETER_KEYS, "a parameter")?;
             let bound = |k: &str| entries.get(k).map(|v| doc.exact_number(v, k)).transpose();
-            let Some(number) = bound("value")? else {
+            let Some(value) = entries.get("value") else {
                 return Err(doc.error(
                     key.span(),
                     format!("parameter `{name}` has no value"),
                     format!("write {name} = {{ value = 1.0 }}"),
                 ));
+            };
+            let Some(number) = self.parameter_value(value, name)? else {
+                if let Some((key, _)) = entries.iter().find(|(k, _)| k.get_ref() != "value") {
+                    return Err(doc.error(
+                        key.span(),
+                        format!("parameter `{name}` is irrational and has no further entries"),
+                        format!("write {name} = \"…\", or its value as a decimal number"),
+                    ));
+                }
+                continue;
             };
             let (min, max) = (bound("min")?, bound("max")?);
             check_parameter(name, &number, min.as_ref(), max.as_ref()).map_err(|e| e.at(doc, key.span()))?;
@@ -178,6 +193,31 @@ impl<'d> Reader<'d> {
             self.parameters.push(Parameter { symbol, value: number, min, max, unit, about });
         }
         Ok(())
+    }
+
+    /// The exact value: a number, or a constant such as "1/3" in quotes. `None` for an irrational one such as "sqrt(2)",
+    /// which becomes a definition of that name.
+    fn parameter_value(&mut self, value: Located<'_, '_>, name: &str) -> Result<Option<Rational>, FileError> {
+        if !matches!(value.get_ref(), Value::String(_)) {
+            return self.doc.exact_number(value, name).map(Some);
+        }
+        let Ok(written) = self.doc.expression(value, name, &mut self.pool, &mut Constants) else {
+            return self.doc.exact_number(value, name).map(Some);
+        };
+        let constant = self.pool.simplify(written);
+        if let Some(number) = self.pool.number(constant) {
+            return Ok(Some(number.clone()));
+        }
+        let mut out = [f64::NAN];
+        if let Ok(tape) = Tape::compile(&self.pool, &[], &[constant]) {
+            tape.eval(&[], &mut Vec::new(), &mut out);
+        }
+        if !out[0].is_finite() {
+            let remedy = "write a number, or a constant such as \"1/3\" or \"sqrt(2)\"";
+            return Err(self.doc.error(value.span(), format!("`{name}` is no finite real number"), remedy));
+        }
+        self.constants.push((name.to_owned(), constant));
+        Ok(None)
     }
 
     fn read_ranges(&mut self, table: &Table<'_>) -> Result<Vec<InputRange>, FileError> {

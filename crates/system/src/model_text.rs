@@ -60,10 +60,12 @@ impl System {
     fn plain(&self) -> Plain {
         let text = |e: Expr| toml::Value::String(self.pool.text(e));
         let number = |r: &Rational| toml::Value::Float(r.to_f64().value());
+        // A fraction such as 1/3 has no decimal form.
+        let value = |r: &Rational| if is_decimal(r) { number(r) } else { toml::Value::String(r.to_string()) };
         let mut parameters = toml::Table::new();
         for p in &self.parameters {
             let mut t = toml::Table::new();
-            t.insert("value".into(), number(&p.value));
+            t.insert("value".into(), value(&p.value));
             for (k, v) in [("min", &p.min), ("max", &p.max)] {
                 if let Some(v) = v {
                     t.insert(k.into(), number(v));
@@ -74,7 +76,7 @@ impl System {
                     t.insert(k.into(), toml::Value::String(v.clone()));
                 }
             }
-            let value = if t.len() == 1 { number(&p.value) } else { toml::Value::Table(t) };
+            let value = if t.len() == 1 { value(&p.value) } else { toml::Value::Table(t) };
             parameters.insert(self.pool.name(p.symbol).to_owned(), value);
         }
         let mut ranges = toml::Table::new();
@@ -110,6 +112,17 @@ impl System {
             point,
         }
     }
+}
+
+/// True for a number with finitely many decimals, and for one with too large a denominator to be told.
+fn is_decimal(r: &Rational) -> bool {
+    let Ok(mut denominator) = u64::try_from(r.denominator()) else { return true };
+    for q in [2, 5] {
+        while denominator.is_multiple_of(q) {
+            denominator /= q;
+        }
+    }
+    denominator == 1
 }
 
 impl Serialize for System {

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use approx::assert_relative_eq;
+use bracketry_symbolic::Bindings;
 use bracketry_system::{SwitchKind, System};
 
 const UNICYCLE: &str = r#"
@@ -291,4 +292,55 @@ fn a_message_stays_short_whatever_it_speaks_of() {
         "{} characters",
         message.chars().count()
     );
+}
+
+#[test]
+fn parameters_are_exact_constants() {
+    let text = "states = ['x']\n[parameters]\na = '1/3'\nb = 'sqrt(2)'\nc = { value = '2*0.35', max = 1 }\nd = 'atan(1)'\n\
+                [dynamics]\nx = 'a*b^2 + c*cos(d)'";
+    let mut s = System::parse("m.toml", text).unwrap();
+    let values: Vec<String> = s.parameters.iter().map(|p| p.value.to_string()).collect();
+    assert_eq!(values, ["1/3", "7/10"]);
+    let names: Vec<&str> = s.definitions.iter().map(|d| d.0.as_str()).collect();
+    assert_eq!(names, ["b", "d"]);
+    let expected = s.pool.parse("2*a/3*3 + c*sqrt(2)/2").unwrap();
+    let difference = s.pool.sub(s.dynamics[0], expected);
+    assert!(s.pool.zero_test(difference, &Bindings::new()).is_zero());
+    let written = s.to_toml().unwrap();
+    let mut again = System::parse("m.toml", &written).unwrap();
+    assert_eq!(again.parameters[0].value, s.parameters[0].value, "{written}");
+    let expected = again.pool.parse("2*a/3*3 + c*sqrt(2)/2").unwrap();
+    let difference = again.pool.sub(again.dynamics[0], expected);
+    assert!(again.pool.zero_test(difference, &Bindings::new()).is_zero(), "{written}");
+    for (text, part) in [
+        ("'1/0'", "must be a number"),
+        ("'sqrt(-2)'", "no finite real number"),
+        ("{ value = 'sqrt(2)', unit = 'm' }", "irrational"),
+    ] {
+        let text = format!("states = ['x']\n[parameters]\na = {text}\n[dynamics]\nx = 'a'");
+        let error = System::parse("m.toml", &text).unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn names_of_other_languages_have_a_remedy() {
+    for (expression, remedy) in [
+        ("sgn(x)", "`sign("),
+        ("ln(x)", "`log("),
+        ("cot(x)", "`1/tan("),
+        ("e^x", "`exp(1)`"),
+        ("Pi*x", "`pi`"),
+        ("t*x", "equations do not depend on time"),
+        ("if(x, 1, 0)", "`min`, and `max`"),
+        ("arctan(x)", "`atan("),
+        ("log10(x)", "log(10)"),
+    ] {
+        let text = format!("states = ['x']\n[dynamics]\nx = '{expression}'");
+        let error = System::parse("m.toml", &text).unwrap_err().to_string();
+        assert!(error.contains(remedy), "{error}");
+    }
+    // A name of the model that differs in case comes first.
+    let error = System::parse("m.toml", "states = ['x']\ninputs = ['T']\n[dynamics]\nx = 't'").unwrap_err().to_string();
+    assert!(error.contains("did you mean `T`?"), "{error}");
 }
