@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::fmt::Write as _;
+
 use bracketry_lie::{Answer, Evidence, Named, ObservabilityReport, Options, observe};
 use common::{ratio, system};
 use proptest::prelude::*;
@@ -72,10 +74,10 @@ fn saturated_chain(n: usize) -> Model {
         m.states.push(format!("x{i}"));
         let mut rate = if i == 1 { "u".to_owned() } else { format!("V{0}*x{0}/(K{0} + x{0})", i - 1) };
         if i < n {
-            rate += &format!(" - V{i}*x{i}/(K{i} + x{i})");
+            write!(rate, " - V{i}*x{i}/(K{i} + x{i})").unwrap();
             m.parameters.extend([format!("V{i}"), format!("K{i}")]);
         } else {
-            rate += &format!(" - k*x{i}");
+            write!(rate, " - k*x{i}").unwrap();
         }
         m.rates.push(rate);
     }
@@ -97,7 +99,7 @@ fn reactions(list: &[(Vec<String>, Vec<String>)], outputs: &[&str]) -> Model {
                 m.rates.push(String::new());
                 m.states.len() - 1
             });
-            m.rates[at] += &format!(" {sign} {flow}");
+            write!(m.rates[at], " {sign} {flow}").unwrap();
         }
     }
     m.outputs = outputs.iter().map(|&o| o.to_owned()).collect();
