@@ -3,6 +3,7 @@
 pub(crate) mod accessibility;
 pub(crate) mod brockett;
 pub(crate) mod canceling;
+pub(crate) mod holding;
 pub(crate) mod impulses;
 pub(crate) mod input_set;
 pub(crate) mod input_values;
@@ -13,6 +14,7 @@ pub(crate) mod monotone;
 pub(crate) mod necessary;
 pub(crate) mod one_sided;
 pub(crate) mod point;
+pub(crate) mod prolonged;
 pub(crate) mod sign;
 pub(crate) mod stlc;
 pub(crate) mod sussmann;

@@ -17,7 +17,7 @@ use crate::controllability::brockett::brockett_condition;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::linearization::{Linearization, uncontrollable};
 use crate::controllability::local::Frame;
-use crate::controllability::one_sided::{balanced, one_sided};
+use crate::controllability::one_sided::{held, one_sided};
 use crate::controllability::stlc::{Stlc, Verdict, decide};
 use crate::controllability::unbounded::unbounded;
 use crate::controllability::uncontrollable::{Mode, uncontrollable_modes};
@@ -102,7 +102,7 @@ pub(crate) fn of_smoothed(report: PointReport, vanishing: Vec<Vanishing>, epsilo
 }
 
 /// Whether the drift is linear (with a constant part) and the input fields are constant, seen from the expressions.
-fn is_linear(pool: &mut Pool, fields: &VectorFields) -> bool {
+pub(crate) fn is_linear(pool: &mut Pool, fields: &VectorFields) -> bool {
     let mut entries = pool.jacobian(&fields.drift, &fields.states).concat();
     entries.extend(fields.controls.concat());
     pool.symbols_of(&entries).iter().all(|s| !fields.states.contains(s))
@@ -138,18 +138,20 @@ pub(crate) fn point_report(
     let values = names.iter().map(|n| options.ranges.iter().find(|r| r.0 == *n).map(|r| r.1)).collect();
     let said = names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
     let set = InputSet { names, values, one_sided: said };
-    let around = if !equilibrium && stlc.verdict == Verdict::Inconclusive {
-        balanced(pool, fields, &set, &point.states, &local.dimension, limits, evidence)?
+    let sides = set.sides(pool, &frame, &point.inputs);
+    let restricted = sides.as_ref().is_none_or(|s| s.iter().any(Option::is_some));
+    let around = if stlc.verdict != Verdict::No && (!equilibrium || restricted) {
+        held(pool, fields, &set, &frame, sides.as_deref(), &local.dimension, limits, evidence)?
     } else {
         None
     };
-    let stlc = match (around, set.sides(pool, &frame, &point.inputs)) {
+    let stlc = match (around, &sides) {
         (Some(around), _) => around,
-        (None, Some(sides)) => one_sided(pool, &frame, &sides, stlc, limits, evidence)?,
+        (None, Some(sides)) => one_sided(pool, &frame, sides, stlc, limits, evidence)?,
         (None, None) if stlc.verdict == Verdict::No => stlc,
         (None, None) => Stlc::inconclusive(StlcReason::NotInRanges),
     };
-    let sides = set.sides(pool, &frame, &point.inputs).unwrap_or_else(|| vec![None; names.len()]);
+    let sides = sides.unwrap_or_else(|| vec![None; names.len()]);
     let stlc = unbounded(pool, &frame, &set, &point.inputs, &sides, stlc, evidence)?;
     let rank = linearization.as_ref().map(|l| l.controllable().rank());
     let driftless = is_plain_zero(pool, &fields.drift);

@@ -11,6 +11,7 @@ use crate::controllability::canceling::canceling;
 use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
 use crate::controllability::necessary::{definite_form, half_space, stefani};
+use crate::controllability::prolonged::{is_odd, with_integrators};
 use crate::controllability::sussmann::{Brackets, Inputs, Obstruction, Outcome, choices, shortened};
 use crate::evidence::Evidence;
 use crate::options::Limits;
@@ -141,9 +142,11 @@ const FEW_NODES: usize = 5_000;
 /// - controllable linearization: yes;
 /// - no drift and full dimension: yes (Chow–Rashevskii);
 /// - an invariant half-space: no (see [`half_space`]);
+/// - f odd and the inputs' fields even about the point: yes (see [`is_odd`]);
 /// - Sussmann's general condition, also after a change of the inputs: yes;
 /// - one input: no where Stefani's necessary condition fails (see [`stefani`]);
-/// - a definite second-order form: no (see [`definite_form`]).
+/// - a definite second-order form: no (see [`definite_form`]);
+/// - integrators in front of inputs bring forms of different depths to one weight: yes (see [`with_integrators`]).
 ///
 /// [`Stlc::or_inconclusive`] turns what an exact test leaves open into a verdict.
 pub(crate) fn decide(
@@ -199,6 +202,9 @@ pub(crate) fn decide(
         // No bracket with f is left to be neutralized.
         return Ok(Stlc::new(Verdict::Yes, StlcReason::NoDrift).holding(vec![1, 1]));
     }
+    if is_odd(pool, frame) {
+        return Ok(Stlc::new(Verdict::Yes, StlcReason::Odd));
+    }
     let mut stlc = general(pool, frame, limits, evidence)?;
     if stlc.verdict == Verdict::Yes {
         return Ok(stlc);
@@ -213,19 +219,34 @@ pub(crate) fn decide(
     if let Some(k) = definite_form(pool, frame, evidence)? {
         stlc.verdict = Verdict::No;
         stlc.reason = StlcReason::DefiniteForm(k);
+        return Ok(stlc);
     }
-    Ok(stlc)
+    Ok(with_integrators(pool, frame, &vec![None; inputs], limits, evidence)?.unwrap_or(stlc))
 }
+
+/// Greatest depth of the chains whose second-order brackets are canceled.
+const MAX_CANCELED: usize = 2;
 
 /// Sussmann's condition for all weights that are tried, and where inputs can be chosen so that
 /// their bad brackets of second order cancel, also for those.
-fn general(pool: &mut Pool, frame: &Frame, limits: &Limits, evidence: &mut Evidence) -> Result<Stlc, Undecided> {
+pub(crate) fn general(
+    pool: &mut Pool,
+    frame: &Frame,
+    limits: &Limits,
+    evidence: &mut Evidence,
+) -> Result<Stlc, Undecided> {
     let m = frame.fields.controls.len();
     let given = search(pool, frame, Inputs::given(frame), limits, evidence)?;
     if given.verdict == Verdict::Yes || m < 2 {
         return Ok(given);
     }
-    if let Some((inputs, combinations)) = canceling(pool, frame, evidence)? {
+    for depth in 0..=MAX_CANCELED {
+        let (inputs, combinations) = match canceling(pool, frame, depth, evidence) {
+            Ok(Some(found)) => found,
+            Ok(None) => continue,
+            Err(Undecided::TooLarge { .. }) => break,
+            Err(why) => return Err(why),
+        };
         let changed = search(pool, frame, inputs, limits, evidence)?;
         if changed.verdict == Verdict::Yes {
             let reason = StlcReason::InputsAlong { reason: Box::new(changed.reason), inputs: combinations };
