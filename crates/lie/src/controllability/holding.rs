@@ -4,10 +4,10 @@ use bracketry_symbolic::{Expr, Pool, Rational};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::field::VectorFields;
+use crate::controllability::balance::balance;
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::{InputValues, Side};
 use crate::controllability::local::Frame;
-use crate::controllability::one_sided::balance;
 use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::linear::program::{Optimum, Program};

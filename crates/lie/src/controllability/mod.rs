@@ -1,8 +1,10 @@
 //! What the inputs reach: generically, at a point, by switching.
 
 pub(crate) mod accessibility;
+pub(crate) mod balance;
 pub(crate) mod brockett;
 pub(crate) mod canceling;
+pub(crate) mod decide;
 pub(crate) mod holding;
 pub(crate) mod impulses;
 pub(crate) mod input_set;
@@ -15,6 +17,7 @@ pub(crate) mod necessary;
 pub(crate) mod one_sided;
 pub(crate) mod point;
 pub(crate) mod prolonged;
+pub(crate) mod search;
 pub(crate) mod sign;
 pub(crate) mod stlc;
 pub(crate) mod sussmann;

@@ -1,10 +1,11 @@
 //! Inputs that move to one side only, and inputs that balance the drift.
 
-use bracketry_symbolic::{Bindings, Expr, Function, Pool, Rational, ZeroTest};
-use rustc_hash::FxHashMap;
+use bracketry_symbolic::{Expr, Function, Pool, Rational};
 
 use crate::algebra::field::VectorFields;
 use crate::answer::Answer;
+use crate::controllability::balance::balance;
+use crate::controllability::decide::decide;
 use crate::controllability::holding::{Holding, deviations, holding, points_to_one_side};
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::{InputValues, Side};
@@ -12,7 +13,7 @@ use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
 use crate::controllability::necessary::half_space;
 use crate::controllability::prolonged::with_integrators;
-use crate::controllability::stlc::{Stlc, Verdict, decide};
+use crate::controllability::stlc::{Stlc, Verdict};
 use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::options::Limits;
@@ -96,79 +97,11 @@ pub(crate) fn one_sided(
     Ok(Stlc::inconclusive(StlcReason::OneSidedOpen))
 }
 
-/// Inputs, as expressions of parameters, for which the state rests at the point: f + Σ u_i g_i = 0
-/// there, with the values `chosen` for inputs that are not needed. `None` if there are none.
-pub(crate) fn balance(
-    pool: &mut Pool,
-    system: &VectorFields,
-    states: &[Expr],
-    chosen: &[Expr],
-    evidence: &mut Evidence,
-) -> Result<Option<Vec<Expr>>, Error> {
-    let m = system.controls.len();
-    let zero = pool.int(0);
-    let at: FxHashMap<Expr, Expr> = system.states.iter().zip(states).map(|(&s, &v)| (pool.sym(s), v)).collect();
-    let mut columns: Vec<Vec<Expr>> = Vec::new();
-    for field in system.controls.iter().chain(std::iter::once(&system.drift)) {
-        columns.push(pool.substitute_all(field, &at));
-    }
-    // Rows of (g_1 … g_m | f) at the point, eliminated with exact tests for pivots.
-    let mut rows: Vec<Vec<Expr>> = (0..system.states.len()).map(|c| columns.iter().map(|v| v[c]).collect()).collect();
-    let mut pivots: Vec<(usize, usize)> = Vec::new();
-    for column in 0..m {
-        let next = pivots.len();
-        let mut pivot = None;
-        for (r, row) in rows.iter().enumerate().skip(next) {
-            match nonzero(pool, row[column], &system.bindings) {
-                Some(true) => {
-                    pivot = Some(r);
-                    break;
-                }
-                Some(false) => {}
-                None => return Ok(None),
-            }
-        }
-        let Some(pivot) = pivot else { continue };
-        rows.swap(next, pivot);
-        let head = rows[next].clone();
-        for (r, row) in rows.iter_mut().enumerate() {
-            if r == next || pool.is_zero(row[column]) {
-                continue;
-            }
-            let factor = pool.div(row[column], head[column]);
-            for (x, &h) in row.iter_mut().zip(&head) {
-                let product = pool.mul(factor, h);
-                *x = pool.sub(*x, product);
-            }
-            row[column] = zero;
-        }
-        pivots.push((next, column));
-    }
-    let mut inputs = chosen.to_vec();
-    let others: Vec<usize> = (0..m).filter(|j| pivots.iter().all(|p| p.1 != *j)).collect();
-    for &(r, column) in &pivots {
-        let mut right = rows[r][m];
-        for &j in &others {
-            let term = pool.mul(rows[r][j], chosen[j]);
-            right = pool.add(right, term);
-        }
-        let quotient = pool.div(right, rows[r][column]);
-        let value = pool.neg(quotient);
-        inputs[column] = pool.simplify(value);
-    }
-    let frame = Frame::new(pool, system, states, &inputs)?;
-    Ok(frame.is_equilibrium(pool, evidence)?.then_some(inputs))
-}
-
-fn nonzero(pool: &mut Pool, e: Expr, bindings: &Bindings) -> Option<bool> {
-    if pool.is_zero(e) {
-        return Some(false);
-    }
-    match pool.zero_test(e, bindings) {
-        ZeroTest::Zero(_) => Some(false),
-        ZeroTest::NonZero => Some(true),
-        ZeroTest::Unknown(_) => None,
-    }
+/// The frame at the inputs given with the point, and the sides to which they can move; absent where they lie outside of their
+/// ranges.
+pub(crate) struct Given<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) sides: Option<&'a [Option<Side>]>,
 }
 
 /// STLC around inputs that hold the point, where those given with it do not, lie outside of their ranges or at an end of
@@ -180,8 +113,7 @@ pub(crate) fn held(
     pool: &mut Pool,
     system: &VectorFields,
     set: &InputSet<'_>,
-    given: &Frame,
-    given_sides: Option<&[Option<Side>]>,
+    given: &Given<'_>,
     dimension: &Answer<usize>,
     limits: &Limits,
     evidence: &mut Evidence,
@@ -195,8 +127,8 @@ pub(crate) fn held(
     if set.values.iter().zip(&set.one_sided).any(open) {
         return Ok(None);
     }
-    let states = given.point();
-    let at_rest = given_sides.is_some() && given.is_equilibrium(pool, evidence)?;
+    let states = given.frame.point();
+    let at_rest = given.sides.is_some() && given.frame.is_equilibrium(pool, evidence)?;
     let mut base = None;
     if !at_rest {
         let zeros = vec![pool.int(0); set.names.len()];
@@ -213,7 +145,7 @@ pub(crate) fn held(
         }
     }
     let Some(Base { frame, inputs, sides }) = base else { return Ok(None) };
-    if at_rest && given_sides == Some(&sides) {
+    if at_rest && given.sides == Some(&sides) {
         return Ok(None);
     }
     let linearization = Linearization::at(pool, &frame, evidence)?;

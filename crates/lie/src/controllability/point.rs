@@ -14,11 +14,12 @@ use crate::as_text::serialized_as_text;
 use crate::budget::release;
 use crate::controllability::accessibility::Reach;
 use crate::controllability::brockett::brockett_condition;
+use crate::controllability::decide::decide;
 use crate::controllability::input_set::InputSet;
-use crate::controllability::linearization::{Linearization, uncontrollable};
+use crate::controllability::linearization::{Linearization, is_linear, uncontrollable};
 use crate::controllability::local::Frame;
-use crate::controllability::one_sided::{held, one_sided};
-use crate::controllability::stlc::{Stlc, Verdict, decide};
+use crate::controllability::one_sided::{Given, held, one_sided};
+use crate::controllability::stlc::{Stlc, Verdict};
 use crate::controllability::unbounded::unbounded;
 use crate::controllability::uncontrollable::{Mode, uncontrollable_modes};
 use crate::dimensions::Dimensions;
@@ -101,13 +102,6 @@ pub(crate) fn of_smoothed(report: PointReport, vanishing: Vec<Vanishing>, epsilo
     }
 }
 
-/// Whether the drift is linear (with a constant part) and the input fields are constant, seen from the expressions.
-pub(crate) fn is_linear(pool: &mut Pool, fields: &VectorFields) -> bool {
-    let mut entries = pool.jacobian(&fields.drift, &fields.states).concat();
-    entries.extend(fields.controls.concat());
-    pool.symbols_of(&entries).iter().all(|s| !fields.states.contains(s))
-}
-
 /// All statements at a point, made of the fields of one mode or of the smoothed model.
 pub(crate) fn point_report(
     pool: &mut Pool,
@@ -141,7 +135,8 @@ pub(crate) fn point_report(
     let sides = set.sides(pool, &frame, &point.inputs);
     let restricted = sides.as_ref().is_none_or(|s| s.iter().any(Option::is_some));
     let around = if stlc.verdict != Verdict::No && (!equilibrium || restricted) {
-        held(pool, fields, &set, &frame, sides.as_deref(), &local.dimension, limits, evidence)?
+        let given = Given { frame: &frame, sides: sides.as_deref() };
+        held(pool, fields, &set, &given, &local.dimension, limits, evidence)?
     } else {
         None
     };
