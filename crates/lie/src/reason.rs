@@ -323,6 +323,9 @@ pub enum StlcReason {
     /// One-sided inputs away from an equilibrium.
     #[error("inputs move to one side only and the point is no equilibrium")]
     OneSidedNoEquilibrium,
+    /// No inputs in their ranges hold the state, by this linear function.
+    #[error("the rate of {0} at the point is positive for all inputs in their ranges")]
+    Separated(Function),
     /// All inputs push to one side.
     #[error("all inputs that act at the point push to one side of it, and their ranges are one-sided")]
     OneSidedCone,
@@ -332,6 +335,19 @@ pub enum StlcReason {
     /// The other inputs suffice.
     #[error("{0} with the inputs alone that move to both sides")]
     TwoSidedInputs(Box<StlcReason>),
+    /// A condition holds for integrals of free inputs in place of the inputs, squared for one-sided ones.
+    #[error("{reason} for {} in place of the inputs", integrals(.integrators, .squared))]
+    Integrals {
+        /// The condition.
+        reason: Box<StlcReason>,
+        /// How many integrators stand in front of each input.
+        integrators: Vec<usize>,
+        /// Whether the input is one-sided.
+        squared: Vec<bool>,
+    },
+    /// Brunovský's theorem.
+    #[error("the system is odd about the point and has full dimension (Brunovský)")]
+    Odd,
     /// Inputs inside their ranges hold the point.
     #[error("{0} around constant inputs inside their ranges that hold the point")]
     InsideRanges(Box<StlcReason>),
@@ -555,6 +571,20 @@ pub enum FlatnessReason {
 }
 
 serialized_as_text!(Reason, StlcReason, StabilizableReason, MinimumPhaseReason, FlatnessReason);
+
+/// Such as `w1, the integral of w2, the square of the integral of w3`.
+fn integrals(integrators: &[usize], squared: &[bool]) -> String {
+    let one = |((&count, &squared), i): ((&usize, &bool), usize)| {
+        let of = match count {
+            0 => format!("w{i}"),
+            1 => format!("the integral of w{i}"),
+            _ => format!("the integral, of order {count}, of w{i}"),
+        };
+        if squared { format!("the square of {of}") } else { of }
+    };
+    let list: Vec<String> = integrators.iter().zip(squared).zip(1..).map(one).collect();
+    list.join(", ")
+}
 
 fn texts(list: &[impl fmt::Display]) -> String {
     list.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")

@@ -4,6 +4,7 @@ use bracketry_symbolic::{Expr, Pool, Rational};
 use nalgebra::{DMatrix, DVector};
 
 use crate::algebra::field::{Field, bracket};
+use crate::budget::check_growth;
 use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
 use crate::controllability::sign::definite;
@@ -22,17 +23,19 @@ const ROUNDS: usize = 500;
 /// Most inputs.
 const MAX_INPUTS: usize = 6;
 
-/// Inputs v, u = L·diag(√s)·v, for which Σ_i [h_i, [f, h_i]](x0) lies in the span of the values of
-/// ad_f^k g_i and [g_i, g_j], with their fields in the given ones; `None` if none are found.
+/// Inputs v, u = L·diag(√s)·v, for which Σ_i [ad_f^k h_i, [f, ad_f^k h_i]](x0), k ≤ `depth`, lie in the span of the values of
+/// ad_f^j g_i and [g_i, g_j], with their fields in the given ones; `None` if none are found, or nothing is to be canceled at
+/// this depth.
 ///
 /// STLC is not changed by linear changes of the inputs, but which brackets are bad is. With
-/// S = L diag(s) Lᵀ the sum is Σ S_ij [g_i, [f, g_j]]; a positive definite S for which it lies in
+/// S = L diag(s) Lᵀ the sum is, for k = 0, Σ S_ij [g_i, [f, g_j]]; a positive definite S for which it lies in
 /// the span exists just when no combination of those brackets across the span is semidefinite
 /// (compare the second-order conditions of Bianchini and Stefani, Hirschorn and Lewis, Basto-Gonçalves). S is found
 /// by alternating projections, rounded, and the conditions are then tested exactly.
 pub(crate) fn canceling(
     pool: &mut Pool,
     frame: &Frame,
+    depth: usize,
     evidence: &mut Evidence,
 ) -> Result<Option<(Inputs, Vec<InputCombination>)>, Undecided> {
     let (states, drift, g) = (&frame.fields.states, &frame.fields.drift, &frame.fields.controls);
@@ -41,32 +44,37 @@ pub(crate) fn canceling(
         return Ok(None);
     }
     let mut span = Linearization::at(pool, frame, evidence)?.controllable();
-    let mut pairs = Vec::new();
-    let mut commutators: Vec<Field> = Vec::new();
-    let mut forms: Vec<Field> = Vec::new();
-    for i in 0..m {
-        let derived = bracket(pool, states, drift, &g[i]);
-        for j in 0..=i {
-            pairs.push((i, j));
-            forms.push(bracket(pool, states, &g[j], &derived));
-            commutators.push(bracket(pool, states, &g[i], &g[j]));
-        }
-    }
+    let pairs: Vec<(usize, usize)> = (0..m).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
+    let commutators: Vec<Field> = pairs.iter().map(|&(i, j)| bracket(pool, states, &g[i], &g[j])).collect();
     for c in frame.evaluate(pool, &commutators, evidence)? {
         span.insert(c);
     }
-    // Up to the span, [g_i, [f, g_j]] is symmetric only where [f, [g_i, g_j]] is in it.
-    let values = frame.evaluate(pool, &forms, evidence)?;
-    let reduced: Vec<Vec<Fp>> = values.into_iter().map(|v| span.reduce(v)).collect();
-    let conditions: Vec<Vec<Fp>> = (0..n)
-        .map(|c| {
+    let first_node = pool.len();
+    let mut ends = g.clone();
+    let mut conditions = Echelon::empty(pairs.len());
+    for k in 0..=depth {
+        let mut derived: Vec<Field> = Vec::new();
+        for end in &ends {
+            check_growth(pool, first_node, [drift, end], 1)?;
+            derived.push(bracket(pool, states, drift, end));
+        }
+        let mut forms: Vec<Field> = Vec::new();
+        for &(i, j) in &pairs {
+            check_growth(pool, first_node, [&ends[j], &derived[i]], 1)?;
+            forms.push(bracket(pool, states, &ends[j], &derived[i]));
+        }
+        // Up to the span, the form is symmetric only where [f, [ad_f^k g_i, ad_f^k g_j]] is in it.
+        let values = frame.evaluate(pool, &forms, evidence)?;
+        let reduced: Vec<Vec<Fp>> = values.into_iter().map(|v| span.reduce(v)).collect();
+        let before = conditions.rank();
+        for c in 0..n {
             let twice = |&(i, j): &(usize, usize)| if i == j { Fp::ONE } else { Fp::new(2) };
-            pairs.iter().zip(&reduced).map(|(p, v)| twice(p) * v[c]).collect()
-        })
-        .collect();
-    let conditions = Echelon::new(&conditions, pairs.len());
-    if conditions.rank() == 0 {
-        return Ok(None);
+            conditions.insert(pairs.iter().zip(&reduced).map(|(p, v)| twice(p) * v[c]).collect());
+        }
+        if k == depth && conditions.rank() == before {
+            return Ok(None);
+        }
+        ends = derived;
     }
     let Some(free) = rational_rows(&conditions.nullspace()) else { return Ok(None) };
     if free.is_empty() {

@@ -1,6 +1,6 @@
 //! The inputs of a system with the values that they take.
 
-use bracketry_symbolic::{Expr, Pool};
+use bracketry_symbolic::{Expr, Pool, Rational};
 
 use crate::controllability::input_values::{InputValues, Side};
 use crate::controllability::local::Frame;
@@ -24,6 +24,35 @@ impl InputSet<'_> {
             Some(InputValues::Between(lower, upper)) => lower == f64::NEG_INFINITY && upper == f64::INFINITY,
             Some(InputValues::Unknown) => false,
         }
+    }
+
+    /// Whether the input takes all real numbers to one side of some value, or to both.
+    pub(crate) fn reaches_infinity(&self, i: usize) -> bool {
+        match self.values[i] {
+            Some(InputValues::Between(lower, upper)) => lower == f64::NEG_INFINITY || upper == f64::INFINITY,
+            _ => self.unbounded(i),
+        }
+    }
+
+    /// How far the inputs have to move to lie in their ranges; `None` where they do already or it is not known.
+    pub(crate) fn into_ranges(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> Option<Vec<Expr>> {
+        let numbers = frame.numbers(pool, inputs)?;
+        let mut moves = Vec::new();
+        for ((values, &u), number) in self.values.iter().zip(inputs).zip(numbers) {
+            let end = match *values {
+                Some(InputValues::Between(lower, _)) if number < lower => Some(lower),
+                Some(InputValues::Between(_, upper)) if number > upper => Some(upper),
+                _ => None,
+            };
+            moves.push(match end {
+                Some(end) => {
+                    let end = pool.rational(Rational::simplest_from_f64(end)?);
+                    pool.sub(end, u)
+                }
+                None => pool.int(0),
+            });
+        }
+        moves.iter().any(|&e| !pool.is_zero(e)).then_some(moves)
     }
 
     /// The sides to which the inputs can move from `inputs`; `None` where these are outside of

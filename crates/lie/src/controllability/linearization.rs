@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Expr, Pool, Rational};
 use nalgebra::{DMatrix, DVector};
 
-use crate::algebra::field::Field;
+use crate::algebra::field::{Field, VectorFields};
 use crate::answer::Answer;
 use crate::controllability::local::Frame;
 use crate::evidence::Evidence;
@@ -62,6 +62,13 @@ impl Linearization {
             k += 1;
         }
     }
+}
+
+/// Whether the drift is linear (with a constant part) and the input fields are constant, seen from the expressions.
+pub(crate) fn is_linear(pool: &mut Pool, fields: &VectorFields) -> bool {
+    let mut entries = pool.jacobian(&fields.drift, &fields.states).concat();
+    entries.extend(fields.controls.concat());
+    pool.symbols_of(&entries).iter().all(|s| !fields.states.contains(s))
 }
 
 /// The part of the linearization that no input reaches: the states modulo the controllable subspace span{A^k b_i}.

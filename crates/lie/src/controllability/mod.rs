@@ -1,10 +1,13 @@
 //! What the inputs reach: generically, at a point, by switching.
 
 pub(crate) mod accessibility;
+pub(crate) mod balance;
 pub(crate) mod brockett;
 pub(crate) mod canceled;
 pub(crate) mod canceling;
 pub(crate) mod cone;
+pub(crate) mod decide;
+pub(crate) mod holding;
 pub(crate) mod impulses;
 pub(crate) mod input_set;
 pub(crate) mod input_values;
@@ -20,6 +23,8 @@ pub(crate) mod occurrence;
 pub(crate) mod one_sided;
 pub(crate) mod orbit;
 pub(crate) mod point;
+pub(crate) mod prolonged;
+pub(crate) mod search;
 pub(crate) mod sign;
 pub(crate) mod stlc;
 pub(crate) mod surface;

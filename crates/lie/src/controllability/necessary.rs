@@ -10,6 +10,7 @@ use crate::algebra::involutive::involutive_closure;
 use crate::algebra::span::independent;
 use crate::algebra::span::vanishes;
 use crate::budget::check_growth;
+use crate::controllability::holding::supporting;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::complement;
 use crate::controllability::local::Frame;
@@ -90,7 +91,8 @@ pub(crate) fn stefani(
 ///
 /// If on the hyperplane λ·(x − x0) = 0 near x0 every f + Σ u_i g_i points to one side or along
 /// it, the half-space on that side is invariant (Nagumo 1942) and x0 is no interior point of what
-/// is reached. Tried are the coordinates and the constant λ that annihilate every input field.
+/// is reached. Tried are the coordinates, the constant λ that annihilate every input field, and one that is not negative on
+/// those of one-sided inputs at x0.
 /// `sides` says for each input whether it deviates to one side only; `everywhere`, that the field must point there on the
 /// whole hyperplane, so that trajectories that leave the neighborhood of x0 are bounded by it too.
 pub(crate) fn half_space(
@@ -104,7 +106,7 @@ pub(crate) fn half_space(
     let n = states.len();
     let (variables, offsets) = frame.deviations(pool);
     let near = NearOrigin { frame, variables: variables.clone(), everywhere };
-    for covector in covectors(pool, frame, evidence)? {
+    for covector in covectors(pool, frame, sides, evidence)? {
         let Some(last) = covector.iter().rposition(|c| !pool.is_zero(*c)) else { continue };
         // On the hyperplane the last coordinate is a combination of the others.
         let mut solved = pool.int(0);
@@ -176,8 +178,13 @@ pub(crate) fn half_space(
 const COVECTOR_SEED: u64 = 0x6272_6163_6b65_7406;
 const BOUND: u64 = 1 << 16;
 
-/// The coordinates, and combinations that annihilate every input field everywhere.
-fn covectors(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> Result<Vec<Vec<Expr>>, Undecided> {
+/// The coordinates, combinations that annihilate every input field everywhere, and one that supports the one-sided inputs.
+fn covectors(
+    pool: &mut Pool,
+    frame: &Frame,
+    sides: &[Option<Side>],
+    evidence: &mut Evidence,
+) -> Result<Vec<Vec<Expr>>, Undecided> {
     let n = frame.fields.states.len();
     let zero = pool.int(0);
     let one = pool.int(1);
@@ -202,6 +209,9 @@ fn covectors(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> Result<
         if !all.contains(&covector) {
             all.push(covector);
         }
+    }
+    if let Some(covector) = supporting(pool, frame, sides, evidence)? {
+        all.push(covector.into_iter().map(|c| pool.rational(c)).collect());
     }
     Ok(all)
 }

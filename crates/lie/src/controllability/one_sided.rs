@@ -1,22 +1,23 @@
 //! Inputs that move to one side only, and inputs that balance the drift.
 
-use bracketry_symbolic::{Bindings, Expr, Function, Pool, ZeroTest};
-use nalgebra::DVector;
-use rustc_hash::FxHashMap;
+use bracketry_symbolic::{Expr, Function, Pool, Rational};
 
 use crate::algebra::field::VectorFields;
 use crate::answer::Answer;
+use crate::controllability::balance::balance;
+use crate::controllability::decide::decide;
+use crate::controllability::holding::{Holding, deviations, holding, points_to_one_side};
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::{InputValues, Side};
 use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
 use crate::controllability::necessary::half_space;
-use crate::controllability::stlc::{Stlc, Verdict, decide};
+use crate::controllability::prolonged::with_integrators;
+use crate::controllability::stlc::{Stlc, Verdict};
 use crate::error::Error;
 use crate::evidence::Evidence;
 use crate::options::Limits;
 use crate::reason::StlcReason;
-use crate::residues::{Echelon, Fp};
 
 /// STLC of the system around the point with these inputs there, all free to move.
 pub(crate) fn free(
@@ -46,7 +47,8 @@ pub(crate) fn free(
 ///
 /// Yes:
 /// - where the inputs that are free to both sides suffice;
-/// - where constant inputs inside their ranges hold the point, and the system around these is STLC.
+/// - where constant inputs inside their ranges hold the point, and the system around these is STLC;
+/// - where the system is STLC whose one-sided inputs are squares of integrals of free ones (see [`with_integrators`]).
 pub(crate) fn one_sided(
     pool: &mut Pool,
     frame: &Frame,
@@ -79,7 +81,9 @@ pub(crate) fn one_sided(
             return Ok(Stlc { reason, ..stlc });
         }
     }
-    if let Some(inside) = inside_ranges(pool, frame, sides, evidence)? {
+    if let Some(inside) = deviations(pool, frame, sides, evidence)?
+        && sides.iter().zip(&inside).all(|(s, u)| s.is_none() || !pool.is_zero(*u))
+    {
         // The drift of the frame holds the inputs at the point already.
         let stlc = free(pool, &frame.fields, frame.point(), &inside, limits, evidence)?;
         if stlc.verdict == Verdict::Yes {
@@ -87,155 +91,29 @@ pub(crate) fn one_sided(
             return Ok(Stlc { reason, ..stlc });
         }
     }
+    if let Some(stlc) = with_integrators(pool, frame, sides, limits, evidence)? {
+        return Ok(stlc);
+    }
     Ok(Stlc::inconclusive(StlcReason::OneSidedOpen))
 }
 
-/// Rounds of a search by perceptron.
-const ROUNDS: usize = 1000;
-
-fn points_to_one_side(
-    pool: &mut Pool,
-    frame: &Frame,
-    sides: &[Option<Side>],
-    evidence: &mut Evidence,
-) -> Result<bool, Error> {
-    let n = frame.fields.states.len();
-    let exact = frame.evaluate(pool, &frame.fields.controls, evidence)?;
-    let Some(values) = frame.numbers(pool, &frame.fields.controls.concat()) else { return Ok(false) };
-    let mut directions = Vec::new();
-    for ((exact, value), side) in exact.iter().zip(values.chunks(n)).zip(sides) {
-        if exact.iter().all(|x| *x == Fp::ZERO) {
-            continue;
-        }
-        let (Some(side), v) = (side, DVector::from_column_slice(value)) else { return Ok(false) };
-        if v.norm() == 0.0 {
-            return Ok(false);
-        }
-        directions.push(v.normalize() * side.sign() as f64);
-    }
-    let mut lambda: DVector<f64> = directions.iter().fold(DVector::zeros(n), |s, v| s + v);
-    for _ in 0..ROUNDS {
-        match directions.iter().find(|v| lambda.dot(v) <= 1e-6 * lambda.norm()) {
-            None => return Ok(true),
-            Some(v) => lambda += v,
-        }
-    }
-    Ok(false)
+/// The frame at the inputs given with the point, and the sides to which they can move; absent where they lie outside of their
+/// ranges.
+pub(crate) struct Given<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) sides: Option<&'a [Option<Side>]>,
 }
 
-/// Largest numerator and denominator of constant inputs; most vectors that are combined.
-const BOUND: u64 = 1 << 16;
-const MAX_COMBINED: usize = 4;
-
-/// Deviations of the inputs, strictly inside the one-sided ranges, that leave the state at rest.
-fn inside_ranges(
-    pool: &mut Pool,
-    frame: &Frame,
-    sides: &[Option<Side>],
-    evidence: &mut Evidence,
-) -> Result<Option<Vec<Expr>>, Error> {
-    let (n, m) = (frame.fields.states.len(), sides.len());
-    let values = frame.evaluate(pool, &frame.fields.controls, evidence)?;
-    let rows: Vec<Vec<Fp>> = (0..n).map(|c| values.iter().map(|v| v[c]).collect()).collect();
-    let annihilator: Option<Vec<Vec<(i64, i64)>>> =
-        Echelon::new(&rows, m).nullspace().iter().map(|v| v.iter().map(|x| x.to_fraction(BOUND)).collect()).collect();
-    let Some(annihilator) = annihilator.filter(|k| k.len() <= MAX_COMBINED) else { return Ok(None) };
-    for code in 0..3usize.pow(annihilator.len() as u32) {
-        let factors: Vec<i64> = (0..annihilator.len() as u32).map(|k| (code / 3usize.pow(k) % 3) as i64 - 1).collect();
-        let inside = |i: usize| {
-            let sum: f64 =
-                annihilator.iter().zip(&factors).map(|(v, &c)| c as f64 * v[i].0 as f64 / v[i].1 as f64).sum();
-            sides[i].is_none_or(|s| sum * s.sign() as f64 > 1e-9)
-        };
-        if !(0..m).all(inside) {
-            continue;
-        }
-        let mut found = Vec::new();
-        for i in 0..m {
-            let terms: Vec<Expr> =
-                annihilator.iter().zip(&factors).map(|(v, &c)| pool.ratio(c * v[i].0, v[i].1)).collect();
-            found.push(pool.sum(terms));
-        }
-        return Ok(Some(found));
-    }
-    Ok(None)
-}
-
-/// Inputs, as expressions of parameters, for which the state rests at the point: f + Σ u_i g_i = 0
-/// there, with 0 for inputs that are not needed. `None` if there are none.
-pub(crate) fn balance(
-    pool: &mut Pool,
-    system: &VectorFields,
-    states: &[Expr],
-    evidence: &mut Evidence,
-) -> Result<Option<Vec<Expr>>, Error> {
-    let m = system.controls.len();
-    let zero = pool.int(0);
-    let at: FxHashMap<Expr, Expr> = system.states.iter().zip(states).map(|(&s, &v)| (pool.sym(s), v)).collect();
-    let mut columns: Vec<Vec<Expr>> = Vec::new();
-    for field in system.controls.iter().chain(std::iter::once(&system.drift)) {
-        columns.push(pool.substitute_all(field, &at));
-    }
-    // Rows of (g_1 … g_m | f) at the point, eliminated with exact tests for pivots.
-    let mut rows: Vec<Vec<Expr>> = (0..system.states.len()).map(|c| columns.iter().map(|v| v[c]).collect()).collect();
-    let mut pivots: Vec<(usize, usize)> = Vec::new();
-    for column in 0..m {
-        let next = pivots.len();
-        let mut pivot = None;
-        for (r, row) in rows.iter().enumerate().skip(next) {
-            match nonzero(pool, row[column], &system.bindings) {
-                Some(true) => {
-                    pivot = Some(r);
-                    break;
-                }
-                Some(false) => {}
-                None => return Ok(None),
-            }
-        }
-        let Some(pivot) = pivot else { continue };
-        rows.swap(next, pivot);
-        let head = rows[next].clone();
-        for (r, row) in rows.iter_mut().enumerate() {
-            if r == next || pool.is_zero(row[column]) {
-                continue;
-            }
-            let factor = pool.div(row[column], head[column]);
-            for (x, &h) in row.iter_mut().zip(&head) {
-                let product = pool.mul(factor, h);
-                *x = pool.sub(*x, product);
-            }
-            row[column] = zero;
-        }
-        pivots.push((next, column));
-    }
-    let mut inputs = vec![zero; m];
-    for &(r, column) in &pivots {
-        let quotient = pool.div(rows[r][m], rows[r][column]);
-        let value = pool.neg(quotient);
-        inputs[column] = pool.simplify(value);
-    }
-    let frame = Frame::new(pool, system, states, &inputs)?;
-    Ok(frame.is_equilibrium(pool, evidence)?.then_some(inputs))
-}
-
-fn nonzero(pool: &mut Pool, e: Expr, bindings: &Bindings) -> Option<bool> {
-    if pool.is_zero(e) {
-        return Some(false);
-    }
-    match pool.zero_test(e, bindings) {
-        ZeroTest::Zero(_) => Some(false),
-        ZeroTest::NonZero => Some(true),
-        ZeroTest::Unknown(_) => None,
-    }
-}
-
-/// STLC around the inputs that balance the drift at a point that is no equilibrium for the inputs
-/// given with it; `None` if no inputs do within their ranges.
-pub(crate) fn balanced(
+/// STLC around inputs that hold the point, where those given with it do not, lie outside of their ranges or at an end of
+/// them; `None` if there is nothing to add to the verdict at the inputs given.
+///
+/// If no inputs in their ranges hold it, some λ·x rises at a positive rate, with bounded inputs for a short time: no.
+/// Inputs that all of these have at one end of their ranges stay one-sided.
+pub(crate) fn held(
     pool: &mut Pool,
     system: &VectorFields,
     set: &InputSet<'_>,
-    states: &[Expr],
+    given: &Given<'_>,
     dimension: &Answer<usize>,
     limits: &Limits,
     evidence: &mut Evidence,
@@ -249,17 +127,74 @@ pub(crate) fn balanced(
     if set.values.iter().zip(&set.one_sided).any(open) {
         return Ok(None);
     }
-    let Some(inputs) = balance(pool, system, states, evidence)? else { return Ok(None) };
-    let frame = Frame::new(pool, system, states, &inputs)?;
-    let Some(sides) = set.sides(pool, &frame, &inputs) else { return Ok(None) };
+    let states = given.frame.point();
+    let at_rest = given.sides.is_some() && given.frame.is_equilibrium(pool, evidence)?;
+    let mut base = None;
+    if !at_rest {
+        let zeros = vec![pool.int(0); set.names.len()];
+        let inputs = balance(pool, system, states, &zeros, evidence)?;
+        base = base_at(pool, system, set, states, inputs)?;
+    }
+    // Where all are inside of their ranges nothing is restricted; else others may be farther inside.
+    let mut all_at_ends = true;
+    if base.as_ref().is_none_or(|b| b.sides.iter().any(Option::is_some)) {
+        match holding(pool, system, set, states, evidence)? {
+            Holding::With(inputs) => base = base_at(pool, system, set, states, Some(inputs))?,
+            Holding::Never(covector) => return Ok(Some(separated(pool, system, covector))),
+            Holding::Open => all_at_ends = false,
+        }
+    }
+    let Some(Base { frame, inputs, sides }) = base else { return Ok(None) };
+    if at_rest && given.sides == Some(&sides) {
+        return Ok(None);
+    }
     let linearization = Linearization::at(pool, &frame, evidence)?;
     let stlc = Stlc::or_inconclusive(decide(pool, &frame, dimension, Some(&linearization), limits, evidence));
     let stlc = one_sided(pool, &frame, &sides, stlc, limits, evidence)?;
-    // Other inputs, farther on in their ranges, may hold the point as well.
-    if stlc.verdict == Verdict::No && sides.iter().any(Option::is_some) {
-        return Ok(None);
+    let one_sided = sides.iter().any(Option::is_some);
+    match stlc.verdict {
+        Verdict::No if one_sided && !all_at_ends => return Ok(None),
+        Verdict::Inconclusive if at_rest => return Ok(None),
+        _ => {}
     }
-    let inputs = set.names.iter().zip(&inputs).map(|(n, &u)| (n.clone(), Function::new(pool, u))).collect();
-    let reason = StlcReason::Around { inputs, reason: Box::new(stlc.reason) };
+    let reason = Box::new(stlc.reason);
+    let reason = if at_rest && !one_sided {
+        StlcReason::InsideRanges(reason)
+    } else {
+        let inputs = set.names.iter().zip(&inputs).map(|(n, &u)| (n.clone(), Function::new(pool, u))).collect();
+        StlcReason::Around { inputs, reason }
+    };
     Ok(Some(Stlc { reason, ..stlc }))
+}
+
+/// Inputs that hold the point, and to which sides they can move.
+struct Base {
+    frame: Frame,
+    inputs: Vec<Expr>,
+    sides: Vec<Option<Side>>,
+}
+
+/// `None` where the inputs do not lie in their ranges.
+fn base_at(
+    pool: &mut Pool,
+    system: &VectorFields,
+    set: &InputSet<'_>,
+    states: &[Expr],
+    inputs: Option<Vec<Expr>>,
+) -> Result<Option<Base>, Error> {
+    let Some(inputs) = inputs else { return Ok(None) };
+    let frame = Frame::new(pool, system, states, &inputs)?;
+    let sides = set.sides(pool, &frame, &inputs);
+    Ok(sides.map(|sides| Base { frame, inputs, sides }))
+}
+
+fn separated(pool: &mut Pool, system: &VectorFields, covector: Vec<Rational>) -> Stlc {
+    let mut function = pool.int(0);
+    for (&s, c) in system.states.iter().zip(covector) {
+        let (s, c) = (pool.sym(s), pool.rational(c));
+        let term = pool.mul(c, s);
+        function = pool.add(function, term);
+    }
+    let function = pool.simplify(function);
+    Stlc::new(Verdict::No, StlcReason::Separated(Function::new(pool, function)))
 }

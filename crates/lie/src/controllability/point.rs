@@ -14,11 +14,12 @@ use crate::as_text::serialized_as_text;
 use crate::budget::release;
 use crate::controllability::accessibility::Reach;
 use crate::controllability::brockett::brockett_condition;
+use crate::controllability::decide::decide;
 use crate::controllability::input_set::InputSet;
-use crate::controllability::linearization::{Linearization, uncontrollable};
+use crate::controllability::linearization::{Linearization, is_linear, uncontrollable};
 use crate::controllability::local::Frame;
-use crate::controllability::one_sided::{balanced, one_sided};
-use crate::controllability::stlc::{Stlc, Verdict, decide};
+use crate::controllability::one_sided::{Given, held, one_sided};
+use crate::controllability::stlc::{Stlc, Verdict};
 use crate::controllability::unbounded::unbounded;
 use crate::controllability::uncontrollable::{Mode, uncontrollable_modes};
 use crate::dimensions::Dimensions;
@@ -94,13 +95,6 @@ pub(crate) fn of_smoothed(report: PointReport, vanishing: Vec<Vanishing>, epsilo
     PointReport { of: Subject::Smoothed, epsilon: Some(epsilon.to_f64().value()), vanishing, ..report }
 }
 
-/// Whether the drift is linear (with a constant part) and the input fields are constant, seen from the expressions.
-fn is_linear(pool: &mut Pool, fields: &VectorFields) -> bool {
-    let mut entries = pool.jacobian(&fields.drift, &fields.states).concat();
-    entries.extend(fields.controls.concat());
-    pool.symbols_of(&entries).iter().all(|s| !fields.states.contains(s))
-}
-
 /// All statements at a point, made of the fields of one mode or of the smoothed model.
 pub(crate) fn point_report(
     pool: &mut Pool,
@@ -131,18 +125,21 @@ pub(crate) fn point_report(
     let values = names.iter().map(|n| options.ranges.iter().find(|r| r.0 == *n).map(|r| r.1)).collect();
     let said = names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
     let set = InputSet { names, values, one_sided: said };
-    let around = if !equilibrium && stlc.verdict == Verdict::Inconclusive {
-        balanced(pool, fields, &set, &point.states, &local.dimension, limits, evidence)?
+    let sides = set.sides(pool, &frame, &point.inputs);
+    let restricted = sides.as_ref().is_none_or(|s| s.iter().any(Option::is_some));
+    let around = if stlc.verdict != Verdict::No && (!equilibrium || restricted) {
+        let given = Given { frame: &frame, sides: sides.as_deref() };
+        held(pool, fields, &set, &given, &local.dimension, limits, evidence)?
     } else {
         None
     };
-    let stlc = match (around, set.sides(pool, &frame, &point.inputs)) {
+    let stlc = match (around, &sides) {
         (Some(around), _) => around,
-        (None, Some(sides)) => one_sided(pool, &frame, &sides, stlc, limits, evidence)?,
+        (None, Some(sides)) => one_sided(pool, &frame, sides, stlc, limits, evidence)?,
         (None, None) if stlc.verdict == Verdict::No => stlc,
         (None, None) => Stlc::inconclusive(StlcReason::NotInRanges),
     };
-    let sides = set.sides(pool, &frame, &point.inputs).unwrap_or_else(|| vec![None; names.len()]);
+    let sides = sides.unwrap_or_else(|| vec![None; names.len()]);
     let stlc = unbounded(pool, &frame, &set, &point.inputs, &sides, stlc, evidence)?;
     let rank = linearization.as_ref().map(|l| l.controllable().rank());
     let driftless = is_plain_zero(pool, &fields.drift);

@@ -2,20 +2,10 @@
 
 use std::fmt;
 
-use bracketry_symbolic::Pool;
 use serde::Serialize;
 
-use crate::algebra::field::is_plain_zero;
-use crate::answer::Answer;
-use crate::controllability::canceling::canceling;
-use crate::controllability::linearization::Linearization;
-use crate::controllability::local::Frame;
-use crate::controllability::necessary::{definite_form, half_space, stefani};
-use crate::controllability::sussmann::{Brackets, Inputs, Obstruction, Outcome, choices, shortened};
-use crate::evidence::Evidence;
-use crate::options::Limits;
+use crate::controllability::sussmann::Obstruction;
 use crate::reason::StlcReason;
-use crate::residues::Echelon;
 use crate::undecided::Undecided;
 
 /// Whether the inputs reach a full neighborhood in arbitrarily short time.
@@ -110,7 +100,7 @@ impl Stlc {
     }
 
     /// With the weights for which Sussmann's condition holds.
-    fn holding(self, weights: Vec<u32>) -> Self {
+    pub(crate) fn holding(self, weights: Vec<u32>) -> Self {
         Stlc { weights: Some(weights), general_condition: Some(GeneralCondition::Holds), ..self }
     }
 
@@ -128,147 +118,4 @@ impl Stlc {
     pub(crate) fn not_accessible(dimension: usize, states: usize) -> Self {
         Stlc::new(Verdict::No, StlcReason::NotAccessible { dimension, states })
     }
-}
-
-/// Most new nodes that the weights of a condition may take that is known to hold.
-const FEW_NODES: usize = 5_000;
-
-/// Decides STLC with inputs that are free within bounds around their values at the point, as far as the conditions below go.
-/// A "yes" holds for every bound, however small, and a "no" for every bound, however large.
-///
-/// - not an equilibrium and f(x0) outside span g(x0): no (bounded inputs cannot hold the state);
-/// - dimension at x0 not full: no (the orbit is a lower-dimensional manifold, Nagano–Sussmann);
-/// - controllable linearization: yes;
-/// - no drift and full dimension: yes (Chow–Rashevskii);
-/// - an invariant half-space: no (see [`half_space`]);
-/// - Sussmann's general condition, also after a change of the inputs: yes;
-/// - one input: no where Stefani's necessary condition fails (see [`stefani`]);
-/// - a definite second-order form: no (see [`definite_form`]).
-///
-/// [`Stlc::or_inconclusive`] turns what an exact test leaves open into a verdict.
-pub(crate) fn decide(
-    pool: &mut Pool,
-    frame: &Frame,
-    dimension: &Answer<usize>,
-    linearization: Option<&Linearization>,
-    limits: &Limits,
-    evidence: &mut Evidence,
-) -> Result<Stlc, Undecided> {
-    let n = frame.fields.states.len();
-    let Some(linearization) = linearization else {
-        let mut span = Echelon::new(&frame.evaluate(pool, &frame.fields.controls, evidence)?, n);
-        let drift = frame.evaluate(pool, std::slice::from_ref(&frame.fields.drift), evidence)?;
-        return Ok(if drift.into_iter().any(|f| span.insert(f)) {
-            Stlc::new(Verdict::No, StlcReason::NotBalanced)
-        } else {
-            Stlc::inconclusive(StlcReason::NoEquilibrium)
-        });
-    };
-    match dimension {
-        Answer::Known(d) if *d < n => {
-            return Ok(Stlc::not_accessible(*d, n));
-        }
-        _ => {}
-    }
-    let controllable = linearization.controllable();
-    let inputs = frame.fields.controls.len();
-    if controllable.rank() == n {
-        // Equal weights if few brackets show it; else brackets with one input, which span all,
-        // weigh less than those with two.
-        let few = Limits { nodes: limits.nodes.min(FEW_NODES), ..*limits };
-        let mut brackets = Brackets::new(pool, frame, Inputs::given(frame), &few);
-        let equal = vec![1; inputs + 1];
-        let holds = matches!(brackets.test(pool, &equal, evidence), Ok(Outcome::Holds));
-        let weights = if holds { vec![1, 1] } else { vec![1, linearization.index() as u32] };
-        return Ok(Stlc::new(Verdict::Yes, StlcReason::Controllable).holding(weights));
-    }
-    if let Some(reason) = half_space(pool, frame, &vec![None; inputs], false, evidence)? {
-        let mut stlc = Stlc::new(Verdict::No, reason);
-        if dimension.known().is_some() {
-            let general = general(pool, frame, limits, evidence)?;
-            stlc.general_condition = general.general_condition;
-            stlc.weights_tried = general.weights_tried;
-            stlc.obstruction = general.obstruction;
-        }
-        return Ok(stlc);
-    }
-    if let Answer::Unknown(why) = dimension {
-        return Ok(Stlc::inconclusive(StlcReason::DimensionOpen(why.clone())));
-    }
-    if is_plain_zero(pool, &frame.fields.drift) {
-        // No bracket with f is left to be neutralized.
-        return Ok(Stlc::new(Verdict::Yes, StlcReason::NoDrift).holding(vec![1, 1]));
-    }
-    let mut stlc = general(pool, frame, limits, evidence)?;
-    if stlc.verdict == Verdict::Yes {
-        return Ok(stlc);
-    }
-    if let [g] = frame.fields.controls.as_slice()
-        && let Some(k) = stefani(pool, frame, g, &controllable, limits, evidence)?
-    {
-        stlc.verdict = Verdict::No;
-        stlc.reason = StlcReason::Stefani(k);
-        return Ok(stlc);
-    }
-    if let Some(k) = definite_form(pool, frame, evidence)? {
-        stlc.verdict = Verdict::No;
-        stlc.reason = StlcReason::DefiniteForm(k);
-    }
-    Ok(stlc)
-}
-
-/// Sussmann's condition for all weights that are tried, and where inputs can be chosen so that
-/// their bad brackets of second order cancel, also for those.
-fn general(pool: &mut Pool, frame: &Frame, limits: &Limits, evidence: &mut Evidence) -> Result<Stlc, Undecided> {
-    let m = frame.fields.controls.len();
-    let given = search(pool, frame, Inputs::given(frame), limits, evidence)?;
-    if given.verdict == Verdict::Yes || m < 2 {
-        return Ok(given);
-    }
-    if let Some((inputs, combinations)) = canceling(pool, frame, evidence)? {
-        let changed = search(pool, frame, inputs, limits, evidence)?;
-        if changed.verdict == Verdict::Yes {
-            let reason = StlcReason::InputsAlong { reason: Box::new(changed.reason), inputs: combinations };
-            return Ok(Stlc { reason, ..changed });
-        }
-    }
-    Ok(given)
-}
-
-fn search(
-    pool: &mut Pool,
-    frame: &Frame,
-    inputs: Inputs,
-    limits: &Limits,
-    evidence: &mut Evidence,
-) -> Result<Stlc, Undecided> {
-    let m = inputs.fields.len();
-    let mut brackets = Brackets::new(pool, frame, inputs, limits);
-    let mut stlc = Stlc::inconclusive(StlcReason::TooManyBrackets);
-    let mut open = false;
-    for weights in choices(m) {
-        stlc.weights_tried.push(shortened(&weights));
-        match brackets.test(pool, &weights, evidence)? {
-            Outcome::Holds => {
-                let weights = shortened(&weights);
-                let reason = StlcReason::Sussmann { weights: weights.clone() };
-                let holds = Stlc::new(Verdict::Yes, reason).holding(weights);
-                return Ok(Stlc { weights_tried: stlc.weights_tried, ..holds });
-            }
-            Outcome::Obstructed(o) => {
-                stlc.obstruction.get_or_insert(o);
-            }
-            Outcome::TooLarge => open = true,
-        }
-    }
-    stlc.general_condition = Some(if open { GeneralCondition::Unknown } else { GeneralCondition::Obstructed });
-    if let Some(o) = &stlc.obstruction {
-        stlc.reason = StlcReason::Obstructed {
-            bracket: o.bracket.clone(),
-            weights: o.weights.clone(),
-            further: stlc.weights_tried.len() - 1,
-            too_many: open,
-        };
-    }
-    Ok(stlc)
 }

@@ -2,4 +2,5 @@
 
 pub(crate) mod matrix;
 pub(crate) mod numerical;
+pub(crate) mod program;
 pub(crate) mod spectrum;
