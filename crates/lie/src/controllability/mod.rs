@@ -9,6 +9,7 @@ pub(crate) mod input_values;
 pub(crate) mod involutive;
 pub(crate) mod linearization;
 pub(crate) mod local;
+pub(crate) mod local_degree;
 pub(crate) mod monotone;
 pub(crate) mod necessary;
 pub(crate) mod one_sided;

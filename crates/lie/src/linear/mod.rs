@@ -2,4 +2,5 @@
 
 pub(crate) mod matrix;
 pub(crate) mod numerical;
+pub(crate) mod polynomial;
 pub(crate) mod spectrum;
