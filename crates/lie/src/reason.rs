@@ -449,7 +449,9 @@ pub enum FlatnessReason {
     )]
     NotRuled,
     /// The new inputs of the affine form are not independent functions of the old ones.
-    #[error("the affine form has inputs that depend on each other; its flatness says nothing of the model, and the model's velocities are not seen to exclude it")]
+    #[error(
+        "the affine form has inputs that depend on each other; its flatness says nothing of the model, and the model's velocities are not seen to exclude it"
+    )]
     DependentInputs,
     /// m = n − 1.
     #[error("accessible with one input less than states (Charlet, Lévine and Marino 1989)")]

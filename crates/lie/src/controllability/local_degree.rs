@@ -36,10 +36,7 @@ pub(crate) fn has_local_degree(mut map: Vec<MultivariatePolynomial>, mut variabl
 
 /// A variable and its value where the component vanishes; no value if the component is an even power, so that the
 /// degree is zero.
-fn pivot(
-    p: &MultivariatePolynomial,
-    variables: &[usize],
-) -> Option<(usize, Option<MultivariatePolynomial>)> {
+fn pivot(p: &MultivariatePolynomial, variables: &[usize]) -> Option<(usize, Option<MultivariatePolynomial>)> {
     for &v in variables {
         let least = p.terms().map(|(m, _)| m[v]).min().unwrap_or(0);
         let alone = |m: &[u32], k: u32| m.iter().enumerate().all(|(i, &e)| e == if i == v { k } else { 0 });

@@ -1,84 +1,53 @@
-//! The input combinations that keep the second distribution involutive.
+//! Input combinations along which the second distribution stays small.
 
 use bracketry_symbolic::{Expr, Pool};
 
 use crate::algebra::field::{Field, VectorFields, bracket};
-use crate::algebra::matrix::{generic_rank, reduced, solve};
-use crate::algebra::rational::readable::tidy;
+use crate::algebra::matrix::reduced;
+use crate::algebra::rational::readable::{square_root, tidy};
 use crate::algebra::span::independent;
-use crate::algebra::subsets::subsets;
 use crate::evidence::Evidence;
 use crate::undecided::Undecided;
 
 impl VectorFields {
-    /// Combinations Y = Σ α_i(x) g_i with `Σ α_i [g_j, [f, g_i]]` in D_1 = span{g_i, [f, g_i]} for all j, where D_1 is not
-    /// involutive: along them, an involutive distribution between D_0 and D_1 may exist, whose integrals are candidates for
-    /// flat outputs (Gstöttner, Kolar and Schöberl 2021). They do not depend on the choice of the inputs. Empty if
-    /// there are none, or D_1 has not 2m dimensions.
+    /// Of two inputs, the combinations Y = α_1(x) g_1 + α_2(x) g_2 for which [Y, [f, Y]] lies in D_1 = span{g_i, [f, g_i]}, as far
+    /// as the derivatives of α along the inputs do not count: functions that g_1, g_2 and [f, Y] keep constant are candidates
+    /// for flat outputs, as the center of oscillation of a rigid body is (Martin, Devasia and Paden 1996). They do not depend
+    /// on the choice of the inputs: α are the zeros of a quadratic form. Empty if D_1 has not four dimensions, or a zero is
+    /// not written out.
     pub(crate) fn characteristic_inputs(
         &self,
         pool: &mut Pool,
         evidence: &mut Evidence,
     ) -> Result<Vec<Field>, Undecided> {
-        let (n, m) = (self.states.len(), self.controls.len());
-        let along: Vec<Field> =
-            self.controls.iter().map(|g| bracket(pool, &self.states, &self.drift, g)).collect();
+        let n = self.states.len();
+        if self.controls.len() != 2 {
+            return Ok(Vec::new());
+        }
+        let along: Vec<Field> = self.controls.iter().map(|g| bracket(pool, &self.states, &self.drift, g)).collect();
         let spanning: Vec<Field> = self.controls.iter().chain(&along).cloned().collect();
         let basis = independent(pool, &spanning, &self.bindings, evidence)?;
-        if basis.len() != 2 * m || basis.len() >= n {
+        if basis.len() != 4 || n < 5 {
             return Ok(Vec::new());
         }
         let basis = reduced(pool, &basis, &self.bindings, evidence)?;
         let Some(pivots) = pivots(pool, &basis) else { return Ok(Vec::new()) };
-        let mut rows = Vec::new();
-        for g in &self.controls {
-            let columns: Vec<Field> = along
-                .iter()
-                .map(|y| {
-                    let z = bracket(pool, &self.states, g, y);
-                    modulo(pool, z, &basis, &pivots)
-                })
-                .collect();
-            for k in (0..n).filter(|k| !pivots.contains(k)) {
-                rows.push(columns.iter().map(|c| c[k]).collect::<Vec<Expr>>());
-            }
+        let mut entries: Vec<Field> = Vec::new();
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let z = bracket(pool, &self.states, &self.controls[i], &along[j]);
+            entries.push(modulo(pool, z, &basis, &pivots));
         }
-        let kernel = self.kernel(pool, &rows, evidence)?;
-        Ok(kernel.into_iter().map(|alpha| self.combination(pool, &alpha)).collect())
-    }
-
-    /// A basis of {α : M α = 0}; empty if all α are in it, or it is not written out.
-    fn kernel(
-        &self,
-        pool: &mut Pool,
-        rows: &[Vec<Expr>],
-        evidence: &mut Evidence,
-    ) -> Result<Vec<Vec<Expr>>, Undecided> {
-        let m = self.controls.len();
-        let rank = pool.rank(rows, &self.bindings)?;
-        evidence.add(&rank.certificate);
-        if rank.rank == 0 || rank.rank == m {
-            return Ok(Vec::new());
-        }
-        let top: Vec<&Vec<Expr>> = rank.independent.iter().map(|&i| &rows[i]).collect();
-        let (zero, one) = (pool.int(0), pool.int(1));
-        for pivots in subsets(m, rank.rank) {
-            let b: Vec<Vec<Expr>> = top.iter().map(|row| pivots.iter().map(|&j| row[j]).collect()).collect();
-            if generic_rank(pool, &b, &self.bindings, evidence)? < rank.rank {
-                continue;
+        for k in (0..n).filter(|k| !pivots.contains(k)) {
+            let mixed = pool.add(entries[1][k], entries[2][k]);
+            let mut form = Vec::new();
+            for e in [entries[0][k], mixed, entries[3][k]] {
+                let zero = self.vanishes(pool, e, evidence)?;
+                form.push(if zero { pool.int(0) } else { tidy(pool, e) });
             }
-            let mut kernel = Vec::new();
-            for free in (0..m).filter(|j| !pivots.contains(j)) {
-                let column: Vec<Expr> = top.iter().map(|row| pool.neg(row[free])).collect();
-                let Some(x) = solve(pool, &b, &column) else { return Ok(Vec::new()) };
-                let mut alpha = vec![zero; m];
-                alpha[free] = one;
-                for (&j, x) in pivots.iter().zip(x) {
-                    alpha[j] = tidy(pool, x);
-                }
-                kernel.push(alpha);
+            if form.iter().any(|&e| !pool.is_zero(e)) {
+                let zeros = zeros(pool, [form[0], form[1], form[2]]);
+                return Ok(zeros.into_iter().map(|alpha| self.combination(pool, &alpha)).collect());
             }
-            return Ok(kernel);
         }
         Ok(Vec::new())
     }
@@ -96,6 +65,48 @@ impl VectorFields {
             })
             .collect()
     }
+}
+
+/// The zeros of a α_1² + b α_1 α_2 + c α_2², where they are written out.
+fn zeros(pool: &mut Pool, [a, b, c]: [Expr; 3]) -> Vec<[Expr; 2]> {
+    let (zero, one) = (pool.int(0), pool.int(1));
+    let ratio = |pool: &mut Pool, top: Expr, bottom: Expr| {
+        let e = pool.div(top, bottom);
+        tidy(pool, e)
+    };
+    if pool.is_zero(a) {
+        let mut list = vec![[one, zero]];
+        if !pool.is_zero(b) {
+            let minus = pool.neg(c);
+            let x = ratio(pool, minus, b);
+            list.push([x, one]);
+        }
+        return list;
+    }
+    let (square, four) = (pool.powi(b, 2), pool.int(4));
+    let product = pool.mul(a, c);
+    let product = pool.mul(four, product);
+    let discriminant = pool.sub(square, product);
+    let Some(root) = square_root(pool, discriminant) else { return Vec::new() };
+    let two = pool.int(2);
+    let bottom = pool.mul(two, a);
+    let minus = pool.neg(b);
+    let tops = [pool.add(minus, root), pool.sub(minus, root)];
+    let mut list: Vec<[Expr; 2]> = Vec::new();
+    for top in tops {
+        let x = ratio(pool, top, bottom);
+        if !list.contains(&[x, one]) {
+            list.push([x, one]);
+        }
+    }
+    // Without the division, which hides what the distribution keeps constant.
+    for top in tops {
+        let factors = [tidy(pool, top), tidy(pool, bottom)];
+        if factors.iter().any(|&e| !pool.is_zero(e)) {
+            list.push(factors);
+        }
+    }
+    list
 }
 
 /// Per field a component that is 1 there and plainly zero in the others; `None` if there is none.

@@ -124,7 +124,9 @@ impl Critical<'_> {
                 Some(_) => self.set.vanishes_at_point(pool, base, evidence) == Some(false),
                 None => false,
             },
-            Node::Call(Func::Sin | Func::Cos | Func::Exp | Func::Sinh | Func::Cosh | Func::Tanh | Func::Atan, _) => true,
+            Node::Call(Func::Sin | Func::Cos | Func::Exp | Func::Sinh | Func::Cosh | Func::Tanh | Func::Atan, _) => {
+                true
+            }
             Node::Call(..) | Node::Call2(..) => false,
         })
     }

@@ -34,9 +34,9 @@ pub(crate) struct Flatness {
 /// Most tuples of outputs for which the dynamic extension algorithm is run.
 const MAX_TUPLES: usize = 30;
 /// Most new nodes of the pool for one of them.
-const MAX_TUPLE_NODES: usize = 6_000;
+const MAX_TUPLE_NODES: usize = 20_000;
 /// Most new nodes in the whole search.
-const MAX_SEARCH_NODES: usize = 30_000;
+const MAX_SEARCH_NODES: usize = 100_000;
 /// Most integrators in front of one input in the search for a linearizable prolongation.
 const MAX_PROLONGATION: usize = 3;
 /// Most integrators together: the derivatives grow with their number.
@@ -257,7 +257,7 @@ impl Search<'_> {
     }
 
     /// Functions that some inputs reach late: integrals of the closure of all input fields with `ad_f^k Y`, for Y of a
-    /// subset of the input fields or of the characteristic combinations. The one that leaves as many functions as there
+    /// subset of the input fields, or one of their characteristic combinations. The one that leaves as many functions as there
     /// are inputs.
     fn integrals(&mut self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Option<Flatness>, Undecided> {
         let (n, m) = (self.system.states.len(), self.system.controls.len());
@@ -272,11 +272,12 @@ impl Search<'_> {
                 }
             }
         }
-        let characteristic = self.system.characteristic_inputs(pool, evidence)?;
-        if characteristic.is_empty() || self.exhausted(pool) {
-            return Ok(None);
+        for y in self.system.characteristic_inputs(pool, evidence)? {
+            if let Some(found) = self.reached_late(pool, vec![y], evidence)? {
+                return Ok(Some(found));
+            }
         }
-        self.reached_late(pool, characteristic, evidence)
+        Ok(None)
     }
 
     /// Flat outputs among the functions that `last` reach later than the other inputs.

@@ -119,8 +119,7 @@ impl PolynomialField<'_> {
     fn falls_to_rest(&self, rate: &MultivariatePolynomial) -> bool {
         let falling: Vec<&Vec<u32>> =
             rate.terms().filter(|(m, c)| even(m) && **c < Rational::ZERO).map(|(m, _)| m).collect();
-        let dominated =
-            |m: &Vec<u32>| falling.iter().any(|f| *f == m || f.iter().zip(m).all(|(a, b)| a <= b));
+        let dominated = |m: &Vec<u32>| falling.iter().any(|f| *f == m || f.iter().zip(m).all(|(a, b)| a <= b));
         if !rate.terms().all(|(m, _)| dominated(m)) {
             return false;
         }
@@ -187,9 +186,8 @@ impl PolynomialField<'_> {
 
 /// The coefficient of s^k of a polynomial at power series in s.
 fn power_of(f: &MultivariatePolynomial, series: &[UnivariatePolynomial], k: usize) -> Rational {
-    let cut = |p: UnivariatePolynomial| {
-        UnivariatePolynomial::new(p.coefficients().iter().take(k + 1).cloned().collect())
-    };
+    let cut =
+        |p: UnivariatePolynomial| UnivariatePolynomial::new(p.coefficients().iter().take(k + 1).cloned().collect());
     let mut sum = Rational::ZERO;
     for (m, c) in f.terms().filter(|(m, _)| m.iter().sum::<u32>() as usize <= k) {
         let mut product = UnivariatePolynomial::new(vec![c.clone()]);

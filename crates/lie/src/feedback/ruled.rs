@@ -150,7 +150,10 @@ fn values_at(pool: &mut Pool, system: &GeneralSystem, list: &[Expr], k: usize) -
         };
         // An angle and an exponent in one place have no rational values together.
         let exponential = f == Func::Exp;
-        if functions.keys().any(|&g| matches!(pool.node(g), Node::Call(h, b) if b == a && (h == Func::Exp) != exponential)) {
+        if functions
+            .keys()
+            .any(|&g| matches!(pool.node(g), Node::Call(h, b) if b == a && (h == Func::Exp) != exponential))
+        {
             return None;
         }
         inside.push(s);
