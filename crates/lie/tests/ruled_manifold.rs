@@ -35,7 +35,8 @@ const NOT_RULED: &[&str] = &[
 ];
 
 /// Affine, products, and cones: in every case lines through all points.
-const RULED: &[&str] = &["u*v", "u*v + u*y + v*x", "(u + v)*(u - 2*v)", "y*u", "u^2 - v^2 + z", "u^2*v", "v*sin(u)", "u^2/v"];
+const RULED: &[&str] =
+    &["u*v", "u*v + u*y + v*x", "(u + v)*(u - 2*v)", "y*u", "u^2 - v^2 + z", "u^2*v", "v*sin(u)", "u^2/v"];
 
 #[test]
 fn surfaces_without_lines_exclude_flatness() {
