@@ -10,7 +10,7 @@ use crate::linear::matrix::RationalMatrix;
 /// Points at which the condition is looked at.
 const POINTS: usize = 6;
 /// Larger right-hand sides, written out as trees, are not looked at.
-const MAX_TREE: f64 = 5_000.0;
+const MAX_TREE: f64 = 1_000.0;
 /// Most inputs.
 const MAX_INPUTS: usize = 6;
 /// Highest derivatives that are looked at for two inputs.
@@ -106,11 +106,14 @@ pub(crate) fn not_ruled(pool: &mut Pool, system: &GeneralSystem, bindings: &Bind
     let dynamics = pool.substitute_all(&system.dynamics, &values);
     let first = pool.jacobian(&dynamics, &system.inputs).concat();
     let second = pool.jacobian(&first, &system.inputs).concat();
-    let two = m == 2;
     let affine: Vec<bool> = second.chunks(m * m).map(|h| h.iter().all(|&e| pool.is_zero(e))).collect();
-    let mut higher = if two { second.clone() } else { Vec::new() };
+    if affine.iter().all(|&a| a) {
+        return false;
+    }
+    let graph = m == 2 && affine.iter().filter(|&&a| a).count() >= 2;
+    let mut higher = if graph { second.clone() } else { Vec::new() };
     let mut all = [first, second].concat();
-    if two {
+    if graph {
         for _ in 3..=MAX_ORDER {
             higher = pool.jacobian(&higher, &system.inputs).concat();
             all.extend(&higher);
@@ -118,7 +121,7 @@ pub(crate) fn not_ruled(pool: &mut Pool, system: &GeneralSystem, bindings: &Bind
     }
     (0..POINTS).any(|k| {
         let Some(values) = values_at(pool, system, &all, k) else { return false };
-        At { inputs: m, affine: &affine, values: &values }.excludes_lines()
+        At { inputs: m, affine: &affine, graph, values: &values }.excludes_lines()
     })
 }
 
@@ -180,7 +183,9 @@ struct At<'a> {
     inputs: usize,
     /// Per component of F whether it is affine in the inputs.
     affine: &'a [bool],
-    /// Those of first order, row by row, then those of second order and, with two inputs, of higher ones.
+    /// Whether there are values of higher order: two inputs enter two equations at least affinely.
+    graph: bool,
+    /// Those of first order, row by row, then those of second order and, where they count, of higher ones.
     values: &'a [Rational],
 }
 
@@ -209,7 +214,7 @@ impl At<'_> {
                 form
             })
             .collect();
-        no_common_zero(&forms, m) || (m == 2 && self.excludes_lines_by_higher_orders(&jacobian, &hessians))
+        no_common_zero(&forms, m) || (self.graph && self.excludes_lines_by_higher_orders(&jacobian, &hessians))
     }
 
     /// For two inputs of which two equations are affine: whether the forms of all orders have no common real zero.
