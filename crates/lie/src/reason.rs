@@ -513,6 +513,39 @@ pub enum MinimumPhaseReason {
         /// The first power that occurs.
         order: usize,
     },
+    /// A Lyapunov function.
+    #[error("the Lyapunov function {function} falls along all motions near the equilibrium (LaSalle)")]
+    Lyapunov {
+        /// The function.
+        function: Function,
+    },
+    /// The same backwards in time.
+    #[error("{function} rises along all motions near the equilibrium, which is unstable")]
+    Repels {
+        /// The function.
+        function: Function,
+    },
+    /// A first integral.
+    #[error("{function} never changes{}", if *.stable {
+        " and has a strict extremum at the equilibrium: only stable, not asymptotically"
+    } else {
+        ", so that the motions nearby do not all approach the equilibrium"
+    })]
+    Conserved {
+        /// The integral.
+        function: Function,
+        /// Whether its second derivatives are definite, so that the equilibrium is stable.
+        stable: bool,
+    },
+    /// s' = c s^k + … on a center manifold of dimension 1.
+    #[error("on the center manifold the motion begins with a {} multiple of the power {order} (Carr 1981)",
+        if *.falls { "negative" } else { "positive" })]
+    CenterManifold {
+        /// k.
+        order: usize,
+        /// Whether c < 0.
+        falls: bool,
+    },
     /// Not decided.
     #[error(transparent)]
     Open(#[from] Reason),
@@ -532,6 +565,16 @@ pub enum FlatnessReason {
         "a system with one input is flat only if it is linearizable by static feedback (Charlet, Lévine and Marino 1989)"
     )]
     OneInput,
+    /// The velocities that the inputs give do not form a ruled manifold.
+    #[error(
+        "no line lies in the set of velocities that the inputs give, which is no ruled manifold (Rouchon 1994, Sluis 1993)"
+    )]
+    NotRuled,
+    /// The new inputs of the affine form are not independent functions of the old ones.
+    #[error(
+        "the affine form has inputs that depend on each other; its flatness says nothing of the model, and the model's velocities are not seen to exclude it"
+    )]
+    DependentInputs,
     /// m = n − 1.
     #[error("accessible with one input less than states (Charlet, Lévine and Marino 1989)")]
     OneInputLess,

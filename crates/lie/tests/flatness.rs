@@ -287,3 +287,89 @@ fn outputs_that_depend_on_each_other_cannot_be_extended() {
     let e = v.dynamic_extension(&mut s.pool, &outputs, &s.inputs, limits, &mut Evidence::default()).unwrap();
     assert!(e.is_none());
 }
+
+/// The planar VTOL with the thrusts of its two rotors as inputs: the center of oscillation does not depend on the choice
+/// of the inputs, nor on arms of different length.
+#[test]
+fn rotor_thrusts_and_other_combinations_of_the_inputs() {
+    for [thrust, roll] in [["f1 + f2", "f1 - f2"], ["f1 + f2", "2*f1 - 3*f2"], ["2*f1 + f2", "f2 - f1"]] {
+        let rhs = [
+            "vx".to_owned(),
+            "vy".to_owned(),
+            "w".to_owned(),
+            format!("-sin(th)*({thrust}) + ep*cos(th)*({roll})"),
+            format!("cos(th)*({thrust}) + ep*sin(th)*({roll}) - gr"),
+            roll.to_owned(),
+        ];
+        let rhs: Vec<&str> = rhs.iter().map(String::as_str).collect();
+        let parameters = [("gr", ratio(981, 100)), ("ep", ratio(1, 2))];
+        let s = system(&["x", "y", "th", "vx", "vy", "w"], &["f1", "f2"], &parameters, &rhs, &[], None);
+        let f = flatness(&s);
+        assert_eq!(f.verdict, FlatnessVerdict::Yes, "{thrust}, {roll}: {}", f.reason);
+        assert_eq!(f.flat_outputs[0], "x - ep*sin(th)");
+        assert!(adds_up(&s, &f), "{f:?}");
+    }
+}
+
+/// Trolley and winch by their accelerations: the position of the load.
+#[test]
+fn crane_with_accelerated_trolley_and_rope() {
+    let s = system(
+        &["x", "r", "th", "vx", "vr", "w"],
+        &["a", "b"],
+        &[("g", ratio(981, 100))],
+        &["vx", "vr", "w", "a", "b", "-(2*vr*w + g*sin(th) + a*cos(th))/r"],
+        &[],
+        None,
+    );
+    let f = flatness(&s);
+    assert_eq!(f.verdict, FlatnessVerdict::Yes, "{}", f.reason);
+    assert!(adds_up(&s, &f), "{f:?}");
+}
+
+/// A planar arm whose last joint is passive, in the horizontal plane, by the acceleration of that joint: the center of
+/// percussion of the last link.
+#[test]
+fn planar_arm_with_a_passive_last_joint() {
+    let s = system(
+        &["x", "y", "th", "vx", "vy", "w"],
+        &["a", "b"],
+        &[("K", ratio(2, 3))],
+        &["vx", "vy", "w", "a", "b", "(a*sin(th) - b*cos(th))/K"],
+        &[],
+        None,
+    );
+    let f = flatness(&s);
+    assert_eq!(f.verdict, FlatnessVerdict::Yes, "{}", f.reason);
+    assert!(f.flat_outputs.iter().any(|h| *h == "x + K*cos(th)" || *h == "K*cos(th) + x"), "{f:?}");
+    assert!(adds_up(&s, &f), "{f:?}");
+}
+
+/// A quadrotor by the thrusts of its rotors.
+#[test]
+fn quadrotor_by_rotor_thrusts() {
+    let s = system(
+        &["x", "y", "z", "a", "b", "c", "ph", "th", "ps", "p", "q", "r"],
+        &["f1", "f2", "f3", "f4"],
+        &[("g", ratio(981, 100))],
+        &[
+            "a",
+            "b",
+            "c",
+            "(f1 + f2 + f3 + f4)*(cos(ph)*sin(th)*cos(ps) + sin(ph)*sin(ps))",
+            "(f1 + f2 + f3 + f4)*(cos(ph)*sin(th)*sin(ps) - sin(ph)*cos(ps))",
+            "(f1 + f2 + f3 + f4)*cos(ph)*cos(th) - g",
+            "p + sin(ph)*tan(th)*q + cos(ph)*tan(th)*r",
+            "cos(ph)*q - sin(ph)*r",
+            "(sin(ph)*q + cos(ph)*r)/cos(th)",
+            "q*r + f2 - f4",
+            "-p*r + f3 - f1",
+            "p*q/2 + (f1 - f2 + f3 - f4)/10",
+        ],
+        &[],
+        None,
+    );
+    let f = flatness(&s);
+    assert_eq!(f.verdict, FlatnessVerdict::Yes, "{}", f.reason);
+    assert!(adds_up(&s, &f), "{f:?}");
+}

@@ -351,6 +351,31 @@ fn uncontrollable_modes_and_what_they_act_on() {
 }
 
 /// Brockett 1983; attitude with two torques: Byrnes and Isidori 1991; x' = x + u^3: Kawski 1989.
+/// Maps onto a neighborhood of 0 without being submersions: odd powers in triangular form, powers of a complex number; and
+/// the same with an even power in place of an odd one, which is open or "no".
+#[test]
+fn brockett_condition_by_the_local_degree() {
+    let condition = |states: &[&str], inputs: &[&str], rhs: &[&str]| {
+        let s = common::system(states, inputs, &[], rhs, &[], Some(&[]));
+        let report = bracketry_lie::analyze_affine(&s, &Default::default()).unwrap();
+        report.at_point.unwrap().known().unwrap().brockett_condition.clone().unwrap().known().copied()
+    };
+    for (k, holds) in [(3, true), (5, true), (2, false), (4, false)] {
+        let power = format!("y^{k}");
+        let mixed = format!("y^{k}*(1 + z) + z*y^{k}");
+        let triangular = format!("z + x^2 + y^{k}");
+        for rhs in [[power.as_str(), "u"], [&mixed, "u"]] {
+            let found = condition(&["x", "y", "z"], &["u", "w"], &[rhs[0], rhs[1], "w"]);
+            if holds { assert_eq!(found, Some(true), "{rhs:?}") } else { assert_ne!(found, Some(true), "{rhs:?}") }
+        }
+        let found = condition(&["x", "y", "z"], &["u"], &[&power, "u", &triangular]);
+        if holds { assert_eq!(found, Some(true), "{k}") } else { assert_ne!(found, Some(true), "{k}") }
+    }
+    // (y + i z)², and a form that does not turn.
+    assert_eq!(condition(&["a", "b", "y", "z"], &["u", "v"], &["y^2 - z^2", "2*y*z", "u", "v"]), Some(true));
+    assert_ne!(condition(&["a", "b", "y", "z"], &["u", "v"], &["y^2 + z^2", "2*y*z", "u", "v"]), Some(true));
+}
+
 #[test]
 fn brockett_condition() {
     let condition = |name: &str| point(&named(name).report()).brockett_condition.clone().unwrap();

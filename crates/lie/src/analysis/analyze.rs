@@ -8,7 +8,7 @@ use bracketry_system::{AffineError, Affinization, Method, System, ZeroDenominato
 use crate::analysis::affine::analyze_affine;
 use crate::analysis::family::{Family, family_dimensions};
 use crate::analysis::report::Report;
-use crate::analysis::transfer::{with_input_ranges, withhold_local_verdicts};
+use crate::analysis::transfer::{flatness_of_original, with_input_ranges, withhold_local_verdicts};
 use crate::error::Error;
 use crate::observability::report::observe;
 use crate::options::Options;
@@ -82,6 +82,7 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     let options = with_input_ranges(options, &affinization, system);
     let mut report = analyze_affine(&affinization.system, &options)?;
     if !affine {
+        flatness_of_original(&mut report, &affinization, system);
         // Old inputs are known, though integrators make them states and new inputs may hold parameters.
         report.observability = observe(system, &options, &mut report.certificate)?;
     }

@@ -1,14 +1,16 @@
 //! What a statement on the affine form says of the original.
 
-use bracketry_symbolic::{Function, Rational};
+use bracketry_symbolic::{Bindings, Expr, Function, Rational, Symbol};
 use bracketry_system::{Affinization, AtPoint, InputRange, Method, NewInput, Range, System};
 
 use crate::analysis::report::Report;
 use crate::answer::Answer;
 use crate::controllability::input_values::{InputValues, Side};
 use crate::controllability::stlc::{Stlc, Verdict};
+use crate::feedback::flatness_report::{FlatnessReport, FlatnessVerdict};
+use crate::feedback::ruled::{GeneralSystem, not_ruled};
 use crate::options::Options;
-use crate::reason::{Reason, StlcReason};
+use crate::reason::{FlatnessReason, Reason, StlcReason};
 
 /// The options with what is known of the inputs of the affine form.
 pub(crate) fn with_input_ranges(options: &Options, affinization: &Affinization, original: &System) -> Options {
@@ -139,4 +141,42 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
     if let Some(brockett @ Answer::Known(true)) = &mut point.brockett_condition {
         *brockett = Answer::Unknown(why);
     }
+}
+
+/// What is known of the flatness of a model that is not affine: what holds for the affine form, if its new inputs are
+/// independent functions of the old ones, unless the velocities of the model exclude it.
+pub(crate) fn flatness_of_original(report: &mut Report, affinization: &Affinization, original: &System) {
+    let Some(flatness) = &mut report.control.flatness else { return };
+    if flatness.reason == FlatnessReason::NotAccessible {
+        return;
+    }
+    let mut bindings = Bindings::new();
+    for p in &original.parameters {
+        bindings.bind(p.symbol, p.value.clone());
+    }
+    let general = GeneralSystem {
+        states: original.states.clone(),
+        inputs: original.inputs.clone(),
+        dynamics: original.dynamics.clone(),
+    };
+    if flatness.verdict != FlatnessVerdict::No && not_ruled(&mut original.pool.clone(), &general, &bindings) {
+        *flatness = FlatnessReport::without_outputs(FlatnessVerdict::No, FlatnessReason::NotRuled);
+    } else if !new_inputs_independent(affinization) {
+        *flatness = FlatnessReport::without_outputs(FlatnessVerdict::Unknown, FlatnessReason::DependentInputs);
+    }
+}
+
+/// Whether the new inputs are independent functions of the old ones.
+fn new_inputs_independent(affinization: &Affinization) -> bool {
+    let mut pool = affinization.system.pool.clone();
+    let functions: Vec<Expr> = affinization.input_change.iter().map(|v| v.function).collect();
+    let states = &affinization.system.states;
+    let old: Vec<Symbol> = pool.symbols_of(&functions).into_iter().filter(|s| !states.contains(s)).collect();
+    let jacobian = pool.jacobian(&functions, &old);
+    let parameters = affinization.system.parameters.iter();
+    let mut bindings = Bindings::new();
+    for p in parameters {
+        bindings.bind(p.symbol, p.value.clone());
+    }
+    functions.is_empty() || pool.rank(&jacobian, &bindings).is_ok_and(|r| r.rank == functions.len())
 }

@@ -1,6 +1,6 @@
 //! Brockett's necessary condition for stabilization by continuous state feedback.
 
-use bracketry_symbolic::{Expr, Pool};
+use bracketry_symbolic::{Expr, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::span::vanishes;
@@ -8,10 +8,12 @@ use crate::algebra::subsets::subsets;
 use crate::answer::Answer;
 use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
+use crate::controllability::local_degree::has_local_degree;
 use crate::controllability::sign::{NearOrigin, Sign};
 use crate::evidence::Evidence;
+use crate::linear::polynomial::MultivariatePolynomial;
 use crate::reason::Reason;
-use crate::residues::Echelon;
+use crate::residues::{Echelon, Fp};
 use crate::undecided::Undecided;
 
 /// Most sets of variables that are tried.
@@ -28,6 +30,8 @@ const MAX_SIZE: usize = 6;
 ///   vanishes too, or keeps one sign, the vectors along it (or against that sign) are not in the
 ///   image: false.
 /// - No drift, constant rank of the input fields below n: false (Brockett's corollary).
+/// - Polynomial components that, of n of the variables while the others rest, have a local degree different from zero:
+///   true ([`has_local_degree`]).
 pub(crate) fn brockett_condition(
     pool: &mut Pool,
     frame: &Frame,
@@ -82,17 +86,32 @@ fn decide(
             row.chain(linearization.b.iter().map(|b| b[i])).collect()
         })
         .collect();
-    let near = NearOrigin { frame, variables: variables.clone(), everywhere: false };
+    if misses_a_direction(pool, frame, &image, &variables, &jacobian) {
+        return Ok(Some(false));
+    }
+    Ok(covers(pool, frame, &image, &variables).then_some(true))
+}
+
+/// Whether components vanish only where others vanish too or keep a sign.
+fn misses_a_direction(
+    pool: &mut Pool,
+    frame: &Frame,
+    image: &[Expr],
+    variables: &[Symbol],
+    jacobian: &[Vec<Fp>],
+) -> bool {
+    let (n, fields) = (image.len(), &frame.fields);
+    let near = NearOrigin { frame, variables: variables.to_vec(), everywhere: false };
     let zero = pool.int(0);
     let mut tried = 0;
     for size in 0..=MAX_SIZE.min(n - 1) {
-        for set in subsets(n + m, size) {
+        for set in subsets(variables.len(), size) {
             tried += 1;
             if tried > MAX_SETS {
-                return Ok(None);
+                return false;
             }
             let at_rest: FxHashMap<Expr, Expr> = set.iter().map(|&i| (pool.sym(variables[i]), zero)).collect();
-            let rest = pool.substitute_all(&image, &at_rest);
+            let rest = pool.substitute_all(image, &at_rest);
             let vanishing: Vec<usize> = (0..n).filter(|&i| vanishes(pool, rest[i], &fields.bindings)).collect();
             if vanishing.len() < size {
                 continue;
@@ -102,14 +121,34 @@ fn decide(
                 continue;
             }
             if vanishing.len() > size {
-                return Ok(Some(false));
+                return true;
             }
             for i in (0..n).filter(|i| !vanishing.contains(i)) {
                 if near.sign(pool, rest[i]) != Sign::Unknown {
-                    return Ok(Some(false));
+                    return true;
                 }
             }
         }
     }
-    Ok(None)
+    false
+}
+
+/// Whether the image of polynomial components, of n of the variables, is seen to cover a neighborhood of 0.
+fn covers(pool: &mut Pool, frame: &Frame, image: &[Expr], variables: &[Symbol]) -> bool {
+    let mut map = Vec::new();
+    for &e in image {
+        let e = frame.constants_in(pool, e);
+        let Some(p) = MultivariatePolynomial::of(pool, e, variables) else { return false };
+        if p.order() == 0 {
+            return false;
+        }
+        map.push(p);
+    }
+    for set in subsets(variables.len(), map.len()).take(MAX_SETS) {
+        let at_rest: Vec<usize> = (0..variables.len()).filter(|i| !set.contains(i)).collect();
+        if has_local_degree(map.iter().map(|p| p.without(&at_rest)).collect(), set) {
+            return true;
+        }
+    }
+    false
 }

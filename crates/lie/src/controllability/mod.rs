@@ -17,6 +17,7 @@ pub(crate) mod kink;
 pub(crate) mod linearization;
 pub(crate) mod local;
 pub(crate) mod meeting;
+pub(crate) mod local_degree;
 pub(crate) mod monotone;
 pub(crate) mod necessary;
 pub(crate) mod occurrence;

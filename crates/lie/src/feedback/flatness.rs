@@ -12,6 +12,7 @@ use crate::algebra::subsets::subsets;
 use crate::budget::check_size;
 use crate::evidence::Evidence;
 use crate::feedback::extension::{DynamicExtension, ExtensionLimits};
+use crate::feedback::ruled::velocities_not_ruled;
 use crate::feedback::static_linearization::LinearizationFlag;
 use crate::reason::FlatnessReason;
 use crate::undecided::Undecided;
@@ -33,9 +34,9 @@ pub(crate) struct Flatness {
 /// Most tuples of outputs for which the dynamic extension algorithm is run.
 const MAX_TUPLES: usize = 30;
 /// Most new nodes of the pool for one of them.
-const MAX_TUPLE_NODES: usize = 6_000;
+const MAX_TUPLE_NODES: usize = 20_000;
 /// Most new nodes in the whole search.
-const MAX_SEARCH_NODES: usize = 30_000;
+const MAX_SEARCH_NODES: usize = 100_000;
 /// Most integrators in front of one input in the search for a linearizable prolongation.
 const MAX_PROLONGATION: usize = 3;
 /// Most integrators together: the derivatives grow with their number.
@@ -84,12 +85,16 @@ impl VectorFields {
             return Ok(Flatness::no(FlatnessReason::NotAccessible));
         }
         if known.flag.linearizable() {
-            let found = self.linearizing_outputs(pool, known.flag, known.functions, evidence)?;
-            let outputs = found.map_or(Vec::new(), |f| f.functions);
+            // The verdict does not wait for the outputs.
+            let found = self.linearizing_functions(pool, known.flag, known.functions, evidence);
+            let outputs = found.ok().flatten().unwrap_or_default();
             return Ok(Flatness { outputs, ..Flatness::yes(FlatnessReason::StaticFeedback) });
         }
         if m == 1 {
             return Ok(Flatness::no(FlatnessReason::OneInput));
+        }
+        if velocities_not_ruled(pool, self) {
+            return Ok(Flatness::no(FlatnessReason::NotRuled));
         }
         let mut search = Search { system: self, known, first: pool.len(), tuples: 0 };
         let driftless = is_plain_zero(pool, &self.drift);
@@ -251,8 +256,9 @@ impl Search<'_> {
         Ok(order.into_iter().map(|i| states[i]).collect())
     }
 
-    /// Functions that the inputs of a subset reach late: integrals of the closure of all input
-    /// fields with `ad_f^k g_i`, i in the subset. The one that leaves as many functions as there are inputs.
+    /// Functions that some inputs reach late: integrals of the closure of all input fields with `ad_f^k Y`, for Y of a
+    /// subset of the input fields, or one of their characteristic combinations. The one that leaves as many functions as there
+    /// are inputs.
     fn integrals(&mut self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Option<Flatness>, Undecided> {
         let (n, m) = (self.system.states.len(), self.system.controls.len());
         if is_plain_zero(pool, &self.system.drift) || n <= m {
@@ -260,41 +266,58 @@ impl Search<'_> {
         }
         for size in 0..m {
             for subset in subsets(m, size) {
-                let mut span = self.system.controls.clone();
-                let mut last: Vec<Field> = subset.iter().map(|&i| self.system.controls[i].clone()).collect();
-                for _ in 0..n {
-                    if self.exhausted(pool) {
-                        return Ok(None);
-                    }
-                    let closure =
-                        involutive_closure(pool, &self.system.states, &span, &self.system.bindings, evidence)?;
-                    let left = n - closure.dimension();
-                    if left == m {
-                        let mut known = self.known.functions.to_vec();
-                        known.extend(self.circular_functions(pool));
-                        let (basis, bindings) = (&closure.basis, &self.system.bindings);
-                        let found =
-                            integrals_of_involutive(pool, &self.system.states, basis, &known, bindings, evidence)?;
-                        let outputs: Vec<Expr> = found.functions.iter().map(|&h| tidy(pool, h)).collect();
-                        if outputs.len() == m
-                            && let Some(extension) = self.attempt(pool, &outputs, evidence)?
-                        {
-                            return Ok(Some(Flatness::by_extension(extension, outputs, FlatnessReason::Functions)));
-                        }
-                    }
-                    if left <= m || last.is_empty() {
-                        break;
-                    }
-                    for y in &mut last {
-                        *y = bracket(pool, &self.system.states, &self.system.drift, y);
-                    }
-                    let before = span.len();
-                    span.extend(last.iter().cloned());
-                    span = independent(pool, &span, &self.system.bindings, evidence)?;
-                    if span.len() == before {
-                        break;
-                    }
+                let fields = subset.iter().map(|&i| self.system.controls[i].clone()).collect();
+                if let Some(found) = self.reached_late(pool, fields, evidence)? {
+                    return Ok(Some(found));
                 }
+            }
+        }
+        for y in self.system.characteristic_inputs(pool, evidence)? {
+            if let Some(found) = self.reached_late(pool, vec![y], evidence)? {
+                return Ok(Some(found));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Flat outputs among the functions that `last` reach later than the other inputs.
+    fn reached_late(
+        &mut self,
+        pool: &mut Pool,
+        mut last: Vec<Field>,
+        evidence: &mut Evidence,
+    ) -> Result<Option<Flatness>, Undecided> {
+        let (n, m) = (self.system.states.len(), self.system.controls.len());
+        let mut span = self.system.controls.clone();
+        for _ in 0..n {
+            if self.exhausted(pool) {
+                return Ok(None);
+            }
+            let closure = involutive_closure(pool, &self.system.states, &span, &self.system.bindings, evidence)?;
+            let left = n - closure.dimension();
+            if left == m {
+                let mut known = self.known.functions.to_vec();
+                known.extend(self.circular_functions(pool));
+                let (basis, bindings) = (&closure.basis, &self.system.bindings);
+                let found = integrals_of_involutive(pool, &self.system.states, basis, &known, bindings, evidence)?;
+                let outputs: Vec<Expr> = found.functions.iter().map(|&h| tidy(pool, h)).collect();
+                if outputs.len() == m
+                    && let Some(extension) = self.attempt(pool, &outputs, evidence)?
+                {
+                    return Ok(Some(Flatness::by_extension(extension, outputs, FlatnessReason::Functions)));
+                }
+            }
+            if left <= m || last.is_empty() {
+                break;
+            }
+            for y in &mut last {
+                *y = bracket(pool, &self.system.states, &self.system.drift, y);
+            }
+            let before = span.len();
+            span.extend(last.iter().cloned());
+            span = independent(pool, &span, &self.system.bindings, evidence)?;
+            if span.len() == before {
+                break;
             }
         }
         Ok(None)

@@ -71,6 +71,20 @@ pub struct FlatnessReport {
     pub reason: FlatnessReason,
 }
 
+impl FlatnessReport {
+    pub(crate) fn without_outputs(verdict: FlatnessVerdict, reason: FlatnessReason) -> Self {
+        FlatnessReport {
+            verdict,
+            flat_outputs: Vec::new(),
+            dynamic_extension: None,
+            relative_degree: Vec::new(),
+            compensator: Vec::new(),
+            singular_set: None,
+            reason,
+        }
+    }
+}
+
 /// Most new nodes of the pool in the dynamic extension for the outputs of the model.
 const MAX_NODES: usize = 30_000;
 
@@ -130,19 +144,14 @@ pub(crate) fn flatness_report(
     first: usize,
     evidence: &mut Evidence,
 ) -> FlatnessReport {
-    let unknown = |reason: FlatnessReason| FlatnessReport {
-        verdict: FlatnessVerdict::Unknown,
-        flat_outputs: Vec::new(),
-        dynamic_extension: None,
-        relative_degree: Vec::new(),
-        compensator: Vec::new(),
-        singular_set: None,
-        reason,
-    };
+    let unknown = |reason| FlatnessReport::without_outputs(FlatnessVerdict::Unknown, reason);
     let functions = named_functions(system);
     let outputs = if fed_through(system) { 0 } else { system.outputs.len() };
     let pool = &mut system.pool;
-    let found = check_analysis(pool, first).and_then(|()| {
+    let linearizable = flag.as_ref().is_ok_and(LinearizationFlag::linearizable);
+    // Where the system is linearizable, little is left to do.
+    let room = if linearizable { Ok(()) } else { check_analysis(pool, first) };
+    let found = room.and_then(|()| {
         let flag = flag.as_ref().map_err(Clone::clone)?;
         let rank = pool.rank(&fields.controls, &fields.bindings)?;
         evidence.add(&rank.certificate);
@@ -155,6 +164,9 @@ pub(crate) fn flatness_report(
     });
     let (Flatness { flat, outputs, extension, reason }, fields, inputs) = match found {
         Ok(f) => f,
+        Err(_) if linearizable => {
+            return FlatnessReport::without_outputs(FlatnessVerdict::Yes, FlatnessReason::StaticFeedback);
+        }
         Err(why) => return unknown(why.into()),
     };
     let mut report = unknown(reason);

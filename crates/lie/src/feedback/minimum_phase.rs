@@ -7,6 +7,7 @@ use crate::algebra::field::VectorFields;
 use crate::answer::Answer;
 use crate::controllability::linearization::tolerance;
 use crate::evidence::Evidence;
+use crate::feedback::critical::Critical;
 use crate::feedback::zero_dynamics::{Set, ZeroDynamics};
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::numerical::eigenvalues;
@@ -86,7 +87,13 @@ impl ZeroDynamics {
             let eigenvalues = listed(&spectrum);
             return match (spectrum.right, spectrum.on_axis) {
                 (0, 0) => decided(true, MinimumPhaseReason::Stable, eigenvalues),
-                (0, _) => MinimumPhase { eigenvalues, ..open(Reason::ZeroDynamicsOnAxis) },
+                (0, on_axis) => {
+                    let critical = Critical { set: &set, states: &self.states, equations: &self.equations, on_axis };
+                    match critical.decide(pool, evidence) {
+                        Some((holds, reason)) => decided(holds, reason, eigenvalues),
+                        None => MinimumPhase { eigenvalues, ..open(Reason::ZeroDynamicsOnAxis) },
+                    }
+                }
                 _ => decided(false, MinimumPhaseReason::Unstable, eigenvalues),
             };
         }
@@ -170,7 +177,7 @@ impl Set<'_> {
     }
 
     /// Values at the point; `None` if one is not seen to be a rational number.
-    fn rationals(&self, pool: &mut Pool, list: &[Expr]) -> Option<Vec<Rational>> {
+    pub(crate) fn rationals(&self, pool: &mut Pool, list: &[Expr]) -> Option<Vec<Rational>> {
         let values = self.values_at_point(pool, list);
         values
             .into_iter()

@@ -1,12 +1,16 @@
 //! What feedback can do: relative degrees, linearization, flatness, zero dynamics.
 
+pub(crate) mod characteristic;
+pub(crate) mod critical;
 pub(crate) mod extension;
 pub(crate) mod flatness;
 pub(crate) mod flatness_report;
 pub(crate) mod input_output;
+pub(crate) mod lyapunov;
 pub(crate) mod minimum_phase;
 pub(crate) mod outputs;
 pub(crate) mod relative_degree;
 pub(crate) mod report;
+pub(crate) mod ruled;
 pub(crate) mod static_linearization;
 pub(crate) mod zero_dynamics;

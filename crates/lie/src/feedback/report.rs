@@ -13,7 +13,7 @@ use crate::feedback::flatness_report::{
 use crate::feedback::input_output::{InputOutputReport, input_output};
 use crate::feedback::outputs::{fed_through, fresh_symbols, named_functions};
 use crate::feedback::relative_degree::RelativeDegree;
-use crate::feedback::static_linearization::{LinearizationFlag, LinearizingOutputs};
+use crate::feedback::static_linearization::LinearizationFlag;
 use crate::reason::Reason;
 use crate::undecided::Undecided;
 
@@ -107,26 +107,28 @@ fn linearization(
         return report;
     }
     report.controllability_indices = flag.controllability_indices();
-    match outputs_of(system, fields, flag, evidence) {
-        Ok(Some(found)) => {
-            let pool = &mut system.pool;
-            report.linearizing_outputs = Function::list(pool, &found.functions);
-            report.coordinates = found.degrees.derivatives.iter().map(|list| Function::list(pool, list)).collect();
-            report.feedback = found.degrees.named_feedback(pool, &system.inputs, references);
-            report.singular_set = found.degrees.singular_set(pool, fields);
+    let preferred = named_functions(system);
+    let pool = &mut system.pool;
+    let functions = match fields.linearizing_functions(pool, flag, &preferred, evidence) {
+        Ok(Some(functions)) => functions,
+        Ok(None) => {
+            report.reason = Some(Reason::NoLinearizingOutputs);
+            return report;
         }
-        Ok(None) => report.reason = Some(Reason::NoLinearizingOutputs),
+        Err(why) => {
+            report.reason = Some(why.into());
+            return report;
+        }
+    };
+    report.linearizing_outputs = Function::list(pool, &functions);
+    // Coordinates and feedback are left out where the derivatives grow too large.
+    match fields.relative_degree(pool, &functions, evidence) {
+        Ok(degrees) => {
+            report.coordinates = degrees.derivatives.iter().map(|list| Function::list(pool, list)).collect();
+            report.feedback = degrees.named_feedback(pool, &system.inputs, references);
+            report.singular_set = degrees.singular_set(pool, fields);
+        }
         Err(why) => report.reason = Some(why.into()),
     }
     report
-}
-
-fn outputs_of(
-    system: &mut System,
-    fields: &VectorFields,
-    flag: &LinearizationFlag,
-    evidence: &mut Evidence,
-) -> Result<Option<LinearizingOutputs>, Undecided> {
-    let preferred = named_functions(system);
-    fields.linearizing_outputs(&mut system.pool, flag, &preferred, evidence)
 }

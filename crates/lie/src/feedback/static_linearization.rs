@@ -116,7 +116,7 @@ impl VectorFields {
     /// along the distributions of `flag`. The input fields must be independent.
     ///
     /// # Errors
-    /// [`Undecided`] if a function cannot be evaluated exactly.
+    /// [`Undecided`] if a function cannot be evaluated exactly, or the derivatives of the outputs grow too large.
     pub fn linearizing_outputs(
         &self,
         pool: &mut Pool,
@@ -124,6 +124,27 @@ impl VectorFields {
         preferred: &[Expr],
         evidence: &mut Evidence,
     ) -> Result<Option<LinearizingOutputs>, Undecided> {
+        let Some(functions) = self.linearizing_functions(pool, flag, preferred, evidence)? else { return Ok(None) };
+        let degrees = self.relative_degree(pool, &functions, evidence)?;
+        let found: Option<Vec<usize>> = degrees.degrees.iter().copied().collect();
+        if degrees.is_vector() && found.is_some_and(|d| d == flag.controllability_indices()) {
+            Ok(Some(LinearizingOutputs { functions, degrees }))
+        } else {
+            Ok(None)
+        }
+    }
+
+    /// The functions of [`VectorFields::linearizing_outputs`], without their derivatives, which grow with the length of a chain.
+    ///
+    /// For h constant along D_(κ−2), `L_g L_f^(κ−1) h = (−1)^(κ−1) dh(ad_f^(κ−1) g)` (Isidori 1995, lemma 4.1.2):
+    /// the decoupling matrix follows from the fields `ad_f^(κ−1) g_i`, and from these modulo D_(κ−2).
+    pub(crate) fn linearizing_functions(
+        &self,
+        pool: &mut Pool,
+        flag: &LinearizationFlag,
+        preferred: &[Expr],
+        evidence: &mut Evidence,
+    ) -> Result<Option<Vec<Expr>>, Undecided> {
         let indices = flag.controllability_indices();
         if !flag.linearizable() || indices.len() != self.controls.len() {
             return Ok(None);
@@ -135,33 +156,51 @@ impl VectorFields {
                 simple.push(x);
             }
         }
+        let levels = self.levels(pool, flag)?;
         let mut chosen: Vec<Expr> = Vec::new();
-        let mut lengths: Vec<usize> = Vec::new();
+        let mut rows: Vec<Vec<Expr>> = Vec::new();
         for &length in &indices {
             let along = if length >= 2 { &flag.basis[..flag.dims[length - 2]] } else { &[] };
+            let level = &levels[length - 1];
             let mut candidates = Vec::new();
             for &h in &simple {
                 if self.constant_along(pool, h, along, evidence)? {
                     candidates.push(h);
                 }
             }
-            let mut next = self.first_independent(pool, &chosen, &lengths, length, &candidates, evidence)?;
+            let mut next = self.first_independent(pool, &mut rows, level, &candidates, evidence)?;
             if next.is_none() && !along.is_empty() {
                 let integrals =
                     integrals_of_involutive(pool, &self.states, along, preferred, &self.bindings, evidence)?;
-                next = self.first_independent(pool, &chosen, &lengths, length, &integrals.functions, evidence)?;
+                next = self.first_independent(pool, &mut rows, level, &integrals.functions, evidence)?;
             }
             let Some(h) = next else { return Ok(None) };
             chosen.push(tidy(pool, h));
-            lengths.push(length);
         }
-        let degrees = self.relative_degree(pool, &chosen, evidence)?;
-        let found: Option<Vec<usize>> = degrees.degrees.iter().copied().collect();
-        if degrees.is_vector() && found.is_some_and(|d| d == indices) {
-            Ok(Some(LinearizingOutputs { functions: chosen, degrees }))
-        } else {
-            Ok(None)
+        Ok(Some(chosen))
+    }
+
+    /// `ad_f^k g_i` modulo D_(k−1) for all i, at index k: the components of which D_(k−1) holds the unit fields are left out.
+    fn levels(&self, pool: &mut Pool, flag: &LinearizationFlag) -> Result<Vec<Vec<Field>>, Undecided> {
+        let first = pool.len();
+        let zero = pool.int(0);
+        let mut levels = vec![self.controls.clone()];
+        for k in 1..flag.dims.len() {
+            let mut level = Vec::new();
+            for y in &levels[k - 1] {
+                check_growth(pool, first, [&self.drift, y], 1)?;
+                let mut next = bracket(pool, &self.states, &self.drift, y);
+                for field in &flag.basis[..flag.dims[k - 1]] {
+                    let mut nonzero = (0..field.len()).filter(|&i| field[i] != zero);
+                    if let (Some(i), None) = (nonzero.next(), nonzero.next()) {
+                        next[i] = zero;
+                    }
+                }
+                level.push(next);
+            }
+            levels.push(level);
         }
+        Ok(levels)
     }
 
     /// Whether the derivatives of `h` along all of `fields` vanish.
@@ -181,35 +220,21 @@ impl VectorFields {
         Ok(true)
     }
 
-    /// The first of `candidates` whose differential is independent of those of
-    /// `L_f^k h_j`, k ≤ κ_j − `length`, of the functions `chosen` with κ_j in `lengths`.
+    /// The first of `candidates` whose row dh(Y_i), Y_i in `level`, is independent of `rows`, to which it is added.
     fn first_independent(
         &self,
         pool: &mut Pool,
-        chosen: &[Expr],
-        lengths: &[usize],
-        length: usize,
+        rows: &mut Vec<Vec<Expr>>,
+        level: &[Field],
         candidates: &[Expr],
         evidence: &mut Evidence,
     ) -> Result<Option<Expr>, Undecided> {
-        let first = pool.len();
-        let mut rows = Vec::new();
-        for (&h, &k) in chosen.iter().zip(lengths) {
-            let mut h = h;
-            for step in 0..=k - length {
-                if step > 0 {
-                    check_growth(pool, first, [&[h], &[]], self.states.len())?;
-                    h = pool.lie_derivative(h, &self.states, &self.drift);
-                }
-                rows.push(pool.gradient(h, &self.states));
-            }
-        }
         for &h in candidates {
-            let mut all = rows.clone();
-            all.push(pool.gradient(h, &self.states));
-            if generic_rank(pool, &all, &self.bindings, evidence)? == all.len() {
+            rows.push(level.iter().map(|y| pool.lie_derivative(h, &self.states, y)).collect());
+            if generic_rank(pool, rows, &self.bindings, evidence)? == rows.len() {
                 return Ok(Some(h));
             }
+            rows.pop();
         }
         Ok(None)
     }

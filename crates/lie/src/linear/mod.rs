@@ -3,4 +3,5 @@
 pub(crate) mod matrix;
 pub(crate) mod numerical;
 pub(crate) mod program;
+pub(crate) mod polynomial;
 pub(crate) mod spectrum;

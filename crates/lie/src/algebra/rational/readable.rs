@@ -79,6 +79,28 @@ pub(crate) fn common_factor(pool: &mut Pool, list: &[Expr], states: &[Symbol]) -
     (!pool.is_one(product)).then_some(product)
 }
 
+/// The square root of an expression that is the square of a product of powers; `None` if it is not seen to be one.
+pub(crate) fn square_root(pool: &mut Pool, e: Expr) -> Option<Expr> {
+    if pool.is_zero(e) {
+        return Some(e);
+    }
+    let f = factored(pool, e)?;
+    let size = Rational::simplest_from_f64(f.coefficient.to_f64().value().sqrt())?;
+    if &size * &size != f.coefficient {
+        return None;
+    }
+    let mut root = pool.rational(size);
+    for (p, k) in &f.factors {
+        if k % 2 != 0 {
+            return None;
+        }
+        let base = f.ring.shortest(pool, p);
+        let power = pool.powi(base, i64::from(k / 2));
+        root = pool.mul(root, power);
+    }
+    Some(pool.simplify(root))
+}
+
 /// What an expression is as a product, in the ring of its atoms.
 struct Factored {
     ring: Ring,

@@ -1,0 +1,182 @@
+//! Equilibria of zero dynamics that the linearization does not decide.
+
+use bracketry_symbolic::{Expr, Func, Function, Node, Pool, Rational, Symbol};
+use rustc_hash::FxHashMap;
+
+use crate::algebra::integrals::search::integrals_of_involutive;
+use crate::evidence::Evidence;
+use crate::feedback::lyapunov::{PolynomialField, Shown};
+use crate::feedback::ruled::semidefinite;
+use crate::feedback::zero_dynamics::Set;
+use crate::linear::matrix::RationalMatrix;
+use crate::linear::polynomial::MultivariatePolynomial;
+use crate::reason::MinimumPhaseReason;
+
+/// Order of the expansion on the center manifold, and most coordinates for the expansion.
+const ORDER: usize = 5;
+const MAX_COORDINATES: usize = 5;
+/// Larger equations, written out as trees, are not expanded.
+const MAX_TREE: f64 = 500.0;
+
+/// z' = F(z) on a set, with an equilibrium at its point.
+pub(crate) struct Critical<'a> {
+    pub(crate) set: &'a Set<'a>,
+    pub(crate) states: &'a [Symbol],
+    pub(crate) equations: &'a [Expr],
+    /// Eigenvalues on the imaginary axis; the others have negative real parts.
+    pub(crate) on_axis: usize,
+}
+
+impl Critical<'_> {
+    /// Whether the equilibrium is asymptotically stable, by a polynomial Lyapunov function, a center manifold of dimension 1, or
+    /// a first integral; `None` if none of them decides.
+    pub(crate) fn decide(&self, pool: &mut Pool, evidence: &mut Evidence) -> Option<(bool, MinimumPhaseReason)> {
+        let (symbols, components) = self.about_the_point(pool)?;
+        let polynomials: Option<Vec<MultivariatePolynomial>> =
+            components.iter().map(|&e| MultivariatePolynomial::of(pool, e, &symbols)).collect();
+        if let Some(found) = polynomials.as_ref().and_then(|p| PolynomialField(p).shown()) {
+            return Some(self.reason(pool, &symbols, found));
+        }
+        if self.on_axis == 1
+            && let Some(expanded) = polynomials.or_else(|| expanded(pool, &symbols, &components))
+            && let Some((order, c)) = PolynomialField(&expanded).on_center_manifold(ORDER)
+        {
+            let stable = order % 2 == 1 && c < Rational::ZERO;
+            return Some((stable, MinimumPhaseReason::CenterManifold { order, falls: c < Rational::ZERO }));
+        }
+        self.first_integral(pool, evidence)
+    }
+
+    /// The equations in deviations from the point, parameters at their values, with a symbol for each deviation.
+    fn about_the_point(&self, pool: &mut Pool) -> Option<(Vec<Symbol>, Vec<Expr>)> {
+        let mut symbols = Vec::new();
+        let mut moved: FxHashMap<Expr, Expr> = FxHashMap::default();
+        for &z in self.states {
+            let deviation = pool.symbol(&format!("offset of {}", pool.name(z)));
+            symbols.push(deviation);
+            let deviation = pool.sym(deviation);
+            let value = *self.set.point.get(&z)?;
+            let sum = pool.add(value, deviation);
+            moved.insert(pool.sym(z), sum);
+        }
+        let equations = pool.substitute_all(self.equations, &moved);
+        let mut values: FxHashMap<Expr, Expr> = FxHashMap::default();
+        for s in pool.symbols_of(&equations) {
+            if let Some(value) = self.set.fields.bindings.get(s).cloned() {
+                let x = pool.sym(s);
+                values.insert(x, pool.rational(value));
+            }
+        }
+        let equations = pool.substitute_all(&equations, &values);
+        Some((symbols, equations))
+    }
+
+    fn reason(&self, pool: &mut Pool, symbols: &[Symbol], shown: Shown) -> (bool, MinimumPhaseReason) {
+        let (Shown::Attracts(v) | Shown::Conserved(v) | Shown::Repels(v)) = &shown;
+        let mut sum = pool.int(0);
+        for (m, c) in v.terms() {
+            let mut term = pool.rational(c.clone());
+            for (&s, &k) in symbols.iter().zip(m) {
+                let x = pool.sym(s);
+                let power = pool.powi(x, i64::from(k));
+                term = pool.mul(term, power);
+            }
+            sum = pool.add(sum, term);
+        }
+        let mut back: FxHashMap<Expr, Expr> = FxHashMap::default();
+        for (&s, &z) in symbols.iter().zip(self.states) {
+            let x = pool.sym(z);
+            if let Some(&value) = self.set.point.get(&z) {
+                let deviation = pool.sub(x, value);
+                back.insert(pool.sym(s), deviation);
+            }
+        }
+        let v = pool.substitute(sum, &back);
+        let function = Function::new(pool, v);
+        match shown {
+            Shown::Attracts(_) => (true, MinimumPhaseReason::Lyapunov { function }),
+            Shown::Conserved(_) => (false, MinimumPhaseReason::Conserved { function, stable: true }),
+            Shown::Repels(_) => (false, MinimumPhaseReason::Repels { function }),
+        }
+    }
+
+    /// A function that is smooth at the point and constant along the motion: where all motions from a neighborhood reached the
+    /// equilibrium, it would have one value there, and analytic functions that are constant nearby are constant.
+    fn first_integral(&self, pool: &mut Pool, evidence: &mut Evidence) -> Option<(bool, MinimumPhaseReason)> {
+        let bindings = &self.set.fields.bindings;
+        let basis = [self.equations.to_vec()];
+        let found = integrals_of_involutive(pool, self.states, &basis, &[], bindings, evidence).ok()?;
+        let smooth: Vec<Expr> =
+            found.functions.into_iter().filter(|&h| self.analytic_at_point(pool, h, evidence)).collect();
+        let extremum = smooth.iter().copied().find(|&h| self.has_strict_extremum(pool, h, evidence));
+        let function = extremum.or_else(|| smooth.first().copied())?;
+        let function = Function::new(pool, function);
+        Some((false, MinimumPhaseReason::Conserved { function, stable: extremum.is_some() }))
+    }
+
+    /// Whether nothing in the function is seen to fail at the point: denominators do not vanish there, and other powers and
+    /// functions than those analytic everywhere do not occur.
+    fn analytic_at_point(&self, pool: &mut Pool, h: Expr, evidence: &mut Evidence) -> bool {
+        pool.reachable(&[h]).into_iter().all(|e| match pool.node(e) {
+            Node::Num(_) | Node::Pi | Node::Sym(_) | Node::Add(..) | Node::Mul(..) => true,
+            Node::Pow(base, k) => match pool.integer(k) {
+                Some(k) if k >= 0 => true,
+                Some(_) => self.set.vanishes_at_point(pool, base, evidence) == Some(false),
+                None => false,
+            },
+            Node::Call(Func::Sin | Func::Cos | Func::Exp | Func::Sinh | Func::Cosh | Func::Tanh | Func::Atan, _) => {
+                true
+            }
+            Node::Call(..) | Node::Call2(..) => false,
+        })
+    }
+
+    /// Whether the gradient vanishes at the point and the second derivatives are definite there.
+    fn has_strict_extremum(&self, pool: &mut Pool, h: Expr, evidence: &mut Evidence) -> bool {
+        let gradient = pool.gradient(h, self.states);
+        if !gradient.iter().all(|&d| self.set.vanishes_at_point(pool, d, evidence) == Some(true)) {
+            return false;
+        }
+        let second = pool.jacobian(&gradient, self.states).concat();
+        let Some(values) = self.set.rationals(pool, &second) else { return false };
+        let k = self.states.len();
+        let rows: Vec<Vec<Rational>> = values.chunks(k).map(<[Rational]>::to_vec).collect();
+        let opposite = rows.iter().map(|r| r.iter().map(|x| -x.clone()).collect()).collect();
+        RationalMatrix::new(rows.clone(), k).null_space().is_empty() && (semidefinite(rows) || semidefinite(opposite))
+    }
+}
+
+/// Taylor polynomials at the origin; `None` if a derivative is not seen to be rational there.
+fn expanded(pool: &mut Pool, symbols: &[Symbol], components: &[Expr]) -> Option<Vec<MultivariatePolynomial>> {
+    if symbols.len() > MAX_COORDINATES || components.iter().any(|&e| pool.tree_size(e) > MAX_TREE) {
+        return None;
+    }
+    let zero = pool.int(0);
+    let origin: FxHashMap<Expr, Expr> = symbols.iter().map(|&s| (pool.sym(s), zero)).collect();
+    let mut list = Vec::new();
+    for &e in components {
+        let mut p = MultivariatePolynomial::default();
+        // Derivatives with their exponents and the product of factorials; each symbol only from the last one used on.
+        let mut level = vec![(e, vec![0u32; symbols.len()], Rational::ONE, 0)];
+        for order in 0..=ORDER {
+            let mut next = Vec::new();
+            for (d, m, factorial, from) in level {
+                let at = pool.substitute(d, &origin);
+                let at = pool.simplify(at);
+                let value = pool.number(at)?.clone();
+                p.add_term(m.clone(), value / &factorial);
+                if order < ORDER {
+                    for i in from..symbols.len() {
+                        let mut m = m.clone();
+                        m[i] += 1;
+                        let factorial = factorial.clone() * Rational::from(m[i]);
+                        next.push((pool.diff(d, symbols[i]), m, factorial, i));
+                    }
+                }
+            }
+            level = next;
+        }
+        list.push(p);
+    }
+    Some(list)
+}

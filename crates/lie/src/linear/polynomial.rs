@@ -1,0 +1,127 @@
+//! Polynomials of several variables.
+
+use std::collections::BTreeMap;
+
+use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
+
+/// A polynomial with rational coefficients; its variables are numbered.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct MultivariatePolynomial {
+    /// Coefficients, none zero, by the exponents of the variables.
+    terms: BTreeMap<Vec<u32>, Rational>,
+}
+
+/// A polynomial with more terms is given up.
+pub(crate) const MAX_TERMS: usize = 300;
+
+impl MultivariatePolynomial {
+    /// `e` as a polynomial in `symbols`; `None` if it is none with rational coefficients, or has too many terms.
+    pub(crate) fn of(pool: &mut Pool, e: Expr, symbols: &[Symbol]) -> Option<Self> {
+        let mut p = Self::default();
+        for (exponents, c) in pool.coefficients(e, symbols) {
+            p.add_term(exponents, pool.number(c)?.clone());
+        }
+        (p.terms.len() <= MAX_TERMS).then_some(p)
+    }
+
+    /// c · Π x_i^k_i.
+    pub(crate) fn term(c: Rational, exponents: Vec<u32>) -> Self {
+        let mut p = Self::default();
+        p.add_term(exponents, c);
+        p
+    }
+
+    /// Exponents and coefficients of all terms.
+    pub(crate) fn terms(&self) -> impl Iterator<Item = (&Vec<u32>, &Rational)> {
+        self.terms.iter()
+    }
+
+    pub(crate) fn is_zero(&self) -> bool {
+        self.terms.is_empty()
+    }
+
+    pub(crate) fn add_term(&mut self, exponents: Vec<u32>, c: Rational) {
+        let sum = self.terms.remove(&exponents).unwrap_or(Rational::ZERO) + c;
+        if sum != Rational::ZERO {
+            self.terms.insert(exponents, sum);
+        }
+    }
+
+    pub(crate) fn coefficient(&self, exponents: &[u32]) -> Rational {
+        self.terms.get(exponents).cloned().unwrap_or(Rational::ZERO)
+    }
+
+    /// Σ terms of this with the factor `c`.
+    pub(crate) fn plus(&self, other: &Self, c: &Rational) -> Self {
+        let mut sum = self.clone();
+        for (m, x) in &other.terms {
+            sum.add_term(m.clone(), x * c);
+        }
+        sum
+    }
+
+    /// The product; `None` where it has too many terms.
+    pub(crate) fn times(&self, other: &Self) -> Option<Self> {
+        let mut product = Self::default();
+        for (a, x) in &self.terms {
+            for (b, y) in &other.terms {
+                product.add_term(a.iter().zip(b).map(|(i, j)| i + j).collect(), x * y);
+            }
+            if product.terms.len() > MAX_TERMS {
+                return None;
+            }
+        }
+        Some(product)
+    }
+
+    /// The derivative by one variable.
+    pub(crate) fn derivative(&self, variable: usize) -> Self {
+        let mut d = Self::default();
+        for (m, c) in &self.terms {
+            let k = m[variable];
+            if k > 0 {
+                let mut lower = m.clone();
+                lower[variable] = k - 1;
+                d.add_term(lower, c * Rational::from(k));
+            }
+        }
+        d
+    }
+
+    /// This with `value` in place of a variable; `None` where that has too many terms.
+    pub(crate) fn with(&self, variable: usize, value: &Self) -> Option<Self> {
+        let mut sum = Self::default();
+        for (m, c) in &self.terms {
+            let mut rest = m.clone();
+            let k = std::mem::take(&mut rest[variable]);
+            let mut part = Self::term(c.clone(), rest);
+            for _ in 0..k {
+                part = part.times(value)?;
+            }
+            sum = sum.plus(&part, &Rational::ONE);
+            if sum.terms.len() > MAX_TERMS {
+                return None;
+            }
+        }
+        Some(sum)
+    }
+
+    /// This where some variables are zero.
+    pub(crate) fn without(&self, variables: &[usize]) -> Self {
+        let kept = self.terms.iter().filter(|(m, _)| variables.iter().all(|&i| m[i] == 0));
+        MultivariatePolynomial { terms: kept.map(|(m, c)| (m.clone(), c.clone())).collect() }
+    }
+
+    /// The terms of least degree.
+    pub(crate) fn leading_form(&self) -> Self {
+        let degree = |m: &[u32]| m.iter().sum::<u32>();
+        let least = self.terms.keys().map(|m| degree(m)).min().unwrap_or(0);
+        let kept = self.terms.iter().filter(|(m, _)| degree(m) == least);
+        MultivariatePolynomial { terms: kept.map(|(m, c)| (m.clone(), c.clone())).collect() }
+    }
+
+    /// Degree of the terms of least degree; 0 for zero.
+    pub(crate) fn order(&self) -> u32 {
+        self.terms.keys().map(|m| m.iter().sum::<u32>()).min().unwrap_or(0)
+    }
+}
