@@ -24,16 +24,13 @@ fn after_the_time_limit_what_is_undecided_is_unknown() {
          dynamics = { x = 'u1*cos(th)', y = 'u1*sin(th)', th = 'u2' }\noutputs = { h = 'x' }",
         "states = ['x', 'v']\ninputs = ['u']\npoint = { v = 0 }\nparameters = { m = 2 }\n\
          dynamics = { x = 'v', v = 'u - m*sign(v)' }\noutputs = { h = 'x' }",
-        "states = ['x', 'y']\ninputs = ['u']\npoint = { x = 1 }\ndynamics = { x = 'u^2', y = 'sin(x)' }",
+        "states = ['x', 'y']\ninputs = ['u']\npoint = { x = 1 }\ndynamics = { x = 'u', y = 'sin(x)' }",
     ];
     for text in models {
         let system = System::parse("m", text).unwrap();
         let options = Options { time_limit: Some(Duration::ZERO), ..Options::default() };
         let report = analyze_affine(&system, &options);
-        assert!(
-            matches!(report, Err(Error::NotAffine { .. })) || report.is_ok_and(|r| !r.dimensions_decided()),
-            "{text}"
-        );
+        assert!(report.is_ok_and(|r| !r.dimensions_decided()), "{text}");
         // A limit that is not reached changes nothing, nor does it stay with the model.
         let unlimited = Options { time_limit: None, ..Options::default() };
         let analysis = analyze(&system, &Options::default()).unwrap();
@@ -54,6 +51,6 @@ fn a_large_system_ends_soon_after_its_time_limit() {
     let system = System::parse("m", &text).unwrap();
     let start = Instant::now();
     let options = Options { time_limit: Some(Duration::from_millis(300)), ..Options::default() };
-    assert!(analyze(&system, &options).is_ok());
+    assert!(analyze_affine(&system, &options).is_ok());
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }
