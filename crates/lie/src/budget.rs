@@ -15,6 +15,9 @@ fn check(pool: &Pool, first: usize, coming: usize, nodes: usize) -> Result<(), U
     if pool.stop_flag().is_raised() {
         return Err(Undecided::Stopped);
     }
+    if pool.is_late() {
+        return Err(bracketry_symbolic::Undecided::TimeLimit.into());
+    }
     if pool.len() + coming > first + nodes { Err(Undecided::TooLarge { nodes }) } else { Ok(()) }
 }
 
@@ -39,6 +42,9 @@ pub(crate) fn check_growth(pool: &Pool, first: usize, roots: [&[Expr]; 2], direc
 pub(crate) fn check_analysis(pool: &Pool, first: usize) -> Result<(), Undecided> {
     if pool.stop_flag().is_raised() {
         return Err(Undecided::Stopped);
+    }
+    if pool.is_late() {
+        return Err(bracketry_symbolic::Undecided::TimeLimit.into());
     }
     let nodes = MAX_ANALYSIS_NODES;
     if pool.made() > first + nodes { Err(Undecided::TooLarge { nodes }) } else { Ok(()) }

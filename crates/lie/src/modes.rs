@@ -48,12 +48,20 @@ impl ModeFields {
     }
 }
 
-/// The fields of every mode of a system that is affine in its inputs, all in its pool.
+/// The fields of every mode of a system that is affine in its inputs, all in its pool, even after its deadline.
 ///
 /// # Errors
 /// [`Error::NotAffine`], also for a switching function that depends on an input;
 /// [`Error::NoStates`], [`Error::Modes`], [`Error::Undecided`].
 pub fn mode_fields(system: &mut System) -> Result<Vec<ModeFields>, Error> {
+    let deadline = system.pool.deadline();
+    system.pool.set_deadline(None);
+    let modes = fields_of_modes(system);
+    system.pool.set_deadline(deadline);
+    modes
+}
+
+fn fields_of_modes(system: &mut System) -> Result<Vec<ModeFields>, Error> {
     if !system.input_derivatives.is_empty() {
         return Err(Error::NotAffine { equation: "a derivative of an input".to_owned() });
     }

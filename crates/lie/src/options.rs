@@ -1,8 +1,13 @@
 //! Choices of an analysis.
 
-use bracketry_symbolic::Rational;
+use std::time::{Duration, Instant};
+
+use bracketry_symbolic::{Pool, Rational};
 
 use crate::controllability::input_values::{InputValues, Side};
+
+/// Time limit of an analysis unless another is asked for.
+const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// Choices of an analysis.
 #[derive(Clone, Debug)]
@@ -19,6 +24,8 @@ pub struct Options {
     pub one_sided: Vec<(String, Side)>,
     /// The values that inputs take, by name, for local controllability; all others take all real numbers.
     pub ranges: Vec<(String, InputValues)>,
+    /// Wall-clock time after which what is undecided is unknown; `None` for no limit.
+    pub time_limit: Option<Duration>,
 }
 
 impl Default for Options {
@@ -30,7 +37,16 @@ impl Default for Options {
             determined: Vec::new(),
             one_sided: Vec::new(),
             ranges: Vec::new(),
+            time_limit: Some(TIME_LIMIT),
         }
+    }
+}
+
+impl Options {
+    /// When an analysis that started at `start` ends, which is no later than the deadline that the pool has already.
+    pub(crate) fn deadline(&self, start: Instant, pool: &Pool) -> Option<Instant> {
+        let own = self.time_limit.and_then(|limit| start.checked_add(limit));
+        own.into_iter().chain(pool.deadline()).min()
     }
 }
 

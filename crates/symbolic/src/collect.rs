@@ -61,6 +61,7 @@ impl Pool {
         let nodes = self.reachable(roots);
         let mut pool = Pool::new();
         pool.set_stop_flag(self.stop_flag().clone());
+        pool.set_deadline(self.deadline());
         for name in self.names() {
             pool.symbol(name);
         }

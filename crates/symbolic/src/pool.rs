@@ -1,6 +1,7 @@
 //! The arena: hash-consed binary nodes with light local rules.
 
 use std::hash::BuildHasher;
+use std::time::Instant;
 
 use dashu_ratio::RBig;
 use hashbrown::HashTable;
@@ -108,6 +109,8 @@ pub struct Pool {
     /// Content and primitive part of canonical sums.
     pub(crate) primitives: FxHashMap<Expr, (RBig, Expr)>,
     stop: StopFlag,
+    /// When exact decisions give up.
+    deadline: Option<Instant>,
 }
 
 fn symbol_bit(s: Symbol) -> u64 {
@@ -135,6 +138,7 @@ impl Default for Pool {
             derivatives: FxHashMap::default(),
             primitives: FxHashMap::default(),
             stop: StopFlag::default(),
+            deadline: None,
         };
         for unit in [0, 1, -1] {
             pool.small_number(unit);
@@ -157,6 +161,22 @@ impl Pool {
     /// Gives the pool another flag.
     pub fn set_stop_flag(&mut self, flag: StopFlag) {
         self.stop = flag;
+    }
+
+    /// When exact decisions in this pool give up, if ever.
+    pub fn deadline(&self) -> Option<Instant> {
+        self.deadline
+    }
+
+    /// From `deadline` on, exact decisions are [undecided](crate::Undecided::TimeLimit), and expressions are left as they
+    /// are instead of being simplified. Clones of the pool have the same deadline.
+    pub fn set_deadline(&mut self, deadline: Option<Instant>) {
+        self.deadline = deadline;
+    }
+
+    /// Whether the deadline has passed.
+    pub fn is_late(&self) -> bool {
+        self.deadline.is_some_and(|end| Instant::now() >= end)
     }
 
     /// Number of distinct nodes made so far.

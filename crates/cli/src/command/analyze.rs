@@ -1,6 +1,7 @@
 //! `bracketry analyze`.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::Analysis;
@@ -50,6 +51,9 @@ pub(crate) struct AnalyzeArgs {
     /// more than once
     #[arg(long, value_name = "EXPR")]
     determines: Vec<String>,
+    /// Seconds after which what is not decided is unknown
+    #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = time_limit)]
+    time_limit: Duration,
     /// Format of the report on standard output
     #[arg(long, value_enum, default_value = "text", conflicts_with = "json")]
     format: Format,
@@ -68,14 +72,24 @@ impl AnalyzeArgs {
     }
 }
 
+/// A number of seconds, zero or more.
+fn time_limit(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "not a number of seconds".to_owned())?;
+    Duration::try_from_secs_f64(seconds).map_err(|e| e.to_string())
+}
+
 /// Prints what the inputs of a model reach.
 pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let mut system = System::read(&args.model)?;
     if let Some(at) = &args.at {
         system.point = Some(bracketry::point(&mut system, at).context("--at")?);
     }
-    let options =
-        Options { brackets: args.brackets.clone(), determined: args.determines.clone(), ..Options::default() };
+    let options = Options {
+        brackets: args.brackets.clone(),
+        determined: args.determines.clone(),
+        time_limit: Some(args.time_limit),
+        ..Options::default()
+    };
     let progress = spinner("brackets and ranks");
     let analysis = bracketry::analyze(&system, &options).with_context(|| args.model.display().to_string())?;
     progress.finish_and_clear();

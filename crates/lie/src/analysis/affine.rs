@@ -45,6 +45,7 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
     let start = Instant::now();
     let mut evidence = Evidence::default();
     let mut system = system.clone();
+    system.pool.set_deadline(options.deadline(start, &system.pool));
     let asked = read_functions(&mut system, &options.determined)?;
     let words = brackets::read(&system, &options.brackets)?;
     check_inputs(&system, options)?;

@@ -68,6 +68,8 @@ pub struct Analysis {
 /// assert_eq!(analysis.report.modes[0].dimensions.growth, [2, 3]);
 /// ```
 ///
+/// What is not decided within [`Options::time_limit`] is unknown.
+///
 /// # Errors
 /// [`AnalysisError`] if no affine form is found or there are too many modes; what an exact test
 /// cannot decide becomes an unknown of the report instead.
@@ -76,8 +78,12 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     if let (Some(function), true) = (options.determined.first(), system.outputs.is_empty()) {
         return Err(AnalysisError::NoOutputs { function: function.clone() });
     }
+    let given = system;
+    let mut system = given.clone();
+    system.pool.set_deadline(options.deadline(start, &system.pool));
+    let system = &system;
     system.check_denominators()?;
-    let affinization = system.affinize()?;
+    let mut affinization = system.affinize()?;
     let affine = affinization.method == Method::None;
     let options = with_input_ranges(options, &affinization, system);
     let mut report = analyze_affine(&affinization.system, &options)?;
@@ -89,6 +95,10 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
     withhold_local_verdicts(&mut report, &affinization, system);
     let family = if affine { None } else { Some(family_dimensions(system, &affinization.system, &report)?) };
     report.seconds = start.elapsed().as_secs_f64();
+    let others = affinization.candidates.iter_mut().filter_map(|c| c.system.as_mut());
+    for system in others.chain([&mut affinization.system]) {
+        system.pool.set_deadline(given.pool.deadline());
+    }
     Ok(Analysis {
         model: system.name.clone(),
         states: affinization.system.states.len(),
@@ -98,7 +108,7 @@ pub fn analyze(system: &System, options: &Options) -> Result<Analysis, AnalysisE
         affinization,
         family,
         report,
-        original: system.clone(),
+        original: given.clone(),
     })
 }
 

@@ -10,6 +10,7 @@ use crate::controllability::local::Frame;
 use crate::controllability::sign::definite;
 use crate::controllability::sussmann::Inputs;
 use crate::evidence::Evidence;
+use crate::linear::numerical::{svd, symmetric_eigen};
 use crate::reason::InputCombination;
 use crate::residues::{Echelon, Fp};
 use crate::undecided::Undecided;
@@ -100,7 +101,7 @@ pub(crate) fn canceling(
             DVector::from_column_slice(matrix(&unit).as_slice())
         })
         .collect();
-    let solver = DMatrix::from_columns(&columns).svd(true, true);
+    let Some(solver) = svd(DMatrix::from_columns(&columns)) else { return Ok(None) };
     let mut target = DMatrix::identity(m, m);
     let mut found = None;
     for _ in 0..ROUNDS {
@@ -111,7 +112,7 @@ pub(crate) fn canceling(
             found = Some(c);
             break;
         }
-        let mut eigen = s.symmetric_eigen();
+        let Some(mut eigen) = symmetric_eigen(s) else { return Ok(None) };
         eigen.eigenvalues.apply(|l| *l = l.max(0.2));
         target = eigen.recompose();
     }

@@ -9,6 +9,7 @@ use crate::controllability::local::Frame;
 use crate::evidence::Evidence;
 use crate::linear::matrix::{Echelon as RationalEchelon, RationalMatrix};
 use crate::linear::numerical::eigenvalues;
+use crate::linear::numerical::symmetric_eigen;
 use crate::linear::spectrum::{Root, Spectrum};
 use crate::reason::Reason;
 use crate::residues::times;
@@ -183,7 +184,7 @@ pub(crate) fn complement(a: &DMatrix<f64>, b: &DMatrix<f64>, rank: usize) -> Opt
     for e in &basis {
         projection -= e * e.transpose();
     }
-    let eigen = projection.symmetric_eigen();
+    let eigen = symmetric_eigen(projection)?;
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
     Some(eigen.eigenvectors.select_columns(&order[..n - rank]))

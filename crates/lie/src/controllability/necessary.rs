@@ -16,6 +16,7 @@ use crate::controllability::linearization::complement;
 use crate::controllability::local::Frame;
 use crate::controllability::sign::{NearOrigin, Sign, definite};
 use crate::evidence::Evidence;
+use crate::linear::numerical::symmetric_eigen;
 use crate::options::Limits;
 use crate::reason::{Monotone, StlcReason};
 use crate::residues::times;
@@ -381,7 +382,7 @@ fn definite_combination(matrices: &[DMatrix<f64>]) -> bool {
         if definite(&sum) == Some(true) {
             return true;
         }
-        let eigen = sum.symmetric_eigen();
+        let Some(eigen) = symmetric_eigen(sum) else { return false };
         let least = eigen.eigenvalues.imin();
         let v = eigen.eigenvectors.column(least).into_owned();
         let step: Vec<f64> = symmetric.iter().map(|q| (v.transpose() * q * &v)[0] / size).collect();

@@ -1,6 +1,6 @@
-//! Eigenvalues in floating point, with a bound on the iterations.
+//! Decompositions in floating point, with a bound on the iterations.
 
-use nalgebra::{DMatrix, Schur};
+use nalgebra::{DMatrix, Dyn, SVD, Schur, SymmetricEigen};
 
 /// Iterations of the QR algorithm for each row; it commonly takes two or three.
 const ITERATIONS: usize = 100;
@@ -21,6 +21,18 @@ pub(crate) fn eigenvalues(a: &DMatrix<f64>) -> Option<Vec<(f64, f64)>> {
     }
     let shift = a.norm();
     schur(&(a + DMatrix::identity(a.nrows(), a.nrows()) * shift)).map(|s| values(s, shift))
+}
+
+/// Eigenvalues and orthonormal eigenvectors of a symmetric matrix; `None` where the iteration does not converge.
+pub(crate) fn symmetric_eigen(a: DMatrix<f64>) -> Option<SymmetricEigen<f64, Dyn>> {
+    let iterations = ITERATIONS * a.nrows().max(1);
+    SymmetricEigen::try_new(a, f64::EPSILON, iterations)
+}
+
+/// The singular value decomposition; `None` where the iteration does not converge.
+pub(crate) fn svd(a: DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
+    let iterations = ITERATIONS * a.nrows().max(a.ncols()).max(1);
+    SVD::try_new(a, true, true, 5.0 * f64::EPSILON, iterations)
 }
 
 #[cfg(test)]

@@ -148,6 +148,9 @@ pub enum Undecided {
         /// Decimal logarithm of the degree.
         log10_degree: f64,
     },
+    /// The [deadline](Pool::set_deadline) of the pool has passed.
+    #[error("not decided within the time limit")]
+    TimeLimit,
     /// Too many related functions.
     #[error("not decided because too many functions are related to each other")]
     TooComplex,
@@ -312,6 +315,9 @@ impl Pool {
         points: Option<usize>,
         seed: u64,
     ) -> Result<Samples<C>, Stop> {
+        if self.is_late() {
+            return Err(Undecided::TimeLimit.into());
+        }
         let Lowered { program, outputs, exact, ambiguous, conditions, extension } = lower::<C>(self, roots, bindings)?;
         if ambiguous > MAX_AMBIGUOUS {
             return Err(Undecided::Sign.into());

@@ -1,0 +1,123 @@
+//! Random exact coordinate changes and feedback.
+
+use bracketry_symbolic::Expr;
+use bracketry_system::System;
+use rustc_hash::FxHashMap;
+
+use crate::random::Random;
+
+/// What may hide a system.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Hide {
+    /// Linear coordinate changes and feedback.
+    Linear,
+    /// Polynomial and trigonometric ones.
+    Nonlinear,
+    /// Nonlinear ones of the coordinates alone.
+    Coordinates,
+    /// Nonlinear ones of the coordinates, and mixtures of the inputs that keep a drift of zero.
+    Driftless,
+}
+
+/// Hides the system; the origin stays where it is.
+pub(crate) fn hide(system: &mut System, how: Hide, random: &mut Random) {
+    let linear = how == Hide::Linear;
+    for _ in 0..random.between(1, 3) {
+        shear(system, linear, random);
+    }
+    if random.once_in(2) {
+        scale(system, random);
+    }
+    if how != Hide::Coordinates {
+        feedback(system, how, random);
+    }
+    permute(system, random);
+}
+
+/// A function of these names that vanishes at the origin.
+fn function(names: &[String], linear: bool, random: &mut Random) -> String {
+    let c = random.coefficient();
+    let a = &names[random.below(names.len())];
+    let b = &names[random.below(names.len())];
+    if linear {
+        return format!("({c}*{a})");
+    }
+    match random.below(7) {
+        0 => format!("({c}*{a})"),
+        1 => format!("({c}*{a}*{b})"),
+        2 => format!("({c}*{a}^2)"),
+        3 => format!("({c}*{a}^3)"),
+        4 => format!("({c}*sin({a}))"),
+        5 => format!("({c}*(cos({a}) - 1))"),
+        _ => format!("({c}*{a}*{b} + {b}^2)"),
+    }
+}
+
+/// x_i becomes x_i + p of the other states.
+fn shear(system: &mut System, linear: bool, random: &mut Random) {
+    let names = system.state_names();
+    if names.len() < 2 {
+        return;
+    }
+    let i = random.below(names.len());
+    let others: Vec<String> = names.iter().enumerate().filter(|n| n.0 != i).map(|n| n.1.clone()).collect();
+    let text = function(&others, linear, random);
+    let pool = &mut system.pool;
+    let p = pool.parse(&text).expect("a function that the program writes");
+    let along = pool.lie_derivative(p, &system.states, &system.dynamics);
+    system.dynamics[i] = pool.add(system.dynamics[i], along);
+    let x = pool.sym(system.states[i]);
+    let old = pool.sub(x, p);
+    replace(system, &[(x, old)]);
+}
+
+fn scale(system: &mut System, random: &mut Random) {
+    let i = random.below(system.states.len());
+    let (p, q) = (random.coefficient(), random.between(1, 3) as i64);
+    let pool = &mut system.pool;
+    let (c, inverse) = (pool.ratio(p, q), pool.ratio(q * p.signum(), p.abs()));
+    system.dynamics[i] = pool.mul(c, system.dynamics[i]);
+    let x = pool.sym(system.states[i]);
+    let old = pool.mul(inverse, x);
+    replace(system, &[(x, old)]);
+}
+
+fn feedback(system: &mut System, how: Hide, random: &mut Random) {
+    let (states, inputs) = (system.state_names(), system.input_names());
+    for (i, u) in inputs.iter().enumerate() {
+        let linear = how == Hide::Linear;
+        let gain = if linear || random.once_in(2) {
+            format!("{}", random.coefficient())
+        } else {
+            let x = &states[random.below(states.len())];
+            random.of(&["(1 + {}^2)", "(2 + cos({}))", "(1 + {}^2/2)"]).replace("{}", x)
+        };
+        let mut text = format!("{gain}*{u}");
+        if how != Hide::Driftless && random.once_in(2) {
+            text += &format!(" + {}", function(&states, linear, random));
+        }
+        if let Some(later) = inputs.get(i + 1) {
+            let c = if linear { random.coefficient().to_string() } else { function(&states, false, random) };
+            text += &format!(" + {c}*{later}");
+        }
+        let new = system.pool.parse(&text).expect("a feedback that the program writes");
+        let old = system.pool.var(u);
+        replace(system, &[(old, new)]);
+    }
+}
+
+fn replace(system: &mut System, pairs: &[(Expr, Expr)]) {
+    let map: FxHashMap<Expr, Expr> = pairs.iter().copied().collect();
+    system.dynamics = system.pool.substitute_all(&system.dynamics, &map);
+    for (_, output) in &mut system.outputs {
+        *output = system.pool.substitute(*output, &map);
+    }
+}
+
+fn permute(system: &mut System, random: &mut Random) {
+    for i in (1..system.states.len()).rev() {
+        let j = random.below(i + 1);
+        system.states.swap(i, j);
+        system.dynamics.swap(i, j);
+    }
+}
