@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Certificate, Expr, Function, Rational, Symbol};
+use bracketry_symbolic::{Certificate, Expr, Function, Symbol};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 

@@ -209,9 +209,7 @@ impl Enclosed {
                 Step::Power(a, ref k) => v[a].power(k),
                 Step::Exponential(a, k) => v[a].image(Func::Log).product(v[k]).image(Func::Exp),
                 Step::Image(f, a) => v[a].image(f),
-                Step::Least(a, b) => {
-                    Enclosure { lower: v[a].lower.min(v[b].lower), upper: v[a].upper.min(v[b].upper) }
-                }
+                Step::Least(a, b) => Enclosure { lower: v[a].lower.min(v[b].lower), upper: v[a].upper.min(v[b].upper) },
                 Step::Greatest(a, b) => {
                     Enclosure { lower: v[a].lower.max(v[b].lower), upper: v[a].upper.max(v[b].upper) }
                 }
@@ -233,8 +231,14 @@ mod tests {
         let mut pool = Pool::new();
         let (u, w) = (pool.symbol("u"), pool.symbol("w"));
         for text in [
-            "u^3 - 2*u*w + w^2", "exp(-u)*sin(3*w)", "sqrt(1 + u^2)/(2 + cos(w))", "tanh(u*w) - atan(u)",
-            "log(2 + sin(u)) + abs(w)^1.5", "max(u, w)*min(u, 0.3)", "tan(u/4) + cosh(w) - sinh(u)", "2^w + asin(u/9)",
+            "u^3 - 2*u*w + w^2",
+            "exp(-u)*sin(3*w)",
+            "sqrt(1 + u^2)/(2 + cos(w))",
+            "tanh(u*w) - atan(u)",
+            "log(2 + sin(u)) + abs(w)^1.5",
+            "max(u, w)*min(u, 0.3)",
+            "tan(u/4) + cosh(w) - sinh(u)",
+            "2^w + asin(u/9)",
         ] {
             let e = pool.parse(text).unwrap_or_else(|e| unreachable!("{text}: {e:?}"));
             let Some(mut enclosed) = Enclosed::new(&pool, &[u, w], &[e]) else { unreachable!("{text}") };

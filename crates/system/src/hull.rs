@@ -44,9 +44,11 @@ pub(crate) fn surrounds_point(system: &System, functions: &[Expr], inputs: &[Sym
     for distance in DISTANCES {
         for k in 0..2 * SAMPLES {
             let scale = if k % 2 == 0 { 1.0 } else { 0.0 };
-            let sampled = point.at.iter().zip(point.limits).map(|(&a, &[least, greatest])| {
-                (scale * a + distance * uniform()).clamp(least, greatest)
-            });
+            let sampled = point
+                .at
+                .iter()
+                .zip(point.limits)
+                .map(|(&a, &[least, greatest])| (scale * a + distance * uniform()).clamp(least, greatest));
             let u: Vec<f64> = sampled.collect();
             if let Some(v) = value(&u) {
                 points.push(v.iter().zip(&center).map(|(a, b)| a - b).collect::<Vec<f64>>());

@@ -78,7 +78,9 @@ impl Images<'_> {
             },
             Node::Call(Func::Log, a) => inside(self, a, 0.0, f64::INFINITY, false),
             Node::Call(Func::Asin | Func::Acos, a) => inside(self, a, -1.0, 1.0, true),
-            Node::Call(Func::Tan, a) => self.of(a).is_ok_and(|i| i.image(self.pool, Func::Tan).is_some_and(|i| !i.is_all())),
+            Node::Call(Func::Tan, a) => {
+                self.of(a).is_ok_and(|i| i.image(self.pool, Func::Tan).is_some_and(|i| !i.is_all()))
+            }
             Node::Call(Func::Sign, _) | Node::Call2(Func2::Atan2, ..) => false,
             _ => true,
         }

@@ -1,6 +1,8 @@
 //! New inputs v = w(u) or v = w(x, u): completion of a change that was found, with its certificate.
 
-use bracketry_symbolic::{Bindings, Certificate, Expr, Func, Function, Node, Pool, Rational, Symbol, Undecided, ZeroTest};
+use bracketry_symbolic::{
+    Bindings, Certificate, Expr, Func, Function, Node, Pool, Rational, Symbol, Undecided, ZeroTest,
+};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::candidate::{AtPoint, Candidate, Method, NewInput};

@@ -51,6 +51,22 @@ fn the_ranges_are_written_into_the_affine_model() {
 }
 
 #[test]
+fn the_inverse_is_the_branch_within_the_range() {
+    for (w, min, max, inverse) in [
+        ("u^2", 0, 2, "v1^0.5"),
+        ("u^2", -2, 0, "-v1^0.5"),
+        ("abs(u)", -2, -1, "-v1"),
+        ("abs(u)", 1, 2, "v1"),
+        ("exp(-u)", -2, 0, "-log(v1)"),
+    ] {
+        let a = affinize(w, &format!("u = {{ min = {min}, max = {max} }}"), "");
+        let chosen = a.candidates.iter().find(|c| c.chosen).unwrap();
+        let text = chosen.inverse[0].1.text().replace("sqrt(v1)", "v1^0.5");
+        assert_eq!(text, inverse, "{w} on [{min}, {max}]");
+    }
+}
+
+#[test]
 fn the_place_of_the_point_respects_the_ranges() {
     let at = |w: &str, u: &str| affinize(w, RANGES, &format!("[point]\nu = {u}\n")).input_change[0].at_point;
     assert_eq!(at("u^2", "0"), AtPoint::AtLower);
@@ -62,7 +78,8 @@ fn the_place_of_the_point_respects_the_ranges() {
 
 #[test]
 fn what_the_ranges_do_not_say_is_noted() {
-    let text = format!("states = ['x', 'y']\ninputs = ['u', 'w']\n[ranges]\n{RANGES}\n[dynamics]\nx = 'u + w'\ny = 'u*w^2'\n");
+    let text =
+        format!("states = ['x', 'y']\ninputs = ['u', 'w']\n[ranges]\n{RANGES}\n[dynamics]\nx = 'u + w'\ny = 'u*w^2'\n");
     let a = System::parse("m", &text).unwrap().affinize().unwrap();
     assert!(a.range_notes.iter().any(|n| matches!(n, RangeNote::Joint { .. } | RangeNote::State { .. })), "{a:?}");
     // No value at u = 0: the image is not given, and that is said.
