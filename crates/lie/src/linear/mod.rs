@@ -1,5 +1,8 @@
-//! Exact linear algebra over the rational numbers, for linearizations whose entries are rational.
+//! Linear algebra for linearizations: exact over the rational numbers, else in floating point with bounded iterations.
 
+pub(crate) mod distance;
 pub(crate) mod matrix;
 pub(crate) mod numerical;
+pub(crate) mod schur;
 pub(crate) mod spectrum;
+pub(crate) mod zeros;
