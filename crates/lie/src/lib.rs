@@ -37,6 +37,7 @@ mod feedback;
 mod linear;
 mod modes;
 mod observability;
+mod operating;
 mod options;
 mod reason;
 mod residues;
@@ -70,6 +71,7 @@ pub use controllability::uncontrollable::Mode;
 pub use dimensions::Dimensions;
 pub use error::{Error, WordError, WordProblem};
 pub use evidence::Evidence;
+pub use linear::distance::Distance;
 pub use feedback::extension::{DynamicExtension, ExtensionLimits};
 pub use feedback::flatness_report::{ExtensionReport, FlatnessReport, FlatnessVerdict};
 pub use feedback::input_output::{Eigenvalue, InputOutputReport, ZeroDynamicsReport};
@@ -82,6 +84,10 @@ pub use modes::{ModeFields, Signs, mode_fields};
 pub use observability::codistribution::Observability;
 pub use observability::report::{Direction, ObservabilityReport, observe};
 pub use observability::symmetry::{Operator, Symmetry};
+pub use operating::gains::{Gain, Gramians, NoGain};
+pub use operating::linear_model::{LinearMatrix, LinearModel, NotLinearizable, Rest};
+pub use operating::linearize::{LinearAnalysis, LinearizeError, LinearizeOptions, Pole, Rank, linearize};
+pub use operating::trim::{Trim, TrimError, TrimNote, TrimOptions, TrimRole, TrimStatus, TrimValue, trim};
 pub use options::{Limits, Options};
 pub use reason::{
     AtSwitch, BracketLimit, FamilyReason, FlatnessReason, InputCombination, MinimumPhaseReason, Monotone,
