@@ -14,10 +14,13 @@ import sys
 import tempfile
 from pathlib import Path
 
-import control
-import numpy as np
-import scipy.linalg
-import scipy.optimize
+# The module control is python-control, not the file of that name beside this one.
+sys.path = [entry for entry in sys.path if Path(entry or ".").resolve() != Path(__file__).resolve().parent]
+
+import control  # noqa: E402
+import numpy as np  # noqa: E402
+import scipy.linalg  # noqa: E402
+import scipy.optimize  # noqa: E402
 
 TOLERANCE = 1e-9
 
