@@ -1,5 +1,6 @@
 //! The complex Schur form with eigenvalues in a chosen order, and what follows from it: Lyapunov and Riccati equations.
 
+use bracketry_symbolic::Rational;
 use nalgebra::{Complex, DMatrix, Schur};
 
 type ComplexMatrix = DMatrix<Complex<f64>>;
@@ -101,7 +102,7 @@ const RESIDUAL: f64 = 1e-6;
 /// Steps of Newton's method after the Schur form.
 const NEWTON_STEPS: usize = 8;
 
-/// The stabilizing X of Aᵀ X + X A − X B R⁻¹ Bᵀ X + Q = 0, from the stable invariant subspace of the Hamiltonian matrix
+/// The stabilizing X of Aᵀ X + X A − X B R⁻¹ Bᵀ X + Q = 0 with diagonal R, from the stable invariant subspace of the Hamiltonian matrix
 /// (Laub 1979), refined by Newton's method (Kleinman 1968). `None` where there is none, or rounding hides it.
 pub(crate) fn riccati(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &DMatrix<f64>) -> Option<Riccati> {
     let n = a.nrows();
@@ -144,9 +145,54 @@ pub(crate) fn riccati(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &
         }
         (x, residual) = (next, better);
     }
+    if n <= MAX_REFINED {
+        for _ in 0..NEWTON_STEPS {
+            let Some(left) = exact_left_side(a, b, q, r, &x) else { break };
+            let closed = a - b * (&inverse * b.transpose() * &x);
+            let Some(step) = lyapunov(&closed.transpose(), &left) else { break };
+            if !(step.norm() <= 1e-3 * x.norm()) {
+                break;
+            }
+            x += &step;
+            if step.norm() <= 2.0 * f64::EPSILON * x.norm() {
+                break;
+            }
+        }
+        residual = residual.min(defect(&x));
+    }
     let gain = &inverse * b.transpose() * &x;
     let loop_is_stable = super::numerical::eigenvalues(&(a - b * &gain))?.iter().all(|z| z.0 < 0.0);
     (loop_is_stable && residual <= RESIDUAL).then_some(Riccati { x, gain, residual })
+}
+
+/// Systems with more states are not refined with exact left sides.
+const MAX_REFINED: usize = 20;
+
+/// Aᵀ X + X A − X B R⁻¹ Bᵀ X + Q for a diagonal R, in rational arithmetic, then rounded: where X is large, its terms cancel.
+fn exact_left_side(
+    a: &DMatrix<f64>,
+    b: &DMatrix<f64>,
+    q: &DMatrix<f64>,
+    r: &DMatrix<f64>,
+    x: &DMatrix<f64>,
+) -> Option<DMatrix<f64>> {
+    let exact = |m: &DMatrix<f64>| -> Option<Vec<Vec<Rational>>> {
+        m.row_iter().map(|row| row.iter().map(|v| Rational::try_from(*v).ok()).collect()).collect()
+    };
+    let (a, b, q, r, x) = (exact(a)?, exact(b)?, exact(q)?, exact(r)?, exact(x)?);
+    let (n, m) = (a.len(), r.len());
+    let sum = |terms: &mut dyn Iterator<Item = Rational>| terms.fold(Rational::ZERO, |s, t| s + t);
+    let rows = |rows: usize, entry: &dyn Fn(usize, usize) -> Rational| -> Vec<Vec<Rational>> {
+        (0..rows).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
+    };
+    let xa = rows(n, &|i, j| sum(&mut (0..n).map(|k| &x[i][k] * &a[k][j])));
+    let bx = rows(m, &|i, j| sum(&mut (0..n).map(|k| &b[k][i] * &x[k][j])));
+    let left = DMatrix::from_fn(n, n, |i, j| {
+        let quadratic = sum(&mut (0..m).map(|k| &bx[k][i] * &bx[k][j] / &r[k][k]));
+        let total = &xa[i][j] + &xa[j][i] - quadratic + &q[i][j];
+        total.to_f64().value()
+    });
+    Some(left)
 }
 
 #[cfg(test)]
