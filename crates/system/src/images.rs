@@ -3,9 +3,9 @@
 use bracketry_symbolic::{Expr, Function, Node, Pool, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
-use crate::unknown_range::UnknownRange;
 use crate::interval::{End, Interval};
 use crate::system::System;
+use crate::unknown_range::UnknownRange;
 
 /// The interval of every input.
 pub(crate) type Domain = FxHashMap<Symbol, Interval>;

@@ -5,8 +5,8 @@ use std::fmt;
 
 use crate::candidate::NewInput;
 use crate::range::{Bound, Range};
-use crate::unknown_range::UnknownRange;
 use crate::system::System;
+use crate::unknown_range::UnknownRange;
 
 /// Where the ranges of an affine system's inputs say less than those of the original's.
 #[derive(Clone, Debug, PartialEq)]

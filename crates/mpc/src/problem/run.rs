@@ -16,8 +16,8 @@ use crate::ocp::Ocp;
 use crate::rti::{Horizon, Rti, RtiSettings};
 use crate::sqp::{Solution, SolveStatus, Sqp, SqpController, SqpSettings};
 use crate::trajectory::Trajectory;
-use rand::SeedableRng;
 use bracketry_system::InputRange;
+use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};
 
