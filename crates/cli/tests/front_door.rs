@@ -9,8 +9,20 @@ use std::process::{Command, Output};
 
 use common::{bracketry, code, file, json, scratch, text, within};
 
-const COMMANDS: [&str; 10] =
-    ["new", "analyze", "affinize", "simulate", "control", "diagnose", "plate", "stiffness", "completions", "man"];
+const COMMANDS: [&str; 12] = [
+    "new",
+    "analyze",
+    "affinize",
+    "trim",
+    "linearize",
+    "simulate",
+    "control",
+    "diagnose",
+    "plate",
+    "stiffness",
+    "completions",
+    "man",
+];
 
 #[test]
 fn every_command_has_help_with_examples() {

@@ -37,6 +37,7 @@ mod feedback;
 mod linear;
 mod modes;
 mod observability;
+mod operating;
 mod options;
 mod reason;
 mod residues;
@@ -78,10 +79,15 @@ pub use feedback::relative_degree::RelativeDegree;
 pub use feedback::report::{ControlReport, LinearizationReport};
 pub use feedback::static_linearization::{LinearizationFlag, LinearizingOutputs};
 pub use feedback::zero_dynamics::ZeroDynamics;
+pub use linear::distance::Distance;
 pub use modes::{ModeFields, Signs, mode_fields};
 pub use observability::codistribution::Observability;
 pub use observability::report::{Direction, ObservabilityReport, Undetermined, observe};
 pub use observability::symmetry::{Operator, Symmetry};
+pub use operating::gains::{Gain, Gramians, NoGain};
+pub use operating::linear_model::{LinearMatrix, LinearModel, NotLinearizable, Rest};
+pub use operating::linearize::{LinearAnalysis, LinearizeError, LinearizeOptions, Pole, Rank, linearize};
+pub use operating::trim::{Trim, TrimError, TrimNote, TrimOptions, TrimRole, TrimStatus, TrimValue, trim};
 pub use options::{Limits, Options};
 pub use reason::{
     AtSwitch, BracketLimit, FamilyReason, FlatnessReason, InputCombination, MinimumPhaseReason, Monotone,

@@ -85,7 +85,7 @@ pub use ocp::{
 };
 pub use problem::{
     ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled, Convergence, Estimation, EstimatorKind,
-    Feedback, FirstSample, Method, Note, PlanReport, ProblemError, RunConditions, control, control_watched,
+    Feedback, FirstSample, KeptRange, Method, Note, PlanReport, ProblemError, RunConditions, control, control_watched,
 };
 pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};

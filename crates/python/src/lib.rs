@@ -12,6 +12,7 @@ mod error;
 mod figures;
 mod interrupt;
 mod model;
+mod operating_point;
 mod plate;
 mod simulation;
 mod stiffness;
@@ -35,6 +36,8 @@ mod _native {
     use super::figures::Figures;
     #[pymodule_export]
     use super::model::Model;
+    #[pymodule_export]
+    use super::operating_point::{linearize, trim};
     #[pymodule_export]
     use super::plate::run_plate;
     #[pymodule_export]

@@ -41,6 +41,16 @@ impl fmt::Display for Text<'_> {
             readable(report.period_ms)
         )?;
         writeln!(f, "bounds         violated by at most {}", readable(report.constraint_violation_max))?;
+        for r in &report.input_ranges {
+            let ends = [(r.min, "at least "), (r.max, "at most ")];
+            let ends = ends.into_iter().filter_map(|(end, word)| Some(format!("{word}{}", readable(end?))));
+            writeln!(
+                f,
+                "input {:<8} kept {}, by the range of the model",
+                r.input,
+                ends.collect::<Vec<_>>().join(", ")
+            )?;
+        }
         let width = report.x_final.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(8);
         for (name, v) in report.x_final.iter() {
             write!(f, "final {name:<width$} {}", readable(*v))?;

@@ -5,6 +5,7 @@ pub mod control;
 mod diagnosis;
 pub mod html;
 mod notation;
+pub mod operating;
 pub mod plate;
 pub mod simulation;
 pub mod stiffness;

@@ -11,6 +11,7 @@ use crate::feedback::by_rows;
 use crate::input_change::{Checks, apply};
 use crate::lowering::{Transformation, lowered};
 use crate::new_state::NewState;
+use crate::range_note::RangeNote;
 use crate::reason::{AffineError, MAX_INPUTS, Reason, Rejection};
 use crate::separation::separated;
 use crate::system::System;
@@ -48,6 +49,8 @@ pub struct Affinization {
     /// For new inputs and a model with a point: whether they take, together, all values near those at the point, so that any
     /// small feedback of them can be realized; `None` where that was not established (or nothing was changed).
     pub covers_at_point: Option<bool>,
+    /// Where the ranges of the new inputs say less than those of the old ones.
+    pub range_notes: Vec<RangeNote>,
     /// The affine system.
     pub system: System,
     /// The reason.
@@ -163,6 +166,7 @@ impl System {
             regular_at_point: chosen.regular_at_point,
             interior_at_point: chosen.interior_at_point,
             covers_at_point: chosen.covers_at_point,
+            range_notes: chosen.range_notes.clone(),
             system,
             why: chosen.why.clone(),
             candidates: std::iter::once(chosen).chain(others).collect(),

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Certificate, Expr, Function, Rational, Symbol};
+use bracketry_symbolic::{Certificate, Expr, Function, Symbol};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
 use crate::new_state::NewState;
 use crate::range::{Bound, Range};
+use crate::range_note::RangeNote;
 use crate::reason::Reason;
 use crate::singular::SingularSet;
 use crate::system::{InputRange, System};
@@ -49,7 +50,7 @@ pub struct NewInput {
     pub name: String,
     /// The function w of the old inputs (for [`Method::Feedback`] also of the states).
     pub function: Expr,
-    /// The values of w while the old inputs take all real numbers.
+    /// The values of w while the old inputs take all values of their ranges.
     pub values: Range,
     /// Where the value at the point lies among these.
     pub at_point: AtPoint,
@@ -99,6 +100,8 @@ pub struct Candidate {
     pub covers_at_point: Option<bool>,
     /// Whether the new inputs take their values independently of each other; `None` where that was not established.
     pub independent_ranges: Option<bool>,
+    /// Where the ranges of the candidate's inputs say less than those of the original's.
+    pub range_notes: Vec<RangeNote>,
     /// The affine system; `None` for a rejected candidate.
     pub system: Option<System>,
     /// The tests that the affine system, with the new inputs and states written in the old ones, is the original;
@@ -124,6 +127,7 @@ impl Candidate {
             interior_at_point: None,
             covers_at_point: None,
             independent_ranges: None,
+            range_notes: Vec::new(),
             system: None,
             certificate: None,
             why,
@@ -135,21 +139,21 @@ impl Candidate {
         self.system.is_some()
     }
 
-    /// Writes the ranges of new inputs, and of inputs that stay, into the candidate's system. Which values new inputs take
-    /// where old ones have ranges of their own is not followed.
+    /// Writes the ranges of new inputs, and of inputs that stay, into the candidate's system, and notes what these do
+    /// not say of the ranges of the old ones.
     pub(crate) fn transfer_ranges(&mut self, original: &System) {
         let Some(system) = self.system.as_mut().filter(|_| self.method != Method::None) else { return };
         let stays = |r: &&InputRange| system.inputs.contains(&r.input);
         let mut ranges: Vec<InputRange> = original.input_ranges.iter().filter(stays).cloned().collect();
-        if original.input_ranges.is_empty() {
-            let end = |b: &Option<Bound>| b.as_ref().and_then(|b| Rational::try_from(b.value).ok());
-            ranges.extend(self.input_change.iter().filter_map(|v| {
-                let input = *system.inputs.iter().find(|&&u| system.pool.name(u) == v.name)?;
-                let Range::Interval { lower, upper } = &v.values else { return None };
-                Some(InputRange { input, min: end(lower), max: end(upper) })
-            }));
+        for v in &self.input_change {
+            let Some(&input) = system.inputs.iter().find(|&&u| system.pool.name(u) == v.name) else { continue };
+            if let (Range::Interval { lower, upper }, false) = (&v.values, ranges.iter().any(|r| r.input == input)) {
+                let end = |b: &Option<Bound>| b.as_ref().and_then(Bound::rational);
+                ranges.push(InputRange { input, min: end(lower), max: end(upper) });
+            }
         }
         system.input_ranges = ranges;
+        self.range_notes = RangeNote::of(original, &self.input_change, self.independent_ranges, &self.integrators);
     }
 }
 
@@ -191,6 +195,10 @@ impl Serialize for Candidate {
             s.serialize_field("inverse", &inverse)?;
             s.serialize_field("singular_set", &self.singular_set)?;
             s.serialize_field("independent_ranges", &self.independent_ranges)?;
+        }
+        if !self.range_notes.is_empty() {
+            let notes: Vec<String> = self.range_notes.iter().map(ToString::to_string).collect();
+            s.serialize_field("range_notes", &notes)?;
         }
         if !self.coordinate_change.is_empty() {
             s.serialize_field("coordinate_change", &self.coordinate_change)?;

@@ -11,12 +11,19 @@ const DISTANCES: [f64; 4] = [0.1, 1.0, 3.0, 10.0];
 /// Most functions that are looked at together.
 const MAX_DIMENSION: usize = 6;
 
+/// A point with the limits of its inputs.
+pub(crate) struct Center<'a> {
+    pub(crate) at: &'a [f64],
+    /// Least and greatest value of each input.
+    pub(crate) limits: &'a [[f64; 2]],
+}
+
 /// True if the point's value of the functions lies inside the convex hull of values that they take; false where that
 /// was not seen. `functions` must be free of names other than the inputs.
 ///
 /// Some 1000 values are sampled; the point lies inside if the hull of these comes near to all corners of a
 /// cross-polytope around it.
-pub(crate) fn surrounds_point(system: &System, functions: &[Expr], inputs: &[Symbol], at: &[f64]) -> bool {
+pub(crate) fn surrounds_point(system: &System, functions: &[Expr], inputs: &[Symbol], point: &Center<'_>) -> bool {
     if functions.is_empty() || functions.len() > MAX_DIMENSION {
         return false;
     }
@@ -27,7 +34,7 @@ pub(crate) fn surrounds_point(system: &System, functions: &[Expr], inputs: &[Sym
         tape.eval(u, &mut scratch, &mut out);
         out.iter().all(|v| v.is_finite()).then_some(out)
     };
-    let Some(center) = value(at) else { return false };
+    let Some(center) = value(point.at) else { return false };
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     let mut uniform = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -37,7 +44,12 @@ pub(crate) fn surrounds_point(system: &System, functions: &[Expr], inputs: &[Sym
     for distance in DISTANCES {
         for k in 0..2 * SAMPLES {
             let scale = if k % 2 == 0 { 1.0 } else { 0.0 };
-            let u: Vec<f64> = at.iter().map(|&a| scale * a + distance * uniform()).collect();
+            let sampled = point
+                .at
+                .iter()
+                .zip(point.limits)
+                .map(|(&a, &[least, greatest])| (scale * a + distance * uniform()).clamp(least, greatest));
+            let u: Vec<f64> = sampled.collect();
             if let Some(v) = value(&u) {
                 points.push(v.iter().zip(&center).map(|(a, b)| a - b).collect::<Vec<f64>>());
             }

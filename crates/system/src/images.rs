@@ -3,8 +3,30 @@
 use bracketry_symbolic::{Expr, Function, Node, Pool, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
-use crate::interval::Interval;
+use crate::interval::{End, Interval};
+use crate::system::System;
 use crate::unknown_range::UnknownRange;
+
+/// The interval of every input.
+pub(crate) type Domain = FxHashMap<Symbol, Interval>;
+
+/// The intervals that the model gives its inputs; all real numbers for those without.
+pub(crate) fn input_domain(system: &mut System) -> Domain {
+    let ranges = system.input_ranges.clone();
+    let pool = &mut system.pool;
+    let mut interval = |u: &Symbol| {
+        let mut on = Interval::all();
+        if let Some(range) = ranges.iter().find(|r| r.input == *u) {
+            for (end, limit) in [(&mut on.lower, &range.min), (&mut on.upper, &range.max)] {
+                if let Some(limit) = limit {
+                    *end = End::rational(pool, limit, true);
+                }
+            }
+        }
+        on
+    };
+    system.inputs.iter().map(|u| (*u, interval(u))).collect()
+}
 
 /// Images formed in one question.
 const MAX_EFFORT: usize = 2000;
@@ -13,13 +35,13 @@ const MAX_EFFORT: usize = 2000;
 pub(crate) struct Images<'p> {
     pub(crate) pool: &'p mut Pool,
     /// The interval of every input.
-    pub(crate) domain: FxHashMap<Symbol, Interval>,
+    pub(crate) domain: Domain,
     /// Images that may still be formed.
     pub(crate) effort: usize,
 }
 
 impl<'p> Images<'p> {
-    pub(crate) fn new(pool: &'p mut Pool, domain: FxHashMap<Symbol, Interval>) -> Self {
+    pub(crate) fn new(pool: &'p mut Pool, domain: Domain) -> Self {
         Images { pool, domain, effort: MAX_EFFORT }
     }
 

@@ -1,11 +1,13 @@
 //! New inputs v = w(u) or v = w(x, u): completion of a change that was found, with its certificate.
 
-use bracketry_symbolic::{Bindings, Certificate, Expr, Func, Function, Node, Pool, Symbol, Undecided, ZeroTest};
+use bracketry_symbolic::{
+    Bindings, Certificate, Expr, Func, Function, Node, Pool, Rational, Symbol, Undecided, ZeroTest,
+};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::candidate::{AtPoint, Candidate, Method, NewInput};
-use crate::hull::surrounds_point;
-use crate::images::{flattened, number};
+use crate::hull::{Center, surrounds_point};
+use crate::images::{flattened, input_domain, number};
 use crate::inverse::inverse;
 use crate::range::{Bound, Range, image, range};
 use crate::reason::{Reason, Rejection};
@@ -115,7 +117,7 @@ pub(crate) fn apply(original: &System, change: Change) -> Result<Candidate, Reje
     candidate.independent_ranges = independent_ranges(&mut system, &functions, &input_change);
     candidate.regular_at_point = regular_at_point(&system, &functions);
     candidate.interior_at_point = interior_at_point(&mut system, &functions, &candidate, &input_change);
-    candidate.covers_at_point = covers_at_point(&candidate, &input_change);
+    candidate.covers_at_point = covers_at_point(&system, &candidate, &input_change);
     candidate.singular_set = singular_set(&mut system, &functions);
     candidate.inverse = inverse(&mut system, &functions, &symbols);
     candidate.input_change = input_change;
@@ -196,10 +198,11 @@ fn at_point(system: &mut System, functions: &[Expr]) -> Option<Vec<Expr>> {
 fn describe(system: &mut System, symbols: &[Symbol], functions: &[Expr]) -> Result<Vec<NewInput>, Rejection> {
     let here = at_point(system, functions);
     let with_values = system.with_values(functions);
+    let domain = input_domain(system);
     let mut out = Vec::new();
     for (k, (&s, &function)) in symbols.iter().zip(functions).enumerate() {
         let name = system.pool.name(s).to_owned();
-        let values = range(&mut system.pool, with_values[k], &system.inputs);
+        let values = range(&mut system.pool, with_values[k], &domain);
         if let Range::Unknown { reason } = &values {
             let (s, smooth) = without_switches(system, &[function]);
             if s.pool.symbols_of(&smooth).len() > s.pool.symbols_of(&[function]).len() {
@@ -211,7 +214,8 @@ fn describe(system: &mut System, symbols: &[Symbol], functions: &[Expr]) -> Resu
             None => AtPoint::Unknown,
         };
         let open = at_point == AtPoint::Unknown && system.point.is_some();
-        if open && (regular_at_point(system, &[function]) == Some(true) || surrounded(system, &[function])) {
+        let regular = |s: &System| inside_ranges(s) && regular_at_point(s, &[function]) == Some(true);
+        if open && (regular(system) || surrounded(system, &[function])) {
             at_point = AtPoint::Interior;
         }
         out.push(NewInput { name, function, values, at_point });
@@ -292,7 +296,7 @@ fn independent_ranges(system: &mut System, functions: &[Expr], described: &[NewI
 /// negative) and φ, independently, all angles.
 fn is_polar(system: &mut System, v: Expr, w: Expr) -> bool {
     let values = system.with_values(&[v, w]);
-    let inputs = system.inputs.clone();
+    let (inputs, domain) = (system.inputs.clone(), input_domain(system));
     let pool = &mut system.pool;
     let split = |pool: &mut Pool, e: Expr| {
         let (mut angle, mut radius) = (None, pool.int(1));
@@ -307,8 +311,8 @@ fn is_polar(system: &mut System, v: Expr, w: Expr) -> bool {
     };
     let (Some((f, a, r)), Some((g, b, s))) = (split(pool, values[0]), split(pool, values[1])) else { return false };
     let independent = !pool.symbols_of(&[a]).iter().any(|x| inputs.contains(x) && pool.depends_on(r, *x));
-    let turns = image(pool, a, &inputs).is_ok_and(|i| i.is_all());
-    let far = image(pool, r, &inputs).is_ok_and(|i| i.lower.value <= 0.0 && i.upper.value == f64::INFINITY);
+    let turns = image(pool, a, &domain).is_ok_and(|i| i.is_all());
+    let far = image(pool, r, &domain).is_ok_and(|i| i.lower.value <= 0.0 && i.upper.value == f64::INFINITY);
     f != g && a == b && r == s && independent && turns && far
 }
 
@@ -320,7 +324,7 @@ fn interior_at_point(
     inputs: &[NewInput],
 ) -> Option<bool> {
     system.point.as_ref()?;
-    if candidate.regular_at_point == Some(true) {
+    if candidate.regular_at_point == Some(true) && inside_ranges(system) {
         return Some(true);
     }
     if inputs.iter().any(|v| matches!(v.at_point, AtPoint::AtLower | AtPoint::AtUpper)) {
@@ -333,9 +337,9 @@ fn interior_at_point(
 
 /// Whether the new inputs take all values near those at the point: where the Jacobian has full rank (inverse function
 /// theorem), or where each has a range without gaps around its value and takes its values independently of the others.
-fn covers_at_point(candidate: &Candidate, inputs: &[NewInput]) -> Option<bool> {
+fn covers_at_point(system: &System, candidate: &Candidate, inputs: &[NewInput]) -> Option<bool> {
     match (candidate.regular_at_point, candidate.interior_at_point) {
-        (Some(true), _) => Some(true),
+        (Some(true), _) if inside_ranges(system) => Some(true),
         (_, Some(false)) => Some(false),
         (_, Some(true)) => {
             let known = inputs.iter().all(|v| !matches!(v.values, Range::Unknown { .. }));
@@ -355,7 +359,21 @@ fn surrounded(system: &mut System, functions: &[Expr]) -> bool {
         values.remove(&u);
     }
     let here = system.pool.substitute_all(functions, &values);
-    surrounds_point(system, &here, &inputs, &at)
+    let domain = input_domain(system);
+    let limits: Vec<[f64; 2]> = inputs.iter().map(|u| [domain[u].lower.value, domain[u].upper.value]).collect();
+    surrounds_point(system, &here, &inputs, &Center { at: &at, limits: &limits })
+}
+
+/// Whether every input that has a range is inside it at the point, not at an end.
+fn inside_ranges(system: &System) -> bool {
+    let Some((_, at)) = system.point_values() else { return system.input_ranges.is_empty() };
+    let beyond = |end: &Option<Rational>, value: f64, side: f64| {
+        end.as_ref().is_none_or(|end| side * (end.to_f64().value() - value) > 0.0)
+    };
+    system.input_ranges.iter().all(|r| match system.inputs.iter().position(|u| *u == r.input) {
+        Some(k) => beyond(&r.min, at[k], -1.0) && beyond(&r.max, at[k], 1.0),
+        None => true,
+    })
 }
 
 fn reason(pool: &Pool, inputs: &[NewInput]) -> Reason {

@@ -144,7 +144,8 @@ impl Interval {
         (self.lower.value == 0.0 && !self.lower.closed) || (self.upper.value == 0.0 && !self.upper.closed)
     }
 
-    fn holds(&self, x: f64) -> bool {
+    /// Whether the number belongs to it.
+    pub(crate) fn holds(&self, x: f64) -> bool {
         self.holds_inside(x)
             || (close(self.lower.value, x) && self.lower.closed)
             || (close(self.upper.value, x) && self.upper.closed)

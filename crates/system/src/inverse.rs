@@ -3,7 +3,7 @@
 use bracketry_symbolic::{Bindings, Expr, Func, Func2, Function, Node, Pool, Rational, Symbol, Tape};
 use rustc_hash::FxHashMap;
 
-use crate::images::flattened;
+use crate::images::{flattened, input_domain};
 use crate::system::System;
 
 /// Each old input that is found, with its function of the new inputs and the states, such that w of them is the new
@@ -22,7 +22,7 @@ pub(crate) fn inverse(system: &mut System, functions: &[Expr], new: &[Symbol]) -
             let (Some(u), None) = (unknown.next(), unknown.next()) else { return None };
             let v = system.pool.sym(new[k]);
             // An input that keeps its name is its own inverse.
-            let e = if u == new[k] { v } else { solve(&mut system.pool, w, u, v)? };
+            let e = if u == new[k] { v } else { in_range(system, w, u, v)? };
             Some((at, u, e))
         });
         let Some((at, u, e)) = step else { break };
@@ -43,6 +43,49 @@ pub(crate) fn inverse(system: &mut System, functions: &[Expr], new: &[Symbol]) -
     }
     found.sort_by(|a, b| a.0.cmp(&b.0));
     found
+}
+
+/// The solution of w(u) = v that lies in the range of u, where that has one and one of the two branches does.
+fn in_range(system: &mut System, w: Expr, u: Symbol, v: Expr) -> Option<Expr> {
+    let upper = solve(&mut system.pool, w, u, v, Branch::Upper)?;
+    let domain = input_domain(system);
+    let (a, b) = (domain[&u].lower.value, domain[&u].upper.value);
+    if a == f64::NEG_INFINITY && b == f64::INFINITY {
+        return Some(upper);
+    }
+    // On its branch, the solution for v = w(u) is u.
+    let middle = if a.is_finite() && b.is_finite() {
+        f64::midpoint(a, b)
+    } else if a.is_finite() {
+        a + 1.0
+    } else {
+        b - 1.0
+    };
+    let returns = |system: &mut System, solution: Expr| {
+        let there = system.pool.substitute(solution, &FxHashMap::from_iter([(v, w)]));
+        let value = system.with_values(&[there])[0];
+        let others: Vec<Symbol> = system.pool.symbols_of(&[value]).into_iter().filter(|s| *s != u).collect();
+        let arguments: Vec<Symbol> = std::iter::once(u).chain(others).collect();
+        let Ok(tape) = Tape::compile(&system.pool, &arguments, &[value]) else { return false };
+        let at: Vec<f64> = (0..arguments.len()).map(|k| if k == 0 { middle } else { 0.7 + 0.1 * k as f64 }).collect();
+        let mut out = [f64::NAN];
+        tape.eval(&at, &mut Vec::new(), &mut out);
+        (out[0] - middle).abs() <= 1e-9 * (1.0 + middle.abs())
+    };
+    if !returns(system, upper)
+        && let Some(lower) = solve(&mut system.pool, w, u, v, Branch::Lower)
+        && returns(system, lower)
+    {
+        return Some(lower);
+    }
+    Some(upper)
+}
+
+/// Which of two roots is taken.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Branch {
+    Upper,
+    Lower,
 }
 
 /// Whether w of the solution is v: exactly, or, where functions of their inverses are beyond the exact test, in numbers
@@ -79,27 +122,34 @@ fn holds(system: &System, functions: &[Expr], new: &[Symbol], k: usize, solution
 }
 
 /// u from w(u) = v.
-fn solve(pool: &mut Pool, w: Expr, u: Symbol, v: Expr) -> Option<Expr> {
+fn solve(pool: &mut Pool, w: Expr, u: Symbol, v: Expr, branch: Branch) -> Option<Expr> {
     let depends = |pool: &Pool, e: Expr| pool.depends_on(e, u);
     match pool.node(w) {
         Node::Sym(s) if s == u => Some(v),
         Node::Add(a, b) | Node::Mul(a, b) if depends(pool, a) != depends(pool, b) => {
             let (inner, other) = if depends(pool, a) { (a, b) } else { (b, a) };
             let rest = if matches!(pool.node(w), Node::Add(..)) { pool.sub(v, other) } else { pool.div(v, other) };
-            solve(pool, inner, u, rest)
+            solve(pool, inner, u, rest, branch)
         }
-        Node::Add(..) => quadratic(pool, w, u, v),
+        Node::Add(..) => quadratic(pool, w, u, v, branch),
         Node::Mul(..) => signed_power(pool, w, u, v),
         Node::Pow(a, k) => {
             let k = pool.number(k)?.clone();
             let inverse = pool.rational(Rational::ONE / k.clone());
-            let odd = k.is_int() && !(k / Rational::from(2)).is_int();
-            let root = if odd { odd_root(pool, v, inverse) } else { pool.pow(v, inverse) };
-            solve(pool, a, u, root)
+            let k_is_even = k.is_int() && (k.clone() / Rational::from(2)).is_int();
+            let odd = k.is_int() && !k_is_even;
+            let mut root = if odd { odd_root(pool, v, inverse) } else { pool.pow(v, inverse) };
+            if k_is_even && branch == Branch::Lower {
+                root = pool.neg(root);
+            }
+            solve(pool, a, u, root, branch)
         }
         Node::Call(f, a) => {
-            let inner = undo(pool, f, v)?;
-            solve(pool, a, u, inner)
+            let mut inner = undo(pool, f, v)?;
+            if branch == Branch::Lower && matches!(f, Func::Abs | Func::Cosh | Func::Cos) {
+                inner = pool.neg(inner);
+            }
+            solve(pool, a, u, inner, branch)
         }
         _ => None,
     }
@@ -145,8 +195,8 @@ fn undo(pool: &mut Pool, f: Func, v: Expr) -> Option<Expr> {
     Some(pool.call(simple, v))
 }
 
-/// The larger root of a u² + b u + c = v for a > 0.
-fn quadratic(pool: &mut Pool, w: Expr, u: Symbol, v: Expr) -> Option<Expr> {
+/// A root of a u² + b u + c = v: for a > 0, the larger one on the upper branch.
+fn quadratic(pool: &mut Pool, w: Expr, u: Symbol, v: Expr, branch: Branch) -> Option<Expr> {
     let zero = pool.int(0);
     let at_zero = |pool: &mut Pool, e: Expr| {
         let x = pool.sym(u);
@@ -165,7 +215,10 @@ fn quadratic(pool: &mut Pool, w: Expr, u: Symbol, v: Expr) -> Option<Expr> {
     let two = pool.int(2);
     let product = pool.mul(two, product);
     let inside = pool.add(square, product);
-    let root = pool.sqrt(inside);
+    let mut root = pool.sqrt(inside);
+    if branch == Branch::Lower {
+        root = pool.neg(root);
+    }
     let numerator = pool.sub(root, b);
     Some(pool.div(numerator, second))
 }

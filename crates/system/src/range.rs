@@ -1,4 +1,4 @@
-//! The values that a function of the inputs takes when the inputs take all real numbers.
+//! The values that a function of the inputs takes when these take all values of their intervals.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use rustc_hash::FxHashSet;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use crate::images::{Images, flattened};
+use crate::images::{Domain, Images, flattened};
 use crate::interval::{End, Interval};
 use crate::rational_function::RationalFunction;
 use crate::switching::is_switch;
@@ -26,6 +26,19 @@ pub struct Bound {
 }
 
 impl Bound {
+    /// A closed bound.
+    pub(crate) fn of_rational(value: Rational, mut pool: Pool) -> Self {
+        let number = value.to_f64().value();
+        let exact = pool.rational(value);
+        Bound { value: number, exact: Some(Function::new(&pool, exact)), closed: true }
+    }
+
+    /// The value as a rational number, exact where it is rational.
+    pub(crate) fn rational(&self) -> Option<Rational> {
+        let exact = self.exact.as_ref().and_then(|e| e.pool().number(e.expr()).cloned());
+        exact.or_else(|| Rational::try_from(self.value).ok())
+    }
+
     /// Whether the other bound is the same number, or its negative; of bounds that are not exact, to six decimals.
     fn is(&self, other: &Bound, negative: bool) -> bool {
         match (&self.exact, &other.exact) {
@@ -65,7 +78,7 @@ impl Serialize for Bound {
     }
 }
 
-/// The set of values of a function of the inputs while the inputs take all real numbers, parameters at their values.
+/// The set of values of a function of the inputs on the intervals of the inputs, parameters at their values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Range {
@@ -141,18 +154,17 @@ impl fmt::Display for Range {
     }
 }
 
-/// The range of `w`, whose inputs take all real numbers. Parameters must have been replaced by their values.
-pub(crate) fn range(pool: &mut Pool, w: Expr, inputs: &[Symbol]) -> Range {
-    match image(pool, w, inputs) {
+/// The range of `w` on the intervals of the inputs. Parameters must have been replaced by their values.
+pub(crate) fn range(pool: &mut Pool, w: Expr, domain: &Domain) -> Range {
+    match image(pool, w, domain) {
         Ok(i) => Range::of_interval(pool, &i),
         Err(reason) => Range::Unknown { reason },
     }
 }
 
 /// The same as an interval.
-pub(crate) fn image(pool: &mut Pool, w: Expr, inputs: &[Symbol]) -> Result<Interval, UnknownRange> {
-    let domain = inputs.iter().map(|&u| (u, Interval::all())).collect();
-    Images::new(pool, domain).of(w)
+pub(crate) fn image(pool: &mut Pool, w: Expr, domain: &Domain) -> Result<Interval, UnknownRange> {
+    Images::new(pool, domain.clone()).of(w)
 }
 
 impl Images<'_> {
@@ -182,6 +194,7 @@ impl Images<'_> {
                 }
                 Err(failed(self.pool, e))
             }
+            Node::Pow(a, _) if !self.inputs_of(a).is_empty() => self.shared(e),
             Node::Pow(a, k) => {
                 let log = self.pool.call(Func::Log, a);
                 let exponent = self.pool.mul(k, log);
@@ -275,7 +288,7 @@ impl Images<'_> {
         let inputs = self.inputs_of(e);
         if let [u] = inputs[..] {
             if let Some(switch) = innermost_switch(self.pool, e, u) {
-                return self.piecewise(e, u, switch);
+                return self.piecewise(e, u, switch).or_else(|why| self.on_box(e).ok_or(why));
             }
             if let Some(f) = RationalFunction::of(self.pool, e, u)
                 && let Some(on) = f.domain(self)
@@ -292,7 +305,12 @@ impl Images<'_> {
                 return Ok(Interval::all());
             }
         }
-        Err(UnknownRange::Shared(Function::new(self.pool, e)))
+        if let [u, w] = self.inputs_of(e)[..]
+            && let Some(i) = self.of_separable(e, [u, w])
+        {
+            return Ok(i);
+        }
+        self.on_box(e).ok_or_else(|| UnknownRange::Shared(Function::new(self.pool, e)))
     }
 
     /// Whether `e` is, for some values of the other inputs and every state, a polynomial of odd degree in `u`.

@@ -5,7 +5,7 @@ use std::fmt;
 use bracketry_symbolic::{Expr, Func, Function, Node, Pool, Rational};
 use serde::{Serialize, Serializer};
 
-use crate::images::flattened;
+use crate::images::{flattened, input_domain};
 use crate::range::image;
 use crate::rational_function::RationalFunction;
 use crate::switching::is_switch;
@@ -115,8 +115,8 @@ fn zeros(system: &mut System, factor: Expr) -> Vec<Level> {
         let level = |x: RealRoot| Level { function: function.clone(), value: x.value, exact: x.exact };
         return zeros.into_iter().map(level).collect();
     }
-    let inputs = system.inputs.clone();
-    let nowhere = image(&mut system.pool, value, &inputs)
+    let domain = input_domain(system);
+    let nowhere = image(&mut system.pool, value, &domain)
         .is_ok_and(|i| i.lower.value > 0.0 || i.upper.value < 0.0 || i.excludes_zero_at_end());
     if nowhere {
         return Vec::new();

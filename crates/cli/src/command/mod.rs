@@ -11,6 +11,7 @@ mod file_kind;
 mod help;
 mod main_job;
 mod new;
+mod operating_point;
 mod output;
 mod plate;
 mod shell;
@@ -71,6 +72,16 @@ enum Command {
     /// Write the model in a form that is affine in its inputs
     #[command(after_help = examples(&affinize::EXAMPLES), after_long_help = guide(&affinize::EXAMPLES, &[EXIT_CODES]))]
     Affinize(affinize::AffinizeArgs),
+    /// Find an equilibrium or operating point, with fixed and free variables
+    #[command(after_help = examples(&operating_point::TRIM_EXAMPLES), after_long_help = guide(&operating_point::TRIM_EXAMPLES, &[(
+        "Exit codes", "0  found, with inputs within their ranges\n1  not found, or only outside them; the report gives the best point\n2  bad input",
+    )]))]
+    Trim(operating_point::TrimArgs),
+    /// Linear system around a point: A, B, C, D, poles, zeros, margins, and gains
+    #[command(after_help = examples(&operating_point::LINEARIZE_EXAMPLES), after_long_help = guide(&operating_point::LINEARIZE_EXAMPLES, &[(
+        "Exit codes", "0  linearized\n1  the equations are not smooth at the point, or no operating point was found\n2  bad input",
+    )]))]
+    Linearize(operating_point::LinearizeArgs),
     /// Integrate a model with exact stick–slip friction
     #[command(after_help = examples(&simulate::EXAMPLES), after_long_help = guide(&simulate::EXAMPLES, &[
         ("Exit codes", "0  simulated to the end\n1  stopped before it (blow-up, chattering); the report says when\n2  bad input"),
@@ -113,6 +124,8 @@ impl Command {
         match self {
             Self::Analyze(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Affinize(args) => vec![Given::new(&args.model, FileKind::Model)],
+            Self::Trim(args) => vec![Given::new(&args.model, FileKind::Model)],
+            Self::Linearize(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Simulate(args) => args.files(),
             Self::Diagnose(args) => args.files(),
             Self::Plate(args) => args.files(),
@@ -154,6 +167,8 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         None => main_job::run(&output, cli.seed),
         Some(Command::Analyze(args)) => analyze::analyze(&args, &output),
         Some(Command::Affinize(args)) => affinize::affinize(&args, &output),
+        Some(Command::Trim(args)) => operating_point::trim(&args, &output),
+        Some(Command::Linearize(args)) => operating_point::linearize(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
         Some(Command::Diagnose(args)) => diagnose::run(&args, &output),

@@ -20,7 +20,7 @@ pub(crate) fn with_input_ranges(options: &Options, affinization: &Affinization, 
         options.one_sided.extend(at_an_end(original));
     } else {
         options.one_sided.extend(one_sided(affinization));
-        options.ranges.extend(ranges(affinization, original));
+        options.ranges.extend(ranges(affinization));
     }
     options
 }
@@ -58,10 +58,10 @@ fn at_an_end(system: &System) -> Vec<(String, Side)> {
     ranges.filter_map(|r| Some((system.symbol_name(r.input).to_owned(), side(r)?))).collect()
 }
 
-/// The values of new inputs that do not take all real numbers.
-fn ranges(affinization: &Affinization, original: &System) -> Vec<(String, InputValues)> {
+/// The values of the affine form's inputs that do not take all real numbers: images of the ranges of the old inputs, and
+/// ranges of inputs that stay.
+fn ranges(affinization: &Affinization) -> Vec<(String, InputValues)> {
     let values = |v: &NewInput| match &v.values {
-        _ if !original.input_ranges.is_empty() => Some(InputValues::Unknown),
         Range::Onto => None,
         Range::Interval { lower, upper } => {
             let lower = lower.as_ref().map_or(f64::NEG_INFINITY, |b| b.value);
@@ -69,7 +69,11 @@ fn ranges(affinization: &Affinization, original: &System) -> Vec<(String, InputV
         }
         Range::Unknown { .. } => Some(InputValues::Unknown),
     };
-    affinization.input_change.iter().filter_map(|v| Some((v.name.clone(), values(v)?))).collect()
+    let new = affinization.input_change.iter().filter_map(|v| Some((v.name.clone(), values(v)?)));
+    let mut all: Vec<(String, InputValues)> = new.collect();
+    let stay = declared(&affinization.system).into_iter();
+    all.extend(stay.filter(|(name, _)| affinization.input_change.iter().all(|v| v.name != *name)));
+    all
 }
 
 /// Whether a positive verdict on the affine system, in which each new input takes the values of its range by itself,

@@ -1,7 +1,10 @@
-//! Exact linear algebra over the rational numbers, for linearizations whose entries are rational.
+//! Linear algebra for linearizations: exact over the rational numbers, else in floating point with bounded iterations.
 
+pub(crate) mod distance;
 pub(crate) mod matrix;
 pub(crate) mod numerical;
 pub(crate) mod program;
 pub(crate) mod polynomial;
+pub(crate) mod schur;
 pub(crate) mod spectrum;
+pub(crate) mod zeros;

@@ -15,5 +15,5 @@ pub use estimation::{Estimation, EstimatorKind};
 pub use method::{Convergence, Feedback, Method};
 pub use notes::{FirstSample, Note};
 pub use on_plant::{ControlError, Controlled, control, control_watched};
-pub use report::{ClosedLoopReport, PlanReport};
+pub use report::{ClosedLoopReport, KeptRange, PlanReport};
 pub use run::ControlRun;

@@ -18,6 +18,19 @@ pub struct PlanReport {
     pub seconds: f64,
 }
 
+/// The bounds of an input to which the model gives a range: this range, with the ends that the problem gives instead.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KeptRange {
+    /// The input.
+    pub input: String,
+    /// Smallest value; none if there is no limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// Largest value; none if there is no limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+}
+
 /// Figures of a closed-loop run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosedLoopReport {
@@ -41,6 +54,9 @@ pub struct ClosedLoopReport {
     pub period_ms: f64,
     /// Largest violation of a bound or named constraint, each in its own unit.
     pub constraint_violation_max: f64,
+    /// Inputs that are kept within ranges of the model.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub input_ranges: Vec<KeptRange>,
     /// The plan, where one was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanReport>,

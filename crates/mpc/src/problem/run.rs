@@ -5,7 +5,7 @@ use super::control_problem::ControlProblem;
 use super::estimation::Estimation;
 use super::method::{Convergence, Feedback, Method};
 use super::notes::notes;
-use super::report::{ClosedLoopReport, PlanReport};
+use super::report::{ClosedLoopReport, KeptRange, PlanReport};
 use crate::closed_loop::{ClosedLoop, DelayCompensated, LoopSettings, MeasurementFunction, Plant, run_closed_loop};
 use crate::controller::{Controller, StepStatus};
 use crate::dynamics::SymbolicDynamics;
@@ -16,6 +16,7 @@ use crate::ocp::Ocp;
 use crate::rti::{Horizon, Rti, RtiSettings};
 use crate::sqp::{Solution, SolveStatus, Sqp, SqpController, SqpSettings};
 use crate::trajectory::Trajectory;
+use bracketry_system::InputRange;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -270,6 +271,7 @@ impl ControlProblem {
             solve_ms: run.times,
             period_ms: 1e3 * self.ocp.dt,
             constraint_violation_max: violation,
+            input_ranges: self.kept_ranges(),
             plan: plan.as_ref().map(|p| PlanReport {
                 status: p.status.to_string(),
                 programs: p.iterations.len(),
@@ -278,6 +280,18 @@ impl ControlProblem {
             }),
         };
         Ok(ControlRun { report, closed_loop: run, plan })
+    }
+
+    /// The bounds of the inputs that have a range in the model.
+    fn kept_ranges(&self) -> Vec<KeptRange> {
+        let kept = |range: &InputRange| {
+            let j = self.system.inputs.iter().position(|u| *u == range.input)?;
+            let (min, max) = self.ocp.input_bounds[j];
+            let finite = |end: f64| end.is_finite().then_some(end);
+            let input = self.system.symbol_name(range.input).to_owned();
+            Some(KeptRange { input, min: finite(min), max: finite(max) })
+        };
+        self.system.input_ranges.iter().filter_map(kept).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 """What can my inputs reach, how do I get there, and where are the equations wrong?
 
 A model is a :class:`System`. :func:`analyze` says what its inputs reach, :func:`affinize` makes it affine in them,
+:func:`trim` finds operating points, :func:`linearize` gives the linear system there,
 :func:`simulate` integrates it with exact dry friction, :func:`control` closes a loop, :func:`diagnose` names what it gets wrong
 in measured data. :mod:`bracketry.plate` is for the vibrating plate, :mod:`bracketry.stiffness` for robots that bend,
 :func:`sweep` for many runs at once.
@@ -10,6 +11,8 @@ from . import plate, stiffness
 from ._analysis import Affinization, Analysis, AtPoint, LocalControllability, Mode, Reach, affinize, analyze
 from ._control import ClosedLoop, control
 from ._diagnosis import Candidate, Cause, Diagnosis, Estimate, Gain, Place, RefittedParameter, Rival, diagnose
+from ._linear import Gain as LinearGain
+from ._linear import Linearization, Trim, linearize, trim
 from ._native import BracketryError, __version__
 from ._result import Figure, Result
 from ._sampled import Sampled
@@ -30,6 +33,8 @@ __all__ = [
     "Event",
     "Figure",
     "Gain",
+    "LinearGain",
+    "Linearization",
     "LocalControllability",
     "Mode",
     "Parameter",
@@ -41,13 +46,16 @@ __all__ = [
     "Sampled",
     "System",
     "Trajectory",
+    "Trim",
     "__version__",
     "affinize",
     "analyze",
     "control",
     "diagnose",
+    "linearize",
     "plate",
     "simulate",
     "stiffness",
     "sweep",
+    "trim",
 ]

@@ -18,8 +18,10 @@ __all__ = [
     "control",
     "diagnose",
     "identify",
+    "linearize",
     "run_plate",
     "simulate",
+    "trim",
     "weigh",
 ]
 
@@ -121,6 +123,12 @@ class _Compensation(_Answer):
     held: _Bools
     limited: _Bools
 
+class _Trim(_Answer):
+    model: Model
+
+class _Linearization(_Answer):
+    files: list[tuple[str, str]]
+
 class _ChosenPoses(_Answer):
     rows: _Floats
     identifies_all: bool
@@ -141,6 +149,10 @@ class _PlateRun(_Answer):
 
 def analyze(model: Model, at: str | None, brackets: Sequence[str], determines: Sequence[str]) -> _Analysis: ...
 def affinize(model: Model) -> _Affinization: ...
+def trim(
+    model: Model, asked: tuple[list[tuple[str, str]], list[str], list[str], int, int]
+) -> _Trim: ...
+def linearize(model: Model, at: str | None, weights: list[list[float]], horizon: float | None) -> _Linearization: ...
 def simulate(
     model: Model,
     *,

@@ -31,6 +31,9 @@ pub struct AffinizationReport {
     /// New states that replace old ones.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub coordinate_change: Vec<NewState>,
+    /// Where the ranges of the new inputs say less than those of the old ones.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub range_notes: Vec<String>,
     /// The affine model.
     pub model: System,
     /// The reason.
@@ -61,6 +64,7 @@ impl AffinizationReport {
                 })
                 .collect(),
             coordinate_change: a.coordinate_change.clone(),
+            range_notes: a.range_notes.iter().map(ToString::to_string).collect(),
             model: a.system.clone(),
             why: a.why.clone(),
             candidates: if a.method == Method::None { Vec::new() } else { a.candidates.clone() },
@@ -80,7 +84,7 @@ pub fn method_name(method: Method) -> &'static str {
     }
 }
 
-/// New inputs and new states in short, one line each, in formulas of the model file.
+/// New inputs and new states in short, then what their ranges do not say; one line each, in formulas of the model file.
 pub fn changes(a: &Affinization) -> Vec<String> {
     let inputs = a.input_change.iter().map(|v| {
         let range = v.range().map_or(String::new(), |r| format!(", limited to {r}"));
@@ -90,7 +94,7 @@ pub fn changes(a: &Affinization) -> Vec<String> {
         let (function, inverse) = (z.function.text(), z.inverse.text());
         format!("new state {} = {function} in place of {} = {inverse}", z.name, z.replaces)
     });
-    inputs.chain(states).collect()
+    inputs.chain(states).chain(a.range_notes.iter().map(ToString::to_string)).collect()
 }
 
 /// The reason, and where there is a choice all candidates, numbered from 1, one line each.

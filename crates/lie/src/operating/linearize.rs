@@ -1,0 +1,220 @@
+//! What a linear system tells: poles, zeros, ranks, Gramians, distances, and gains.
+
+use bracketry_symbolic::Rational;
+use bracketry_system::System;
+use nalgebra::DMatrix;
+use serde::Serialize;
+
+use crate::linear::distance::{Distance, distance};
+use crate::linear::matrix::{Echelon, RationalMatrix};
+use crate::linear::numerical::eigenvalues;
+use crate::linear::spectrum::Spectrum;
+use crate::operating::gains::{Gain, Gramians, NoGain, estimator, gramians, regulator};
+use crate::operating::linear_model::{LinearModel, NotLinearizable};
+
+/// Weights of the gains, each one number for all or one for each; 1 where there is none.
+#[derive(Clone, Debug, Default)]
+pub struct LinearizeOptions {
+    /// Diagonal of Q: states.
+    pub state_weights: Vec<f64>,
+    /// Diagonal of R: inputs.
+    pub input_weights: Vec<f64>,
+    /// Process noise of each state.
+    pub process_noise: Vec<f64>,
+    /// Noise of each output.
+    pub measurement_noise: Vec<f64>,
+    /// Upper end of the Gramians' integrals.
+    pub horizon: Option<f64>,
+}
+
+/// A pole.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Pole {
+    /// Real part.
+    pub re: f64,
+    /// Imaginary part.
+    pub im: f64,
+    /// How often it occurs; 1 each where the matrices are not rational.
+    pub multiplicity: usize,
+    /// The pole itself, where it is rational.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exact: Option<String>,
+}
+
+/// A rank.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Rank {
+    /// Its value.
+    pub rank: usize,
+    /// The rank that it can have at most.
+    pub of: usize,
+    /// Whether it was computed in exact arithmetic; else up to rounding.
+    pub exact: bool,
+}
+
+/// The linear system around a point, and what it tells.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LinearAnalysis {
+    /// A, B, C, D.
+    #[serde(flatten)]
+    pub system: LinearModel,
+    /// Whether A, B, C, D are rational, so that ranks and multiplicities are exact.
+    pub exact: bool,
+    /// Eigenvalues of A, by falling real part; none where the QR algorithm did not converge.
+    pub poles: Option<Vec<Pole>>,
+    /// Poles with negative, zero, and positive real part, where they are counted exactly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub half_planes: Option<[usize; 3]>,
+    /// Finite invariant zeros: λ at which [A − λ, B; C, D] loses rank; none where a decomposition did not converge.
+    pub zeros: Option<Vec<(f64, f64)>>,
+    /// Of [B, A B, A² B, …].
+    pub controllability: Rank,
+    /// Of [C; C A; C A²; …].
+    pub observability: Rank,
+    /// Gramians, where they were found.
+    pub gramians: Option<Gramians>,
+    /// How far (A, B) is from an uncontrollable pair, in the spectral norm.
+    pub distance_to_uncontrollable: Option<Distance>,
+    /// How far (A, C) is from an unobservable pair.
+    pub distance_to_unobservable: Option<Distance>,
+    /// The linear-quadratic regulator.
+    #[serde(skip)]
+    pub regulator: Result<Gain, NoGain>,
+    /// The steady Kalman filter.
+    #[serde(skip)]
+    pub estimator: Result<Gain, NoGain>,
+}
+
+/// Why there is no linearization.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LinearizeError {
+    /// The equations are not smooth at the point.
+    #[error(transparent)]
+    NotLinearizable(#[from] NotLinearizable),
+    /// A list of weights of the wrong length.
+    #[error("{found} {what} are given where {expected} are needed: give one for all, or one for each")]
+    Weights {
+        /// What is given.
+        what: &'static str,
+        /// Their number.
+        found: usize,
+        /// The number needed.
+        expected: usize,
+    },
+}
+
+fn diagonal(list: &[f64], n: usize, what: &'static str) -> Result<Vec<f64>, LinearizeError> {
+    match list {
+        [] => Ok(vec![1.0; n]),
+        [all] => Ok(vec![*all; n]),
+        list if list.len() == n => Ok(list.to_vec()),
+        list => Err(LinearizeError::Weights { what, found: list.len(), expected: n }),
+    }
+}
+
+/// The linear system at the model's point, with poles, zeros, ranks, Gramians, margins, and gains.
+///
+/// ```
+/// use bracketry_lie::{LinearizeOptions, linearize};
+/// use bracketry_system::System;
+/// let text = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'v', v = 'u - sin(x)' }\noutputs = { y = 'x' }";
+/// let result = linearize(&System::parse("pendulum", text).unwrap(), &LinearizeOptions::default()).unwrap();
+/// assert_eq!(result.system.a.formulas[1][0].text(), "-1");
+/// assert_eq!((result.controllability.rank, result.observability.rank), (2, 2));
+/// ```
+///
+/// # Errors
+/// [`LinearizeError`] where the equations are not smooth at the point, or weights do not fit.
+pub fn linearize(system: &System, options: &LinearizeOptions) -> Result<LinearAnalysis, LinearizeError> {
+    let model = LinearModel::new(system)?;
+    let (n, m, p) = (model.states.len(), model.inputs.len(), model.outputs.len());
+    let q = diagonal(&options.state_weights, n, "weights of states")?;
+    let r = diagonal(&options.input_weights, m, "weights of inputs")?;
+    let v = diagonal(&options.process_noise, n, "process noises")?;
+    let w = diagonal(&options.measurement_noise, p, "measurement noises")?;
+    let [a, b, c] = [&model.a.values, &model.b.values, &model.c.values];
+    let spectrum = model.rational.as_ref().map(|[a, ..]| Spectrum::of(a));
+    let numbers = eigenvalues(a);
+    let poles = poles(spectrum.as_ref(), numbers.as_deref());
+    let values: Option<Vec<(f64, f64)>> = poles.as_ref().map(|list| list.iter().map(|p| (p.re, p.im)).collect());
+    let (controllability, observability) = match &model.rational {
+        Some([a, b, c, _]) => (rank_exactly(a, &b.transposed()), rank_exactly(&a.transposed(), c)),
+        None => (rank(a, b), rank(&a.transpose(), &c.transpose())),
+    };
+    Ok(LinearAnalysis {
+        exact: model.rational.is_some(),
+        half_planes: spectrum.map(|s| [s.left, s.on_axis, s.right]),
+        zeros: sorted(model.quadruple().zeros()),
+        controllability,
+        observability,
+        gramians: values.and_then(|poles| gramians(a, b, c, &poles, options.horizon)),
+        distance_to_uncontrollable: distance(a, b),
+        distance_to_unobservable: distance(&a.transpose(), &c.transpose()),
+        regulator: regulator(a, b, &q, &r),
+        estimator: estimator(a, c, &v, &w),
+        poles,
+        system: model,
+    })
+}
+
+fn sorted(list: Option<Vec<(f64, f64)>>) -> Option<Vec<(f64, f64)>> {
+    let mut list = list?;
+    list.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
+    Some(list)
+}
+
+fn poles(spectrum: Option<&Spectrum>, numbers: Option<&[(f64, f64)]>) -> Option<Vec<Pole>> {
+    if let Some(spectrum) = spectrum {
+        let pole = |r: &crate::linear::spectrum::Root| Pole {
+            re: r.re,
+            im: r.im,
+            multiplicity: r.multiplicity,
+            exact: r.exact.as_ref().map(ToString::to_string),
+        };
+        return Some(spectrum.roots.iter().map(pole).collect());
+    }
+    let numbers = sorted(numbers.map(<[_]>::to_vec))?;
+    Some(numbers.into_iter().map(|(re, im)| Pole { re, im, multiplicity: 1, exact: None }).collect())
+}
+
+/// The dimension of span{A^k v} over the rows v of `start`.
+fn rank_exactly(a: &RationalMatrix, start: &RationalMatrix) -> Rank {
+    let n = a.rows().len();
+    let mut span = Echelon::new(n);
+    let mut queue: Vec<Vec<Rational>> = start.rows().to_vec();
+    let mut rank = 0;
+    while let Some(v) = queue.pop() {
+        if span.insert(v.clone()) {
+            rank += 1;
+            queue.push(a.times(&v));
+        }
+    }
+    Rank { rank, of: n, exact: true }
+}
+
+/// Vectors whose part outside of the span so far is smaller than this, relative to their size, belong to it.
+const INSIDE: f64 = 1e-10;
+
+/// The same in floating point, by orthogonalization.
+fn rank(a: &DMatrix<f64>, start: &DMatrix<f64>) -> Rank {
+    let n = a.nrows();
+    let mut basis: Vec<nalgebra::DVector<f64>> = Vec::new();
+    let scale = a.norm().max(f64::MIN_POSITIVE);
+    let mut queue: Vec<nalgebra::DVector<f64>> = start.column_iter().map(|c| c.into_owned()).collect();
+    while let Some(v) = queue.pop() {
+        let size = v.norm();
+        let mut rest = v;
+        for _ in 0..2 {
+            for q in &basis {
+                let along = q.dot(&rest);
+                rest -= q * along;
+            }
+        }
+        if rest.norm() > INSIDE * size && basis.len() < n {
+            rest /= rest.norm();
+            queue.insert(0, a * &rest / scale);
+            basis.push(rest);
+        }
+    }
+    Rank { rank: basis.len(), of: n, exact: false }
+}

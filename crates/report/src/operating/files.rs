@@ -1,0 +1,64 @@
+//! A linear system in the languages of other programs.
+
+use bracketry_lie::LinearModel;
+use nalgebra::DMatrix;
+
+/// A file with its name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LinearFile {
+    /// Name without folder.
+    pub name: &'static str,
+    /// Contents.
+    pub text: String,
+}
+
+/// Numbers that read back exactly.
+fn rows(m: &DMatrix<f64>, separator: &str, row: impl Fn(String) -> String) -> Vec<String> {
+    m.row_iter().map(|r| row(r.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(separator))).collect()
+}
+
+/// `linear.py` for python-control, `linear.m` for MATLAB and Octave, and `linear.jl` for Julia's ControlSystems: each makes
+/// A, B, C, D and the system `sys`, with the names of states, inputs, and outputs where the program takes them.
+pub fn linear_files(model: &LinearModel) -> Vec<LinearFile> {
+    let all = [("A", &model.a.values), ("B", &model.b.values), ("C", &model.c.values), ("D", &model.d.values)];
+    let quoted = |list: &[String]| list.iter().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ");
+    let single = |list: &[String]| list.iter().map(|n| format!("'{n}'")).collect::<Vec<_>>().join(", ");
+    let mut python = format!("# {}: x' = A x + B u, y = C x + D u\nimport numpy as np\n", model.model);
+    let mut matlab = format!("% {}: x' = A x + B u, y = C x + D u\n", model.model);
+    let mut julia = format!("# {}: x' = A x + B u, y = C x + D u\n", model.model);
+    for (name, m) in all {
+        let (n, p) = m.shape();
+        let list = rows(m, ", ", |r| format!("[{r}]")).join(",\n     ");
+        python += &format!("{name} = np.array([{list}]).reshape({n}, {p})\n");
+        if m.is_empty() {
+            matlab += &format!("{name} = zeros({n}, {p});\n");
+            julia += &format!("{name} = zeros({n}, {p})\n");
+        } else {
+            matlab += &format!("{name} = [{}];\n", rows(m, ", ", |r| r).join("; "));
+            julia += &format!("{name} = reshape([{}], {p}, {n})' |> Matrix\n", rows(m, ", ", |r| r).join(", "));
+        }
+    }
+    python += &format!(
+        "states = [{}]\ninputs = [{}]\noutputs = [{}]\n\nif __name__ == \"__main__\":\n    import control\n\n    sys = control.ss(A, B, C, D, states=states, inputs=inputs, outputs=outputs)\n    print(sys)\n",
+        quoted(&model.states),
+        quoted(&model.inputs),
+        quoted(&model.outputs)
+    );
+    matlab += &format!(
+        "sys = ss(A, B, C, D, 'StateName', {{{}}}, 'InputName', {{{}}}, 'OutputName', {{{}}});\n",
+        single(&model.states),
+        single(&model.inputs),
+        single(&model.outputs)
+    );
+    julia += &format!(
+        "state_names = [{}]\ninput_names = [{}]\noutput_names = [{}]\nusing ControlSystems\nsys = ss(A, B, C, D)\n",
+        quoted(&model.states),
+        quoted(&model.inputs),
+        quoted(&model.outputs)
+    );
+    vec![
+        LinearFile { name: "linear.py", text: python },
+        LinearFile { name: "linear.m", text: matlab },
+        LinearFile { name: "linear.jl", text: julia },
+    ]
+}
