@@ -6,10 +6,11 @@ use bracketry_symbolic::{Bindings, Expr, Pool, Symbol, Undecided, ZeroTest};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::augment::{Arguments, augment, lone_derivatives};
-use crate::candidate::{Candidate, Method, NewInput};
+use crate::candidate::{Candidate, Method};
 use crate::feedback::by_rows;
 use crate::input_change::{Checks, apply};
 use crate::lowering::{Transformation, lowered};
+use crate::new_input::NewInput;
 use crate::new_state::NewState;
 use crate::range_note::RangeNote;
 use crate::reason::{AffineError, MAX_INPUTS, Reason, Rejection};

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use bracketry_symbolic::{Expr, Symbol};
 use rustc_hash::FxHashMap;
 
-use crate::candidate::{AtPoint, Candidate, Method, NewInput};
+use crate::candidate::{Candidate, Method};
 use crate::input_change::fresh;
+use crate::new_input::{AtPoint, NewInput};
 use crate::range::Range;
 use crate::reason::{Nonlinearity, Reason};
 use crate::system::{InputDerivative, Point, System};

@@ -6,6 +6,7 @@ use bracketry_symbolic::{Certificate, Expr, Function, Symbol};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
+use crate::new_input::NewInput;
 use crate::new_state::NewState;
 use crate::range::{Bound, Range};
 use crate::range_note::RangeNote;
@@ -27,40 +28,6 @@ pub enum Method {
     InputAugmentation,
     /// New states z = T(x, u, …) whose derivatives need lower derivatives of the inputs.
     CoordinateChange,
-}
-
-/// Where the value of a new input at the model's point lies in its range.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum AtPoint {
-    /// It can be made larger and smaller.
-    Interior,
-    /// It can only be made larger.
-    AtLower,
-    /// It can only be made smaller.
-    AtUpper,
-    /// Not established, or the model gives no point.
-    Unknown,
-}
-
-/// A new input v = w(x, u).
-#[derive(Clone, Debug, PartialEq)]
-pub struct NewInput {
-    /// Its name.
-    pub name: String,
-    /// The function w of the old inputs (for [`Method::Feedback`] also of the states).
-    pub function: Expr,
-    /// The values of w while the old inputs take all values of their ranges.
-    pub values: Range,
-    /// Where the value at the point lies among these.
-    pub at_point: AtPoint,
-}
-
-impl NewInput {
-    /// The limits of the values of w, such as `v1 ≥ 0`, where there are any and they are established.
-    pub fn range(&self) -> Option<String> {
-        self.values.text(&self.name)
-    }
 }
 
 /// A candidate for making a system affine, accepted or rejected.

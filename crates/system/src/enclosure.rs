@@ -93,7 +93,7 @@ impl Enclosure {
     fn wave(self, f: Func, crest: f64) -> Self {
         /// Turns by which a crest may be misplaced; a value so near to it differs from 1 by less than rounding.
         const SLACK: f64 = 1e-9;
-        if !(self.width() < 2.0 * PI) {
+        if self.width().is_nan() || self.width() >= 2.0 * PI {
             return Enclosure { lower: -1.0, upper: 1.0 };
         }
         let mut values = vec![f.eval(self.lower), f.eval(self.upper)];

@@ -5,10 +5,11 @@ use bracketry_symbolic::{
 };
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::candidate::{AtPoint, Candidate, Method, NewInput};
+use crate::candidate::{Candidate, Method};
 use crate::hull::{Center, surrounds_point};
 use crate::images::{flattened, input_domain, number};
 use crate::inverse::inverse;
+use crate::new_input::{AtPoint, NewInput};
 use crate::range::{Bound, Range, image, range};
 use crate::reason::{Reason, Rejection};
 use crate::singular::singular_set;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use crate::candidate::NewInput;
+use crate::new_input::NewInput;
 use crate::range::{Bound, Range};
 use crate::system::System;
 use crate::unknown_range::UnknownRange;

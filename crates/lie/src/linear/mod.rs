@@ -3,8 +3,8 @@
 pub(crate) mod distance;
 pub(crate) mod matrix;
 pub(crate) mod numerical;
-pub(crate) mod program;
 pub(crate) mod polynomial;
+pub(crate) mod program;
 pub(crate) mod schur;
 pub(crate) mod spectrum;
 pub(crate) mod zeros;
