@@ -4,6 +4,7 @@
 use bracketry_lie::{LinearAnalysis, LinearizeError, LinearizeOptions, NoGain, NotLinearizable, linearize};
 use bracketry_system::System;
 use nalgebra::DMatrix;
+use std::fmt::Write as _;
 
 fn analyzed(text: &str) -> LinearAnalysis {
     linearize(&System::parse("m", text).unwrap(), &LinearizeOptions::default()).unwrap()
@@ -73,14 +74,10 @@ fn ranks_and_poles_survive_changes_of_coordinates() {
         let poles: Vec<i64> = (0..n).map(|i| -(i as i64) - 1 + 3 * random(2)).collect();
         let reached: Vec<bool> = (0..n).map(|_| random(3) > 0).collect();
         // Lower triangular T with unit diagonal, z = T x: x' = T⁻¹ (Λ T x + b u).
-        let t = DMatrix::from_fn(n, n, |i, j| {
-            if i == j {
-                1.0
-            } else if i > j {
-                random(3) as f64 - 1.0
-            } else {
-                0.0
-            }
+        let t = DMatrix::from_fn(n, n, |i, j| match i.cmp(&j) {
+            std::cmp::Ordering::Equal => 1.0,
+            std::cmp::Ordering::Greater => random(3) as f64 - 1.0,
+            std::cmp::Ordering::Less => 0.0,
         });
         let inverse = t.clone().try_inverse().unwrap();
         let lambda = DMatrix::from_fn(n, n, |i, j| if i == j { poles[i] as f64 } else { 0.0 });
@@ -92,7 +89,7 @@ fn ranks_and_poles_survive_changes_of_coordinates() {
         );
         for i in 0..n {
             let terms: Vec<String> = (0..n).map(|j| format!("({})*x{j}", a[(i, j)].round())).collect();
-            text += &format!("x{i} = '{} + ({})*u'\n", terms.join(" + "), b[(i, 0)].round());
+            let _ = writeln!(text, "x{i} = '{} + ({})*u'", terms.join(" + "), b[(i, 0)].round());
         }
         let r = analyzed(&text);
         let mut distinct: Vec<i64> = poles.iter().zip(&reached).filter(|(_, r)| **r).map(|(p, _)| *p).collect();

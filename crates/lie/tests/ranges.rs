@@ -107,8 +107,11 @@ fn surrounds(drift: [i64; 2], thrusters: &[([i64; 2], [i64; 2])]) -> bool {
     spans && normals.iter().all(|l| most(l) > 0)
 }
 
+/// Direction and range.
+type Thruster = ([i64; 2], [i64; 2]);
+
 /// Thrusters of a body on a plane: each with its direction and its range, and a constant load.
-fn thrusters() -> impl Strategy<Value = ([i64; 2], Vec<([i64; 2], [i64; 2])>)> {
+fn thrusters() -> impl Strategy<Value = ([i64; 2], Vec<Thruster>)> {
     let one = (prop::array::uniform2(-3i64..4), -1i64..2, 1i64..4).prop_map(|(g, low, width)| (g, [low, low + width]));
     (prop::array::uniform2(-3i64..4), prop::collection::vec(one, 1..6))
 }

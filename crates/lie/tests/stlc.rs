@@ -357,7 +357,7 @@ fn uncontrollable_modes_and_what_they_act_on() {
 fn brockett_condition_by_the_local_degree() {
     let condition = |states: &[&str], inputs: &[&str], rhs: &[&str]| {
         let s = common::system(states, inputs, &[], rhs, &[], Some(&[]));
-        let report = bracketry_lie::analyze_affine(&s, &Default::default()).unwrap();
+        let report = bracketry_lie::analyze_affine(&s, &Options::default()).unwrap();
         report.at_point.unwrap().known().unwrap().brockett_condition.clone().unwrap().known().copied()
     };
     for (k, holds) in [(3, true), (5, true), (2, false), (4, false)] {

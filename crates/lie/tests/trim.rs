@@ -3,6 +3,7 @@
 
 use bracketry_lie::{LinearModel, Rest, Trim, TrimNote, TrimOptions, TrimStatus, trim};
 use bracketry_system::{System, point};
+use std::fmt::Write as _;
 
 fn searched(text: &str, fixed: &[(&str, &str)], free: &[&str], moving: &[&str]) -> Trim {
     let mut system = System::parse("m", text).unwrap();
@@ -20,7 +21,7 @@ fn searched(text: &str, fixed: &[(&str, &str)], free: &[&str], moving: &[&str]) 
 
 fn exact(t: &Trim, name: &str) -> String {
     let all = t.states.iter().chain(&t.inputs);
-    all.filter(|v| v.name == name).find_map(|v| v.exact.as_ref().map(|e| e.text())).unwrap()
+    all.filter(|v| v.name == name).find_map(|v| v.exact.as_ref().map(bracketry_lie::Function::text)).unwrap()
 }
 
 const PENDULUM: &str = "states = ['th', 'w']\ninputs = ['u']\nparameters = { g = 9.81 }\n\
@@ -106,7 +107,7 @@ fn known_equilibria_are_found() {
         for i in 0..n {
             let mut e = format!("(x{i} - ({})) + (x{i} - ({}))^3", root[i], root[i]);
             for (j, r) in root.iter().enumerate().take(i) {
-                e += &format!(" + {}*(x{j}^2 - {})", random(3), r * r);
+                let _ = write!(e, " + {}*(x{j}^2 - {})", random(3), r * r);
             }
             equations.push(format!("x{i} = '{e}'"));
         }

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use bracketry_symbolic::{Certificate, Expr, Function, Symbol};
+use bracketry_symbolic::{Certificate, Function, Symbol};
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use crate::new_input::NewInput;
+use crate::new_input::{AtPoint, NewInput};
 use crate::new_state::NewState;
 use crate::range::{Bound, Range};
 use crate::range_note::RangeNote;

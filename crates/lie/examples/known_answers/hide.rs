@@ -3,6 +3,7 @@
 use bracketry_symbolic::Expr;
 use bracketry_system::System;
 use rustc_hash::FxHashMap;
+use std::fmt::Write as _;
 
 use crate::random::Random;
 
@@ -94,11 +95,11 @@ fn feedback(system: &mut System, how: Hide, random: &mut Random) {
         };
         let mut text = format!("{gain}*{u}");
         if how != Hide::Driftless && random.once_in(2) {
-            text += &format!(" + {}", function(&states, linear, random));
+            let _ = write!(text, " + {}", function(&states, linear, random));
         }
         if let Some(later) = inputs.get(i + 1) {
             let c = if linear { random.coefficient().to_string() } else { function(&states, false, random) };
-            text += &format!(" + {c}*{later}");
+            let _ = write!(text, " + {c}*{later}");
         }
         let new = system.pool.parse(&text).expect("a feedback that the program writes");
         let old = system.pool.var(u);

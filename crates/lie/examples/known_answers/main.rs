@@ -7,6 +7,7 @@
 //! ```text
 //! cargo run --release -p bracketry-lie --example known_answers -- --count 5000 --threads 2
 //! ```
+#![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod classes;
 mod hide;

@@ -96,9 +96,8 @@ pub(crate) fn deviations(
     let end = |inside: bool| Some(if inside { Rational::ONE } else { Rational::ZERO });
     let bound = |s: &Option<Side>| (end(*s != Some(Side::Above)).map(|e| -e), end(*s != Some(Side::Below)));
     let bounds: Vec<Bound> = sides.iter().map(bound).collect();
-    let found = match velocities.farthest_inside(&bounds) {
-        Some(Inside::Strictly(u, _) | Inside::AtEnds(u)) => u,
-        _ => return Ok(None),
+    let Some(Inside::Strictly(found, _) | Inside::AtEnds(found)) = velocities.farthest_inside(&bounds) else {
+        return Ok(None);
     };
     Ok(Some(found.into_iter().map(|u| pool.rational(u)).collect()))
 }
@@ -291,7 +290,7 @@ impl Velocities {
         all.push((Some(Rational::ZERO), Some(Rational::ONE)));
         for (k, (i, end, sign)) in ends().enumerate() {
             let mut row = vec![Rational::ZERO; m + 1 + count];
-            row[i] = sign.clone();
+            row[i].clone_from(&sign);
             row[m] = -width(&bounds[i]);
             row[m + 1 + k] = -Rational::ONE;
             equations.push((row, sign * end));
@@ -325,7 +324,7 @@ impl Velocities {
             // Unknowns: the inputs, the distance, and what is left to the end: sign·(u − end) − distance = slack.
             let mut equations = self.equations(2);
             let mut row = vec![Rational::ZERO; m + 2];
-            row[i] = sign.clone();
+            row[i].clone_from(&sign);
             row[m] = -Rational::ONE;
             row[m + 1] = -Rational::ONE;
             equations.push((row, sign * end));

@@ -35,7 +35,7 @@ impl InputSet<'_> {
     }
 
     /// How far the inputs have to move to lie in their ranges; `None` where they do already or it is not known.
-    pub(crate) fn into_ranges(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> Option<Vec<Expr>> {
+    pub(crate) fn within_ranges(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> Option<Vec<Expr>> {
         let numbers = frame.numbers(pool, inputs)?;
         let mut moves = Vec::new();
         for ((values, &u), number) in self.values.iter().zip(inputs).zip(numbers) {

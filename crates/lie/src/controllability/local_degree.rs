@@ -113,6 +113,7 @@ fn along(form: &MultivariatePolynomial, [x, y]: [usize; 2], s: i64) -> Univariat
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -37,7 +37,7 @@ pub(crate) fn unbounded(
     if !far || stlc.verdict == Verdict::Yes || matches!(stlc.reason, StlcReason::NotAccessible { .. }) {
         return Ok(stlc);
     }
-    let half_space = match set.into_ranges(pool, frame, inputs) {
+    let half_space = match set.within_ranges(pool, frame, inputs) {
         Some(moves) => outside(pool, frame, set, inputs, &moves, evidence)?,
         None => half_space(pool, frame, sides, true, evidence)?,
     };

@@ -35,7 +35,7 @@ impl Critical<'_> {
         let polynomials: Option<Vec<MultivariatePolynomial>> =
             components.iter().map(|&e| MultivariatePolynomial::of(pool, e, &symbols)).collect();
         if let Some(found) = polynomials.as_ref().and_then(|p| PolynomialField(p).shown()) {
-            return Some(self.reason(pool, &symbols, found));
+            return Some(self.reason(pool, &symbols, &found));
         }
         if self.on_axis == 1
             && let Some(expanded) = polynomials.or_else(|| expanded(pool, &symbols, &components))
@@ -71,8 +71,8 @@ impl Critical<'_> {
         Some((symbols, equations))
     }
 
-    fn reason(&self, pool: &mut Pool, symbols: &[Symbol], shown: Shown) -> (bool, MinimumPhaseReason) {
-        let (Shown::Attracts(v) | Shown::Conserved(v) | Shown::Repels(v)) = &shown;
+    fn reason(&self, pool: &mut Pool, symbols: &[Symbol], shown: &Shown) -> (bool, MinimumPhaseReason) {
+        let (Shown::Attracts(v) | Shown::Conserved(v) | Shown::Repels(v)) = shown;
         let mut sum = pool.int(0);
         for (m, c) in v.terms() {
             let mut term = pool.rational(c.clone());
@@ -118,13 +118,17 @@ impl Critical<'_> {
     /// functions than those analytic everywhere do not occur.
     fn analytic_at_point(&self, pool: &mut Pool, h: Expr, evidence: &mut Evidence) -> bool {
         pool.reachable(&[h]).into_iter().all(|e| match pool.node(e) {
-            Node::Num(_) | Node::Pi | Node::Sym(_) | Node::Add(..) | Node::Mul(..) => true,
             Node::Pow(base, k) => match pool.integer(k) {
                 Some(k) if k >= 0 => true,
                 Some(_) => self.set.vanishes_at_point(pool, base, evidence) == Some(false),
                 None => false,
             },
-            Node::Call(Func::Sin | Func::Cos | Func::Exp | Func::Sinh | Func::Cosh | Func::Tanh | Func::Atan, _) => {
+            Node::Num(_)
+            | Node::Pi
+            | Node::Sym(_)
+            | Node::Add(..)
+            | Node::Mul(..)
+            | Node::Call(Func::Sin | Func::Cos | Func::Exp | Func::Sinh | Func::Cosh | Func::Tanh | Func::Atan, _) => {
                 true
             }
             Node::Call(..) | Node::Call2(..) => false,

@@ -97,7 +97,7 @@ fn substituted(coefficients: &[Rational], list: &[Substitution], columns: usize)
                 constant += a * shift;
             }
             Substitution::Two { column } => {
-                row[*column] = a.clone();
+                row[*column].clone_from(a);
                 row[column + 1] = -a.clone();
             }
         }
@@ -119,7 +119,9 @@ impl Tableau {
         let negative: Vec<bool> = rows.iter().map(|r| r[columns] < Rational::ZERO).collect();
         let with_artificial = |(i, mut row): (usize, Vec<Rational>)| {
             if negative[i] {
-                row.iter_mut().for_each(|x| *x = -std::mem::take(x));
+                for x in &mut row {
+                    *x = -std::mem::take(x);
+                }
             }
             let right = row.remove(columns);
             row.extend((0..count).map(|k| if k == i { Rational::ONE } else { Rational::ZERO }));
@@ -206,13 +208,14 @@ impl Tableau {
     fn solution(&self, columns: usize) -> Vec<Rational> {
         let mut p = vec![Rational::ZERO; columns];
         for (row, &b) in self.rows.iter().zip(&self.basis) {
-            p[b] = row[columns].clone();
+            p[b].clone_from(&row[columns]);
         }
         p
     }
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use proptest::prelude::*;
 

@@ -140,7 +140,7 @@ pub(crate) fn riccati(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &
         let gain = &inverse * b.transpose() * &x;
         let Some(next) = lyapunov(&(a - b * &gain).transpose(), &(q + gain.transpose() * r * &gain)) else { break };
         let better = defect(&next);
-        if !(better < residual) {
+        if better.is_nan() || better >= residual {
             break;
         }
         (x, residual) = (next, better);
@@ -150,7 +150,7 @@ pub(crate) fn riccati(a: &DMatrix<f64>, b: &DMatrix<f64>, q: &DMatrix<f64>, r: &
             let Some(left) = exact_left_side(a, b, q, r, &x) else { break };
             let closed = a - b * (&inverse * b.transpose() * &x);
             let Some(step) = lyapunov(&closed.transpose(), &left) else { break };
-            if !(step.norm() <= 1e-3 * x.norm()) {
+            if step.norm().is_nan() || step.norm() > 1e-3 * x.norm() {
                 break;
             }
             x += &step;

@@ -234,7 +234,7 @@ impl Frame {
                 self.system.pool.substitute_all(&local, &FxHashMap::from_iter([(sign, value)]))
             });
             let (up, down) = (self.numbers(&up), self.numbers(&down));
-            if up.iter().zip(&down).any(|(a, b)| !((a - b).abs() <= ROUNDING * (1.0 + a.abs()))) {
+            if up.iter().zip(&down).any(|(a, b)| (a - b).is_nan() || (a - b).abs() > ROUNDING * (1.0 + a.abs())) {
                 return Err(NotLinearizable::NotSmooth { name: switch.name });
             }
         }
@@ -244,7 +244,6 @@ impl Frame {
     }
 
     /// The Jacobian at the point; the entry that has no finite value otherwise.
-    #[expect(clippy::type_complexity, reason = "a matrix twice, or the place of an entry")]
     fn matrix(
         &mut self,
         rows: &[Expr],

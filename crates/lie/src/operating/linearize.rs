@@ -200,7 +200,7 @@ fn rank(a: &DMatrix<f64>, start: &DMatrix<f64>) -> Rank {
     let n = a.nrows();
     let mut basis: Vec<nalgebra::DVector<f64>> = Vec::new();
     let scale = a.norm().max(f64::MIN_POSITIVE);
-    let mut queue: Vec<nalgebra::DVector<f64>> = start.column_iter().map(|c| c.into_owned()).collect();
+    let mut queue: Vec<nalgebra::DVector<f64>> = start.column_iter().map(nalgebra::Matrix::into_owned).collect();
     while let Some(v) = queue.pop() {
         let size = v.norm();
         let mut rest = v;

@@ -122,12 +122,12 @@ impl Trim {
     /// The point for a model: exact values where they are known, else the numbers.
     pub fn point(&self, system: &mut System) -> Point {
         let mut expressions = |list: &[TrimValue]| {
-            let constant = |v: &TrimValue| match &v.exact {
-                Some(exact) => exact.copied_into(&mut system.pool),
-                None => {
-                    let number = Rational::try_from(v.value).unwrap_or(Rational::ZERO);
-                    system.pool.rational(number)
+            let constant = |v: &TrimValue| {
+                if let Some(exact) = &v.exact {
+                    return exact.copied_into(&mut system.pool);
                 }
+                let number = Rational::try_from(v.value).unwrap_or(Rational::ZERO);
+                system.pool.rational(number)
             };
             list.iter().map(constant).collect::<Vec<_>>()
         };

@@ -2,6 +2,7 @@
 
 use bracketry_lie::LinearModel;
 use nalgebra::DMatrix;
+use std::fmt::Write as _;
 
 /// A file with its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,28 +30,31 @@ pub fn linear_files(model: &LinearModel) -> Vec<LinearFile> {
     for (name, m) in all {
         let (n, p) = m.shape();
         let list = rows(m, ", ", |r| format!("[{r}]")).join(",\n     ");
-        python += &format!("{name} = np.array([{list}]).reshape({n}, {p})\n");
+        let _ = writeln!(python, "{name} = np.array([{list}]).reshape({n}, {p})");
         if m.is_empty() {
-            matlab += &format!("{name} = zeros({n}, {p});\n");
-            julia += &format!("{name} = zeros({n}, {p})\n");
+            let _ = writeln!(matlab, "{name} = zeros({n}, {p});");
+            let _ = writeln!(julia, "{name} = zeros({n}, {p})");
         } else {
-            matlab += &format!("{name} = [{}];\n", rows(m, ", ", |r| r).join("; "));
-            julia += &format!("{name} = reshape([{}], {p}, {n})' |> Matrix\n", rows(m, ", ", |r| r).join(", "));
+            let _ = writeln!(matlab, "{name} = [{}];", rows(m, ", ", |r| r).join("; "));
+            let _ = writeln!(julia, "{name} = reshape([{}], {p}, {n})' |> Matrix", rows(m, ", ", |r| r).join(", "));
         }
     }
-    python += &format!(
+    let _ = write!(
+        python,
         "states = [{}]\ninputs = [{}]\noutputs = [{}]\n\nif __name__ == \"__main__\":\n    import control\n\n    sys = control.ss(A, B, C, D, states=states, inputs=inputs, outputs=outputs)\n    print(sys)\n",
         quoted(&model.states),
         quoted(&model.inputs),
         quoted(&model.outputs)
     );
-    matlab += &format!(
-        "sys = ss(A, B, C, D, 'StateName', {{{}}}, 'InputName', {{{}}}, 'OutputName', {{{}}});\n",
+    let _ = writeln!(
+        matlab,
+        "sys = ss(A, B, C, D, 'StateName', {{{}}}, 'InputName', {{{}}}, 'OutputName', {{{}}});",
         single(&model.states),
         single(&model.inputs),
         single(&model.outputs)
     );
-    julia += &format!(
+    let _ = write!(
+        julia,
         "state_names = [{}]\ninput_names = [{}]\noutput_names = [{}]\nusing ControlSystems\nsys = ss(A, B, C, D)\n",
         quoted(&model.states),
         quoted(&model.inputs),
