@@ -34,7 +34,10 @@ def test_a_published_rank(models) -> None:
     assert analysis.switched is not None
     assert analysis.switched.accessible_dimension == 10
     assert analysis.at_point is not None
-    assert analysis.at_point.stlc.verdict == "yes"
+    # Where the friction sticks, the smoothed model proves nothing of the model.
+    assert analysis.at_point.stlc.verdict == "inconclusive"
+    assert analysis.at_point.smoothed_stlc is not None
+    assert analysis.at_point.smoothed_stlc.verdict == "yes"
     assert analysis.affinization.integrators == {"X": 2, "theta": 2}
     assert analysis.affinization.model is not None
     assert len(analysis.affinization.model.states) == 10

@@ -88,11 +88,13 @@ pub(crate) fn decide(
         // No bracket with f is left to be neutralized.
         return Ok(Stlc::new(Verdict::Yes, StlcReason::NoDrift).holding(vec![1, 1]));
     }
-    if is_odd(pool, frame) {
-        return Ok(Stlc::new(Verdict::Yes, StlcReason::Odd));
-    }
     let mut stlc = general(pool, frame, limits, evidence)?;
     if stlc.verdict == Verdict::Yes {
+        return Ok(stlc);
+    }
+    if is_odd(pool, frame) {
+        stlc.verdict = Verdict::Yes;
+        stlc.reason = StlcReason::Odd;
         return Ok(stlc);
     }
     if let [g] = frame.fields.controls.as_slice()
