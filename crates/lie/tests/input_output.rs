@@ -212,7 +212,8 @@ fn higher_order_terms_decide_on_scalar_zero_dynamics() {
 fn an_oscillating_zero_dynamics_is_not_judged_by_its_linearization() {
     let s = system(&["y", "p", "q"], &["u"], &[], &["u", "q", "-p - q^3 + y"], &["y"], None);
     let c = control(&s);
-    assert!(matches!(zero_dynamics(&c).minimum_phase, Answer::Unknown(_)));
+    // p'' + p'^3 + p = 0 loses energy, which the linearization does not show.
+    assert_eq!(zero_dynamics(&c).minimum_phase, Answer::Known(true));
 }
 
 #[test]
