@@ -138,7 +138,7 @@ fn the_text_names_symmetries_and_remedies() {
     for line in [
         "  parameter k: not identifiable\n",
         "  with unknown parameters no output changes along k ∂k + m ∂m (scaling of k by s and m by s)\n",
-        "  all parameters are identifiable given k\n",
+        "  all parameters are locally identifiable given k\n",
     ] {
         assert!(text.contains(line), "{line} in {text}");
     }
