@@ -121,6 +121,21 @@ fn holds(system: &System, functions: &[Expr], new: &[Symbol], k: usize, solution
     seen >= 3
 }
 
+/// A solution u of w(u) = v in closed form, the principal branch of inverse functions and roots; `None` if none was found. `v` must
+/// not depend on `u`; whether the solution holds where it is used has to be checked.
+///
+/// ```
+/// use bracketry_symbolic::Pool;
+/// let mut p = Pool::new();
+/// let (w, u, v) = (p.parse("2*tan(u) + 1").unwrap(), p.symbol("u"), p.var("v"));
+/// let solution = bracketry_system::solved_for(&mut p, w, u, v).unwrap();
+/// assert_eq!(p.text(solution), "atan((v - 1)/2)");
+/// ```
+pub fn solved_for(pool: &mut Pool, w: Expr, u: Symbol, v: Expr) -> Option<Expr> {
+    let solution = solve(pool, w, u, v, Branch::Upper)?;
+    Some(pool.simplify(solution))
+}
+
 /// u from w(u) = v.
 fn solve(pool: &mut Pool, w: Expr, u: Symbol, v: Expr, branch: Branch) -> Option<Expr> {
     let depends = |pool: &Pool, e: Expr| pool.depends_on(e, u);
@@ -136,6 +151,10 @@ fn solve(pool: &mut Pool, w: Expr, u: Symbol, v: Expr, branch: Branch) -> Option
         Node::Pow(a, k) => {
             let k = pool.number(k)?.clone();
             let inverse = pool.rational(Rational::ONE / k.clone());
+            if k == -Rational::ONE {
+                let reciprocal = pool.pow(v, inverse);
+                return solve(pool, a, u, reciprocal, branch);
+            }
             let k_is_even = k.is_int() && (k.clone() / Rational::from(2)).is_int();
             let odd = k.is_int() && !k_is_even;
             let mut root = if odd { odd_root(pool, v, inverse) } else { pool.pow(v, inverse) };

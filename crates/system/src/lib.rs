@@ -48,6 +48,7 @@ pub use bracketry_symbolic as symbolic;
 pub use builder::Builder;
 pub use candidate::{Candidate, Method};
 pub use constants::Constants;
+pub use inverse::solved_for;
 pub use model_text::WriteError;
 pub use new_input::{AtPoint, NewInput};
 pub use new_state::NewState;

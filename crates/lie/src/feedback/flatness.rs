@@ -1,15 +1,14 @@
 //! Differential flatness: proofs and disproofs, and flat outputs.
 
-use bracketry_symbolic::{Expr, Func, Node, Pool, Symbol};
+use bracketry_symbolic::{Expr, Pool, Symbol};
 
 use crate::algebra::field::{Field, VectorFields, bracket, is_plain_zero};
-use crate::algebra::integrals::search::{integrals, integrals_of_involutive};
+use crate::algebra::integrals::search::integrals_of_involutive;
 use crate::algebra::involutive::involutive_closure;
 use crate::algebra::matrix::{generic_rank, reduced};
 use crate::algebra::rational::readable::tidy;
-use crate::algebra::span::{independent, involutive};
+use crate::algebra::span::independent;
 use crate::algebra::subsets::subsets;
-use crate::budget::check_size;
 use crate::evidence::Evidence;
 use crate::feedback::extension::{DynamicExtension, ExtensionLimits};
 use crate::feedback::ruled::velocities_not_ruled;
@@ -226,27 +225,6 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// Sine and cosine of every state that occurs within one, alone or in a sum of angles.
-    fn circular_functions(&self, pool: &mut Pool) -> Vec<Expr> {
-        let mut roots = self.system.controls.concat();
-        roots.extend(&self.system.drift);
-        let mut list = Vec::new();
-        for e in pool.reachable(&roots) {
-            let Node::Call(Func::Sin | Func::Cos | Func::Tan, a) = pool.node(e) else { continue };
-            for s in pool.symbols_of(&[a]) {
-                if self.system.states.contains(&s) {
-                    let x = pool.sym(s);
-                    for f in [pool.sin(x), pool.cos(x)] {
-                        if !list.contains(&f) {
-                            list.push(f);
-                        }
-                    }
-                }
-            }
-        }
-        list
-    }
-
     /// The states, those first that the inputs reach last.
     fn states_by_degree(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Vec<Expr>, Undecided> {
         let states: Vec<Expr> = self.system.states.iter().map(|&s| pool.sym(s)).collect();
@@ -297,7 +275,7 @@ impl Search<'_> {
             let left = n - closure.dimension();
             if left == m {
                 let mut known = self.known.functions.to_vec();
-                known.extend(self.circular_functions(pool));
+                known.extend(self.system.circular_functions(pool));
                 let (basis, bindings) = (&closure.basis, &self.system.bindings);
                 let found = integrals_of_involutive(pool, &self.system.states, basis, &known, bindings, evidence)?;
                 let outputs: Vec<Expr> = found.functions.iter().map(|&h| tidy(pool, h)).collect();
@@ -352,7 +330,7 @@ impl Search<'_> {
         }
         for pair in subsets(candidates.len(), 2) {
             let pair: Vec<Expr> = pair.into_iter().map(|i| candidates[i]).collect();
-            if self.annihilator_within(pool, &pair, corank_one, evidence)? {
+            if system.annihilator_within(pool, &pair, corank_one, evidence)? {
                 found.outputs = pair;
                 break;
             }
@@ -360,7 +338,9 @@ impl Search<'_> {
         if found.outputs.is_empty() {
             let corank_one = reduced(pool, corank_one, bindings, evidence)?;
             for &h in &candidates {
-                if let Some(pair) = self.completed(pool, h, &corank_one, evidence)? {
+                if let Some(pair) =
+                    system.completed(pool, h, &corank_one, self.known.functions, self.first, evidence)?
+                {
                     found.outputs = pair;
                     break;
                 }
@@ -374,76 +354,6 @@ impl Search<'_> {
             found.extension = Some(extension);
         }
         Ok(Some(found))
-    }
-
-    /// Whether two functions with independent differentials have a common annihilator inside a
-    /// distribution with one dimension less than the space: their derivatives along it have rank one.
-    fn annihilator_within(
-        &self,
-        pool: &mut Pool,
-        pair: &[Expr],
-        distribution: &[Field],
-        evidence: &mut Evidence,
-    ) -> Result<bool, Undecided> {
-        let system = self.system;
-        let gradients: Vec<Field> = pair.iter().map(|&h| pool.gradient(h, &system.states)).collect();
-        if generic_rank(pool, &gradients, &system.bindings, evidence)? < 2 {
-            return Ok(false);
-        }
-        let along: Vec<Vec<Expr>> = pair
-            .iter()
-            .map(|&h| distribution.iter().map(|y| pool.lie_derivative(h, &system.states, y)).collect())
-            .collect();
-        Ok(generic_rank(pool, &along, &system.bindings, evidence)? == 1)
-    }
-
-    /// `h` with a second function, if the fields of the distribution along which h is constant have two integrals.
-    fn completed(
-        &self,
-        pool: &mut Pool,
-        h: Expr,
-        distribution: &[Field],
-        evidence: &mut Evidence,
-    ) -> Result<Option<Vec<Expr>>, Undecided> {
-        check_size(pool, self.first)?;
-        let system = self.system;
-        let slopes: Vec<Expr> = distribution.iter().map(|y| pool.lie_derivative(h, &system.states, y)).collect();
-        let mut pivot = None;
-        for (i, &s) in slopes.iter().enumerate() {
-            if !system.vanishes(pool, s, evidence)? {
-                pivot = Some(i);
-                break;
-            }
-        }
-        let Some(p) = pivot else { return Ok(None) };
-        let mut constant = Vec::new();
-        for (i, y) in distribution.iter().enumerate().filter(|x| x.0 != p) {
-            let share = pool.div(slopes[i], slopes[p]);
-            let field: Field = y
-                .iter()
-                .zip(&distribution[p])
-                .map(|(&a, &b)| {
-                    let term = pool.mul(share, b);
-                    let e = pool.sub(a, term);
-                    tidy(pool, e)
-                })
-                .collect();
-            constant.push(field);
-        }
-        if !involutive(pool, &system.states, &constant, 0, &system.bindings, evidence)? {
-            return Ok(None);
-        }
-        let mut known = vec![h];
-        known.extend(self.known.functions);
-        known.extend(self.circular_functions(pool));
-        let found = integrals(pool, &system.states, &constant, &known, &system.bindings, evidence)?;
-        for &second in &found.functions {
-            let pair = [h, tidy(pool, second)];
-            if self.annihilator_within(pool, &pair, distribution, evidence)? {
-                return Ok(Some(pair.to_vec()));
-            }
-        }
-        Ok(None)
     }
 
     /// Whether the system becomes linearizable by static feedback with integrators in front of one input.

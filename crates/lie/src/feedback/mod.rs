@@ -3,6 +3,7 @@
 pub(crate) mod characteristic;
 pub(crate) mod critical;
 pub(crate) mod extension;
+pub(crate) mod flat_pairs;
 pub(crate) mod flatness;
 pub(crate) mod flatness_report;
 pub(crate) mod input_output;

@@ -177,7 +177,7 @@ impl VectorFields {
 }
 
 /// What the expressions divide by or take the logarithm of.
-fn divisors(pool: &Pool, roots: &[Expr]) -> Vec<Expr> {
+pub(crate) fn divisors(pool: &Pool, roots: &[Expr]) -> Vec<Expr> {
     let inner = |e: Expr| match pool.node(e) {
         Node::Pow(base, k) if pool.number(k).is_some_and(|k| *k < Rational::ZERO) => Some(base),
         Node::Call(Func::Log, a) => Some(a),
