@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub use bracketry_certify as certify;
 pub use bracketry_diagnose as diagnose;
 pub use bracketry_files as files;
 pub use bracketry_lie as lie;
@@ -31,6 +32,10 @@ pub mod tutorial {}
 /// Model-predictive control of a model of one's own, from a problem file and from Rust.
 #[doc = include_str!("../docs/mpc.md")]
 pub mod control_guide {}
+
+/// Lyapunov functions, regions of attraction, passivity, and conserved functions, with certificates.
+#[doc = include_str!("../docs/certify.md")]
+pub mod certificates_guide {}
 
 /// From measured data to the named cause: a guide.
 #[doc = include_str!("../docs/diagnose.md")]

@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::Table;
 
 /// The layers from the lowest up: each crate may use those before it.
-const LAYERS: [&str; 16] = [
+const LAYERS: [&str; 17] = [
     "bracketry-symbolic",
     "bracketry-files",
     "bracketry-plot",
@@ -16,6 +16,7 @@ const LAYERS: [&str; 16] = [
     "bracketry-system",
     "bracketry-lie",
     "bracketry-sim",
+    "bracketry-certify",
     "bracketry-stiffness",
     "bracketry-mpc",
     "bracketry-diagnose",

@@ -9,12 +9,13 @@ use std::process::{Command, Output};
 
 use common::{bracketry, code, file, json, scratch, text, within};
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "new",
     "analyze",
     "affinize",
     "trim",
     "linearize",
+    "certify",
     "simulate",
     "control",
     "diagnose",

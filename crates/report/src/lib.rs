@@ -1,6 +1,7 @@
 //! Every result as text, Markdown, LaTeX, HTML with MathML, JSON and figures.
 
 pub mod analysis;
+pub mod certificates;
 pub mod control;
 mod diagnosis;
 pub mod html;

@@ -5,6 +5,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 mod affinize;
 mod analyze;
+mod certify;
 mod control;
 mod diagnose;
 mod file_kind;
@@ -82,6 +83,11 @@ enum Command {
         "Exit codes", "0  linearized\n1  the equations are not smooth at the point, or no operating point was found\n2  bad input",
     )]))]
     Linearize(operating_point::LinearizeArgs),
+    /// Lyapunov functions, regions of attraction, storage and conserved functions, proved in exact arithmetic
+    #[command(after_help = examples(&certify::EXAMPLES), after_long_help = guide(&certify::EXAMPLES, &[(
+        "Exit codes", "0  everything that was sought is proved\n1  something is not proved; the report says why\n2  bad input",
+    )]))]
+    Certify(certify::CertifyArgs),
     /// Integrate a model with exact stick–slip friction
     #[command(after_help = examples(&simulate::EXAMPLES), after_long_help = guide(&simulate::EXAMPLES, &[
         ("Exit codes", "0  simulated to the end\n1  stopped before it (blow-up, chattering); the report says when\n2  bad input"),
@@ -126,6 +132,7 @@ impl Command {
             Self::Affinize(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Trim(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Linearize(args) => vec![Given::new(&args.model, FileKind::Model)],
+            Self::Certify(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Simulate(args) => args.files(),
             Self::Diagnose(args) => args.files(),
             Self::Plate(args) => args.files(),
@@ -169,6 +176,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Affinize(args)) => affinize::affinize(&args, &output),
         Some(Command::Trim(args)) => operating_point::trim(&args, &output),
         Some(Command::Linearize(args)) => operating_point::linearize(&args, &output),
+        Some(Command::Certify(args)) => certify::run(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
         Some(Command::Diagnose(args)) => diagnose::run(&args, &output),

@@ -6,9 +6,8 @@ use rustc_hash::FxHashMap;
 use crate::algebra::integrals::search::integrals_of_involutive;
 use crate::evidence::Evidence;
 use crate::feedback::lyapunov::{PolynomialField, Shown};
-use crate::feedback::ruled::semidefinite;
 use crate::feedback::zero_dynamics::Set;
-use crate::linear::matrix::RationalMatrix;
+use crate::linear::matrix::{RationalMatrix, semidefinite};
 use crate::linear::polynomial::MultivariatePolynomial;
 use crate::reason::MinimumPhaseReason;
 

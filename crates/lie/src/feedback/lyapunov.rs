@@ -2,8 +2,7 @@
 
 use bracketry_symbolic::{Rational, UnivariatePolynomial};
 
-use crate::feedback::ruled::semidefinite;
-use crate::linear::matrix::RationalMatrix;
+use crate::linear::matrix::{RationalMatrix, semidefinite};
 use crate::linear::polynomial::MultivariatePolynomial;
 
 /// x' = F(x) with an equilibrium at the origin.

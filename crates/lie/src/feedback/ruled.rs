@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 
 use crate::algebra::field::VectorFields;
 use crate::algebra::subsets::subsets;
-use crate::linear::matrix::RationalMatrix;
+use crate::linear::matrix::{RationalMatrix, semidefinite};
 
 /// Points at which the condition is looked at.
 const POINTS: usize = 6;
@@ -308,28 +308,4 @@ fn dot(a: &[Rational], b: &[Rational]) -> Rational {
 
 fn sum(p: &[Vec<Rational>], q: &[Vec<Rational>], c: &Rational) -> Vec<Vec<Rational>> {
     p.iter().zip(q).map(|(a, b)| a.iter().zip(b).map(|(x, y)| x + c * y).collect()).collect()
-}
-
-/// Whether a symmetric matrix is positive semidefinite, by symmetric elimination.
-pub(crate) fn semidefinite(mut q: Vec<Vec<Rational>>) -> bool {
-    let n = q.len();
-    for k in 0..n {
-        if q[k][k] < Rational::ZERO {
-            return false;
-        }
-        if q[k][k] == Rational::ZERO {
-            if (k..n).any(|j| q[k][j] != Rational::ZERO) {
-                return false;
-            }
-            continue;
-        }
-        for i in k + 1..n {
-            let factor = &q[i][k] / &q[k][k];
-            for j in k..n {
-                let step = &factor * &q[k][j];
-                q[i][j] -= step;
-            }
-        }
-    }
-    true
 }

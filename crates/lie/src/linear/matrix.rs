@@ -4,33 +4,35 @@ use bracketry_symbolic::{Rational, UnivariatePolynomial};
 
 /// A matrix by its rows, all of the same length.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct RationalMatrix {
+pub struct RationalMatrix {
     rows: Vec<Vec<Rational>>,
     columns: usize,
 }
 
 impl RationalMatrix {
     /// From its rows, of `columns` entries each.
-    pub(crate) fn new(rows: Vec<Vec<Rational>>, columns: usize) -> Self {
+    pub fn new(rows: Vec<Vec<Rational>>, columns: usize) -> Self {
         RationalMatrix { rows, columns }
     }
 
-    pub(crate) fn rows(&self) -> &[Vec<Rational>] {
+    /// Its rows.
+    pub fn rows(&self) -> &[Vec<Rational>] {
         &self.rows
     }
 
-    pub(crate) fn transposed(&self) -> Self {
+    /// Rows and columns exchanged.
+    pub fn transposed(&self) -> Self {
         let rows = (0..self.columns).map(|j| self.rows.iter().map(|r| r[j].clone()).collect()).collect();
         RationalMatrix { rows, columns: self.rows.len() }
     }
 
     /// The product with a column.
-    pub(crate) fn times(&self, v: &[Rational]) -> Vec<Rational> {
+    pub fn times(&self, v: &[Rational]) -> Vec<Rational> {
         self.rows.iter().map(|row| dot(row, v)).collect()
     }
 
     /// A basis of {v : M v = 0}, one vector for each column without pivot, with 1 there.
-    pub(crate) fn null_space(&self) -> Vec<Vec<Rational>> {
+    pub fn null_space(&self) -> Vec<Vec<Rational>> {
         let mut echelon = Echelon::new(self.columns);
         for row in &self.rows {
             echelon.insert(row.clone());
@@ -38,8 +40,13 @@ impl RationalMatrix {
         echelon.null_space()
     }
 
+    /// Whether a symmetric matrix is positive semidefinite, by symmetric elimination.
+    pub fn is_positive_semidefinite(&self) -> bool {
+        semidefinite(self.rows.clone())
+    }
+
     /// det(λ − M) of a square matrix, from its Hessenberg form.
-    pub(crate) fn characteristic_polynomial(&self) -> UnivariatePolynomial {
+    pub fn characteristic_polynomial(&self) -> UnivariatePolynomial {
         let mut h = self.rows.clone();
         hessenberg(&mut h);
         // p_k, of the leading k × k block: (λ − h_kk) p_(k−1) − Σ h_ik h_(i+1,i) … h_(k,k−1) p_(i−1).
@@ -63,6 +70,30 @@ impl RationalMatrix {
 
 fn dot(a: &[Rational], b: &[Rational]) -> Rational {
     a.iter().zip(b).filter(|(x, _)| **x != Rational::ZERO).fold(Rational::ZERO, |s, (x, y)| s + x * y)
+}
+
+/// Whether a symmetric matrix is positive semidefinite, by symmetric elimination.
+pub(crate) fn semidefinite(mut q: Vec<Vec<Rational>>) -> bool {
+    let n = q.len();
+    for k in 0..n {
+        if q[k][k] < Rational::ZERO {
+            return false;
+        }
+        if q[k][k] == Rational::ZERO {
+            if (k..n).any(|j| q[k][j] != Rational::ZERO) {
+                return false;
+            }
+            continue;
+        }
+        for i in k + 1..n {
+            let factor = &q[i][k] / &q[k][k];
+            for j in k..n {
+                let step = &factor * &q[k][j];
+                q[i][j] -= step;
+            }
+        }
+    }
+    true
 }
 
 /// Replaces a square matrix by a similar one with zeros below the first subdiagonal.
@@ -92,19 +123,20 @@ fn hessenberg(h: &mut [Vec<Rational>]) {
 }
 
 /// A reduced row echelon form that grows by rows.
-pub(crate) struct Echelon {
+pub struct Echelon {
     rows: Vec<Vec<Rational>>,
     pivots: Vec<usize>,
     columns: usize,
 }
 
 impl Echelon {
-    pub(crate) fn new(columns: usize) -> Self {
+    /// Without rows.
+    pub fn new(columns: usize) -> Self {
         Echelon { rows: Vec::new(), pivots: Vec::new(), columns }
     }
 
     /// Whether the row was independent of those before.
-    pub(crate) fn insert(&mut self, mut row: Vec<Rational>) -> bool {
+    pub fn insert(&mut self, mut row: Vec<Rational>) -> bool {
         for (r, &p) in self.rows.iter().zip(&self.pivots) {
             if row[p] != Rational::ZERO {
                 let factor = row[p].clone();
@@ -130,7 +162,7 @@ impl Echelon {
     }
 
     /// A basis of the vectors orthogonal to all rows, one for each column without pivot, with 1 there.
-    pub(crate) fn null_space(&self) -> Vec<Vec<Rational>> {
+    pub fn null_space(&self) -> Vec<Vec<Rational>> {
         self.free_columns()
             .into_iter()
             .map(|free| {
@@ -145,7 +177,7 @@ impl Echelon {
     }
 
     /// The columns without pivot, ascending.
-    pub(crate) fn free_columns(&self) -> Vec<usize> {
+    pub fn free_columns(&self) -> Vec<usize> {
         (0..self.columns).filter(|j| !self.pivots.contains(j)).collect()
     }
 }

@@ -3,12 +3,32 @@
 use std::collections::BTreeMap;
 
 use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A polynomial with rational coefficients; its variables are numbered.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct MultivariatePolynomial {
+pub struct MultivariatePolynomial {
     /// Coefficients, none zero, by the exponents of the variables.
     terms: BTreeMap<Vec<u32>, Rational>,
+}
+
+/// As a list of exponents with coefficients, such as `[[[2, 0], "3/4"]]`.
+impl Serialize for MultivariatePolynomial {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.terms.iter().map(|(m, c)| (m, c.to_string())))
+    }
+}
+
+impl<'de> Deserialize<'de> for MultivariatePolynomial {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut p = Self::default();
+        for (m, c) in Vec::<(Vec<u32>, String)>::deserialize(deserializer)? {
+            let c = c.parse::<Rational>().map_err(|_| D::Error::custom(format!("`{c}` is no rational number")))?;
+            p.add_term(m, c);
+        }
+        Ok(p)
+    }
 }
 
 /// A polynomial with more terms is given up.
@@ -16,7 +36,7 @@ pub(crate) const MAX_TERMS: usize = 300;
 
 impl MultivariatePolynomial {
     /// `e` as a polynomial in `symbols`; `None` if it is none with rational coefficients, or has too many terms.
-    pub(crate) fn of(pool: &mut Pool, e: Expr, symbols: &[Symbol]) -> Option<Self> {
+    pub fn of(pool: &mut Pool, e: Expr, symbols: &[Symbol]) -> Option<Self> {
         let mut p = Self::default();
         for (exponents, c) in pool.coefficients(e, symbols) {
             p.add_term(exponents, pool.number(c)?.clone());
@@ -25,34 +45,37 @@ impl MultivariatePolynomial {
     }
 
     /// c · Π x_i^k_i.
-    pub(crate) fn term(c: Rational, exponents: Vec<u32>) -> Self {
+    pub fn term(c: Rational, exponents: Vec<u32>) -> Self {
         let mut p = Self::default();
         p.add_term(exponents, c);
         p
     }
 
     /// Exponents and coefficients of all terms.
-    pub(crate) fn terms(&self) -> impl Iterator<Item = (&Vec<u32>, &Rational)> {
+    pub fn terms(&self) -> impl Iterator<Item = (&Vec<u32>, &Rational)> {
         self.terms.iter()
     }
 
-    pub(crate) fn is_zero(&self) -> bool {
+    /// Whether no term is left.
+    pub fn is_zero(&self) -> bool {
         self.terms.is_empty()
     }
 
-    pub(crate) fn add_term(&mut self, exponents: Vec<u32>, c: Rational) {
+    /// Adds c · Π x_i^k_i.
+    pub fn add_term(&mut self, exponents: Vec<u32>, c: Rational) {
         let sum = self.terms.remove(&exponents).unwrap_or(Rational::ZERO) + c;
         if sum != Rational::ZERO {
             self.terms.insert(exponents, sum);
         }
     }
 
-    pub(crate) fn coefficient(&self, exponents: &[u32]) -> Rational {
+    /// The coefficient of Π x_i^k_i.
+    pub fn coefficient(&self, exponents: &[u32]) -> Rational {
         self.terms.get(exponents).cloned().unwrap_or(Rational::ZERO)
     }
 
     /// Σ terms of this with the factor `c`.
-    pub(crate) fn plus(&self, other: &Self, c: &Rational) -> Self {
+    pub fn plus(&self, other: &Self, c: &Rational) -> Self {
         let mut sum = self.clone();
         for (m, x) in &other.terms {
             sum.add_term(m.clone(), x * c);
@@ -60,8 +83,19 @@ impl MultivariatePolynomial {
         sum
     }
 
+    /// The product.
+    pub fn product(&self, other: &Self) -> Self {
+        let mut product = Self::default();
+        for (a, x) in &self.terms {
+            for (b, y) in &other.terms {
+                product.add_term(a.iter().zip(b).map(|(i, j)| i + j).collect(), x * y);
+            }
+        }
+        product
+    }
+
     /// The product; `None` where it has too many terms.
-    pub(crate) fn times(&self, other: &Self) -> Option<Self> {
+    pub fn times(&self, other: &Self) -> Option<Self> {
         let mut product = Self::default();
         for (a, x) in &self.terms {
             for (b, y) in &other.terms {
@@ -75,7 +109,7 @@ impl MultivariatePolynomial {
     }
 
     /// The derivative by one variable.
-    pub(crate) fn derivative(&self, variable: usize) -> Self {
+    pub fn derivative(&self, variable: usize) -> Self {
         let mut d = Self::default();
         for (m, c) in &self.terms {
             let k = m[variable];
@@ -89,7 +123,7 @@ impl MultivariatePolynomial {
     }
 
     /// This with `value` in place of a variable; `None` where that has too many terms.
-    pub(crate) fn with(&self, variable: usize, value: &Self) -> Option<Self> {
+    pub fn with(&self, variable: usize, value: &Self) -> Option<Self> {
         let mut sum = Self::default();
         for (m, c) in &self.terms {
             let mut rest = m.clone();
@@ -107,21 +141,26 @@ impl MultivariatePolynomial {
     }
 
     /// This where some variables are zero.
-    pub(crate) fn without(&self, variables: &[usize]) -> Self {
+    pub fn without(&self, variables: &[usize]) -> Self {
         let kept = self.terms.iter().filter(|(m, _)| variables.iter().all(|&i| m[i] == 0));
         MultivariatePolynomial { terms: kept.map(|(m, c)| (m.clone(), c.clone())).collect() }
     }
 
     /// The terms of least degree.
-    pub(crate) fn leading_form(&self) -> Self {
+    pub fn leading_form(&self) -> Self {
         let degree = |m: &[u32]| m.iter().sum::<u32>();
         let least = self.terms.keys().map(|m| degree(m)).min().unwrap_or(0);
         let kept = self.terms.iter().filter(|(m, _)| degree(m) == least);
         MultivariatePolynomial { terms: kept.map(|(m, c)| (m.clone(), c.clone())).collect() }
     }
 
+    /// Largest degree of a term; 0 for zero.
+    pub fn degree(&self) -> u32 {
+        self.terms.keys().map(|m| m.iter().sum::<u32>()).max().unwrap_or(0)
+    }
+
     /// Degree of the terms of least degree; 0 for zero.
-    pub(crate) fn order(&self) -> u32 {
+    pub fn order(&self) -> u32 {
         self.terms.keys().map(|m| m.iter().sum::<u32>()).min().unwrap_or(0)
     }
 }

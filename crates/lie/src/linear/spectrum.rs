@@ -28,6 +28,12 @@ pub(crate) struct Spectrum {
     pub(crate) right: usize,
 }
 
+/// The numbers of eigenvalues with negative, zero, and positive real part of a square matrix, counted with multiplicity.
+pub fn half_planes(a: &RationalMatrix) -> [usize; 3] {
+    let spectrum = Spectrum::of(a);
+    [spectrum.left, spectrum.on_axis, spectrum.right]
+}
+
 impl Spectrum {
     /// Of a square matrix.
     pub(crate) fn of(a: &RationalMatrix) -> Self {

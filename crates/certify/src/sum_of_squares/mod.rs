@@ -1,0 +1,5 @@
+//! Programs whose constraints are sums of squares: exact reduction, numerical solution, exact rounding.
+
+pub(crate) mod numeric;
+pub(crate) mod program;
+pub(crate) mod rounding;
