@@ -103,18 +103,15 @@ pub fn certify(system: &System, options: &Options) -> Result<Certification, Degr
             let finding = |result: Result<Certificate, Reason>| finding(&model, result);
             if wanted(Find::Conserved) {
                 let list = conserved(&model, options.degree, &limit);
-                let polynomials =
-                    list.generators.into_iter().filter_map(|c| finding(Ok(c)).proof().cloned()).collect();
-                found.conserved =
-                    Some(Conserved { polynomials, complete_to: Some(list.degree), others: Vec::new() });
+                let polynomials = list.generators.into_iter().filter_map(|c| finding(Ok(c)).proof().cloned()).collect();
+                found.conserved = Some(Conserved { polynomials, complete_to: Some(list.degree), others: Vec::new() });
             }
             if wanted(Find::Lyapunov) {
                 found.lyapunov = Some(finding(global(&model, options.degree, &limit)));
             }
             if wanted(Find::Region) {
-                let whole_space = |f: &&Finding| {
-                    f.proof().is_some_and(|p| p.conclusion == Conclusion::GloballyAsymptoticallyStable)
-                };
+                let whole_space =
+                    |f: &&Finding| f.proof().is_some_and(|p| p.conclusion == Conclusion::GloballyAsymptoticallyStable);
                 let known = found.lyapunov.as_ref().filter(whole_space).cloned();
                 let search = || finding(quadratic_region(&model, options.degree, &limit));
                 found.region = Some(known.unwrap_or_else(search));

@@ -55,10 +55,8 @@ pub(crate) fn conserved(model: &PolynomialModel, largest: u32, limit: &Limit) ->
 }
 
 fn null_space(model: &PolynomialModel, list: &[Monomial]) -> Vec<Vec<Rational>> {
-    let rates: Vec<MultivariatePolynomial> = list
-        .iter()
-        .map(|m| rate(&MultivariatePolynomial::term(Rational::ONE, m.clone()), &model.drift))
-        .collect();
+    let rates: Vec<MultivariatePolynomial> =
+        list.iter().map(|m| rate(&MultivariatePolynomial::term(Rational::ONE, m.clone()), &model.drift)).collect();
     let mut support: Vec<&Monomial> = rates.iter().flat_map(|p| p.terms().map(|(m, _)| m)).collect();
     support.sort_unstable();
     support.dedup();

@@ -40,7 +40,7 @@ pub(crate) fn sum_of_squares(n: usize, p: AffinePolynomial) -> Constraint {
 }
 
 /// Most states for which V' is sought that vanishes with some of them.
-const MAX_SUBSETS_OF: usize = 6;
+pub(crate) const MAX_SUBSETS_OF: usize = 4;
 
 /// A Lyapunov function of degree at most `largest` on the whole space.
 pub(crate) fn global(model: &PolynomialModel, largest: u32, limit: &Limit) -> Result<Certificate, Reason> {
@@ -98,8 +98,7 @@ impl Search<'_> {
         let mut grams = exact.grams.into_iter();
         let (Some(positive), Some(decrease)) = (grams.next(), grams.next()) else { return Err(Unsolved::NotRounded) };
         let claim = Claim::Lyapunov { function, positive, decrease };
-        let certificate =
-            Certificate { states: self.model.states.clone(), field: self.model.drift.clone(), claim };
+        let certificate = Certificate { states: self.model.states.clone(), field: self.model.drift.clone(), claim };
         match certificate.verify() {
             Ok(conclusion) => Ok((certificate, conclusion)),
             Err(_) => Err(Unsolved::NotRounded),
@@ -109,14 +108,12 @@ impl Search<'_> {
     /// V whose rate vanishes where some of the states do, as few as possible.
     fn semidefinite(&self, largest: u32) -> Option<Certificate> {
         let n = self.model.dimension();
-        let mut subsets: Vec<u32> = (0..(1u32 << n) - 1).collect();
-        subsets.sort_by_key(|s| std::cmp::Reverse(s.count_ones()));
         for template in templates(n, largest) {
-            for &subset in &subsets {
+            for subset in proper_subsets(n) {
                 if self.limit.is_reached() {
                     return None;
                 }
-                let inside = |m: &Monomial| m.iter().enumerate().all(|(i, &k)| k == 0 || subset >> i & 1 == 1);
+                let inside = |m: &Monomial| is_inside(m, subset);
                 if let Ok((certificate, _)) = self.with(&template, inside) {
                     return Some(certificate);
                 }
@@ -124,4 +121,16 @@ impl Search<'_> {
         }
         None
     }
+}
+
+/// Sets of variables other than that of all, as bits, the largest first.
+pub(crate) fn proper_subsets(n: usize) -> Vec<u32> {
+    let mut subsets: Vec<u32> = (0..(1u32 << n) - 1).collect();
+    subsets.sort_by_key(|s| std::cmp::Reverse(s.count_ones()));
+    subsets
+}
+
+/// Whether a monomial has variables of the set only.
+pub(crate) fn is_inside(m: &[u32], subset: u32) -> bool {
+    m.iter().enumerate().all(|(i, &k)| k == 0 || i >= 32 || subset >> i & 1 == 1)
 }

@@ -211,9 +211,9 @@ impl PolynomialModel {
 
 /// ∇V · f.
 pub(crate) fn rate(v: &MultivariatePolynomial, f: &[MultivariatePolynomial]) -> MultivariatePolynomial {
-    f.iter().enumerate().fold(MultivariatePolynomial::default(), |sum, (i, f)| {
-        sum.plus(&v.derivative(i).product(f), &Rational::ONE)
-    })
+    f.iter()
+        .enumerate()
+        .fold(MultivariatePolynomial::default(), |sum, (i, f)| sum.plus(&v.derivative(i).product(f), &Rational::ONE))
 }
 
 /// The part without inputs, and the factors of the inputs where there are no others.

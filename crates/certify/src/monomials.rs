@@ -10,7 +10,13 @@ pub(crate) fn monomials(n: usize, degrees: std::ops::RangeInclusive<u32>) -> Vec
 
 fn of_degree(n: usize, degree: u32) -> Vec<Monomial> {
     match n {
-        0 => if degree == 0 { vec![Vec::new()] } else { Vec::new() },
+        0 => {
+            if degree == 0 {
+                vec![Vec::new()]
+            } else {
+                Vec::new()
+            }
+        }
         1 => vec![vec![degree]],
         _ => (0..=degree)
             .rev()

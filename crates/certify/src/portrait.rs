@@ -121,13 +121,7 @@ pub fn portrait(system: &System, proof: &Proof, axes: [usize; 2]) -> Result<Port
     }
     let mut curve: Vec<[f64; 2]> = radii.iter().map(|&(a, r)| plane.on_page(&plane.deviation(a, r))).collect();
     curve.push(curve[0]);
-    Ok(Portrait {
-        axes: axes.map(|k| names[k].clone()),
-        center: axes.map(|k| at[k]),
-        level: curve,
-        boundary,
-        motions,
-    })
+    Ok(Portrait { axes: axes.map(|k| names[k].clone()), center: axes.map(|k| at[k]), level: curve, boundary, motions })
 }
 
 struct Run<'a> {

@@ -94,8 +94,7 @@ impl Levels<'_> {
             multiplier,
             decrease,
         };
-        let certificate =
-            Certificate { states: self.model.states.clone(), field: self.model.drift.clone(), claim };
+        let certificate = Certificate { states: self.model.states.clone(), field: self.model.drift.clone(), claim };
         certificate.verify().map(|_| certificate).map_err(|_| Unsolved::NotRounded)
     }
 

@@ -186,11 +186,8 @@ impl Problem {
                 .sum::<f64>()
                 / total as f64;
             let centering = (after / gap).max(0.0).powi(2).clamp(1e-4, 0.9);
-            let corrections: Vec<Option<DMatrix<f64>>> = predictor
-                .iter()
-                .zip(&linearized)
-                .map(|(d, l)| Some(symmetric(&d.x * &d.z * &l.inverse)))
-                .collect();
+            let corrections: Vec<Option<DMatrix<f64>>> =
+                predictor.iter().zip(&linearized).map(|(d, l)| Some(symmetric(&d.x * &d.z * &l.inverse))).collect();
             let (direction, step_y) =
                 self.direction(&iterates, &linearized, &normal, &stationarity, centering * gap, &corrections);
             let (primal, dual) = lengths(&iterates, &direction);

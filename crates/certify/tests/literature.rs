@@ -35,7 +35,8 @@ fn the_reversed_van_der_pol_oscillator_has_the_known_quadratic_region() {
 /// x' = −x + x y, y' = −y has a global Lyapunov function, but no polynomial one (Ahmadi, Krstic and Parrilo, CDC 2011).
 #[test]
 fn a_stable_system_without_polynomial_lyapunov_function_is_not_called_unstable() {
-    let found = found("states = ['x', 'y']\ndynamics = { x = '-x + x*y', y = '-y' }", &[Find::Lyapunov, Find::Region], 4);
+    let found =
+        found("states = ['x', 'y']\ndynamics = { x = '-x + x*y', y = '-y' }", &[Find::Lyapunov, Find::Region], 4);
     assert_eq!(conclusion(&found), None);
     assert!(found.region.unwrap().proof().is_some());
 }
@@ -92,7 +93,8 @@ fn a_spring_without_damping_conserves_energy_and_is_stable_and_lossless() {
 /// Euler's equations of a free rigid body conserve the energy and the size of the angular momentum.
 #[test]
 fn a_free_rigid_body_has_two_conserved_quadratic_forms() {
-    let found = found("states = ['x', 'y', 'z']\ndynamics = { x = '-y*z', y = '2*x*z', z = '-x*y' }", &[Find::Conserved], 4);
+    let found =
+        found("states = ['x', 'y', 'z']\ndynamics = { x = '-y*z', y = '2*x*z', z = '-x*y' }", &[Find::Conserved], 4);
     let conserved = found.conserved.unwrap();
     assert_eq!((conserved.polynomials.len(), conserved.complete_to), (2, Some(4)));
     assert!(conserved.polynomials.iter().all(|p| p.certificate.verify() == Ok(Conclusion::Conserved)));
@@ -109,7 +111,8 @@ fn unstable_systems_are_refuted() {
 #[test]
 fn feedback_closes_the_loop_at_a_shifted_point() {
     let model = "states = ['x']\ninputs = ['u']\ndynamics = { x = 'x^2 + u' }\npoint = { x = 1, u = -1 }";
-    let closed = with_feedback(&System::parse("m", model).unwrap(), &["u=-x^2 - (x - 1)^3 - (x - 1)".to_owned()]).unwrap();
+    let closed =
+        with_feedback(&System::parse("m", model).unwrap(), &["u=-x^2 - (x - 1)^3 - (x - 1)".to_owned()]).unwrap();
     let found = certify(&closed, &Options::default()).unwrap();
     assert_eq!(conclusion(&found), Some(Conclusion::GloballyAsymptoticallyStable));
     let proof = found.lyapunov.unwrap();

@@ -53,13 +53,8 @@ impl Program {
         let mut found = solution.matrices.iter();
         let shifted = |x: &DMatrix<f64>| x + DMatrix::identity(x.nrows(), x.nrows()) * margin;
         let mut next = |c: &Constraint| if c.basis.is_empty() { None } else { found.next().map(shifted) };
-        let matrices =
-            self.constraints.iter().map(|c| next(c).unwrap_or_else(|| DMatrix::zeros(0, 0))).collect();
-        Ok(Numeric {
-            unknowns: solution.free.iter().zip(&scales).map(|(y, s)| y / s).collect(),
-            matrices,
-            margin,
-        })
+        let matrices = self.constraints.iter().map(|c| next(c).unwrap_or_else(|| DMatrix::zeros(0, 0))).collect();
+        Ok(Numeric { unknowns: solution.free.iter().zip(&scales).map(|(y, s)| y / s).collect(), matrices, margin })
     }
 }
 

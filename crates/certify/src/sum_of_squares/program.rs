@@ -51,9 +51,8 @@ impl Constraint {
         let support = self.polynomial.support();
         loop {
             let basis = &self.basis;
-            let is_product = |square: &Monomial| {
-                (0..basis.len()).any(|i| (0..i).any(|j| product(&basis[i], &basis[j]) == *square))
-            };
+            let is_product =
+                |square: &Monomial| (0..basis.len()).any(|i| (0..i).any(|j| product(&basis[i], &basis[j]) == *square));
             let needed = |m: &&Monomial| {
                 let square = product(m, m);
                 support.contains(&square) || is_product(&square)
@@ -177,10 +176,16 @@ impl Program {
             // Only the last column, where it is free, has an entry there.
             let Some(mut start) = last.into_iter().next() else { return Err(Unsolved::Contradiction) };
             start.truncate(self.unknowns);
-            let homogeneous: Vec<Vec<Rational>> =
-                homogeneous.into_iter().map(|mut v| { v.truncate(self.unknowns); v }).collect();
+            let homogeneous: Vec<Vec<Rational>> = homogeneous
+                .into_iter()
+                .map(|mut v| {
+                    v.truncate(self.unknowns);
+                    v
+                })
+                .collect();
             origin = combined(&origin, &directions, &start);
-            directions = homogeneous.iter().map(|v| combined(&vec![Rational::ZERO; origin.len()], &directions, v)).collect();
+            directions =
+                homogeneous.iter().map(|v| combined(&vec![Rational::ZERO; origin.len()], &directions, v)).collect();
             let replace = |p: &AffinePolynomial| AffinePolynomial {
                 constant: p.at(&start),
                 linear: homogeneous

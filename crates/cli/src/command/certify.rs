@@ -16,7 +16,10 @@ use super::{Outcome, OutputArgs};
 /// Shown by the help.
 pub(crate) const EXAMPLES: [(&str, &str); 3] = [
     ("All certificates at the model's point", "bracketry certify models/duffing.toml"),
-    ("The region of attraction of a closed loop, drawn", "bracketry certify cart.toml --with u=-2*x-3*v --find region --out out"),
+    (
+        "The region of attraction of a closed loop, drawn",
+        "bracketry certify cart.toml --with u=-2*x-3*v --find region --out out",
+    ),
     ("Check a certificate from a file", "bracketry certify models/duffing.toml --check out/certificate_lyapunov.json"),
 ];
 
@@ -105,7 +108,9 @@ impl CertifyArgs {
             [a, b] if a != b => {
                 let index = |name: &String| {
                     let names = system.state_names().join(", ");
-                    system.state_index(name.trim()).with_context(|| format!("--axes: `{name}` is no state: the model has {names}"))
+                    system
+                        .state_index(name.trim())
+                        .with_context(|| format!("--axes: `{name}` is no state: the model has {names}"))
                 };
                 Ok(Some([index(a)?, index(b)?]))
             }
@@ -129,7 +134,9 @@ pub(crate) fn run(args: &CertifyArgs, output: &OutputArgs) -> anyhow::Result<Out
         write(&dir.join("certify.txt"), &text)?;
         write(&dir.join("certify.json"), &value)?;
         written = files(&found, dir)?;
-        if let (Some(axes), Some(proof)) = (axes, found.region.as_ref().and_then(|f| f.proof()).filter(|p| p.level.is_some())) {
+        if let (Some(axes), Some(proof)) =
+            (axes, found.region.as_ref().and_then(|f| f.proof()).filter(|p| p.level.is_some()))
+        {
             let picture = portrait(&system, proof, axes)?;
             if figure(region_figure(&system.name, &picture), &dir.join("region")) {
                 written.push("region.png".to_owned());
@@ -166,8 +173,9 @@ fn files(found: &Certification, dir: &Path) -> anyhow::Result<Vec<String>> {
 fn check_file(system: &System, path: &Path, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let place = || path.display().to_string();
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", place()))?;
-    let certificate: Certificate = serde_json::from_str(&text)
-        .with_context(|| format!("{}: is no certificate: give a file certificate_….json that certify --out has written", place()))?;
+    let certificate: Certificate = serde_json::from_str(&text).with_context(|| {
+        format!("{}: is no certificate: give a file certificate_….json that certify --out has written", place())
+    })?;
     let outcome = check(system, &certificate);
     let text = check_text(&system.name, &outcome);
     let value = object!({"model": system.name, "valid": outcome.is_ok(), "conclusion": outcome.as_ref().ok(), "text": text.trim_end()});

@@ -8,14 +8,18 @@ use bracketry_system::readable;
 pub(super) fn reason(why: &Reason) -> String {
     match why {
         Reason::InputDerivative { input } => {
-            format!("the equations use derivatives of the input {input}: make the model affine first (affinize), which makes states of them")
+            format!(
+                "the equations use derivatives of the input {input}: make the model affine first (affinize), which makes states of them"
+            )
         }
         Reason::InputDelay { input } => format!("the input {input} acts with a delay, which certificates do not treat"),
         Reason::NotPolynomial { of } => format!(
             "the derivative of {of} is no polynomial with rational coefficients, or one of more than 300 terms: replace other functions by Taylor polynomials, and say so"
         ),
         Reason::IrrationalPoint { name } => {
-            format!("{name} is no rational number at the point: write it as a fraction, or shift the state in the model")
+            format!(
+                "{name} is no rational number at the point: write it as a fraction, or shift the state in the model"
+            )
         }
         Reason::NotEquilibrium { state, derivative } => format!(
             "the point is no equilibrium: {state}' = {} there; trim finds one, and --at takes it as exact numbers",
@@ -25,15 +29,22 @@ pub(super) fn reason(why: &Reason) -> String {
             "the equilibrium is unstable: the linearization has {eigenvalues} eigenvalue{} with positive real part (exact)",
             if *eigenvalues == 1 { "" } else { "s" }
         ),
-        Reason::Critical => "the linearization has eigenvalues on the imaginary axis, so that no quadratic form of it shows a region".to_owned(),
+        Reason::Critical => {
+            "the linearization has eigenvalues on the imaginary axis, so that no quadratic form of it shows a region"
+                .to_owned()
+        }
         Reason::Excluded { degree } => format!(
             "no sum of squares of degree up to {degree} has the form sought: linear equations of its coefficients have no solution (exact)"
         ),
         Reason::NotFound { degree } => {
-            format!("not found among sums of squares of degree up to {degree}: unknown, this is no proof that there is none")
+            format!(
+                "not found among sums of squares of degree up to {degree}: unknown, this is no proof that there is none"
+            )
         }
         Reason::NotConfirmed => "a numerical solution did not pass the exact check: unknown".to_owned(),
-        Reason::TooLarge => "too many monomials for the semidefinite program: try --degree 2, or fewer states".to_owned(),
+        Reason::TooLarge => {
+            "too many monomials for the semidefinite program: try --degree 2, or fewer states".to_owned()
+        }
         Reason::OutOfTime => "out of time: unknown; give a longer --time-limit".to_owned(),
         Reason::NoPorts { inputs, outputs } => format!(
             "passivity needs as many outputs as inputs, at least one: the model has {inputs} inputs without feedback and {outputs} outputs"
@@ -53,8 +64,12 @@ fn conclusion(p: &Proof) -> &'static str {
         Conclusion::GloballyAsymptoticallyStable => {
             "proved: globally asymptotically stable; V is positive definite and radially unbounded, V' negative definite"
         }
-        Conclusion::Stable => "proved: stable, and all motions are bounded; V is positive definite and radially unbounded, V' <= 0",
-        Conclusion::RegionOfAttraction => "proved: asymptotically stable, and every motion from this set tends to the point",
+        Conclusion::Stable => {
+            "proved: stable, and all motions are bounded; V is positive definite and radially unbounded, V' <= 0"
+        }
+        Conclusion::RegionOfAttraction => {
+            "proved: asymptotically stable, and every motion from this set tends to the point"
+        }
         Conclusion::Passive => "proved: passive, S' <= u^T y with S >= 0",
         Conclusion::Lossless => "proved: passive and lossless, S' = u^T y with S >= 0",
     }
@@ -104,7 +119,9 @@ pub fn certification_text(found: &Certification) -> String {
         lines.push(format!("  note: {}", reason(why)));
     }
     if let Some([left, axis, right]) = found.eigenvalues {
-        lines.push(format!("  eigenvalues of the linearization: {left} left, {axis} on the axis, {right} right (exact)"));
+        lines.push(format!(
+            "  eigenvalues of the linearization: {left} left, {axis} on the axis, {right} right (exact)"
+        ));
     }
     lines.extend(found.conserved.iter().flat_map(conserved));
     let findings = [
