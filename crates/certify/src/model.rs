@@ -230,7 +230,9 @@ fn split(
             0 => free.add_term(state.to_vec(), c.clone()),
             1 => {
                 let of = input.iter().position(|&k| k == 1).unwrap_or(0);
-                fields.iter_mut().for_each(|list| list[of].add_term(state.to_vec(), c.clone()));
+                if let Some(list) = &mut fields {
+                    list[of].add_term(state.to_vec(), c.clone());
+                }
             }
             _ => fields = None,
         }

@@ -4,6 +4,7 @@ use bracketry_symbolic::{Rational, UnivariatePolynomial};
 
 /// A matrix by its rows, all of the same length.
 #[derive(Clone, Debug, PartialEq)]
+#[must_use]
 pub struct RationalMatrix {
     rows: Vec<Vec<Rational>>,
     columns: usize,

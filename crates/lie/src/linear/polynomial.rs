@@ -75,6 +75,7 @@ impl MultivariatePolynomial {
     }
 
     /// Σ terms of this with the factor `c`.
+    #[must_use]
     pub fn plus(&self, other: &Self, c: &Rational) -> Self {
         let mut sum = self.clone();
         for (m, x) in &other.terms {
@@ -84,6 +85,7 @@ impl MultivariatePolynomial {
     }
 
     /// The product.
+    #[must_use]
     pub fn product(&self, other: &Self) -> Self {
         let mut product = Self::default();
         for (a, x) in &self.terms {
@@ -109,6 +111,7 @@ impl MultivariatePolynomial {
     }
 
     /// The derivative by one variable.
+    #[must_use]
     pub fn derivative(&self, variable: usize) -> Self {
         let mut d = Self::default();
         for (m, c) in &self.terms {
@@ -141,12 +144,14 @@ impl MultivariatePolynomial {
     }
 
     /// This where some variables are zero.
+    #[must_use]
     pub fn without(&self, variables: &[usize]) -> Self {
         let kept = self.terms.iter().filter(|(m, _)| variables.iter().all(|&i| m[i] == 0));
         MultivariatePolynomial { terms: kept.map(|(m, c)| (m.clone(), c.clone())).collect() }
     }
 
     /// The terms of least degree.
+    #[must_use]
     pub fn leading_form(&self) -> Self {
         let degree = |m: &[u32]| m.iter().sum::<u32>();
         let least = self.terms.keys().map(|m| degree(m)).min().unwrap_or(0);
