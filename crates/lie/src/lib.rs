@@ -81,6 +81,11 @@ pub use feedback::report::{ControlReport, LinearizationReport};
 pub use feedback::static_linearization::{LinearizationFlag, LinearizingOutputs};
 pub use feedback::zero_dynamics::ZeroDynamics;
 pub use forms::chained::{ChainedForm, ChainedForms, NoChainedForm};
+pub use forms::normal_form::{
+    Block, BlockKind, Form, FormNote, FormOutcome, NormalForm, Part, PartKind, TransformError, Transformation, UnknownForm,
+};
+pub use forms::obstacle::Obstacle;
+pub use forms::transform::{TransformOptions, transform};
 pub use linear::distance::Distance;
 pub use linear::matrix::{Echelon as RationalEchelon, RationalMatrix};
 pub use linear::polynomial::MultivariatePolynomial;

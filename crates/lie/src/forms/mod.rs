@@ -1,4 +1,17 @@
-//! Normal forms with their coordinate changes.
+//! Normal forms and decompositions: the system in new coordinates, with the change, its inverse, and the feedback.
+//!
+//! Every form is confirmed by transforming back in exact arithmetic before it is returned.
 
+pub(crate) mod brunovsky;
+pub(crate) mod byrnes_isidori;
 pub(crate) mod chained;
+pub(crate) mod change;
+pub(crate) mod completion;
+pub(crate) mod frame;
+pub(crate) mod inverse;
 pub(crate) mod inversion;
+pub(crate) mod kalman;
+pub(crate) mod normal_form;
+pub(crate) mod obstacle;
+pub(crate) mod root;
+pub(crate) mod transform;

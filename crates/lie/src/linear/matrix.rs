@@ -46,6 +46,18 @@ impl RationalMatrix {
         semidefinite(self.rows.clone())
     }
 
+    /// M⁻¹ of a square matrix; `None` if it is singular.
+    pub(crate) fn inverse(&self) -> Option<Self> {
+        let n = self.rows.len();
+        let mut echelon = Echelon::new(2 * n);
+        for (i, row) in self.rows.iter().enumerate() {
+            let unit = (0..n).map(|j| if i == j { Rational::ONE } else { Rational::ZERO });
+            echelon.insert(row.iter().cloned().chain(unit).collect());
+        }
+        let row = |j: usize| echelon.pivots.iter().position(|&p| p == j).map(|k| echelon.rows[k][n..].to_vec());
+        Some(RationalMatrix { rows: (0..n).map(row).collect::<Option<_>>()?, columns: n })
+    }
+
     /// det(λ − M) of a square matrix, from its Hessenberg form.
     pub fn characteristic_polynomial(&self) -> UnivariatePolynomial {
         let mut h = self.rows.clone();
@@ -175,6 +187,11 @@ impl Echelon {
                 v
             })
             .collect()
+    }
+
+    /// The rows, of which each is 1 in its pivot column and all others are 0 there.
+    pub(crate) fn rows(&self) -> &[Vec<Rational>] {
+        &self.rows
     }
 
     /// The columns without pivot, ascending.
