@@ -9,13 +9,14 @@ use std::process::{Command, Output};
 
 use common::{bracketry, code, file, json, scratch, text, within};
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "new",
     "analyze",
     "affinize",
     "trim",
     "linearize",
     "certify",
+    "transform",
     "simulate",
     "control",
     "diagnose",

@@ -82,7 +82,8 @@ pub use feedback::static_linearization::{LinearizationFlag, LinearizingOutputs};
 pub use feedback::zero_dynamics::ZeroDynamics;
 pub use forms::chained::{ChainedForm, ChainedForms, NoChainedForm};
 pub use forms::normal_form::{
-    Block, BlockKind, Form, FormNote, FormOutcome, NormalForm, Part, PartKind, TransformError, Transformation, UnknownForm,
+    Block, BlockKind, Form, FormNote, FormOutcome, NormalForm, Part, PartKind, TransformError, Transformation,
+    UnknownForm,
 };
 pub use forms::obstacle::Obstacle;
 pub use forms::transform::{TransformOptions, transform};

@@ -141,13 +141,7 @@ fn dimensions(form: &bracketry_lie::NormalForm) -> [usize; 4] {
 #[test]
 fn kalman_parts_are_recovered_from_random_unimodular_changes() {
     // z1, z2: both; z3: controllable; z4: observable; z5: neither.
-    let a = [
-        [0, 1, 0, 2, 0],
-        [-2, -3, 0, 1, 0],
-        [1, 0, -1, 1, 3],
-        [0, 0, 0, -4, 0],
-        [0, 0, 0, 2, 5],
-    ];
+    let a = [[0, 1, 0, 2, 0], [-2, -3, 0, 1, 0], [1, 0, -1, 1, 3], [0, 0, 0, -4, 0], [0, 0, 0, 2, 5]];
     let (b, c) = ([0, 1, 1, 0, 0], [1, 0, 0, 1, 0]);
     for seed in 0..12 {
         let mut lcg = Lcg(seed + 3);
@@ -238,7 +232,9 @@ fn a_nonlinear_model_is_decomposed_around_its_equilibrium() {
 #[test]
 fn switching_models_and_curved_inputs_are_not_transformed_silently() {
     let friction = model("spring_mass_friction");
-    let FormOutcome::NotFound(Obstacle::Switches { modes: 2 }) = to(&friction, Form::Brunovsky).outcome else { panic!() };
+    let FormOutcome::NotFound(Obstacle::Switches { modes: 2 }) = to(&friction, Form::Brunovsky).outcome else {
+        panic!()
+    };
     let curved = parsed("states = ['x']\ninputs = ['u']\ndynamics = { x = 'u^3 + u' }");
     let FormOutcome::NotFound(Obstacle::NotAffine { .. }) = to(&curved, Form::Brunovsky).outcome else { panic!() };
     let late = parsed("states = ['x']\ninputs = ['u']\ndelays = { u = 0.1 }\ndynamics = { x = 'u - x' }");

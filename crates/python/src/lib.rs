@@ -10,6 +10,7 @@ mod control;
 mod diagnosis;
 mod error;
 mod figures;
+mod forms;
 mod interrupt;
 mod model;
 mod operating_point;
@@ -34,6 +35,8 @@ mod _native {
     use super::error::BracketryError;
     #[pymodule_export]
     use super::figures::Figures;
+    #[pymodule_export]
+    use super::forms::transform;
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]

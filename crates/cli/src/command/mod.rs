@@ -19,6 +19,7 @@ mod shell;
 mod simulate;
 mod stiffness;
 pub(crate) mod style;
+mod transform;
 
 use file_kind::{FileKind, Given};
 use help::{EXIT_CODES, UNITS, examples, guide};
@@ -88,6 +89,11 @@ enum Command {
         "Exit codes", "0  everything that was sought is proved\n1  something is not proved; the report says why\n2  bad input",
     )]))]
     Certify(certify::CertifyArgs),
+    /// Write the model in a normal form or decomposition, with the change of coordinates and its inverse
+    #[command(after_help = examples(&transform::EXAMPLES), after_long_help = guide(&transform::EXAMPLES, &[(
+        "Exit codes", "0  found, and confirmed by transforming back\n1  there is no such form, or it was not found; the report says which and why\n2  bad input",
+    )]))]
+    Transform(transform::TransformArgs),
     /// Integrate a model with exact stick–slip friction
     #[command(after_help = examples(&simulate::EXAMPLES), after_long_help = guide(&simulate::EXAMPLES, &[
         ("Exit codes", "0  simulated to the end\n1  stopped before it (blow-up, chattering); the report says when\n2  bad input"),
@@ -131,6 +137,7 @@ impl Command {
             Self::Analyze(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Affinize(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Trim(args) => vec![Given::new(&args.model, FileKind::Model)],
+            Self::Transform(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Linearize(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Certify(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Simulate(args) => args.files(),
@@ -177,6 +184,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Trim(args)) => operating_point::trim(&args, &output),
         Some(Command::Linearize(args)) => operating_point::linearize(&args, &output),
         Some(Command::Certify(args)) => certify::run(&args, &output),
+        Some(Command::Transform(args)) => transform::transform(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
         Some(Command::Diagnose(args)) => diagnose::run(&args, &output),

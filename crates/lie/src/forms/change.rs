@@ -290,8 +290,7 @@ impl Frame {
                 }
             }
         }
-        let conditions: Vec<Condition> =
-            list.into_iter().map(|e| Condition::Differs(Function::new(pool, e))).collect();
+        let conditions: Vec<Condition> = list.into_iter().map(|e| Condition::Differs(Function::new(pool, e))).collect();
         (!conditions.is_empty()).then_some(Condition::All(conditions))
     }
 
@@ -313,9 +312,8 @@ impl Frame {
                 d.and_then(|d| vanishing_factors(pool, d, &states, &self.fields.bindings))
             }
         };
-        let inverse_valid = inverse
-            .as_ref()
-            .and_then(|i| self.validity(&plan, &i.divisors, singular.as_deref().unwrap_or_default()));
+        let inverse_valid =
+            inverse.as_ref().and_then(|i| self.validity(&plan, &i.divisors, singular.as_deref().unwrap_or_default()));
         let regular = self.full_rank_at_point(plan.regular.as_ref().unwrap_or(&jacobian));
         if let Some(i) = inverse.as_ref().filter(|i| i.branch) {
             let through = self.system.state_names().into_iter().zip(i.base.iter().copied()).collect();
@@ -374,13 +372,7 @@ impl Frame {
         plan.coordinates.iter().zip(&plan.new).map(|(&t, &z)| own(pool, t).unwrap_or(z)).collect()
     }
 
-    fn new_system(
-        &mut self,
-        plan: &Plan,
-        names: &[Symbol],
-        rates: &[Expr],
-        outputs: Vec<(String, Expr)>,
-    ) -> System {
+    fn new_system(&mut self, plan: &Plan, names: &[Symbol], rates: &[Expr], outputs: Vec<(String, Expr)>) -> System {
         let point = self.new_point(plan);
         let mut system = self.system.clone();
         let pool = &mut system.pool;

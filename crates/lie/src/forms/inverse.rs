@@ -94,8 +94,7 @@ impl Frame {
         if pool.symbols_of(&found.values).iter().any(|s| unknowns.contains(s)) {
             return Ok(false);
         }
-        let map: FxHashMap<Expr, Expr> =
-            unknowns.iter().zip(&found.values).map(|(&s, &v)| (pool.sym(s), v)).collect();
+        let map: FxHashMap<Expr, Expr> = unknowns.iter().zip(&found.values).map(|(&s, &v)| (pool.sym(s), v)).collect();
         let images = pool.substitute_all(coordinates, &map);
         for (image, &z) in images.into_iter().zip(new) {
             let pool = &mut self.system.pool;

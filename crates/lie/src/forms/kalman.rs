@@ -48,8 +48,7 @@ pub(crate) fn kalman(system: &System, outputs: Vec<usize>) -> Result<Result<(Nor
 /// The linear system, with all of A, B, C rational.
 fn linear_system(original: &System, outputs: &[usize]) -> Result<Linear, Stop> {
     let found = |system: &System| {
-        LinearModel::new(system)
-            .map_err(|why| Stop::Unknown(Obstacle::NotLinearizable { why: why.to_string() }))
+        LinearModel::new(system).map_err(|why| Stop::Unknown(Obstacle::NotLinearizable { why: why.to_string() }))
     };
     let model = found(original)?;
     let Some([a, b, c, d]) = model.rational.clone() else { return Err(Stop::Unknown(Obstacle::Irrational)) };
@@ -62,8 +61,7 @@ fn linear_system(original: &System, outputs: &[usize]) -> Result<Linear, Stop> {
         None => vec![zero; n + m],
     };
     let variables: Vec<Symbol> = system.states.iter().chain(&system.inputs).copied().collect();
-    let at: FxHashMap<Expr, Expr> =
-        variables.iter().zip(&centers).map(|(&s, &v)| (system.pool.sym(s), v)).collect();
+    let at: FxHashMap<Expr, Expr> = variables.iter().zip(&centers).map(|(&s, &v)| (system.pool.sym(s), v)).collect();
     let functions: Vec<Expr> = system.outputs.iter().map(|o| o.1).collect();
     let equations: Vec<Expr> = system.dynamics.iter().chain(&functions).copied().collect();
     let equations = system.with_values(&equations);
@@ -188,7 +186,9 @@ impl Frame {
             columns.extend(basis.iter().cloned());
         }
         let back = RationalMatrix::new(columns, n).transposed();
-        let Some(change) = back.inverse() else { return Err(Stop::Unknown(Obstacle::CoordinatesNotFound { missing: n })) };
+        let Some(change) = back.inverse() else {
+            return Err(Stop::Unknown(Obstacle::CoordinatesNotFound { missing: n }));
+        };
         let point = self.system.point.clone().filter(|_| !linear.exact);
         let zero = self.system.pool.int(0);
         let states = self.system.states.clone();

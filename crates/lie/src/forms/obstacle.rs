@@ -53,7 +53,9 @@ pub enum Obstacle {
         index: usize,
     },
     /// The distributions D_i end below the dimension of the state.
-    #[error("the distributions D_i end at dimension {dimension} of {states}: a part of the state is out of the inputs' reach")]
+    #[error(
+        "the distributions D_i end at dimension {dimension} of {states}: a part of the state is out of the inputs' reach"
+    )]
     NotReached {
         /// Dimension at which they end.
         dimension: usize,

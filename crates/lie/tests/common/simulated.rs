@@ -84,12 +84,8 @@ fn excitation(m: usize) -> impl Fn(f64) -> Vec<f64> {
 pub(crate) fn assert_same_motion(system: &System, form: &NormalForm, x0: &[f64]) {
     let mut old = system.clone();
     let new = System::parse("form", &form.system.to_toml().unwrap()).unwrap();
-    let law: FxHashMap<Expr, Expr> = form
-        .feedback
-        .0
-        .iter()
-        .map(|(u, e)| (old.pool.var(u), e.copied_into(&mut old.pool)))
-        .collect();
+    let law: FxHashMap<Expr, Expr> =
+        form.feedback.0.iter().map(|(u, e)| (old.pool.var(u), e.copied_into(&mut old.pool))).collect();
     let closed = old.pool.substitute_all(&old.dynamics.clone(), &law);
     let outputs: Vec<Expr> = old.outputs.iter().map(|o| o.1).collect();
     let outputs = old.pool.substitute_all(&outputs, &law);

@@ -1,7 +1,7 @@
 """What can my inputs reach, how do I get there, and where are the equations wrong?
 
 A model is a :class:`System`. :func:`analyze` says what its inputs reach, :func:`affinize` makes it affine in them,
-:func:`trim` finds operating points, :func:`linearize` gives the linear system there,
+:func:`trim` finds operating points, :func:`linearize` gives the linear system there, :func:`transform` its normal forms,
 :func:`simulate` integrates it with exact dry friction, :func:`control` closes a loop, :func:`diagnose` names what it gets wrong
 in measured data. :mod:`bracketry.plate` is for the vibrating plate, :mod:`bracketry.stiffness` for robots that bend,
 :func:`sweep` for many runs at once.
@@ -11,6 +11,7 @@ from . import plate, stiffness
 from ._analysis import Affinization, Analysis, AtPoint, LocalControllability, Mode, Reach, affinize, analyze
 from ._control import ClosedLoop, control
 from ._diagnosis import Candidate, Cause, Diagnosis, Estimate, Gain, Place, RefittedParameter, Rival, diagnose
+from ._forms import Transformation, transform
 from ._linear import Gain as LinearGain
 from ._linear import Linearization, Trim, linearize, trim
 from ._native import BracketryError, __version__
@@ -46,6 +47,7 @@ __all__ = [
     "Sampled",
     "System",
     "Trajectory",
+    "Transformation",
     "Trim",
     "__version__",
     "affinize",
@@ -57,5 +59,6 @@ __all__ = [
     "simulate",
     "stiffness",
     "sweep",
+    "transform",
     "trim",
 ]

@@ -21,6 +21,7 @@ __all__ = [
     "linearize",
     "run_plate",
     "simulate",
+    "transform",
     "trim",
     "weigh",
 ]
@@ -126,6 +127,10 @@ class _Compensation(_Answer):
 class _Trim(_Answer):
     model: Model
 
+class _Transformation(_Answer):
+    model: Model | None
+    parts: list[tuple[str, Model]]
+
 class _Linearization(_Answer):
     files: list[tuple[str, str]]
 
@@ -153,6 +158,7 @@ def trim(
     model: Model, asked: tuple[list[tuple[str, str]], list[str], list[str], int, int]
 ) -> _Trim: ...
 def linearize(model: Model, at: str | None, weights: list[list[float]], horizon: float | None) -> _Linearization: ...
+def transform(model: Model, to: str, at: str | None, outputs: Sequence[str], time_limit: float) -> _Transformation: ...
 def simulate(
     model: Model,
     *,
