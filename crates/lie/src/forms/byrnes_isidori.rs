@@ -61,7 +61,7 @@ impl Frame {
             notes,
         };
         let changed = self.change(plan)?;
-        let mut form = self.with_feedback(&changed, &degrees, m)?;
+        let mut form = self.with_feedback(&changed, &degrees, m);
         if next < n {
             self.add_zero_dynamics(&mut form, &changed, &degrees, next);
         }
@@ -123,7 +123,7 @@ impl Frame {
     }
 
     /// The form with the feedback that makes the last derivatives new inputs, told but not applied.
-    fn with_feedback(&mut self, changed: &Changed, degrees: &RelativeDegree, m: usize) -> Result<NormalForm, Stop> {
+    fn with_feedback(&mut self, changed: &Changed, degrees: &RelativeDegree, m: usize) -> NormalForm {
         let mut form = changed.form.clone();
         let v = self.fresh("v", m);
         if let Ok(feedback) = self.decoupling_feedback(degrees, v) {
@@ -132,7 +132,7 @@ impl Frame {
             form.linearizing_feedback.0 =
                 law.map(|(&u, &e)| (pool.name(u).to_owned(), Function::new(pool, e))).collect();
         }
-        Ok(form)
+        form
     }
 
     /// η' = q(0, η) + p(0, η) u with the u that keeps ξ = 0.

@@ -102,8 +102,8 @@ impl Frame {
         if !general {
             notes.push(FormNote::ParameterValues);
         }
-        let outputs = self.new_outputs(&plan, inverse.is_some().then_some(&map), &mut notes)?;
-        let form = self.assembled(plan, &rates, inverse, outputs, notes)?;
+        let outputs = self.new_outputs(&plan, inverse.is_some().then_some(&map), &mut notes);
+        let form = self.assembled(plan, &rates, inverse, outputs, notes);
         Ok(Changed { form, rates })
     }
 
@@ -219,7 +219,7 @@ impl Frame {
         plan: &Plan,
         map: Option<&FxHashMap<Expr, Expr>>,
         notes: &mut Vec<FormNote>,
-    ) -> Result<Vec<(String, Expr)>, Stop> {
+    ) -> Vec<(String, Expr)> {
         let mut list = Vec::new();
         for (name, h) in self.system.outputs.clone() {
             let mut h = h;
@@ -243,7 +243,7 @@ impl Frame {
                 None => notes.push(FormNote::OutputOmitted { output: name }),
             }
         }
-        Ok(list)
+        list
     }
 
     fn jacobian(&mut self, coordinates: &[Expr]) -> Vec<Vec<Expr>> {
@@ -301,17 +301,14 @@ impl Frame {
         inverse: Option<Inverse>,
         outputs: Vec<(String, Expr)>,
         mut notes: Vec<FormNote>,
-    ) -> Result<NormalForm, Stop> {
+    ) -> NormalForm {
         let states = self.fields.states.clone();
         let jacobian = self.jacobian(&plan.coordinates);
-        let singular = match &plan.singular {
-            Some(list) => Some(list.clone()),
-            None => {
-                let pool = &mut self.system.pool;
-                let d = determinant(pool, &jacobian);
-                d.and_then(|d| vanishing_factors(pool, d, &states, &self.fields.bindings))
-            }
-        };
+        let singular = plan.singular.clone().or_else(|| {
+            let pool = &mut self.system.pool;
+            let d = determinant(pool, &jacobian)?;
+            vanishing_factors(pool, d, &states, &self.fields.bindings)
+        });
         let inverse_valid =
             inverse.as_ref().and_then(|i| self.validity(&plan, &i.divisors, singular.as_deref().unwrap_or_default()));
         let regular = self.full_rank_at_point(plan.regular.as_ref().unwrap_or(&jacobian));
@@ -346,7 +343,7 @@ impl Frame {
             .filter(|b| !b.1.is_empty())
             .map(|(kind, list)| Block { kind, states: list.iter().map(|&k| name(pool, names[k])).collect() })
             .collect();
-        Ok(NormalForm {
+        NormalForm {
             system,
             coordinates,
             inverse,
@@ -359,7 +356,7 @@ impl Frame {
             blocks,
             parts: Vec::new(),
             notes,
-        })
+        }
     }
 
     /// The symbols of the new states: that of the old state where a coordinate is one and names are kept.

@@ -60,7 +60,7 @@ impl Frame {
         for e in self.system.pool.reachable(&[h]) {
             let pool = &mut self.system.pool;
             let Node::Pow(base, k) = pool.node(e) else { continue };
-            if !pool.number(k).is_some_and(|k| *k < Rational::ZERO) {
+            if pool.number(k).is_none_or(|k| *k >= Rational::ZERO) {
                 continue;
             }
             if self.fields.constant_along(pool, base, fields, &mut self.evidence)? {

@@ -251,8 +251,7 @@ impl Frame {
 fn minimal(form: &System, size: usize) -> Part {
     let mut system = form.clone();
     let zero = system.pool.int(0);
-    let others: FxHashMap<Expr, Expr> =
-        system.states[size..].to_vec().into_iter().map(|s| (system.pool.sym(s), zero)).collect();
+    let others: FxHashMap<Expr, Expr> = system.states[size..].iter().map(|&s| (system.pool.sym(s), zero)).collect();
     let mut put = |list: &[Expr]| -> Vec<Expr> {
         let list = system.pool.substitute_all(list, &others);
         list.into_iter().map(|e| system.pool.simplify(e)).collect()

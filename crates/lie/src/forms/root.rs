@@ -43,9 +43,9 @@ pub(crate) fn roots(pool: &mut Pool, e: Expr, s: Symbol, unknowns: &[Symbol]) ->
     if !kernels_of(pool, e, s, &mut kernels) {
         return Vec::new();
     }
-    let values = match kernels.as_slice() {
-        &[kernel] => by_kernel(pool, e, kernel, s),
-        &[a, b] => by_angle(pool, e, [a, b], s),
+    let values = match kernels[..] {
+        [kernel] => by_kernel(pool, e, kernel, s),
+        [a, b] => by_angle(pool, e, [a, b], s),
         _ => Vec::new(),
     };
     values.into_iter().map(|value| Root { value, quality: Quality::Branch, divisor: None }).collect()
