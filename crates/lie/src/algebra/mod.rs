@@ -1,6 +1,7 @@
 //! The algebra of vector fields: brackets, bases, distributions and their integrals.
 
 pub(crate) mod annihilator;
+pub(crate) mod antiderivative;
 pub(crate) mod closure;
 pub(crate) mod constant_span;
 pub(crate) mod field;

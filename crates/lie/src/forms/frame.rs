@@ -12,6 +12,7 @@ use crate::modes::mode_fields;
 use crate::undecided::Undecided;
 
 /// A smooth system that is affine in its inputs.
+#[derive(Clone)]
 pub(crate) struct Frame {
     /// The system; everything is made in its pool.
     pub(crate) system: System,

@@ -2,16 +2,21 @@
 //!
 //! Every form is confirmed by transforming back in exact arithmetic before it is returned.
 
+pub(crate) mod accessible;
 pub(crate) mod brunovsky;
 pub(crate) mod byrnes_isidori;
 pub(crate) mod chained;
 pub(crate) mod change;
 pub(crate) mod completion;
+pub(crate) mod flat;
 pub(crate) mod frame;
 pub(crate) mod inverse;
 pub(crate) mod inversion;
 pub(crate) mod kalman;
 pub(crate) mod normal_form;
+pub(crate) mod observable;
+pub(crate) mod observer;
 pub(crate) mod obstacle;
+pub(crate) mod parts;
 pub(crate) mod root;
 pub(crate) mod transform;

@@ -21,11 +21,27 @@ pub enum Form {
     ByrnesIsidori,
     /// Controllable and observable parts of a linear system (Kalman).
     Kalman,
+    /// The accessible part, and the functions that no input influences.
+    Accessible,
+    /// The observable part, and the states that no output tells.
+    Observable,
+    /// Linear up to functions of the output and the inputs (Krener and Isidori).
+    Observer,
+    /// States and inputs as functions of flat outputs and their derivatives.
+    Flat,
 }
 
 impl Form {
     /// All forms.
-    pub const ALL: [Form; 3] = [Form::Brunovsky, Form::ByrnesIsidori, Form::Kalman];
+    pub const ALL: [Form; 7] = [
+        Form::Brunovsky,
+        Form::ByrnesIsidori,
+        Form::Kalman,
+        Form::Accessible,
+        Form::Observable,
+        Form::Observer,
+        Form::Flat,
+    ];
 
     /// Its name in commands.
     pub fn name(self) -> &'static str {
@@ -33,6 +49,10 @@ impl Form {
             Form::Brunovsky => "brunovsky",
             Form::ByrnesIsidori => "byrnes-isidori",
             Form::Kalman => "kalman",
+            Form::Accessible => "accessible",
+            Form::Observable => "observable",
+            Form::Observer => "observer",
+            Form::Flat => "flat",
         }
     }
 }
@@ -87,6 +107,18 @@ pub enum BlockKind {
     UncontrollableObservable,
     /// Neither controllable nor observable.
     UncontrollableUnobservable,
+    /// Accessible.
+    Accessible,
+    /// What no input influences.
+    Inaccessible,
+    /// Told by the outputs.
+    Observable,
+    /// Told by no output.
+    Unobservable,
+    /// Linear up to functions of the first of these states and the inputs.
+    Observer,
+    /// A flat output with its derivatives.
+    FlatOutput,
 }
 
 /// A group of new states.
@@ -107,6 +139,12 @@ pub enum PartKind {
     ZeroDynamics,
     /// The controllable and observable part: a minimal realization.
     Minimal,
+    /// The part that no input influences.
+    Inaccessible,
+    /// The part that the outputs tell.
+    Observable,
+    /// The model with the integrators of a dynamic feedback, whose states the new coordinates are functions of.
+    Extended,
 }
 
 impl PartKind {
@@ -115,6 +153,9 @@ impl PartKind {
         match self {
             PartKind::ZeroDynamics => "zero_dynamics",
             PartKind::Minimal => "minimal",
+            PartKind::Inaccessible => "inaccessible",
+            PartKind::Observable => "observable",
+            PartKind::Extended => "extended",
         }
     }
 }
@@ -150,6 +191,15 @@ pub enum FormNote {
     },
     /// The internal coordinates could not be chosen such that no input enters their equations.
     InternalDrivenByInputs,
+    /// Coordinates and feedback are those of the model with integrators in front of inputs, a dynamic feedback.
+    Extended,
+    /// The first coordinate is a function of the output in place of the output itself.
+    OutputChanged {
+        /// Its name.
+        output: String,
+        /// ψ(y), as a function of the state.
+        function: Function,
+    },
     /// The motion left while the outputs are held was not found.
     NoZeroDynamics {
         /// Why.

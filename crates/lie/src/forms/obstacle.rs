@@ -4,6 +4,7 @@ use bracketry_symbolic::Function;
 
 use crate::as_text::serialized_as_text;
 use crate::error::Error;
+use crate::reason::FlatnessReason;
 use crate::undecided::Undecided;
 
 /// What stands in the way of a form. Whether it excludes the form or only the search for it is said by
@@ -110,6 +111,56 @@ pub enum Obstacle {
     Unconfirmed {
         /// State or output.
         name: String,
+    },
+    /// The output with its derivatives along the drift does not tell the state.
+    #[error("the output with its derivatives along the drift gives {rank} of {states} independent functions")]
+    NotObservable {
+        /// How many.
+        rank: usize,
+        /// Number of states.
+        states: usize,
+    },
+    /// The equation of the output is not linear up to functions of it (Krener and Isidori; Krener and Respondek).
+    #[error(
+        "in the differential equation of the output, the factor of the derivative of order {order} is no function of the output alone, with any new output"
+    )]
+    OutputInjection {
+        /// Which.
+        order: usize,
+    },
+    /// An input enters with a factor that is no function of the output.
+    #[error(
+        "the factor of the input {input} in the equation of coordinate {coordinate} is no function of the output alone"
+    )]
+    InputInjection {
+        /// The input.
+        input: String,
+        /// The coordinate, from 1.
+        coordinate: usize,
+    },
+    /// A function that exists has no closed form here.
+    #[error("{function} was not integrated or written as a function of the output in closed form")]
+    NoClosedForm {
+        /// Which.
+        function: Function,
+    },
+    /// The system is not flat.
+    #[error("not flat: {reason}")]
+    NotFlat {
+        /// Why.
+        reason: FlatnessReason,
+    },
+    /// Whether the system is flat is open.
+    #[error("flatness is undecided: {reason}")]
+    FlatnessOpen {
+        /// Why.
+        reason: FlatnessReason,
+    },
+    /// The system is flat, but flat outputs were not found.
+    #[error("the system is flat ({reason}), but flat outputs were not found in closed form")]
+    NoFlatOutputs {
+        /// What the verdict rests on.
+        reason: FlatnessReason,
     },
     /// The decoupling matrix is singular where the outputs are held.
     #[error("the decoupling matrix is singular where the outputs are held")]

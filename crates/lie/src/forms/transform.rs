@@ -84,6 +84,10 @@ impl Frame {
         match form {
             Form::Brunovsky => self.brunovsky(),
             Form::ByrnesIsidori => self.byrnes_isidori(),
+            Form::Accessible => self.accessible(),
+            Form::Observable => self.observable(),
+            Form::Observer => self.observer(),
+            Form::Flat => self.flat(),
             // Made before, of the linear approximation.
             Form::Kalman => Err(Stop::Unknown(crate::forms::obstacle::Obstacle::Irrational)),
         }

@@ -22,6 +22,8 @@ pub struct Observability {
     pub variables: Vec<Symbol>,
     /// Independent differentials, by `variables`, of repeated Lie derivatives of the outputs.
     pub codistribution: Vec<Vec<Expr>>,
+    /// The functions whose differentials these are.
+    pub functions: Vec<Expr>,
     bindings: Bindings,
 }
 
@@ -167,6 +169,7 @@ impl VectorFields {
         }
         let first_node = pool.len();
         let mut differentials = Vec::new();
+        let mut functions = Vec::new();
         let mut fresh = Vec::new();
         let mut candidates: Vec<Expr> = outputs.to_vec();
         while !candidates.is_empty() && differentials.len() < variables.len() {
@@ -180,6 +183,7 @@ impl VectorFields {
                 differentials.push(d);
                 if independent(pool, &differentials, &bindings, evidence)?.len() == differentials.len() {
                     fresh.push(h);
+                    functions.push(h);
                 } else {
                     differentials.pop();
                 }
@@ -193,6 +197,6 @@ impl VectorFields {
                 }
             }
         }
-        Ok(Observability { variables, codistribution: differentials, bindings })
+        Ok(Observability { variables, codistribution: differentials, functions, bindings })
     }
 }

@@ -12,6 +12,10 @@ pub(super) fn form_name(form: Form) -> &'static str {
         Form::Brunovsky => "Brunovsky form",
         Form::ByrnesIsidori => "Byrnes–Isidori form",
         Form::Kalman => "Kalman decomposition",
+        Form::Accessible => "decomposition by accessibility",
+        Form::Observable => "decomposition by observability",
+        Form::Observer => "observer form",
+        Form::Flat => "flat parametrization",
     }
 }
 
@@ -36,6 +40,13 @@ pub(super) fn note(n: &FormNote) -> String {
             "inputs enter the equations of the internal states: no coordinates were found in which they do not"
                 .to_owned()
         }
+        FormNote::Extended => {
+            "the old states are those of the model with integrators in front of inputs (the part `extended`), a dynamic feedback"
+                .to_owned()
+        }
+        FormNote::OutputChanged { output, function } => {
+            format!("the first coordinate is a function of the output {output}: {}", function.text())
+        }
         FormNote::NoZeroDynamics { why } => format!("no zero dynamics: {why}"),
     }
 }
@@ -51,6 +62,13 @@ pub(super) fn next_step(why: &Obstacle) -> Option<&'static str> {
         Obstacle::NoLinearizingOutputs | Obstacle::CoordinatesNotFound { .. } => {
             "name a function that may serve in [outputs] or [definitions]: these are tried first"
         }
+        Obstacle::NoFlatOutputs { .. } | Obstacle::FlatnessOpen { .. } => {
+            "name functions that may be flat outputs in [outputs] or [definitions]: these are tried first"
+        }
+        Obstacle::OutputInjection { .. } | Obstacle::InputInjection { .. } => {
+            "try another output (--output), or an extended Kalman filter: [estimation] in a problem file"
+        }
+        Obstacle::NotObservable { .. } => "see what the outputs tell: bracketry transform MODEL --to observable",
         Obstacle::NoInverse { .. } => "give a point near which to invert (--at), or simpler states",
         Obstacle::NotAtRest { .. } => "find an equilibrium first: bracketry trim MODEL --out out",
         Obstacle::Irrational => "choose a point with rational values, or use bracketry linearize for numbers",
@@ -72,6 +90,12 @@ fn block(b: &Block) -> String {
         BlockKind::ControllableUnobservable => "controllable, not observable".to_owned(),
         BlockKind::UncontrollableObservable => "observable, not controllable".to_owned(),
         BlockKind::UncontrollableUnobservable => "neither controllable nor observable".to_owned(),
+        BlockKind::Accessible => "accessible".to_owned(),
+        BlockKind::Inaccessible => "influenced by no input".to_owned(),
+        BlockKind::Observable => "observable".to_owned(),
+        BlockKind::Unobservable => "not observable".to_owned(),
+        BlockKind::Observer => format!("linear up to functions of {} and the inputs", b.states[0]),
+        BlockKind::FlatOutput => "flat output with its derivatives".to_owned(),
     };
     format!("{}: {what}", b.states.join(", "))
 }
@@ -143,8 +167,8 @@ fn reasons(first: &str, why: &Obstacle) -> Vec<String> {
 /// # Errors
 /// [`WriteError`] for an equation that is too long to be written out.
 pub fn transformation_model(t: &Transformation, form: &NormalForm) -> Result<String, WriteError> {
-    let comments: String = transformation_text(t).lines().map(|l| format!("# {l}\n")).collect();
-    Ok(comments + &form.system.to_toml()?)
+    let comments: Vec<String> = transformation_text(t).lines().map(|l| format!("# {l}")).collect();
+    Ok(format!("{}\n{}", comments.join("\n"), form.system.to_toml()?))
 }
 
 /// The model file of a part.
@@ -155,6 +179,9 @@ pub fn part_text(part: &Part) -> Result<String, WriteError> {
     let what = match part.kind {
         PartKind::ZeroDynamics => "zero dynamics: the motion left while inputs hold the outputs",
         PartKind::Minimal => "the controllable and observable part: a minimal realization",
+        PartKind::Inaccessible => "the part that no input influences",
+        PartKind::Observable => "the part that the outputs tell",
+        PartKind::Extended => "the model with integrators in front of inputs: a dynamic feedback",
     };
     Ok(format!("# {what}\n{}", part.system.to_toml()?))
 }
