@@ -4,6 +4,8 @@
 #[path = "common/simulated.rs"]
 mod simulated;
 
+use std::fmt::Write as _;
+
 use bracketry_lie::{
     BlockKind, Form, FormNote, FormOutcome, Obstacle, PartKind, TransformError, TransformOptions, transform,
 };
@@ -178,11 +180,11 @@ fn kalman_parts_are_recovered_from_random_unimodular_changes() {
         for i in 0..5 {
             let terms: Vec<String> = (0..5).map(|j| format!("({})*x{}", full[i][j], j + 1)).collect();
             let gain: i64 = (0..5).map(|k| t[i][k] * b[k]).sum();
-            text += &format!("x{} = '{} + ({gain})*u'\n", i + 1, terms.join(" + "));
+            writeln!(text, "x{} = '{} + ({gain})*u'", i + 1, terms.join(" + ")).unwrap();
         }
         let terms: Vec<String> =
             (0..5).map(|j| format!("({})*x{}", (0..5).map(|k| c[k] * s[k][j]).sum::<i64>(), j + 1)).collect();
-        text += &format!("[outputs]\ny = '{}'\n", terms.join(" + "));
+        writeln!(text, "[outputs]\ny = '{}'", terms.join(" + ")).unwrap();
         let system = parsed(&text);
         let form = found(&system, Form::Kalman);
         assert_eq!(dimensions(&form), [2, 1, 1, 1], "{text}");

@@ -184,3 +184,21 @@ fn a_flexible_joint_and_an_aircraft_are_parametrized() {
     let result = transform(&model("ball_and_beam"), Form::Flat, &options).unwrap();
     let FormOutcome::Impossible(Obstacle::NotFlat { .. }) = result.outcome else { panic!("{:?}", result.outcome) };
 }
+
+#[test]
+fn a_flexible_joint_has_an_observer_form() {
+    let system = model("flexible_joint");
+    let form = found(&system, Form::Observer);
+    is_observer_form(&form);
+    assert_same_motion(&system, &form, &[0.2, 0.1, 0.15, -0.2]);
+}
+
+#[test]
+fn a_search_ends_with_its_time() {
+    let options =
+        TransformOptions { time_limit: Some(std::time::Duration::from_millis(1)), ..TransformOptions::default() };
+    for to in Form::ALL {
+        let result = transform(&model("car_with_trailers"), to, &options).unwrap();
+        assert!(result.seconds < 5.0, "{to:?}: {}", result.seconds);
+    }
+}

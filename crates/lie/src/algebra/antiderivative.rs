@@ -66,6 +66,20 @@ fn term(pool: &mut Pool, e: Expr, y: Symbol, near: f64) -> Option<Expr> {
             let x = pool.sym(y);
             power_of(pool, x, x, y, &power, near)?
         }
+        Some(f) if matches!(pool.node(f), Node::Add(..)) => {
+            let x = pool.sym(y);
+            let exponent = pool.rational(power);
+            let power = pool.pow(x, exponent);
+            let mut parts = Vec::new();
+            summands(pool, f, &mut parts);
+            let mut sum = pool.int(0);
+            for part in parts {
+                let product = pool.mul(power, part);
+                let whole = term(pool, product, y, near)?;
+                sum = pool.add(sum, whole);
+            }
+            sum
+        }
         Some(f) => with_function(pool, f, &power, y, near)?,
     };
     Some(pool.mul(constant, inner))

@@ -7,6 +7,7 @@ use crate::forms::change::Plan;
 use crate::forms::frame::Frame;
 use crate::forms::normal_form::{BlockKind, NormalForm, PartKind};
 use crate::forms::obstacle::{Obstacle, Stop};
+use crate::forms::parts::independent_of;
 
 impl Frame {
     /// `z1' = f1(z1, z2) + Σ u_j g_j(z1, z2)`, `z2' = f2(z2)`, where z2 are functions that are constant along the strong
@@ -30,9 +31,9 @@ impl Frame {
             let coordinates = rest.iter().chain(functions).copied().collect();
             let mut form = frame.decomposed(coordinates, blocks.clone(), "accessible")?;
             let inputs = form.system.inputs.clone();
-            frame.independent_of(&mut form, d..n, &[0..d], &inputs)?;
+            independent_of(&mut form, d..n, 0..d, &inputs)?;
             if d > 0 && d < n {
-                frame.add_part(&mut form, PartKind::Inaccessible, d..n, &[])?;
+                frame.add_part(&mut form, PartKind::Inaccessible, d..n, &[]);
             }
             Ok(form)
         })

@@ -22,6 +22,9 @@ pub(crate) struct Inverse {
     pub(crate) base: Vec<f64>,
 }
 
+/// Most nodes of coordinates that are inverted, and most new nodes on the way.
+const MAX_COORDINATE_NODES: usize = 1500;
+const MAX_NODES: usize = 60_000;
 /// Errors of the numbers that tell branches apart.
 const TOLERANCE: f64 = 1e-8;
 
@@ -50,6 +53,9 @@ impl Frame {
     ) -> Result<Option<Inverse>, Undecided> {
         let Some(images) = self.numbers(coordinates, unknowns, &base) else { return Ok(None) };
         let first = self.system.pool.len();
+        if self.system.pool.reachable(coordinates).len() > MAX_COORDINATE_NODES {
+            return Ok(None);
+        }
         let mut equations = Vec::new();
         for (&t, &z) in coordinates.iter().zip(new) {
             let z = self.system.pool.sym(z);
@@ -71,7 +77,7 @@ impl Frame {
         }
         while !elimination.equations.is_empty() {
             check_size(&elimination.frame.system.pool, first)?;
-            if !elimination.step() {
+            if elimination.frame.system.pool.len() > first + MAX_NODES || !elimination.step() {
                 return Ok(None);
             }
         }

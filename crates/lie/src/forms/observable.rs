@@ -7,7 +7,7 @@ use crate::feedback::outputs::fed_through;
 use crate::forms::frame::Frame;
 use crate::forms::normal_form::{BlockKind, NormalForm, PartKind};
 use crate::forms::obstacle::{Obstacle, Stop};
-use crate::forms::parts::free_of;
+use crate::forms::parts::{free_of, independent_of};
 use crate::modes::parameter_bindings;
 
 impl Frame {
@@ -49,11 +49,11 @@ impl Frame {
         self.first_of(sets, |frame, seen, rest| {
             let coordinates = seen.iter().chain(rest).copied().collect();
             let mut form = frame.decomposed(coordinates, blocks.clone(), "observable")?;
-            frame.independent_of(&mut form, 0..rank, &[rank..n], &[])?;
+            independent_of(&mut form, 0..rank, rank..n, &[])?;
             frame.outputs_free_of_hidden(&mut form, rank)?;
             if rank > 0 && rank < n {
                 let inputs = form.system.inputs.clone();
-                frame.add_part(&mut form, PartKind::Observable, 0..rank, &inputs)?;
+                frame.add_part(&mut form, PartKind::Observable, 0..rank, &inputs);
             }
             Ok(form)
         })

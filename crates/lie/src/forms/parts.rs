@@ -12,36 +12,28 @@ use crate::forms::normal_form::{NormalForm, Part, PartKind};
 use crate::forms::obstacle::{Obstacle, Stop};
 use crate::modes::parameter_bindings;
 
-impl Frame {
-    /// Makes sure that the rates of some states are free of those in `ranges` and of `inputs`, and seen to be.
-    pub(crate) fn independent_of(
-        &mut self,
-        form: &mut NormalForm,
-        states: Range<usize>,
-        ranges: &[Range<usize>],
-        inputs: &[Symbol],
-    ) -> Result<(), Stop> {
-        let others: Vec<Symbol> =
-            ranges.iter().flat_map(|r| form.system.states[r.clone()].to_vec()).chain(inputs.iter().copied()).collect();
-        let bindings = parameter_bindings(&form.system);
-        for k in states {
-            let rate = form.system.dynamics[k];
-            let rate = free_of(&mut form.system, rate, &others, &bindings);
-            let name = || form.coordinates.0[k].0.clone();
-            form.system.dynamics[k] = rate.ok_or_else(|| Stop::Unknown(Obstacle::Unconfirmed { name: name() }))?;
-        }
-        Ok(())
+/// Makes sure that the rates of some states are free of the others, given by number, and of `inputs`, and seen to be.
+pub(crate) fn independent_of(
+    form: &mut NormalForm,
+    states: Range<usize>,
+    others: Range<usize>,
+    inputs: &[Symbol],
+) -> Result<(), Stop> {
+    let others: Vec<Symbol> = form.system.states[others].iter().chain(inputs).copied().collect();
+    let bindings = parameter_bindings(&form.system);
+    for k in states {
+        let rate = form.system.dynamics[k];
+        let rate = free_of(&mut form.system, rate, &others, &bindings);
+        let name = || form.coordinates.0[k].0.clone();
+        form.system.dynamics[k] = rate.ok_or_else(|| Stop::Unknown(Obstacle::Unconfirmed { name: name() }))?;
     }
+    Ok(())
+}
 
+impl Frame {
     /// Adds the system of some states, of which it is known that the others do not enter; with the outputs that they give, and
     /// the inputs named.
-    pub(crate) fn add_part(
-        &mut self,
-        form: &mut NormalForm,
-        kind: PartKind,
-        states: Range<usize>,
-        inputs: &[Symbol],
-    ) -> Result<(), Stop> {
+    pub(crate) fn add_part(&self, form: &mut NormalForm, kind: PartKind, states: Range<usize>, inputs: &[Symbol]) {
         let mut system = form.system.clone();
         let outside: Vec<Symbol> = (0..system.states.len())
             .filter(|k| !states.contains(k))
@@ -57,20 +49,15 @@ impl Frame {
         system.outputs = outputs;
         system.dynamics = system.dynamics[states.clone()].to_vec();
         system.states = system.states[states.clone()].to_vec();
-        let kept: Vec<bool> = system.inputs.iter().map(|u| inputs.contains(u)).collect();
-        let keep = |list: &mut Vec<Expr>| {
-            let mut flags = kept.iter();
-            list.retain(|_| *flags.next().unwrap_or(&true));
-        };
+        let mut kept = system.inputs.iter().map(|u| inputs.contains(u));
         if let Some(point) = &mut system.point {
             point.states = point.states[states].to_vec();
-            keep(&mut point.inputs);
+            point.inputs.retain(|_| kept.next().unwrap_or(true));
         }
         system.inputs.retain(|u| inputs.contains(u));
         system.input_ranges.retain(|r| inputs.contains(&r.input));
         system.input_delays.retain(|d| inputs.contains(&d.input));
         form.parts.push(Part { kind, system });
-        Ok(())
     }
 }
 
