@@ -10,6 +10,7 @@ pub use bracketry_plate as plate;
 pub use bracketry_plot as plot;
 pub use bracketry_report as report;
 pub use bracketry_sim as sim;
+pub use bracketry_steer as steer;
 pub use bracketry_stiffness as stiffness;
 pub use bracketry_symbolic as symbolic;
 pub use bracketry_system as system;

@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::Table;
 
 /// The layers from the lowest up: each crate may use those before it.
-const LAYERS: [&str; 17] = [
+const LAYERS: [&str; 18] = [
     "bracketry-symbolic",
     "bracketry-files",
     "bracketry-plot",
@@ -17,6 +17,7 @@ const LAYERS: [&str; 17] = [
     "bracketry-lie",
     "bracketry-sim",
     "bracketry-certify",
+    "bracketry-steer",
     "bracketry-stiffness",
     "bracketry-mpc",
     "bracketry-diagnose",

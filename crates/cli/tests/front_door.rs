@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 
 use common::{bracketry, code, file, json, scratch, text, within};
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "new",
     "analyze",
     "affinize",
@@ -17,6 +17,7 @@ const COMMANDS: [&str; 14] = [
     "linearize",
     "certify",
     "transform",
+    "steer",
     "simulate",
     "control",
     "diagnose",

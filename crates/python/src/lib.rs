@@ -16,6 +16,7 @@ mod model;
 mod operating_point;
 mod plate;
 mod simulation;
+mod steering;
 mod stiffness;
 mod tables;
 
@@ -45,6 +46,8 @@ mod _native {
     use super::plate::run_plate;
     #[pymodule_export]
     use super::simulation::simulate;
+    #[pymodule_export]
+    use super::steering::steer;
     #[pymodule_export]
     use super::stiffness::{choose_poses, compensate, identify, weigh};
 }

@@ -10,6 +10,7 @@ mod notation;
 pub mod operating;
 pub mod plate;
 pub mod simulation;
+pub mod steering;
 pub mod stiffness;
 
 pub use diagnosis::{Diagnosis, DiagnosisJson, RankChange, Ranks, text as diagnosis_text};

@@ -17,6 +17,7 @@ mod output;
 mod plate;
 mod shell;
 mod simulate;
+mod steer;
 mod stiffness;
 pub(crate) mod style;
 mod transform;
@@ -94,6 +95,13 @@ enum Command {
         "Exit codes", "0  found, and confirmed by transforming back\n1  there is no such form, or it was not found; the report says which and why\n2  bad input",
     )]))]
     Transform(transform::TransformArgs),
+    /// Find inputs that move a model from one state to another
+    #[command(after_help = examples(&steer::EXAMPLES), after_long_help = guide(&steer::EXAMPLES, &[
+        ("Exit codes", "0  the simulated motion ends within 1e-6 of every state, with inputs within their ranges\n\
+         1  a first guess only, or nothing was found; the report says why\n2  bad input"),
+        UNITS,
+    ]))]
+    Steer(steer::SteerArgs),
     /// Integrate a model with exact stick–slip friction
     #[command(after_help = examples(&simulate::EXAMPLES), after_long_help = guide(&simulate::EXAMPLES, &[
         ("Exit codes", "0  simulated to the end\n1  stopped before it (blow-up, chattering); the report says when\n2  bad input"),
@@ -140,6 +148,7 @@ impl Command {
             Self::Transform(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Linearize(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Certify(args) => vec![Given::new(&args.model, FileKind::Model)],
+            Self::Steer(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Simulate(args) => args.files(),
             Self::Diagnose(args) => args.files(),
             Self::Plate(args) => args.files(),
@@ -185,6 +194,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Linearize(args)) => operating_point::linearize(&args, &output),
         Some(Command::Certify(args)) => certify::run(&args, &output),
         Some(Command::Transform(args)) => transform::transform(&args, &output),
+        Some(Command::Steer(args)) => steer::run(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
         Some(Command::Diagnose(args)) => diagnose::run(&args, &output),

@@ -72,6 +72,30 @@ impl Flatness {
 }
 
 impl VectorFields {
+    /// Flat outputs, functions of the state, as far as the criteria here find any: as many as inputs, which must be independent;
+    /// `known` are functions to try first. [`VectorFields::dynamic_extension`] for them gives states and inputs.
+    ///
+    /// # Errors
+    /// [`Undecided`] if a function cannot be evaluated exactly or the search is stopped.
+    pub fn flat_outputs(
+        &self,
+        pool: &mut Pool,
+        inputs: &[Symbol],
+        known: &[Expr],
+        evidence: &mut Evidence,
+    ) -> Result<Option<Vec<Expr>>, Undecided> {
+        if inputs.len() != self.controls.len()
+            || generic_rank(pool, &self.controls, &self.bindings, evidence)? < inputs.len()
+        {
+            return Ok(None);
+        }
+        let flag = self.linearization_flag(pool, evidence)?;
+        let outputs = if known.len() == inputs.len() { known.len() } else { 0 };
+        let known = Known { inputs, functions: known, outputs, strong_dimension: None, flag: &flag, extension: None };
+        let found = self.flatness(pool, &known, evidence)?;
+        Ok(Some(found.outputs).filter(|list| list.len() == inputs.len()))
+    }
+
     /// Decides on flatness as far as the criteria here go. The input fields must be independent.
     pub(crate) fn flatness(
         &self,

@@ -1,6 +1,6 @@
 //! The chained form of two inputs without drift (Murray and Sastry 1993).
 
-use bracketry_symbolic::{Expr, Pool, Symbol};
+use bracketry_symbolic::{Expr, Node, Pool, Symbol};
 
 use crate::algebra::field::{Field, VectorFields, is_plain_zero};
 use crate::algebra::involutive::involutive_closure;
@@ -129,7 +129,9 @@ impl VectorFields {
         let pairs = self.chained_pairs(pool, known, &flag.basis, evidence)?;
         let mut forms = Vec::new();
         for pair in pairs {
-            for (h1, h2) in charts(pool, pair) {
+            let states = pair.iter().all(|&h| known.contains(&h) || matches!(pool.node(h), Node::Sym(_)));
+            let turned = charts(pool, pair).into_iter();
+            for (h1, h2) in turned.take(if states { 4 } else { 2 }) {
                 check_size(pool, first)?;
                 let before = pool.len();
                 match self.chained_form_of(pool, h1, h2, before, evidence) {
@@ -267,7 +269,7 @@ impl VectorFields {
     }
 }
 
-/// The pair in both orders and turned by 45°: where one form is singular, another need not be.
+/// The pair in both orders and turned by 45°, which makes sense for two outputs or states: where one form is singular, another need not be.
 fn charts(pool: &mut Pool, [a, b]: [Expr; 2]) -> Vec<(Expr, Expr)> {
     let (sum, difference) = (pool.add(a, b), pool.sub(b, a));
     vec![(a, b), (b, a), (sum, difference), (difference, sum)]

@@ -10,7 +10,7 @@ use bracketry_system::Table;
 use bracketry_system::{Document, FileError, System};
 use std::path::Path;
 
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 17] = [
     "name",
     "model",
     "plant",
@@ -23,6 +23,7 @@ const KEYS: [&str; 16] = [
     "scale",
     "trust",
     "guess",
+    "initial_guess",
     "solve",
     "estimation",
     "run",
@@ -41,7 +42,7 @@ impl ControlProblem {
         let path = path.as_ref();
         let doc = Document::read(path)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Self::from_document(&doc, |name| System::read(folder.join(name)).map_err(Box::new))
+        Self::from_document(&doc, &folder, |name| System::read(folder.join(name)).map_err(Box::new))
     }
 
     /// Reads a problem from text; `models` finds the models that it names.
@@ -53,11 +54,13 @@ impl ControlProblem {
         text: &str,
         models: impl FnMut(&str) -> Result<System, Box<FileError>>,
     ) -> Result<Self, ProblemError> {
-        Self::from_document(&Document::new(file, text), models)
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        Self::from_document(&Document::new(file, text), folder, models)
     }
 
     fn from_document(
         doc: &Document,
+        folder: &Path,
         mut models: impl FnMut(&str) -> Result<System, Box<FileError>>,
     ) -> Result<Self, ProblemError> {
         let table = doc.table()?;
@@ -84,7 +87,7 @@ impl ControlProblem {
         if let Some(run) = doc.sub_table(&table, "run")? {
             reader.plant_parameters(run, &mut plant)?;
         }
-        let mut problem = reader.problem(&table, plant)?;
+        let mut problem = reader.problem(&table, folder, plant)?;
         if let Some(e) = problem.estimation.as_ref().filter(|e| e.hands_over()) {
             if !problem.live.is_empty() {
                 let message = "time-varying parameters cannot be combined with an estimator that updates parameters";
@@ -104,7 +107,7 @@ fn with_own_inputs(system: System) -> Result<System, ProblemError> {
 }
 
 impl Reader<'_> {
-    fn problem(&self, table: &Table<'_>, plant: System) -> Result<ControlProblem, ProblemError> {
+    fn problem(&self, table: &Table<'_>, folder: &Path, plant: System) -> Result<ControlProblem, ProblemError> {
         let system = self.system;
         let (n, m) = (system.states.len(), system.inputs.len());
         let horizon = self.required(table, "horizon", "[horizon] with steps and dt")?;
@@ -125,7 +128,8 @@ impl Reader<'_> {
         self.costs(table, &names, &mut ocp)?;
         self.ranges(&mut ocp);
         self.constraints(table, &names, &mut ocp)?;
-        let guess = self.guess(table, &ocp)?;
+        let mut guess = self.guess(table, &ocp)?;
+        self.initial_guess(table, folder, &ocp, &mut guess)?;
         let level = self.expected_sizes(&start.x0, &guess, &mut ocp)?;
         self.targets(table, &mut ocp)?;
         self.scales(table, &mut ocp)?;

@@ -6,6 +6,7 @@ mod cost;
 mod document;
 mod estimation;
 mod horizon;
+mod initial_guess;
 mod reader;
 mod scaling;
 mod solve;

@@ -3,6 +3,8 @@
 A model is a :class:`System`. :func:`analyze` says what its inputs reach, :func:`affinize` makes it affine in them,
 :func:`trim` finds operating points, :func:`linearize` gives the linear system there, :func:`transform` its normal forms,
 :func:`simulate` integrates it with exact dry friction, :func:`control` closes a loop, :func:`diagnose` names what it gets wrong
+:func:`trim` finds operating points, :func:`linearize` gives the linear system there,
+:func:`steer` moves it from one state to another, :func:`simulate` integrates it with exact dry friction, :func:`control` closes a loop, :func:`diagnose` names what it gets wrong
 in measured data. :mod:`bracketry.plate` is for the vibrating plate, :mod:`bracketry.stiffness` for robots that bend,
 :func:`sweep` for many runs at once.
 """
@@ -18,6 +20,7 @@ from ._native import BracketryError, __version__
 from ._result import Figure, Result
 from ._sampled import Sampled
 from ._simulation import Event, Trajectory, simulate
+from ._steering import Steering, steer
 from ._sweep import sweep
 from ._system import Parameter, System
 
@@ -45,6 +48,7 @@ __all__ = [
     "Result",
     "Rival",
     "Sampled",
+    "Steering",
     "System",
     "Trajectory",
     "Transformation",
@@ -57,6 +61,7 @@ __all__ = [
     "linearize",
     "plate",
     "simulate",
+    "steer",
     "stiffness",
     "sweep",
     "transform",

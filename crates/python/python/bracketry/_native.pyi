@@ -19,6 +19,7 @@ __all__ = [
     "diagnose",
     "identify",
     "linearize",
+    "steer",
     "run_plate",
     "simulate",
     "transform",
@@ -134,6 +135,11 @@ class _Transformation(_Answer):
 class _Linearization(_Answer):
     files: list[tuple[str, str]]
 
+class _Steering(_Answer):
+    trajectory: tuple[list[str], list[list[float]]] | None
+    scenario: str | None
+    model: Model
+
 class _ChosenPoses(_Answer):
     rows: _Floats
     identifies_all: bool
@@ -159,6 +165,9 @@ def trim(
 ) -> _Trim: ...
 def linearize(model: Model, at: str | None, weights: list[list[float]], horizon: float | None) -> _Linearization: ...
 def transform(model: Model, to: str, at: str | None, outputs: Sequence[str], time_limit: float) -> _Transformation: ...
+def steer(
+    model: Model, ends: tuple[str | None, str], duration: float | None, method: str, time_limit: float, seed: int
+) -> _Steering: ...
 def simulate(
     model: Model,
     *,

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use bracketry_system::{Document, FileError, Table};
+
 /// How a sampled signal continues between its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Hold {
@@ -10,6 +12,24 @@ pub enum Hold {
     Previous,
     /// Straight lines between samples.
     Linear,
+}
+
+impl Hold {
+    /// The key `hold` of a table: `"previous"`, which is the default, or `"linear"`.
+    ///
+    /// # Errors
+    /// [`FileError`] for another value.
+    pub fn read(doc: &Document, table: &Table<'_>) -> Result<Self, FileError> {
+        let text = doc.string(table, "hold")?;
+        match (text.as_deref(), table.get("hold")) {
+            (Some("linear"), _) => Ok(Hold::Linear),
+            (Some(other), Some(at)) if other != "previous" => {
+                let remedy = "write hold = \"previous\" or hold = \"linear\"";
+                Err(doc.error(at.span(), format!("`{other}` is no way to hold samples"), remedy))
+            }
+            _ => Ok(Hold::Previous),
+        }
+    }
 }
 
 /// A sampled signal. Before the first and after the last sample it keeps the value there.
@@ -41,6 +61,11 @@ impl Samples {
             }
         }
         Ok(Self { times, values, hold })
+    }
+
+    /// Mean of the value from one time to a later one.
+    pub fn mean(&self, from: f64, to: f64) -> f64 {
+        self.means(from, to).0
     }
 
     /// The same, later by a delay in seconds.

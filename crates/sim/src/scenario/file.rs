@@ -1,9 +1,10 @@
 //! Scenario files.
 
 use super::setup::{Scenario, initial_state};
-use crate::model::{InputError, Inputs, Model};
+use super::table::input_table;
+use crate::model::{Hold, InputError, Inputs, Model};
 use bracketry_symbolic::{ParseError, Rational};
-use bracketry_system::{Constants, Document, FileError, System, Table, Value};
+use bracketry_system::{Columns, Constants, Document, FileError, System, Table, Value};
 use std::path::Path;
 
 /// Most rows of a result.
@@ -15,12 +16,12 @@ const IN_TIME: &str = "inputs are expressions in t and the model's parameters";
 impl Scenario {
     /// Reads a scenario file: `duration` and optionally `sample` in seconds, tables `[x0]` (numbers, or expressions of numbers
     /// such as `"pi/2"`, by state; what is absent is taken from the model's `[point]`, else 0), `[inputs]` (expressions in `t`
-    /// by input) and `[parameters]`.
+    /// by input), `[samples]` (a CSV table of inputs beside the scenario, with its hold) and `[parameters]`.
     ///
     /// # Errors
     /// [`FileError`] with place and remedy.
     pub fn read(path: &Path, system: &System) -> Result<Scenario, FileError> {
-        Self::from_document(&Document::read(path)?, system)
+        Self::from_document(&Document::read(path)?, system, path.parent().unwrap_or(Path::new("")))
     }
 
     /// [`Scenario::read`] from text; `file` is how errors call it.
@@ -28,13 +29,14 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::read`].
     pub fn parse(file: &str, text: &str, system: &System) -> Result<Scenario, FileError> {
-        Self::from_document(&Document::new(file, text), system)
+        Self::from_document(&Document::new(file, text), system, Path::new(file).parent().unwrap_or(Path::new("")))
     }
 
-    fn from_document(doc: &Document, system: &System) -> Result<Scenario, FileError> {
+    /// `folder` is where tables of samples are looked for.
+    fn from_document(doc: &Document, system: &System, folder: &Path) -> Result<Scenario, FileError> {
         system.leaves_time_free(doc)?;
         let table = doc.table()?;
-        doc.only_keys(&table, &["duration", "sample", "x0", "inputs", "parameters"], "a scenario file")?;
+        doc.only_keys(&table, &["duration", "sample", "x0", "inputs", "samples", "parameters"], "a scenario file")?;
         let positive = |key: &str| -> Result<Option<f64>, FileError> {
             match (doc.number(&table, key)?, table.get(key)) {
                 (Some(v), Some(at)) if v <= 0.0 => {
@@ -51,7 +53,8 @@ impl Scenario {
             return Err(doc.missing(format!("more than {MAX_ROWS:.0} rows would be written"), "enlarge `sample`"));
         }
         let x0 = read_start(doc, &table, system)?;
-        let inputs = read_inputs(doc, &table, system)?;
+        let sampled = read_samples(doc, &table, system, folder)?;
+        let inputs = read_inputs(doc, &table, system, sampled)?;
         let parameters = read_parameters(doc, &table, system)?;
         Ok(Scenario { x0, inputs, end, start: 0.0, sample, parameters })
     }
@@ -79,12 +82,28 @@ fn read_start(doc: &Document, table: &Table<'_>, system: &System) -> Result<Vec<
     Ok(x0)
 }
 
-fn read_inputs(doc: &Document, table: &Table<'_>, system: &System) -> Result<Inputs, FileError> {
-    let mut inputs = Inputs::new();
+/// Inputs from the table that `[samples]` names.
+fn read_samples(doc: &Document, table: &Table<'_>, system: &System, folder: &Path) -> Result<Inputs, FileError> {
+    let Some(t) = doc.sub_table(table, "samples")? else { return Ok(Inputs::new()) };
+    doc.only_keys(t, &["file", "hold"], "[samples]")?;
+    let Some(name) = doc.string(t, "file")? else {
+        return Err(doc.missing("[samples] names no table", "add file = \"inputs.csv\": columns t and inputs"));
+    };
+    let hold = Hold::read(doc, t)?;
+    let samples = Columns::document(&folder.join(name), "name a CSV file: a table with a column t and one per input")?;
+    Ok(input_table(&samples, system, hold)?.inputs)
+}
+
+fn read_inputs(doc: &Document, table: &Table<'_>, system: &System, sampled: Inputs) -> Result<Inputs, FileError> {
+    let mut inputs = sampled;
     let Some(t) = doc.sub_table(table, "inputs")? else { return Ok(inputs) };
     only(doc, t, &system.input_names(), "inputs")?;
     for (key, value) in t {
         let name: &str = key.get_ref();
+        if inputs.mentions(name) {
+            let remedy = "remove it here, or its column from the table of [samples]";
+            return Err(doc.error(key.span(), format!("`{name}` is given twice, here and by [samples]"), remedy));
+        }
         let text = match value.get_ref() {
             Value::String(s) => s.to_string(),
             _ => doc.exact_number(value, name)?.to_f64().value().to_string(),

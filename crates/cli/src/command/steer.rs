@@ -1,0 +1,135 @@
+//! `bracketry steer`: an input that moves a model from one state to another.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::Context;
+use bracketry::report::steering::{
+    steering_figure, steering_inputs, steering_json, steering_path, steering_scenario, steering_text,
+    steering_trajectory,
+};
+use bracketry::steer::{SteerMethod, SteerOptions, SteerStatus, Steering, own_inputs, steer};
+use bracketry::system::System;
+use clap::{Args, ValueEnum};
+
+use super::output::{csv, figure, folder, json, line, print, spinner, write};
+use super::{Outcome, OutputArgs};
+
+/// Shown by the help.
+pub(crate) const EXAMPLES: [(&str, &str); 3] = [
+    ("A unicycle sideways", "bracketry steer models/unicycle.toml --from x=0,y=0 --to x=0,y=1 --out out"),
+    ("Replay the motion", "bracketry simulate models/unicycle.toml --scenario out/scenario.toml"),
+    ("By piecewise constant inputs", "bracketry steer models/rolling_disk.toml --to phi=1 --method nilpotent"),
+];
+
+/// The method, or the first that reaches the end.
+#[derive(Clone, Copy, ValueEnum)]
+enum MethodArg {
+    /// The first of the others that reaches the end
+    Auto,
+    /// Sinusoids in the chained form: two inputs, no drift
+    Chained,
+    /// Piecewise constant inputs by Philip Hall coordinates: no drift
+    Nilpotent,
+    /// Polynomials in flat outputs
+    Flat,
+    /// Sinusoids found by iterations on the end error
+    Shooting,
+}
+
+/// Arguments of `steer`.
+#[derive(Args)]
+pub(crate) struct SteerArgs {
+    /// Model file (TOML)
+    #[arg(value_hint = clap::ValueHint::FilePath)]
+    pub(crate) model: PathBuf,
+    /// Initial state, such as x=0,th=pi/2; unnamed states are 0; without it, the model's point
+    #[arg(long, value_name = "NAME=VALUE,…")]
+    from: Option<String>,
+    /// State at the end; unnamed states are 0
+    #[arg(long, value_name = "NAME=VALUE,…")]
+    to: String,
+    /// Length of the motion in seconds; without it, as long as the inputs need
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// How the inputs are found
+    #[arg(long, value_enum, default_value = "auto")]
+    method: MethodArg,
+    /// Seconds after which no further plan is tried
+    #[arg(long, value_name = "S", default_value_t = 120.0, allow_negative_numbers = true)]
+    time_limit: f64,
+    /// Seed of random way points and starts
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// Finds the inputs, prints the report, and writes the files.
+pub(crate) fn run(args: &SteerArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let path = args.model.display().to_string();
+    let given = System::read(&args.model)?;
+    let mut system = own_inputs(&given).with_context(|| path.clone())?;
+    anyhow::ensure!(
+        args.time_limit.is_finite() && args.time_limit > 0.0,
+        "--time-limit {}: give a positive number of seconds",
+        args.time_limit
+    );
+    let method = match args.method {
+        MethodArg::Auto => None,
+        MethodArg::Chained => Some(SteerMethod::Chained),
+        MethodArg::Nilpotent => Some(SteerMethod::Nilpotent),
+        MethodArg::Flat => Some(SteerMethod::Flat),
+        MethodArg::Shooting => Some(SteerMethod::Shooting),
+    };
+    let options = SteerOptions {
+        duration: args.duration,
+        method,
+        time_limit: Some(Duration::from_secs_f64(args.time_limit.min(1e6))),
+        seed: args.seed,
+        ..SteerOptions::named(&mut system, args.from.as_deref(), &args.to)?
+    };
+    let progress = spinner("steering");
+    let found = steer(&system, &options).with_context(|| path.clone())?;
+    progress.finish_and_clear();
+    let text = steering_text(&found);
+    let mut written = Vec::new();
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write(&dir.join("steering.txt"), &text)?;
+        write(&dir.join("steering.json"), &json(&steering_json(&found))?)?;
+        written = write_motion(dir, &found)?;
+        if !given.input_derivatives.is_empty() {
+            write(&dir.join("model.toml"), &found.system.to_toml()?)?;
+            written.push("model.toml (with integrators in front of the inputs)");
+        }
+    }
+    print(&if output.json { json(&steering_json(&found))? } else { text })?;
+    if let (Some(dir), false) = (&output.out, output.json) {
+        let list: Vec<&str> = ["steering.txt", "steering.json"].into_iter().chain(written).collect();
+        line(&format!("written to {}: {}", dir.display(), list.join(", ")))?;
+    }
+    Ok(if found.status == SteerStatus::Reached { Outcome::Done } else { Outcome::Negative })
+}
+
+/// Tables, scenario, and figures of a motion, and what they are called.
+fn write_motion(dir: &Path, found: &Steering) -> anyhow::Result<Vec<&'static str>> {
+    let mut written = Vec::new();
+    if let Some((header, rows)) = steering_inputs(found) {
+        csv(&dir.join("inputs.csv"), &header, rows.iter().map(Vec::as_slice))?;
+        written.push("inputs.csv");
+    }
+    if let Some(text) = steering_scenario(found, "inputs.csv") {
+        write(&dir.join("scenario.toml"), &text)?;
+        written.push("scenario.toml");
+    }
+    if let Some((header, rows)) = steering_trajectory(found) {
+        csv(&dir.join("trajectory.csv"), &header, rows.iter().map(Vec::as_slice))?;
+        written.push("trajectory.csv");
+    }
+    if steering_figure(found).is_some_and(|drawing| figure(drawing, &dir.join("steering"))) {
+        written.push("steering.svg, steering.png");
+    }
+    if steering_path(found).is_some_and(|drawing| figure(drawing, &dir.join("path"))) {
+        written.push("path.svg, path.png");
+    }
+    Ok(written)
+}

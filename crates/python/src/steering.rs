@@ -1,0 +1,86 @@
+//! Motions from one state to another.
+
+use std::time::Duration;
+
+use bracketry::report::steering::{
+    steering_figure, steering_json, steering_path, steering_scenario, steering_text, steering_trajectory,
+};
+use bracketry::steer::{SteerMethod, SteerOptions, own_inputs};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::Failure;
+use crate::figures::Figures;
+use crate::interrupt::watched;
+use crate::model::Model;
+use crate::tables::Answer;
+
+/// Initial state and state at the end, by name.
+type Ends = (Option<String>, String);
+
+fn method_of(name: &str) -> Result<Option<SteerMethod>, Failure> {
+    match name {
+        "auto" => Ok(None),
+        "chained" => Ok(Some(SteerMethod::Chained)),
+        "nilpotent" => Ok(Some(SteerMethod::Nilpotent)),
+        "flat" => Ok(Some(SteerMethod::Flat)),
+        "shooting" => Ok(Some(SteerMethod::Shooting)),
+        other => Err(Failure::new(format!(
+            "method is \"{other}\"; it can be \"auto\", \"chained\", \"nilpotent\", \"flat\" or \"shooting\""
+        ))),
+    }
+}
+
+/// Inputs that move a model from one state to another, and the motion.
+#[pyfunction]
+#[pyo3(signature = (model, ends, duration, method, time_limit, seed))]
+pub(crate) fn steer<'py>(
+    py: Python<'py>,
+    model: &Bound<'py, Model>,
+    ends: Ends,
+    duration: Option<f64>,
+    method: &str,
+    time_limit: f64,
+    seed: u64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let given = model.get().system.clone();
+    let method = method_of(method)?;
+    if !(time_limit.is_finite() && time_limit > 0.0) {
+        return Err(Failure::new(format!("time_limit is {time_limit}; give a positive number of seconds")).into());
+    }
+    let (answer, table, scenario, steered) = watched(py, move |stop| {
+        let mut system = own_inputs(&given)?;
+        let options = SteerOptions {
+            duration,
+            method,
+            time_limit: Some(Duration::from_secs_f64(time_limit.min(1e6))),
+            seed,
+            stop: stop.clone(),
+            ..SteerOptions::named(&mut system, ends.0.as_deref(), &ends.1)?
+        };
+        let found = bracketry::steer::steer(&system, &options)?;
+        let mut figures = Figures::default();
+        if let (Some(_), Some(_)) = (&found.motion, &found.signals) {
+            let drawn = found.clone();
+            // There is a motion.
+            figures = figures.with("steering", move || {
+                steering_figure(&drawn).unwrap_or_else(|| bracketry::plot::TimeSeries::new().draw())
+            });
+            if steering_path(&found).is_some() {
+                let drawn = found.clone();
+                figures = figures.with("path", move || {
+                    steering_path(&drawn).unwrap_or_else(|| bracketry::plot::TimeSeries::new().draw())
+                });
+            }
+        }
+        let answer = Answer::new(&steering_json(&found), steering_text(&found), figures)?;
+        let table = steering_trajectory(&found);
+        let scenario = steering_scenario(&found, "inputs.csv");
+        Ok((answer, table, scenario, Model::made(found.system)?))
+    })?;
+    let dict = answer.into_dict(py)?;
+    dict.set_item("trajectory", table)?;
+    dict.set_item("scenario", scenario)?;
+    dict.set_item("model", Py::new(py, steered)?)?;
+    Ok(dict)
+}

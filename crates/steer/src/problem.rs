@@ -1,0 +1,40 @@
+//! A steering problem as the methods see it.
+
+use std::time::Instant;
+
+use bracketry_symbolic::StopFlag;
+use bracketry_system::System;
+
+use crate::options::SteerOptions;
+use crate::ranges::Ranges;
+use crate::signals::Signals;
+use crate::steering::{Plan, SteerReason};
+
+/// The model, the two states, and limits.
+#[derive(Clone)]
+pub(crate) struct Problem {
+    pub(crate) system: System,
+    pub(crate) options: SteerOptions,
+    pub(crate) ranges: Ranges,
+    pub(crate) deadline: Option<Instant>,
+}
+
+/// Inputs made by a method, before they are checked.
+pub(crate) struct Planned {
+    pub(crate) signals: Signals,
+    pub(crate) plan: Plan,
+}
+
+/// Plans in the order in which they are to be tried, at least one.
+pub(crate) type Outcome = Result<Vec<Planned>, SteerReason>;
+
+impl Problem {
+    pub(crate) fn stop(&self) -> &StopFlag {
+        &self.options.stop
+    }
+
+    /// Whether time is up or somebody asked to stop.
+    pub(crate) fn is_over(&self) -> bool {
+        self.stop().is_raised() || self.deadline.is_some_and(|d| Instant::now() >= d)
+    }
+}

@@ -1,0 +1,79 @@
+//! Steering by flat outputs and by shooting, and what is bad input.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use bracketry_steer::{SteerError, SteerMethod, SteerOptions, SteerReason, SteerStatus, steer};
+use bracketry_system::System;
+use common::{Numbers, model, reached, system};
+
+fn by(method: SteerMethod, from: &[f64], to: &[f64]) -> SteerOptions {
+    SteerOptions { method: Some(method), ..SteerOptions::between(from, to) }
+}
+
+#[test]
+fn flat_models_follow_polynomials() {
+    let mut numbers = Numbers(5);
+    for name in ["double_integrator", "flexible_joint", "two_link_arm"] {
+        let s = model(name);
+        let n = s.states.len();
+        let scaled = |x: Vec<f64>| x.iter().map(|v| 0.5 * v).collect::<Vec<f64>>();
+        reached(&s, &by(SteerMethod::Flat, &scaled(numbers.list(n)), &scaled(numbers.list(n))));
+    }
+    // From rest to rest, with thrust that carries the weight at both ends.
+    let found = reached(&model("pvtol"), &by(SteerMethod::Flat, &[0.0; 6], &[1.0, 0.5, 0.0, 0.0, 0.0, 0.0]));
+    assert_eq!(found.method(), Some(SteerMethod::Flat));
+}
+
+/// The double integrator from rest to rest over T: the cubic has x'' = 6/T² at its start.
+#[test]
+fn the_cubic_of_the_double_integrator_is_found() {
+    let mut options = by(SteerMethod::Flat, &[0.0, 0.0], &[1.0, 0.0]);
+    options.duration = Some(2.0);
+    let found = reached(&model("double_integrator"), &options);
+    let signals = found.signals.unwrap();
+    assert!((signals.duration() - 2.0).abs() < 1e-12);
+    assert!((signals.values[0][0] - 6.0 / 4.0).abs() < 1e-9);
+}
+
+#[test]
+fn dry_friction_and_pendulums_are_steered_by_shooting() {
+    let slider = system(&["x", "v"], &["u"], &["v", "u - 2*sign(v)"]);
+    let found = reached(&slider, &SteerOptions::between(&[0.0, 0.0], &[0.5, 0.0]));
+    assert_eq!(found.method(), Some(SteerMethod::Shooting));
+    let reasons: Vec<&SteerReason> = found.attempts.iter().map(|a| &a.reason).collect();
+    assert!(reasons.iter().all(|r| **r == SteerReason::Switches), "{reasons:?}");
+    reached(&model("cart_pole"), &SteerOptions::between(&[0.0; 4], &[0.5, 0.0, 0.0, 0.0]));
+}
+
+#[test]
+fn what_no_input_moves_is_not_reached() {
+    let fixed = system(&["x", "y"], &["u"], &["u", "-y"]);
+    let found = steer(&fixed, &SteerOptions::between(&[0.0, 1.0], &[0.0, 2.0])).unwrap();
+    assert_ne!(found.status, SteerStatus::Reached);
+    assert!(found.end_error > 1.0);
+    assert_eq!(found.attempts.len(), 4);
+}
+
+#[test]
+fn bad_input_is_refused_with_its_place() {
+    let unicycle = model("unicycle");
+    let length = steer(&unicycle, &SteerOptions::between(&[0.0; 2], &[0.0; 3])).unwrap_err();
+    assert_eq!(length, SteerError::Length { what: "the initial state", expected: 3, found: 2 });
+    let nan = steer(&unicycle, &SteerOptions::between(&[0.0; 3], &[f64::NAN, 0.0, 0.0])).unwrap_err();
+    assert_eq!(nan, SteerError::NotFinite { what: "the state at the end" });
+    let options = SteerOptions { duration: Some(-1.0), ..SteerOptions::between(&[0.0; 3], &[0.0; 3]) };
+    assert_eq!(steer(&unicycle, &options).unwrap_err(), SteerError::NotPositive { what: "duration", value: -1.0 });
+    let none = System::parse("free.toml", "states = ['x']\ninputs = []\ndynamics = { x = '-x' }").unwrap();
+    let nothing = steer(&none, &SteerOptions::between(&[0.0], &[1.0])).unwrap_err();
+    assert_eq!(nothing, SteerError::Nothing { what: "inputs" });
+}
+
+#[test]
+fn a_stop_ends_the_search_at_once() {
+    let options = SteerOptions::between(&[0.0; 4], &[0.0, 1.0, 0.0, 0.0]);
+    options.stop.raise();
+    let found = steer(&model("kinematic_car"), &options).unwrap();
+    assert_eq!(found.status, SteerStatus::NotFound);
+    assert_eq!(found.attempts[0].reason, SteerReason::Stopped);
+}
