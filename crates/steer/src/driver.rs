@@ -223,7 +223,8 @@ fn finished(
     }
     let status = match reason {
         None => SteerStatus::Reached,
-        Some(_) if end_error.is_finite() => SteerStatus::FirstGuess,
+        // A motion that ends no closer than it began is no guess.
+        Some(_) if end_error < distance(from, to) || end_error <= problem.options.tolerance => SteerStatus::FirstGuess,
         Some(_) => SteerStatus::NotFound,
     };
     let kept = status != SteerStatus::NotFound;

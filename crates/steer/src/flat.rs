@@ -257,6 +257,7 @@ fn derivative(polynomial: &[f64], k: usize, s: f64) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::{derivative, hermite};
 

@@ -173,6 +173,7 @@ fn merged(steps: Vec<Step>) -> Vec<Step> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::{HallAlgebra, Series};
 

@@ -17,7 +17,7 @@ use crate::steering::{Plan, SteerReason};
 /// Rows of the inputs.
 const ROWS: usize = 160;
 /// Random starts for each duration, and iterations from each.
-const STARTS: usize = 3;
+const STARTS: usize = 5;
 const ITERATIONS: usize = 30;
 /// Durations that are tried where none is asked for, s.
 const DURATIONS: [f64; 4] = [1.0, 3.0, 8.0, 20.0];
@@ -107,6 +107,8 @@ pub(crate) fn plan(problem: &Problem, system: &System, plant: &mut RollOut) -> O
     let ends = [rest(&options.from, &options.from_inputs), rest(&options.to, &options.to_inputs)];
     let mut random = StdRng::seed_from_u64(options.seed);
     let (mut best, mut starts): (Option<(Signals, f64)>, usize) = (None, 0);
+    let limits = (0..m).flat_map(|j| [problem.ranges.limit(j, true), problem.ranges.limit(j, false)]);
+    let widest = limits.fold(0.0, f64::max);
     for duration in options.duration.map_or(DURATIONS.to_vec(), |t| vec![t]) {
         let shot = Shot { problem, inputs: m, harmonics, duration, ends: ends.clone() };
         for k in 0..STARTS {
@@ -115,7 +117,10 @@ pub(crate) fn plan(problem: &Problem, system: &System, plant: &mut RollOut) -> O
             }
             starts += 1;
             // Dry friction is overcome by large amplitudes alone.
-            let size = [distance(&options.from, &options.to).max(0.1) / duration, 3.0, 15.0][k];
+            let size = [distance(&options.from, &options.to).max(0.1) / duration, 3.0, 15.0, 100.0, 700.0][k];
+            if k > 0 && size > 3.0 * widest {
+                continue;
+            }
             let start = DVector::from_fn(m * harmonics, |_, _| size * random.random_range(-1.0..1.0));
             let Some((a, left)) = shot.solve(plant, start) else { continue };
             if best.as_ref().is_none_or(|b| left < b.1) {
