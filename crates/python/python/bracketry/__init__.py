@@ -2,9 +2,8 @@
 
 A model is a :class:`System`. :func:`analyze` says what its inputs reach, :func:`affinize` makes it affine in them,
 :func:`trim` finds operating points, :func:`linearize` gives the linear system there, :func:`transform` its normal forms,
-:func:`simulate` integrates it with exact dry friction, :func:`control` closes a loop, :func:`diagnose` names what it gets wrong
-:func:`trim` finds operating points, :func:`linearize` gives the linear system there,
-:func:`steer` moves it from one state to another, :func:`simulate` integrates it with exact dry friction, :func:`control` closes a loop, :func:`diagnose` names what it gets wrong
+:func:`steer` moves it from one state to another, :func:`simulate` integrates it with exact dry friction, :func:`control` closes a
+loop, :func:`diagnose` names what it gets wrong
 in measured data. :mod:`bracketry.plate` is for the vibrating plate, :mod:`bracketry.stiffness` for robots that bend,
 :func:`sweep` for many runs at once.
 """
