@@ -17,12 +17,12 @@ pub(super) struct Character<const C: u64> {
 const MAX_EXPONENT: i64 = 24;
 
 impl<const C: u64> Character<C> {
-    /// ℓ = 1321 for p = 2^61 − 1, 7351 for the second prime, and 25633 for the third.
+    /// ℓ = 1321 for p = 2^61 − 1, 2311 for the second prime, and 7351 for the third.
     pub(super) fn new() -> Self {
         let order: u64 = match C {
             1 => 1321,
-            THIRD_PRIME => 25_633,
-            _ => 7351,
+            THIRD_PRIME => 7351,
+            _ => 2311,
         };
         let exponent = (Residue::<C>::MODULUS - 1) / order;
         let candidates = (2..1000).map(|g| Residue::<C>::new(g).pow(exponent));

@@ -141,7 +141,8 @@ impl<const C: u64> Lowering<'_, C> {
 
     /// cos and sin of n/d·π.
     fn part_of_pi(&mut self, arg: Expr, (n, d): (i64, i64)) -> Result<(Residue<C>, Residue<C>), Stop> {
-        let unknown = |l: &Self| l.other_prime(arg, "only multiples of pi/4320 have known sines and cosines");
+        let unknown =
+            |l: &Self| l.other_prime(arg, "only multiples of pi/1800 and pi/4320 have known sines and cosines");
         let parts = parts_of_pi::<C>();
         if !parts.is_multiple_of(d.unsigned_abs()) {
             return Err(unknown(self));
@@ -225,8 +226,8 @@ fn power<const C: u64>(mut p: Point<C>, mut k: u64) -> Point<C> {
 fn parts_of_pi<const C: u64>() -> u64 {
     match C {
         1 => 1024,
-        THIRD_PRIME => 720,
-        _ => 4320,
+        THIRD_PRIME => 4320,
+        _ => 1800,
     }
 }
 
@@ -273,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn both_fields_hold_parts_of_pi() {
+    fn all_fields_hold_parts_of_pi() {
         divides_the_circle::<1>();
         divides_the_circle::<SECOND_PRIME>();
         divides_the_circle::<THIRD_PRIME>();

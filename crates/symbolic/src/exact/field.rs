@@ -17,14 +17,14 @@ pub struct Residue<const C: u64>(u64);
 /// An integer modulo the Mersenne prime 2^61 − 1.
 pub type Fp = Residue<1>;
 
-/// [`Residue<SECOND_PRIME>`] are the integers modulo 2^61 − 615950913, for expressions with roots: 2 … 53 are
-/// squares modulo it, cube, fifth, seventh, 11th and 13th roots are unique, and it holds the sines and cosines of
-/// π/4320.
-pub const SECOND_PRIME: u64 = 615_950_913;
+/// [`Residue<SECOND_PRIME>`] are the integers modulo 2^61 − 488019153, for expressions with roots: 2 … 53 and 109 (of
+/// 9.81) are squares modulo it, cube, fifth, seventh, 11th and 13th roots are unique, and it holds the sines and cosines
+/// of π/1800.
+pub const SECOND_PRIME: u64 = 488_019_153;
 
-/// [`Residue<THIRD_PRIME>`] are the integers modulo 2^61 − 962882913, for what one of the other two fields lacks: it
-/// has the same roots as the second, and the sines and cosines of π/720.
-pub const THIRD_PRIME: u64 = 962_882_913;
+/// [`Residue<THIRD_PRIME>`] are the integers modulo 2^61 − 615950913, for what one of the other two fields lacks: it
+/// has the same small roots as the second, that of 28019 (of 9.80665), and the sines and cosines of π/4320.
+pub const THIRD_PRIME: u64 = 615_950_913;
 
 /// Constants with fewer bits above and below the line are never mistaken for another fraction.
 const HARMLESS_BITS: usize = 39;
@@ -299,6 +299,16 @@ mod tests {
         for q in [3, 5, 7, 11, 13] {
             assert_ne!((Residue::<C>::MODULUS - 1) % q, 0, "{q}");
         }
+    }
+
+    #[test]
+    fn square_roots_of_the_acceleration_of_gravity_exist() {
+        for g in [(981, 100), (98, 10), (10, 1)] {
+            let g = RBig::from(g.0) / RBig::from(g.1);
+            assert!(Residue::<SECOND_PRIME>::from_rational(&g).unwrap().is_residue(), "{g}");
+        }
+        let standard = RBig::from(980_665) / RBig::from(100_000);
+        assert!(Residue::<THIRD_PRIME>::from_rational(&standard).unwrap().is_residue());
     }
 
     #[test]
