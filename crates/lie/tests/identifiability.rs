@@ -189,6 +189,7 @@ fn functions_with_series_of_their_own_are_covered() {
     m.rates.pop();
     m.rates.push("c*exp(-d*y + e) - sin(w*z)*atan(z)".to_owned());
     let r = m.report();
+    assert_eq!(r.reason, None);
     assert_eq!(names(r.identifiable.as_ref(), false), ["c", "e"]);
 }
 

@@ -304,3 +304,30 @@ fn friction_holds_what_bounded_forces_do_not_overcome() {
     let p = report("v y", "u", &["2 - mu*sign(v)", "u"]);
     assert_eq!(at_point(&p).equilibrium, Answer::Known(false));
 }
+
+/// What no mode changes, or rest that the inputs cannot end, keeps states near the point from it.
+#[test]
+fn what_does_not_change_in_any_mode_excludes_stabilization() {
+    for rates in [["u", "u*abs(x)"], ["u", "u*sign(x)"], ["u", "3*u*max(x, 0)"]] {
+        let p = report("x y", "u", &rates);
+        assert_eq!(at_point(&p).stabilizable, Some(Answer::Known(false)), "{rates:?}");
+    }
+    let sliding = |range: f64| {
+        let mut system = system(&["x", "v"], &["F"], &[], &["v", "F - 2*sign(v)"], &[], Some(&[]));
+        let ranges = vec![("F".to_owned(), InputValues::Between(-range, range))];
+        let options = Options { ranges, ..Options::default() };
+        analyze_affine(&mut system, &options).unwrap()
+    };
+    assert_eq!(at_point(&sliding(1.5)).stabilizable, Some(Answer::Known(false)));
+    assert_ne!(at_point(&sliding(2.5)).stabilizable, Some(Answer::Known(false)));
+}
+
+/// A root that ends at the kink: the flow over a weir never falls.
+#[test]
+fn a_root_at_a_kink_has_a_sign() {
+    for exponent in ["1.5", "0.5", "2.5"] {
+        let p = report("h q", "u", &["u", &format!("max(h, 0)^{exponent}")]);
+        assert_eq!(at_point(&p).stlc.with_bounded_inputs(), Verdict::No, "{exponent}");
+        assert_eq!(at_point(&p).stabilizable, Some(Answer::Known(false)), "{exponent}");
+    }
+}

@@ -192,7 +192,7 @@ impl Generic<'_> {
                 };
                 let (modes, invariants) = (self.modes, self.invariants);
                 let given = AtSwitchPoint { modes, point: &point, names: &names, options, invariants, unit_vector };
-                report.map(|report| of_modes(&mut system.pool, &given, report, evidence))
+                Answer::Known(of_modes(&mut system.pool, &given, report, evidence))
             }
             (Err(why), _) => Answer::Unknown(why.into()),
         }))
@@ -262,11 +262,15 @@ impl Smoothed {
         options: &Options,
         vanishing: Vec<Vanishing>,
         evidence: &mut Evidence,
-    ) -> Answer<PointReport> {
-        let Some(point) = self.system.point.clone() else { return Answer::Unknown(Reason::NoPoint) };
-        point_report(&mut self.system.pool, &self.fields, names, &self.reach, &point, options, evidence)
-            .map(|p| of_smoothed(p, vanishing, &options.epsilon))
-            .into()
+    ) -> PointReport {
+        let report = match self.system.point.clone() {
+            Some(point) => {
+                point_report(&mut self.system.pool, &self.fields, names, &self.reach, &point, options, evidence)
+                    .unwrap_or_else(|why| PointReport::undecided(why.into()))
+            }
+            None => PointReport::undecided(Reason::NoPoint),
+        };
+        of_smoothed(report, vanishing, &options.epsilon)
     }
 }
 

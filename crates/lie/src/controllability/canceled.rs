@@ -15,6 +15,7 @@ use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
 use crate::controllability::surface::Surface;
 use crate::error::Error;
 use crate::evidence::Evidence;
+use crate::linear::numerical::svd;
 use crate::reason::{StabilizableReason, StlcReason};
 use crate::undecided::Undecided;
 
@@ -164,7 +165,7 @@ fn needed(pool: &mut Pool, first: &Adjacent, rows: &[usize], gaps: &[Field]) -> 
     let values = first.frame.numbers(pool, &all)?;
     let (g, gaps) = values.split_at(rows.len() * n);
     let g = DMatrix::from_column_slice(n, rows.len(), g);
-    let svd = g.svd(true, true);
+    let svd = svd(g)?;
     let mut list = Vec::new();
     for gap in gaps.chunks(n) {
         let mut inputs = vec![0.0; first.fields.controls.len()];

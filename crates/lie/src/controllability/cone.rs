@@ -7,21 +7,11 @@ use crate::algebra::field::Field;
 use crate::algebra::span::vanishes;
 use crate::controllability::input_values::Side;
 use crate::controllability::meeting::{Adjacent, AtSwitchPoint, change, input_set};
-use crate::controllability::sign::{NearOrigin, Sign};
+use crate::controllability::sign::{Extent, NearOrigin, Sign};
 use crate::evidence::Evidence;
 use crate::reason::StlcReason;
 use crate::residues::{Echelon, Fp, PRIME};
 use crate::undecided::Undecided;
-
-/// Where the rate of a function is looked at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Extent {
-    /// Where the function has its value at the point: the half-space beyond is not left (Nagumo 1942). Else at all points:
-    /// the function never turns back.
-    pub(crate) hyperplane: bool,
-    /// At all distances from the point, which takes all modes. Else near the point.
-    pub(crate) everywhere: bool,
-}
 
 /// A linear function that can change to one side only in each of these modes, those that meet at the point or all.
 ///

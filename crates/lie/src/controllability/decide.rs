@@ -9,6 +9,7 @@ use crate::controllability::local::Frame;
 use crate::controllability::necessary::{definite_form, half_space, stefani};
 use crate::controllability::prolonged::{is_odd, with_integrators};
 use crate::controllability::search::general;
+use crate::controllability::sign::Extent;
 use crate::controllability::stlc::{Stlc, Verdict};
 use crate::controllability::sussmann::{Brackets, Inputs, Outcome};
 use crate::evidence::Evidence;
@@ -71,7 +72,7 @@ pub(crate) fn decide(
         let weights = if holds { vec![1, 1] } else { vec![1, linearization.index() as u32] };
         return Ok(Stlc::new(Verdict::Yes, StlcReason::Controllable).holding(weights));
     }
-    if let Some(reason) = half_space(pool, frame, &vec![None; inputs], false, evidence)? {
+    if let Some(reason) = half_space(pool, frame, &vec![None; inputs], Extent::LOCAL_HALF_SPACE, evidence)? {
         let mut stlc = Stlc::new(Verdict::No, reason);
         if dimension.known().is_some() {
             let general = general(pool, frame, limits, evidence)?;

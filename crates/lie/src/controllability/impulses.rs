@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::InputValues;
 use crate::controllability::local::Frame;
+use crate::linear::numerical::{svd, symmetric_eigen};
 
 /// Most input fields along which the state jumps, and most bounded inputs whose ends are combined.
 const MAX_FREE: usize = 6;
@@ -139,7 +140,7 @@ pub(crate) fn is_entire(pool: &Pool, list: &[Expr], states: &[Symbol]) -> bool {
 fn orthogonal_complement(columns: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = columns.nrows();
     let gram = columns * columns.transpose();
-    let eigen = gram.symmetric_eigen();
+    let eigen = symmetric_eigen(gram)?;
     let size = eigen.eigenvalues.amax();
     let zero: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] <= 1e-12 * size).collect();
     let unclear = eigen.eigenvalues.iter().any(|l| *l > 1e-12 * size && *l < 1e-6 * size);
@@ -152,7 +153,8 @@ fn surround(vectors: &[DVector<f64>]) -> bool {
     let Some(q) = vectors.first().map(DVector::len) else { return false };
     let matrix = DMatrix::from_columns(vectors);
     let spread = &matrix * matrix.transpose() / vectors.len() as f64;
-    if q == 0 || spread.symmetric_eigenvalues().min() < SPANNING * SPANNING {
+    let spans = |e: nalgebra::SymmetricEigen<f64, nalgebra::Dyn>| e.eigenvalues.min() >= SPANNING * SPANNING;
+    if q == 0 || !symmetric_eigen(spread).is_some_and(spans) {
         return false;
     }
     let target = -vectors.iter().fold(DVector::zeros(q), |s, v| s + v);
@@ -175,7 +177,7 @@ fn nonnegative_least_squares(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVect
         }
         for _ in 0..=columns {
             let chosen = a.select_columns(&passive);
-            let s = chosen.svd(true, true).solve(b, 1e-13).ok()?;
+            let s = svd(chosen)?.solve(b, 1e-13).ok()?;
             if s.iter().all(|v| *v > 0.0) {
                 x.fill(0.0);
                 for (&i, &v) in passive.iter().zip(s.iter()) {

@@ -34,6 +34,21 @@ impl InputSet<'_> {
         }
     }
 
+    /// The inputs that do not lie in their ranges.
+    pub(crate) fn outside(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> Vec<String> {
+        let Some(numbers) = frame.numbers(pool, inputs) else { return Vec::new() };
+        let mut list = Vec::new();
+        for ((name, values), u) in self.names.iter().zip(&self.values).zip(numbers) {
+            if let Some(InputValues::Between(lower, upper)) = *values {
+                let close = AT_END * (1.0 + u.abs());
+                if u < lower - close || u > upper + close {
+                    list.push(name.clone());
+                }
+            }
+        }
+        list
+    }
+
     /// How far the inputs have to move to lie in their ranges; `None` where they do already or it is not known.
     pub(crate) fn within_ranges(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> Option<Vec<Expr>> {
         let numbers = frame.numbers(pool, inputs)?;

@@ -1,17 +1,16 @@
 //! Statements at a point where switching functions vanish, from the modes that meet there.
 
-use bracketry_symbolic::{Expr, Function, Pool, Rational};
+use bracketry_symbolic::{Expr, Pool, Rational};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::field::{VectorFields, subtract};
-use crate::algebra::span::vanishes;
 use crate::answer::Answer;
 use crate::controllability::canceled::canceled;
-use crate::controllability::cone::{Extent, half_space_of_modes};
-use crate::controllability::meeting::{
-    Adjacent, AtSwitchPoint, CLEAR, Ranges, Verdicts, adjacent, all_modes, only_bounded,
-};
+use crate::controllability::cone::half_space_of_modes;
+use crate::controllability::meeting::{Adjacent, AtSwitchPoint, Ranges, Verdicts, adjacent, all_modes, only_bounded};
 use crate::controllability::point::PointReport;
+use crate::controllability::sign::Extent;
+use crate::controllability::sticking::{frozen, sticks};
 use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
 use crate::error::Error;
 use crate::evidence::Evidence;
@@ -77,7 +76,10 @@ fn decide(
         let equilibrium = smoothed.equilibrium.clone();
         return Ok(Verdicts { equilibrium, stlc, stabilizable: None, brockett: None });
     }
-    let equilibrium = equilibrium(pool, &adjacent, &smoothed.equilibrium, evidence)?;
+    let equilibrium = match smoothed.outside_ranges.is_empty() {
+        true => equilibrium(pool, &adjacent, &smoothed.equilibrium, evidence)?,
+        false => Answer::Known(false),
+    };
     let mut found = Verdicts { equilibrium, stlc: None, stabilizable: None, brockett: None };
     let ranges = Ranges::new(given);
     // Bounded inputs stay near the point for a short time; others may lead to all modes.
@@ -96,7 +98,7 @@ fn decide(
         None => bounded.clone(),
         Some(all) => negative(pool, given, all, &ranges, true, evidence)?,
     };
-    found.stlc = match (no, bounded) {
+    found.stlc = match (no, bounded.clone()) {
         (Some(reason), _) => Some(Stlc::new(Verdict::No, reason)),
         (None, Some(reason)) => Some(only_bounded(BoundedStlc { verdict: Verdict::No, reason })),
         (None, None) => None,
@@ -105,6 +107,16 @@ fn decide(
         found.stabilizable = Some((false, StabilizableReason::OneWay { function, change }));
         // Brockett's condition is about all values of the inputs near those at the point.
         found.brockett = (!one_sided).then_some(false);
+        return Ok(found);
+    }
+    // What bounded inputs do not change keeps states near the point from it, under every feedback.
+    found.stabilizable = match &bounded {
+        Some(StlcReason::Invariant(function)) => Some((false, StabilizableReason::Conserved(function.clone()))),
+        Some(StlcReason::Sticks(surface)) => frozen(pool, &adjacent, surface)
+            .map(|kept| (false, StabilizableReason::Sticks { surface: surface.clone(), kept })),
+        _ => None,
+    };
+    if found.stabilizable.is_some() {
         return Ok(found);
     }
     if let Some(left) = canceled(pool, given, &adjacent, all.as_deref(), &ranges, evidence)? {
@@ -197,54 +209,4 @@ fn negative(
         return Ok(Some(StlcReason::EveryMode(Box::new(reason))));
     }
     Ok(sticks(pool, modes, ranges, everywhere))
-}
-
-/// A surface onto which the modes on either side drive the motion, whatever the inputs in their ranges (Filippov 1988, § 18).
-fn sticks(pool: &mut Pool, adjacent: &[Adjacent], ranges: &Ranges, everywhere: bool) -> Option<StlcReason> {
-    let mut switches: Vec<usize> = adjacent.iter().flat_map(|a| a.switches.clone()).collect();
-    switches.sort_unstable();
-    switches.dedup();
-    'switch: for i in switches {
-        let mut function = None;
-        for a in adjacent {
-            let Some(place) = a.switches.iter().position(|&k| k == i) else { continue 'switch };
-            let (s, sign) = a.vanishing[place];
-            function.get_or_insert(s);
-            let states = &a.fields.states;
-            let drift = pool.lie_derivative(s, states, &a.fields.drift);
-            let mut rates = vec![drift];
-            for g in &a.fields.controls {
-                rates.push(pool.lie_derivative(s, states, g));
-            }
-            // Away from the point the rates must be the same.
-            let symbols = pool.symbols_of(&rates);
-            if everywhere && states.iter().any(|x| symbols.contains(x)) {
-                continue 'switch;
-            }
-            let at: FxHashMap<Expr, Expr> =
-                states.iter().zip(a.frame.point()).map(|(&s, &v)| (pool.sym(s), v)).collect();
-            let at_point = pool.substitute_all(&rates, &at);
-            let Some(values) = a.frame.numbers(pool, &at_point) else { continue 'switch };
-            // The largest rate away from the surface.
-            let sign = f64::from(sign);
-            let mut away = sign * values[0];
-            for (&g, &(lower, upper)) in values[1..].iter().zip(&ranges.ends) {
-                if g != 0.0 {
-                    away += (sign * g * lower).max(sign * g * upper);
-                }
-            }
-            // An input without bounds counts near the point too, where its rate need not vanish.
-            let unbounded = rates[1..].iter().zip(&ranges.ends).any(|(&e, &(lower, upper))| {
-                let bounded = lower.is_finite() && upper.is_finite();
-                !(bounded || vanishes(pool, e, &a.fields.bindings))
-            });
-            if unbounded || away.is_nan() || away >= -CLEAR * (1.0 + values[0].abs()) {
-                continue 'switch;
-            }
-        }
-        if let Some(function) = function {
-            return Some(StlcReason::Sticks(Function::new(pool, function)));
-        }
-    }
-    None
 }

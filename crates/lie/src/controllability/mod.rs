@@ -27,6 +27,8 @@ pub(crate) mod point;
 pub(crate) mod prolonged;
 pub(crate) mod search;
 pub(crate) mod sign;
+pub(crate) mod stabilizable;
+pub(crate) mod sticking;
 pub(crate) mod stlc;
 pub(crate) mod surface;
 pub(crate) mod sussmann;

@@ -5,6 +5,7 @@ use bracketry_symbolic::{Expr, Function, Pool, Symbol};
 use crate::algebra::field::{Field, bracket};
 use crate::algebra::integrals::search::integrals;
 use crate::algebra::rational::readable::tidy;
+use crate::algebra::span::vanishes;
 use crate::budget::check_growth;
 use crate::controllability::impulses::is_entire;
 use crate::controllability::local::Frame;
@@ -26,29 +27,54 @@ pub(crate) fn monotone_function(
     frame: &Frame,
     evidence: &mut Evidence,
 ) -> Result<Option<StlcReason>, Undecided> {
+    look(pool, frame, true, evidence)
+}
+
+/// A function φ with dφ(x0) ≠ 0 that is constant along all input fields and of which φ' has one sign near x0.
+pub(crate) fn monotone_near(
+    pool: &mut Pool,
+    frame: &Frame,
+    evidence: &mut Evidence,
+) -> Result<Option<StlcReason>, Undecided> {
+    look(pool, frame, false, evidence)
+}
+
+fn look(
+    pool: &mut Pool,
+    frame: &Frame,
+    everywhere: bool,
+    evidence: &mut Evidence,
+) -> Result<Option<StlcReason>, Undecided> {
     let fields = &frame.fields;
     let states = fields.states.clone();
     if fields.controls.is_empty() {
         return Ok(None);
     }
     let (variables, offsets) = frame.deviations(pool);
-    let everywhere = NearOrigin { frame, variables, everywhere: true };
+    let signs = NearOrigin { frame, variables, everywhere };
     for function in candidates(pool, frame, evidence)? {
         let gradient: Field = pool.gradient(function, &states);
-        let steady = frame.evaluate(pool, &[gradient], evidence)?.concat().iter().all(|d| *d == Fp::ZERO);
+        let Ok(slopes) = frame.evaluate(pool, std::slice::from_ref(&gradient), evidence) else { continue };
+        let steady = slopes.concat().iter().all(|d| *d == Fp::ZERO);
+        let mut moved: Vec<bool> = Vec::new();
+        for g in &fields.controls {
+            let along = pool.lie_derivative(function, &states, g);
+            moved.push(!vanishes(pool, along, &fields.bindings));
+        }
         let rate = pool.lie_derivative(function, &states, &fields.drift);
         let rate = tidy(pool, rate);
-        if steady || !is_entire(pool, &[function, rate], &states) {
+        if steady || moved.contains(&true) || everywhere && !is_entire(pool, &[function, rate], &states) {
             continue;
         }
         let at_point = frame.value_at_point(pool, function);
-        for k in factors(pool, &states, function, rate) {
+        let factors = if everywhere { factors(pool, &states, function, rate) } else { vec![pool.int(0)] };
+        for k in factors {
             let above = pool.sub(function, at_point);
             let pull = pool.mul(k, above);
             let total = pool.add(rate, pull);
             let total = tidy(pool, total);
             let moved = pool.substitute(total, &offsets);
-            let change = match everywhere.sign(pool, moved) {
+            let change = match signs.sign(pool, moved) {
                 Sign::Zero => Monotone::Constant,
                 Sign::Positive | Sign::NonNegative => Monotone::Rises,
                 Sign::Negative | Sign::NonPositive => Monotone::Falls,

@@ -14,7 +14,7 @@ use crate::controllability::holding::supporting;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::complement;
 use crate::controllability::local::Frame;
-use crate::controllability::sign::{NearOrigin, Sign, definite};
+use crate::controllability::sign::{Extent, NearOrigin, Sign, definite};
 use crate::evidence::Evidence;
 use crate::linear::numerical::symmetric_eigen;
 use crate::options::Limits;
@@ -88,25 +88,25 @@ pub(crate) fn stefani(
     Ok(None)
 }
 
-/// A half-space that no trajectory leaves, with the reason.
+/// A half-space that no trajectory leaves, or a linear function that never turns back, with the reason.
 ///
 /// If on the hyperplane λ·(x − x0) = 0 near x0 every f + Σ u_i g_i points to one side or along
 /// it, the half-space on that side is invariant (Nagumo 1942) and x0 is no interior point of what
 /// is reached. Tried are the coordinates, the constant λ that annihilate every input field, and one that is not negative on
 /// those of one-sided inputs at x0.
-/// `sides` says for each input whether it deviates to one side only; `everywhere`, that the field must point there on the
-/// whole hyperplane, so that trajectories that leave the neighborhood of x0 are bounded by it too.
+/// `sides` says for each input whether it deviates to one side only; `extent`, whether the field must point there off the
+/// hyperplane too, and far from x0, so that trajectories that leave the neighborhood of x0 are bounded by it.
 pub(crate) fn half_space(
     pool: &mut Pool,
     frame: &Frame,
     sides: &[Option<Side>],
-    everywhere: bool,
+    extent: Extent,
     evidence: &mut Evidence,
 ) -> Result<Option<StlcReason>, Undecided> {
     let states = frame.fields.states.clone();
     let n = states.len();
     let (variables, offsets) = frame.deviations(pool);
-    let near = NearOrigin { frame, variables: variables.clone(), everywhere };
+    let near = NearOrigin { frame, variables: variables.clone(), everywhere: extent.everywhere };
     for covector in covectors(pool, frame, sides, evidence)? {
         let Some(last) = covector.iter().rposition(|c| !pool.is_zero(*c)) else { continue };
         // On the hyperplane the last coordinate is a combination of the others.
@@ -122,7 +122,7 @@ pub(crate) fn half_space(
             let terms: Vec<Expr> = field.iter().zip(&covector).map(|(&e, &c)| pool.mul(c, e)).collect();
             let sum = pool.sum(terms);
             let sum = pool.substitute(sum, &offsets);
-            pool.substitute(sum, &on_plane)
+            if extent.hyperplane { pool.substitute(sum, &on_plane) } else { sum }
         };
         let sign = |pool: &mut Pool, e: Expr| {
             if vanishes(pool, e, &frame.fields.bindings) {

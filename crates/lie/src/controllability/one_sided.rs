@@ -13,6 +13,7 @@ use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
 use crate::controllability::necessary::half_space;
 use crate::controllability::prolonged::with_integrators;
+use crate::controllability::sign::Extent;
 use crate::controllability::stlc::{Stlc, Verdict};
 use crate::error::Error;
 use crate::evidence::Evidence;
@@ -63,7 +64,7 @@ pub(crate) fn one_sided(
     if !frame.is_equilibrium(pool, evidence)? {
         return Ok(Stlc::inconclusive(StlcReason::OneSidedNoEquilibrium));
     }
-    if let Some(reason) = half_space(pool, frame, sides, false, evidence)? {
+    if let Some(reason) = half_space(pool, frame, sides, Extent::LOCAL_HALF_SPACE, evidence)? {
         return Ok(Stlc::new(Verdict::No, reason));
     }
     if points_to_one_side(pool, frame, sides, evidence)? {

@@ -8,7 +8,6 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use crate::algebra::field::VectorFields;
-use crate::algebra::field::is_plain_zero;
 use crate::answer::Answer;
 use crate::as_text::serialized_as_text;
 use crate::budget::release;
@@ -16,9 +15,10 @@ use crate::controllability::accessibility::Reach;
 use crate::controllability::brockett::brockett_condition;
 use crate::controllability::decide::decide;
 use crate::controllability::input_set::InputSet;
-use crate::controllability::linearization::{Linearization, is_linear, uncontrollable};
+use crate::controllability::linearization::{Linearization, uncontrollable};
 use crate::controllability::local::Frame;
 use crate::controllability::one_sided::{Given, held, one_sided};
+use crate::controllability::stabilizable::{AtEquilibrium, stabilizable};
 use crate::controllability::stlc::{Stlc, Verdict};
 use crate::controllability::unbounded::unbounded;
 use crate::controllability::uncontrollable::{Mode, uncontrollable_modes};
@@ -107,7 +107,11 @@ pub(crate) fn point_report(
 ) -> Result<PointReport, Error> {
     let n = fields.states.len();
     let frame = Frame::new(pool, fields, &point.states, &point.inputs)?;
-    let equilibrium = frame.is_equilibrium(pool, evidence)?;
+    let values = names.iter().map(|n| options.ranges.iter().find(|r| r.0 == *n).map(|r| r.1)).collect();
+    let said = names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
+    let set = InputSet { names, values, one_sided: said };
+    let outside_ranges = set.outside(pool, &frame, &point.inputs);
+    let equilibrium = outside_ranges.is_empty() && frame.is_equilibrium(pool, evidence)?;
     let all = reach.all.as_ref().map_err(Clone::clone)?;
     let strong = reach.strong.as_ref().map_err(Clone::clone)?;
     let before = pool.len();
@@ -122,9 +126,6 @@ pub(crate) fn point_report(
         dimension => Stlc::or_inconclusive(decide(pool, &frame, dimension, linearization.as_ref(), limits, evidence)),
     };
     release(pool, before, &mut []);
-    let values = names.iter().map(|n| options.ranges.iter().find(|r| r.0 == *n).map(|r| r.1)).collect();
-    let said = names.iter().map(|n| options.one_sided.iter().find(|o| o.0 == *n).map(|o| o.1)).collect();
-    let set = InputSet { names, values, one_sided: said };
     let sides = set.sides(pool, &frame, &point.inputs);
     let restricted = sides.as_ref().is_none_or(|s| s.iter().any(Option::is_some));
     let around = if stlc.verdict != Verdict::No && (!equilibrium || restricted) {
@@ -142,27 +143,16 @@ pub(crate) fn point_report(
     let sides = sides.unwrap_or_else(|| vec![None; names.len()]);
     let stlc = unbounded(pool, &frame, &set, &point.inputs, &sides, stlc, evidence)?;
     let rank = linearization.as_ref().map(|l| l.controllable().rank());
-    let driftless = is_plain_zero(pool, &fields.drift);
     let unreached = rank.map(|rank| uncontrollable(pool, &frame, rank));
-    let decay = unreached.as_ref().map(|u| match u {
+    let decays = unreached.as_ref().map(|u| match u {
         Ok(found) => found.decays.clone(),
         Err(why) => Answer::Unknown(why.clone()),
     });
-    let stabilizable = rank.zip(decay).map(|(rank, decay)| match decay {
-        Answer::Known(true) if rank == n => (Answer::Known(true), StabilizableReason::Controllable),
-        Answer::Known(true) => (Answer::Known(true), StabilizableReason::ModesDecay),
-        Answer::Known(false) if is_linear(pool, fields) => (Answer::Known(false), StabilizableReason::UnstableMode),
-        Answer::Unknown(Reason::OnAxis) if is_linear(pool, fields) => {
-            (Answer::Known(false), StabilizableReason::ModeOnAxis)
-        }
-        // Feedback with kinks, other values of the inputs at the point, or time may do what smooth feedback cannot.
-        Answer::Known(false) => (Answer::Unknown(Reason::UnstableMode), StabilizableReason::Open(Reason::UnstableMode)),
-        // Coron 1995: the sufficient conditions for STLC used here give stabilization by
-        // continuous, periodic feedback in any dimension but 2 and 3; without drift (Coron 1992) in all.
-        Answer::Unknown(_) if stlc.verdict == Verdict::Yes && (n != 2 && n != 3 || driftless) => {
-            (Answer::Known(true), StabilizableReason::Periodic)
-        }
-        Answer::Unknown(why) => (Answer::Unknown(why.clone()), StabilizableReason::Open(why)),
+    let stabilizable = linearization.as_ref().zip(rank).zip(decays).map(|((l, rank), decays)| {
+        let generic = [all.dimension(), strong.dimension()];
+        let (inputs, local, stlc, sides) = (&l.b[..], &local, &stlc, &sides[..]);
+        let at = AtEquilibrium { frame: &frame, rank, inputs, decays, generic, local, stlc, sides };
+        stabilizable(pool, &at, evidence)
     });
     let (stabilizable, stabilizable_reason) = stabilizable.unzip();
     Ok(PointReport {
@@ -170,6 +160,7 @@ pub(crate) fn point_report(
         epsilon: None,
         vanishing: Vec::new(),
         equilibrium: Answer::Known(equilibrium),
+        outside_ranges,
         dimensions: Dimensions::new(local.growth, local.dimension, local.strong_growth, local.strong_dimension),
         linear_controllability_rank: rank,
         stabilizable,
@@ -180,6 +171,29 @@ pub(crate) fn point_report(
         smoothed_stlc: None,
         relative_degree_defined: None,
     })
+}
+
+impl PointReport {
+    /// No statement, where the equations cannot be evaluated at the point.
+    pub(crate) fn undecided(why: Reason) -> PointReport {
+        let open = || Answer::Unknown(why.clone());
+        PointReport {
+            of: Subject::Model,
+            epsilon: None,
+            vanishing: Vec::new(),
+            equilibrium: Answer::Unknown(why.clone()),
+            outside_ranges: Vec::new(),
+            dimensions: Dimensions::new(Vec::new(), open(), Vec::new(), open()),
+            linear_controllability_rank: None,
+            stabilizable: None,
+            stabilizable_reason: None,
+            uncontrollable_modes: None,
+            brockett_condition: None,
+            stlc: Stlc::inconclusive(StlcReason::Withheld(why)),
+            smoothed_stlc: None,
+            relative_degree_defined: None,
+        }
+    }
 }
 
 /// Which equations a statement speaks of.
@@ -229,6 +243,10 @@ pub struct PointReport {
     pub vanishing: Vec<Vanishing>,
     /// Whether the state rests there under the inputs given with the point.
     pub equilibrium: Answer<bool>,
+    /// Inputs whose values given with the point lie outside of their ranges, so that it is no equilibrium; absent if there
+    /// are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub outside_ranges: Vec<String>,
     /// Dimensions at the point.
     #[serde(flatten)]
     pub dimensions: Dimensions,

@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use rustc_hash::FxHashMap;
 
 use crate::controllability::local::Frame;
+use crate::linear::numerical::symmetric_eigen;
 
 /// The sign of a function in a neighborhood of a point, or everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +57,22 @@ impl Sign {
             _ => Sign::NonPositive,
         }
     }
+}
+
+/// Where the rate of a function is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Extent {
+    /// Where the function has its value at the point: the half-space beyond is not left (Nagumo 1942). Else at all points:
+    /// the function never turns back.
+    pub(crate) hyperplane: bool,
+    /// At all distances from the point, which takes all modes. Else near the point.
+    pub(crate) everywhere: bool,
+}
+
+impl Extent {
+    /// An invariant half-space, and one near the point.
+    pub(crate) const HALF_SPACE: Extent = Extent { hyperplane: true, everywhere: true };
+    pub(crate) const LOCAL_HALF_SPACE: Extent = Extent { hyperplane: true, everywhere: false };
 }
 
 /// Values nearer to zero than this are not taken for nonzero.
@@ -232,6 +249,8 @@ impl NearOrigin<'_> {
         match pool.integer(exponent) {
             Some(k) if k > 0 && k % 2 == 0 => Sign::NonNegative,
             Some(k) if k > 0 => self.look(pool, base, depth + 1),
+            // A root is defined where its base is not negative, and not negative there.
+            None if pool.number(exponent).is_some_and(|k| *k > Rational::ZERO) => Sign::NonNegative,
             _ => Sign::Unknown,
         }
     }
@@ -271,7 +290,7 @@ impl NearOrigin<'_> {
         let at: Vec<Expr> = second.into_iter().map(|e| self.frame.constants_in(pool, e)).collect();
         let rows: Vec<Vec<Expr>> = at.chunks(used.len()).map(<[Expr]>::to_vec).collect();
         let Ok(rank) = pool.rank(&rows, &Bindings::new()) else { return Sign::Unknown };
-        let eigenvalues = matrix.symmetric_eigenvalues();
+        let Some(eigenvalues) = symmetric_eigen(matrix).map(|e| e.eigenvalues) else { return Sign::Unknown };
         let clear = CONDITION * eigenvalues.amax();
         let rising = eigenvalues.iter().filter(|l| **l > clear).count();
         let falling = eigenvalues.iter().filter(|l| **l < -clear).count();
@@ -288,7 +307,7 @@ const CONDITION: f64 = 1e-7;
 
 /// Whether a symmetric matrix is positive (true) or negative (false) definite.
 pub(crate) fn definite(q: &DMatrix<f64>) -> Option<bool> {
-    let values = ((q + q.transpose()) * 0.5).symmetric_eigenvalues();
+    let values = symmetric_eigen((q + q.transpose()) * 0.5)?.eigenvalues;
     let (least, most) = (values.min(), values.max());
     let clear = CONDITION * least.abs().max(most.abs());
     if least > clear {

@@ -9,6 +9,7 @@ use crate::controllability::linearization::is_linear;
 use crate::controllability::local::Frame;
 use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
+use crate::controllability::sign::Extent;
 use crate::controllability::stlc::{BoundedStlc, Stlc, Verdict};
 use crate::evidence::Evidence;
 use crate::reason::StlcReason;
@@ -39,7 +40,7 @@ pub(crate) fn unbounded(
     }
     let half_space = match set.within_ranges(pool, frame, inputs) {
         Some(moves) => outside(pool, frame, set, inputs, &moves, evidence)?,
-        None => half_space(pool, frame, sides, true, evidence)?,
+        None => half_space(pool, frame, sides, Extent::HALF_SPACE, evidence)?,
     };
     let barrier = match half_space {
         None => monotone_function(pool, frame, evidence)?,
@@ -75,7 +76,7 @@ fn outside(
     let moved: Vec<Expr> = inputs.iter().zip(moves).map(|(&u, &d)| pool.add(u, d)).collect();
     let Ok(inside) = Frame::new(pool, &frame.fields, frame.point(), moves) else { return Ok(None) };
     match set.sides(pool, frame, &moved) {
-        Some(sides) => half_space(pool, &inside, &sides, true, evidence),
+        Some(sides) => half_space(pool, &inside, &sides, Extent::HALF_SPACE, evidence),
         None => Ok(None),
     }
 }

@@ -64,6 +64,8 @@ class AtPoint(Reach):
     #: Of which model the dimensions and linear statements are: "smoothed" where switching functions vanish at the point.
     of: Literal["model", "smoothed"]
     equilibrium: Answer
+    #: Inputs whose values given with the point lie outside of their ranges, so that it is no equilibrium.
+    outside_ranges: list[str] = field(default_factory=list)
     stlc: LocalControllability
     #: That of the smoothed model, which says nothing of the model.
     smoothed_stlc: LocalControllability | None = None

@@ -196,7 +196,7 @@ fn switched(f: &mut String, r: &SwitchedReport) -> fmt::Result {
 
 fn point(f: &mut String, r: &PointReport) -> fmt::Result {
     dimensions(f, &r.dimensions)?;
-    writeln!(f, "  equilibrium            {}", yes_no(&r.equilibrium))?;
+    writeln!(f, "  equilibrium            {}{}", yes_no(&r.equilibrium), outside(r))?;
     if let Some(rank) = r.linear_controllability_rank {
         writeln!(f, "  linear rank            {rank}")?;
     }
@@ -226,6 +226,15 @@ fn point(f: &mut String, r: &PointReport) -> fmt::Result {
     match &r.relative_degree_defined {
         Some(defined) => writeln!(f, "  vector relative degree {}", yes_no(defined)),
         None => Ok(()),
+    }
+}
+
+/// Why a point at which the right-hand side vanishes may be no equilibrium.
+pub(crate) fn outside(r: &PointReport) -> String {
+    match &r.outside_ranges[..] {
+        [] => String::new(),
+        [name] => format!(": the value of {name} at the point is outside of its range"),
+        names => format!(": the values of {} at the point are outside of their ranges", names.join(", ")),
     }
 }
 

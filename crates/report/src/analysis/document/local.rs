@@ -4,7 +4,7 @@ use bracketry_lie::{Analysis, Answer, Mode, PointReport, Stlc, Vanishing};
 
 use super::blocks::{Block, Line, item, math, section, text, words};
 use super::formulas::{bracket, complex, function};
-use crate::analysis::text::yes_no;
+use crate::analysis::text::{outside, yes_no};
 
 /// Statements at the point of the model.
 pub(super) fn at_the_point(a: &Analysis, out: &mut Vec<Block>) {
@@ -51,7 +51,7 @@ fn local(p: &PointReport, out: &mut Vec<Block>) {
         line.push(text("; all others are of the model."));
         out.push(Block::Paragraph(line));
     }
-    let mut items = vec![item("equilibrium", yes_no(&p.equilibrium))];
+    let mut items = vec![item("equilibrium", format!("{}{}", yes_no(&p.equilibrium), outside(p)))];
     if let Some(rank) = p.linear_controllability_rank {
         items.push(item("rank of the controllability matrix of the linearization", rank.to_string()));
     }

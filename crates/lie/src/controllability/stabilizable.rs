@@ -1,0 +1,114 @@
+//! Whether feedback makes an equilibrium asymptotically stable.
+
+use bracketry_symbolic::Pool;
+
+use crate::algebra::field::is_plain_zero;
+use crate::answer::Answer;
+use crate::controllability::input_values::Side;
+use crate::controllability::linearization::is_linear;
+use crate::controllability::local::{Frame, LocalAccessibility};
+use crate::controllability::monotone::monotone_near;
+use crate::controllability::necessary::half_space;
+use crate::controllability::sign::Extent;
+use crate::controllability::stlc::{Stlc, Verdict};
+use crate::evidence::Evidence;
+use crate::reason::{Reason, StabilizableReason, StlcReason};
+use crate::residues::Fp;
+use crate::undecided::Undecided;
+
+/// What is known of an equilibrium.
+pub(crate) struct AtEquilibrium<'a> {
+    pub(crate) frame: &'a Frame,
+    /// Rank of Kalman's matrix.
+    pub(crate) rank: usize,
+    /// The input fields at the point.
+    pub(crate) inputs: &'a [Vec<Fp>],
+    /// Whether the modes that no input reaches decay.
+    pub(crate) decays: Answer<bool>,
+    /// Dimensions of the accessibility algebra and of its strong part: generic and at the point.
+    pub(crate) generic: [usize; 2],
+    pub(crate) local: &'a LocalAccessibility,
+    pub(crate) stlc: &'a Stlc,
+    pub(crate) sides: &'a [Option<Side>],
+}
+
+/// The verdict, from the linearization, from what no input changes or lowers, or from local controllability.
+///
+/// A "no" excludes every feedback, also of time or with jumps; where the system is not linear it does not rest on the
+/// linearization alone, since x' = x − u³ has an unstable uncontrollable mode and u = 2 x^(1/3) stabilizes it.
+pub(crate) fn stabilizable(
+    pool: &mut Pool,
+    at: &AtEquilibrium,
+    evidence: &mut Evidence,
+) -> (Answer<bool>, StabilizableReason) {
+    let n = at.frame.fields.states.len();
+    let known = |answer: bool, why: StabilizableReason| (Answer::Known(answer), why);
+    let linear = is_linear(pool, &at.frame.fields);
+    let all = at.rank == n;
+    let by_linearization = if all { StabilizableReason::Controllable } else { StabilizableReason::ModesDecay };
+    let restricted = at.sides.iter().any(Option::is_some);
+    match &at.decays {
+        // Inputs that move to one side only are looked at below: linear feedback does not have them.
+        Answer::Known(true) if !restricted => return known(true, by_linearization),
+        Answer::Known(false) if linear => return known(false, StabilizableReason::UnstableMode),
+        Answer::Unknown(Reason::OnAxis) if linear => return known(false, StabilizableReason::ModeOnAxis),
+        _ => {}
+    }
+    match obstacle(pool, at, evidence) {
+        Ok(Some(why)) => return known(false, why),
+        Ok(None) => {}
+        Err(why) => return (Answer::Unknown(why.clone().into()), StabilizableReason::Open(why.into())),
+    }
+    if at.decays == Answer::Known(true) {
+        return known(true, by_linearization);
+    }
+    if at.stlc.with_bounded_inputs() == Verdict::Yes {
+        // Kawski 1989: analytic systems x' = f + u g in the plane, g(x0) ≠ 0.
+        if n == 2 && at.inputs.len() == 1 && at.inputs[0].iter().any(|v| !v.is_zero()) {
+            return known(true, StabilizableReason::Planar);
+        }
+        // Coron 1995: the sufficient conditions for STLC used here give stabilization by
+        // continuous, periodic feedback in any dimension but 2 and 3; without drift (Coron 1992) in all.
+        let driftless = is_plain_zero(pool, &at.frame.fields.drift);
+        if matches!(at.decays, Answer::Unknown(_)) && (n != 2 && n != 3 || driftless) {
+            return known(true, StabilizableReason::Periodic);
+        }
+    }
+    let why = match &at.decays {
+        Answer::Unknown(why) => why.clone(),
+        // Feedback with kinks, other values of the inputs at the point, or time may do what smooth feedback cannot.
+        Answer::Known(_) => Reason::UnstableMode,
+    };
+    (Answer::Unknown(why.clone()), StabilizableReason::Open(why))
+}
+
+/// What keeps states near the point from it, whatever the inputs.
+///
+/// - The accessibility algebra has the same dimension r < n at the point as generically: near the point the state space is
+///   foliated by orbits of dimension r (Frobenius), and a motion that stays near the point does not change its leaf.
+/// - The strong algebra has the same dimension at the point as generically and as Kalman's matrix: in coordinates z of the
+///   leaves of that foliation z' = h(z), whatever the inputs, and the uncontrollable modes are those of h.
+/// - A function that changes to one side only near the point.
+fn obstacle(
+    pool: &mut Pool,
+    at: &AtEquilibrium,
+    evidence: &mut Evidence,
+) -> Result<Option<StabilizableReason>, Undecided> {
+    let n = at.frame.fields.states.len();
+    let (dimension, strong) = (at.local.dimension.known().copied(), at.local.strong_dimension.known().copied());
+    if dimension == Some(at.generic[0]) && at.generic[0] < n {
+        return Ok(Some(StabilizableReason::Leaves { dimension: at.generic[0], states: n }));
+    }
+    if at.decays == Answer::Known(false) && strong == Some(at.generic[1]) && at.generic[1] == at.rank {
+        return Ok(Some(StabilizableReason::UnstableQuotient));
+    }
+    let near = Extent { hyperplane: false, everywhere: false };
+    let barrier = match half_space(pool, at.frame, at.sides, near, evidence)? {
+        None => monotone_near(pool, at.frame, evidence)?,
+        found => found,
+    };
+    Ok(match barrier {
+        Some(StlcReason::HalfSpace { function, change, .. }) => Some(StabilizableReason::OneWay { function, change }),
+        _ => None,
+    })
+}

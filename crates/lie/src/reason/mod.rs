@@ -1,0 +1,14 @@
+//! What verdicts rest on, and why questions stay open.
+
+mod feedback;
+mod open;
+mod stabilizable;
+mod stlc;
+mod text;
+mod zero_dynamics;
+
+pub use feedback::{FlatnessReason, MinimumPhaseReason};
+pub use open::{AtSwitch, BracketLimit, FamilyReason, Reason, SwitchingReason};
+pub use stabilizable::StabilizableReason;
+pub use stlc::{InputCombination, Monotone, StlcReason};
+pub use zero_dynamics::NoZeroDynamics;

@@ -1,0 +1,72 @@
+//! What verdicts on stabilizability rest on.
+
+use bracketry_symbolic::Function;
+
+use crate::as_text::serialized_as_text;
+use crate::reason::open::Reason;
+use crate::reason::stlc::Monotone;
+
+/// What a verdict on stabilizability rests on, or why there is none.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StabilizableReason {
+    /// Kalman's condition.
+    #[error("the linearization is controllable")]
+    Controllable,
+    /// The uncontrollable eigenvalues have negative real parts.
+    #[error("the uncontrollable modes of the linearization decay")]
+    ModesDecay,
+    /// A linear system with an uncontrollable eigenvalue in the right half-plane.
+    #[error("the linearization has an unstable uncontrollable mode")]
+    UnstableMode,
+    /// A linear system with an uncontrollable eigenvalue on the imaginary axis.
+    #[error("the system is linear and has an uncontrollable mode on the imaginary axis")]
+    ModeOnAxis,
+    /// Orbits of lower dimension foliate a neighborhood of the point.
+    #[error(
+        "near the point the state stays on sets of dimension {dimension} of {states}, whatever the inputs (Frobenius)"
+    )]
+    Leaves {
+        /// Dimension of the orbits.
+        dimension: usize,
+        /// Number of states.
+        states: usize,
+    },
+    /// Functions that no input influences move away from their values at the point.
+    #[error("functions that no input influences obey equations of their own, whose linearization is unstable")]
+    UnstableQuotient,
+    /// Kawski's theorem.
+    #[error("by Hölder continuous feedback, from small-time controllability in the plane (Kawski 1989)")]
+    Planar,
+    /// Coron's theorem.
+    #[error("by continuous time-periodic feedback, from small-time controllability (Coron)")]
+    Periodic,
+    /// A function that never changes to one side, so that it does not return.
+    #[error("{function} can {change} near the point, whatever the inputs")]
+    OneWay {
+        /// The function.
+        function: Function,
+        /// How it can not change.
+        change: Monotone,
+    },
+    /// A function that is constant in every mode.
+    #[error("{0} never changes, so that states with another value of it stay away from the point")]
+    Conserved(Function),
+    /// Bounded inputs hold the state on a surface.
+    #[error(
+        "whatever the inputs in their ranges, states on {surface} = 0 stay there, and {kept} does not change on it"
+    )]
+    Sticks {
+        /// The switching function.
+        surface: Function,
+        /// What keeps its value on the surface.
+        kept: Function,
+    },
+    /// The inputs cancel what switches.
+    #[error("feedback cancels the difference of the modes, which the input fields span; of what is left: {0}")]
+    Canceled(Box<StabilizableReason>),
+    /// Not decided.
+    #[error(transparent)]
+    Open(Reason),
+}
+
+serialized_as_text!(StabilizableReason);
