@@ -327,26 +327,6 @@ fn crane_with_accelerated_trolley_and_rope() {
     assert!(adds_up(&s, &f), "{f:?}");
 }
 
-/// A planar arm whose last joint is passive, in the horizontal plane, by the acceleration of that joint: the center of
-/// percussion of the last link.
-#[test]
-fn planar_arm_with_a_passive_last_joint() {
-    let s = system(
-        &["x", "y", "th", "vx", "vy", "w"],
-        &["a", "b"],
-        &[("K", ratio(2, 3))],
-        &["vx", "vy", "w", "a", "b", "(a*sin(th) - b*cos(th))/K"],
-        &[],
-        None,
-    );
-    let f = flatness(&s);
-    // It is flat; where the search does not find that center, it must not claim the contrary.
-    assert_ne!(f.verdict, FlatnessVerdict::No, "{}", f.reason);
-    if f.verdict == FlatnessVerdict::Yes {
-        assert!(adds_up(&s, &f), "{f:?}");
-    }
-}
-
 /// A quadrotor by the thrusts of its rotors.
 #[test]
 fn quadrotor_by_rotor_thrusts() {
@@ -374,4 +354,29 @@ fn quadrotor_by_rotor_thrusts() {
     let f = flatness(&s);
     assert_eq!(f.verdict, FlatnessVerdict::Yes, "{}", f.reason);
     assert!(adds_up(&s, &f), "{f:?}");
+}
+
+/// A rigid body on a passive joint whose accelerations are the inputs, as the last link of a planar arm (De Luca and Oriolo
+/// 2002), with and without gravity, of any length and turned frame: the center of oscillation is flat.
+#[test]
+fn a_body_on_a_passive_joint_is_flat_by_its_center_of_oscillation() {
+    let turned = [("a1", "a2"), ("(3*a1 - 4*a2)/5", "(4*a1 + 3*a2)/5"), ("a1 + 2*a2", "a2")];
+    for (case, (ax, ay)) in turned.into_iter().enumerate() {
+        let gravity = ["0", "981/100", "0"][case];
+        let spin = format!("(sin(th)*({ax}) - cos(th)*({ay} + {gravity}))/K");
+        let s = system(
+            &["x", "y", "th", "vx", "vy", "w"],
+            &["a1", "a2"],
+            &[("K", ratio(case as i64 + 1, 2))],
+            &["vx", "vy", "w", ax, ay, &spin],
+            &[],
+            None,
+        );
+        let f = flatness(&s);
+        assert_eq!(f.verdict, FlatnessVerdict::Yes, "{case}");
+        assert!(adds_up(&s, &f), "{case}");
+        let mut found = shown(&f.flat_outputs);
+        found.sort_unstable();
+        assert_eq!(found, ["K*cos(th) + x", "K*sin(th) + y"], "{case}");
+    }
 }

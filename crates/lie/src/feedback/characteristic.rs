@@ -87,7 +87,11 @@ fn zeros(pool: &mut Pool, [a, b, c]: [Expr; 3]) -> Vec<[Expr; 2]> {
     let product = pool.mul(a, c);
     let product = pool.mul(four, product);
     let discriminant = pool.sub(square, product);
-    let Some(root) = square_root(pool, discriminant) else { return Vec::new() };
+    let root = square_root(pool, discriminant).or_else(|| {
+        let waves = pool.trig_form(discriminant);
+        square_root(pool, waves)
+    });
+    let Some(root) = root else { return Vec::new() };
     let two = pool.int(2);
     let bottom = pool.mul(two, a);
     let minus = pool.neg(b);
