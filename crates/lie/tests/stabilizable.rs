@@ -93,3 +93,41 @@ fn the_root_of_the_acceleration_of_gravity_is_exact_at_a_point() {
         assert_eq!(r.linear_controllability_rank, Some(2), "{g}");
     }
 }
+
+/// An input that does not move the state at the point may have another value there.
+#[test]
+fn constant_inputs_may_stabilize() {
+    assert_eq!(stabilizable("x", "u", &["x*u"]).0, Some(true));
+    assert_eq!(stabilizable("x y", "u", &["y + u*x", "-x"]).0, Some(true));
+    // V = x² − y² grows with every input.
+    assert_ne!(stabilizable("x y", "u", &["x + u*y", "-2*y + u*x"]).0, Some(true));
+    let ranges = vec![("u".to_owned(), InputValues::Between(0.0, 2.0))];
+    let options = Options { ranges, ..Options::default() };
+    assert_ne!(report("x", "u", &["x*u"], &[("u", "1")], &options).stabilizable, Some(Answer::Known(true)));
+    // At rest at the end of the range: a tank without inflow.
+    let tank = report(
+        "h",
+        "q",
+        &["q - 2*h"],
+        &[],
+        &Options { ranges: vec![("q".to_owned(), InputValues::Between(0.0, 1.0))], ..Options::default() },
+    );
+    assert_eq!(tank.stabilizable_reason, Some(StabilizableReason::Stable));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    /// z' = a x² + b x y + c y² + linear terms of the inputs: the image is open just when the form is indefinite, also in
+    /// coordinates that mix z with the others.
+    #[test]
+    fn brocketts_condition_for_quadratic_forms(a in -3_i64..4, b in -3_i64..4, c in -3_i64..4, k in -2_i64..3) {
+        prop_assume!(b * b != 4 * a * c);
+        let rate = format!("{a}*x^2 + {b}*x*y + {c}*y^2 + {k}*u");
+        let r = report("x y Z", "u v", &["u", "v", &rate], &[], &Options::default());
+        prop_assert_eq!(r.brockett_condition, Some(Answer::Known(b * b > 4 * a * c)), "{}", rate);
+        // Two torques on a rigid body: by STLC and dynamic feedback.
+        let decided = if b * b > 4 * a * c { Some(true) } else { Some(false) };
+        prop_assert_eq!(r.stabilizable.unwrap().known().copied(), decided, "{}", rate);
+    }
+}

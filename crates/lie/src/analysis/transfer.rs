@@ -10,7 +10,7 @@ use crate::controllability::stlc::{Stlc, Verdict};
 use crate::feedback::flatness_report::{FlatnessReport, FlatnessVerdict};
 use crate::feedback::ruled::{GeneralSystem, not_ruled};
 use crate::options::Options;
-use crate::reason::{FlatnessReason, Reason, StlcReason};
+use crate::reason::{FlatnessReason, Reason, StabilizableReason, StlcReason};
 
 /// The options with what is known of the inputs of the affine form.
 pub(crate) fn with_input_ranges(options: &Options, affinization: &Affinization, original: &System) -> Options {
@@ -138,7 +138,10 @@ pub(crate) fn withhold_local_verdicts(report: &mut Report, affinization: &Affini
     if transfer.feedback {
         return;
     }
-    if let Some(stabilizable @ Answer::Known(true)) = &mut point.stabilizable {
+    let resting = point.stabilizable_reason == Some(StabilizableReason::Stable);
+    if let Some(stabilizable @ Answer::Known(true)) = &mut point.stabilizable
+        && !resting
+    {
         *stabilizable = Answer::Unknown(why.clone());
         point.stabilizable_reason = None;
     }

@@ -9,6 +9,7 @@ use crate::answer::Answer;
 use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
 use crate::controllability::local_degree::has_local_degree;
+use crate::controllability::open_map::open_by_second_order;
 use crate::controllability::sign::{NearOrigin, Sign};
 use crate::evidence::Evidence;
 use crate::linear::polynomial::MultivariatePolynomial;
@@ -30,6 +31,7 @@ const MAX_SIZE: usize = 6;
 ///   vanishes too, or keeps one sign, the vectors along it (or against that sign) are not in the
 ///   image: false.
 /// - No drift, constant rank of the input fields below n: false (Brockett's corollary).
+/// - A derivative that lacks one dimension, in which the second derivatives take both signs: true ([`open_by_second_order`]).
 /// - Polynomial components that, of n of the variables while the others rest, have a local degree different from zero:
 ///   true ([`has_local_degree`]).
 pub(crate) fn brockett_condition(
@@ -89,7 +91,8 @@ fn decide(
     if misses_a_direction(pool, frame, &image, &variables, &jacobian) {
         return Ok(Some(false));
     }
-    Ok(covers(pool, frame, &image, &variables).then_some(true))
+    let covered = open_by_second_order(pool, frame, &image, &variables) || covers(pool, frame, &image, &variables);
+    Ok(covered.then_some(true))
 }
 
 /// Whether components vanish only where others vanish too or keep a sign.

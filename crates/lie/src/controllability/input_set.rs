@@ -34,6 +34,13 @@ impl InputSet<'_> {
         }
     }
 
+    /// Whether inputs with known ranges lie strictly inside of them, and the others may take both signs of any deviation.
+    pub(crate) fn inside(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> bool {
+        let known = (0..self.names.len())
+            .all(|i| self.one_sided[i].is_none() && !matches!(self.values[i], Some(InputValues::Unknown)));
+        known && self.sides(pool, frame, inputs).is_some_and(|sides| sides.iter().all(Option::is_none))
+    }
+
     /// The inputs that do not lie in their ranges.
     pub(crate) fn outside(&self, pool: &mut Pool, frame: &Frame, inputs: &[Expr]) -> Vec<String> {
         let Some(numbers) = frame.numbers(pool, inputs) else { return Vec::new() };

@@ -111,6 +111,17 @@ pub(crate) fn uncontrollable(pool: &mut Pool, frame: &Frame, rank: usize) -> Res
     Ok(Uncontrollable { roots: clustered(&found, tolerance), decays, exact: None })
 }
 
+/// Whether all eigenvalues of A are seen to have negative real parts.
+pub(crate) fn is_hurwitz(pool: &mut Pool, frame: &Frame) -> bool {
+    if let Some((a, _)) = rational_matrices(pool, frame) {
+        let spectrum = Spectrum::of(&a);
+        return spectrum.right == 0 && spectrum.on_axis == 0;
+    }
+    let Some((a, _)) = matrices(pool, frame) else { return false };
+    let tolerance = tolerance(a.norm(), a.nrows());
+    eigenvalues(&a).is_some_and(|found| found.iter().all(|z| z.0 < -tolerance))
+}
+
 /// How far an eigenvalue of multiplicity k can move in floating point: as the k-th root of a perturbation.
 pub(crate) fn tolerance(size: f64, k: usize) -> f64 {
     10.0 * size.max(f64::MIN_POSITIVE) * (k as f64 * f64::EPSILON).powf(1.0 / k as f64)

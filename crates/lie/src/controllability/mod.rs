@@ -22,6 +22,7 @@ pub(crate) mod monotone;
 pub(crate) mod necessary;
 pub(crate) mod occurrence;
 pub(crate) mod one_sided;
+pub(crate) mod open_map;
 pub(crate) mod orbit;
 pub(crate) mod point;
 pub(crate) mod prolonged;

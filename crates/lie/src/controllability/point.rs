@@ -151,7 +151,8 @@ pub(crate) fn point_report(
     let stabilizable = linearization.as_ref().zip(rank).zip(decays).map(|((l, rank), decays)| {
         let generic = [all.dimension(), strong.dimension()];
         let (inputs, local, stlc, sides) = (&l.b[..], &local, &stlc, &sides[..]);
-        let at = AtEquilibrium { frame: &frame, rank, inputs, decays, generic, local, stlc, sides };
+        let (frame, set, values) = (&frame, &set, &point.inputs[..]);
+        let at = AtEquilibrium { frame, rank, inputs, decays, generic, local, stlc, sides, set, values };
         stabilizable(pool, &at, evidence)
     });
     let (stabilizable, stabilizable_reason) = stabilizable.unzip();

@@ -1,11 +1,12 @@
 //! Whether feedback makes an equilibrium asymptotically stable.
 
-use bracketry_symbolic::Pool;
+use bracketry_symbolic::{Expr, Function, Pool};
 
 use crate::algebra::field::is_plain_zero;
 use crate::answer::Answer;
+use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::Side;
-use crate::controllability::linearization::is_linear;
+use crate::controllability::linearization::{Linearization, is_hurwitz, is_linear, uncontrollable};
 use crate::controllability::local::{Frame, LocalAccessibility};
 use crate::controllability::monotone::monotone_near;
 use crate::controllability::necessary::half_space;
@@ -30,7 +31,15 @@ pub(crate) struct AtEquilibrium<'a> {
     pub(crate) local: &'a LocalAccessibility,
     pub(crate) stlc: &'a Stlc,
     pub(crate) sides: &'a [Option<Side>],
+    /// The inputs with their ranges, and their values at the point.
+    pub(crate) set: &'a InputSet<'a>,
+    pub(crate) values: &'a [Expr],
 }
+
+/// Constants that are added to inputs that do not move the state at the point.
+const OTHER_VALUES: [(i64, i64); 6] = [(-1, 1), (1, 1), (-10, 1), (10, 1), (-1, 4), (1, 4)];
+/// Most inputs of which such constants are tried.
+const MAX_INPUTS: usize = 8;
 
 /// The verdict, from the linearization, from what no input changes or lowers, or from local controllability.
 ///
@@ -47,6 +56,9 @@ pub(crate) fn stabilizable(
     let all = at.rank == n;
     let by_linearization = if all { StabilizableReason::Controllable } else { StabilizableReason::ModesDecay };
     let restricted = at.sides.iter().any(Option::is_some);
+    if restricted && is_hurwitz(pool, at.frame) {
+        return known(true, StabilizableReason::Stable);
+    }
     match &at.decays {
         // Inputs that move to one side only are looked at below: linear feedback does not have them.
         Answer::Known(true) if !restricted => return known(true, by_linearization),
@@ -62,17 +74,20 @@ pub(crate) fn stabilizable(
     if at.decays == Answer::Known(true) {
         return known(true, by_linearization);
     }
+    if let Some(why) = with_other_inputs(pool, at, evidence) {
+        return known(true, why);
+    }
     if at.stlc.with_bounded_inputs() == Verdict::Yes {
         // Kawski 1989: analytic systems x' = f + u g in the plane, g(x0) ≠ 0.
         if n == 2 && at.inputs.len() == 1 && at.inputs[0].iter().any(|v| !v.is_zero()) {
             return known(true, StabilizableReason::Planar);
         }
-        // Coron 1995: the sufficient conditions for STLC used here give stabilization by
-        // continuous, periodic feedback in any dimension but 2 and 3; without drift (Coron 1992) in all.
+        // Coron 1995: the sufficient conditions for STLC used here give stabilization by continuous, periodic feedback in
+        // any dimension but 2 and 3, which integrators raise; without drift (Coron 1992) in all.
         let driftless = is_plain_zero(pool, &at.frame.fields.drift);
-        if matches!(at.decays, Answer::Unknown(_)) && (n != 2 && n != 3 || driftless) {
-            return known(true, StabilizableReason::Periodic);
-        }
+        let directly = n != 2 && n != 3 || driftless;
+        let why = if directly { StabilizableReason::Periodic } else { StabilizableReason::PeriodicDynamic };
+        return known(true, why);
     }
     let why = match &at.decays {
         Answer::Unknown(why) => why.clone(),
@@ -80,6 +95,31 @@ pub(crate) fn stabilizable(
         Answer::Known(_) => Reason::UnstableMode,
     };
     (Answer::Unknown(why.clone()), StabilizableReason::Open(why))
+}
+
+/// Whether a constant added to one of the inputs that do not move the state at the point makes all modes that no input reaches
+/// decay: x' = x u is stabilized by u = −1.
+fn with_other_inputs(pool: &mut Pool, at: &AtEquilibrium, evidence: &mut Evidence) -> Option<StabilizableReason> {
+    let zero = pool.int(0);
+    let idle = (0..at.inputs.len()).filter(|&i| at.inputs[i].iter().all(|v| v.is_zero())).take(MAX_INPUTS);
+    for i in idle.collect::<Vec<_>>() {
+        for (p, q) in OTHER_VALUES {
+            let mut moves = vec![zero; at.inputs.len()];
+            moves[i] = pool.ratio(p, q);
+            let values: Vec<Expr> = at.values.iter().zip(&moves).map(|(&u, &c)| pool.add(u, c)).collect();
+            if !at.set.inside(pool, at.frame, &values) {
+                continue;
+            }
+            let frame = Frame::new(pool, &at.frame.fields, at.frame.point(), &moves).ok()?;
+            let rank = Linearization::at(pool, &frame, evidence).ok()?.controllable().rank();
+            if uncontrollable(pool, &frame, rank).ok()?.decays == Answer::Known(true) {
+                let value = frame.constants_in(pool, values[i]);
+                let (input, value) = (at.set.names[i].clone(), Function::new(pool, value));
+                return Some(StabilizableReason::OtherInput { input, value });
+            }
+        }
+    }
+    None
 }
 
 /// What keeps states near the point from it, whatever the inputs.

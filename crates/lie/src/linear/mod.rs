@@ -1,6 +1,7 @@
 //! Linear algebra for linearizations: exact over the rational numbers, else in floating point with bounded iterations.
 
 pub(crate) mod distance;
+pub(crate) mod form;
 pub(crate) mod matrix;
 pub(crate) mod numerical;
 pub(crate) mod polynomial;

@@ -34,6 +34,20 @@ pub enum StabilizableReason {
     /// Functions that no input influences move away from their values at the point.
     #[error("functions that no input influences obey equations of their own, whose linearization is unstable")]
     UnstableQuotient,
+    /// A is Hurwitz.
+    #[error("the linearization is asymptotically stable with the inputs of the point")]
+    Stable,
+    /// Linear feedback around another value of an input that does not move the state at the point.
+    #[error("with {input} = {value} at the point, the modes of the linearization that no input reaches decay")]
+    OtherInput {
+        /// The input.
+        input: String,
+        /// Its value at the point.
+        value: Function,
+    },
+    /// Coron's theorem, with integrators.
+    #[error("by continuous time-periodic dynamic feedback, from small-time controllability (Coron)")]
+    PeriodicDynamic,
     /// Kawski's theorem.
     #[error("by Hölder continuous feedback, from small-time controllability in the plane (Kawski 1989)")]
     Planar,
