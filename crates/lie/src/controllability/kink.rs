@@ -76,9 +76,10 @@ fn decide(
         let equilibrium = smoothed.equilibrium.clone();
         return Ok(Verdicts { equilibrium, stlc, stabilizable: None, brockett: None });
     }
-    let equilibrium = match smoothed.outside_ranges.is_empty() {
-        true => equilibrium(pool, &adjacent, &smoothed.equilibrium, evidence)?,
-        false => Answer::Known(false),
+    let equilibrium = if smoothed.outside_ranges.is_empty() {
+        equilibrium(pool, &adjacent, &smoothed.equilibrium, evidence)?
+    } else {
+        Answer::Known(false)
     };
     let mut found = Verdicts { equilibrium, stlc: None, stabilizable: None, brockett: None };
     let ranges = Ranges::new(given);

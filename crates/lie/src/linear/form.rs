@@ -16,9 +16,9 @@ pub(crate) fn signs(q: &RationalMatrix) -> (bool, bool) {
             return (positive || mixed, negative || mixed);
         };
         if q[p][p] > Rational::ZERO {
-            positive = true
+            positive = true;
         } else {
-            negative = true
+            negative = true;
         }
         q.swap(p, n);
         for row in &mut q {
