@@ -131,3 +131,28 @@ proptest! {
         prop_assert_eq!(r.stabilizable.unwrap().known().copied(), decided, "{}", rate);
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// An input u ≥ 0 and a free one in coordinates X = x + a y² + b y: x = X − a y² − b y never falls.
+    #[test]
+    fn functions_that_rise_with_one_sided_inputs(a in -3_i64..4, b in -3_i64..4, k in 1_i64..4) {
+        let ranges = vec![("u".to_owned(), InputValues::Between(0.0, 1.0))];
+        let rate = format!("{k}*u + {a}*2*y*v + {b}*v");
+        let r = report("X y", "u v", &[&rate, "v"], &[], &Options { ranges, ..Options::default() });
+        prop_assert_eq!(r.stlc.with_bounded_inputs(), Verdict::No);
+        prop_assert_eq!(r.stabilizable, Some(Answer::Known(false)));
+    }
+
+    /// The sum of squares of any functions does not fall: z' = (p x + q sin y)² + (r y + z)², in the given coordinates.
+    #[test]
+    fn forms_in_any_functions_have_their_sign(p in 1_i64..4, q in -3_i64..4, r in -3_i64..4) {
+        let (f, g) = (format!("({p}*x + {q}*sin(y))"), format!("({r}*y + z)"));
+        let rate = format!("2*{f}^2 + 2*{f}*{g} + 3*{g}^2");
+        let report = report("x y z", "u v", &["u", "v", &rate], &[], &Options::default());
+        prop_assert_eq!(report.stlc.verdict, Verdict::No, "{}", rate);
+        prop_assert_eq!(report.stabilizable, Some(Answer::Known(false)));
+        prop_assert_eq!(report.brockett_condition, Some(Answer::Known(false)));
+    }
+}

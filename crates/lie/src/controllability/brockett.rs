@@ -30,7 +30,7 @@ const MAX_SIZE: usize = 6;
 ///   these variables rest at their values: then R = 0 only there. Where another component
 ///   vanishes too, or keeps one sign, the vectors along it (or against that sign) are not in the
 ///   image: false.
-/// - No drift, constant rank of the input fields below n: false (Brockett's corollary).
+/// - The input fields span the drift and have a constant rank below n: false (Brockett's corollary, after feedback).
 /// - A derivative that lacks one dimension, in which the second derivatives take both signs: true ([`open_by_second_order`]).
 /// - Polynomial components that, of n of the variables while the others rest, have a local degree different from zero:
 ///   true ([`has_local_degree`]).
@@ -63,8 +63,10 @@ fn decide(
     if span.rank() == n {
         return Ok(Some(true));
     }
-    if fields.drift.iter().all(|&e| pool.is_zero(e)) && m > 0 {
-        let generic = pool.rank(&fields.controls, &fields.bindings)?;
+    if m > 0 {
+        let mut all = fields.controls.clone();
+        all.push(fields.drift.clone());
+        let generic = pool.rank(&all, &fields.bindings)?;
         evidence.add(&generic.certificate);
         if generic.rank < n && Echelon::new(&linearization.b, n).rank() == generic.rank {
             return Ok(Some(false));

@@ -6,6 +6,7 @@ use crate::algebra::field::is_plain_zero;
 use crate::answer::Answer;
 use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
+use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::{definite_form, half_space, stefani};
 use crate::controllability::prolonged::{is_odd, with_integrators};
 use crate::controllability::search::general;
@@ -33,6 +34,7 @@ const FEW_NODES: usize = 5_000;
 /// - Sussmann's general condition, also after a change of the inputs: yes;
 /// - one input: no where Stefani's necessary condition fails (see [`stefani`]);
 /// - a definite second-order form: no (see [`definite_form`]);
+/// - a function that does not fall near the point: no (see [`monotone_function`]);
 /// - integrators in front of inputs bring forms of different depths to one weight: yes (see [`with_integrators`]).
 ///
 /// [`Stlc::or_inconclusive`] turns what an exact test leaves open into a verdict.
@@ -110,5 +112,13 @@ pub(crate) fn decide(
         stlc.reason = StlcReason::DefiniteForm(k);
         return Ok(stlc);
     }
-    Ok(with_integrators(pool, frame, &vec![None; inputs], limits, evidence)?.unwrap_or(stlc))
+    let sides = vec![None; inputs];
+    if let Some(found) = with_integrators(pool, frame, &sides, limits, evidence)? {
+        return Ok(found);
+    }
+    if let Some(reason) = monotone_function(pool, frame, &sides, Extent::LOCAL_HALF_SPACE, evidence)? {
+        stlc.verdict = Verdict::No;
+        stlc.reason = reason;
+    }
+    Ok(stlc)
 }

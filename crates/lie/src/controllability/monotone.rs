@@ -1,6 +1,7 @@
 //! Functions of the state that no input lowers, however large it is.
 
 use bracketry_symbolic::{Expr, Function, Pool, Symbol};
+use rustc_hash::FxHashMap;
 
 use crate::algebra::field::{Field, bracket};
 use crate::algebra::integrals::search::integrals;
@@ -8,91 +9,110 @@ use crate::algebra::rational::readable::tidy;
 use crate::algebra::span::vanishes;
 use crate::budget::check_growth;
 use crate::controllability::impulses::is_entire;
+use crate::controllability::input_values::Side;
 use crate::controllability::local::Frame;
-use crate::controllability::sign::{NearOrigin, Sign};
+use crate::controllability::sign::{Extent, NearOrigin, Sign};
 use crate::evidence::Evidence;
 use crate::reason::{Monotone, StlcReason};
 use crate::residues::Fp;
 use crate::undecided::Undecided;
 
-/// A function φ with dφ(x0) ≠ 0 that is constant along all input fields and of which φ' + k (φ − φ(x0)) has one sign
-/// everywhere, for a constant k.
+/// A function φ with dφ(x0) ≠ 0 that is constant along the fields of the inputs that move to both sides, does not fall along
+/// those of the others, and of which φ' + k (φ − φ(x0)) is not negative, or the reverse.
 ///
-/// If it is not negative, φ(x) ≥ φ(x0) on all that is reached (by Gronwall's inequality), and x0 is no interior point of it,
-/// whatever the inputs are and however far the state goes. φ is sought among the integrals of the input fields, and of their
-/// brackets with the drift, so that it does not depend on the coordinates in which the system is given; it and its rate have
-/// to be defined for all states.
+/// Then φ(x) ≥ φ(x0) on all that is reached (by Gronwall's inequality), and x0 is no interior point of it, whatever the inputs
+/// are: near x0, or however far the state goes. For k = 0, which `extent.hyperplane` excludes to be otherwise, φ never falls.
+/// φ is sought among the integrals of the input fields, and of their brackets with the drift, so that it does not depend on
+/// the coordinates in which the system is given; everywhere it and its rate have to be defined for all states.
 pub(crate) fn monotone_function(
     pool: &mut Pool,
     frame: &Frame,
-    evidence: &mut Evidence,
-) -> Result<Option<StlcReason>, Undecided> {
-    look(pool, frame, true, evidence)
-}
-
-/// A function φ with dφ(x0) ≠ 0 that is constant along all input fields and of which φ' has one sign near x0.
-pub(crate) fn monotone_near(
-    pool: &mut Pool,
-    frame: &Frame,
-    evidence: &mut Evidence,
-) -> Result<Option<StlcReason>, Undecided> {
-    look(pool, frame, false, evidence)
-}
-
-fn look(
-    pool: &mut Pool,
-    frame: &Frame,
-    everywhere: bool,
+    sides: &[Option<Side>],
+    extent: Extent,
     evidence: &mut Evidence,
 ) -> Result<Option<StlcReason>, Undecided> {
     let fields = &frame.fields;
     let states = fields.states.clone();
-    if fields.controls.is_empty() {
+    let free: Vec<Field> =
+        fields.controls.iter().zip(sides).filter(|(_, side)| side.is_none()).map(|(g, _)| g.clone()).collect();
+    if free.is_empty() {
         return Ok(None);
     }
     let (variables, offsets) = frame.deviations(pool);
-    let signs = NearOrigin { frame, variables, everywhere };
-    for function in candidates(pool, frame, evidence)? {
+    let signs = NearOrigin { frame, variables, everywhere: extent.everywhere };
+    for function in candidates(pool, frame, &free, evidence)? {
         let gradient: Field = pool.gradient(function, &states);
         let Ok(slopes) = frame.evaluate(pool, std::slice::from_ref(&gradient), evidence) else { continue };
         let steady = slopes.concat().iter().all(|d| *d == Fp::ZERO);
-        let mut moved: Vec<bool> = Vec::new();
-        for g in &fields.controls {
-            let along = pool.lie_derivative(function, &states, g);
-            moved.push(!vanishes(pool, along, &fields.bindings));
-        }
+        let Some(pushed) = pushes(pool, &signs, function, sides, &offsets) else { continue };
         let rate = pool.lie_derivative(function, &states, &fields.drift);
         let rate = tidy(pool, rate);
-        if steady || moved.contains(&true) || everywhere && !is_entire(pool, &[function, rate], &states) {
+        if steady || extent.everywhere && !is_entire(pool, &[function, rate], &states) {
             continue;
         }
         let at_point = frame.value_at_point(pool, function);
-        let factors = if everywhere { factors(pool, &states, function, rate) } else { vec![pool.int(0)] };
+        let factors = if extent.hyperplane { factors(pool, &states, function, rate) } else { vec![pool.int(0)] };
         for k in factors {
             let above = pool.sub(function, at_point);
             let pull = pool.mul(k, above);
             let total = pool.add(rate, pull);
             let total = tidy(pool, total);
             let moved = pool.substitute(total, &offsets);
-            let change = match signs.sign(pool, moved) {
-                Sign::Zero => Monotone::Constant,
-                Sign::Positive | Sign::NonNegative => Monotone::Rises,
-                Sign::Negative | Sign::NonPositive => Monotone::Falls,
-                Sign::Unknown => continue,
+            let drifts = signs.sign(pool, moved);
+            let up = drifts.at_least_zero() && pushed.iter().all(|s| s.at_least_zero());
+            let down = drifts.opposite().at_least_zero() && pushed.iter().all(|s| s.opposite().at_least_zero());
+            let change = match (up, down) {
+                (true, true) => Monotone::Constant,
+                (true, false) => Monotone::Rises,
+                (false, true) => Monotone::Falls,
+                (false, false) => continue,
             };
+            let one_sided = sides.iter().any(Option::is_some);
             let function = Function::new(pool, function);
-            return Ok(Some(StlcReason::HalfSpace { function, change, one_sided: false }));
+            return Ok(Some(StlcReason::HalfSpace { function, change, one_sided }));
         }
     }
     Ok(None)
 }
 
-/// Integrals of the input fields, of these and their brackets with the drift, and so on.
-fn candidates(pool: &mut Pool, frame: &Frame, evidence: &mut Evidence) -> Result<Vec<Expr>, Undecided> {
+/// The signs of what the inputs add to the rate of the function, by the sides to which they move; `None` where one that moves
+/// to both sides adds something.
+fn pushes(
+    pool: &mut Pool,
+    signs: &NearOrigin,
+    function: Expr,
+    sides: &[Option<Side>],
+    offsets: &FxHashMap<Expr, Expr>,
+) -> Option<Vec<Sign>> {
+    let fields = &signs.frame.fields;
+    let mut list = Vec::new();
+    for (g, side) in fields.controls.iter().zip(sides) {
+        let along = pool.lie_derivative(function, &fields.states, g);
+        if vanishes(pool, along, &fields.bindings) {
+            continue;
+        }
+        let along = tidy(pool, along);
+        let along = pool.substitute(along, offsets);
+        list.push(match side {
+            Some(Side::Above) => signs.sign(pool, along),
+            Some(Side::Below) => signs.sign(pool, along).opposite(),
+            None => return None,
+        });
+    }
+    Some(list)
+}
+
+/// Integrals of these input fields, of these and their brackets with the drift, and so on.
+fn candidates(
+    pool: &mut Pool,
+    frame: &Frame,
+    controls: &[Field],
+    evidence: &mut Evidence,
+) -> Result<Vec<Expr>, Undecided> {
     let fields = &frame.fields;
     let known = [&fields.drift[..], &fields.controls.concat()].concat();
     let (first, mut all) = (pool.len(), Vec::new());
-    let (mut distribution, mut last) = (fields.controls.clone(), fields.controls.clone());
+    let (mut distribution, mut last) = (controls.to_vec(), controls.to_vec());
     for _ in 0..fields.states.len() {
         let found = integrals(pool, &fields.states, &distribution, &known, &fields.bindings, evidence)?;
         if found.functions.is_empty() {

@@ -11,6 +11,7 @@ use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::{InputValues, Side};
 use crate::controllability::linearization::Linearization;
 use crate::controllability::local::Frame;
+use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
 use crate::controllability::prolonged::with_integrators;
 use crate::controllability::sign::Extent;
@@ -69,6 +70,9 @@ pub(crate) fn one_sided(
     }
     if points_to_one_side(pool, frame, sides, evidence)? {
         return Ok(Stlc::new(Verdict::No, StlcReason::OneSidedCone));
+    }
+    if let Some(reason) = monotone_function(pool, frame, sides, Extent::LOCAL_HALF_SPACE, evidence)? {
+        return Ok(Stlc::new(Verdict::No, reason));
     }
     let free_inputs: Vec<usize> = (0..sides.len()).filter(|&i| sides[i].is_none()).collect();
     if !free_inputs.is_empty() {

@@ -156,6 +156,14 @@ pub(crate) fn point_report(
         stabilizable(pool, &at, evidence)
     });
     let (stabilizable, stabilizable_reason) = stabilizable.unzip();
+    let restricted = sides.iter().any(Option::is_some);
+    let brockett_condition = linearization.as_ref().map(|l| match stabilizable_reason {
+        // A function with dφ(x0) ≠ 0 does not change to one side: −λ dφ(x0) is no rate of it.
+        Some(StabilizableReason::OneWay { .. } | StabilizableReason::Leaves { .. }) if !restricted => {
+            Answer::Known(false)
+        }
+        _ => brockett_condition(pool, &frame, l, evidence),
+    });
     Ok(PointReport {
         of: Subject::Model,
         epsilon: None,
@@ -167,7 +175,7 @@ pub(crate) fn point_report(
         stabilizable,
         stabilizable_reason,
         uncontrollable_modes: unreached.map(|u| u.map(|found| uncontrollable_modes(pool, &frame, &found)).into()),
-        brockett_condition: linearization.as_ref().map(|l| brockett_condition(pool, &frame, l, evidence)),
+        brockett_condition,
         stlc,
         smoothed_stlc: None,
         relative_degree_defined: None,

@@ -5,6 +5,8 @@ use nalgebra::DMatrix;
 use rustc_hash::FxHashMap;
 
 use crate::controllability::local::Frame;
+use crate::linear::form::signs;
+use crate::linear::matrix::RationalMatrix;
 use crate::linear::numerical::symmetric_eigen;
 
 /// The sign of a function in a neighborhood of a point, or everywhere.
@@ -148,7 +150,10 @@ impl NearOrigin<'_> {
                         break;
                     }
                 }
-                if total == Sign::Unknown { self.around_a_wave(pool, e) } else { total }
+                if total == Sign::Unknown {
+                    total = self.around_a_wave(pool, e);
+                }
+                if total == Sign::Unknown { form_in_factors(pool, e) } else { total }
             }
             Node::Mul(..) => self.product(pool, e, depth),
             Node::Pow(base, exponent) => self.power(pool, base, exponent, depth),
@@ -299,6 +304,49 @@ impl NearOrigin<'_> {
             (false, true) => Sign::NonPositive,
             _ => Sign::Unknown,
         }
+    }
+}
+
+/// The sign of a sum Σ c_ij a_i a_j with rational c_ij, as that of a quadratic form in the factors a_i, whatever they are.
+fn form_in_factors(pool: &mut Pool, e: Expr) -> Sign {
+    let mut terms = Vec::new();
+    flatten(pool, e, &mut terms, |n| if let Node::Add(a, b) = n { Some((a, b)) } else { None });
+    let mut atoms: Vec<Expr> = Vec::new();
+    let mut entries: Vec<(usize, usize, Rational)> = Vec::new();
+    for term in terms {
+        let mut factors = Vec::new();
+        flatten(pool, term, &mut factors, |n| if let Node::Mul(a, b) = n { Some((a, b)) } else { None });
+        let (mut coefficient, mut places) = (Rational::ONE, Vec::new());
+        for factor in factors {
+            if let Some(c) = pool.number(factor) {
+                coefficient *= c;
+                continue;
+            }
+            let (base, count) = match pool.node(factor) {
+                Node::Pow(base, k) if pool.integer(k) == Some(2) => (base, 2),
+                _ => (factor, 1),
+            };
+            let place = atoms.iter().position(|a| *a == base).unwrap_or(atoms.len());
+            if place == atoms.len() {
+                atoms.push(base);
+            }
+            places.extend(std::iter::repeat_n(place, count));
+        }
+        let [i, j] = places[..] else { return Sign::Unknown };
+        entries.push((i, j, coefficient));
+    }
+    let mut rows = vec![vec![Rational::ZERO; atoms.len()]; atoms.len()];
+    for (i, j, c) in entries {
+        let half = c / Rational::from(2);
+        rows[i][j] += &half;
+        rows[j][i] += &half;
+    }
+    let columns = rows.len();
+    match signs(&RationalMatrix::new(rows, columns)) {
+        (false, false) => Sign::Zero,
+        (true, false) => Sign::NonNegative,
+        (false, true) => Sign::NonPositive,
+        (true, true) => Sign::Unknown,
     }
 }
 

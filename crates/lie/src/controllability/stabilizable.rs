@@ -8,7 +8,7 @@ use crate::controllability::input_set::InputSet;
 use crate::controllability::input_values::Side;
 use crate::controllability::linearization::{Linearization, is_hurwitz, is_linear, uncontrollable};
 use crate::controllability::local::{Frame, LocalAccessibility};
-use crate::controllability::monotone::monotone_near;
+use crate::controllability::monotone::monotone_function;
 use crate::controllability::necessary::half_space;
 use crate::controllability::sign::Extent;
 use crate::controllability::stlc::{Stlc, Verdict};
@@ -144,7 +144,7 @@ fn obstacle(
     }
     let near = Extent { hyperplane: false, everywhere: false };
     let barrier = match half_space(pool, at.frame, at.sides, near, evidence)? {
-        None => monotone_near(pool, at.frame, evidence)?,
+        None => monotone_function(pool, at.frame, at.sides, near, evidence)?,
         found => found,
     };
     Ok(match barrier {

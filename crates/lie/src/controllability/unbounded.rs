@@ -43,7 +43,7 @@ pub(crate) fn unbounded(
         None => half_space(pool, frame, sides, Extent::HALF_SPACE, evidence)?,
     };
     let barrier = match half_space {
-        None => monotone_function(pool, frame, evidence)?,
+        None => monotone_function(pool, frame, sides, Extent::HALF_SPACE, evidence)?,
         found => found,
     };
     if let Some(reason) = barrier {
