@@ -331,3 +331,21 @@ fn a_root_at_a_kink_has_a_sign() {
         assert_eq!(at_point(&p).stabilizable, Some(Answer::Known(false)), "{exponent}");
     }
 }
+
+/// x' = u, y' = |x|, max(x, 0) or x + |x| in coordinates Y = y + a sin(x) + b x²: y never falls in any mode.
+#[test]
+fn one_way_functions_at_kinks_need_no_coordinates() {
+    for kink in ["abs(x)", "max(x, 0)", "x + abs(x)"] {
+        for (a, b) in [(2, 0), (0, 3), (-1, 2)] {
+            let rate = format!("{kink} + {a}*cos(x)*u + 2*{b}*x*u");
+            let p = report("x y", "u", &["u", &rate]);
+            assert_eq!(at_point(&p).stlc.with_bounded_inputs(), Verdict::No, "{rate}");
+            assert_eq!(at_point(&p).stabilizable, Some(Answer::Known(false)), "{rate}");
+        }
+    }
+    // It falls where the kink has both signs.
+    for rate in ["x*abs(x) + 2*cos(x)*u", "2*x + abs(x) + 2*cos(x)*u"] {
+        let p = report("x y", "u", &["u", rate]);
+        assert_ne!(at_point(&p).stlc.verdict, Verdict::No, "{rate}");
+    }
+}

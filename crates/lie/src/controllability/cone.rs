@@ -4,6 +4,8 @@ use bracketry_symbolic::{Expr, Function, Node, Pool, Symbol};
 use rustc_hash::FxHashMap;
 
 use crate::algebra::field::Field;
+use crate::algebra::integrals::search::integrals;
+use crate::algebra::rational::readable::tidy;
 use crate::algebra::span::vanishes;
 use crate::controllability::input_values::Side;
 use crate::controllability::meeting::{Adjacent, AtSwitchPoint, change, input_set};
@@ -13,7 +15,8 @@ use crate::reason::StlcReason;
 use crate::residues::{Echelon, Fp, PRIME};
 use crate::undecided::Undecided;
 
-/// A linear function that can change to one side only in each of these modes, those that meet at the point or all.
+/// A linear function, or an integral of all input fields, that can change to one side only in each of these modes, those that
+/// meet at the point or all.
 ///
 /// In a mode the switching functions that are told have their signs. Where such an s is affine in a coordinate, the
 /// coordinate is replaced by what makes s = ±q², so that the sign of what depends on s is that of q².
@@ -31,13 +34,17 @@ pub(crate) fn half_space_of_modes(
         return Ok(None);
     }
     let one_sided = sides.iter().any(Option::is_some);
-    for covector in covectors(pool, modes, evidence)? {
+    let linear = covectors(pool, modes, evidence)?;
+    let linear: Vec<(Expr, Option<&[Expr]>)> =
+        linear.iter().map(|c| (combination(pool, &first.fields.states, c), Some(&c[..]))).collect();
+    let integrals = integrals_of_all(pool, modes, evidence)?;
+    for (function, covector) in linear.into_iter().chain(integrals.into_iter().map(|f| (f, None))) {
         if pool.stop_flag().is_raised() {
             return Err(Undecided::Stopped);
         }
         let (mut up, mut down) = (true, true);
         for mode in modes {
-            for sign in signs(pool, mode, &covector, extent, &sides) {
+            for sign in signs(pool, mode, function, covector, extent, &sides) {
                 up &= sign.at_least_zero();
                 down &= sign.opposite().at_least_zero();
             }
@@ -46,13 +53,6 @@ pub(crate) fn half_space_of_modes(
             }
         }
         if up || down {
-            let mut terms = Vec::new();
-            for (&s, &c) in first.fields.states.iter().zip(&covector) {
-                let s = pool.sym(s);
-                terms.push(pool.mul(c, s));
-            }
-            let function = pool.sum(terms);
-            let function = pool.simplify(function);
             let function = Function::new(pool, function);
             return Ok(Some(StlcReason::HalfSpace { function, change: change(up, down), one_sided }));
         }
@@ -60,12 +60,60 @@ pub(crate) fn half_space_of_modes(
     Ok(None)
 }
 
-/// The signs of λ·f and, by the sides to which they move, of what the inputs add, in one mode.
-fn signs(pool: &mut Pool, mode: &Adjacent, covector: &[Expr], extent: Extent, sides: &[Option<Side>]) -> Vec<Sign> {
+/// Σ λ_i x_i.
+fn combination(pool: &mut Pool, states: &[Symbol], covector: &[Expr]) -> Expr {
+    let mut terms = Vec::new();
+    for (&s, &c) in states.iter().zip(covector) {
+        let s = pool.sym(s);
+        terms.push(pool.mul(c, s));
+    }
+    let sum = pool.sum(terms);
+    pool.simplify(sum)
+}
+
+/// Functions with nonzero gradient at the point that are constant along all input fields of all modes, and not linear.
+fn integrals_of_all(pool: &mut Pool, modes: &[Adjacent], evidence: &mut Evidence) -> Result<Vec<Expr>, Undecided> {
+    let Some(first) = modes.first() else { return Ok(Vec::new()) };
+    let (states, bindings) = (&first.fields.states, &first.fields.bindings);
+    let mut controls: Vec<Field> = Vec::new();
+    for g in modes.iter().flat_map(|a| &a.fields.controls) {
+        if !controls.contains(g) {
+            controls.push(g.clone());
+        }
+    }
+    // Between modes the integrals of one are those of all, or there are none.
+    if controls.is_empty() || controls.len() >= states.len() {
+        return Ok(Vec::new());
+    }
+    let found = integrals(pool, states, &controls, &controls.concat(), bindings, evidence)?;
+    let mut list = Vec::new();
+    for f in found.functions {
+        let gradient: Field = pool.gradient(f, states);
+        let constant = !pool.symbols_of(&gradient).iter().any(|s| states.contains(s));
+        let Ok(slopes) = first.frame.evaluate(pool, std::slice::from_ref(&gradient), evidence) else { continue };
+        if !constant && slopes.concat().iter().any(|d| *d != Fp::ZERO) {
+            list.push(f);
+        }
+    }
+    Ok(list)
+}
+
+/// The signs of the rate of a function along the drift and, by the sides to which they move, of what the inputs add, in one
+/// mode. The function is λ·x, or constant along all input fields; then its level set is no hyperplane, and the signs are
+/// looked for on both sides of it.
+fn signs(
+    pool: &mut Pool,
+    mode: &Adjacent,
+    function: Expr,
+    covector: Option<&[Expr]>,
+    extent: Extent,
+    sides: &[Option<Side>],
+) -> Vec<Sign> {
     let bindings = &mode.fields.bindings;
     let (mut variables, offsets) = mode.frame.deviations(pool);
     let mut steps: Vec<FxHashMap<Expr, Expr>> = vec![offsets];
     if extent.hyperplane
+        && let Some(covector) = covector
         && let Some(last) = covector.iter().rposition(|c| !pool.is_zero(*c))
     {
         // On the hyperplane the last coordinate is a combination of the others.
@@ -108,8 +156,8 @@ fn signs(pool: &mut Pool, mode: &Adjacent, covector: &[Expr], extent: Extent, si
     }
     let near = NearOrigin { frame: &mode.frame, variables, everywhere: extent.everywhere };
     let sign = |pool: &mut Pool, field: &Field| {
-        let terms: Vec<Expr> = field.iter().zip(covector).map(|(&e, &c)| pool.mul(c, e)).collect();
-        let rate = pool.sum(terms);
+        let rate = pool.lie_derivative(function, &mode.fields.states, field);
+        let rate = if covector.is_none() { tidy(pool, rate) } else { rate };
         let rate = steps.iter().fold(rate, |e, map| pool.substitute(e, map));
         if vanishes(pool, rate, bindings) { Sign::Zero } else { near.sign(pool, rate) }
     };
