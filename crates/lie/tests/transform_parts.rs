@@ -202,3 +202,28 @@ fn a_search_ends_with_its_time() {
         assert!(result.seconds < 5.0, "{to:?}: {}", result.seconds);
     }
 }
+
+#[test]
+fn a_car_has_a_chained_form() {
+    let system = model("kinematic_car");
+    let form = found(&system, Form::Chained);
+    let text = form.system.to_toml().unwrap();
+    for rate in ["z1 = \"v1\"", "z2 = \"v2\"", "z3 = \"z2*v1\"", "z4 = \"z3*v1\""] {
+        assert!(text.contains(rate), "{text}");
+    }
+    assert_same_motion(&system, &form, &[0.1, 0.2, 0.3, 0.1]);
+    let FormOutcome::Impossible(why) = to(&model("duffing"), Form::Chained).outcome else { panic!() };
+    assert!(matches!(why, Obstacle::Drift | Obstacle::NotTwoInputs { .. }), "{why}");
+}
+
+#[test]
+fn an_angle_around_pi_has_a_branch_without_a_jump() {
+    let system = parsed(
+        "states = ['x', 'y', 'th']\ninputs = ['u', 'w']\ndynamics = { x = 'u*cos(th)', y = 'u*sin(th)', th = 'w' }\n\
+         outputs = { px = 'x', py = 'y' }\npoint = { th = 'pi', u = 1 }",
+    );
+    let form = found(&system, Form::Flat);
+    for th in [3.1, 3.2] {
+        assert_same_motion(&form.parts[0].system, &form, &[0.1, 0.2, th, 1.2]);
+    }
+}

@@ -33,7 +33,8 @@ pub(crate) struct TransformArgs {
     pub(crate) model: PathBuf,
     /// Form: brunovsky (chains of integrators by static feedback), byrnes-isidori (outputs with their derivatives, internal
     /// states, zero dynamics), kalman (controllable and observable parts), accessible (what no input influences), observable
-    /// (what no output tells), observer (linear up to functions of the output), flat (states and inputs from flat outputs)
+    /// (what no output tells), observer (linear up to functions of the output), flat (states and inputs from flat outputs),
+    /// chained (two inputs without drift)
     #[arg(long, value_name = "FORM")]
     to: Form,
     /// Point near which branches are chosen, instead of the model's, such as x=0.1,th=pi/2; unnamed entries are 0

@@ -6,7 +6,6 @@ use bracketry_system::System;
 use crate::algebra::field::VectorFields;
 use crate::error::Error;
 use crate::evidence::Evidence;
-use crate::feedback::outputs::fresh_symbols;
 use crate::forms::obstacle::{Obstacle, Stop, of_error};
 use crate::modes::mode_fields;
 use crate::undecided::Undecided;
@@ -68,10 +67,19 @@ impl Frame {
         }
     }
 
-    /// Symbols that the model does not use.
+    /// Symbols that the system does not use: prefix1, prefix2, …, with underscores where it has such names.
     pub(crate) fn fresh(&mut self, prefix: &str, count: usize) -> Vec<Symbol> {
-        let list = fresh_symbols(&mut self.system.pool, prefix, count);
-        self.system.pool.symbols_of(&list)
+        let mut roots = self.system.dynamics.clone();
+        roots.extend(self.system.outputs.iter().map(|o| o.1));
+        let pool = &mut self.system.pool;
+        let mut used = pool.symbols_of(&roots);
+        used.extend(self.system.states.iter().chain(&self.system.inputs));
+        used.extend(self.system.parameters.iter().map(|p| p.symbol));
+        let mut prefix = prefix.to_owned();
+        while (1..=count).any(|i| pool.find_symbol(&format!("{prefix}{i}")).is_some_and(|s| used.contains(&s))) {
+            prefix.push('_');
+        }
+        (1..=count).map(|i| pool.symbol(&format!("{prefix}{i}"))).collect()
     }
 
     /// Whether a function is zero for all parameters (`Some(true)`), or for the given ones (`Some(false)`); `None` if it is

@@ -85,7 +85,25 @@ impl Frame {
         let value = |s: &Symbol| solved.iter().find(|x| x.0 == *s).map(|x| x.1);
         let Some(values) = unknowns.iter().map(value).collect::<Option<Vec<Expr>>>() else { return Ok(None) };
         let found = Inverse { values, divisors, branch, base };
+        if !self.returns(unknowns, coordinates, new, &found) {
+            return Ok(None);
+        }
         Ok(self.confirms(unknowns, coordinates, new, &found)?.then_some(found))
+    }
+
+    /// Whether S(T(x)) = x at the base point, and at the model's point unless a value is not finite there.
+    fn returns(&self, unknowns: &[Symbol], coordinates: &[Expr], new: &[Symbol], found: &Inverse) -> bool {
+        let image = |at: &[f64]| {
+            let z = self.numbers(coordinates, unknowns, at)?;
+            self.numbers(&found.values, new, &z)
+        };
+        let same = |at: &[f64]| {
+            let back = image(at)?;
+            let close = |(x, b): (&f64, &f64)| (x - b).abs() <= 1e-6 * (1.0 + x.abs());
+            back.iter().all(|b| b.is_finite()).then(|| at.iter().zip(&back).all(close))
+        };
+        let at_point = self.system.point_values().map(|p| p.0).filter(|at| at.len() == unknowns.len());
+        same(&found.base) == Some(true) && at_point.is_none_or(|at| same(&at) != Some(false))
     }
 
     /// Whether T(S(z)) = z.

@@ -6,6 +6,7 @@ pub(crate) mod accessible;
 pub(crate) mod brunovsky;
 pub(crate) mod byrnes_isidori;
 pub(crate) mod chained;
+pub(crate) mod chained_change;
 pub(crate) mod change;
 pub(crate) mod completion;
 pub(crate) mod flat;

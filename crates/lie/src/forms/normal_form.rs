@@ -29,11 +29,13 @@ pub enum Form {
     Observer,
     /// States and inputs as functions of flat outputs and their derivatives.
     Flat,
+    /// z1' = v1, z2' = v2, z3' = z2 v1, … for two inputs without drift (Murray and Sastry).
+    Chained,
 }
 
 impl Form {
     /// All forms.
-    pub const ALL: [Form; 7] = [
+    pub const ALL: [Form; 8] = [
         Form::Brunovsky,
         Form::ByrnesIsidori,
         Form::Kalman,
@@ -41,6 +43,7 @@ impl Form {
         Form::Observable,
         Form::Observer,
         Form::Flat,
+        Form::Chained,
     ];
 
     /// Its name in commands.
@@ -53,6 +56,7 @@ impl Form {
             Form::Observable => "observable",
             Form::Observer => "observer",
             Form::Flat => "flat",
+            Form::Chained => "chained",
         }
     }
 }
@@ -119,6 +123,8 @@ pub enum BlockKind {
     Observer,
     /// A flat output with its derivatives.
     FlatOutput,
+    /// The states of a chained form.
+    Chained,
 }
 
 /// A group of new states.

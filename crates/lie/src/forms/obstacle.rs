@@ -144,6 +144,21 @@ pub enum Obstacle {
         /// Which.
         function: Function,
     },
+    /// The chained form is one of two inputs.
+    #[error("the chained form is one of two independent inputs, and there are {independent}")]
+    NotTwoInputs {
+        /// Independent input fields.
+        independent: usize,
+    },
+    /// The equations do not vanish with the inputs.
+    #[error("the equations do not vanish with the inputs, and the chained form is one without drift")]
+    Drift,
+    /// The derived flag does not grow by one.
+    #[error("the derived flag of the two inputs has dimensions {}, and not 2, 3, … up to the number of states", listed(.dimensions))]
+    DerivedFlag {
+        /// Its dimensions at a generic point.
+        dimensions: Vec<usize>,
+    },
     /// The system is not flat.
     #[error("not flat: {reason}")]
     NotFlat {
@@ -183,6 +198,10 @@ pub enum Obstacle {
     /// A question stays open.
     #[error(transparent)]
     Undecided(#[from] Undecided),
+}
+
+fn listed(dimensions: &[usize]) -> String {
+    dimensions.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
 serialized_as_text!(Obstacle);

@@ -229,7 +229,13 @@ fn by_angle(pool: &mut Pool, e: Expr, kernels: [Expr; 2], s: Symbol) -> Vec<Expr
     let values = if pool.is_zero(c) {
         // (cos a, sin a) is along ±(A, −B).
         let minus_a = pool.neg(a);
-        vec![pool.call2(Func2::Atan2, minus_b, a), pool.call2(Func2::Atan2, b, minus_a)]
+        let mut list = vec![pool.call2(Func2::Atan2, minus_b, a), pool.call2(Func2::Atan2, b, minus_a)];
+        // Around π, where those jump.
+        let ratio = pool.div(minus_b, a);
+        let angle = pool.call(Func::Atan, ratio);
+        let pi = pool.pi();
+        list.extend([pool.add(angle, pi), pool.sub(angle, pi)]);
+        list
     } else {
         // A sin a + B cos a = √(A² + B²) cos(a − atan2(A, B))
         let (aa, bb) = (pool.powi(a, 2), pool.powi(b, 2));
@@ -269,7 +275,16 @@ pub(crate) fn fold(pool: &mut Pool, e: Expr) -> Expr {
     image[&e]
 }
 
-/// Cosine and sine of an inverse circular function.
+/// π or −π.
+fn is_half_turn(pool: &Pool, e: Expr) -> bool {
+    match pool.node(e) {
+        Node::Pi => true,
+        Node::Mul(c, p) => pool.integer(c) == Some(-1) && pool.node(p) == Node::Pi,
+        _ => false,
+    }
+}
+
+/// Cosine and sine of an inverse circular function, turned by π or not.
 fn circle_point(pool: &mut Pool, a: Expr) -> Option<(Expr, Expr)> {
     let one = pool.int(1);
     let beside = |pool: &mut Pool, w: Expr| {
@@ -292,6 +307,16 @@ fn circle_point(pool: &mut Pool, a: Expr) -> Option<(Expr, Expr)> {
             let sum = tidy(pool, sum);
             let root = pool.sqrt(sum);
             Some((pool.div(x, root), pool.div(y, root)))
+        }
+        // cos(π + a) = −cos a, sin(π + a) = −sin a
+        Node::Add(b, c) if is_half_turn(pool, b) || is_half_turn(pool, c) => {
+            let inner = if is_half_turn(pool, b) { c } else { b };
+            let (cosine, sine) = circle_point(pool, inner)?;
+            Some((pool.neg(cosine), pool.neg(sine)))
+        }
+        Node::Mul(c, inner) if pool.integer(c) == Some(-1) => {
+            let (cosine, sine) = circle_point(pool, inner)?;
+            Some((cosine, pool.neg(sine)))
         }
         _ => None,
     }

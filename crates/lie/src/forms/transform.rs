@@ -88,6 +88,7 @@ impl Frame {
             Form::Observable => self.observable(),
             Form::Observer => self.observer(),
             Form::Flat => self.flat(),
+            Form::Chained => self.chained(),
             // Made before, of the linear approximation.
             Form::Kalman => Err(Stop::Unknown(crate::forms::obstacle::Obstacle::Irrational)),
         }

@@ -62,7 +62,7 @@ def transform(
     system
         The model, affine in its inputs (see `affinize`) and without switching.
     to
-        "brunovsky", "byrnes-isidori", "kalman", "accessible", "observable", "observer", or "flat".
+        "brunovsky", "byrnes-isidori", "kalman", "accessible", "observable", "observer", "flat", or "chained".
     at
         Point near which branches are chosen, instead of the model's.
     outputs

@@ -16,6 +16,7 @@ pub(super) fn form_name(form: Form) -> &'static str {
         Form::Observable => "decomposition by observability",
         Form::Observer => "observer form",
         Form::Flat => "flat parametrization",
+        Form::Chained => "chained form",
     }
 }
 
@@ -96,6 +97,7 @@ fn block(b: &Block) -> String {
         BlockKind::Unobservable => "not observable".to_owned(),
         BlockKind::Observer => format!("linear up to functions of {} and the inputs", b.states[0]),
         BlockKind::FlatOutput => "flat output with its derivatives".to_owned(),
+        BlockKind::Chained => "chained form".to_owned(),
     };
     format!("{}: {what}", b.states.join(", "))
 }
