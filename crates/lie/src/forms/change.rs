@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 use crate::algebra::matrix::{determinant, generic_rank};
 use crate::algebra::rational::readable::{tidy, vanishing_factors};
 use crate::condition::Condition;
+use crate::feedback::relative_degree::divisors;
 use crate::forms::frame::Frame;
 use crate::forms::inverse::Inverse;
 use crate::forms::normal_form::{Block, BlockKind, FormNote, NormalForm};
@@ -110,7 +111,7 @@ impl Frame {
     fn inverse_of(&mut self, plan: &Plan, along: &[Expr]) -> Result<Option<Inverse>, Stop> {
         let states = self.system.states.clone();
         if let Some(values) = plan.inverse.clone() {
-            return Ok(Some(Inverse { values, divisors: Vec::new(), branch: false, base: Vec::new() }));
+            return Ok(Some(Inverse { values, branch: false, base: Vec::new() }));
         }
         let inputs: Vec<Symbol> = match &plan.feedback {
             Some(feedback) => feedback.new.clone(),
@@ -309,8 +310,8 @@ impl Frame {
             let d = determinant(pool, &jacobian)?;
             vanishing_factors(pool, d, &states, &self.fields.bindings)
         });
-        let inverse_valid =
-            inverse.as_ref().and_then(|i| self.validity(&plan, &i.divisors, singular.as_deref().unwrap_or_default()));
+        let divided = inverse.as_ref().map(|i| divisors(&self.system.pool, &i.values)).unwrap_or_default();
+        let inverse_valid = self.validity(&plan, &divided, singular.as_deref().unwrap_or_default());
         let regular = self.full_rank_at_point(plan.regular.as_ref().unwrap_or(&jacobian));
         if let Some(i) = inverse.as_ref().filter(|i| i.branch) {
             let through = self.system.state_names().into_iter().zip(i.base.iter().copied()).collect();

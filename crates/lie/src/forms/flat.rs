@@ -37,7 +37,7 @@ impl Frame {
         }
         let found = self.flat_outputs()?;
         let mut extended = self.extended(&found);
-        let form = extended.parametrized(&found.degrees, found.extension.is_some());
+        let form = extended.parametrized(&found.degrees);
         self.evidence = extended.evidence;
         let mut form = form?;
         if found.extension.is_some() {
@@ -120,7 +120,7 @@ impl Frame {
         Frame { system, fields, outputs, evidence: std::mem::take(&mut self.evidence) }
     }
 
-    fn parametrized(&mut self, degrees: &RelativeDegree, extended: bool) -> Result<NormalForm, Stop> {
+    fn parametrized(&mut self, degrees: &RelativeDegree) -> Result<NormalForm, Stop> {
         let (n, m) = (self.fields.states.len(), self.fields.controls.len());
         let new = self.derivative_symbols(degrees);
         let v = self.fresh("v", m);
@@ -142,7 +142,7 @@ impl Frame {
             regular: Some(degrees.decoupling.clone()),
             singular,
             keep_names: false,
-            suffix: if extended { "flat_extended" } else { "flat" },
+            suffix: "flat",
             notes: Vec::new(),
         };
         let form = self.change(plan)?.form;

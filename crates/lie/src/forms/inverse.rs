@@ -14,8 +14,6 @@ use crate::undecided::Undecided;
 pub(crate) struct Inverse {
     /// One entry per unknown.
     pub(crate) values: Vec<Expr>,
-    /// What was divided by, in old and new coordinates.
-    pub(crate) divisors: Vec<Expr>,
     /// Whether a branch was chosen.
     pub(crate) branch: bool,
     /// The unknowns at the point that chose it.
@@ -37,7 +35,6 @@ struct Elimination<'a> {
     free: Vec<Symbol>,
     equations: Vec<Expr>,
     solved: Vec<(Symbol, Expr)>,
-    divisors: Vec<Expr>,
     branch: bool,
 }
 
@@ -67,7 +64,6 @@ impl Frame {
             free: unknowns.to_vec(),
             equations: Vec::new(),
             solved: Vec::new(),
-            divisors: Vec::new(),
             branch: false,
             frame: self,
         };
@@ -81,10 +77,10 @@ impl Frame {
                 return Ok(None);
             }
         }
-        let Elimination { solved, divisors, branch, .. } = elimination;
+        let Elimination { solved, branch, .. } = elimination;
         let value = |s: &Symbol| solved.iter().find(|x| x.0 == *s).map(|x| x.1);
         let Some(values) = unknowns.iter().map(value).collect::<Option<Vec<Expr>>>() else { return Ok(None) };
-        let found = Inverse { values, divisors, branch, base };
+        let found = Inverse { values, branch, base };
         if !self.returns(unknowns, coordinates, new, &found) {
             return Ok(None);
         }
@@ -168,7 +164,6 @@ impl Elimination<'_> {
         let Some((_, k, s, root)) = best else { return false };
         self.equations.remove(k);
         self.free.retain(|&t| t != s);
-        self.divisors.extend(root.divisor);
         self.branch |= root.quality == Quality::Branch;
         let pool = &mut self.frame.system.pool;
         let map: FxHashMap<Expr, Expr> = std::iter::once((pool.sym(s), root.value)).collect();

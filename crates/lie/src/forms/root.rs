@@ -21,8 +21,6 @@ pub(crate) enum Quality {
 pub(crate) struct Root {
     pub(crate) value: Expr,
     pub(crate) quality: Quality,
-    /// What was divided by.
-    pub(crate) divisor: Option<Expr>,
 }
 
 /// Solutions s of e = 0 in closed form; several where there are branches, none where none is seen.
@@ -37,7 +35,7 @@ pub(crate) fn roots(pool: &mut Pool, e: Expr, s: Symbol, unknowns: &[Symbol]) ->
         let Some(value) = linear_root(pool, e, x, slope) else { return Vec::new() };
         let constant = !pool.symbols_of(&[slope]).iter().any(|t| unknowns.contains(t));
         let quality = if constant { Quality::Constant } else { Quality::Linear };
-        return vec![Root { value, quality, divisor: (!constant).then_some(slope) }];
+        return vec![Root { value, quality }];
     }
     let mut kernels = Vec::new();
     if !kernels_of(pool, e, s, &mut kernels) {
@@ -48,7 +46,7 @@ pub(crate) fn roots(pool: &mut Pool, e: Expr, s: Symbol, unknowns: &[Symbol]) ->
         [a, b] => by_angle(pool, e, [a, b], s),
         _ => Vec::new(),
     };
-    values.into_iter().map(|value| Root { value, quality: Quality::Branch, divisor: None }).collect()
+    values.into_iter().map(|value| Root { value, quality: Quality::Branch }).collect()
 }
 
 /// x of e = 0, where e is linear in it.
