@@ -41,3 +41,7 @@ pub mod certificates_guide {}
 /// From measured data to the named cause: a guide.
 #[doc = include_str!("../docs/diagnose.md")]
 pub mod diagnose_guide {}
+
+/// Verdicts by cases of parameters: special values, and maps over two of them.
+#[doc = include_str!("../docs/parameters.md")]
+pub mod parameters_guide {}

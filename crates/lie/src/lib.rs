@@ -40,6 +40,7 @@ mod modes;
 mod observability;
 mod operating;
 mod options;
+mod parameters;
 mod reason;
 mod residues;
 mod undecided;
@@ -100,6 +101,12 @@ pub use operating::linear_model::{LinearMatrix, LinearModel, NotLinearizable, Re
 pub use operating::linearize::{LinearAnalysis, LinearizeError, LinearizeOptions, Pole, Rank, linearize};
 pub use operating::trim::{Trim, TrimError, TrimNote, TrimOptions, TrimRole, TrimStatus, TrimValue, trim};
 pub use options::{Limits, Options};
+pub use parameters::aspect::{Aspect, AspectValue, NotLinear};
+pub use parameters::cases::{
+    AspectCases, Incomplete, ParameterCase, ParameterError, ParameterOptions, ParameterReport, parameter_cases,
+};
+pub use parameters::confirm::Confirmed;
+pub use parameters::map::{MapCell, MapCurve, MapPoint, ParameterMap, ParameterRange, parameter_map};
 pub use reason::{
     AtSwitch, BracketLimit, FamilyReason, FlatnessReason, InputCombination, MinimumPhaseReason, Monotone,
     NoZeroDynamics, Reason, StabilizableReason, StlcReason, SwitchingReason,

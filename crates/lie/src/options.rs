@@ -7,7 +7,7 @@ use bracketry_symbolic::{Pool, Rational};
 use crate::controllability::input_values::{InputValues, Side};
 
 /// Time limit of an analysis unless another is asked for.
-const TIME_LIMIT: Duration = Duration::from_mins(2);
+pub(crate) const TIME_LIMIT: Duration = Duration::from_mins(2);
 
 /// Choices of an analysis.
 #[derive(Clone, Debug)]

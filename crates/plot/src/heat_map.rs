@@ -123,15 +123,7 @@ impl HeatMap {
             };
             draw_cells(canvas, axes, (&columns, &rows), fill)?;
             for (k, level) in self.levels.iter().enumerate() {
-                let lines = contour(&self.cells.x, &self.cells.y, &self.values, level.value);
-                let page = lines.iter().map(|piece| piece.map(|p| axes.page(p)));
-                let page = joined(page.collect());
-                for line in &page {
-                    canvas.line(line, Stroke::solid(Color(255, 255, 255), 4.0))?;
-                }
-                for line in &page {
-                    canvas.line(line, contour_stroke(k))?;
-                }
+                draw_contour(canvas, axes, contour(&self.cells.x, &self.cells.y, &self.values, level.value), k)?;
             }
             Ok(())
         })
@@ -158,7 +150,16 @@ pub struct RegimeMap {
     rows: Vec<Vec<Option<usize>>>,
     missing: String,
     categories: Vec<(String, Color)>,
+    curves: Vec<Curve>,
     marks: Vec<Mark>,
+}
+
+/// The zeros of a function, by its values on a grid.
+#[derive(Debug, Clone)]
+struct Curve {
+    name: String,
+    places: Cells,
+    values: Vec<Vec<f64>>,
 }
 
 impl RegimeMap {
@@ -170,8 +171,23 @@ impl RegimeMap {
             rows: Vec::new(),
             missing: "no value".to_owned(),
             categories: Vec::new(),
+            curves: Vec::new(),
             marks: Vec::new(),
         }
+    }
+
+    /// Adds the curve on which a function vanishes, `name` in the legend; `rows[j][i]` is its value at `(x[i], y[j])`.
+    #[must_use]
+    pub fn curve(
+        mut self,
+        name: impl Into<String>,
+        x: impl Into<Vec<f64>>,
+        y: impl Into<Vec<f64>>,
+        rows: impl IntoIterator<Item = Vec<f64>>,
+    ) -> Self {
+        let places = Cells { x: x.into(), y: y.into() };
+        self.curves.push(Curve { name: name.into(), places, values: rows.into_iter().collect() });
+        self
     }
 
     setters! {
@@ -220,10 +236,18 @@ impl RegimeMap {
         if used().any(|c| c.is_none()) {
             entries.push((Sample::Hatched, self.missing.clone()));
         }
+        for (k, curve) in self.curves.iter().enumerate() {
+            check_grid(&self.labels, &curve.places, &curve.name, &curve.values)?;
+            entries.push((Sample::Line(contour_stroke(k), None), curve.name.clone()));
+        }
         let (columns, rows) = self.cells.edges();
         let field = field_of_cells(&self.labels, (&columns, &rows), &self.marks);
         Field { entries, ..field }.draw(|canvas, axes| {
-            draw_cells(canvas, axes, (&columns, &rows), |i, j| self.rows[j][i].map(|k| self.categories[k].1))
+            draw_cells(canvas, axes, (&columns, &rows), |i, j| self.rows[j][i].map(|k| self.categories[k].1))?;
+            for (k, c) in self.curves.iter().enumerate() {
+                draw_contour(canvas, axes, contour(&c.places.x, &c.places.y, &c.values, 0.0), k)?;
+            }
+            Ok(())
         })
     }
 }
@@ -272,6 +296,18 @@ fn draw_cells(
             }
             from = i + 1;
         }
+    }
+    Ok(())
+}
+
+/// A line of equal value, with a white margin.
+fn draw_contour(canvas: &Canvas, axes: &Axes, pieces: Vec<[(f64, f64); 2]>, index: usize) -> Result<()> {
+    let page = joined(pieces.into_iter().map(|piece| piece.map(|p| axes.page(p))).collect());
+    for line in &page {
+        canvas.line(line, Stroke::solid(Color(255, 255, 255), 4.0))?;
+    }
+    for line in &page {
+        canvas.line(line, contour_stroke(index))?;
     }
     Ok(())
 }

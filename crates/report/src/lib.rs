@@ -8,6 +8,7 @@ pub mod forms;
 pub mod html;
 mod notation;
 pub mod operating;
+pub mod parameters;
 pub mod plate;
 pub mod simulation;
 pub mod steering;

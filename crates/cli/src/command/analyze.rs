@@ -5,8 +5,11 @@ use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::Analysis;
-use bracketry::lie::{ObservabilityReport, Options};
+use bracketry::lie::{ObservabilityReport, Options, ParameterOptions, ParameterRange, parameter_cases, parameter_map};
 use bracketry::report::analysis as report;
+use bracketry::report::parameters::{
+    parameter_figure, parameter_json, parameter_map_json, parameter_map_text, parameter_text,
+};
 use bracketry::system::System;
 use clap::{Args, ValueEnum};
 
@@ -14,10 +17,15 @@ use super::output::{figure, folder, json, line, print, spinner, write};
 use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
-pub(crate) const EXAMPLES: [(&str, &str); 4] = [
+pub(crate) const EXAMPLES: [(&str, &str); 6] = [
     ("Analyze a model", "bracketry analyze models/plate_published.toml"),
     ("At another point, as Markdown", "bracketry analyze models/cart_pole.toml --at th=pi --markdown"),
     ("Brackets written out", "bracketry analyze models/unicycle.toml --bracket \"[g1,g2]\""),
+    ("For which inertias do the verdicts change?", "bracketry analyze models/spacecraft.toml --parameters J1,J2,J3"),
+    (
+        "The same as a map over two parameters",
+        "bracketry analyze models/cart_pole.toml --map l=0.1..1,m=0.05..1 --out out",
+    ),
     ("Write report, affine model, and figures to a folder", "bracketry analyze models/cart_pole.toml --out out"),
 ];
 
@@ -54,6 +62,19 @@ pub(crate) struct AnalyzeArgs {
     /// Seconds after which what is not decided is unknown
     #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = time_limit)]
     time_limit: Duration,
+    /// Parameters without fixed value, or "symbolic" for all: for which of their values do the verdicts change?
+    #[arg(long, value_name = "NAME,…", conflicts_with_all = ["at", "brackets", "determines", "markdown", "format"])]
+    parameters: Option<String>,
+    /// Map over two parameters, such as a=0..2,b=-1..1, the others at their values; the picture goes to --out
+    #[arg(long, value_name = "A=LOW..HIGH,B=LOW..HIGH", allow_hyphen_values = true,
+        conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters"])]
+    map: Option<String>,
+    /// Cells along each axis of the map
+    #[arg(long, value_name = "N", default_value_t = 40, requires = "map")]
+    cells: usize,
+    /// Most conditions on parameters that are to hold at the same time
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    conditions: usize,
     /// Format of the report on standard output
     #[arg(long, value_enum, default_value = "text", conflicts_with = "json")]
     format: Format,
@@ -81,6 +102,12 @@ pub(crate) fn time_limit(text: &str) -> Result<Duration, String> {
 /// Prints what the inputs of a model reach.
 pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let mut system = System::read(&args.model)?;
+    if let Some(parameters) = &args.parameters {
+        return cases(&system, parameters, args, output);
+    }
+    if let Some(map) = &args.map {
+        return cells(&system, map, args, output);
+    }
     if let Some(at) = &args.at {
         system.point = Some(bracketry::point(&mut system, at).context("--at")?);
     }
@@ -107,6 +134,52 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
         line(&format!("written to {}: {FILES}", dir.display()))?;
     }
     Ok(if answered(&analysis, args) { Outcome::Done } else { Outcome::Negative })
+}
+
+fn parameter_options(args: &AnalyzeArgs) -> anyhow::Result<ParameterOptions> {
+    anyhow::ensure!(args.conditions > 0, "--conditions 0: give the number of conditions of a case, at least 1");
+    Ok(ParameterOptions {
+        conditions: args.conditions,
+        time_limit: Some(args.time_limit),
+        ..ParameterOptions::default()
+    })
+}
+
+/// Prints for which values of parameters the verdicts change.
+fn cases(system: &System, names: &str, args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let mut options = parameter_options(args)?;
+    if !["symbolic", "all"].contains(&names) {
+        options.parameters = names.split(',').map(|s| s.trim().to_owned()).collect();
+    }
+    let progress = spinner("ranks and minors");
+    let report = parameter_cases(system, &options).with_context(|| args.model.display().to_string())?;
+    progress.finish_and_clear();
+    let (text, value) = (parameter_text(&report), json(&parameter_json(&report))?);
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write(&dir.join("parameters.txt"), &text)?;
+        write(&dir.join("parameters.json"), &value)?;
+    }
+    print(if output.json { &value } else { &text })?;
+    Ok(if report.is_complete() { Outcome::Done } else { Outcome::Negative })
+}
+
+/// Prints verdicts over two parameters, and draws them.
+fn cells(system: &System, map: &str, args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let ranges = ParameterRange::two(map).context("--map")?;
+    let progress = spinner("cells of the map");
+    let found = parameter_map(system, &ranges, args.cells, &parameter_options(args)?)
+        .with_context(|| args.model.display().to_string())?;
+    progress.finish_and_clear();
+    let (text, value) = (parameter_map_text(&found), json(&parameter_map_json(&found))?);
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write(&dir.join("parameter_map.txt"), &text)?;
+        write(&dir.join("parameter_map.json"), &value)?;
+        figure(parameter_figure(&found).draw(), &dir.join("parameter_map"));
+    }
+    print(if output.json { &value } else { &text })?;
+    Ok(if found.report.is_complete() { Outcome::Done } else { Outcome::Negative })
 }
 
 /// Whether every generic dimension is decided, what the outputs determine, and what was asked for besides.

@@ -93,7 +93,7 @@ pub(crate) fn uncontrollable(pool: &mut Pool, frame: &Frame, rank: usize) -> Res
         return Ok(Uncontrollable { roots: Vec::new(), decays: Answer::Known(true), exact: None });
     }
     if let Some((a, b)) = rational_matrices(pool, frame) {
-        let spectrum = Spectrum::of(&quotient(&a, &b));
+        let spectrum = Spectrum::of(&quotient_by_reachable(&a, &b));
         let decays = match (spectrum.right, spectrum.on_axis) {
             (0, 0) => Answer::Known(true),
             (0, _) => Answer::Unknown(Reason::OnAxis),
@@ -127,8 +127,9 @@ pub(crate) fn tolerance(size: f64, k: usize) -> f64 {
     10.0 * size.max(f64::MIN_POSITIVE) * (k as f64 * f64::EPSILON).powf(1.0 / k as f64)
 }
 
-/// The matrix of A on the rational vectors modulo span{A^k b_i}, in the coordinates w_i x of an annihilating basis.
-fn quotient(a: &RationalMatrix, b: &RationalMatrix) -> RationalMatrix {
+/// The matrix of A on the rational vectors modulo span{A^k b_i}, in the coordinates w_i x of an annihilating basis; `b` has
+/// a row for each input.
+pub(crate) fn quotient_by_reachable(a: &RationalMatrix, b: &RationalMatrix) -> RationalMatrix {
     let mut reached = RationalEchelon::new(a.rows().len());
     let mut queue: Vec<Vec<Rational>> = b.rows().to_vec();
     while let Some(v) = queue.pop() {

@@ -1,6 +1,7 @@
 //! Readable rational functions.
 
 mod form;
-mod polynomial;
+pub(crate) mod parametric;
+pub(crate) mod polynomial;
 pub(crate) mod readable;
 mod ring;

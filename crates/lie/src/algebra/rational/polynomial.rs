@@ -6,16 +6,16 @@ use bracketry_symbolic::{Fp, Rational};
 use dashu_int::ops::BitTest;
 
 /// Exponents by atom, without trailing zeros; their order is the lexicographic monomial order.
-pub(super) type Monomial = Vec<u32>;
+pub(crate) type Monomial = Vec<u32>;
 
 /// Longest coefficient in a remainder sequence, in bits.
 const MAX_BITS: usize = 256;
 
 /// What is left of the work allowed, in products of two terms.
-pub(super) struct Budget(usize);
+pub(crate) struct Budget(usize);
 
 impl Budget {
-    pub(super) fn new(products: usize) -> Self {
+    pub(crate) fn new(products: usize) -> Self {
         Budget(products)
     }
 
@@ -27,7 +27,7 @@ impl Budget {
 
 /// A polynomial in atoms that are numbered from 0. Operations give `None` when the budget is spent.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Polynomial {
+pub(crate) struct Polynomial {
     /// No coefficient is zero.
     terms: BTreeMap<Monomial, Rational>,
 }
@@ -61,35 +61,35 @@ fn gcd_of_integers(mut a: dashu_int::UBig, mut b: dashu_int::UBig) -> dashu_int:
 }
 
 impl Polynomial {
-    pub(super) fn constant(c: &Rational) -> Self {
+    pub(crate) fn constant(c: &Rational) -> Self {
         Self::term(c, Vec::new())
     }
 
-    pub(super) fn term(c: &Rational, m: Monomial) -> Self {
+    pub(crate) fn term(c: &Rational, m: Monomial) -> Self {
         let mut p = Self::default();
         p.add_term(trimmed(m), c);
         p
     }
 
-    pub(super) fn atom(i: usize) -> Self {
+    pub(crate) fn atom(i: usize) -> Self {
         let mut m = vec![0; i + 1];
         m[i] = 1;
         Self::term(&Rational::ONE, m)
     }
 
-    pub(super) fn terms(&self) -> impl ExactSizeIterator<Item = (&Monomial, &Rational)> {
+    pub(crate) fn terms(&self) -> impl ExactSizeIterator<Item = (&Monomial, &Rational)> {
         self.terms.iter()
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.terms.len()
     }
 
-    pub(super) fn is_zero(&self) -> bool {
+    pub(crate) fn is_zero(&self) -> bool {
         self.terms.is_empty()
     }
 
-    pub(super) fn is_constant(&self) -> bool {
+    pub(crate) fn is_constant(&self) -> bool {
         self.terms.keys().all(Vec::is_empty)
     }
 
@@ -111,19 +111,19 @@ impl Polynomial {
         }
     }
 
-    pub(super) fn add(&mut self, other: &Self, factor: &Rational) {
+    pub(crate) fn add(&mut self, other: &Self, factor: &Rational) {
         for (m, c) in &other.terms {
             self.add_term(m.clone(), &(c * factor));
         }
     }
 
-    pub(super) fn scaled(&self, factor: &Rational) -> Self {
+    pub(crate) fn scaled(&self, factor: &Rational) -> Self {
         let mut p = Self::default();
         p.add(self, factor);
         p
     }
 
-    pub(super) fn mul(&self, other: &Self, budget: &mut Budget) -> Option<Self> {
+    pub(crate) fn mul(&self, other: &Self, budget: &mut Budget) -> Option<Self> {
         budget.spend(self.len() * other.len())?;
         let mut p = Self::default();
         for (a, x) in &self.terms {
@@ -134,7 +134,7 @@ impl Polynomial {
         Some(p)
     }
 
-    pub(super) fn pow(&self, k: u32, budget: &mut Budget) -> Option<Self> {
+    pub(crate) fn pow(&self, k: u32, budget: &mut Budget) -> Option<Self> {
         let mut p = Self::constant(&Rational::ONE);
         for _ in 0..k {
             p = p.mul(self, budget)?;
@@ -143,18 +143,18 @@ impl Polynomial {
     }
 
     /// The atoms that occur.
-    pub(super) fn support(&self) -> Vec<usize> {
+    pub(crate) fn support(&self) -> Vec<usize> {
         let n = self.terms.keys().map(Vec::len).max().unwrap_or(0);
         (0..n).filter(|&i| self.degree(i) > 0).collect()
     }
 
     /// Highest exponent of atom `i`.
-    pub(super) fn degree(&self, i: usize) -> u32 {
+    pub(crate) fn degree(&self, i: usize) -> u32 {
         self.terms.keys().map(|m| m.get(i).copied().unwrap_or(0)).max().unwrap_or(0)
     }
 
     /// The coefficients of the powers of atom `i`, from the constant one.
-    pub(super) fn coefficients(&self, i: usize) -> Vec<Self> {
+    pub(crate) fn coefficients(&self, i: usize) -> Vec<Self> {
         let mut all = vec![Self::default(); self.degree(i) as usize + 1];
         for (m, c) in &self.terms {
             let mut rest = m.clone();
@@ -164,8 +164,25 @@ impl Polynomial {
         all
     }
 
+    /// The derivative by atom `i`.
+    pub(crate) fn derivative(&self, i: usize) -> Self {
+        let mut p = Self::default();
+        for (m, c) in &self.terms {
+            let Some(&k) = m.get(i).filter(|k| **k > 0) else { continue };
+            let mut m = m.clone();
+            m[i] = k - 1;
+            p.add_term(trimmed(m), &(c * Rational::from(k)));
+        }
+        p
+    }
+
+    /// The term that is last in the lexicographic order.
+    pub(crate) fn leading(&self) -> Option<(&Monomial, &Rational)> {
+        self.terms.last_key_value()
+    }
+
     /// The largest monomial that divides every term.
-    pub(super) fn monomial_content(&self) -> Monomial {
+    pub(crate) fn monomial_content(&self) -> Monomial {
         let mut keys = self.terms.keys();
         let Some(first) = keys.next() else { return Vec::new() };
         let mut content = first.clone();
@@ -177,13 +194,13 @@ impl Polynomial {
         trimmed(content)
     }
 
-    pub(super) fn divided_by_monomial(&self, by: &[u32]) -> Option<Self> {
+    pub(crate) fn divided_by_monomial(&self, by: &[u32]) -> Option<Self> {
         let terms = self.terms.iter().map(|(m, c)| Some((over(m, by)?, c.clone())));
         Some(Polynomial { terms: terms.collect::<Option<_>>()? })
     }
 
     /// `c` and `p` with `self = c·p`, p with coprime integer coefficients of which the leading one is positive.
-    pub(super) fn primitive(&self) -> (Rational, Self) {
+    pub(crate) fn primitive(&self) -> (Rational, Self) {
         use dashu_int::{IBig, UBig};
         let Some((_, lead)) = self.terms.last_key_value() else { return (Rational::ONE, self.clone()) };
         let (mut top, mut bottom) = (UBig::ZERO, UBig::ONE);
@@ -202,7 +219,7 @@ impl Polynomial {
     }
 
     /// The quotient by `d` if the division leaves no remainder.
-    pub(super) fn exact_quotient(&self, d: &Self, budget: &mut Budget) -> Option<Self> {
+    pub(crate) fn exact_quotient(&self, d: &Self, budget: &mut Budget) -> Option<Self> {
         let (lead, c) = d.terms.last_key_value()?;
         let mut rest = self.clone();
         let mut quotient = Self::default();
@@ -220,7 +237,7 @@ impl Polynomial {
     }
 
     /// A greatest common divisor (primitive remainder sequence, one atom after the other).
-    pub(super) fn gcd(&self, other: &Self, budget: &mut Budget) -> Option<Self> {
+    pub(crate) fn gcd(&self, other: &Self, budget: &mut Budget) -> Option<Self> {
         if self.is_zero() || other.is_zero() {
             return Some(if self.is_zero() { other.clone() } else { self.clone() }.primitive().1);
         }
@@ -283,7 +300,7 @@ impl Polynomial {
     }
 
     /// Greatest common divisor of the coefficients of the powers of atom `v`.
-    pub(super) fn content_in(&self, v: usize, budget: &mut Budget) -> Option<Self> {
+    pub(crate) fn content_in(&self, v: usize, budget: &mut Budget) -> Option<Self> {
         let mut content = Self::default();
         for c in self.coefficients(v) {
             content = content.gcd(&c, budget)?;

@@ -102,10 +102,10 @@ pub(crate) fn square_root(pool: &mut Pool, e: Expr) -> Option<Expr> {
 }
 
 /// What an expression is as a product, in the ring of its atoms.
-struct Factored {
-    ring: Ring,
-    coefficient: Rational,
-    factors: Factors,
+pub(super) struct Factored {
+    pub(super) ring: Ring,
+    pub(super) coefficient: Rational,
+    pub(super) factors: Factors,
 }
 
 impl Factored {
@@ -115,11 +115,15 @@ impl Factored {
 }
 
 fn factored(pool: &mut Pool, e: Expr) -> Option<Factored> {
+    factored_in(pool, Ring::default(), e)
+}
+
+/// The product in a ring that may have atoms already.
+pub(super) fn factored_in(pool: &mut Pool, mut ring: Ring, e: Expr) -> Option<Factored> {
     let nodes = pool.reachable(&[e]);
     if nodes.len() > MAX_NODES {
         return None;
     }
-    let mut ring = Ring::default();
     let mut budget = Budget::new(MAX_PRODUCTS);
     let mut image: FxHashMap<Expr, Product> = FxHashMap::default();
     for n in inner_nodes(pool, e) {

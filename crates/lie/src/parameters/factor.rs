@@ -1,0 +1,281 @@
+//! Factors of polynomials in parameters, as far as they are found, and their real zeros.
+
+use bracketry_symbolic::{Rational, UnivariatePolynomial};
+
+use crate::algebra::rational::polynomial::{Budget, Polynomial};
+
+/// A primitive polynomial without repeated factors.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Factor {
+    pub(crate) polynomial: Polynomial,
+    /// Whether it is known to have no further factors over the rational numbers.
+    pub(crate) irreducible: bool,
+}
+
+/// The distinct factors of a polynomial that is not zero; `None` if the budget is spent.
+///
+/// Split off are powers of variables, contents, repeated factors, and factors of polynomials that have degree 2 in a
+/// variable, or depend on one variable or on the quotient of two.
+pub(crate) fn factors(p: &Polynomial, budget: &mut Budget) -> Option<Vec<Factor>> {
+    let mut done: Vec<Factor> = Vec::new();
+    let content = p.monomial_content();
+    for (i, _) in content.iter().enumerate().filter(|x| *x.1 > 0) {
+        done.push(Factor { polynomial: Polynomial::atom(i), irreducible: true });
+    }
+    let mut open = vec![p.divided_by_monomial(&content)?.primitive().1];
+    while let Some(p) = open.pop() {
+        if p.is_constant() {
+            continue;
+        }
+        let parts = split(&p, budget)?;
+        if !parts.is_empty() {
+            open.extend(parts);
+            continue;
+        }
+        let irreducible = p.support().iter().any(|&v| p.degree(v) <= 2) || (p.support().len() == 1 && cubic(&p));
+        let factor = Factor { polynomial: p, irreducible };
+        if !done.contains(&factor) {
+            done.push(factor);
+        }
+    }
+    done.sort();
+    Some(done)
+}
+
+/// A cubic in one variable without rational root, which `split` would have found, has no factors.
+fn cubic(p: &Polynomial) -> bool {
+    p.support().iter().all(|&v| p.degree(v) <= 3)
+}
+
+/// Two or more factors whose product has the same zeros; none if none are found.
+fn split(p: &Polynomial, budget: &mut Budget) -> Option<Vec<Polynomial>> {
+    for v in p.support() {
+        let content = p.content_in(v, budget)?.primitive().1;
+        if !content.is_constant() {
+            return Some(vec![p.exact_quotient(&content, budget)?.primitive().1, content]);
+        }
+    }
+    for v in p.support() {
+        let repeated = p.gcd(&p.derivative(v), budget)?;
+        if !repeated.is_constant() {
+            return Some(vec![p.exact_quotient(&repeated, budget)?.primitive().1, repeated]);
+        }
+    }
+    if p.support().iter().any(|&v| p.degree(v) == 1) {
+        return Some(Vec::new());
+    }
+    for v in p.support() {
+        if p.degree(v) == 2 {
+            return quadratic(p, v, budget);
+        }
+    }
+    let Some(linear) = rational_root(p) else { return Some(Vec::new()) };
+    let common = p.gcd(&linear, budget)?;
+    if common.is_constant() || common == *p {
+        return Some(Vec::new());
+    }
+    Some(vec![p.exact_quotient(&common, budget)?.primitive().1, common])
+}
+
+/// a v² + b v + c factors where b² − 4ac is a square.
+fn quadratic(p: &Polynomial, v: usize, budget: &mut Budget) -> Option<Vec<Polynomial>> {
+    let [c, b, a] = &p.coefficients(v)[..] else { return Some(Vec::new()) };
+    let mut discriminant = b.mul(b, budget)?;
+    discriminant.add(&a.mul(c, budget)?, &Rational::from(-4));
+    let root = square_root(&discriminant, budget)?;
+    if root.is_zero() {
+        return Some(Vec::new());
+    }
+    // 2 a v + b − √D
+    let mut linear = a.mul(&Polynomial::atom(v), budget)?.scaled(&Rational::from(2));
+    linear.add(b, &Rational::ONE);
+    linear.add(&root, &-Rational::ONE);
+    let common = p.gcd(&linear, budget)?;
+    if common.is_constant() || common == *p {
+        return Some(Vec::new());
+    }
+    Some(vec![p.exact_quotient(&common, budget)?.primitive().1, common])
+}
+
+/// The polynomial whose square this is; zero if there is none.
+fn square_root(p: &Polynomial, budget: &mut Budget) -> Option<Polynomial> {
+    if p.is_zero() {
+        return Some(p.clone());
+    }
+    let Some((m, c)) = p.leading() else { return Some(Polynomial::default()) };
+    let root = |c: &Rational| {
+        let guess = Rational::simplest_from_f64(c.to_f64().value().sqrt())?;
+        (&guess * &guess == *c).then_some(guess)
+    };
+    let (Some(c), true) = (root(c), m.iter().all(|k| k % 2 == 0)) else { return Some(Polynomial::default()) };
+    let lead = Polynomial::term(&c, m.iter().map(|k| k / 2).collect());
+    let double = lead.scaled(&Rational::from(2));
+    let mut sum = lead;
+    // Each step takes off the leading term of the rest.
+    for _ in 0..=p.len() {
+        let mut rest = p.clone();
+        rest.add(&sum.mul(&sum, budget)?, &-Rational::ONE);
+        if rest.is_zero() {
+            return Some(sum);
+        }
+        let Some((m, c)) = rest.leading() else { return Some(Polynomial::default()) };
+        let Some(next) = Polynomial::term(c, m.clone()).exact_quotient(&double, budget) else {
+            return Some(Polynomial::default());
+        };
+        sum.add(&next, &Rational::ONE);
+    }
+    Some(Polynomial::default())
+}
+
+/// A linear polynomial that vanishes at a rational root, of a polynomial in one variable or of a homogeneous one in two.
+fn rational_root(p: &Polynomial) -> Option<Polynomial> {
+    let support = p.support();
+    let (v, other) = match support[..] {
+        [v] => (v, None),
+        [v, w] => (v, Some(w)),
+        _ => return None,
+    };
+    let total = |m: &[u32]| m.iter().sum::<u32>();
+    let degree = p.terms().map(|(m, _)| total(m)).max()?;
+    if other.is_some() && p.terms().any(|(m, _)| total(m) != degree) {
+        return None;
+    }
+    let mut list = vec![Rational::ZERO; p.degree(v) as usize + 1];
+    for (m, c) in p.terms() {
+        list[m.get(v).copied().unwrap_or(0) as usize] += c;
+    }
+    let root = UnivariatePolynomial::new(list).roots().into_iter().find_map(|r| r.exact)?;
+    let mut linear = Polynomial::atom(v);
+    let second = other.map_or_else(|| Polynomial::constant(&Rational::ONE), Polynomial::atom);
+    linear.add(&second, &-root);
+    Some(linear.primitive().1)
+}
+
+/// What holds where a polynomial vanishes at real values.
+pub(crate) enum RealZeros {
+    /// It never does.
+    None,
+    /// Just where all of these monomials do, since it is a sum of squares of them.
+    Monomials(Vec<Polynomial>),
+    /// Nothing simpler.
+    Open,
+}
+
+/// Where a polynomial vanishes at real values, if it is a sum of even powers with coefficients of one sign.
+pub(crate) fn real_zeros(p: &Polynomial) -> RealZeros {
+    let positive = p.terms().all(|(_, c)| *c > Rational::ZERO) || p.terms().all(|(_, c)| *c < Rational::ZERO);
+    if !positive || p.terms().any(|(m, _)| m.iter().any(|k| k % 2 == 1)) || p.len() < 2 {
+        return RealZeros::Open;
+    }
+    if p.terms().any(|(m, _)| m.is_empty()) {
+        return RealZeros::None;
+    }
+    RealZeros::Monomials(p.terms().map(|(m, _)| Polynomial::term(&Rational::ONE, m.clone())).collect())
+}
+
+/// `p` with `top / bottom` in place of variable `v`, times a power of `bottom`.
+pub(crate) fn substituted(
+    p: &Polynomial,
+    v: usize,
+    top: &Polynomial,
+    bottom: &Polynomial,
+    budget: &mut Budget,
+) -> Option<Polynomial> {
+    let coefficients = p.coefficients(v);
+    let degree = coefficients.len() as u32 - 1;
+    let mut total = Polynomial::default();
+    for (k, c) in (0u32..).zip(&coefficients) {
+        let power = top.pow(k, budget)?.mul(&bottom.pow(degree - k, budget)?, budget)?;
+        total.add(&c.mul(&power, budget)?, &Rational::ONE);
+    }
+    Some(total)
+}
+
+/// The determinant of a square matrix (Bareiss 1968: divisions leave no remainder).
+pub(crate) fn determinant(mut m: Vec<Vec<Polynomial>>, budget: &mut Budget) -> Option<Polynomial> {
+    let n = m.len();
+    let mut before = Polynomial::constant(&Rational::ONE);
+    let mut sign = Rational::ONE;
+    for k in 0..n {
+        let Some(pivot) = (k..n).filter(|&i| !m[i][k].is_zero()).min_by_key(|&i| m[i][k].len()) else {
+            return Some(Polynomial::default());
+        };
+        if pivot != k {
+            m.swap(k, pivot);
+            sign = -sign;
+        }
+        let (upper, lower) = m.split_at_mut(k + 1);
+        let row = &upper[k];
+        for other in lower {
+            for j in k + 1..n {
+                let mut e = other[j].mul(&row[k], budget)?;
+                e.add(&other[k].mul(&row[j], budget)?, &-Rational::ONE);
+                other[j] = e.exact_quotient(&before, budget)?;
+            }
+            other[k] = Polynomial::default();
+        }
+        before = m[k][k].clone();
+    }
+    Some(before.scaled(&sign))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use bracketry_symbolic::{Pool, Symbol};
+
+    use super::*;
+    use crate::algebra::rational::parametric::{expression, quotient};
+
+    fn polynomial(pool: &mut Pool, text: &str) -> (Polynomial, [Symbol; 3]) {
+        let names = ["a", "b", "c"].map(|s| pool.symbol(s));
+        let e = pool.parse(text).unwrap();
+        (quotient(pool, e, &names, &mut Budget::new(100_000)).unwrap().0, names)
+    }
+
+    fn factors_of(text: &str) -> Vec<String> {
+        let mut pool = Pool::new();
+        let (p, names) = polynomial(&mut pool, text);
+        let list = factors(&p, &mut Budget::new(100_000)).unwrap();
+        let mut texts: Vec<String> = list
+            .iter()
+            .map(|f| {
+                let e = expression(&mut pool, &f.polynomial, &names);
+                pool.text(e)
+            })
+            .collect();
+        texts.sort();
+        texts
+    }
+
+    #[test]
+    fn differences_and_squares_are_split_off() {
+        assert_eq!(factors_of("a^3*b*(a - b)^2*(b - c)*(a + 2*c)"), ["a", "a + 2*c", "a - b", "b", "b - c"]);
+        assert_eq!(factors_of("a^2 - b^2"), ["a + b", "a - b"]);
+        assert_eq!(factors_of("a^2 + b^2"), ["a^2 + b^2"]);
+        assert_eq!(factors_of("a^4 - b^4"), ["a + b", "a - b", "a^2 + b^2"]);
+        assert_eq!(factors_of("(a*b - c)*(a*b + c)*(a - 1)"), ["a - 1", "a*b + c", "a*b - c"]);
+    }
+
+    #[test]
+    fn determinants_of_vandermonde_matrices_are_products_of_differences() {
+        let mut pool = Pool::new();
+        let row = |pool: &mut Pool, s: &str| -> Vec<Polynomial> {
+            ["1".to_owned(), s.to_owned(), format!("{s}^2")].iter().map(|t| polynomial(pool, t).0).collect()
+        };
+        let m = ["a", "b", "c"].map(|s| row(&mut pool, s)).to_vec();
+        let d = determinant(m, &mut Budget::new(100_000)).unwrap();
+        let (expected, _) = polynomial(&mut pool, "(b - a)*(c - a)*(c - b)");
+        assert_eq!(d, expected);
+    }
+
+    #[test]
+    fn sums_of_even_powers_vanish_only_where_every_term_does() {
+        let mut pool = Pool::new();
+        let mut zeros = |text: &str| real_zeros(&polynomial(&mut pool, text).0);
+        assert!(matches!(zeros("1 + a^2"), RealZeros::None));
+        assert!(matches!(zeros("a^2 + 3*b^4"), RealZeros::Monomials(list) if list.len() == 2));
+        assert!(matches!(zeros("a^2 + a*b + b^2"), RealZeros::Open));
+        assert!(matches!(zeros("a^2 - b^2"), RealZeros::Open));
+    }
+}
