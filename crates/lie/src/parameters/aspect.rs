@@ -119,6 +119,15 @@ impl Subject {
         Subject { fields, outputs, linear }
     }
 
+    /// All expressions that an aspect rests on.
+    pub(crate) fn roots_of(&self, aspect: Aspect) -> Vec<Expr> {
+        let mut roots = self.roots();
+        if let (Aspect::LinearControllability | Aspect::LinearObservability, Some(l)) = (aspect, &self.linear) {
+            roots.extend([&l.a, &l.b, &l.c].into_iter().flat_map(|rows| rows.concat()));
+        }
+        roots
+    }
+
     /// All expressions of the equations.
     pub(crate) fn roots(&self) -> Vec<Expr> {
         let mut roots = self.fields.drift.clone();
@@ -143,20 +152,12 @@ impl Subject {
             matrices: if rows.is_empty() { Vec::new() } else { vec![rows] },
         };
         match aspect {
-            Aspect::Accessibility | Aspect::StrongAccessibility => {
-                let closure = if aspect == Aspect::Accessibility {
-                    fields.accessibility(pool, evidence)?
-                } else {
-                    fields.strong_accessibility(pool, evidence)?
-                };
-                let generators = fields.generators();
-                let rows = closure.brackets(pool, &fields.states, &generators, &fields.bindings, evidence)?;
-                let value = closure.dimension();
-                let rows = independent(pool, &rows, &fields.bindings, evidence)?;
-                if rows.len() != value {
-                    return Err(bracketry_symbolic::Undecided::TooComplex.into());
-                }
-                Ok(dimension(rows))
+            Aspect::StrongAccessibility => Ok(dimension(self.brackets(pool, true, evidence)?)),
+            Aspect::Accessibility => {
+                let all = self.brackets(pool, false, evidence)?;
+                // Where the strong dimension is as large, the weak one falls only where that does.
+                let strong = self.brackets(pool, true, evidence)?;
+                Ok(dimension(if strong.len() == all.len() { strong } else { all }))
             }
             Aspect::Observability => {
                 let o = fields.observability(pool, &self.outputs, &[], evidence)?;
@@ -175,6 +176,20 @@ impl Subject {
             Aspect::RelativeDegree => self.relative_degree(pool, evidence),
             Aspect::StaticLinearization => self.linearization(pool, evidence),
         }
+    }
+
+    /// Independent brackets that span the accessibility algebra or its strong part.
+    fn brackets(&self, pool: &mut Pool, strong: bool, evidence: &mut Evidence) -> Result<Vec<Vec<Expr>>, Undecided> {
+        let fields = &self.fields;
+        let closure =
+            if strong { fields.strong_accessibility(pool, evidence)? } else { fields.accessibility(pool, evidence)? };
+        let generators = fields.generators();
+        let rows = closure.brackets(pool, &fields.states, &generators, &fields.bindings, evidence)?;
+        let rows = independent(pool, &rows, &fields.bindings, evidence)?;
+        if rows.len() != closure.dimension() {
+            return Err(bracketry_symbolic::Undecided::TooComplex.into());
+        }
+        Ok(rows)
     }
 
     fn relative_degree(&self, pool: &mut Pool, evidence: &mut Evidence) -> Result<Generic, Undecided> {

@@ -92,9 +92,9 @@ fn branch(
     budget: &mut Budget,
     found: &mut Components,
 ) {
-    match real_zeros(&q.polynomial) {
+    match real_zeros(&q.polynomial, budget) {
         RealZeros::None => return,
-        RealZeros::Monomials(list) => {
+        RealZeros::Together(list) => {
             let mut lists = others.to_vec();
             for m in &list {
                 match factors(m, budget) {

@@ -315,7 +315,7 @@ impl<'a> Explorer<'a> {
             return None;
         }
         let here = self.specialized(subject, region);
-        let first = here.roots();
+        let first = here.roots_of(search.aspect);
         if let Err(bracketry_symbolic::Undecided::DivisionByZero) = self.pool.sample(&first, &Bindings::new(), 1, 11) {
             return None;
         }

@@ -155,14 +155,48 @@ fn rational_root(p: &Polynomial) -> Option<Polynomial> {
 pub(crate) enum RealZeros {
     /// It never does.
     None,
-    /// Just where all of these monomials do, since it is a sum of squares of them.
-    Monomials(Vec<Polynomial>),
+    /// Only where all of these do: the terms of a sum of squares, or what a discriminant that is never positive leaves.
+    Together(Vec<Polynomial>),
     /// Nothing simpler.
     Open,
 }
 
-/// Where a polynomial vanishes at real values, if it is a sum of even powers with coefficients of one sign.
-pub(crate) fn real_zeros(p: &Polynomial) -> RealZeros {
+/// Where a polynomial may vanish at real values, if it or the negative of a discriminant is a sum of even powers with
+/// positive coefficients.
+pub(crate) fn real_zeros(p: &Polynomial, budget: &mut Budget) -> RealZeros {
+    match sum_of_even_powers(p) {
+        RealZeros::Open => {}
+        found => return found,
+    }
+    for v in p.support().into_iter().filter(|&v| p.degree(v) == 2) {
+        let [c, b, a] = &p.coefficients(v)[..] else { continue };
+        let (Some(mut d), Some(ac)) = (b.mul(b, budget), a.mul(c, budget)) else { return RealZeros::Open };
+        d.add(&ac, &Rational::from(-4));
+        if d.terms().any(|(_, c)| *c > Rational::ZERO) {
+            continue;
+        }
+        let monomials = if d.len() == 1 && d.terms().all(|(m, _)| m.iter().all(|k| k % 2 == 0)) {
+            if d.is_constant() { RealZeros::None } else { RealZeros::Together(vec![d]) }
+        } else {
+            sum_of_even_powers(&d)
+        };
+        match monomials {
+            RealZeros::Open => {}
+            RealZeros::None => return RealZeros::None,
+            RealZeros::Together(mut list) => {
+                // The double root: 2 a v + b = 0.
+                let Some(mut slope) = a.mul(&Polynomial::atom(v), budget) else { return RealZeros::Open };
+                slope = slope.scaled(&Rational::from(2));
+                slope.add(b, &Rational::ONE);
+                list.push(slope);
+                return RealZeros::Together(list);
+            }
+        }
+    }
+    RealZeros::Open
+}
+
+fn sum_of_even_powers(p: &Polynomial) -> RealZeros {
     let positive = p.terms().all(|(_, c)| *c > Rational::ZERO) || p.terms().all(|(_, c)| *c < Rational::ZERO);
     if !positive || p.terms().any(|(m, _)| m.iter().any(|k| k % 2 == 1)) || p.len() < 2 {
         return RealZeros::Open;
@@ -170,7 +204,7 @@ pub(crate) fn real_zeros(p: &Polynomial) -> RealZeros {
     if p.terms().any(|(m, _)| m.is_empty()) {
         return RealZeros::None;
     }
-    RealZeros::Monomials(p.terms().map(|(m, _)| Polynomial::term(&Rational::ONE, m.clone())).collect())
+    RealZeros::Together(p.terms().map(|(m, _)| Polynomial::term(&Rational::ONE, m.clone())).collect())
 }
 
 /// `p` with `top / bottom` in place of variable `v`, times a power of `bottom`.
@@ -272,10 +306,12 @@ mod tests {
     #[test]
     fn sums_of_even_powers_vanish_only_where_every_term_does() {
         let mut pool = Pool::new();
-        let mut zeros = |text: &str| real_zeros(&polynomial(&mut pool, text).0);
+        let mut zeros = |text: &str| real_zeros(&polynomial(&mut pool, text).0, &mut Budget::new(10_000));
         assert!(matches!(zeros("1 + a^2"), RealZeros::None));
-        assert!(matches!(zeros("a^2 + 3*b^4"), RealZeros::Monomials(list) if list.len() == 2));
-        assert!(matches!(zeros("a^2 + a*b + b^2"), RealZeros::Open));
+        assert!(matches!(zeros("a^2 + 3*b^4"), RealZeros::Together(list) if list.len() == 2));
+        assert!(matches!(zeros("a^2 + a*b + b^2"), RealZeros::Together(list) if list.len() == 2));
+        assert!(matches!(zeros("a^2 + a + 1"), RealZeros::None));
+        assert!(matches!(zeros("a^2 + a*b - b^2"), RealZeros::Open));
         assert!(matches!(zeros("a^2 - b^2"), RealZeros::Open));
     }
 }

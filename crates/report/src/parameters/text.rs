@@ -31,7 +31,7 @@ fn case(c: &ParameterCase, a: Aspect, states: usize) -> String {
         line += "   (for generic values; no rational point at hand)";
     } else {
         let at: Vec<String> = c.confirmed_at.0.iter().map(|(n, v)| format!("{n} = {v}")).collect();
-        line += &format!("   (confirmed at {})", at.join(", "));
+        line.extend(["   (confirmed at ", &at.join(", "), ")"]);
     }
     if c.within_limits == Some(false) {
         line += "; outside the limits of the parameters";
@@ -46,7 +46,9 @@ fn open(why: &Incomplete, conditions: usize) -> String {
         }
         Incomplete::TooLarge => "minors, factors, or sets grew too large".to_owned(),
         Incomplete::Nonlinear { condition } => {
-            format!("{condition} = 0 is not solved for a parameter by a rational function: nothing is sought within it")
+            format!(
+                "{condition} = 0 is not solved for a parameter by a rational function: what holds there, or in a part of it, is open"
+            )
         }
         Incomplete::MoreConditions => {
             format!("more than {conditions} conditions at once were not looked at (--conditions N)")
@@ -70,8 +72,11 @@ fn aspect(a: &AspectCases, report: &ParameterReport) -> Vec<String> {
             "    these are all cases (proven)".to_owned()
         });
     } else if a.complete_up_to_conditions {
-        let few = if report.conditions == 1 { "one condition" } else { "that many conditions at once" };
-        lines.push(format!("    these are all cases with up to {few}: {} (proven)", report.conditions));
+        let few = match report.conditions {
+            1 => "one condition".to_owned(),
+            n => format!("{n} conditions at once"),
+        };
+        lines.push(format!("    these are all cases with up to {few} (proven)"));
     } else {
         lines.push("    the list of cases may be incomplete".to_owned());
     }
