@@ -14,8 +14,8 @@ pub(crate) struct Factor {
 
 /// The distinct factors of a polynomial that is not zero; `None` if the budget is spent.
 ///
-/// Split off are powers of variables, contents, repeated factors, and factors of polynomials that have degree 2 in a
-/// variable, or depend on one variable or on the quotient of two.
+/// Split off are powers of variables, contents, repeated factors, factors of polynomials that have degree 2 in a variable,
+/// and factors that are linear in a variable.
 pub(crate) fn factors(p: &Polynomial, budget: &mut Budget) -> Option<Vec<Factor>> {
     let mut done: Vec<Factor> = Vec::new();
     let content = p.monomial_content();
@@ -32,7 +32,7 @@ pub(crate) fn factors(p: &Polynomial, budget: &mut Budget) -> Option<Vec<Factor>
             open.extend(parts);
             continue;
         }
-        let irreducible = p.support().iter().any(|&v| p.degree(v) <= 2) || (p.support().len() == 1 && cubic(&p));
+        let irreducible = p.support().iter().any(|&v| p.degree(v) <= 2);
         let factor = Factor { polynomial: p, irreducible };
         if !done.contains(&factor) {
             done.push(factor);
@@ -40,11 +40,6 @@ pub(crate) fn factors(p: &Polynomial, budget: &mut Budget) -> Option<Vec<Factor>
     }
     done.sort();
     Some(done)
-}
-
-/// A cubic in one variable without rational root, which `split` would have found, has no factors.
-fn cubic(p: &Polynomial) -> bool {
-    p.support().iter().all(|&v| p.degree(v) <= 3)
 }
 
 /// Two or more factors whose product has the same zeros; none if none are found.
@@ -69,12 +64,10 @@ fn split(p: &Polynomial, budget: &mut Budget) -> Option<Vec<Polynomial>> {
             return quadratic(p, v, budget);
         }
     }
-    let Some(linear) = rational_root(p) else { return Some(Vec::new()) };
-    let common = p.gcd(&linear, budget)?;
-    if common.is_constant() || common == *p {
-        return Some(Vec::new());
+    match p.support().into_iter().find_map(|v| linear_factor(p, v, budget)) {
+        Some(common) => Some(vec![p.exact_quotient(&common, budget)?.primitive().1, common]),
+        None => Some(Vec::new()),
     }
-    Some(vec![p.exact_quotient(&common, budget)?.primitive().1, common])
 }
 
 /// a v² + b v + c factors where b² − 4ac is a square.
@@ -127,28 +120,61 @@ fn square_root(p: &Polynomial, budget: &mut Budget) -> Option<Polynomial> {
     Some(Polynomial::default())
 }
 
-/// A linear polynomial that vanishes at a rational root, of a polynomial in one variable or of a homogeneous one in two.
-fn rational_root(p: &Polynomial) -> Option<Polynomial> {
-    let support = p.support();
-    let (v, other) = match support[..] {
-        [v] => (v, None),
-        [v, w] => (v, Some(w)),
-        _ => return None,
+/// Values of the other variables at which roots are sought.
+const PLACES: [[i64; 4]; 3] = [[1, 2, 3, 5], [2, -1, 5, 3], [-3, 4, 1, 7]];
+
+/// A factor that is linear in variable `v`: a rational root at a place is followed as a power series in the other
+/// variables; times the leading coefficient it is a polynomial if it belongs to such a factor.
+fn linear_factor(p: &Polynomial, v: usize, budget: &mut Budget) -> Option<Polynomial> {
+    let others: Vec<usize> = p.support().into_iter().filter(|&w| w != v).collect();
+    let one = Polynomial::constant(&Rational::ONE);
+    let shifted = |p: &Polynomial, place: &[i64; 4], sign: i64, budget: &mut Budget| {
+        let mut q = p.clone();
+        for (k, &w) in others.iter().enumerate() {
+            let mut to = Polynomial::atom(w);
+            to.add(&one, &Rational::from(sign * (place[k % 4] + (k / 4) as i64)));
+            q = substituted(&q, w, &to, &one, budget)?;
+        }
+        Some(q)
     };
-    let total = |m: &[u32]| m.iter().sum::<u32>();
+    let total = |m: &[u32]| m.iter().enumerate().filter(|x| x.0 != v).map(|x| *x.1).sum::<u32>();
     let degree = p.terms().map(|(m, _)| total(m)).max()?;
-    if other.is_some() && p.terms().any(|(m, _)| total(m) != degree) {
-        return None;
+    for place in &PLACES {
+        let q = shifted(p, place, 1, budget)?;
+        let coefficients = q.coefficients(v);
+        let at_place: Vec<Rational> = coefficients.iter().map(Polynomial::constant_term).collect();
+        let univariate = UnivariatePolynomial::new(at_place);
+        if univariate.degree() + 1 < coefficients.len() {
+            continue;
+        }
+        let slope = univariate.derivative();
+        for root in univariate.roots().into_iter().filter_map(|r| r.exact) {
+            let steep = slope.at(&root);
+            if steep == Rational::ZERO {
+                continue;
+            }
+            let step = -(Rational::ONE / steep);
+            let mut series = Polynomial::constant(&root);
+            // Each step gives one more degree.
+            for _ in 0..degree {
+                let mut value = Polynomial::default();
+                for c in coefficients.iter().rev() {
+                    value = value.mul(&series, budget)?.truncated(degree);
+                    value.add(c, &Rational::ONE);
+                }
+                series.add(&value.truncated(degree), &step);
+            }
+            let lead = &coefficients[coefficients.len() - 1];
+            let mut candidate = lead.mul(&Polynomial::atom(v), budget)?;
+            candidate.add(&lead.mul(&series, budget)?.truncated(degree), &-Rational::ONE);
+            let candidate = shifted(&candidate, place, -1, budget)?;
+            let common = p.gcd(&candidate, budget)?;
+            if !common.is_constant() && common != *p {
+                return Some(common);
+            }
+        }
     }
-    let mut list = vec![Rational::ZERO; p.degree(v) as usize + 1];
-    for (m, c) in p.terms() {
-        list[m.get(v).copied().unwrap_or(0) as usize] += c;
-    }
-    let root = UnivariatePolynomial::new(list).roots().into_iter().find_map(|r| r.exact)?;
-    let mut linear = Polynomial::atom(v);
-    let second = other.map_or_else(|| Polynomial::constant(&Rational::ONE), Polynomial::atom);
-    linear.add(&second, &-root);
-    Some(linear.primitive().1)
+    None
 }
 
 /// What holds where a polynomial vanishes at real values.
@@ -289,6 +315,10 @@ mod tests {
         assert_eq!(factors_of("a^2 + b^2"), ["a^2 + b^2"]);
         assert_eq!(factors_of("a^4 - b^4"), ["a + b", "a - b", "a^2 + b^2"]);
         assert_eq!(factors_of("(a*b - c)*(a*b + c)*(a - 1)"), ["a - 1", "a*b + c", "a*b - c"]);
+        // Of degree 3 in both variables.
+        assert_eq!(factors_of("(a - b)*(a^2*b^2 + a*b - b^2 + a)").len(), 2);
+        assert_eq!(factors_of("(a*b - 2)*(a^3 + b^3 + 5)*(a + 3*b + 1)").len(), 3);
+        assert_eq!(factors_of("a^3 + b^3 + 5").len(), 1);
     }
 
     #[test]

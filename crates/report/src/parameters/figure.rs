@@ -65,6 +65,6 @@ fn color(name: &str, index: usize) -> Color {
     } else if name.starts_with("not") {
         pale(Color::VERMILLION)
     } else {
-        pale(Color::band(index + 1))
+        Color::band(index + 1)
     }
 }

@@ -176,6 +176,17 @@ impl Polynomial {
         p
     }
 
+    /// The coefficient of 1.
+    pub(crate) fn constant_term(&self) -> Rational {
+        self.terms.get(&Vec::new()).cloned().unwrap_or(Rational::ZERO)
+    }
+
+    /// Without the terms of a total degree above `most`.
+    pub(crate) fn truncated(mut self, most: u32) -> Self {
+        self.terms.retain(|m, _| m.iter().sum::<u32>() <= most);
+        self
+    }
+
     /// The term that is last in the lexicographic order.
     pub(crate) fn leading(&self) -> Option<(&Monomial, &Rational)> {
         self.terms.last_key_value()
