@@ -102,11 +102,12 @@ pub use operating::linearize::{LinearAnalysis, LinearizeError, LinearizeOptions,
 pub use operating::trim::{Trim, TrimError, TrimNote, TrimOptions, TrimRole, TrimStatus, TrimValue, trim};
 pub use options::{Limits, Options};
 pub use parameters::aspect::{Aspect, AspectValue, NotLinear};
-pub use parameters::cases::{
-    AspectCases, Incomplete, ParameterCase, ParameterError, ParameterOptions, ParameterReport, parameter_cases,
-};
+pub use parameters::cases::parameter_cases;
 pub use parameters::confirm::Confirmed;
 pub use parameters::map::{MapCell, MapCurve, MapPoint, ParameterMap, ParameterRange, parameter_map};
+pub use parameters::report::{
+    AspectCases, Incomplete, ParameterCase, ParameterError, ParameterOptions, ParameterReport,
+};
 pub use reason::{
     AtSwitch, BracketLimit, FamilyReason, FlatnessReason, InputCombination, MinimumPhaseReason, Monotone,
     NoZeroDynamics, Reason, StabilizableReason, StlcReason, SwitchingReason,

@@ -9,11 +9,11 @@ use crate::algebra::rational::readable::tidy;
 use crate::answer::Answer;
 use crate::evidence::Evidence;
 use crate::parameters::aspect::{Aspect, AspectValue, Generic, Subject};
-use crate::parameters::cases::{AspectCases, Incomplete, ParameterCase};
 use crate::parameters::confirm::{Confirmed, point_with};
 use crate::parameters::decompose::{Solution, components, solution};
 use crate::parameters::factor::determinant;
-use crate::parameters::limits::possible_within;
+use crate::parameters::limits::{Limits, possible_within};
+use crate::parameters::report::{AspectCases, Incomplete, ParameterCase};
 use crate::parameters::state_values::{StateValues, Uncovered};
 
 /// Products of terms for the minors and factors of one set.
@@ -26,9 +26,6 @@ const DRAWS: u64 = 3;
 const COLUMN_CHOICES: usize = 4;
 /// Sets of columns among which they are chosen.
 const MAX_COLUMN_SETS: usize = 2000;
-
-/// Limits of each parameter.
-pub(crate) type Limits = Vec<(Option<Rational>, Option<Rational>)>;
 
 pub(crate) struct Explorer<'a> {
     pub(crate) pool: &'a mut Pool,

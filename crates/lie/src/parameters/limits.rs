@@ -4,7 +4,9 @@ use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
 
 use crate::algebra::rational::parametric::quotient;
 use crate::algebra::rational::polynomial::{Budget, Polynomial};
-use crate::parameters::explore::Limits;
+
+/// Least and greatest value of each parameter.
+pub(crate) type Limits = Vec<(Option<Rational>, Option<Rational>)>;
 
 /// False where a condition is seen to have one sign within the limits, true where there are none, else `None`.
 pub(crate) fn possible_within(

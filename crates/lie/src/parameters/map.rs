@@ -11,7 +11,8 @@ use crate::controllability::linearization::quotient_by_reachable;
 use crate::linear::matrix::RationalMatrix;
 use crate::linear::spectrum::Spectrum;
 use crate::parameters::aspect::{Aspect, Linear};
-use crate::parameters::cases::{ParameterError, ParameterOptions, ParameterReport, parameter_cases, subject};
+use crate::parameters::cases::{parameter_cases, subject};
+use crate::parameters::report::{ParameterError, ParameterOptions, ParameterReport};
 
 /// Values of a parameter.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,4 +8,5 @@ mod explore;
 mod factor;
 mod limits;
 pub(crate) mod map;
+pub(crate) mod report;
 mod state_values;
