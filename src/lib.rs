@@ -45,3 +45,7 @@ pub mod diagnose_guide {}
 /// Verdicts by cases of parameters: special values, and maps over two of them.
 #[doc = include_str!("../docs/parameters.md")]
 pub mod parameters_guide {}
+
+/// Identifiability in full.
+#[doc = include_str!("../docs/identifiability.md")]
+pub mod identifiability_guide {}

@@ -1,4 +1,4 @@
-//! `analyze --parameters` and `--map` at the command line.
+//! `analyze --parameters`, `--map`, and `--identifiability` at the command line.
 #![allow(clippy::unwrap_used)]
 
 mod common;
@@ -45,6 +45,42 @@ fn bad_names_and_ranges_exit_with_2() {
         (vec!["--parameters", "c"], "no parameter `c`"),
         (vec!["--map", "a=0..1"], "such as a=0..2,b=-1..1"),
         (vec!["--parameters", "a", "--conditions", "0"], "at least 1"),
+    ] {
+        let o = bracketry(&[&["analyze", &model], &arguments[..]].concat());
+        assert_eq!(code(&o), 2, "{arguments:?}");
+        assert!(text(&o.stderr).contains(expected), "{}", text(&o.stderr));
+    }
+}
+
+const CHAIN: &str = "states = ['a', 'b']\ninputs = ['u']\nparameters = { k1 = 1, k2 = 2, c = 3 }\n\
+    dynamics = { a = '-k1*a + u', b = 'c*k1*a - k2*b' }\noutputs = { y = 'b' }\n";
+
+#[test]
+fn identifiability_is_printed_as_text_and_json() {
+    let dir = scratch("identifiability");
+    let model = file(&dir, "chain.toml", CHAIN);
+    let o = bracketry(&["analyze", &model, "--identifiability"]);
+    assert_eq!(code(&o), 0, "{}", text(&o.stderr));
+    assert!(text(&o.stdout).contains("not globally: 2 values"), "{}", text(&o.stdout));
+    let o = bracketry(&[
+        "analyze",
+        &model,
+        "--identifiability",
+        "--unknown-input",
+        "u",
+        "--known-initial",
+        "a,b",
+        "--json",
+    ]);
+    let value: Value = serde_json::from_slice(&o.stdout).unwrap();
+    assert_eq!(
+        (&value["unknown_inputs"][0], &value["parameters"]["k2"]["local"]),
+        (&Value::from("u"), &Value::from(false))
+    );
+    for (arguments, expected) in [
+        (vec!["--identifiability", "--known-initial", "q"], "`q` is no state"),
+        (vec!["--identifiability", "--unknown-input", "v"], "`v` is no input"),
+        (vec!["--known-initial", "a"], "--identifiability"),
     ] {
         let o = bracketry(&[&["analyze", &model], &arguments[..]].concat());
         assert_eq!(code(&o), 2, "{arguments:?}");

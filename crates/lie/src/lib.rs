@@ -94,6 +94,10 @@ pub use linear::polynomial::MultivariatePolynomial;
 pub use linear::spectrum::half_planes;
 pub use modes::{ModeFields, Signs, mode_fields};
 pub use observability::codistribution::Observability;
+pub use observability::identifiability::global::GlobalReason;
+pub use observability::identifiability::report::{
+    Identifiability, IdentifiabilityError, IdentifiabilityOptions, IdentifiabilityReport, identifiability,
+};
 pub use observability::report::{Direction, ObservabilityReport, Undetermined, observe};
 pub use observability::symmetry::{Operator, Symmetry};
 pub use operating::gains::{Gain, Gramians, NoGain};

@@ -6,6 +6,7 @@ pub mod control;
 mod diagnosis;
 pub mod forms;
 pub mod html;
+pub mod identifiability;
 mod notation;
 pub mod operating;
 pub mod parameters;

@@ -7,6 +7,7 @@ use anyhow::Context;
 use bracketry::Analysis;
 use bracketry::lie::{ObservabilityReport, Options, ParameterOptions, ParameterRange, parameter_cases, parameter_map};
 use bracketry::report::analysis as report;
+use bracketry::report::identifiability::{identifiability_json, identifiability_text};
 use bracketry::report::parameters::{
     parameter_figure, parameter_json, parameter_map_json, parameter_map_text, parameter_text,
 };
@@ -17,7 +18,7 @@ use super::output::{figure, folder, json, line, print, spinner, write};
 use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
-pub(crate) const EXAMPLES: [(&str, &str); 6] = [
+pub(crate) const EXAMPLES: [(&str, &str); 7] = [
     ("Analyze a model", "bracketry analyze models/plate_published.toml"),
     ("At another point, as Markdown", "bracketry analyze models/cart_pole.toml --at th=pi --markdown"),
     ("Brackets written out", "bracketry analyze models/unicycle.toml --bracket \"[g1,g2]\""),
@@ -25,6 +26,10 @@ pub(crate) const EXAMPLES: [(&str, &str); 6] = [
     (
         "The same as a map over two parameters",
         "bracketry analyze models/cart_pole.toml --map l=0.1..1,m=0.05..1 --out out",
+    ),
+    (
+        "Which parameters are identifiable, locally and globally?",
+        "bracketry analyze model.toml --identifiability --known-initial x1=0",
     ),
     ("Write report, affine model, and figures to a folder", "bracketry analyze models/cart_pole.toml --out out"),
 ];
@@ -69,6 +74,15 @@ pub(crate) struct AnalyzeArgs {
     #[arg(long, value_name = "A=LOW..HIGH,B=LOW..HIGH", allow_hyphen_values = true,
         conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters"])]
     map: Option<String>,
+    /// Local and global identifiability of parameters and initial states, and identifiable combinations
+    #[arg(long, conflicts_with_all = ["at", "brackets", "determines", "markdown", "format", "parameters", "map"])]
+    identifiability: bool,
+    /// State whose initial value is known, as x or x=0, for --identifiability; may be repeated, or hold several with commas
+    #[arg(long, value_name = "STATE[=VALUE],…", value_delimiter = ',', requires = "identifiability")]
+    known_initial: Vec<String>,
+    /// Input that is an unknown function of time, for --identifiability; may be repeated
+    #[arg(long = "unknown-input", value_name = "INPUT", value_delimiter = ',', requires = "identifiability")]
+    unknown_inputs: Vec<String>,
     /// Cells along each axis of the map
     #[arg(long, value_name = "N", default_value_t = 40, requires = "map")]
     cells: usize,
@@ -102,6 +116,9 @@ pub(crate) fn time_limit(text: &str) -> Result<Duration, String> {
 /// Prints what the inputs of a model reach.
 pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
     let mut system = System::read(&args.model)?;
+    if args.identifiability {
+        return identifiable(&system, args, output);
+    }
     if let Some(parameters) = &args.parameters {
         return cases(&system, parameters, args, output);
     }
@@ -134,6 +151,27 @@ pub(crate) fn analyze(args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result
         line(&format!("written to {}: {FILES}", dir.display()))?;
     }
     Ok(if answered(&analysis, args) { Outcome::Done } else { Outcome::Negative })
+}
+
+/// Prints which parameters and initial states the outputs determine.
+fn identifiable(system: &System, args: &AnalyzeArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    let options = IdentifiabilityOptions {
+        known_initial: args.known_initial.clone(),
+        unknown_inputs: args.unknown_inputs.clone(),
+        time_limit: Some(args.time_limit),
+        ..IdentifiabilityOptions::default()
+    };
+    let progress = spinner("power series and polynomial equations");
+    let report = identifiability(system, &options).with_context(|| args.model.display().to_string())?;
+    progress.finish_and_clear();
+    let (text, value) = (identifiability_text(&report), json(&identifiability_json(&report))?);
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        write(&dir.join("identifiability.txt"), &text)?;
+        write(&dir.join("identifiability.json"), &value)?;
+    }
+    print(if output.json { &value } else { &text })?;
+    Ok(if report.decided(options.global) { Outcome::Done } else { Outcome::Negative })
 }
 
 fn parameter_options(args: &AnalyzeArgs) -> anyhow::Result<ParameterOptions> {

@@ -68,7 +68,8 @@ enum Command {
     #[command(after_help = examples(&analyze::EXAMPLES), after_long_help = guide(&analyze::EXAMPLES, &[(
         "Exit codes",
         "0  every generic dimension is decided, and what --at, --bracket and --determines ask for, and which states and \
-         parameters the outputs determine; with --parameters or --map, the cases are proven to be all\n\
+         parameters the outputs determine; with --parameters or --map, the cases are proven to be all; with \
+         --identifiability, local and global identifiability of all parameters are known\n\
          1  one of these is undecided; the report says which and why (other quantities may be unknown)\n2  bad input",
     )]))]
     Analyze(analyze::AnalyzeArgs),

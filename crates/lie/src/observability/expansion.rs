@@ -41,7 +41,7 @@ impl<'a, const C: u64> Expansion<'a, C> {
                 | Step::Parameter { sample, .. }
                 | Step::State { sample, .. }
                 | Step::Chain { sample, .. } => sampled[*sample],
-                Step::Input => e.random(),
+                Step::Input | Step::Unknown { .. } => e.random(),
                 Step::Add(a, b) => e.values[*a][0] + e.values[*b][0],
                 Step::Mul(a, b) => e.values[*a][0] * e.values[*b][0],
                 Step::Inverse(a) => e.values[*a][0].inv().ok_or(bracketry_symbolic::Undecided::DivisionByZero)?,
@@ -52,7 +52,9 @@ impl<'a, const C: u64> Expansion<'a, C> {
             let mut slope = vec![Residue::ZERO; d];
             match step {
                 Step::Constant { .. } | Step::Input | Step::State { direction: None, .. } => {}
-                Step::Parameter { direction, .. } | Step::State { direction: Some(direction), .. } => {
+                Step::Parameter { direction, .. }
+                | Step::State { direction: Some(direction), .. }
+                | Step::Unknown { first: direction } => {
                     slope[*direction] = Residue::ONE;
                 }
                 Step::Add(a, b) => {
@@ -130,6 +132,13 @@ impl<'a, const C: u64> Expansion<'a, C> {
         let value = match &self.program.steps[r] {
             Step::Constant { .. } | Step::Parameter { .. } => Residue::ZERO,
             Step::Input => self.random(),
+            Step::Unknown { first } => {
+                // Coefficients beyond the last variable are not asked for.
+                if let Some(s) = slope.get_mut(*first + k) {
+                    *s = Residue::ONE;
+                }
+                self.random()
+            }
             Step::State { state, .. } => {
                 // k x_k is coefficient k − 1 of the rate.
                 let rate = self.program.rates[*state];
@@ -198,7 +207,8 @@ impl<'a, const C: u64> Expansion<'a, C> {
         (if still[b] { k } else { 0 }, if still[a] { 0 } else { k })
     }
 
-    fn at(&self, r: Reg, k: usize) -> Residue<C> {
+    /// Coefficient k of a step.
+    pub(crate) fn at(&self, r: Reg, k: usize) -> Residue<C> {
         self.values[r].get(k).copied().unwrap_or_default()
     }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod codistribution;
 pub(crate) mod expansion;
+pub(crate) mod identifiability;
 pub(crate) mod report;
 pub(crate) mod sensitivity;
 pub(crate) mod series;

@@ -152,7 +152,7 @@ pub(crate) fn read_functions(system: &mut System, texts: &[String]) -> Result<Ve
 }
 
 /// The system extended by its inputs and their derivatives as states, the highest of which vary freely.
-fn with_inputs_as_states(system: &mut System) -> Result<(VectorFields, Vec<Symbol>), Error> {
+pub(crate) fn with_inputs_as_states(system: &mut System) -> Result<(VectorFields, Vec<Symbol>), Error> {
     let mut states = system.states.clone();
     let mut drift = system.dynamics.clone();
     let mut known = Vec::new();

@@ -10,7 +10,7 @@ use crate::algebra::field::VectorFields;
 use crate::undecided::Undecided;
 
 /// Number of a step, whose result later steps use.
-pub(super) type Reg = usize;
+pub(crate) type Reg = usize;
 
 /// Larger integer powers are refused.
 const MAX_POWER: u64 = 1 << 12;
@@ -18,7 +18,7 @@ const MAX_POWER: u64 = 1 << 12;
 const MAX_ROUNDS: usize = 8;
 
 /// How the coefficients of a series are found. `sample` is the number of an expression with a sampled value.
-pub(super) enum Step {
+pub(crate) enum Step {
     Constant {
         sample: usize,
     },
@@ -35,6 +35,10 @@ pub(super) enum Step {
     },
     /// A random series.
     Input,
+    /// A random series that is not known: each coefficient is a variable, from this direction on.
+    Unknown {
+        first: usize,
+    },
     Add(Reg, Reg),
     Mul(Reg, Reg),
     Inverse(Reg),
@@ -47,16 +51,25 @@ pub(super) enum Step {
 
 /// Steps for the series of outputs and of further functions.
 pub(crate) struct SeriesProgram {
-    pub(super) steps: Vec<Step>,
+    pub(crate) steps: Vec<Step>,
     /// Results that are constant in time.
-    pub(super) still: Vec<bool>,
+    pub(crate) still: Vec<bool>,
     /// Expressions whose values at time zero are sampled: first the variables, last the rates and outputs.
     pub(crate) sampled: Vec<Expr>,
     /// Rate of each state.
-    pub(super) rates: Vec<Reg>,
-    pub(super) outputs: Vec<Reg>,
-    pub(super) functions: Vec<Reg>,
-    pub(super) directions: usize,
+    pub(crate) rates: Vec<Reg>,
+    pub(crate) outputs: Vec<Reg>,
+    pub(crate) functions: Vec<Reg>,
+    pub(crate) directions: usize,
+}
+
+/// Inputs that are unknown functions of time.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct UnknownInputs {
+    /// Numbers of the control fields that they multiply.
+    pub(crate) controls: Vec<usize>,
+    /// Coefficients of each that are variables.
+    pub(crate) orders: usize,
 }
 
 /// A program under construction.
@@ -84,6 +97,21 @@ impl SeriesProgram {
         functions: &[Expr],
         variables: &[Symbol],
     ) -> Result<Self, Undecided> {
+        Self::compile_with_unknown(pool, fields, outputs, functions, variables, &UnknownInputs::default())
+    }
+
+    /// The same where some inputs are not known: so many coefficients of each are further variables, in this order.
+    ///
+    /// # Errors
+    /// [`Undecided`] for a power that is too large.
+    pub(crate) fn compile_with_unknown(
+        pool: &mut Pool,
+        fields: &VectorFields,
+        outputs: &[Expr],
+        functions: &[Expr],
+        variables: &[Symbol],
+        unknown: &UnknownInputs,
+    ) -> Result<Self, Undecided> {
         let mut roots = fields.drift.clone();
         roots.extend(fields.controls.concat());
         roots.extend(outputs);
@@ -103,7 +131,7 @@ impl SeriesProgram {
             rates: Vec::new(),
             outputs: Vec::new(),
             functions: Vec::new(),
-            directions: variables.len(),
+            directions: variables.len() + unknown.controls.len() * unknown.orders,
         };
         let mut compiler = Compiler {
             pool,
@@ -120,7 +148,7 @@ impl SeriesProgram {
             compiler.sample(x);
         }
         compiler.expressions(&roots)?;
-        Ok(compiler.finish(&roots, fields, outputs.len()))
+        Ok(compiler.finish(&roots, fields, outputs.len(), unknown))
     }
 
     /// Number of variables by which derivatives are taken.
@@ -147,7 +175,7 @@ impl Compiler<'_> {
         let still = &self.program.still;
         let constant = match &step {
             Step::Constant { .. } | Step::Parameter { .. } => true,
-            Step::State { .. } | Step::Input => false,
+            Step::State { .. } | Step::Input | Step::Unknown { .. } => false,
             Step::Add(a, b) | Step::Mul(a, b) => still[*a] && still[*b],
             Step::Inverse(a) => still[*a],
             Step::Chain { terms, .. } => terms.iter().all(|(a, _)| still[*a]),
@@ -321,12 +349,22 @@ impl Compiler<'_> {
     }
 
     /// Adds the inputs to the rates.
-    fn finish(mut self, roots: &[Expr], fields: &VectorFields, outputs: usize) -> SeriesProgram {
+    fn finish(
+        mut self,
+        roots: &[Expr],
+        fields: &VectorFields,
+        outputs: usize,
+        unknown: &UnknownInputs,
+    ) -> SeriesProgram {
         let n = fields.states.len();
         let at = |c: &Self, e: &Expr| c.registers[e];
         let mut rates: Vec<Reg> = roots[..n].iter().map(|e| at(&self, e)).collect();
-        for g in roots[n..n * (1 + fields.controls.len())].chunks(n) {
-            let u = self.push(Step::Input);
+        for (i, g) in roots[n..n * (1 + fields.controls.len())].chunks(n).enumerate() {
+            let place = unknown.controls.iter().position(|&c| c == i);
+            let u = self.push(match place {
+                Some(k) => Step::Unknown { first: self.directions.len() + k * unknown.orders },
+                None => Step::Input,
+            });
             for (rate, e) in rates.iter_mut().zip(g) {
                 if !self.pool.is_zero(*e) {
                     let term = self.push(Step::Mul(u, at(&self, e)));
