@@ -36,7 +36,7 @@ fn verdicts(r: &IdentifiabilityReport) -> Vec<String> {
 }
 
 fn combinations(r: &IdentifiabilityReport) -> Vec<String> {
-    let mut list: Vec<String> = r.combinations.iter().map(|f| f.text()).collect();
+    let mut list: Vec<String> = r.combinations.iter().map(bracketry_lie::Function::text).collect();
     list.sort();
     list
 }

@@ -24,7 +24,7 @@ fn cases(r: &ParameterReport, a: Aspect) -> Vec<String> {
         .cases
         .iter()
         .map(|c| {
-            let conditions: Vec<String> = c.conditions.iter().map(|f| f.text()).collect();
+            let conditions: Vec<String> = c.conditions.iter().map(bracketry_lie::Function::text).collect();
             format!("{} -> {}", conditions.join(", "), c.value)
         })
         .collect();
@@ -87,7 +87,7 @@ fn a_rigid_body_with_two_torques_is_accessible_unless_their_inertias_are_equal()
     assert_eq!(cases(&r, Aspect::StrongAccessibility), ["J1 - J2 -> 2"]);
     let a = aspect(&r, Aspect::StrongAccessibility);
     assert!(a.complete, "{:?}", a.open);
-    let undefined: Vec<String> = r.undefined.iter().map(|f| f.text()).collect();
+    let undefined: Vec<String> = r.undefined.iter().map(bracketry_lie::Function::text).collect();
     assert_eq!(undefined, ["J1", "J2", "J3"]);
 }
 
@@ -126,7 +126,7 @@ fn two_pendulums_on_a_cart_need_different_lengths() {
     let r = report(text, 2);
     assert_eq!(cases(&r, Aspect::LinearControllability), ["l1 - l2 -> 4"]);
     assert!(aspect(&r, Aspect::LinearControllability).complete);
-    let undefined: Vec<String> = r.undefined.iter().map(|f| f.text()).collect();
+    let undefined: Vec<String> = r.undefined.iter().map(bracketry_lie::Function::text).collect();
     assert_eq!(undefined, ["l1", "l2"]);
 }
 
