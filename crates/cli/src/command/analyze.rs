@@ -5,7 +5,10 @@ use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::Analysis;
-use bracketry::lie::{ObservabilityReport, Options, ParameterOptions, ParameterRange, parameter_cases, parameter_map};
+use bracketry::lie::{
+    IdentifiabilityOptions, ObservabilityReport, Options, ParameterOptions, ParameterRange, identifiability,
+    parameter_cases, parameter_map,
+};
 use bracketry::report::analysis as report;
 use bracketry::report::identifiability::{identifiability_json, identifiability_text};
 use bracketry::report::parameters::{

@@ -297,45 +297,13 @@ impl Asked<'_> {
             })
             .collect();
         if self.options.global {
-            self.count(system, question, &local.determined, &mut verdicts, report);
+            count(system, question, &local.determined, &mut verdicts, report);
         }
         report.parameters = verdicts.split_off(question.states);
         let shown = |i: usize| !question.known.contains(&i) && system.states.contains(&question.variables[i]);
         report.states = verdicts.into_iter().enumerate().filter(|(i, _)| shown(*i)).map(|x| x.1).collect();
         if local.closed {
             self.combine(system, question, &local.determined[question.states..], report);
-        }
-    }
-
-    /// Numbers of values.
-    fn count(
-        &self,
-        system: &mut System,
-        question: &Question,
-        determined: &[bool],
-        verdicts: &mut [Identifiability],
-        report: &mut IdentifiabilityReport,
-    ) {
-        if !determined.contains(&true) {
-            return;
-        }
-        let counts = match question.counts(&mut system.pool) {
-            Ok(counts) => counts,
-            Err(why) => {
-                report.global_reason = Some(why);
-                return;
-            }
-        };
-        let few = question.is_special || question.unknown_inputs;
-        for ((v, count), _) in verdicts.iter_mut().zip(&counts).zip(determined).filter(|x| *x.1) {
-            match count {
-                Some(1) | None => (v.global, v.values) = (Some(true), Some(1)),
-                Some(_) if few => report.global_reason = Some(GlobalReason::MoreDerivatives),
-                Some(k) => (v.global, v.values) = (Some(false), Some(*k)),
-            }
-        }
-        if !few && counts.iter().any(|c| c.is_some_and(|c| c == 2)) {
-            report.other_solution = other_solution(&mut system.pool, question, determined).unwrap_or_default();
         }
     }
 
@@ -353,6 +321,37 @@ impl Asked<'_> {
         let kept: Vec<Expr> = found.found.iter().zip(&local.functions).filter(|x| *x.1).map(|x| *x.0).collect();
         report.combinations_missing = Some(found.missing + found.found.len() - kept.len());
         report.combinations = Function::list(&system.pool, &kept);
+    }
+}
+
+/// Numbers of values.
+fn count(
+    system: &mut System,
+    question: &Question,
+    determined: &[bool],
+    verdicts: &mut [Identifiability],
+    report: &mut IdentifiabilityReport,
+) {
+    if !determined.contains(&true) {
+        return;
+    }
+    let counts = match question.counts(&mut system.pool) {
+        Ok(counts) => counts,
+        Err(why) => {
+            report.global_reason = Some(why);
+            return;
+        }
+    };
+    let few = question.is_special || question.unknown_inputs;
+    for ((v, count), _) in verdicts.iter_mut().zip(&counts).zip(determined).filter(|x| *x.1) {
+        match count {
+            Some(1) | None => (v.global, v.values) = (Some(true), Some(1)),
+            Some(_) if few => report.global_reason = Some(GlobalReason::MoreDerivatives),
+            Some(k) => (v.global, v.values) = (Some(false), Some(*k)),
+        }
+    }
+    if !few && counts.iter().any(|c| c.is_some_and(|c| c == 2)) {
+        report.other_solution = other_solution(&mut system.pool, question, determined).unwrap_or_default();
     }
 }
 
