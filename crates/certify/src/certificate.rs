@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::gram::{Gram, MAX_EXPONENT};
 use crate::model::rate;
+use crate::rest::only_the_origin;
 
 /// What is claimed of x' = f(x) + Σ u_j g_j(x), y = h(x) with an equilibrium at x = 0, and everything that shows it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,7 +28,8 @@ pub enum Claim {
         /// φ.
         function: MultivariatePolynomial,
     },
-    /// V is positive definite and radially unbounded, and −∇V·f is a sum of squares.
+    /// V is positive definite and radially unbounded, and −∇V·f is a sum of squares. Where no motion but rest stays in the set on which
+    /// it vanishes, V proves attraction, too (Barbashin and Krasovskii, LaSalle).
     Lyapunov {
         /// V.
         function: MultivariatePolynomial,
@@ -158,6 +160,7 @@ impl Certificate {
                 same(decrease, &self.fall(function)?, n, Flaw::NotTheRate)?;
                 match (decrease.is_definite(), decrease.is_semidefinite()) {
                     (true, _) => Ok(Conclusion::GloballyAsymptoticallyStable),
+                    (_, true) if only_the_origin(&self.field, decrease) => Ok(Conclusion::GloballyAsymptoticallyStable),
                     (_, true) => Ok(Conclusion::Stable),
                     _ => Err(Flaw::NotDecreasing),
                 }

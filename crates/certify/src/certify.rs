@@ -12,7 +12,7 @@ use crate::lyapunov::global;
 use crate::model::{PolynomialModel, function};
 use crate::passivity::storage;
 use crate::reason::Reason;
-use crate::region::quadratic_region;
+use crate::region::region;
 use crate::report::{Certification, Conserved, Finding, Proof};
 use crate::semidefinite::Limit;
 
@@ -113,7 +113,7 @@ pub fn certify(system: &System, options: &Options) -> Result<Certification, Degr
                 let whole_space =
                     |f: &&Finding| f.proof().is_some_and(|p| p.conclusion == Conclusion::GloballyAsymptoticallyStable);
                 let known = found.lyapunov.as_ref().filter(whole_space).cloned();
-                let search = || finding(quadratic_region(&model, options.degree, &limit));
+                let search = || finding(region(&model, options.degree, &limit));
                 found.region = Some(known.unwrap_or_else(search));
             }
             if wanted(Find::Passivity) {

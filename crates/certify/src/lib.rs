@@ -8,7 +8,9 @@ mod certificate;
 mod certify;
 mod check;
 mod conserved;
+mod expand;
 mod gram;
+mod levels;
 mod linearization;
 mod lyapunov;
 mod model;
@@ -18,6 +20,7 @@ mod portrait;
 mod reason;
 mod region;
 mod report;
+mod rest;
 mod semidefinite;
 mod sum_of_squares;
 

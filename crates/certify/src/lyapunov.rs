@@ -9,7 +9,7 @@ use crate::model::PolynomialModel;
 use crate::monomials::{Monomial, degree, monomials};
 use crate::reason::Reason;
 use crate::semidefinite::Limit;
-use crate::sum_of_squares::program::{AffinePolynomial, Constraint, Program, Unsolved};
+use crate::sum_of_squares::program::{AffinePolynomial, Constraint, Margin, Program, Unsolved};
 
 /// The monomials that V is sought of: quadratic, with products of squares, all.
 fn templates(n: usize, largest: u32) -> Vec<Vec<Monomial>> {
@@ -36,7 +36,7 @@ pub(crate) fn largest_degree(p: &AffinePolynomial) -> u32 {
 /// The sum-of-squares constraint on p, which vanishes at the origin.
 pub(crate) fn sum_of_squares(n: usize, p: AffinePolynomial) -> Constraint {
     let basis = monomials(n, 1..=largest_degree(&p).div_ceil(2));
-    Constraint { polynomial: p, basis }
+    Constraint { polynomial: p, basis, margin: Margin::Largest }
 }
 
 /// Most states for which V' is sought that vanishes with some of them.
@@ -91,7 +91,9 @@ impl Search<'_> {
         let fall = v.mapped(|p| negative(&self.model.rate(p)));
         let mut decrease = sum_of_squares(n, fall);
         decrease.basis.retain(allowed);
-        let constraints = vec![sum_of_squares(n, v.clone()), decrease];
+        // V and its rate may be multiplied by any number.
+        let positive = Constraint { margin: Margin::One, ..sum_of_squares(n, v.clone()) };
+        let constraints = vec![positive, decrease];
         let program = Program { unknowns: template.len(), constraints, zero: Vec::new() };
         let exact = program.certified(&self.powers, self.limit)?;
         let function = v.at(&exact.unknowns);

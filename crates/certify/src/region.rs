@@ -1,31 +1,22 @@
 //! Regions of attraction as sublevel sets of a Lyapunov function.
 
-use bracketry_lie::MultivariatePolynomial;
-use bracketry_symbolic::Rational;
-
-use crate::certificate::{Certificate, Claim, Conclusion, on_sublevel_set};
-use crate::gram::Gram;
-use crate::linearization::{Evaluated, eigenvalues, lengths, lyapunov_of, negative, quadratic};
-use crate::lyapunov::{global, sum_of_squares, unknown};
+use crate::certificate::{Certificate, Conclusion};
+use crate::expand::expanded;
+use crate::levels::{Levels, first_rise};
+use crate::linearization::{eigenvalues, lengths, lyapunov_of, quadratic};
+use crate::lyapunov::global;
 use crate::model::PolynomialModel;
-use crate::monomials::monomials;
 use crate::reason::Reason;
 use crate::semidefinite::Limit;
-use crate::sum_of_squares::program::{AffinePolynomial, Program, Unsolved};
-use crate::sum_of_squares::rounding::rounded;
 
-/// Halvings of the interval of levels.
-const HALVINGS: usize = 10;
-/// Margin of a numerical solution below which a level is not used.
-const MARGIN: f64 = 1e-6;
 /// Largest level that is tried where no point with V' ≥ 0 is found, over that of the unit ball.
 const LARGEST: f64 = 1e6;
 
-/// The largest sublevel set, up to the accuracy of the search, of the quadratic Lyapunov function of the linearization on which
-/// V falls.
+/// A sublevel set on which V falls: first of the quadratic Lyapunov function of the linearization, then of functions of degree at most
+/// `largest` whose sets contain it.
 ///
 /// Where no rise of V is found, a function of degree at most `largest` on the whole space is sought first.
-pub(crate) fn quadratic_region(model: &PolynomialModel, largest: u32, limit: &Limit) -> Result<Certificate, Reason> {
+pub(crate) fn region(model: &PolynomialModel, largest: u32, limit: &Limit) -> Result<Certificate, Reason> {
     let [_, on_axis, right] = eigenvalues(model);
     if right > 0 {
         return Err(Reason::Unstable { eigenvalues: right });
@@ -43,134 +34,8 @@ pub(crate) fn quadratic_region(model: &PolynomialModel, largest: u32, limit: &Li
         return Ok(certificate);
     }
     let above = rise.unwrap_or(LARGEST);
-    let levels = Levels { model, v: &v, limit, powers: lengths(&p, above) };
-    levels.largest(above).map_err(|why| Reason::of(why, 2))
-}
-
-/// The search over levels of one function.
-pub(crate) struct Levels<'a> {
-    pub(crate) model: &'a PolynomialModel,
-    pub(crate) v: &'a MultivariatePolynomial,
-    pub(crate) limit: &'a Limit,
-    pub(crate) powers: Vec<i32>,
-}
-
-impl Levels<'_> {
-    /// The program of s: −V' − (c − V) s and s are sums of squares.
-    fn program(&self, level: &Rational) -> (Program, AffinePolynomial) {
-        let n = self.model.dimension();
-        let fall = negative(&self.model.rate(self.v));
-        let half = fall.degree().saturating_sub(self.v.degree()).div_ceil(2).max(1);
-        let s = unknown(&monomials(n, 2..=2 * half));
-        let linear = s.linear.iter().map(|s| on_sublevel_set(&MultivariatePolynomial::default(), self.v, level, s));
-        let inside = AffinePolynomial { constant: fall, linear: linear.collect() };
-        let constraints = vec![sum_of_squares(n, s.clone()), sum_of_squares(n, inside)];
-        (Program { unknowns: s.linear.len(), constraints, zero: Vec::new() }, s)
-    }
-
-    fn is_feasible(&self, level: f64) -> Result<bool, Unsolved> {
-        let level = Rational::try_from(level).map_err(|_| Unsolved::NotFeasible)?;
-        let (program, _) = self.program(&level);
-        match program.scaled(&self.powers).reduced().and_then(|r| r.program.solve(self.limit)) {
-            Ok(numeric) => Ok(numeric.margin > MARGIN),
-            Err(Unsolved::NotFeasible | Unsolved::Contradiction) => Ok(false),
-            Err(why) => Err(why),
-        }
-    }
-
-    /// The certificate of one level.
-    pub(crate) fn certified(&self, level: &Rational) -> Result<Certificate, Unsolved> {
-        let (program, _) = self.program(level);
-        let exact = program.certified(&self.powers, self.limit)?;
-        let n = self.model.dimension();
-        let alone = AffinePolynomial { constant: self.v.clone(), linear: Vec::new() };
-        let of_v = Program { unknowns: 0, constraints: vec![sum_of_squares(n, alone)], zero: Vec::new() };
-        let positive = of_v.certified(&self.powers, self.limit)?.grams.into_iter().next();
-        let [multiplier, decrease]: [Gram; 2] = exact.grams.try_into().map_err(|_| Unsolved::NotRounded)?;
-        let claim = Claim::Region {
-            function: self.v.clone(),
-            level: level.clone(),
-            positive: positive.ok_or(Unsolved::NotRounded)?,
-            multiplier,
-            decrease,
-        };
-        let certificate = Certificate { states: self.model.states.clone(), field: self.model.drift.clone(), claim };
-        certificate.verify().map(|_| certificate).map_err(|_| Unsolved::NotRounded)
-    }
-
-    /// The largest certified level below `above`.
-    pub(crate) fn largest(&self, above: f64) -> Result<Certificate, Unsolved> {
-        let (mut low, mut high) = (0.0, above);
-        let mut trial = 0.98 * above;
-        for _ in 0..HALVINGS {
-            if self.is_feasible(trial)? {
-                low = trial;
-            } else {
-                high = trial;
-            }
-            // While nothing is feasible, levels fall fast.
-            trial = if low > 0.0 { 0.5 * (low + high) } else { 0.2 * high };
-        }
-        if low == 0.0 {
-            return Err(Unsolved::NotFeasible);
-        }
-        let mut last = Unsolved::NotRounded;
-        for part in [1.0, 0.999, 0.99, 0.95, 0.8, 0.5] {
-            let [level] = &rounded(&[part * low], 4)[..] else { continue };
-            match self.certified(level) {
-                Ok(certificate) => return Ok(certificate),
-                Err(Unsolved::OutOfTime) => return Err(Unsolved::OutOfTime),
-                Err(why) => last = why,
-            }
-        }
-        Err(last)
-    }
-}
-
-/// Directions along which V' is examined: angles in the plane, else points spread by the additive recurrence of the golden ratio's
-/// generalization (Roberts 2018).
-fn directions(n: usize) -> Vec<Vec<f64>> {
-    if n == 1 {
-        return vec![vec![1.0], vec![-1.0]];
-    }
-    if n == 2 {
-        let angle = |k: usize| std::f64::consts::TAU * k as f64 / 720.0;
-        return (0..720).map(|k| vec![angle(k).cos(), angle(k).sin()]).collect();
-    }
-    let mut root: f64 = 2.0;
-    for _ in 0..50 {
-        root = (1.0 + root).powf(1.0 / (n as f64 + 1.0));
-    }
-    (0..4000)
-        .map(|k| {
-            let x: Vec<f64> =
-                (0..n).map(|i| 2.0 * (0.5 + k as f64 * root.powi(-(i as i32) - 1)).fract() - 1.0).collect();
-            let size = x.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
-            x.into_iter().map(|x| x / size).collect()
-        })
-        .collect()
-}
-
-/// The least value of V found where V' ≥ 0: an upper bound of every level, up to the directions.
-pub(crate) fn first_rise(model: &PolynomialModel, v: &MultivariatePolynomial) -> Option<f64> {
-    let (value, rate) = (Evaluated::new(v), Evaluated::new(&model.rate(v)));
-    let mut least: Option<f64> = None;
-    for d in directions(model.dimension()) {
-        let at = |r: f64| -> Vec<f64> { d.iter().map(|x| r * x).collect() };
-        let (mut below, mut r) = (0.0, 1e-4);
-        while r < 1e4 {
-            if rate.at(&at(r)) >= 0.0 {
-                for _ in 0..40 {
-                    let middle = 0.5 * (below + r);
-                    if rate.at(&at(middle)) >= 0.0 { r = middle } else { below = middle }
-                }
-                let level = value.at(&at(r));
-                least = Some(least.map_or(level, |l| l.min(level)));
-                break;
-            }
-            below = r;
-            r *= 1.05;
-        }
-    }
-    least
+    let powers = lengths(&p, above);
+    let levels = Levels { model, v: &v, limit, powers: powers.clone() };
+    let first = levels.largest(above).map_err(|why| Reason::of(why, 2))?;
+    Ok(expanded(model, &first, &powers, largest, limit).unwrap_or(first))
 }

@@ -163,6 +163,26 @@ fn port_hamiltonian_systems_are_passive() {
     }
 }
 
+/// The same with damping along one direction only, y = gᵀ ∇H and R = g gᵀ: the rate is −y², whose Gram matrix is singular in all
+/// coordinates.
+#[test]
+fn damping_of_the_output_alone_is_recognized() {
+    let mut rng = StdRng::seed_from_u64(5);
+    let mut proved = 0;
+    for _ in 0..6 {
+        let energy = Energy::random(2, &mut rng);
+        let g = [1, rng.random_range(1..=3)];
+        let j = number(&mut rng);
+        let matrix = [vec![-1, j - g[1]], vec![-j - g[1], -g[1] * g[1]]];
+        let drift = product(&matrix, &energy);
+        let dynamics: Vec<String> = drift.iter().zip(g).map(|(f, g)| format!("{f} + ({g})*u")).collect();
+        let output = format!("{} + ({})*{}", energy.gradient(0), g[1], energy.gradient(1));
+        let found = found(&dynamics, &format!("inputs = ['u']\noutputs = {{ y = '{output}' }}"), &[Find::Passivity]);
+        proved += i32::from(found.passivity.unwrap().proof().is_some());
+    }
+    assert!(proved >= 5, "{proved} of 6");
+}
+
 /// Every single entry of a certificate matters.
 #[test]
 fn a_certificate_that_was_changed_is_rejected() {

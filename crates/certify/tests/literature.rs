@@ -100,6 +100,41 @@ fn a_free_rigid_body_has_two_conserved_quadratic_forms() {
     assert!(conserved.polynomials.iter().all(|p| p.certificate.verify() == Ok(Conclusion::Conserved)));
 }
 
+/// Area of {V ≤ c} in the plane, by counting cells of a grid.
+fn area(proof: &bracketry_certify::Proof) -> f64 {
+    let Claim::Region { function, level, .. } = &proof.certificate.claim else { panic!("{proof:?}") };
+    let terms: Vec<(Vec<u32>, f64)> = function.terms().map(|(m, c)| (m.clone(), c.to_f64().value())).collect();
+    let c = level.to_f64().value();
+    let value = |x: f64, y: f64| terms.iter().map(|(m, c)| c * x.powi(m[0] as i32) * y.powi(m[1] as i32)).sum::<f64>();
+    let at = |k: usize| -3.0 + 6.0 * (k as f64 + 0.5) / 400.0;
+    let inside =
+        (0..400).flat_map(|i| (0..400).map(move |j| (i, j))).filter(|&(i, j)| value(at(i), at(j)) <= c).count();
+    inside as f64 * (6.0 / 400.0f64).powi(2)
+}
+
+/// The limit cycle of the reversed van der Pol oscillator encloses an area of about 11.5 (by simulation); every proved set is within.
+#[test]
+fn functions_of_degree_four_prove_a_larger_region() {
+    let model = "states = ['x', 'y']\ndynamics = { x = '-y', y = 'x + (x^2 - 1)*y' }";
+    let areas = [2, 4].map(|d| area(found(model, &[Find::Region], d).region.unwrap().proof().unwrap()));
+    assert!(areas[0] > 6.4 && areas[1] > 1.2 * areas[0] && areas[1] < 11.6, "{areas:?}");
+}
+
+/// Two masses on springs, one damper: energy falls only while the first mass moves, and no motion but rest keeps it still.
+#[test]
+fn a_single_damper_stops_all_masses() {
+    let model =
+        "states = ['x', 'y', 'v', 'w']\ndynamics = { x = 'v', y = 'w', v = '-x - (x - y) - v', w = '-y - (y - x)' }";
+    let damped = found(model, &[Find::Lyapunov], 2);
+    assert_eq!(conclusion(&damped), Some(Conclusion::GloballyAsymptoticallyStable));
+    let model = "states = ['x', 'y', 'v', 'w']\ndynamics = { x = 'v', y = 'w', v = '-x - x^3 - (x - y) - v^3', w = '-y - (y - x)' }";
+    let cubic = found(model, &[Find::Lyapunov], 4);
+    assert_eq!(conclusion(&cubic), Some(Conclusion::GloballyAsymptoticallyStable));
+    // Masses without coupling: the second one swings on.
+    let model = "states = ['x', 'y', 'v', 'w']\ndynamics = { x = 'v', y = 'w', v = '-x - v', w = '-y' }";
+    assert_eq!(conclusion(&found(model, &[Find::Lyapunov], 2)), Some(Conclusion::Stable));
+}
+
 #[test]
 fn unstable_systems_are_refuted() {
     let found = found("states = ['x', 'y']\ndynamics = { x = 'x + y', y = '-y' }", &[Find::Lyapunov, Find::Region], 4);

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::monomials::{Monomial, product};
 use crate::semidefinite::{Block, Limit, Problem};
-use crate::sum_of_squares::program::{AffinePolynomial, Constraint, Program, Unsolved};
+use crate::sum_of_squares::program::{AffinePolynomial, Constraint, Margin, Program, Unsolved};
 
 /// A numerical solution with the largest margin.
 #[derive(Clone, Debug)]
@@ -14,7 +14,7 @@ pub(crate) struct Numeric {
     pub(crate) unknowns: Vec<f64>,
     /// One for each constraint.
     pub(crate) matrices: Vec<DMatrix<f64>>,
-    /// Least t with Q − t I ⪰ 0 for all of them, at most 1.
+    /// Largest t with Q − t I ⪰ 0 for all of them that have no fixed margin, at most 1.
     pub(crate) margin: f64,
 }
 
@@ -51,8 +51,11 @@ impl Program {
         };
         let margin = solution.free[self.unknowns];
         let mut found = solution.matrices.iter();
-        let shifted = |x: &DMatrix<f64>| x + DMatrix::identity(x.nrows(), x.nrows()) * margin;
-        let mut next = |c: &Constraint| if c.basis.is_empty() { None } else { found.next().map(shifted) };
+        let mut next = |c: &Constraint| {
+            let x = if c.basis.is_empty() { None } else { found.next() };
+            let shift = if c.margin == Margin::One { 1.0 } else { margin };
+            x.map(|x| x + DMatrix::identity(x.nrows(), x.nrows()) * shift)
+        };
         let matrices = self.constraints.iter().map(|c| next(c).unwrap_or_else(|| DMatrix::zeros(0, 0))).collect();
         Ok(Numeric { unknowns: solution.free.iter().zip(&scales).map(|(y, s)| y / s).collect(), matrices, margin })
     }
@@ -72,7 +75,9 @@ fn block(c: &Constraint, scales: &[f64]) -> Block {
         for j in 0..n {
             row_of[i * n + j] = rows[&product(&c.basis[i], &c.basis[j])];
         }
-        free[(row_of[i * n + i], unknowns)] += 1.0;
+        if c.margin == Margin::Largest {
+            free[(row_of[i * n + i], unknowns)] += 1.0;
+        }
     }
     for (k, p) in c.polynomial.linear.iter().enumerate() {
         for (m, x) in p.terms() {
@@ -85,6 +90,11 @@ fn block(c: &Constraint, scales: &[f64]) -> Block {
     for (m, x) in c.polynomial.constant.terms() {
         if let Some(&row) = rows.get(m) {
             right[row] = x.to_f64().value();
+        }
+    }
+    if c.margin == Margin::One {
+        for i in 0..n {
+            right[row_of[i * n + i]] -= 1.0;
         }
     }
     Block { size: n, row_of, free, right, cost: TRACE }

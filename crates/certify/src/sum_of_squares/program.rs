@@ -42,6 +42,17 @@ pub(crate) struct Constraint {
     pub(crate) polynomial: AffinePolynomial,
     /// z.
     pub(crate) basis: Vec<Monomial>,
+    /// How far Q is to be from singular.
+    pub(crate) margin: Margin,
+}
+
+/// How far a Gram matrix is to be from singular.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Margin {
+    /// Q ⪰ 1, which fixes the size of what may be multiplied by any number.
+    One,
+    /// Q ⪰ t 1 with the largest t ≤ 1.
+    Largest,
 }
 
 impl Constraint {

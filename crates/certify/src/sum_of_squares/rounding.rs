@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 use crate::gram::Gram;
 use crate::monomials::product;
 use crate::semidefinite::Limit;
+use crate::sum_of_squares::face::on_face;
 use crate::sum_of_squares::numeric::{Numeric, rows};
 use crate::sum_of_squares::program::{Constraint, Program, Unsolved};
 
@@ -83,6 +84,10 @@ impl Program {
                     return Ok(Exact { unknowns: reduced.original(&y), grams });
                 }
             }
+        }
+        if let Some((y, grams)) = on_face(&reduced.program, &numeric, limit) {
+            let grams = grams.into_iter().map(|g| g.unscaled(powers)).collect();
+            return Ok(Exact { unknowns: reduced.original(&y), grams });
         }
         Err(if numeric.margin < 1e-7 { Unsolved::NotFeasible } else { Unsolved::NotRounded })
     }
