@@ -10,8 +10,8 @@ use crate::lyapunov::{sum_of_squares, unknown};
 use crate::model::PolynomialModel;
 use crate::monomials::monomials;
 use crate::semidefinite::Limit;
+use crate::sum_of_squares::decimals::rounded;
 use crate::sum_of_squares::program::{AffinePolynomial, Program, Unsolved};
-use crate::sum_of_squares::rounding::rounded;
 
 /// Halvings of the interval of levels.
 const HALVINGS: usize = 10;
@@ -31,6 +31,8 @@ impl Levels<'_> {
         let n = self.model.dimension();
         let fall = negative(&self.model.rate(self.v));
         let half = fall.degree().saturating_sub(self.v.degree()).div_ceil(2).max(1);
+        // A multiplier of the least degree that lets V s bound V' far away cannot be small nearby as well.
+        let half = if self.v.degree() > 2 { half + 1 } else { half };
         let s = unknown(&monomials(n, 2..=2 * half));
         let linear = s.linear.iter().map(|s| on_sublevel_set(&MultivariatePolynomial::default(), self.v, level, s));
         let inside = AffinePolynomial { constant: fall, linear: linear.collect() };
@@ -159,4 +161,27 @@ pub(crate) fn first_rise(model: &PolynomialModel, v: &MultivariatePolynomial) ->
         }
     }
     least
+}
+
+/// The volume of {V ≤ c} of a region's certificate up to a factor that depends on the dimension only: the mean of r^n over directions, with
+/// the first r at which V reaches c.
+pub(crate) fn size(certificate: &Certificate) -> f64 {
+    let Claim::Region { function, level, .. } = &certificate.claim else { return 0.0 };
+    let (value, c) = (Evaluated::new(function), level.to_f64().value());
+    let n = certificate.states.len();
+    let radius = |d: &Vec<f64>| {
+        let at = |r: f64| value.at(&d.iter().map(|x| r * x).collect::<Vec<_>>());
+        let (mut inside, mut r) = (0.0, 1e-4);
+        while at(r) < c && r < 1e6 {
+            inside = r;
+            r *= 1.1;
+        }
+        for _ in 0..20 {
+            let middle = 0.5 * (inside + r);
+            if at(middle) < c { inside = middle } else { r = middle }
+        }
+        r
+    };
+    let list = directions(n);
+    list.iter().map(|d| radius(d).powi(n as i32)).sum::<f64>() / list.len() as f64
 }

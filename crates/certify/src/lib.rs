@@ -8,7 +8,6 @@ mod certificate;
 mod certify;
 mod check;
 mod conserved;
-mod expand;
 mod gram;
 mod levels;
 mod linearization;
@@ -22,6 +21,7 @@ mod region;
 mod report;
 mod rest;
 mod semidefinite;
+mod series;
 mod sum_of_squares;
 
 pub use certificate::{Certificate, Claim, Conclusion, Flaw};

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::model::PolynomialModel;
 use crate::monomials::Monomial;
-use crate::sum_of_squares::rounding::rounded;
+use crate::sum_of_squares::decimals::rounded;
 
 pub(crate) fn unit(n: usize, i: usize) -> Monomial {
     (0..n).map(|k| u32::from(k == i)).collect()

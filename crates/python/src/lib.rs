@@ -6,6 +6,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python arrive by value")]
 
 mod analysis;
+mod certificates;
 mod control;
 mod diagnosis;
 mod error;
@@ -28,6 +29,8 @@ mod _native {
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use super::analysis::{affinize, analyze};
+    #[pymodule_export]
+    use super::certificates::{certify, check_certificate};
     #[pymodule_export]
     use super::control::control;
     #[pymodule_export]

@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 use crate::gram::Gram;
 use crate::monomials::product;
 use crate::semidefinite::Limit;
+use crate::sum_of_squares::decimals::rounded;
 use crate::sum_of_squares::face::on_face;
 use crate::sum_of_squares::numeric::{Numeric, rows};
 use crate::sum_of_squares::program::{Constraint, Program, Unsolved};
@@ -22,22 +23,6 @@ pub(crate) struct Exact {
 
 /// Decimal digits that are tried: few give short certificates.
 const DIGITS: [i32; 6] = [2, 3, 4, 6, 9, 13];
-
-/// A number rounded to a multiple of 10^−digits.
-pub(crate) fn decimal(x: f64, digits: i32) -> Rational {
-    let whole = Rational::try_from((x * 10f64.powi(digits)).round()).unwrap_or(Rational::ZERO);
-    whole * Rational::from(10).pow(-digits as isize)
-}
-
-/// Numbers rounded to `digits` digits behind the first one of the largest.
-pub(crate) fn rounded(list: &[f64], digits: i32) -> Vec<Rational> {
-    let size = list.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    if size == 0.0 || !size.is_finite() {
-        return vec![Rational::ZERO; list.len()];
-    }
-    let place = digits - size.log10().floor() as i32;
-    list.iter().map(|&x| decimal(x, place)).collect()
-}
 
 /// The Gram matrix next to a numerical one that gives the polynomial exactly: each entry is rounded, and what then is missing
 /// of a coefficient is distributed evenly over the entries that belong to it, which is the orthogonal projection (Peyrl and

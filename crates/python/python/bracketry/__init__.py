@@ -5,11 +5,12 @@ A model is a :class:`System`. :func:`analyze` says what its inputs reach, :func:
 :func:`steer` moves it from one state to another, :func:`simulate` integrates it with exact dry friction, :func:`control` closes a
 loop, :func:`diagnose` names what it gets wrong
 in measured data. :mod:`bracketry.plate` is for the vibrating plate, :mod:`bracketry.stiffness` for robots that bend,
-:func:`sweep` for many runs at once.
+:func:`sweep` for many runs at once. :func:`certify` proves stability and passivity of polynomial models.
 """
 
 from . import plate, stiffness
 from ._analysis import Affinization, Analysis, AtPoint, LocalControllability, Mode, Reach, affinize, analyze
+from ._certificates import Certification, certify, check_certificate
 from ._control import ClosedLoop, control
 from ._diagnosis import Candidate, Cause, Diagnosis, Estimate, Gain, Place, RefittedParameter, Rival, diagnose
 from ._forms import Transformation, transform
@@ -30,6 +31,7 @@ __all__ = [
     "BracketryError",
     "Candidate",
     "Cause",
+    "Certification",
     "ClosedLoop",
     "Diagnosis",
     "Estimate",
@@ -55,6 +57,8 @@ __all__ = [
     "__version__",
     "affinize",
     "analyze",
+    "certify",
+    "check_certificate",
     "control",
     "diagnose",
     "linearize",

@@ -13,6 +13,8 @@ __all__ = [
     "__version__",
     "affinize",
     "analyze",
+    "certify",
+    "check_certificate",
     "choose_poses",
     "compensate",
     "control",
@@ -160,6 +162,12 @@ class _PlateRun(_Answer):
 
 def analyze(model: Model, at: str | None, brackets: Sequence[str], determines: Sequence[str]) -> _Analysis: ...
 def affinize(model: Model) -> _Affinization: ...
+def certify(
+    model: Model, at: str | None, feedback: Sequence[str], find: Sequence[str], degree: int, time_limit: float
+) -> _Answer: ...
+def check_certificate(
+    model: Model, at: str | None, feedback: Sequence[str], certificate: str
+) -> tuple[str | None, str]: ...
 def trim(
     model: Model, asked: tuple[list[tuple[str, str]], list[str], list[str], int, int]
 ) -> _Trim: ...
