@@ -87,6 +87,7 @@ pub fn certify(system: &System, options: &Options) -> Result<Certification, Degr
     let mut found = Certification {
         model: system.name.clone(),
         point: Vec::new(),
+        ignored_ranges: ignored_ranges(system),
         not_polynomial: None,
         eigenvalues: None,
         conserved: None,
@@ -134,6 +135,12 @@ pub fn certify(system: &System, options: &Options) -> Result<Certification, Degr
     }
     found.seconds = start.elapsed().as_secs_f64();
     Ok(found)
+}
+
+/// Inputs that a feedback sets and whose values have a range.
+fn ignored_ranges(system: &System) -> Vec<String> {
+    let closed = system.input_ranges.iter().filter(|r| !system.inputs.contains(&r.input));
+    closed.map(|r| system.symbol_name(r.input).to_owned()).collect()
 }
 
 /// The exact check once more, on what is handed out.

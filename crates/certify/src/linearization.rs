@@ -61,8 +61,14 @@ pub(crate) fn numbers(a: &RationalMatrix) -> DMatrix<f64> {
     DMatrix::from_fn(n, n, |i, j| a.rows()[i][j].to_f64().value())
 }
 
+/// Most states: the equation of P has the square of their number.
+const MAX_STATES: usize = 24;
+
 /// P for Q = 1 of the model's linearization, where that is stable.
 pub(crate) fn lyapunov_of(model: &PolynomialModel) -> Option<DMatrix<f64>> {
+    if model.dimension() > MAX_STATES {
+        return None;
+    }
     let a = numbers(&jacobian(model));
     lyapunov_matrix(&a, &DMatrix::identity(a.nrows(), a.nrows()))
 }

@@ -130,8 +130,7 @@ pub fn with_feedback(system: &System, feedback: &[String]) -> Result<System, Fee
     let open = |k: &usize| !set.contains(k);
     let is_open = |s: &Symbol| (0..system.inputs.len()).filter(open).any(|k| system.inputs[k] == *s);
     closed.inputs.retain(is_open);
-    closed.input_ranges.retain(|r| is_open(&r.input));
-    closed.input_delays.retain(|d| is_open(&d.input));
+    // Delays and ranges stay: a delayed feedback is refused, and an ignored range is noted.
     if let Some(point) = &mut closed.point {
         let kept = (0..system.inputs.len()).filter(open);
         point.inputs = kept.map(|k| point.inputs[k]).collect();

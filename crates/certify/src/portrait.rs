@@ -1,5 +1,7 @@
 //! A region of attraction beside the motions of the model, over two of its states.
 
+use std::time::{Duration, Instant};
+
 use bracketry_sim::{ExactPlant, PlantError, Settings};
 use bracketry_system::System;
 
@@ -43,6 +45,8 @@ const MOTIONS: usize = 12;
 /// Pieces of a motion, and the time of all in units of the slowest decay of V.
 const PIECES: usize = 200;
 const TIME: f64 = 40.0;
+/// Time after which no more rays are simulated: the picture then shows a part of the boundary.
+const SEARCH: Duration = Duration::from_secs(20);
 /// The boundary is sought up to this multiple of the curve.
 const BEYOND: f64 = 4.0;
 
@@ -110,13 +114,15 @@ pub fn portrait(system: &System, proof: &Proof, axes: [usize; 2]) -> Result<Port
     let plant = ExactPlant::new(system, &at, &Settings::default())?;
     let mut run = Run { plant, inputs, piece: TIME / slowest / PIECES as f64, plane: &plane };
     let mut boundary = Vec::new();
-    for angle in angles(RAYS) {
+    let end = Instant::now() + SEARCH;
+    for angle in angles(RAYS).take_while(|_| Instant::now() < end) {
         if let Some(r) = run.boundary(angle, plane.radius(angle))? {
             boundary.push(plane.on_page(&plane.deviation(angle, r)));
         }
     }
     let mut motions = Vec::new();
-    for (angle, r) in radii.iter().step_by(CURVE / MOTIONS) {
+    let end = Instant::now() + SEARCH;
+    for (angle, r) in radii.iter().step_by(CURVE / MOTIONS).take_while(|_| Instant::now() < end) {
         motions.push(run.motion(&plane.deviation(*angle, *r))?);
     }
     let mut curve: Vec<[f64; 2]> = radii.iter().map(|&(a, r)| plane.on_page(&plane.deviation(a, r))).collect();

@@ -30,7 +30,7 @@ pub(crate) fn region(model: &PolynomialModel, largest: u32, limit: &Limit) -> Re
     if on_axis > 0 {
         return Err(Reason::Critical);
     }
-    let p = lyapunov_of(model).ok_or(Reason::NotConfirmed)?;
+    let p = lyapunov_of(model).ok_or(Reason::TooLarge)?;
     let v = quadratic(&p).ok_or(Reason::NotConfirmed)?;
     let rise = first_rise(model, &v);
     if rise.is_none()

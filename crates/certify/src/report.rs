@@ -55,6 +55,8 @@ pub struct Certification {
     pub model: String,
     /// The equilibrium: states, then inputs that no feedback sets.
     pub point: Vec<(String, Rational)>,
+    /// Inputs with a feedback whose ranges are not respected: what is proved holds where the feedback stays within them.
+    pub ignored_ranges: Vec<String>,
     /// Why the model has no polynomial form; then only conserved functions are sought.
     pub not_polynomial: Option<Reason>,
     /// Eigenvalues of the linearization with negative, zero, and positive real part, exactly.

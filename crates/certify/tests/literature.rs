@@ -153,3 +153,29 @@ fn feedback_closes_the_loop_at_a_shifted_point() {
     let proof = found.lyapunov.unwrap();
     assert!(matches!(proof.proof().unwrap().certificate.claim, Claim::Lyapunov { .. }));
 }
+
+/// A delayed feedback is another system, and a range is not silently forgotten.
+#[test]
+fn delays_and_ranges_of_a_feedback_are_respected() {
+    let with = |more: &str| {
+        let model = format!("states = ['x']\ninputs = ['u']\n{more}\ndynamics = {{ x = 'x + u' }}");
+        let closed = with_feedback(&System::parse("m", &model).unwrap(), &["u=-2*x".to_owned()]).unwrap();
+        certify(&closed, &Options { find: vec![Find::Lyapunov], ..Options::default() }).unwrap()
+    };
+    assert_eq!(conclusion(&with("")), Some(Conclusion::GloballyAsymptoticallyStable));
+    let delayed = with("delays = { u = 0.1 }");
+    assert!(matches!(delayed.not_polynomial, Some(Reason::InputDelay { .. })), "{delayed:?}");
+    assert_eq!(with("ranges = { u = { min = -1, max = 1 } }").ignored_ranges, ["u"]);
+}
+
+/// Thirty states are too many: said at once.
+#[test]
+fn large_models_are_answered_in_time() {
+    let n = 30;
+    let states: Vec<String> = (0..n).map(|i| format!("'x{i}'")).collect();
+    let list: Vec<String> = (0..n).map(|i| format!("x{i} = '-x{i} - x{i}^3 + x{}^2'", (i + 1) % n)).collect();
+    let start = std::time::Instant::now();
+    let model = format!("states = [{}]\ndynamics = {{ {} }}", states.join(", "), list.join(", "));
+    let found = found(&model, &[Find::Lyapunov, Find::Region, Find::Conserved], 2);
+    assert!(found.lyapunov.unwrap().proof().is_none() && start.elapsed().as_secs() < 10);
+}

@@ -62,11 +62,11 @@ impl Constraint {
         let support = self.polynomial.support();
         loop {
             let basis = &self.basis;
-            let is_product =
-                |square: &Monomial| (0..basis.len()).any(|i| (0..i).any(|j| product(&basis[i], &basis[j]) == *square));
+            let others: BTreeSet<Monomial> =
+                (0..basis.len()).flat_map(|i| (0..i).map(move |j| product(&basis[i], &basis[j]))).collect();
             let needed = |m: &&Monomial| {
                 let square = product(m, m);
-                support.contains(&square) || is_product(&square)
+                support.contains(&square) || others.contains(&square)
             };
             let kept: Vec<Monomial> = basis.iter().filter(needed).cloned().collect();
             if kept.len() == basis.len() {
@@ -94,6 +94,9 @@ pub(crate) struct Program {
 /// Most monomials of one Gram matrix, and rows of all together: a program of this size takes seconds.
 const MAX_BASIS: usize = 90;
 const MAX_ROWS: usize = 1600;
+/// The same before the reduction, and most unknowns.
+const MAX_BEFORE: usize = 250;
+const MAX_UNKNOWNS: usize = 600;
 
 /// Why a program has no solution, or is not solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,6 +159,9 @@ impl Program {
     /// Exact elimination: superfluous monomials are dropped, and the coefficients of monomials that then no product of two
     /// matches are zero, which are linear equations of the unknowns; both until nothing changes.
     pub(crate) fn reduced(mut self) -> Result<Reduced, Unsolved> {
+        if self.unknowns > MAX_UNKNOWNS || self.constraints.iter().any(|c| c.basis.len() > MAX_BEFORE) {
+            return Err(Unsolved::TooLarge);
+        }
         let mut origin = vec![Rational::ZERO; self.unknowns];
         let mut directions: Vec<Vec<Rational>> = (0..self.unknowns)
             .map(|k| (0..self.unknowns).map(|i| if i == k { Rational::ONE } else { Rational::ZERO }).collect())

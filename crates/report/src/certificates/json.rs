@@ -55,6 +55,8 @@ pub fn certification_json(found: &Certification) -> Value {
             entries.insert(key.into(), value);
         }
     };
+    let ignored = (!found.ignored_ranges.is_empty()).then(|| json!(found.ignored_ranges));
+    insert("ignored_ranges", ignored);
     insert("not_polynomial", found.not_polynomial.as_ref().map(|why| json!(reason(why))));
     let half_planes = |[left, on_axis, right]: [usize; 3]| json!({"left": left, "on_axis": on_axis, "right": right});
     insert("eigenvalues", found.eigenvalues.map(half_planes));

@@ -115,6 +115,11 @@ pub fn certification_text(found: &Certification) -> String {
     let at: Vec<String> = found.point.iter().map(|(name, q)| format!("{name} = {}", number(q))).collect();
     let place = if at.is_empty() { String::new() } else { format!(" at {}", at.join(", ")) };
     let mut lines = vec![format!("{}: certificates{place}", found.model)];
+    for input in &found.ignored_ranges {
+        lines.push(format!(
+            "  note: the feedback of {input} is taken without the range that the model gives {input}: what is proved holds where it stays within"
+        ));
+    }
     if let Some(why) = &found.not_polynomial {
         lines.push(format!("  note: {}", reason(why)));
     }
