@@ -11,8 +11,8 @@ use proptest::prelude::*;
 fn report(states: &str, inputs: &str, dynamics: &[&str], at: &[(&str, &str)], options: &Options) -> PointReport {
     let (states, inputs): (Vec<&str>, Vec<&str>) =
         (states.split_whitespace().collect(), inputs.split_whitespace().collect());
-    let mut system = system(&states, &inputs, &[], dynamics, &[], Some(at));
-    analyze_affine(&mut system, options).unwrap().at_point.unwrap().known().unwrap().clone()
+    let system = system(&states, &inputs, &[], dynamics, &[], Some(at));
+    analyze_affine(&system, options).unwrap().at_point.unwrap().known().unwrap().clone()
 }
 
 fn stabilizable(states: &str, inputs: &str, dynamics: &[&str]) -> (Option<bool>, Option<StabilizableReason>) {
