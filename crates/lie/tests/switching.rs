@@ -313,10 +313,10 @@ fn what_does_not_change_in_any_mode_excludes_stabilization() {
         assert_eq!(at_point(&p).stabilizable, Some(Answer::Known(false)), "{rates:?}");
     }
     let sliding = |range: f64| {
-        let mut system = system(&["x", "v"], &["F"], &[], &["v", "F - 2*sign(v)"], &[], Some(&[]));
+        let system = system(&["x", "v"], &["F"], &[], &["v", "F - 2*sign(v)"], &[], Some(&[]));
         let ranges = vec![("F".to_owned(), InputValues::Between(-range, range))];
         let options = Options { ranges, ..Options::default() };
-        analyze_affine(&mut system, &options).unwrap()
+        analyze_affine(&system, &options).unwrap()
     };
     assert_eq!(at_point(&sliding(1.5)).stabilizable, Some(Answer::Known(false)));
     assert_ne!(at_point(&sliding(2.5)).stabilizable, Some(Answer::Known(false)));
