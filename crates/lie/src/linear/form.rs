@@ -50,13 +50,14 @@ mod tests {
         ) {
             let n = d.len();
             // Unimodular: 1 on the diagonal, 0 below; then mixed by its transpose.
-            let upper = |i: usize, j: usize| if i == j { 1 } else if i < j { t[4 * i + j] } else { 0 };
-            let lower = |i: usize, j: usize| if i == j { 1 } else if i > j { t[4 * i + j] } else { 0 };
+            let entry = |i: usize, j: usize, kept: bool| if i == j { 1 } else { i8::from(kept) * t[4 * i + j] };
+            let upper = |i: usize, j: usize| entry(i, j, i < j);
+            let lower = |i: usize, j: usize| entry(i, j, i > j);
             let mix = |i: usize, j: usize| (0..n).map(|k| i64::from(upper(i, k)) * i64::from(lower(k, j))).sum::<i64>();
-            let entry = |i: usize, j: usize| -> Rational {
+            let of_form = |i: usize, j: usize| -> Rational {
                 Rational::from((0..n).map(|k| mix(k, i) * i64::from(d[k]) * mix(k, j)).sum::<i64>())
             };
-            let q = RationalMatrix::new((0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect(), n);
+            let q = RationalMatrix::new((0..n).map(|i| (0..n).map(|j| of_form(i, j)).collect()).collect(), n);
             prop_assert_eq!(signs(&q), (d.contains(&1), d.contains(&-1)));
         }
     }
