@@ -15,6 +15,7 @@ mod forms;
 mod interrupt;
 mod model;
 mod operating_point;
+mod parameters;
 mod plate;
 mod simulation;
 mod steering;
@@ -45,6 +46,8 @@ mod _native {
     use super::model::Model;
     #[pymodule_export]
     use super::operating_point::{linearize, trim};
+    #[pymodule_export]
+    use super::parameters::{identifiability, parameter_cases, parameter_map};
     #[pymodule_export]
     use super::plate::run_plate;
     #[pymodule_export]

@@ -2,6 +2,7 @@
 
 A model is a :class:`System`. :func:`analyze` says what its inputs reach, :func:`affinize` makes it affine in them,
 :func:`trim` finds operating points, :func:`linearize` gives the linear system there, :func:`transform` its normal forms,
+:func:`parameter_cases` for which values of parameters that changes, :func:`identifiability` which parameters can be known,
 :func:`steer` moves it from one state to another, :func:`simulate` integrates it with exact dry friction, :func:`control` closes a
 loop, :func:`diagnose` names what it gets wrong
 in measured data. :mod:`bracketry.plate` is for the vibrating plate, :mod:`bracketry.stiffness` for robots that bend,
@@ -17,6 +18,7 @@ from ._forms import Transformation, transform
 from ._linear import Gain as LinearGain
 from ._linear import Linearization, Trim, linearize, trim
 from ._native import BracketryError, __version__
+from ._parameters import Identifiability, ParameterCases, ParameterMap, identifiability, parameter_cases, parameter_map
 from ._result import Figure, Result
 from ._sampled import Sampled
 from ._simulation import Event, Trajectory, simulate
@@ -38,11 +40,14 @@ __all__ = [
     "Event",
     "Figure",
     "Gain",
+    "Identifiability",
     "LinearGain",
     "Linearization",
     "LocalControllability",
     "Mode",
     "Parameter",
+    "ParameterCases",
+    "ParameterMap",
     "Place",
     "Reach",
     "RefittedParameter",
@@ -61,7 +66,10 @@ __all__ = [
     "check_certificate",
     "control",
     "diagnose",
+    "identifiability",
     "linearize",
+    "parameter_cases",
+    "parameter_map",
     "plate",
     "simulate",
     "steer",

@@ -19,9 +19,12 @@ __all__ = [
     "compensate",
     "control",
     "diagnose",
+    "identifiability",
     "identify",
     "linearize",
     "steer",
+    "parameter_cases",
+    "parameter_map",
     "run_plate",
     "simulate",
     "transform",
@@ -171,6 +174,11 @@ def check_certificate(
 def trim(
     model: Model, asked: tuple[list[tuple[str, str]], list[str], list[str], int, int]
 ) -> _Trim: ...
+def parameter_cases(model: Model, parameters: list[str], conditions: int) -> _Answer: ...
+def parameter_map(model: Model, ranges: str, cells: int, conditions: int) -> _Answer: ...
+def identifiability(
+    model: Model, known_initial: list[str], unknown_inputs: list[str], global_: bool
+) -> _Answer: ...
 def linearize(model: Model, at: str | None, weights: list[list[float]], horizon: float | None) -> _Linearization: ...
 def transform(model: Model, to: str, at: str | None, outputs: Sequence[str], time_limit: float) -> _Transformation: ...
 def steer(
