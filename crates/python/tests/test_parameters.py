@@ -35,7 +35,7 @@ def test_a_map_has_cells_curves_and_a_figure() -> None:
     cell = found.cells[0][0]
     assert cell is not None and cell["unstable"] == 2 and found.cells[3][3] == {**cell, "unstable": 0}
     assert [c["condition"] for c in found.curves] == ["a - b"]
-    assert "a - b = 0" in found.figures["map"].svg
+    assert "a - b = 0" in found.figure("map").svg
 
 
 def test_identifiability() -> None:
