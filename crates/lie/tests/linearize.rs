@@ -105,3 +105,19 @@ fn ranks_and_poles_survive_changes_of_coordinates() {
         assert!(d.lower <= d.upper && (distinct.len() == n || d.upper < 1e-6), "{case}: {d:?}");
     }
 }
+
+/// Weights of inputs and measurement noises are positive, those of states and process noises not negative.
+#[test]
+fn weights_that_give_no_cost_are_refused() {
+    let text = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'v', v = 'u' }\noutputs = { y = 'x' }";
+    let with = |change: fn(&mut LinearizeOptions)| {
+        let mut options = LinearizeOptions::default();
+        change(&mut options);
+        linearize(&System::parse("m", text).unwrap(), &options)
+    };
+    assert!(matches!(with(|o| o.input_weights = vec![0.0]), Err(LinearizeError::Weight { positive: true, .. })));
+    assert!(matches!(with(|o| o.input_weights = vec![f64::NAN]), Err(LinearizeError::Weight { .. })));
+    assert!(matches!(with(|o| o.state_weights = vec![1.0, -1.0]), Err(LinearizeError::Weight { positive: false, .. })));
+    assert!(matches!(with(|o| o.measurement_noise = vec![-1.0]), Err(LinearizeError::Weight { .. })));
+    assert!(with(|o| o.state_weights = vec![1.0, 0.0]).unwrap().regulator.is_ok());
+}

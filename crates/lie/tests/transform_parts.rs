@@ -203,6 +203,20 @@ fn a_search_ends_with_its_time() {
     }
 }
 
+/// Twenty Lie derivatives of a chain of sines are too long to write.
+#[test]
+fn long_derivatives_end_in_time() {
+    let names: Vec<String> = (0..20).map(|i| format!("x{i}")).collect();
+    let mut text = format!("states = {names:?}\ninputs = ['u']\noutputs = {{ y = 'x0' }}\n[dynamics]\nx19 = 'u'\n");
+    for i in 0..19 {
+        text += &format!("x{i} = 'sin(x{})'\n", i + 1);
+    }
+    let options =
+        TransformOptions { time_limit: Some(std::time::Duration::from_secs(1)), ..TransformOptions::default() };
+    let result = transform(&parsed(&text), Form::Observer, &options).unwrap();
+    assert!(matches!(result.outcome, FormOutcome::NotFound(_)));
+}
+
 #[test]
 fn a_car_has_a_chained_form() {
     let system = model("kinematic_car");

@@ -22,7 +22,7 @@ pub(crate) const EXAMPLES: [(&str, &str); 3] = [
         "Outputs, internal states, and zero dynamics",
         "bracketry transform models/tora.toml --to byrnes-isidori --out out",
     ),
-    ("Controllable and observable parts", "bracketry transform models/chain_of_masses.toml --to kalman --json"),
+    ("Controllable and observable parts", "bracketry transform models/quadruple_tank.toml --to kalman --json"),
 ];
 
 /// Arguments of `transform`.

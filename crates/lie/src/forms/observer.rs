@@ -6,6 +6,7 @@ use rustc_hash::FxHashMap;
 use crate::algebra::antiderivative::antiderivative;
 use crate::algebra::matrix::{generic_rank, solve};
 use crate::algebra::rational::readable::tidy;
+use crate::budget::check_growth;
 use crate::feedback::outputs::fed_through;
 use crate::forms::change::Plan;
 use crate::forms::frame::Frame;
@@ -102,7 +103,9 @@ impl Frame {
         let n = self.fields.states.len();
         let pool = &mut self.system.pool;
         let mut xi = vec![tidy(pool, h)];
+        let first = pool.len();
         for k in 0..n {
+            check_growth(pool, first, [&xi[k..=k], &self.fields.drift], n)?;
             let next = pool.lie_derivative(xi[k], &self.fields.states, &self.fields.drift);
             xi.push(tidy(pool, next));
         }
@@ -126,8 +129,8 @@ impl Frame {
         if n < 2 {
             return Ok(d.xi[0]);
         }
-        let slope = self.derivative(d.xi[n], &d.fields[n - 1]);
-        let bend = self.derivative(slope, &d.fields[1]);
+        let slope = self.derivative(d.xi[n], &d.fields[n - 1])?;
+        let bend = self.derivative(slope, &d.fields[1])?;
         if self.is_zero(bend)?.is_some() {
             return Ok(d.xi[0]);
         }
@@ -160,9 +163,9 @@ impl Frame {
             // What is left of Φ is d^(n−k+1)/dt^(n−k+1) of z_k along the drift.
             let mut left = z[k - 1];
             for _ in k..=n {
-                left = self.derivative(left, &self.fields.drift.clone());
+                left = self.derivative(left, &self.fields.drift.clone())?;
             }
-            let slope = self.derivative(left, &d.fields[n - k]);
+            let slope = self.derivative(left, &d.fields[n - k])?;
             if !self.depends_on_output_only(slope, h)? {
                 return Err(Stop::No(Obstacle::OutputInjection { order: n - k }));
             }
@@ -171,12 +174,12 @@ impl Frame {
             let Some(gamma) = antiderivative(pool, of_y, y, near) else { return Err(self.no_closed_form(of_y)) };
             let place = pool.sym(y);
             let gamma = pool.substitute(gamma, &std::iter::once((place, h)).collect());
-            let along = self.derivative(z[k - 1], &self.fields.drift.clone());
+            let along = self.derivative(z[k - 1], &self.fields.drift.clone())?;
             let next = self.system.pool.sub(along, gamma);
             z.push(tidy(&mut self.system.pool, next));
             gammas.push(gamma);
         }
-        let last = self.derivative(z[n - 1], &self.fields.drift.clone());
+        let last = self.derivative(z[n - 1], &self.fields.drift.clone())?;
         if !self.depends_on_output_only(last, h)? {
             return Err(Stop::No(Obstacle::OutputInjection { order: 0 }));
         }
@@ -184,10 +187,11 @@ impl Frame {
         Ok((z, gammas))
     }
 
-    fn derivative(&mut self, e: Expr, field: &[Expr]) -> Expr {
+    fn derivative(&mut self, e: Expr, field: &[Expr]) -> Result<Expr, Undecided> {
         let pool = &mut self.system.pool;
+        check_growth(pool, pool.len(), [&[e], field], self.fields.states.len())?;
         let d = pool.lie_derivative(e, &self.fields.states, field);
-        tidy(pool, d)
+        Ok(tidy(pool, d))
     }
 
     /// Whether de is a multiple of dh.

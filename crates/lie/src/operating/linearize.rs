@@ -101,9 +101,23 @@ pub enum LinearizeError {
         /// The number needed.
         expected: usize,
     },
+    /// A weight that does not give a cost or a covariance.
+    #[error("{value} is among the {what}: give {} numbers", if *.positive { "positive" } else { "nonnegative" })]
+    Weight {
+        /// What is given.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// Whether zero is refused too.
+        positive: bool,
+    },
 }
 
-fn diagonal(list: &[f64], n: usize, what: &'static str) -> Result<Vec<f64>, LinearizeError> {
+fn diagonal(list: &[f64], n: usize, what: &'static str, positive: bool) -> Result<Vec<f64>, LinearizeError> {
+    let bad = |v: &&f64| !v.is_finite() || **v < 0.0 || positive && **v == 0.0;
+    if let Some(&value) = list.iter().find(bad) {
+        return Err(LinearizeError::Weight { what, value, positive });
+    }
     match list {
         [] => Ok(vec![1.0; n]),
         [all] => Ok(vec![*all; n]),
@@ -128,10 +142,10 @@ fn diagonal(list: &[f64], n: usize, what: &'static str) -> Result<Vec<f64>, Line
 pub fn linearize(system: &System, options: &LinearizeOptions) -> Result<LinearAnalysis, LinearizeError> {
     let model = LinearModel::new(system)?;
     let (n, m, p) = (model.states.len(), model.inputs.len(), model.outputs.len());
-    let q = diagonal(&options.state_weights, n, "weights of states")?;
-    let r = diagonal(&options.input_weights, m, "weights of inputs")?;
-    let v = diagonal(&options.process_noise, n, "process noises")?;
-    let w = diagonal(&options.measurement_noise, p, "measurement noises")?;
+    let q = diagonal(&options.state_weights, n, "weights of states", false)?;
+    let r = diagonal(&options.input_weights, m, "weights of inputs", true)?;
+    let v = diagonal(&options.process_noise, n, "process noises", false)?;
+    let w = diagonal(&options.measurement_noise, p, "measurement noises", true)?;
     let [a, b, c] = [&model.a.values, &model.b.values, &model.c.values];
     let spectrum = model.rational.as_ref().map(|[a, ..]| Spectrum::of(a));
     let numbers = eigenvalues(a);
