@@ -45,7 +45,8 @@ fn at_rest_with_dry_friction_only_dimensions_and_linear_statements_are_of_the_sm
     assert_eq!((p.stlc.verdict, p.stlc.with_bounded_inputs()), (Verdict::Inconclusive, Verdict::No));
     let why = p.stlc.bounded.as_ref().unwrap().reason.to_string();
     assert!(why.contains("the motion stays on v2 = 0"), "{why}");
-    assert_eq!(p.stabilizable.as_ref().unwrap().known(), None);
+    // Near the point the spring does not overcome the friction of the second mass.
+    assert_eq!(p.stabilizable.as_ref().unwrap().known(), Some(&false));
     let json = json_of(&r);
     assert_eq!(json["at_point"]["of"], "smoothed");
     assert_eq!(json["at_point"]["epsilon"], 0.01);
