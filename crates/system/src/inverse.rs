@@ -129,7 +129,7 @@ fn holds(system: &System, functions: &[Expr], new: &[Symbol], k: usize, solution
 /// let mut p = Pool::new();
 /// let (w, u, v) = (p.parse("2*tan(u) + 1").unwrap(), p.symbol("u"), p.var("v"));
 /// let solution = bracketry_system::solved_for(&mut p, w, u, v).unwrap();
-/// assert_eq!(p.text(solution), "atan((v - 1)/2)");
+/// assert_eq!(p.text(solution), "atan(0.5*v - 0.5)");
 /// ```
 pub fn solved_for(pool: &mut Pool, w: Expr, u: Symbol, v: Expr) -> Option<Expr> {
     let solution = solve(pool, w, u, v, Branch::Upper)?;

@@ -39,7 +39,7 @@ impl Default for TransformOptions {
 /// let pendulum = System::parse("pendulum", text).unwrap();
 /// let result = transform(&pendulum, Form::Brunovsky, &TransformOptions::default()).unwrap();
 /// let form = result.found().unwrap();
-/// assert_eq!(form.feedback.get("u").unwrap().text(), "sin(q) + v1");
+/// assert_eq!(form.feedback.get("u").unwrap().text(), "v1 + sin(q)");
 /// assert_eq!(form.system.to_toml().unwrap().matches("v1").count(), 2);
 /// ```
 ///

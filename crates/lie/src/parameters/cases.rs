@@ -46,9 +46,10 @@ fn selected(system: &System, names: &[String]) -> Result<Vec<Symbol>, ParameterE
 ///              dynamics = { x = 'u - a*x', y = 'u - b*y' }";
 /// let tanks = System::parse("tanks", model).unwrap();
 /// let report = parameter_cases(&tanks, &ParameterOptions::default()).unwrap();
-/// let case = &report.aspects[0].cases[0];
+/// let strong = &report.aspects[1];
+/// let case = &strong.cases[0];
 /// assert_eq!((case.conditions[0].text(), case.value.to_string()), ("a - b".to_owned(), "1".to_owned()));
-/// assert!(report.aspects[0].complete);
+/// assert!(strong.complete);
 /// ```
 ///
 /// # Errors
