@@ -207,10 +207,10 @@ fn a_search_ends_with_its_time() {
 #[test]
 fn long_derivatives_end_in_time() {
     let names: Vec<String> = (0..20).map(|i| format!("x{i}")).collect();
-    let mut text = format!("states = {names:?}\ninputs = ['u']\noutputs = {{ y = 'x0' }}\n[dynamics]\nx19 = 'u'\n");
-    for i in 0..19 {
-        text += &format!("x{i} = 'sin(x{})'\n", i + 1);
-    }
+    let rates: Vec<String> = (0..19).map(|i| format!("x{i} = 'sin(x{})'", i + 1)).collect();
+    let rates = rates.join("\n");
+    let text =
+        format!("states = {names:?}\ninputs = ['u']\noutputs = {{ y = 'x0' }}\n[dynamics]\nx19 = 'u'\n{rates}\n");
     let options =
         TransformOptions { time_limit: Some(std::time::Duration::from_secs(1)), ..TransformOptions::default() };
     let result = transform(&parsed(&text), Form::Observer, &options).unwrap();
