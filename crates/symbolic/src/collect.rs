@@ -75,6 +75,9 @@ impl Pool {
                 let node = self.node(n).with_operands(|o| made[at(o)]);
                 pool.intern(node)
             };
+            if let Some(how) = self.directed(n) {
+                pool.set_directed(e, how);
+            }
             made.push(e);
         }
         let roots = roots.iter().map(|&r| made[at(r)]).collect();

@@ -191,6 +191,9 @@ impl Pool {
         let mut new: FxHashMap<Expr, Expr> = FxHashMap::default();
         for e in self.reachable(roots) {
             let r = if let Some(&r) = map.get(&e) { r } else { self.rebuild(e, |x| new[&x]) };
+            if let Some(how) = self.directed(e).filter(|_| r != e) {
+                self.set_directed(r, how);
+            }
             new.insert(e, r);
         }
         roots.iter().map(|e| new[e]).collect()

@@ -7,7 +7,7 @@ use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 
 use crate::func::{Func, Func2};
-use crate::pool::{Expr, Pool};
+use crate::pool::{Directed, Expr, Pool};
 
 /// Where the names in a text come from.
 pub trait Names {
@@ -15,6 +15,11 @@ pub trait Names {
     fn lookup(&mut self, pool: &mut Pool, name: &str) -> Option<Expr>;
     /// The expression for `der(name, order)`, the time derivative of an input; `None` if `name` is not an input.
     fn derivative(&mut self, _pool: &mut Pool, _name: &str, _order: u32) -> Option<Expr> {
+        None
+    }
+    /// The expression for `rate(name)`, the change of an input from one sample to the next over the period; `None` where there
+    /// are no samples, or `name` is not an input.
+    fn rate(&mut self, _pool: &mut Pool, _name: &str) -> Option<Expr> {
         None
     }
     /// All known names, for suggestions.
@@ -367,6 +372,11 @@ impl<N: Names> Parser<'_, N> {
         if name == "der" {
             return self.input_derivative();
         }
+        if name == "rate"
+            && let Some(e) = self.input_rate()?
+        {
+            return Ok(e);
+        }
         if !is_function(name) {
             let known: Vec<&str> = function_names().collect();
             let foreign = instead_of_function(name);
@@ -419,8 +429,18 @@ impl<N: Names> Parser<'_, N> {
         }
         let squares: Vec<Expr> = arguments.iter().map(|&a| self.pool.powi(a, 2)).collect();
         let square = self.pool.sum(squares);
+        self.pool.set_directed(square, Directed::Written);
         let size = self.pool.sqrt(square);
         self.pool.div(arguments[0], size)
+    }
+
+    /// `rate(u)`, where names have rates.
+    fn input_rate(&mut self) -> Result<Option<Expr>, ParseError> {
+        let Token::Name(input) = self.tokens[self.at + 2].token.clone() else { return Ok(None) };
+        let Some(e) = self.names.rate(self.pool, &input) else { return Ok(None) };
+        self.at += 3;
+        self.expect(')', "after the argument of `rate`")?;
+        Ok(Some(e))
     }
 
     /// `der(u)` or `der(u, k)`

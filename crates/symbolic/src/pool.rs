@@ -76,6 +76,15 @@ impl Node {
     }
 }
 
+/// How it is known that the unit vector σ/|σ| of a square |σ|² is set-valued where σ = 0.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Directed {
+    /// It was written so, as `unit(…)`.
+    Written,
+    /// It was found in equations.
+    Found,
+}
+
 /// The numbers 0, 1 and −1 come first in every pool.
 pub(crate) const ZERO: u32 = 0;
 pub(crate) const ONE: u32 = 1;
@@ -108,6 +117,8 @@ pub struct Pool {
     pub(crate) derivatives: FxHashMap<(Expr, Symbol), Expr>,
     /// Content and primitive part of canonical sums.
     pub(crate) primitives: FxHashMap<Expr, (RBig, Expr)>,
+    /// Squares |σ|² whose unit vectors σ/|σ| are set-valued, with how that is known.
+    pub(crate) directed: FxHashMap<Expr, Directed>,
     stop: StopFlag,
     /// When exact decisions give up.
     deadline: Option<Instant>,
@@ -137,6 +148,7 @@ impl Default for Pool {
             name_ids: FxHashMap::default(),
             derivatives: FxHashMap::default(),
             primitives: FxHashMap::default(),
+            directed: FxHashMap::default(),
             stop: StopFlag::default(),
             deadline: None,
         };
@@ -148,6 +160,25 @@ impl Default for Pool {
 }
 
 impl Pool {
+    /// Says that the unit vector σ/|σ| of `square` = |σ|² is set-valued where σ = 0. Substitution and
+    /// [`Pool::extract`] keep this of a square that they change.
+    pub fn set_directed(&mut self, square: Expr, how: Directed) {
+        let known = self.directed.entry(square).or_insert(how);
+        if how == Directed::Written {
+            *known = how;
+        }
+    }
+
+    /// Whether, and how, it is known that the unit vector of `square` is set-valued: [`Pool::set_directed`].
+    pub fn directed(&self, square: Expr) -> Option<Directed> {
+        self.directed.get(&square).copied()
+    }
+
+    /// Whether any unit vector is known to be set-valued.
+    pub fn has_directed(&self) -> bool {
+        !self.directed.is_empty()
+    }
+
     /// An empty pool.
     pub fn new() -> Self {
         Self::default()
@@ -234,6 +265,10 @@ impl Pool {
         self.masks.truncate(next);
         self.nodes.shrink_to_fit();
         self.masks.shrink_to_fit();
+        // Those that were freed have no place any more.
+        let directed = std::mem::take(&mut self.directed);
+        let stays = |e: &Expr| e.index().checked_sub(from).is_none_or(|i| keep[i]);
+        self.directed = directed.into_iter().filter(|(e, _)| stays(e)).map(|(e, d)| (moved(e, &new), d)).collect();
         self.renumber();
         self.units = [NO_NODE; 3];
         self.table = HashTable::with_capacity(next);

@@ -34,6 +34,13 @@ pub enum Op {
     Call2(Func2),
 }
 
+impl Op {
+    /// Whether there are two operands.
+    pub(crate) fn takes_two(self) -> bool {
+        !matches!(self, Op::Neg | Op::Sqrt | Op::Call(_))
+    }
+}
+
 /// One step: `register[n_inputs + n_constants + position] = op(register[a], register[b])`.
 /// Operations of one argument ignore `b`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -88,7 +95,7 @@ impl Builder {
     }
 
     fn emit(&mut self, op: Op, a: u32, b: u32) -> u32 {
-        let b = if matches!(op, Op::Neg | Op::Sqrt | Op::Call(_)) { a } else { b };
+        let b = if op.takes_two() { b } else { a };
         let instruction = Instruction { op, a, b };
         let code = &mut self.code;
         *self.code_ids.entry(instruction).or_insert_with(|| {

@@ -133,6 +133,11 @@ proptest! {
                 (at(&mut p, h) - at(&mut p, -h)) / (2.0 * h)
             };
             let (wide, narrow) = (slope(2e-4), slope(1e-4));
+            // Rounding of a large value hides its change.
+            let (_, below) = value_and_size(&mut p, e, x);
+            if below * f64::EPSILON > 1e-4 * 1e-6 {
+                continue;
+            }
             if size < 1e3 && (wide - narrow).abs() < 1e-6 * (1.0 + narrow.abs()) {
                 prop_assert!((narrow - v).abs() < 1e-4 * (1.0 + size), "{}: {v} {narrow}", p.text(e));
             }

@@ -204,13 +204,9 @@ fn each_common_subexpression_is_assigned_once() {
         text,
         "#[allow(clippy::all, non_snake_case, unused_variables, unused_parens)]
 pub fn f(x: f64, y: f64) -> [f64; 2] {
-    let t0 = x * y;
-    let t1 = f64::sin(t0);
-    let t2 = t1 * t1;
-    let t3 = 1.0_f64 + t1;
-    let t4 = 1.0_f64 / t3;
-    let t5 = t2 + t4;
-    [t5, t5]
+    let t0 = f64::sin(x * y);
+    let t1 = t0 * t0 + 1.0 / (1.0 + t0);
+    [t1, t1]
 }
 "
     );
@@ -221,7 +217,7 @@ fn unbound_names_are_refused() {
     let mut p = Pool::new();
     let e = p.parse("x + k").unwrap();
     let x = p.symbol("x");
-    for l in [Language::Rust, Language::C, Language::Python] {
+    for l in Language::ALL {
         assert_eq!(p.source(l, "f", &[x], &[e]), Err(CompileError::Unbound { name: "k".into() }));
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use rustc_hash::FxHashSet;
 
-use super::Language;
+use super::language::Language;
 
 const RUST: &str = "\
     as async await break const continue crate dyn else enum extern false fn for if impl in let loop match mod \
@@ -26,28 +26,47 @@ const C: &str = "\
     wchar_t xor xor_eq co_await co_return co_yield char8_t char16_t char32_t";
 
 const PYTHON: &str = "\
-    False None True and as assert async await break class continue def del elif else except finally for from \
+    ca np False None True and as assert async await break class continue def del elif else except finally for from \
     global if import in is lambda nonlocal not or pass raise return try while with yield match case type math \
-    __debug__ _";
+    __debug__ _ float tuple";
 
-/// The names given away so far.
-pub(super) struct Scope {
+/// Keywords, and the functions and constants of `Base` that statements use or that a local had better not hide.
+const JULIA: &str = "\
+    abstract as baremodule begin break catch const continue do else elseif end export false finally for function \
+    global if import importall in isa let local macro module mutable outer primitive public quote return struct \
+    true try type typealias using var where while sin cos tan asin acos atan sinh cosh tanh exp log sqrt abs sign \
+    min max pi im ans Inf NaN Float64 String Base Core Main reshape zeros include eval";
+
+/// Names that a language allows, each given away once.
+///
+/// Letters beyond ASCII become their code, anything else that is no letter or digit becomes `_`, and what is reserved or
+/// taken gets a `_` at its end.
+///
+/// ```
+/// use bracketry_symbolic::{Language, SourceNames};
+/// let mut names = SourceNames::new(Language::Python);
+/// assert_eq!(["lambda", "der(u)", "θ", "th", "th"].map(|n| names.name(n)), ["lambda_", "der_u", "u3b8", "th", "th_"]);
+/// ```
+#[derive(Clone, Debug)]
+pub struct SourceNames {
     reserved: FxHashSet<&'static str>,
     taken: FxHashSet<String>,
 }
 
-impl Scope {
-    pub(super) fn new(language: Language) -> Self {
+impl SourceNames {
+    /// No name but those that the language reserves is taken.
+    pub fn new(language: Language) -> Self {
         let reserved = match language {
             Language::Rust => RUST,
             Language::C => C,
-            Language::Python => PYTHON,
+            Language::Python | Language::NumPy | Language::Casadi => PYTHON,
+            Language::Julia => JULIA,
         };
         Self { reserved: reserved.split_whitespace().collect(), taken: FxHashSet::default() }
     }
 
     /// A name like `wanted` that is allowed and new.
-    pub(super) fn name(&mut self, wanted: &str) -> String {
+    pub fn name(&mut self, wanted: &str) -> String {
         let mut name = String::new();
         for c in wanted.chars() {
             if c.is_ascii_alphanumeric() || c == '_' {
@@ -78,7 +97,7 @@ impl Scope {
     }
 
     /// What no name continues with a digit: locals are this and a number.
-    pub(super) fn prefix(&self) -> String {
+    pub fn prefix(&self) -> String {
         let mut prefix = String::from("t");
         let clash = |p: &str| {
             self.taken.iter().any(|n| n.strip_prefix(p).is_some_and(|r| r.starts_with(|c: char| c.is_ascii_digit())))
