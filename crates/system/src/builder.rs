@@ -323,6 +323,7 @@ impl Builder {
         for delay in &system.input_delays {
             system.check_delay(system.pool.name(delay.input), delay.delay)?;
         }
+        system.mark_dry_friction();
         for level in static_levels {
             let form = system.set_valued_form();
             let names: Vec<String> = level.components.iter().map(|&c| system.pool.text(c)).collect();

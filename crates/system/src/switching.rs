@@ -2,11 +2,15 @@
 
 use std::ops::Range;
 
-use bracketry_symbolic::{Expr, Func, Func2, Node, Symbol};
+use bracketry_symbolic::{Expr, Func, Func2, Node, Rational, Symbol};
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
+use crate::directions::Directions;
 use crate::system::System;
+
+/// Decimal places of the length that is added to |σ| where its quotients are continuous.
+const CONTINUOUS_DIGITS: isize = 9;
 
 /// How the equations behave across the surface of a switch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -44,6 +48,18 @@ pub struct UnitVector {
     pub square: Expr,
 }
 
+/// A quotient σ/|σ| that is no dry friction, as the direction of a spring: smooth but where σ = 0, which the motion may pass
+/// but where it never stays. Where σ = 0, the equations have no value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SingularQuotient {
+    /// The components as they are written, with commas.
+    pub name: String,
+    /// The components as they are written; those of σ are positive multiples of them.
+    pub components: Vec<Expr>,
+    /// σ², as it stands under the root.
+    pub square: Expr,
+}
+
 /// The equations with the sign of every switching function as an independent symbol.
 ///
 /// `sign(σ)` becomes s, `abs(σ)` becomes s·σ, and `min`, `max` of (a, b) become
@@ -58,6 +74,8 @@ pub struct SwitchedForm {
     pub switches: Vec<Switch>,
     /// The unit vectors whose components are switches; only [`System::set_valued_form`] looks for them.
     pub unit_vectors: Vec<UnitVector>,
+    /// Quotients σ/|σ| that are no dry friction and stay as they are written; looked for with the unit vectors.
+    pub singular: Vec<SingularQuotient>,
 }
 
 impl SwitchedForm {
@@ -104,8 +122,10 @@ impl System {
     /// The equations with every set-valued part as a symbol of its own: the signs as in [`System::switched_form`], and
     /// the components of unit vectors σ/|σ|, which take any value in the unit ball where σ = 0.
     ///
-    /// A unit vector is found as quotients over the root of a sum of squares with positive coefficients whose numerators
-    /// vanish with the squares, as in `vx/sqrt(vx^2 + vy^2)`, `w/sqrt(vx^2 + vy^2 + c*w^2)` or `unit(vx, vy)`. Others stay.
+    /// Set-valued is what is written `unit(vx, vy)`. A quotient over the root of a sum of squares with positive coefficients
+    /// whose numerator vanishes with the squares, as in `vx/sqrt(vx^2 + vy^2)` or `w/sqrt(vx^2 + vy^2 + c*w^2)`, is it where
+    /// it acts against the rate of its own vector, with a force that does not vanish at rest: as friction acts against a
+    /// velocity. Others are smooth and stay: springs along the line between two points, drag.
     ///
     /// ```
     /// use bracketry_system::System;
@@ -120,8 +140,18 @@ impl System {
     /// assert_eq!(form.unit_vectors[0].name, "vx, vy");
     /// ```
     pub fn set_valued_form(&mut self) -> SwitchedForm {
-        let rows = self.rows();
-        let (mut roots, vectors) = self.without_unit_vectors(&rows);
+        let mut rows = self.rows();
+        let n = self.dynamics.len();
+        let lengths = self.lengths(&rows[..n]);
+        self.round_at_zero(&mut rows[..n], &lengths);
+        self.set_valued_form_of(&rows)
+    }
+
+    /// As [`System::set_valued_form`], of other expressions than the equations, such as derivatives of them: as many as there
+    /// are equations count as dynamics, the others as outputs. What is set-valued is decided in the equations.
+    pub fn set_valued_form_of(&mut self, rows: &[Expr]) -> SwitchedForm {
+        let Directions { rewritten: mut roots, roots: vectors, singular, continuous } = self.directions(rows);
+        self.round_at_zero(&mut roots, &continuous);
         let last = roots.len();
         for vector in &vectors {
             roots.push(vector.square);
@@ -132,7 +162,7 @@ impl System {
         let (rows, extra) = roots.split_at(last);
         let (rows, extra) = (rows.to_vec(), extra.to_vec());
         let mut form = self.with_sign_symbols(&rows, &extra);
-        let mut more = form.outputs.split_off(self.outputs.len()).into_iter();
+        let mut more = form.outputs.split_off(last - form.dynamics.len()).into_iter();
         for vector in vectors {
             let (Some(square), first) = (more.next(), form.switches.len()) else { break };
             let mut names = Vec::new();
@@ -145,11 +175,38 @@ impl System {
             let components = vector.components.iter().map(|c| c.base).collect();
             form.unit_vectors.push(UnitVector { name: names.join(", "), components, switches, square });
         }
+        for root in singular {
+            let components: Vec<Expr> = root.components.iter().map(|c| c.base).collect();
+            let names: Vec<String> = components.iter().map(|&c| self.pool.text(c)).collect();
+            form.singular.push(SingularQuotient { name: names.join(", "), components, square: root.square });
+        }
         form
     }
 
+    /// Adds the square of a length that no result shows to those squares |σ|² whose roots are continuous at σ = 0, so that
+    /// equations and derivatives have their values there instead of 0/0.
+    fn round_at_zero(&mut self, rows: &mut [Expr], squares: &[Expr]) {
+        if squares.is_empty() {
+            return;
+        }
+        let tiny = self.pool.rational(Rational::ONE / Rational::from(10u8).pow(2 * CONTINUOUS_DIGITS));
+        let mut map: FxHashMap<Expr, Expr> = FxHashMap::default();
+        for e in self.pool.reachable(rows) {
+            if let Node::Pow(base, exponent) = self.pool.node(e)
+                && squares.contains(&base)
+                && self.pool.number(exponent).is_some_and(|k| !k.is_int())
+            {
+                let rounded = self.pool.add(base, tiny);
+                let power = self.pool.pow(rounded, exponent);
+                map.insert(e, power);
+            }
+        }
+        let rounded = self.pool.substitute_all(rows, &map);
+        rows.copy_from_slice(&rounded);
+    }
+
     /// The equations, then the outputs.
-    fn rows(&self) -> Vec<Expr> {
+    pub(crate) fn rows(&self) -> Vec<Expr> {
         self.dynamics.iter().copied().chain(self.outputs.iter().map(|(_, e)| *e)).collect()
     }
 
@@ -185,9 +242,15 @@ impl System {
             };
             image.insert(e, new);
         }
-        let n = self.dynamics.len();
+        let n = self.dynamics.len().min(rows.len());
         let all: Vec<Expr> = roots.iter().map(|e| image[e]).collect();
-        SwitchedForm { dynamics: all[..n].to_vec(), outputs: all[n..].to_vec(), switches, unit_vectors: Vec::new() }
+        SwitchedForm {
+            dynamics: all[..n].to_vec(),
+            outputs: all[n..].to_vec(),
+            switches,
+            unit_vectors: Vec::new(),
+            singular: Vec::new(),
+        }
     }
 
     /// The expression for the sign of `surface`. A surface and its negative share one switch.

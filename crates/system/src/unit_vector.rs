@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::system::System;
 
 /// Unit vectors with more components than this are left as they are written.
-const MAX_COMPONENTS: usize = 6;
+pub(crate) const MAX_COMPONENTS: usize = 6;
 
 /// One component `σ_i = scale · base` of a vector σ under a root `|σ| = √(Σ σ_i²)`.
 #[derive(Clone, Debug)]
@@ -42,39 +42,30 @@ pub(crate) struct Rewriter<'s> {
     pub(crate) system: &'s mut System,
     /// What is known of each sum under a root; none if it is no sum of squares.
     squares: FxHashMap<Expr, Option<usize>>,
-    roots: Vec<Root>,
+    pub(crate) roots: Vec<Root>,
     /// Which roots have been used.
-    used: FxHashSet<usize>,
+    pub(crate) used: FxHashSet<usize>,
     image: FxHashMap<Expr, Expr>,
 }
 
-impl System {
-    /// The expressions with every component of a unit vector σ/|σ| as a symbol, and the roots |σ| that were met so.
-    ///
-    /// A quotient `N/√S` is one where `S` is a sum of squares with positive coefficients that depends on more than the
-    /// parameters in each term, and the numerator vanishes with the components: `N = Σ c_i σ_i`.
-    pub(crate) fn without_unit_vectors(&mut self, expressions: &[Expr]) -> (Vec<Expr>, Vec<Root>) {
-        let mut rewriter = Rewriter {
-            system: self,
-            squares: FxHashMap::default(),
+impl<'s> Rewriter<'s> {
+    pub(crate) fn new(system: &'s mut System, refused: &[Expr]) -> Self {
+        Self {
+            system,
+            squares: refused.iter().map(|&s| (s, None)).collect(),
             roots: Vec::new(),
             used: FxHashSet::default(),
             image: FxHashMap::default(),
-        };
-        let rewritten = rewriter.run(expressions);
-        let Rewriter { roots, used, .. } = rewriter;
-        if used.is_empty() {
-            return (expressions.to_vec(), Vec::new());
         }
-        (rewritten, roots.into_iter().enumerate().filter(|(i, _)| used.contains(i)).map(|(_, r)| r).collect())
     }
 }
 
 impl Rewriter<'_> {
-    fn run(&mut self, expressions: &[Expr]) -> Vec<Expr> {
+    pub(crate) fn run(&mut self, expressions: &[Expr], wanted: impl Fn(&System, Expr) -> bool) -> Vec<Expr> {
         let nodes = self.system.pool.reachable(expressions);
         // Only an odd power of a root makes a unit vector; x y/(x² + y²) alone is no friction.
-        let odd: Vec<Expr> = nodes.iter().filter_map(|&e| self.odd_root(e)).collect();
+        let odd: Vec<Expr> =
+            nodes.iter().filter_map(|&e| self.odd_root(e)).filter(|&s| wanted(self.system, s)).collect();
         for square in odd {
             self.register(square);
         }

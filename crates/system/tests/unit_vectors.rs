@@ -53,13 +53,16 @@ fn coupled_friction_is_found_however_it_is_written() {
     for (definitions, vx) in [
         ("", "u - mu*g*vx/sqrt(vx^2 + vy^2)"),
         ("", "-mu*g*unit(vx, vy)"),
-        ("", "vx*(vx^2 + vy^2)^(-1/2)"),
+        ("", "-vx*(vx^2 + vy^2)^(-1/2)"),
         ("rho = \"sqrt(vx^2 + vy^2)\"", "-mu*g/rho*vx"),
         ("rho = \"sqrt(vx^2 + vy^2)\"", "-(mu*g/rho + c)*vx"),
         ("rho = \"sqrt(vx^2 + vy^2)\"", "-(mu + p*exp(-rho/q))*(g + u*vy)*vx/(c*rho)"),
-        ("rho = \"sqrt(4*vx^2 + 4*vy^2)\"", "(vx*cos(phi) + vy*sin(phi))/rho"),
-        ("e = \"vx/sqrt(vx^2 + vy^2)\", f = \"vy/sqrt(vx^2 + vy^2)\"", "e^2*p + e*f*q - 2*vx*vy/(vx^2 + vy^2)"),
-        ("", "p*vx/sqrt(p*(vx^2 + vy^2))"),
+        ("rho = \"sqrt(4*vx^2 + 4*vy^2)\"", "-(vx*(2 + cos(phi)))/rho"),
+        (
+            "e = \"vx/sqrt(vx^2 + vy^2)\", f = \"vy/sqrt(vx^2 + vy^2)\"",
+            "-e*g + e*e^2*p - e*f^2*q - 2*e*vx*vy/(vx^2 + vy^2)",
+        ),
+        ("", "u - p*vx/sqrt(p*(vx^2 + vy^2))"),
     ] {
         assert_eq!(vectors(definitions, vx), ["vx, vy"], "{vx}");
     }
@@ -67,14 +70,15 @@ fn coupled_friction_is_found_however_it_is_written() {
 
 #[test]
 fn weights_and_compound_components_are_found() {
-    assert_eq!(vectors("", "p^2*vx/sqrt((p*vx)^2 + (q*vy)^2)"), ["vx, vy"]);
-    assert_eq!(vectors("", "vx/sqrt(p^2*vx^2 + (1 + phi^2)*vy^2)"), ["vx, vy"]);
-    assert_eq!(vectors("", "w/sqrt(vx^2 + vy^2 + c*w^2/4)").len(), 1);
-    assert_eq!(vectors("", "(vx - w*phi)/sqrt((vx - w*phi)^2 + (vy + w*u)^2)").len(), 1);
+    assert_eq!(vectors("", "u - p^2*vx/sqrt((p*vx)^2 + (q*vy)^2)"), ["vx, vy"]);
+    assert_eq!(vectors("", "-vx/sqrt(p^2*vx^2 + (1 + phi^2)*vy^2)"), ["vx, vy"]);
+    assert_eq!(vectors("", "-unit(vx, vy, w*sqrt(c)/2)").len(), 1);
+    assert_eq!(vectors("", "-(vx - w*phi)/sqrt((vx - w*phi)^2 + (vy + w*u)^2)").len(), 1);
     assert_eq!(vectors("", "(w*phi - vx)/sqrt((vx - w*phi)^2 + (vy + w*u)^2)").len(), 1);
-    assert_eq!(vectors("", "unit(vx, vy) + w/sqrt(vx^2 + vy^2 + c*w^2)").len(), 2);
-    let rotated = "(cos(phi)*vx + sin(phi)*vy)/sqrt((cos(phi)*vx + sin(phi)*vy)^2 + (cos(phi)*vy - sin(phi)*vx)^2)";
-    assert_eq!(vectors("", rotated).len(), 1);
+    assert_eq!(vectors("", "-unit(vx, vy) - vx/sqrt(vx^2 + vy^2 + c*w^2)").len(), 2);
+    let (along, across) = ("(cos(phi)*vx + sin(phi)*vy)", "(cos(phi)*vy - sin(phi)*vx)");
+    let rotated = format!("-(cos(phi)*{along} - sin(phi)*{across})/sqrt({along}^2 + {across}^2)");
+    assert_eq!(vectors("", &rotated).len(), 1);
 }
 
 #[test]
@@ -88,6 +92,12 @@ fn what_is_no_unit_vector_stays() {
         "vx/sqrt(2*vx^2 - vy^2)",
         "vx*sqrt(vx^2 + vy^2)",
         "vx/(vx^2 + vy^2)^(3/2)",
+        // It drives, or acts now along and now against the velocity, or on another equation, or vanishes with the speed.
+        "mu*g*vx/sqrt(vx^2 + vy^2)",
+        "-u*vx/sqrt(vx^2 + vy^2)",
+        "-phi*vx/sqrt(vx^2 + vy^2)",
+        "-w/sqrt(w^2 + phi^2)",
+        "-c*vx*(vx^2 + vy^2)/sqrt(vx^2 + vy^2)",
     ] {
         assert!(vectors("", vx).is_empty(), "{vx}");
     }

@@ -63,6 +63,11 @@ impl Samples {
         Ok(Self { times, values, hold })
     }
 
+    /// Value at a time.
+    pub fn at(&self, t: f64) -> f64 {
+        self.value(self.interval(t), t)
+    }
+
     /// Mean of the value from one time to a later one.
     pub fn mean(&self, from: f64, to: f64) -> f64 {
         self.means(from, to).0

@@ -27,9 +27,7 @@ pub(crate) struct Differentiate<'a> {
 /// as quotients that are zero where σ is.
 pub(crate) fn without_set_values(system: &mut System, expressions: &[Expr], kept: &[Symbol]) -> Vec<Expr> {
     let mut alone = system.clone();
-    alone.dynamics = expressions.to_vec();
-    alone.outputs.clear();
-    let form = alone.set_valued_form();
+    let form = alone.set_valued_form_of(expressions);
     if form.unit_vectors.is_empty() && kept.is_empty() {
         return expressions.to_vec();
     }
@@ -52,7 +50,7 @@ pub(crate) fn without_set_values(system: &mut System, expressions: &[Expr], kept
             values.insert(symbol, component);
         }
     }
-    let expressions = pool.substitute_all(&form.dynamics, &values);
+    let expressions = pool.substitute_all(&[form.dynamics, form.outputs].concat(), &values);
     system.pool = alone.pool;
     expressions
 }
