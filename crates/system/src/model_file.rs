@@ -130,6 +130,7 @@ impl<'d> Reader<'d> {
             point,
             ..System::default()
         };
+        system.mark_dry_friction();
         read_static_levels(doc, &table, &plain, &mut system)?;
         read_input_delays(doc, &table, &mut system)?;
         Ok(system)

@@ -58,6 +58,19 @@ impl System {
     }
 
     fn plain(&self) -> Plain {
+        if !self.pool.has_directed() {
+            return self.plain_as_it_is();
+        }
+        // What was written with `unit` has to be read as such again.
+        let mut written = self.clone();
+        let rows = written.rows();
+        let mut rows = written.with_units_as_written(&rows).into_iter();
+        written.dynamics.iter_mut().zip(&mut rows).for_each(|(e, new)| *e = new);
+        written.outputs.iter_mut().zip(&mut rows).for_each(|(e, new)| e.1 = new);
+        written.plain_as_it_is()
+    }
+
+    fn plain_as_it_is(&self) -> Plain {
         let text = |e: Expr| toml::Value::String(self.pool.text(e));
         let number = |r: &Rational| toml::Value::Float(r.to_f64().value());
         // A fraction such as 1/3 has no decimal form.

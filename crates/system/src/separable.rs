@@ -6,8 +6,11 @@ use rustc_hash::FxHashMap;
 use crate::images::{Images, number};
 use crate::interval::Interval;
 
-/// Values of an input at which a product is split, those in its interval.
+/// Simple values of an input at which a product is split, those in its interval.
 const PLACES: [(i64, i64); 5] = [(0, 1), (1, 1), (-1, 1), (1, 2), (-1, 2)];
+
+/// Parts of a closed interval at which a product is split where no simple value lies in it.
+const PARTS: [(i64, i64); 3] = [(1, 2), (1, 3), (3, 4)];
 
 impl Images<'_> {
     /// The image of e(u, w) = e(u, w₀) e(u₀, w)/e(u₀, w₀), which are independent factors; `None` for another function.
@@ -30,9 +33,14 @@ impl Images<'_> {
 
     /// A simple value of `u` in its interval at which `e` is no constant in the other input.
     fn place(&mut self, e: Expr, u: Symbol, other: Symbol) -> Option<Expr> {
-        for (p, q) in PLACES {
-            let value = Rational::from(p) / Rational::from(q);
-            let on = &self.domain[&u];
+        let on = self.domain[&u].clone();
+        let rational = |(p, q): (i64, i64)| Rational::from(p) / Rational::from(q);
+        let mut places: Vec<Rational> = PLACES.map(rational).into();
+        let ends = [&on.lower, &on.upper].map(|end| end.exact.and_then(|x| self.pool.number(x).cloned()));
+        if let [Some(lower), Some(upper)] = ends {
+            places.extend(PARTS.map(|part| &lower + (&upper - &lower) * rational(part)));
+        }
+        for value in places {
             if !on.holds(value.to_f64().value()) {
                 continue;
             }

@@ -122,6 +122,18 @@ impl System {
         self.inputs.iter().map(|&s| self.pool.name(s).to_owned()).collect()
     }
 
+    /// Least and greatest value of an input in its unit, infinite where there is no limit; none for an input without a range.
+    pub fn range_of_input(&self, input: usize) -> Option<(f64, f64)> {
+        let range = self.input_ranges.iter().find(|r| r.input == self.inputs[input])?;
+        let end = |r: &Option<Rational>, free: f64| r.as_ref().map_or(free, |r| r.to_f64().value());
+        Some((end(&range.min, f64::NEG_INFINITY), end(&range.max, f64::INFINITY)))
+    }
+
+    /// Names of the parameters, in order.
+    pub fn parameter_names(&self) -> Vec<String> {
+        self.parameters.iter().map(|p| self.pool.name(p.symbol).to_owned()).collect()
+    }
+
     /// Index of the state called `name`.
     pub fn state_index(&self, name: &str) -> Option<usize> {
         self.states.iter().position(|&s| self.pool.name(s) == name)

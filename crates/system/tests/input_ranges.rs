@@ -142,6 +142,26 @@ fn polished(f: &mut dyn FnMut(&[f64]) -> f64, ends: &[[f64; 2]], mut at: Vec<f64
     f(&at)
 }
 
+/// A product of functions of one input each that is written as a sum has the product of their ranges, wherever the
+/// intervals lie: also where no simple number is inside, and where it vanishes on a whole edge.
+#[test]
+fn products_written_as_sums_are_split_on_any_interval() {
+    for (low, high) in [(2, 3), (5, 7), (-9, -7)] {
+        let end = if low > 0 { low } else { high };
+        let ranges = format!("u = {{ min = {low}, max = {high} }}\nw = {{ min = 2, max = 3 }}");
+        let w = format!("u^2*exp(w/4) - ({end})*u*exp(w/4)");
+        let a = affinize(&format!("x + {w}"), &ranges, "");
+        let Range::Interval { lower: Some(lower), upper: Some(upper) } = &a.input_change[0].values else {
+            panic!("{w}: {}", a.input_change[0].values)
+        };
+        let far = f64::from(if low > 0 { high } else { low });
+        let greatest = (far - f64::from(end)) * far * 0.75f64.exp();
+        // The new input may be the product or its negative.
+        let (none, most) = if upper.value > 0.0 { (lower, upper.value) } else { (upper, -lower.value) };
+        assert!(none.value.abs() < 1e-9 && (most - greatest).abs() < 1e-9, "{w}: {lower} to {upper}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(150) })]
 

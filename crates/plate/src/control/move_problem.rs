@@ -100,8 +100,11 @@ fn template(object: &Object, limits: &PlateLimits, interval: f64, margin: f64) -
     for text in pressure(object, interval) {
         let function = VectorFunction::parse(&system, &[], &[&text])?;
         let softness = Softness::Soft { linear: 1e3, quadratic: 1e3 };
-        ocp.path_constraints
-            .push(PathConstraint { function, bounds: Bounds { min: LEAST_PRESSURE, max: f64::INFINITY, softness } });
+        ocp.path_constraints.push(PathConstraint {
+            function,
+            bounds: Bounds { min: LEAST_PRESSURE, max: f64::INFINITY, softness },
+            at_end: false,
+        });
     }
     ocp.targets = TOLERANCE
         .iter()

@@ -76,16 +76,11 @@ impl CompensatedLog {
     /// # Errors
     /// [`StiffnessRunError`] for a robot file without springs or sensor, and settings that do not fit.
     pub fn new(file: &RobotFile, log: &RobotLog, process: Option<[f64; 3]>) -> Result<Self, StiffnessRunError> {
-        let springs = springs(file)?.clone();
-        let sensor = sensor(file)?;
-        check_readings(file, &sensor, log)?;
-        let (period, cutoff) = (log.period, file.compensation.cutoff);
-        if period * cutoff >= 0.5 {
-            return Err(StiffnessRunError::Period { period, cutoff });
-        }
+        check_readings(file, &sensor(file)?, log)?;
+        let mut compensator = file.compensator(Some(log.period))?;
         let settings = CompensationSettings { period: log.period, ..file.compensation };
-        let loop_gain = process.map(|process| LoopGain::new(file, &springs, &settings, log, process)).transpose()?;
-        let mut compensator = Compensator::new(file.robot.clone(), springs, sensor, file.payload, settings)?;
+        let springs = springs(file)?;
+        let loop_gain = process.map(|process| LoopGain::new(file, springs, &settings, log, process)).transpose()?;
         let mut faults: Vec<FaultCount> = Vec::new();
         let mut rows = Vec::with_capacity(log.t.len());
         for (k, t) in log.t.iter().enumerate() {
@@ -114,7 +109,7 @@ impl CompensatedLog {
         Ok(Self {
             robot: file.robot.name.clone(),
             samples: rows.len(),
-            period,
+            period: log.period,
             displacement_rms: (squares / good.len().max(1) as f64).sqrt(),
             displacement_max: largest(&moved),
             force_max: largest(&|row| halves(&row.wrench).0.norm()),
@@ -129,6 +124,22 @@ impl CompensatedLog {
     /// Samples at which the correction was held.
     pub fn held(&self) -> usize {
         self.faults.iter().map(|count| count.samples).sum()
+    }
+}
+
+impl RobotFile {
+    /// The compensation that the file describes, with another period (s) where one is given.
+    ///
+    /// # Errors
+    /// [`StiffnessRunError`] for a file without springs or sensor, and settings that do not fit.
+    pub fn compensator(&self, period: Option<f64>) -> Result<Compensator, StiffnessRunError> {
+        let settings = CompensationSettings { period: period.unwrap_or(self.compensation.period), ..self.compensation };
+        let (period, cutoff) = (settings.period, settings.cutoff);
+        if period * cutoff >= 0.5 {
+            return Err(StiffnessRunError::Period { period, cutoff });
+        }
+        let (springs, sensor) = (springs(self)?.clone(), sensor(self)?);
+        Ok(Compensator::new(self.robot.clone(), springs, sensor, self.payload, settings)?)
     }
 }
 
