@@ -17,7 +17,7 @@ const RUNS: usize = 7;
 
 fn dynamics(problem: &ControlProblem) -> Box<SymbolicDynamics> {
     let mut dynamics = SymbolicDynamics::new(&problem.system).expect("dynamics that compile");
-    if let Some(&width) = problem.smoothing.last() {
+    if let Some(&width) = problem.widths().last() {
         dynamics.set_smoothing(width);
     }
     Box::new(dynamics)
@@ -38,7 +38,7 @@ fn start(problem: &ControlProblem) -> Trajectory {
 
 /// One closed loop: its samples and its cost.
 fn closed_loop(problem: &ControlProblem, qp: QpSettings) -> (Vec<Step>, f64) {
-    let settings = RtiSettings { smoothing: problem.smoothing.last().copied(), qp, ..RtiSettings::default() };
+    let settings = RtiSettings { smoothing: problem.widths().last().copied(), qp, ..RtiSettings::default() };
     let mut rti = Rti::new(dynamics(problem), problem.ocp.clone(), start(problem), settings).expect("a controller");
     let mut plant = RungeKuttaPlant::new(dynamics(problem), 2);
     let Method::Rti { initial_iterations, .. } = problem.method else { panic!("a problem of real-time iteration") };

@@ -270,7 +270,7 @@ fn plate(starts: usize, hessian: Hessian, random: &mut Uniform) -> Result<Vec<Ou
 
 fn main() -> Result<(), Failure> {
     let exact = std::env::args().any(|a| a == "--exact");
-    let hessian = if exact { Hessian::Exact } else { Hessian::GaussNewton };
+    let hessian = if exact { Hessian::Exact } else { Hessian::Automatic };
     let mut arguments = std::env::args().skip(1).filter(|a| a != "--exact");
     let starts: usize = arguments.next().map_or(Ok(30), |a| a.parse())?;
     let only = arguments.next();

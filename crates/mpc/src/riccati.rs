@@ -202,7 +202,7 @@ impl Ocp {
         if let Some(row) = self.parameters.first() {
             dynamics.set_parameters(row);
         }
-        Shooter::new(dynamics, self.integrator).advance_with_sensitivity(dynamics, interval, &mut end, &mut jacobian);
+        Shooter::of_problem(dynamics, self).advance_with_sensitivity(dynamics, interval, &mut end, &mut jacobian);
         for (index, (e, x)) in end.iter().zip(state).enumerate() {
             let moved = (e - x).abs() / self.state_scale[index];
             if moved.is_nan() || moved > STEADY * (1.0 + x.abs()) {

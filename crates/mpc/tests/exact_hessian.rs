@@ -25,7 +25,7 @@ fn pendulum() -> (System, Ocp) {
 
 fn settings(hessian: Hessian) -> SqpSettings {
     let qp = QpSettings { form: ProgramForm::Sparse, tolerance: 1e-12, refine: true, ..QpSettings::default() };
-    SqpSettings { hessian, tolerance: 1e-15, qp, ..SqpSettings::default() }
+    SqpSettings { hessian, tolerance: 1e-15, interior_point: false, qp, ..SqpSettings::default() }
 }
 
 fn solve(system: &System, ocp: &Ocp, settings: SqpSettings, x0: &[f64]) -> Solution {

@@ -37,13 +37,13 @@ impl Factors {
                     self.lu.swap(k * n + j, pivot * n + j);
                 }
             }
-            for i in k + 1..n {
-                let l = self.lu[i * n + k] / d;
-                self.lu[i * n + k] = l;
+            let (above, below) = self.lu.split_at_mut((k + 1) * n);
+            let row = &above[k * n + k + 1..];
+            for other in below.chunks_exact_mut(n) {
+                let l = other[k] / d;
+                other[k] = l;
                 if l != 0.0 {
-                    for j in k + 1..n {
-                        self.lu[i * n + j] -= l * self.lu[k * n + j];
-                    }
+                    other[k + 1..].iter_mut().zip(row).for_each(|(a, b)| *a -= l * b);
                 }
             }
         }
@@ -79,9 +79,13 @@ impl Factors {
     fn subtract(&self, b: &mut [f64], columns: usize, i: usize, k: usize) {
         let l = self.lu[i * self.size + k];
         if l != 0.0 {
-            for c in 0..columns {
-                b[i * columns + c] -= l * b[k * columns + c];
-            }
+            let (low, high) = b.split_at_mut(i.max(k) * columns);
+            let (to, from) = if i > k {
+                (&mut high[..columns], &low[k * columns..(k + 1) * columns])
+            } else {
+                (&mut low[i * columns..(i + 1) * columns], &high[..columns])
+            };
+            to.iter_mut().zip(from).for_each(|(a, b)| *a -= l * b);
         }
     }
 

@@ -62,6 +62,8 @@ pub(super) struct Assembly {
     pub(super) set: Option<SetRows>,
     pub(super) gradient: Vec<f64>,
     pub(super) hessian: Vec<f64>,
+    /// Constant inputs and the states that carry them on, as [`Ocp::carried`].
+    pub(super) carried: Vec<(usize, usize)>,
 }
 
 /// A slack of the bound, constraint or target number `of`: its grid point and its place there.
@@ -94,8 +96,8 @@ impl Slacks {
             states.extend(bounded.iter().map(|&i| add(i, k)));
         }
         let mut path = Vec::new();
-        for (c, p) in ocp.path_constraints.iter().enumerate().filter(|(_, p)| !p.bounds.is_free()) {
-            path.extend(p.grid_points(steps).map(|k| add(c, k)));
+        for (c, (_, points, _)) in ocp.row_functions(steps).enumerate().filter(|(_, (p, ..))| !p.bounds.is_free()) {
+            path.extend(points.map(|k| add(c, k)));
         }
         let mut norm = Vec::new();
         for (c, p) in ocp.norm_constraints.iter().enumerate() {
@@ -144,8 +146,9 @@ impl Assembly {
         let slacks = Slacks::new(ocp, steps);
         let mut assembly = Self {
             program: slacks.program(ocp, steps, closure),
-            blocks: exact.then(StageBlocks::default),
+            blocks: exact.then(|| StageBlocks::new(ocp.carried())),
             gradient: vec![0.0; ocp.states() + ocp.inputs()],
+            carried: ocp.carried(),
             ..Self::default()
         };
         assembly.bound_inputs(ocp);
@@ -153,7 +156,7 @@ impl Assembly {
         assembly.add_path_constraints(ocp, &slacks.path);
         assembly.add_targets(ocp, &slacks.targets);
         for at in &slacks.norm {
-            assembly.add_slack(at, ocp.norm_constraints[at.of].softness, ocp.dt, 1.0);
+            assembly.add_slack(at, ocp.norm_constraints[at.of].softness, ocp.share(at.k), 1.0);
         }
         let set = ocp.terminal_set.as_ref().zip(slacks.set.as_ref());
         if let Some((set, at)) = set {
@@ -188,13 +191,14 @@ impl Assembly {
                 let row = self.program.add_bound(k, self.program.state(k, of), upper, Some(slack));
                 self.state_rows.push(BoundRow { k, of, upper, row });
             }
-            self.add_slack(at, b.softness, ocp.dt, ocp.state_scale[of]);
+            self.add_slack(at, b.softness, ocp.share(at.k), ocp.state_scale[of]);
         }
     }
 
     fn add_path_constraints(&mut self, ocp: &Ocp, slacks: &[SlackPlace]) {
+        let functions: Vec<_> = ocp.row_functions(self.program.steps).collect();
         for at in slacks {
-            let (k, p) = (at.k, &ocp.path_constraints[at.of]);
+            let (k, (p, _, over_time)) = (at.k, &functions[at.of]);
             let slack = self.program.slack(k, at.place);
             let rows = sides(p.bounds.min, p.bounds.max).map(|upper| {
                 let row = self.program.add_row(k);
@@ -203,7 +207,7 @@ impl Assembly {
             });
             let sides = rows.collect();
             self.path.push(PathRows { constraint: at.of, k, sides });
-            self.add_slack(at, p.bounds.softness, ocp.dt, 1.0);
+            self.add_slack(at, p.bounds.softness, if *over_time { ocp.share(k) } else { 1.0 }, 1.0);
         }
     }
 
@@ -262,6 +266,9 @@ impl Assembly {
         let p = &mut self.program;
         let stage_pattern = ocp.stage.as_ref().map_or(&[][..], |c| c.hessian_pattern());
         for k in 0..p.steps {
+            let carried = |v: usize| self.carried.iter().find(|c| k > 0 && p.states + c.0 == v).map_or(v, |c| c.1);
+            let stage_pattern = stage_pattern.iter().map(|&(i, j)| (carried(i), carried(j)));
+            let stage_pattern: Vec<(usize, usize)> = stage_pattern.map(|(i, j)| (i.min(j), i.max(j))).collect();
             let slots = match &mut self.blocks {
                 Some(blocks) => {
                     let all: Vec<(usize, usize)> = block_places(p.states + p.inputs).collect();
@@ -271,7 +278,7 @@ impl Assembly {
                     blocks.slots.push(slots);
                     of_cost
                 }
-                None => places(p, k, stage_pattern),
+                None => places(p, k, &stage_pattern),
             };
             self.stage_slots.push(slots);
         }
@@ -293,7 +300,10 @@ impl Assembly {
             for j in (0..p.inputs).filter(|_| k < p.steps) {
                 let v = p.input(k, j);
                 let half = (ocp.input_bounds[j].1 - ocp.input_bounds[j].0) / 2.0;
-                let sizes = [half, ocp.input_trust[j]];
+                let mut sizes = [half, ocp.input_trust[j]];
+                if ocp.constant_inputs.contains(&j) {
+                    sizes.reverse();
+                }
                 p.scale[v] = sizes.into_iter().find(|s| s.is_finite() && *s > 0.0).unwrap_or(1.0);
             }
         }
@@ -309,6 +319,18 @@ impl Assembly {
         }
         if let (Some(rows), Some(set)) = (&self.set, &ocp.terminal_set) {
             p.row_scale[rows.row..].fill(set.level.sqrt());
+        }
+    }
+
+    /// Moves the multipliers of path constraints on by one grid point; the last ones are kept.
+    pub(super) fn shift_rows(&self, multipliers: &mut [f64]) {
+        // The grid points of a constraint stand in order.
+        for pair in self.path.windows(2).filter(|pair| pair[0].constraint == pair[1].constraint) {
+            for (&(_, row, _), &(_, after, _)) in pair[0].sides.iter().zip(&pair[1].sides) {
+                if let Some(&y) = multipliers.get(after) {
+                    multipliers[row] = y;
+                }
+            }
         }
     }
 

@@ -84,6 +84,8 @@ pub struct StageSolution {
     pub z: Vec<f64>,
     /// Multipliers y of dx_{k+1} − A_k dx_k − B_k du_k − c_k = 0, N rows of n.
     pub multipliers: Vec<f64>,
+    /// Multipliers of r − Rz ∈ K, one per row, in the dual cone; may stay empty: the curvature of constraints is then left out.
+    pub row_multipliers: Vec<f64>,
     /// Number of iterations.
     pub iterations: u32,
 }

@@ -140,7 +140,7 @@ impl QpBackend for Clarabel {
         }
         let Some(solver) = equilibrated.as_ref().or(self.solver.as_ref()) else { return Ok(QpStatus::Failed) };
         let (x, z) = (&solver.solution.x, &solver.solution.z);
-        self.condensing.recover(x, z, &mut solution.z, &mut solution.multipliers, program.states);
+        self.condensing.recover(x, z, solution, program.states);
         let whole = finite(&solution.z);
         Ok(if status.is_usable() && !whole { QpStatus::Failed } else { status })
     }

@@ -12,6 +12,7 @@
 //! condensing method for solution of linear-quadratic control problems", CDC 2013), and it serves partial condensing (D.
 //! Axehill, "Controlling the level of sparsity in MPC", Systems & Control Letters 76, 2015) and single states just as well.
 
+use super::backend::StageSolution;
 use super::program::StageProgram;
 use super::sparsity::Pattern;
 use clarabel::algebra::CscMatrix;
@@ -201,8 +202,8 @@ impl Builder {
                 let q = program.state(k + 1, i);
                 eliminated.push(self.eliminate(q, parents, constant, negative, Some(k * n + i)));
             }
-            let start = program.block_start[k];
-            for j in (0..m).filter(|_| start < k) {
+            for j in (0..m).filter(|j| program.block_start[k * m + j] < k) {
+                let start = program.block_start[k * m + j];
                 let constant = self.coefficient(Coefficient::Offset(k * m + j));
                 let negative = self.coefficient(Coefficient::NegativeOffset(k * m + j));
                 let q = program.input(k, j);
@@ -477,8 +478,9 @@ impl Condensing {
         }
     }
 
-    /// Values of all variables and multipliers of all dynamics from those of the solver.
-    pub(super) fn recover(&self, x: &[f64], multipliers: &[f64], z: &mut [f64], y: &mut [f64], states: usize) {
+    /// Values of all variables and multipliers of all dynamics and rows from those of the solver.
+    pub(super) fn recover(&self, x: &[f64], multipliers: &[f64], to: &mut StageSolution, states: usize) {
+        let StageSolution { z, multipliers: y, row_multipliers, .. } = to;
         for ((&v, &s), &x) in self.kept.iter().zip(&self.scale).zip(x) {
             z[v] = s * x;
         }
@@ -498,6 +500,10 @@ impl Condensing {
                 .map(|&(s, r)| self.work[s as usize] * multipliers[r] * self.objective_scale / self.row_scale[r]);
             y[at] = -(self.work[e.gradient as usize] + curvature.sum::<f64>() + rows.sum::<f64>());
         }
+        let rows = self.dynamics.len()..;
+        let scaled = multipliers[rows.clone()].iter().zip(&self.row_scale[rows]);
+        row_multipliers.clear();
+        row_multipliers.extend(scaled.map(|(v, s)| v * self.objective_scale / s));
     }
 }
 

@@ -12,12 +12,18 @@
 //! Quirynen, M. Diehl, "A sparsity preserving convexification procedure for indefinite quadratic programs arising in direct
 //! optimal control", SIAM J. Optim. 27, 2017). A program whose Hessian is positive definite in the directions that obey the
 //! dynamics becomes convex with the same solution. Where it is not, as far from a solution, the exact blocks are moved toward
-//! those of the Gauss–Newton program until it is.
+//! those of the Gauss–Newton program until it is, or, where that has no curvature to speak of, some is added to every variable.
+//!
+//! Directions in which active bounds hold the solution need no curvature of the Lagrangian: each adds its multiplier over its
+//! distance, as the barrier of an interior-point method does. That changes nothing where the bound stays active, and only
+//! shortens the step where it does not.
+//!
+//! The exact block also has the curvature of the path constraints, for the multipliers of their rows.
 
 use super::program::{NOWHERE, StageProgram};
 use crate::dense::is_positive_definite;
 use crate::ocp::{CostFunction, Ocp};
-use crate::transcription::Linearization;
+use crate::transcription::{Linearization, carry_block};
 
 /// Curvature that is left at the states, relative to the largest of all.
 const LEFT: f64 = 1e-8;
@@ -28,7 +34,28 @@ const ROUNDING: f64 = 1e-10;
 const SHARE: f64 = 0.1;
 
 /// Shares of the exact Hessian that are tried, the rest being that of the Gauss–Newton program.
-const BLENDS: [f64; 3] = [1.0, 0.5, 0.25];
+const BLENDS: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
+/// Curvature of the Gauss–Newton program, relative to that of the exact one, below which it offers none.
+const FLAT: f64 = 1e-6;
+/// Curvature that is added to every variable then, relative to the largest of all: the first that is tried, the largest, and the
+/// factors from try to try and from program to program (inertia correction of A. Wächter, L. T. Biegler, Math. Programming 106,
+/// 2006).
+const FIRST_SHIFT: f64 = 1e-6;
+const LARGEST_SHIFT: f64 = 1e2;
+const GROWTH: f64 = 8.0;
+const SHRINKAGE: f64 = 3.0;
+/// Largest curvature of an active bound, relative to the largest of all.
+const HELD: f64 = 10.0;
+
+/// An active bound with multiplier z at the distance s.
+pub(super) struct Held {
+    /// Grid point.
+    pub(super) k: usize,
+    /// Entries of its gradient with respect to (x, u).
+    pub(super) gradient: Vec<(usize, f64)>,
+    /// z/s.
+    pub(super) curvature: f64,
+}
 
 /// The blocks, in memory that is kept.
 #[derive(Default)]
@@ -43,6 +70,12 @@ pub(super) struct StageBlocks {
     stages: Vec<f64>,
     /// P_{k+1} of every interval, N blocks of n rows of n; empty where no curvature was moved.
     moved: Vec<f64>,
+    /// What active bounds hold.
+    pub(super) held: Vec<Held>,
+    /// Constant inputs and the states that carry them on: after the first interval these inputs have no effect of their own.
+    carried: Vec<(usize, usize)>,
+    /// Curvature that was added in the last program, relative to the largest of all; 0 if there was none.
+    shift: f64,
     size: Vec<f64>,
     /// P_N, P_k.
     terminal: Vec<f64>,
@@ -57,8 +90,19 @@ pub(super) fn block_places(w: usize) -> impl Iterator<Item = (usize, usize)> + C
 }
 
 impl StageBlocks {
+    /// Without blocks; `carried` are constant inputs and the states that carry them on.
+    pub(super) fn new(carried: Vec<(usize, usize)>) -> Self {
+        Self { carried, ..Self::default() }
+    }
+
     /// Notes what the exact block of stage k has beyond the convexified one of the cost, weight and entries of which are given.
-    pub(super) fn note(&mut self, k: usize, w: usize, lin: &Linearization, cost: Option<(&CostFunction, f64, &[f64])>) {
+    pub(super) fn note(
+        &mut self,
+        k: usize,
+        (n, w): (usize, usize),
+        lin: &Linearization,
+        cost: Option<(&CostFunction, f64, &[f64])>,
+    ) {
         let range = k * w * w..(k + 1) * w * w;
         self.extra.resize(self.slots.len() * w * w, 0.0);
         let extra = &mut self.extra[range.clone()];
@@ -74,7 +118,20 @@ impl StageBlocks {
                     extra[j * w + i] -= h;
                 }
             }
+            if k > 0 {
+                carry_block(&self.carried, n, w, extra);
+            }
         }
+    }
+
+    /// What the exact block of stage k has beyond the convexified one, to be added to; w rows of w.
+    pub(super) fn exact_block(&mut self, k: usize, w: usize) -> &mut [f64] {
+        &mut self.extra[k * w * w..(k + 1) * w * w]
+    }
+
+    /// The same, to be read.
+    pub(super) fn beyond_gauss_newton(&self, k: usize, w: usize) -> &[f64] {
+        &self.extra[k * w * w..(k + 1) * w * w]
     }
 
     /// Multipliers of the program as it was before curvature was moved: y_k − P_{k+1} dx_{k+1}.
@@ -129,7 +186,7 @@ impl StageBlocks {
         for i in 0..n {
             self.terminal[i * n + i] = p.hessian[p.state(steps, i)] * size[i] * size[i];
         }
-        if !BLENDS.iter().any(|&share| self.blend(p, lin, share)) {
+        if !BLENDS.iter().any(|&share| self.blend(p, lin, share, 0.0)) && !self.shift_until_convex(p, lin) {
             self.moved.clear();
             return;
         }
@@ -174,16 +231,52 @@ impl StageBlocks {
         }
     }
 
-    /// Whether the program with this share of the exact Hessian is convex, with curvature moved if need be.
-    fn blend(&mut self, program: &StageProgram, lin: &Linearization, share: f64) -> bool {
+    /// Where the program of Gauss and Newton has hardly any curvature to move toward, as with an economic cost: adds as little as
+    /// makes that of the exact Hessian convex. False where there is enough, or even the largest shift is too small.
+    fn shift_until_convex(&mut self, program: &StageProgram, lin: &Linearization) -> bool {
+        let last = std::mem::take(&mut self.shift);
+        let size = &self.size;
+        let w = size.len();
+        let exact = self.extra.iter().enumerate().map(|(e, h)| (h * size[e % (w * w) / w] * size[e % w]).abs());
+        if largest_of(&self.base) > FLAT * exact.fold(0.0, f64::max) {
+            return false;
+        }
+        let mut shift = (last / SHRINKAGE).max(FIRST_SHIFT);
+        while shift <= LARGEST_SHIFT {
+            if self.blend(program, lin, 1.0, shift) {
+                self.shift = shift;
+                return true;
+            }
+            shift *= GROWTH;
+        }
+        false
+    }
+
+    /// Whether the program with this share of the exact Hessian, and this relative curvature added, is convex, with curvature moved
+    /// if need be.
+    fn blend(&mut self, program: &StageProgram, lin: &Linearization, share: f64, shift: f64) -> bool {
         let (n, m, steps) = (program.states, program.inputs, program.steps);
         let w = n + m;
-        let Self { extra, base, stages, moved, size, terminal, p, product, factor, .. } = self;
+        let Self { extra, base, stages, moved, size, terminal, p, product, factor, held, carried, .. } = self;
         stages.clear();
         stages.extend(base.iter().zip(&*extra).enumerate().map(|(e, (b, x))| {
             let (i, j) = (e % (w * w) / w, e % w);
             b + share * x * size[i] * size[j]
         }));
+        let cap = HELD * largest_of(stages);
+        for Held { k, gradient, curvature } in held.iter() {
+            let square: f64 = gradient.iter().map(|(i, a)| (a * size[*i]).powi(2)).sum();
+            let h = curvature.min(cap / square);
+            for &(i, a) in gradient {
+                for &(j, b) in gradient {
+                    stages[(k * w + i) * w + j] += h * a * size[i] * b * size[j];
+                }
+            }
+        }
+        if shift > 0.0 {
+            let added = shift * largest_of(stages);
+            stages.iter_mut().enumerate().filter(|(e, _)| e % (w * w) % (w + 1) == 0).for_each(|(_, h)| *h += added);
+        }
         // The state of grid point 0 is fixed.
         stages[..n * w].fill(0.0);
         (n..w).for_each(|j| stages[j * w..j * w + n].fill(0.0));
@@ -217,9 +310,13 @@ impl StageBlocks {
             }
             // The inputs' block, less what it has to keep.
             let floor = ROUNDING * largest_of(block);
+            let without_effect = |i: usize| k > 0 && carried.iter().any(|c| n + c.0 == i);
             let inputs = |share: f64, to: &mut Vec<f64>| {
                 to.clear();
                 to.extend((n..w).flat_map(|i| (n..w).map(move |j| (i, j))).map(|(i, j)| {
+                    if without_effect(i) || without_effect(j) {
+                        return f64::from(u8::from(i == j));
+                    }
                     let keep = if i == j { floor } else { 0.0 };
                     block[i * w + j] - share * base[(k * w + i) * w + j] - keep
                 }));

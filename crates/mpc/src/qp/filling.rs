@@ -1,6 +1,7 @@
 //! Filling the stage program from the problem.
 
 use super::assembly::Assembly;
+use super::exact_hessian::Held;
 use super::program::NOWHERE;
 use crate::ocp::{CostPoint, Ocp};
 use crate::trajectory::Trajectory;
@@ -9,6 +10,10 @@ use std::ops::Range;
 
 /// Smallest curvature of any variable, in units of its size and of the objective: keeps the program strictly convex.
 const REGULARIZATION: f64 = 1e-9;
+
+/// Distance from a bound, relative to the size of what it bounds, below which it counts as active, and the smallest that counts.
+const ACTIVE: f64 = 1e-3;
+const NEAR: f64 = 1e-8;
 
 /// Smallest unit of the objective.
 const SMALLEST_OBJECTIVE: f64 = 1e-12;
@@ -45,7 +50,14 @@ impl Assembly {
     }
 
     /// Fills in every number; see [`Qp::assemble`](super::Qp::assemble).
-    pub(super) fn fill(&mut self, ocp: &mut Ocp, at: LinearizationPoint<'_>, proximal: f64, hard: f64) {
+    pub(super) fn fill(
+        &mut self,
+        ocp: &mut Ocp,
+        at: LinearizationPoint<'_>,
+        proximal: f64,
+        hard: f64,
+        row_multipliers: &[f64],
+    ) {
         let (steps, trajectory) = (self.program.steps, at.trajectory);
         self.fill_curvature(ocp, proximal);
         self.program.gradient.fill(0.0);
@@ -59,6 +71,10 @@ impl Assembly {
         }
         self.add_end_cost(ocp, at);
         self.fill_flow(at, 0..steps);
+        self.fill_bounds(ocp, trajectory);
+        self.fill_constraints(ocp, at, 0..self.path.len(), 0..self.norm.len());
+        self.add_row_curvature(ocp, at, row_multipliers);
+        self.note_active_bounds(row_multipliers);
         if let Some(blocks) = &mut self.blocks {
             blocks.use_exact_hessian(&mut self.program, &self.terminal_slots, ocp, at.lin);
         }
@@ -66,8 +82,6 @@ impl Assembly {
         for v in 0..self.program.variables() {
             self.regularize(v);
         }
-        self.fill_bounds(ocp, trajectory);
-        self.fill_constraints(ocp, at, 0..self.path.len(), 0..self.norm.len());
         if let (Some(rows), Some(set)) = (&self.set, &ocp.terminal_set) {
             self.program.right[rows.row] = set.level.sqrt();
             let x = trajectory.x(steps);
@@ -159,24 +173,25 @@ impl Assembly {
         }
     }
 
-    fn add_stage_cost(&mut self, ocp: &mut Ocp, at: LinearizationPoint<'_>, k: usize) {
+    pub(super) fn add_stage_cost(&mut self, ocp: &mut Ocp, at: LinearizationPoint<'_>, k: usize) {
         let LinearizationPoint { k0, trajectory, lin } = at;
         let w = self.program.states + self.program.inputs;
         let Some(mut cost) = ocp.stage.take() else {
             if let Some(blocks) = &mut self.blocks {
-                blocks.note(k, w, lin, None);
+                blocks.note(k, (self.program.states, w), lin, None);
             }
             return;
         };
         self.gradient.fill(0.0);
         self.hessian.clear();
         self.hessian.resize(cost.hessian_pattern().len(), 0.0);
-        let r = &ocp.reference(k0 + k)[..cost.references()];
-        let t = (k0 + k) as f64 * ocp.dt;
+        let r = &ocp.reference(ocp.sample(k0, k))[..cost.references()];
+        let (t, length) = (ocp.time(k0, k), ocp.length(k));
         let (x, u) = (trajectory.x(k), trajectory.u(k));
-        cost.add_derivatives(CostPoint { x, u, t, r }, ocp.dt, &mut self.gradient, &mut self.hessian);
+        cost.add_derivatives(CostPoint { x, u, t, r }, length, &mut self.gradient, &mut self.hessian);
         for (v, g) in self.gradient.iter().enumerate() {
-            if let Some(variable) = self.program.variable(k, v) {
+            let carried = self.carried.iter().find(|c| k > 0 && self.program.states + c.0 == v);
+            if let Some(variable) = self.program.variable(k, carried.map_or(v, |c| c.1)) {
                 self.program.gradient[variable] += g;
             }
         }
@@ -186,19 +201,23 @@ impl Assembly {
             }
         }
         if let Some(blocks) = &mut self.blocks {
-            blocks.note(k, w, lin, Some((&cost, ocp.dt, &self.hessian)));
+            blocks.note(k, (self.program.states, w), lin, Some((&cost, length, &self.hessian)));
         }
         ocp.stage = Some(cost);
     }
 
-    fn add_end_cost(&mut self, ocp: &mut Ocp, LinearizationPoint { k0, trajectory, .. }: LinearizationPoint<'_>) {
+    pub(super) fn add_end_cost(
+        &mut self,
+        ocp: &mut Ocp,
+        LinearizationPoint { k0, trajectory, .. }: LinearizationPoint<'_>,
+    ) {
         let (n, steps) = (self.program.states, self.program.steps);
         if let Some(mut cost) = ocp.terminal.take() {
             self.gradient.fill(0.0);
             self.hessian.clear();
             self.hessian.resize(cost.hessian_pattern().len(), 0.0);
-            let r = &ocp.reference(k0 + steps)[..cost.references()];
-            let t = (k0 + steps) as f64 * ocp.dt;
+            let r = &ocp.reference(ocp.sample(k0, steps))[..cost.references()];
+            let t = ocp.time(k0, steps);
             let at = CostPoint { x: trajectory.x(steps), u: &[], t, r };
             cost.add_derivatives(at, 1.0, &mut self.gradient[..n], &mut self.hessian);
             for i in 0..n {
@@ -229,14 +248,64 @@ impl Assembly {
             for i in 0..n {
                 p.defect[k * n + i] = lin.end[k * n + i] - trajectory.x(k + 1)[i];
             }
-            let start = p.block_start[k];
             for j in 0..m {
-                p.offset[k * m + j] = trajectory.u(start)[j] - trajectory.u(k)[j];
+                p.offset[k * m + j] = trajectory.u(p.block_start[k * m + j])[j] - trajectory.u(k)[j];
             }
         }
     }
 
-    fn fill_bounds(&mut self, ocp: &Ocp, trajectory: &Trajectory) {
+    /// Adds the curvature of the path constraints to the exact Hessian, for the multipliers of the last program.
+    pub(super) fn add_row_curvature(
+        &mut self,
+        ocp: &mut Ocp,
+        LinearizationPoint { k0, trajectory, .. }: LinearizationPoint<'_>,
+        multipliers: &[f64],
+    ) {
+        let Some(blocks) = &mut self.blocks else { return };
+        for rows in self.path.iter().filter(|rows| rows.k < self.program.steps) {
+            let signed = |(upper, row, _): &(bool, usize, Vec<usize>)| {
+                let y = multipliers.get(*row).copied().unwrap_or(0.0);
+                if *upper { y } else { -y }
+            };
+            let weight: f64 = rows.sides.iter().map(signed).sum();
+            if weight != 0.0 {
+                let k = rows.k;
+                let at = (ocp.sample(k0, k), ocp.time(k0, k));
+                let block = blocks.exact_block(k, self.program.states + self.program.inputs);
+                ocp.add_row_curvature(rows.constraint, at, (trajectory.x(k), trajectory.u(k)), weight, block);
+            }
+        }
+    }
+
+    /// Notes the bounds that the last program held: what they bound does not move, whatever its curvature is.
+    fn note_active_bounds(&mut self, multipliers: &[f64]) {
+        let Some(blocks) = &mut self.blocks else { return };
+        blocks.held.clear();
+        let (p, n) = (&self.program, self.program.states);
+        let inputs = self.input_rows.iter().map(|r| (r, n + r.of));
+        let states = self.state_rows.iter().filter(|r| r.k < p.steps).map(|r| (r, r.of));
+        // A soft bound that is violated holds nothing: its distance is negative.
+        let curvature_of = |row: usize| {
+            let (y, size) = (multipliers.get(row).copied().unwrap_or(0.0), p.row_scale[row]);
+            (y > 0.0 && p.right[row].abs() < ACTIVE * size).then(|| y / p.right[row].max(NEAR * size))
+        };
+        for (r, variable) in inputs.chain(states) {
+            if let Some(curvature) = curvature_of(r.row) {
+                blocks.held.push(Held { k: r.k, gradient: vec![(variable, 1.0)], curvature });
+            }
+        }
+        for rows in self.path.iter().filter(|rows| rows.k < p.steps) {
+            for (_, row, slots) in &rows.sides {
+                if let Some(curvature) = curvature_of(*row) {
+                    let slots = slots.iter().filter(|slot| **slot != NOWHERE);
+                    let gradient = slots.map(|&slot| (p.place_at(rows.k, p.row_places[slot].1), p.rows[slot]));
+                    blocks.held.push(Held { k: rows.k, gradient: gradient.collect(), curvature });
+                }
+            }
+        }
+    }
+
+    pub(super) fn fill_bounds(&mut self, ocp: &Ocp, trajectory: &Trajectory) {
         let right = &mut self.program.right;
         for r in &self.input_rows {
             let (v, b) = (trajectory.u(r.k)[r.of], ocp.input_bounds[r.of]);
@@ -254,28 +323,33 @@ impl Assembly {
     }
 
     /// Linearizes the path constraints and norm constraints of the given numbers.
-    fn fill_constraints(&mut self, ocp: &mut Ocp, at: LinearizationPoint<'_>, path: Range<usize>, norm: Range<usize>) {
+    pub(super) fn fill_constraints(
+        &mut self,
+        ocp: &mut Ocp,
+        at: LinearizationPoint<'_>,
+        path: Range<usize>,
+        norm: Range<usize>,
+    ) {
         let LinearizationPoint { k0, trajectory, .. } = at;
-        let (dt, steps) = (ocp.dt, self.program.steps);
+        let steps = self.program.steps;
         let input = |k: usize| if k < steps { trajectory.u(k) } else { &[] };
-        let mut constraints = std::mem::take(&mut ocp.path_constraints);
+        let program = &mut self.program;
         for rows in &self.path[path] {
             let k = rows.k;
-            let c = &mut constraints[rows.constraint];
-            let r = ocp.reference(k0 + k);
-            let (g, jacobian) = c.function.values_and_jacobian(trajectory.x(k), input(k), (k0 + k) as f64 * dt, r);
-            for (upper, row, slots) in &rows.sides {
-                let sign = if *upper { 1.0 } else { -1.0 };
-                self.program.right[*row] = if *upper { c.bounds.max - g[0] } else { g[0] - c.bounds.min };
-                set_entries(&mut self.program.rows, slots, jacobian, sign);
-            }
+            let at = (ocp.sample(k0, k), ocp.time(k0, k));
+            ocp.row_function_at(rows.constraint, at, (trajectory.x(k), input(k)), |bounds, g, jacobian| {
+                for (upper, row, slots) in &rows.sides {
+                    let sign = if *upper { 1.0 } else { -1.0 };
+                    program.right[*row] = if *upper { bounds.max - g } else { g - bounds.min };
+                    set_entries(&mut program.rows, slots, jacobian, sign);
+                }
+            });
         }
-        ocp.path_constraints = constraints;
         let mut constraints = std::mem::take(&mut ocp.norm_constraints);
         for rows in &self.norm[norm] {
             let k = rows.k;
             let c = &mut constraints[rows.constraint];
-            let (r, t) = (ocp.reference(k0 + k), (k0 + k) as f64 * dt);
+            let (r, t) = (ocp.reference(ocp.sample(k0, k)), ocp.time(k0, k));
             let (h, jacobian) = c.limit.values_and_jacobian(trajectory.x(k), input(k), t, r);
             self.program.right[rows.row] = h[0];
             set_entries(&mut self.program.rows, &rows.limit, jacobian, -1.0);

@@ -11,12 +11,14 @@ mod clarabel;
 mod condensing;
 mod exact_hessian;
 mod filling;
+mod nonlinear;
 mod program;
 mod sparsity;
 #[cfg(test)]
 mod tests;
 
 pub use backend::{ProgramForm, QpBackend, QpSettings, QpStatus, StageSolution};
+pub(crate) use nonlinear::{NonlinearProgram, NonlinearRow, NonlinearSlack};
 pub use program::StageProgram;
 
 use crate::error::MpcError;
@@ -72,8 +74,12 @@ impl Qp {
             ProgramForm::Condensed { block } => Box::new(Clarabel::condensed(program, settings, block)),
         };
         let (n, m) = (program.states, program.inputs);
-        let stage =
-            StageSolution { z: vec![0.0; program.variables()], multipliers: vec![0.0; steps * n], iterations: 0 };
+        let stage = StageSolution {
+            z: vec![0.0; program.variables()],
+            multipliers: vec![0.0; steps * n],
+            row_multipliers: Vec::with_capacity(program.right.len()),
+            iterations: 0,
+        };
         let solution = QpSolution {
             dx: vec![0.0; (steps + 1) * n],
             du: vec![0.0; steps * m],
@@ -103,6 +109,36 @@ impl Qp {
         self.backend.set_limits(max_iterations, time_limit)
     }
 
+    /// Sets the multipliers to zero.
+    pub(crate) fn forget_multipliers(&mut self) {
+        self.solution.multipliers.fill(0.0);
+        self.stage.row_multipliers.clear();
+    }
+
+    /// Starts the next program from these multipliers of dynamics and rows.
+    pub(crate) fn set_multipliers(&mut self, dynamics: &[f64], rows: &[f64]) {
+        self.solution.multipliers.copy_from_slice(dynamics);
+        self.stage.row_multipliers.clear();
+        self.stage.row_multipliers.extend_from_slice(rows);
+    }
+
+    /// Takes over multipliers and limits of another program of the same problem.
+    pub(crate) fn take_over(&mut self, other: &Self) -> Result<(), MpcError> {
+        self.solution.multipliers.copy_from_slice(&other.solution.multipliers);
+        self.stage.row_multipliers.clone_from(&other.stage.row_multipliers);
+        self.set_limits(other.settings.max_iterations, other.settings.time_limit)
+    }
+
+    /// Moves the multipliers of the dynamics on by one interval; those of the rows are forgotten.
+    pub(crate) fn shift_multipliers(&mut self) {
+        let n = self.assembly.program.states;
+        let y = &mut self.solution.multipliers;
+        if y.len() > n {
+            y.copy_within(n.., 0);
+        }
+        self.assembly.shift_rows(&mut self.stage.row_multipliers);
+    }
+
     /// Fills in every number. `k0` is the grid point of the run at which the horizon starts, `proximal` the weight λ of the
     /// term dt·λ/2·Σ (change/trust)².
     pub(crate) fn assemble(
@@ -114,7 +150,8 @@ impl Qp {
         proximal: f64,
     ) {
         self.proximal = proximal;
-        self.assembly.fill(ocp, LinearizationPoint { k0, trajectory, lin }, proximal, self.settings.hard_weight);
+        let point = LinearizationPoint { k0, trajectory, lin };
+        self.assembly.fill(ocp, point, proximal, self.settings.hard_weight, &self.stage.row_multipliers);
         self.backend.load(&self.assembly.program, &lin.jacobian);
     }
 

@@ -10,7 +10,7 @@ pub(super) const NOWHERE: usize = usize::MAX;
 /// ```text
 /// min  ½ zᵀHz + gᵀz                    z = (du_0, dx_1, s_1, du_1, …, dx_N, s_N)
 /// s.t. dx_{k+1} = A_k dx_k + B_k du_k + c_k
-///      du_k = du_{b(k)} + o_k           for intervals k that share the input of the first of their block, b(k) < k
+///      du_k = du_{b(k)} + o_k           input by input, for intervals k that share that of the first of their block, b(k) < k
 ///      r − Rz ∈ K                       K a product of a nonnegative orthant and second-order cones
 /// ```
 ///
@@ -28,7 +28,7 @@ pub struct StageProgram {
     pub(crate) slacks: Vec<usize>,
     /// c_k, N rows of n.
     pub(crate) defect: Vec<f64>,
-    /// b(k) of every interval.
+    /// b(k) of every interval, N rows of m.
     pub(crate) block_start: Vec<usize>,
     /// o_k, N rows of m.
     pub(crate) offset: Vec<f64>,
@@ -92,6 +92,11 @@ impl StageProgram {
             None
         }
     }
+    /// Number, in the list (x, u) at grid point k < N, of a variable that is a state or input there.
+    pub(super) fn place_at(&self, k: usize, variable: usize) -> usize {
+        let input = self.input(k, 0);
+        if variable >= input { self.states + variable - input } else { variable - self.first[k] }
+    }
     /// Places (row, column), row ≤ column, and values of the upper triangle of H.
     pub fn hessian(&self) -> impl Iterator<Item = ((usize, usize), f64)> {
         self.hessian_places.iter().copied().zip(self.hessian.iter().copied())
@@ -128,9 +133,9 @@ impl StageProgram {
     pub fn defects(&self) -> &[f64] {
         &self.defect
     }
-    /// First interval b(k) of the block of interval k, and o_k: du_k = du_{b(k)} + o_k when b(k) < k.
-    pub fn block(&self, k: usize) -> (usize, &[f64]) {
-        (self.block_start[k], &self.offset[k * self.inputs..(k + 1) * self.inputs])
+    /// First interval b(k) of the block of interval k for input j, and o_k: du_k = du_{b(k)} + o_k when b(k) < k.
+    pub fn block(&self, k: usize, j: usize) -> (usize, f64) {
+        (self.block_start[k * self.inputs + j], self.offset[k * self.inputs + j])
     }
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {

@@ -15,6 +15,7 @@ pub struct SqpController {
     sqp: Sqp,
     trajectory: Trajectory,
     k: usize,
+    step: Step,
     failures: Failures,
     limits: StepLimits,
 }
@@ -24,7 +25,8 @@ impl SqpController {
     pub fn new(sqp: Sqp, guess: Trajectory) -> Self {
         let rest = sqp.ocp().input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
         let failures = Failures::new(FailurePolicy::ShiftedInput, rest, guess.states(), guess.steps());
-        Self { sqp, trajectory: guess, k: 0, failures, limits: StepLimits::default() }
+        let step = Step::undecided(guess.inputs());
+        Self { sqp, trajectory: guess, k: 0, step, failures, limits: StepLimits::default() }
     }
 }
 
@@ -43,7 +45,7 @@ impl SqpController {
 }
 
 impl Controller for SqpController {
-    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+    fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         check_length("the measured state", x.len(), self.sqp.ocp().states())?;
         self.sqp.set_start(self.k);
         self.failures.believe(x);
@@ -53,7 +55,7 @@ impl Controller for SqpController {
             StepStatus::Fallback(reason)
         } else {
             self.sqp.limit_programs(limits)?;
-            let solution = self.sqp.solve(x, &self.trajectory)?;
+            let solution = self.sqp.solve_next(x, &self.trajectory)?;
             seconds = solution.seconds;
             let status = match solution.status {
                 SolveStatus::Converged
@@ -80,21 +82,33 @@ impl Controller for SqpController {
             }
             status
         };
-        let mut u = self.trajectory.u(0).to_vec();
-        let source = if matches!(status, StepStatus::Fallback(_)) {
-            self.failures.decide(&self.trajectory, &self.sqp.ocp().input_bounds, &mut u)
+        self.step.status = status;
+        self.step.source = if matches!(status, StepStatus::Fallback(_)) {
+            self.failures.decide(&self.trajectory, &self.sqp.ocp().input_bounds, &mut self.step.u)
         } else {
+            self.step.u.copy_from_slice(self.trajectory.u(0));
             self.failures.solved(self.trajectory.steps());
             InputSource::Program
         };
+        self.step.timings = Timings { qp: seconds, ..Timings::default() };
+        Ok(&self.step)
+    }
+    fn shift(&mut self) {
         self.failures.shift();
         self.k += 1;
         self.sqp.set_start(self.k);
-        self.trajectory = self.sqp.shifted(&self.trajectory);
-        Ok(Step { u, status, source, timings: Timings { qp: seconds, ..Timings::default() } })
+        self.sqp.shift(&mut self.trajectory);
+    }
+    fn plan(&self) -> &Trajectory {
+        &self.trajectory
     }
     fn ocp(&self) -> &Ocp {
         self.sqp.ocp()
+    }
+    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
+        self.sqp.change(change)?;
+        self.trajectory.clamp_inputs(&self.sqp.ocp().input_bounds);
+        Ok(())
     }
     fn set_start(&mut self, k0: usize) {
         self.k = k0;

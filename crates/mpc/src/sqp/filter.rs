@@ -6,12 +6,15 @@
 
 use crate::transcription::Merit;
 
+/// Largest sum of defects of an iterate, relative to that of the guess (but at least 1). Large defects are the short way to most
+/// solutions; where that leads astray, as with unstable dynamics over a long horizon, the second attempt keeps closer to what the
+/// dynamics can do.
+pub(super) const WIDEST: [f64; 2] = [1e4, 5.0];
+
 /// Fraction of the defect by which defect or objective must improve.
 const MARGIN: f64 = 1e-5;
 /// Fraction of the decrease promised by the program that an almost feasible step must realize.
 const ARMIJO: f64 = 1e-4;
-/// Largest defect of an iterate, relative to that of the first (but at least 1).
-const WIDEST: f64 = 1e4;
 /// Defect, relative to that of the first (but at least 1), below which only the objective decides.
 const NARROW: f64 = 1e-4;
 /// Rounding errors of an objective, relative to it.
@@ -37,25 +40,36 @@ pub(crate) struct Filter {
 }
 
 impl Filter {
-    /// An empty filter for an iteration that starts here.
-    pub(crate) fn new(start: &Merit) -> Self {
+    /// An empty filter for an iteration that starts here. `widest` is the largest sum of defects of an iterate, relative to that of
+    /// the start (but at least 1).
+    pub(crate) fn new(start: &Merit, widest: f64) -> Self {
         let unit = start.defects.max(1.0);
-        Self { entries: Vec::new(), widest: WIDEST * unit, narrow: NARROW * unit }
+        Self { entries: Vec::new(), widest: widest * unit, narrow: NARROW * unit }
     }
 
     /// Judges a step of which the program promises that the objective falls by `promised`.
     pub(crate) fn judge(&self, now: &Merit, trial: &Merit, promised: f64) -> Verdict {
         let finite = trial.defects.is_finite() && trial.objective.is_finite();
-        if !finite || trial.defects > self.widest || !self.entries.iter().all(|&e| improves(trial, e)) {
+        if !finite || !self.accepts(trial) {
             return Verdict::Rejected;
         }
         let fall = now.objective - trial.objective;
         let rounding = ROUNDING * now.objective.abs();
-        if now.defects <= self.narrow && trial.defects <= self.narrow && promised > now.defects {
+        if self.is_narrow(now) && self.is_narrow(trial) && promised > now.defects {
             let enough = fall >= ARMIJO * promised - rounding;
             return if enough { Verdict::Descent } else { Verdict::Rejected };
         }
         if improves(trial, (now.defects, now.objective + rounding)) { Verdict::Progress } else { Verdict::Rejected }
+    }
+
+    /// Whether an iterate improves on everything in the filter.
+    pub(crate) fn accepts(&self, trial: &Merit) -> bool {
+        trial.defects <= self.widest && self.entries.iter().all(|&e| improves(trial, e))
+    }
+
+    /// Whether the defects of an iterate are so small that the objective decides.
+    pub(crate) fn is_narrow(&self, now: &Merit) -> bool {
+        now.defects <= self.narrow
     }
 
     /// Forbids everything that is no better than this iterate.

@@ -1,18 +1,22 @@
 //! Sequential quadratic programming globalized by a filter.
 //!
-//! Steps are whole where the filter allows it, if need be after a second-order correction, and shortened otherwise. Where the
-//! linearization was a poor guide, or no step is acceptable, a proximal term grows; its size follows the change that the
-//! programs promise, so that it does not depend on the unit of the cost.
+//! Steps are whole where the filter allows it, if need be after a second-order correction, and shortened otherwise. Where no
+//! step is acceptable, or only a short one, a proximal term grows; its size follows the change that the programs promise, so that
+//! it does not depend on the unit of the cost.
+//!
+//! Where the choice of the Hessian is automatic, the first steps have that of Gauss and Newton, which leads far; what has not
+//! converged by then goes on with that of the Lagrangian, which converges quadratically.
 //!
 //! The iteration ends when a program promises too little, or without that program where its promise is known: dᵀHd of two whole
 //! steps in a row tells the rate at which the iteration contracts, and so what is left of the change of the objective; the
 //! defects of the last step are evaluated anyway, and the multipliers tell what removing them changes.
 //!
-//! Where programs fail, the defects are removed by simulating the inputs (feasibility restoration).
+//! Where the filter accepts no step, the defects alone decide until they are smaller than ever (feasibility restoration). Where a
+//! program fails, they are removed by simulating the inputs.
 
-use super::filter::{Filter, Verdict};
+use super::filter::{Filter, Verdict, WIDEST};
 use super::solution::Iteration;
-use super::solver::Sqp;
+use super::solver::{Sqp, Stop};
 use crate::error::{MpcError, check_flag};
 use crate::qp::QpStatus;
 use crate::trajectory::Trajectory;
@@ -21,14 +25,24 @@ use crate::transcription::Merit;
 /// Factor by which the proximal weight grows when no step is acceptable, and falls after a whole step.
 const GROWTH: f64 = 8.0;
 const SHRINKAGE: f64 = 5.0;
-/// Factor by which it grows when the linearization was a poor guide.
+/// Factor by which it grows when the step had to be shortened to less than a third.
 const DAMPING: f64 = 2.0;
 /// Proximal weight after the first program without that fails, relative to what counts.
 const FIRST_PROXIMAL: f64 = 1e-2;
-/// Programs in a row without an acceptable step before the defects are removed by simulation.
+/// Programs in a row without an acceptable step before the Hessian is changed.
 const PATIENCE: usize = 4;
 /// Shortest fraction of a step that is tried.
-const SHORTEST: f64 = 0.1;
+const SHORTEST: f64 = 0.01;
+/// The same where only the defects count, and the share of what the linearization promises of them that has to be removed.
+const SHORTEST_RESTORATION: f64 = 1e-3;
+const RESTORED: f64 = 0.1;
+/// Steps with the Gauss–Newton Hessian after which an automatic choice falls on the exact one, and the largest defect at which it
+/// does; farther away, where its multipliers mean less, after more.
+const GAUSS_NEWTON_STEPS: usize = 8;
+const NEAR: f64 = 0.1;
+const FAR_STEPS: usize = 50;
+/// Curvature of a step, relative to the change of the objective, below which the program counts as linear.
+const FLAT: f64 = 1e-2;
 /// Largest defect after a step, in units of the state scale, that a second-order correction is tried on: farther away, the
 /// corrected step leads as far astray as the other.
 const CORRECTABLE: f64 = 1e-2;
@@ -55,6 +69,10 @@ struct Iterate {
     unit: f64,
     /// ½ dᵀHd of the last step, if it was a whole one of a program without proximal term.
     curvature: Option<f64>,
+    /// Steps with the Gauss–Newton Hessian.
+    gauss_newton: usize,
+    /// Whether the proximal term was left out at the end, to see whether it was all that kept steps short.
+    confirmed: bool,
 }
 
 impl Iterate {
@@ -65,7 +83,7 @@ impl Iterate {
     /// After feasibility restoration.
     fn restart(&mut self) {
         self.restored = true;
-        self.filter = Filter::new(&self.now);
+        self.filter = Filter::new(&self.now, WIDEST[0]);
     }
 }
 
@@ -83,47 +101,54 @@ struct Step {
 enum Next {
     Program,
     Converged,
-    Failed,
+    Failed(Stop),
 }
 
 impl Sqp {
-    /// Whether the method converges at the smoothing width that is set, for the log `width`; if not, the trajectory is the last
-    /// one if its merit is less than at first, else as it was.
-    pub(crate) fn filter_method(
+    /// How the method ends at the smoothing width that is set, for the log `width`, with defects no larger than `widest` and so many programs. Where it
+    /// does not converge, the trajectory is the last one if its merit is less than at first, else as it was.
+    pub(super) fn filter_method(
         &mut self,
         z: &mut Trajectory,
         width: f64,
+        (widest, programs): (f64, usize),
         log: &mut Vec<Iteration>,
-    ) -> Result<bool, MpcError> {
+    ) -> Result<Stop, MpcError> {
         self.problem.choose_substeps(z);
         self.problem.linearize(z, 0, z.steps(), &mut self.lin);
         let first = self.problem.merit_with(z, &self.lin.end, self.settings.qp.hard_weight);
         let mut run = Iterate {
             at: z.clone(),
             now: first,
-            filter: Filter::new(&first),
+            filter: Filter::new(&first, widest),
             restored: false,
             failures: 0,
             lambda: 0.0,
             weight: 0.0,
             unit: 1.0,
             curvature: None,
+            gauss_newton: 0,
+            confirmed: false,
         };
-        for _ in 0..self.settings.filter_iterations {
+        let mut end = Stop::Limit;
+        for _ in 0..programs {
             check_flag(&self.settings.stop)?;
             match self.filter_step(&mut run, width, log)? {
                 Next::Program => {}
                 Next::Converged => {
                     *z = run.at;
-                    return Ok(true);
+                    return Ok(Stop::Converged);
                 }
-                Next::Failed => break,
+                Next::Failed(stop) => {
+                    end = stop;
+                    break;
+                }
             }
         }
         if run.now.value(run.weight) < first.value(run.weight) {
             *z = run.at;
         }
-        Ok(false)
+        Ok(end)
     }
 
     /// One program and its step.
@@ -134,13 +159,21 @@ impl Sqp {
         let mut line = self.line(width, &run.now, proximal, qp);
         if !qp.is_usable() {
             log.push(line);
-            return Ok(self.after_failure(run, qp));
+            return self.after_failure(run, qp);
         }
         let whole = self.trial(&run.at, 1.0);
         let promised = run.now.objective - whole.1.objective;
         if promised.is_finite() {
-            let horizon = run.at.steps() as f64 * self.problem.ocp.dt;
+            let horizon = self.problem.ocp.offset(run.at.steps());
             run.unit = promised.abs().min(run.now.objective.abs()) / horizon;
+        }
+        if self.is_within_tolerance(promised.abs(), &run.now) && proximal > 0.0 && !run.confirmed {
+            // The proximal term may be all that keeps the step short.
+            run.confirmed = true;
+            run.lambda = 0.0;
+            line.predicted = promised;
+            log.push(line);
+            return Ok(Next::Program);
         }
         if self.is_within_tolerance(promised.abs(), &run.now) {
             line.predicted = promised;
@@ -159,10 +192,12 @@ impl Sqp {
         line.ratio = (run.now.value(run.weight) - step.merit.value(run.weight)) / line.predicted.max(f64::MIN_POSITIVE);
         line.fraction = if rejected { 0.0 } else { step.fraction };
         log.push(line);
-        if rejected { Ok(self.after_rejection(run)) } else { Ok(self.take(run, step, curvature, &line)) }
+        if rejected { self.after_rejection(run) } else { self.take(run, step, curvature, &line) }
     }
 
-    /// The whole step, if need be after a correction of second order, else the longest fraction that the filter accepts.
+    /// The whole step, if need be after a correction of second order, else the longest fraction that the filter accepts. Where it
+    /// accepts none because of what the objective was before, the longest one that removes its share of the defects, until they are
+    /// smaller than ever (feasibility restoration).
     fn search(
         &mut self,
         run: &Iterate,
@@ -193,39 +228,57 @@ impl Sqp {
             (end, merit) = self.trial(at, fraction);
             verdict = run.filter.judge(now, &merit, fraction * promised);
         }
+        if verdict == Verdict::Rejected && now.worst_defect > self.settings.defect_tolerance {
+            fraction = 1.0;
+            while fraction > SHORTEST_RESTORATION {
+                (end, merit) = self.trial(at, fraction);
+                if merit.objective.is_finite() && merit.defects <= (1.0 - RESTORED * fraction) * now.defects {
+                    verdict = Verdict::Progress;
+                    break;
+                }
+                fraction /= 2.0;
+            }
+        }
         Ok(Step { end, merit, fraction, promised, verdict })
     }
 
     /// After a program without a solution.
-    fn after_failure(&mut self, run: &mut Iterate, qp: QpStatus) -> Next {
+    fn after_failure(&mut self, run: &mut Iterate, qp: QpStatus) -> Result<Next, MpcError> {
         run.curvature = None;
-        if !run.restored && self.restore(&mut run.at, &mut run.now) {
+        if self.is_exact() && self.change_hessian()? {
+            run.gauss_newton = 0;
+            run.failures += 1;
+            return Ok(if run.failures > MAX_FAILURES { Next::Failed(Stop::QpFailed(qp)) } else { Next::Program });
+        }
+        if !run.restored
+            && (qp == QpStatus::NotANumber || run.failures >= PATIENCE)
+            && self.restore(&mut run.at, &mut run.now)
+        {
             run.restart();
-            return Next::Program;
+            return Ok(Next::Program);
         }
         if qp == QpStatus::NotANumber || run.failures > MAX_FAILURES {
-            return Next::Failed;
+            return Ok(Next::Failed(Stop::QpFailed(qp)));
         }
         run.failures += 1;
         run.damp(GROWTH);
-        Next::Program
+        Ok(Next::Program)
     }
 
     /// After a program no fraction of whose step is acceptable.
-    fn after_rejection(&mut self, run: &mut Iterate) -> Next {
+    fn after_rejection(&mut self, run: &mut Iterate) -> Result<Next, MpcError> {
         run.failures += 1;
         run.curvature = None;
         run.damp(GROWTH);
-        let infeasible = run.now.worst_defect > self.settings.defect_tolerance;
-        if run.failures == PATIENCE && infeasible && !run.restored && self.restore(&mut run.at, &mut run.now) {
-            run.restart();
+        if run.failures == PATIENCE && self.change_hessian()? {
+            run.gauss_newton = 0;
             run.lambda = 0.0;
         }
-        if run.failures > MAX_FAILURES { Next::Failed } else { Next::Program }
+        Ok(if run.failures > MAX_FAILURES { Next::Failed(Stop::Stalled) } else { Next::Program })
     }
 
     /// Takes an acceptable step, of a program whose whole step has the given curvature.
-    fn take(&mut self, run: &mut Iterate, step: Step, curvature: f64, line: &Iteration) -> Next {
+    fn take(&mut self, run: &mut Iterate, step: Step, curvature: f64, line: &Iteration) -> Result<Next, MpcError> {
         let Step { end, merit, fraction, promised, verdict } = step;
         if verdict == Verdict::Progress {
             run.filter.add(&run.now);
@@ -240,19 +293,30 @@ impl Sqp {
                 && self.is_within_tolerance(promise, &run.now)
                 && !self.has_curved_constraints()
             {
-                return Next::Converged;
+                return Ok(Next::Converged);
             }
         }
         if !whole {
             run.curvature = None;
         }
         self.problem.linearize(&run.at, 0, run.at.steps(), &mut self.lin);
-        if fraction == 1.0 && line.ratio > 0.7 {
-            run.lambda /= SHRINKAGE;
-        } else if fraction < 0.3 || line.ratio < 0.25 {
-            run.damp(DAMPING);
+        if !self.is_exact() {
+            run.gauss_newton += 1;
+            let near = run.now.worst_defect < NEAR;
+            let slow = run.gauss_newton >= if near { GAUSS_NEWTON_STEPS } else { FAR_STEPS };
+            if slow && self.change_hessian()? {
+                run.curvature = None;
+            }
         }
-        Next::Program
+        // Whether the merit fell says little while iterates pass through large defects: the filter decides. A program without
+        // curvature, however, goes as far as its bounds let it, and has no other measure of how far its linearization is good.
+        let flat = curvature <= FLAT * promised.abs();
+        if fraction < 0.3 || (flat && line.ratio < 0.25) {
+            run.damp(DAMPING);
+        } else if fraction == 1.0 && !(flat && line.ratio < 0.7) {
+            run.lambda /= SHRINKAGE;
+        }
+        Ok(Next::Program)
     }
 
     /// Whether a change of the objective is negligible, and the defects are.

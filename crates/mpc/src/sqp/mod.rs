@@ -1,8 +1,12 @@
 //! Sequential quadratic programming to convergence.
 //!
-//! There are two iterations, and each takes over where the other one does not converge:
+//! There are three iterations:
 //!
-//! - Smooth dynamics start with the filter method, which may pass through large defects.
+//! - Smooth dynamics start from a guess with an interior-point method for the nonlinear program (`interior_point`), which converges
+//!   from far away; from another first barrier too where it takes long.
+//! - The filter method confirms what that found and follows the solution from sample to sample. It starts from the guess itself where
+//!   the interior-point method does not converge or does not take the problem, and once more closer to what the dynamics can do where
+//!   it does not converge either.
 //! - Smoothed switching functions start with the guarded iteration, sharpened along a schedule of widths; between two widths it
 //!   is enough to be near the solution. Each program has a proximal term λ/2 ‖Δ/trust‖², and the whole step is taken when the
 //!   exact ℓ₁ merit function falls by enough of what the program predicted, else λ grows (Levenberg–Marquardt with slacks: the
@@ -15,6 +19,7 @@
 mod controller;
 mod filter;
 mod filter_iteration;
+mod interior_point;
 mod settings;
 mod solution;
 mod solver;

@@ -2,12 +2,18 @@
 
 use crate::qp::QpSettings;
 use bracketry_symbolic::StopFlag;
+use serde::Serialize;
 
 /// Second derivatives of the quadratic programs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Hessian {
-    /// Those of the cost, convexified: robust, converges linearly where multipliers and curvature of the dynamics are large.
+    /// Those of Gauss and Newton first. Where the programs converge too slowly with them, or no step is acceptable, those of the
+    /// Lagrangian, if the dynamics are smooth and have second derivatives; [`Solution::hessian`](super::Solution::hessian) says so.
     #[default]
+    Automatic,
+    /// Those of the cost, positive semidefinite: robust, converges linearly where multipliers and curvature of the dynamics are
+    /// large.
     GaussNewton,
     /// Those of the Lagrangian, curvature of the dynamics included: quadratic convergence. Curvature is moved between grid points
     /// so that the program becomes convex with the same solution; where there is too little of it, as far from a solution, the
@@ -30,12 +36,15 @@ pub struct SqpSettings {
     pub continuation_iterations: usize,
     /// Promised fraction of the merit below which the next width follows.
     pub continuation_tolerance: f64,
-    /// Largest number of programs of the filter method: smooth dynamics start with it, smoothed ones end with it where the
-    /// guarded iteration does not converge. 0 leaves it out.
+    /// Largest number of programs of an attempt of the filter method: smooth dynamics get up to two attempts, smoothed ones end with it where
+    /// the guarded iteration does not converge. 0 leaves it out, and the guarded iteration takes its place.
     pub filter_iterations: usize,
     /// Whether the filter method solves a second program, with the curvature of dynamics and constraints on its right-hand
     /// side, where a whole step close to feasible points is not acceptable because of it (Maratos effect).
     pub second_order_correction: bool,
+    /// Whether solutions for smooth dynamics start with the interior-point method, which needs second derivatives; `Hessian::GaussNewton` leaves it
+    /// out, and so do second-order cones and blocks of equal inputs.
+    pub interior_point: bool,
     /// Proximal weight λ of the first program.
     pub proximal: f64,
     /// Smallest proximal weight; below it the term is left out.
@@ -59,6 +68,7 @@ impl Default for SqpSettings {
             continuation_tolerance: 0.05,
             filter_iterations: 100,
             second_order_correction: true,
+            interior_point: true,
             proximal: 1.0,
             min_proximal: 1e-4,
             hessian: Hessian::default(),

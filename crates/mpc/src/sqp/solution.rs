@@ -1,5 +1,6 @@
 //! A solution, how it ended, and its log.
 
+use super::settings::Hessian;
 use crate::qp::QpStatus;
 use crate::trajectory::Trajectory;
 use std::fmt;
@@ -64,7 +65,11 @@ pub struct Solution {
     pub defect: f64,
     /// What is missing to every target, x_N − target.
     pub miss: Vec<f64>,
-    /// The log.
+    /// Second derivatives of the last program: [`Hessian::GaussNewton`] or [`Hessian::Exact`].
+    pub hessian: Hessian,
+    /// Steps of the interior-point method, those of all its starts.
+    pub interior_point_steps: usize,
+    /// The log of the quadratic programs.
     pub iterations: Vec<Iteration>,
     /// Time taken, s.
     pub seconds: f64,

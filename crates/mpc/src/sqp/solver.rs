@@ -1,12 +1,14 @@
 //! The solver of a problem, from a guess to convergence.
 
+use super::filter::WIDEST;
+use super::interior_point::{BARRIERS, InteriorPoint, InteriorSolution};
 use super::settings::{Hessian, SqpSettings};
 use super::solution::{Iteration, Solution, SolveStatus};
 use crate::controller::StepLimits;
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_flag, check_length, check_value};
 use crate::ocp::Ocp;
-use crate::qp::{Qp, QpStatus};
+use crate::qp::{NonlinearProgram, Qp, QpStatus};
 use crate::trajectory::Trajectory;
 use crate::transcription::{Linearization, Merit, Transcription};
 use std::time::Instant;
@@ -17,12 +19,72 @@ pub struct Sqp {
     pub(crate) settings: SqpSettings,
     pub(crate) qp: Qp,
     pub(crate) lin: Linearization,
-    /// Places of the field's second derivatives, for the exact Hessian.
+    /// Places of the field's second derivatives while programs have the exact Hessian.
     field: Option<Vec<(usize, usize)>>,
+    /// The programs with the other Hessian, where the choice is automatic.
+    other: Other,
+    /// The problem as the interior-point method sees it, once it was asked for.
+    interior: Option<Interior>,
+    /// Steps of the interior-point method in this solution.
+    interior_point_steps: usize,
 }
 
-/// How one width ended.
-enum Stop {
+/// The layout of the problem for the interior-point method, with the places of the field's second derivatives; none where it does not take
+/// the problem.
+type Interior = Option<(NonlinearProgram, Vec<(usize, usize)>)>;
+
+/// Steps of the interior-point method beyond which another way from the guess may lead to a better solution.
+const LONG: usize = 50;
+
+/// Tolerances that it is asked for; the programs after it go on.
+const FINEST: f64 = 1e-9;
+const COARSEST: f64 = 1e-6;
+
+/// Most programs that confirm a solution of it.
+const CONFIRMING: usize = 3;
+
+/// Programs of a cold start beyond which its guess counts as far from any solution: another way from it may lead to a better one.
+const FAR: usize = 30;
+
+/// Where an attempt starts.
+#[derive(Clone, Copy, PartialEq)]
+enum Start {
+    /// At what the interior-point method finds from the guess, with this first barrier.
+    Interior(f64),
+    /// At the guess, and within narrower limits.
+    Guess,
+    Narrow,
+}
+
+/// How an attempt of the filter method ended.
+struct Attempt {
+    number: usize,
+    end: Trajectory,
+    stop: Stop,
+    merit: f64,
+    exact: bool,
+}
+
+impl Attempt {
+    fn is_better_than(&self, other: &Self) -> bool {
+        let converged = [self, other].map(|a| a.stop == Stop::Converged);
+        if converged[0] == converged[1] { self.merit < other.merit } else { converged[0] }
+    }
+}
+
+/// The programs that are not in use.
+enum Other {
+    /// Not made yet.
+    Possible,
+    /// As [`Sqp::qp`] and [`Sqp::field`].
+    Made(Option<Vec<(usize, usize)>>, Box<Qp>),
+    /// The settings or the dynamics rule them out.
+    Impossible,
+}
+
+/// How an iteration ended.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Stop {
     Converged,
     Limit,
     Stalled,
@@ -41,12 +103,47 @@ impl Sqp {
             check_value(w > 0.0 && w.is_finite(), "a smoothing width", w, "give a positive number")?;
         }
         let field = match settings.hessian {
-            Hessian::GaussNewton => None,
+            Hessian::Automatic | Hessian::GaussNewton => None,
             Hessian::Exact => Some(problem.dynamics.second_derivatives()?),
         };
+        let automatic = settings.hessian == Hessian::Automatic && !problem.dynamics.is_smoothed();
+        let other = if automatic { Other::Possible } else { Other::Impossible };
         let (steps, closure) = (problem.ocp.steps, problem.shooter.closure());
         let qp = Qp::with_hessian(&problem.ocp, steps, closure, field.is_some(), settings.qp);
-        Ok(Self { problem, settings, qp, lin: Linearization::default(), field })
+        Ok(Self {
+            problem,
+            settings,
+            qp,
+            lin: Linearization::default(),
+            field,
+            other,
+            interior: None,
+            interior_point_steps: 0,
+        })
+    }
+
+    /// Changes from one Hessian to the other, where that is possible; multipliers are kept.
+    pub(crate) fn change_hessian(&mut self) -> Result<bool, MpcError> {
+        if matches!(self.other, Other::Possible) {
+            self.other = match self.problem.dynamics.second_derivatives() {
+                Ok(field) => {
+                    let (steps, closure) = (self.problem.ocp.steps, self.problem.shooter.closure());
+                    let qp = Qp::with_hessian(&self.problem.ocp, steps, closure, true, self.settings.qp);
+                    Other::Made(Some(field), Box::new(qp))
+                }
+                Err(_) => Other::Impossible,
+            };
+        }
+        let Other::Made(field, qp) = &mut self.other else { return Ok(false) };
+        qp.take_over(&self.qp)?;
+        std::mem::swap(field, &mut self.field);
+        std::mem::swap(qp.as_mut(), &mut self.qp);
+        Ok(true)
+    }
+
+    /// Whether programs have the exact Hessian.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.field.is_some()
     }
 
     /// The problem.
@@ -73,6 +170,16 @@ impl Sqp {
         self.problem.set_parameters(parameters)
     }
 
+    /// Changes the problem; a change that contradicts it is undone.
+    pub(crate) fn change(&mut self, change: impl FnOnce(&mut Ocp)) -> Result<(), MpcError> {
+        self.interior = None;
+        if self.problem.change(change)? {
+            let (ocp, closure) = (&self.problem.ocp, self.problem.shooter.closure());
+            self.qp = Qp::with_hessian(ocp, ocp.steps, closure, self.field.is_some(), self.settings.qp);
+        }
+        Ok(())
+    }
+
     /// Inputs put to use from `x0`: a guess whose states obey the dynamics at the first smoothing width.
     ///
     /// # Errors
@@ -96,6 +203,16 @@ impl Sqp {
     /// # Errors
     /// If a length is wrong; everything else is a status.
     pub fn solve(&mut self, x0: &[f64], guess: &Trajectory) -> Result<Solution, MpcError> {
+        self.start_afresh()?;
+        self.solve_from(x0, guess, false)
+    }
+
+    /// As [`Sqp::solve`], for the sample after the last one: with its multipliers, one interval later, and its Hessian.
+    pub(crate) fn solve_next(&mut self, x0: &[f64], guess: &Trajectory) -> Result<Solution, MpcError> {
+        self.solve_from(x0, guess, true)
+    }
+
+    fn solve_from(&mut self, x0: &[f64], guess: &Trajectory, warm: bool) -> Result<Solution, MpcError> {
         let start = Instant::now();
         check_length("the initial state", x0.len(), self.problem.ocp.states())?;
         self.problem.check_trajectory(guess)?;
@@ -103,15 +220,13 @@ impl Sqp {
         z.x_mut(0).copy_from_slice(x0);
         z.clamp_inputs(&self.problem.ocp.input_bounds);
         let mut log = Vec::new();
-        self.qp.solution.multipliers.fill(0.0);
         let widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
         let mut lambda = self.settings.proximal;
         let mut status = SolveStatus::NotANumber;
-        let found = z.is_finite() && widths.is_empty() && self.filter_method(&mut z, 0.0, &mut log)?;
-        if found {
-            status = SolveStatus::Converged;
+        if z.is_finite() && widths.is_empty() && self.settings.filter_iterations > 0 {
+            status = self.solve_smooth(&mut z, warm, &mut log)?;
         } else if z.is_finite() {
-            self.qp.solution.multipliers.fill(0.0);
+            self.qp.forget_multipliers();
             let last = widths.len().saturating_sub(1);
             for i in 0..=last {
                 if let Some(&w) = widths.get(i) {
@@ -121,16 +236,8 @@ impl Sqp {
                 if i > 0 {
                     lambda = lambda.max(1e-2 * self.settings.proximal);
                 }
-                status = match self.iterate(&mut z, width, i == last, &mut lambda, &mut log)? {
-                    Stop::QpFailed(QpStatus::NotANumber) if self.problem.shooter.take_failure() => {
-                        SolveStatus::IntegratorFailed
-                    }
-                    Stop::QpFailed(QpStatus::NotANumber) => SolveStatus::NotANumber,
-                    Stop::QpFailed(s) => SolveStatus::QpFailed(s),
-                    Stop::Converged => SolveStatus::Converged,
-                    Stop::Limit => SolveStatus::IterationLimit,
-                    Stop::Stalled => SolveStatus::Stalled,
-                };
+                let stop = self.iterate(&mut z, width, i == last, &mut lambda, &mut log)?;
+                status = self.status(stop);
                 if matches!(status, SolveStatus::NotANumber | SolveStatus::IntegratorFailed) {
                     break;
                 }
@@ -138,7 +245,8 @@ impl Sqp {
         }
         let unsolved = matches!(status, SolveStatus::IterationLimit | SolveStatus::Stalled);
         if let Some(&width) = widths.last().filter(|_| unsolved)
-            && self.filter_method(&mut z, width, &mut log)?
+            && self.filter_method(&mut z, width, (WIDEST[0], self.settings.filter_iterations), &mut log)?
+                == Stop::Converged
         {
             status = SolveStatus::Converged;
         }
@@ -156,17 +264,133 @@ impl Sqp {
             cost,
             defect: merit.worst_defect,
             miss,
+            hessian: if self.is_exact() { Hessian::Exact } else { Hessian::GaussNewton },
+            interior_point_steps: self.interior_point_steps,
             iterations: log,
             seconds: start.elapsed().as_secs_f64(),
         })
     }
 
-    /// A trajectory moved on by one interval: the last input is held for one more.
-    pub(crate) fn shifted(&mut self, trajectory: &Trajectory) -> Trajectory {
-        let mut z = trajectory.clone();
-        z.shift();
-        self.problem.extend_last(&mut z);
-        z
+    /// Smooth dynamics. From a guess, the interior-point method leads, and a program or two confirm where it ends; where it does not
+    /// converge, or takes long, the filter method starts from the guess too, and the better trajectory counts. From the shifted solution of
+    /// the last sample, the filter method leads.
+    fn solve_smooth(
+        &mut self,
+        z: &mut Trajectory,
+        warm: bool,
+        log: &mut Vec<Iteration>,
+    ) -> Result<SolveStatus, MpcError> {
+        let guess = z.clone();
+        self.interior_point_steps = 0;
+        let mut best: Option<Attempt> = None;
+        let (mut last, mut led) = (0, false);
+        let interior = BARRIERS.map(Start::Interior);
+        let filter = [Start::Guess, Start::Narrow];
+        let order = if warm { [&filter[..1], &interior, &filter[1..]] } else { [&interior[..], &filter, &[]] };
+        for (number, &start) in order.iter().copied().flatten().enumerate() {
+            let interior = matches!(start, Start::Interior(_));
+            if !interior && led {
+                // The filter method from the guess is for what the other does not solve.
+                break;
+            }
+            let (mut end, before) = (guess.clone(), log.len());
+            if number > 0 {
+                self.start_afresh()?;
+            }
+            let solution =
+                if let Start::Interior(barrier) = start { self.interior_point(&guess, barrier)? } else { None };
+            if let Some(solution) = &solution {
+                end.clone_from(&solution.trajectory);
+                if !self.is_exact() {
+                    self.change_hessian()?;
+                }
+                self.qp.set_multipliers(&solution.multipliers, &solution.row_multipliers);
+                led = true;
+            } else if interior {
+                continue;
+            }
+            let steps = solution.as_ref().map_or(0, |s| s.steps);
+            self.interior_point_steps += steps;
+            last = number;
+            let widest = if start == Start::Narrow { WIDEST[1] } else { WIDEST[0] };
+            let programs = if solution.is_some() { CONFIRMING } else { self.settings.filter_iterations };
+            let mut stop = self.filter_method(&mut end, 0.0, (widest, programs), log)?;
+            if let Some(solution) = solution.filter(|_| stop != Stop::Converged) {
+                // The programs are less accurate than what they shall confirm.
+                self.qp.set_multipliers(&solution.multipliers, &solution.row_multipliers);
+                (end, stop) = (solution.trajectory, Stop::Converged);
+            }
+            let merit = self.problem.merit(&end, self.settings.qp.hard_weight);
+            let weight = 1e2 * merit.objective.abs().max(1.0);
+            let this = Attempt { number, end, stop, merit: merit.value(weight), exact: self.is_exact() };
+            if best.as_ref().is_none_or(|best| this.is_better_than(best)) {
+                best = Some(this);
+            }
+            let tried = steps <= LONG && log.len() - before <= FAR;
+            // One other first barrier is enough.
+            let near = stop == Stop::Converged && (warm || tried || (interior && number > 0));
+            if near || matches!(stop, Stop::QpFailed(QpStatus::NotANumber | QpStatus::Limit)) {
+                break;
+            }
+        }
+        let Some(best) = best else { return Ok(SolveStatus::NotANumber) };
+        if best.number < last {
+            // The multipliers are those of the other attempt.
+            self.qp.forget_multipliers();
+        }
+        *z = best.end;
+        if best.exact != self.is_exact() {
+            self.change_hessian()?;
+        }
+        Ok(self.status(best.stop))
+    }
+
+    /// The interior-point method from a guess, where it takes the problem and converges.
+    fn interior_point(&mut self, guess: &Trajectory, barrier: f64) -> Result<Option<InteriorSolution>, MpcError> {
+        let asked = self.settings.interior_point && self.settings.hessian != Hessian::GaussNewton;
+        // Smoothed friction is curved most where it is least true.
+        if !asked || self.problem.dynamics.is_smoothed() {
+            return Ok(None);
+        }
+        let hard = self.settings.qp.hard_weight;
+        let tolerance = self.settings.tolerance.clamp(FINEST, COARSEST);
+        if self.interior.is_none() {
+            let problem = &mut self.problem;
+            let program = NonlinearProgram::new(&problem.ocp, problem.shooter.closure(), hard);
+            let both = program.and_then(|p| Some((p, problem.dynamics.second_derivatives().ok()?)));
+            self.interior = Some(both);
+        }
+        let Some(Some((program, field))) = &mut self.interior else { return Ok(None) };
+        InteriorPoint::solve(&mut self.problem, program, field, guess, (barrier, tolerance, &self.settings.stop))
+    }
+
+    /// Forgets multipliers, and the Hessian where the choice is automatic.
+    fn start_afresh(&mut self) -> Result<(), MpcError> {
+        self.qp.forget_multipliers();
+        if self.is_exact() {
+            self.change_hessian()?;
+        }
+        Ok(())
+    }
+
+    fn status(&mut self, stop: Stop) -> SolveStatus {
+        match stop {
+            Stop::QpFailed(QpStatus::NotANumber) if self.problem.shooter.take_failure() => {
+                SolveStatus::IntegratorFailed
+            }
+            Stop::QpFailed(QpStatus::NotANumber) => SolveStatus::NotANumber,
+            Stop::QpFailed(s) => SolveStatus::QpFailed(s),
+            Stop::Converged => SolveStatus::Converged,
+            Stop::Limit => SolveStatus::IterationLimit,
+            Stop::Stalled => SolveStatus::Stalled,
+        }
+    }
+
+    /// Moves a trajectory on by one interval: the last input is held for one more.
+    pub(crate) fn shift(&mut self, trajectory: &mut Trajectory) {
+        self.problem.ocp.move_on(trajectory);
+        self.qp.shift_multipliers();
+        self.problem.extend_last(trajectory);
     }
 
     /// Fills the program in at a trajectory that has been linearized, the exact Hessian with the multipliers of the last program.
