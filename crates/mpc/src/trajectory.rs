@@ -68,9 +68,30 @@ impl Trajectory {
         &mut self.u[k * self.m..(k + 1) * self.m]
     }
 
+    /// Makes every interval rest at `x` with the input `u`.
+    pub(crate) fn set(&mut self, x: &[f64], u: &[f64]) {
+        self.x.chunks_exact_mut(self.n.max(1)).for_each(|row| row.copy_from_slice(x));
+        self.u.chunks_exact_mut(self.m.max(1)).for_each(|row| row.copy_from_slice(u));
+    }
+
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
         self.x.iter().chain(&self.u).all(|v| v.is_finite())
+    }
+
+    /// The trajectory of the first `n` states alone.
+    pub(crate) fn first_states(&self, n: usize) -> Self {
+        let rows = (0..=self.steps()).flat_map(|k| self.x(k)[..n].iter().copied());
+        Self { n, m: self.m, x: rows.collect(), u: self.u.clone() }
+    }
+
+    /// Takes over another trajectory of more states, as [`Trajectory::first_states`].
+    pub(crate) fn copy_first_states(&mut self, other: &Self) {
+        self.x.clear();
+        for k in 0..=other.steps() {
+            self.x.extend_from_slice(&other.x(k)[..self.n]);
+        }
+        self.u.clone_from(&other.u);
     }
 
     /// Drops the first interval; the horizon becomes one shorter.

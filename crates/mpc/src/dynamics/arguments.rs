@@ -31,13 +31,11 @@ impl Arguments {
         for (value, p) in values[first..].iter_mut().zip(&system.parameters) {
             *value = p.value.to_f64().value();
         }
-        let names: Vec<&str> = system.parameters.iter().map(|p| system.symbol_name(p.symbol)).collect();
+        let names = system.parameter_names();
         let place = |name: &&str| {
             let at = names.iter().position(|known| known == name);
-            at.map(|i| first + i).ok_or_else(|| MpcError::NoSuchParameter {
-                name: (*name).to_owned(),
-                known: names.iter().map(|&known| known.to_owned()).collect(),
-            })
+            at.map(|i| first + i)
+                .ok_or_else(|| MpcError::NoSuchParameter { name: (*name).to_owned(), known: names.clone() })
         };
         let live = live.iter().map(place).collect::<Result<Vec<usize>, MpcError>>()?;
         Ok(Self { symbols, values, live })

@@ -16,8 +16,9 @@ const MAX_ITERATIONS: usize = 50;
 const TOLERANCE: f64 = 1e-13;
 /// Corrections at or below this size, relative to the state, may be rounding errors.
 const ROUNDING: f64 = 1e-9;
-/// Fraction of a correction below which the iteration has failed.
-const SHORTEST: f64 = 1e-3;
+/// Fraction of a correction below which the iteration has failed. Stiff reactions start with components that are smaller than
+/// the others by many orders, and so is the share of the first correction that lowers the next one.
+const SHORTEST: f64 = 1e-9;
 
 /// The method with its working memory.
 #[derive(Clone, Debug)]

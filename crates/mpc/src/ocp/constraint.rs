@@ -12,7 +12,7 @@ fn grid_points(uses_inputs: bool, steps: usize) -> Range<usize> {
     if uses_inputs { 0..steps } else { 1..steps + 1 }
 }
 
-/// min ≤ g(x, u, t, r) ≤ max, at the grid points 0 … N−1 if g depends on an input, else 1 … N. In a quadratic program it is
+/// min ≤ g(x, u, t, r) ≤ max, at the grid points 0 … N−1 if g depends on an input, else 1 … N, or N alone. In a quadratic program it is
 /// linearized.
 #[derive(Clone)]
 pub struct PathConstraint {
@@ -20,12 +20,14 @@ pub struct PathConstraint {
     pub function: VectorFunction,
     /// Its bounds. Violations of hard ones are penalized per unit of g: scale g so that 1 is a large violation.
     pub bounds: Bounds,
+    /// Whether it holds at the end of the horizon alone; g then uses no input.
+    pub at_end: bool,
 }
 
 impl PathConstraint {
     /// Grid points at which it holds.
     pub fn grid_points(&self, steps: usize) -> Range<usize> {
-        grid_points(self.function.uses_inputs(), steps)
+        if self.at_end { steps..steps + 1 } else { grid_points(self.function.uses_inputs(), steps) }
     }
 }
 

@@ -1,24 +1,21 @@
-//! Cost expressions with gradient and convexified exact Hessian.
+//! Cost expressions with gradient and a positive semidefinite Hessian.
 
+use super::bounds::{Bounds, Softness};
+use super::constraint::PathConstraint;
+use super::cost_names::{CostKind, CostNames, CostPoint, Remembered};
+use super::cost_parts::CostParts;
+use super::vector_function::VectorFunction;
 use crate::dense::{clip_to_psd, components};
 use crate::error::{MpcError, check_length};
 use bracketry_native::{Function, Workspace};
-use bracketry_symbolic::{Expr, Names, Pool, Symbol, Tape};
+use bracketry_symbolic::{Expr, Pool, Symbol, Tape};
 use bracketry_system::System;
-
-/// Arguments of a cost: state, input, time (s) and references.
-#[derive(Clone, Copy)]
-pub(crate) struct CostPoint<'a> {
-    pub(crate) x: &'a [f64],
-    pub(crate) u: &'a [f64],
-    pub(crate) t: f64,
-    pub(crate) r: &'a [f64],
-}
 
 /// A scalar function l(x, u, t, r) of states, inputs, time and references, compiled with its derivatives.
 ///
-/// Its Hessian with respect to (x, u) is exact where it is positive semidefinite (always, for sums of squares of linear
-/// expressions); elsewhere the negative eigenvalues of each connected block are clipped to zero.
+/// Squares w r² with w > 0 have the Gauss–Newton Hessian 2 w ∇r ∇rᵀ with respect to (x, u), which is exact where r is affine. That
+/// of the rest is exact where it is positive semidefinite; elsewhere the negative eigenvalues of each connected block are clipped
+/// to zero. Absolute values w |e| and w max(a, b) with w > 0 are not differentiated: in a program, slacks take their place.
 #[derive(Clone)]
 pub struct CostFunction {
     variables: usize,
@@ -27,6 +24,10 @@ pub struct CostFunction {
     derivatives: Function,
     /// Places (i ≤ j) of the second derivatives that the tape computes after value and gradient.
     entries: Vec<(usize, usize)>,
+    /// Where squares have curved residuals: the same for the rest of the cost, then for the Gauss–Newton Hessian of the squares.
+    squares: Option<[Vec<(usize, usize)>; 2]>,
+    /// Absolute values, as functions that violate the bounds 0 and 0.
+    absolute: Vec<PathConstraint>,
     components: Vec<Vec<usize>>,
     pattern: Vec<(usize, usize)>,
     arguments: Vec<f64>,
@@ -34,72 +35,12 @@ pub struct CostFunction {
     out: Vec<f64>,
     /// The Hessian, n rows of n.
     full: Vec<f64>,
+    /// That of the rest, and the one of Gauss and Newton; empty where there are no squares of curved residuals.
+    rest: Vec<f64>,
+    gauss_newton: Vec<f64>,
     /// One connected block of it.
     block: Vec<f64>,
     scratch: Vec<f64>,
-}
-
-/// Which variables a cost may use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CostKind {
-    /// States and inputs: the integrand.
-    Stage,
-    /// States only: the cost of the end.
-    Terminal,
-}
-
-/// The names of a cost expression: states, inputs, time, references, parameters, definitions and outputs of the model.
-pub(crate) struct CostNames<'a> {
-    system: &'a System,
-    kind: CostKind,
-    references: &'a [String],
-    /// Definitions and outputs, parameters at their values.
-    defined: Vec<(String, Expr)>,
-}
-
-impl<'a> CostNames<'a> {
-    /// The names, and the pool in which expressions over them are to be read. A reference with the name of a parameter
-    /// stands in its place.
-    pub(crate) fn new(system: &'a System, kind: CostKind, references: &'a [String]) -> (Self, Pool) {
-        let mut valued = system.clone();
-        let pool = &valued.pool;
-        valued.parameters.retain(|p| !references.iter().any(|r| r == pool.name(p.symbol)));
-        let (names, expressions): (Vec<String>, Vec<Expr>) =
-            system.definitions.iter().chain(&system.outputs).cloned().unzip();
-        let defined = names.into_iter().zip(valued.with_values(&expressions)).collect();
-        (Self { system, kind, references, defined }, valued.pool)
-    }
-
-    fn inputs(&self) -> &[Symbol] {
-        if self.kind == CostKind::Stage { &self.system.inputs } else { &[] }
-    }
-}
-
-impl Names for CostNames<'_> {
-    fn lookup(&mut self, pool: &mut Pool, name: &str) -> Option<Expr> {
-        let called = |s: &Symbol| self.system.symbol_name(*s) == name;
-        if name == "t" || self.references.iter().any(|r| r == name) {
-            return Some(pool.var(name));
-        }
-        if let Some(p) = self.system.parameters.iter().find(|p| called(&p.symbol)) {
-            return Some(pool.rational(p.value.clone()));
-        }
-        if self.system.states.iter().chain(self.inputs()).any(called) {
-            return Some(pool.var(name));
-        }
-        let (_, e) = self.defined.iter().find(|(n, _)| n == name)?;
-        let forbidden = |u: &Symbol| !self.inputs().contains(u) && pool.depends_on(*e, *u);
-        (!self.system.inputs.iter().any(forbidden)).then_some(*e)
-    }
-    fn known(&self) -> Vec<String> {
-        let mut names = self.system.state_names();
-        names.extend(self.inputs().iter().map(|u| self.system.symbol_name(*u).to_owned()));
-        names.push("t".into());
-        names.extend(self.system.parameters.iter().map(|p| self.system.symbol_name(p.symbol).to_owned()));
-        names.extend(self.references.iter().cloned());
-        names.extend(self.defined.iter().map(|(n, _)| n.clone()));
-        names
-    }
 }
 
 impl CostFunction {
@@ -122,20 +63,22 @@ impl CostFunction {
         let references: Vec<String> = references.iter().map(|s| (*s).to_owned()).collect();
         let (mut names, mut pool) = CostNames::new(system, kind, &references);
         let cost = pool.parse_with(text, &mut names)?;
-        Self::of_system(system, kind, &references, &mut pool, cost)
+        Self::of_system(system, kind, &references, &Remembered::default(), &mut pool, cost)
     }
 
     pub(crate) fn of_system(
         system: &System,
         kind: CostKind,
         references: &[String],
+        rates: &Remembered,
         pool: &mut Pool,
         cost: Expr,
     ) -> Result<Self, MpcError> {
         let time = pool.symbol("t");
+        let states = rates.states(system, pool);
         let references: Vec<Symbol> = references.iter().map(|r| pool.symbol(r)).collect();
         let inputs: &[Symbol] = if kind == CostKind::Stage { &system.inputs } else { &[] };
-        Self::compile(pool, time, &system.states, inputs, &references, cost)
+        Self::compile(pool, time, &states, inputs, &references, cost)
     }
 
     /// Compiles `cost` as a function of time, states, inputs and references.
@@ -154,20 +97,37 @@ impl CostFunction {
         let mut all = variables.clone();
         all.push(time);
         all.extend(references);
-        let gradient = pool.gradient(cost, &variables);
+        let parts = CostParts::of(pool, cost, &variables);
+        let absolute = parts.absolute.iter().map(|term| {
+            let function = VectorFunction::compile(pool, time, states, inputs, references, &[term.residual])?;
+            let softness = Softness::Soft { linear: term.weight, quadratic: 0.0 };
+            Ok(PathConstraint { function, bounds: Bounds { min: 0.0, max: 0.0, softness }, at_end: false })
+        });
+        let absolute = absolute.collect::<Result<Vec<_>, MpcError>>()?;
+        let (squares, gauss_newton) = parts.sum_of_squares(pool, &variables);
+        let smooth = pool.add(parts.rest, squares);
+        let gradient = pool.gradient(smooth, &variables);
         let mut outputs = vec![cost];
         outputs.extend(&gradient);
-        let mut entries = Vec::new();
-        for (i, &g) in gradient.iter().enumerate() {
-            for (j, &v) in variables.iter().enumerate().skip(i) {
-                let h = pool.diff(g, v);
-                if !pool.is_zero(h) {
+        let mut entries_of = |pool: &Pool, hessian: &[Vec<Expr>]| {
+            let mut entries = Vec::new();
+            for (i, row) in hessian.iter().enumerate() {
+                for (j, &h) in row.iter().enumerate().skip(i).filter(|(_, h)| !pool.is_zero(**h)) {
                     entries.push((i, j));
                     outputs.push(h);
                 }
             }
-        }
-        let links: Vec<(usize, usize)> = entries.iter().copied().filter(|(i, j)| i != j).collect();
+            entries
+        };
+        let exact = pool.hessian(smooth, &variables);
+        let entries = entries_of(pool, &exact);
+        let mut links: Vec<(usize, usize)> = entries.clone();
+        let squares = (!parts.squares.is_empty()).then(|| {
+            let rest = pool.hessian(parts.rest, &variables);
+            [entries_of(pool, &rest), entries_of(pool, &gauss_newton)]
+        });
+        links.extend(squares.iter().flatten().flatten());
+        links.retain(|(i, j)| i != j);
         let components = components(variables.len(), &links);
         let pattern = components
             .iter()
@@ -182,6 +142,10 @@ impl CostFunction {
             derivatives,
             entries,
             full: vec![0.0; variables.len().pow(2)],
+            rest: vec![0.0; if squares.is_some() { variables.len().pow(2) } else { 0 }],
+            gauss_newton: vec![0.0; if squares.is_some() { variables.len().pow(2) } else { 0 }],
+            squares,
+            absolute,
             block: Vec::new(),
             scratch: Vec::new(),
             components,
@@ -234,18 +198,34 @@ impl CostFunction {
         for (g, v) in gradient.iter_mut().zip(&self.out[1..=n]) {
             *g += weight * v;
         }
-        for (&(i, j), &v) in self.entries.iter().zip(&self.out[1 + n..]) {
-            self.full[i * n + j] = v;
-            self.full[j * n + i] = v;
+        let mut values = self.out[1 + n..].iter();
+        let [rest, gauss_newton] = self.squares.as_ref().map_or([&[][..]; 2], |s| [&s[0], &s[1]]);
+        for (entries, block) in
+            [(self.entries.as_slice(), &mut self.full), (rest, &mut self.rest), (gauss_newton, &mut self.gauss_newton)]
+        {
+            for (&(i, j), &v) in entries.iter().zip(&mut values) {
+                block[i * n + j] = v;
+                block[j * n + i] = v;
+            }
         }
     }
 
-    /// The exact Hessian, in full by rows, where derivatives were last asked for.
+    /// The exact Hessian without absolute values, in full by rows, where derivatives were last asked for.
     pub(crate) fn last_hessian(&self) -> &[f64] {
         &self.full
     }
 
-    /// Adds `weight` times gradient and convexified Hessian (in the order of [`CostFunction::hessian_pattern`]).
+    /// Absolute values of the cost, as functions with the bounds 0 and 0 and the weight of a violation.
+    pub(crate) fn absolute(&self) -> &[PathConstraint] {
+        &self.absolute
+    }
+
+    /// The same, to be evaluated.
+    pub(crate) fn absolute_mut(&mut self) -> &mut [PathConstraint] {
+        &mut self.absolute
+    }
+
+    /// Adds `weight` times gradient and positive semidefinite Hessian (in the order of [`CostFunction::hessian_pattern`]).
     pub(crate) fn add_derivatives(
         &mut self,
         at: CostPoint<'_>,
@@ -256,15 +236,16 @@ impl CostFunction {
         self.differentiate(at, weight, gradient);
         let n = self.variables;
         let mut at = 0;
+        let clipped = if self.squares.is_some() { &self.rest } else { &self.full };
         for c in &self.components {
             let size = c.len();
             self.block.clear();
-            self.block
-                .extend(c.iter().flat_map(|&i| c.iter().map(move |&j| (i, j))).map(|(i, j)| self.full[i * n + j]));
+            self.block.extend(c.iter().flat_map(|&i| c.iter().map(move |&j| (i, j))).map(|(i, j)| clipped[i * n + j]));
             clip_to_psd(&mut self.block, size, &mut self.scratch);
             for a in 0..size {
                 for b in a..size {
-                    hessian[at] += weight * self.block[a * size + b];
+                    let square = self.gauss_newton.get(c[a] * n + c[b]).unwrap_or(&0.0);
+                    hessian[at] += weight * (self.block[a * size + b] + square);
                     at += 1;
                 }
             }

@@ -3,13 +3,20 @@
 mod bounds;
 mod constraint;
 mod cost;
+mod cost_names;
+mod cost_parts;
+mod grid;
+mod memory;
+mod previous_input;
 mod problem;
 mod vector_function;
 mod violations;
 
 pub use bounds::{Bounds, Softness};
 pub use constraint::{NormConstraint, PathConstraint, TerminalSet};
-pub use cost::{CostFunction, CostKind};
-pub(crate) use cost::{CostNames, CostPoint};
+pub use cost::CostFunction;
+pub use cost_names::CostKind;
+pub(crate) use cost_names::{CostNames, CostPoint, Remembered};
+pub use previous_input::PreviousInput;
 pub use problem::{Ocp, Substeps, TerminalTarget};
 pub use vector_function::VectorFunction;

@@ -3,9 +3,12 @@
 use super::bounds::{Bounds, HARD_TOLERANCE, Softness, ordered, positive, weight};
 use super::constraint::{NormConstraint, PathConstraint, TerminalSet};
 use super::cost::CostFunction;
+use super::cost_names::CostPoint;
+use super::previous_input::PreviousInput;
 use crate::error::{MpcError, check_length, check_value};
 use crate::integrator::Integrator;
 use crate::trajectory::Trajectory;
+use std::ops::Range;
 
 /// How many integration steps an interval gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,8 +46,10 @@ pub struct TerminalTarget {
 pub struct Ocp {
     /// Number of intervals N.
     pub steps: usize,
-    /// Length of an interval, s.
+    /// Length of the first interval, which is the sampling period, s.
     pub dt: f64,
+    /// Lengths of all intervals, s; when empty, all are dt long.
+    pub lengths: Vec<f64>,
     /// Method that advances the state over an interval.
     pub integrator: Integrator,
     /// Integration steps per interval.
@@ -53,15 +58,20 @@ pub struct Ocp {
     pub stage: Option<CostFunction>,
     /// Cost of the last state; a function of the states alone.
     pub terminal: Option<CostFunction>,
-    /// Values of the references at grid point k, from the start of the run; beyond the end the last row holds.
+    /// Values of the references, a row per grid point from [`Ocp::first_row`] on; beyond the end the last row holds.
     pub references: Vec<Vec<f64>>,
-    /// Values of the live parameters of the dynamics at grid point k, from the start of the run; beyond the end the last row
-    /// holds. When empty, the dynamics keep their values.
+    /// Values of the live parameters of the dynamics, a row per grid point from [`Ocp::first_row`] on; beyond the end the last
+    /// row holds. When empty, the dynamics keep their values.
     pub parameters: Vec<Vec<f64>>,
+    /// Grid point of the run to which the first rows of references and parameters belong; before it they hold too.
+    pub first_row: usize,
     /// Bounds of every input, always hard.
     pub input_bounds: Vec<(f64, f64)>,
-    /// Bounds of every state at the grid points 1 … N.
+    /// Bounds of every state at the grid points 1 … N: those of the dynamics, then the previous inputs.
     pub state_bounds: Vec<Bounds>,
+    /// Inputs whose value over the interval before follows the states of the dynamics, in this order. That before the first
+    /// interval is part of the initial state.
+    pub previous_inputs: Vec<PreviousInput>,
     /// Targets at the end.
     pub targets: Vec<TerminalTarget>,
     /// Functions of states and inputs that are kept within bounds.
@@ -71,10 +81,14 @@ pub struct Ocp {
     /// Numbers of intervals over which the inputs are held, in order; their sum is N. Empty: the inputs of every interval
     /// are free. A shrinking horizon loses intervals from the front of the first block.
     pub move_blocks: Vec<usize>,
+    /// Inputs that are held over the whole horizon: constants to be decided on.
+    pub constant_inputs: Vec<usize>,
     /// A set in which the last state shall lie.
     pub terminal_set: Option<TerminalSet>,
     /// Typical size of each state: defects are measured in it.
     pub state_scale: Vec<f64>,
+    /// Size of what each state passes through, where that differs from its scale, as a target with a small tolerance does; empty: the scales.
+    pub state_size: Vec<f64>,
     /// Size of a change of each state within one iteration beyond which the linearization is not trusted, for the proximal
     /// term; infinite where there is none. Velocities with dry friction need one.
     pub state_trust: Vec<f64>,
@@ -88,26 +102,31 @@ impl Ocp {
         Self {
             steps,
             dt,
+            lengths: Vec::new(),
             integrator: Integrator::Rk4,
             substeps: Substeps::AtLeast(1),
             stage: None,
             terminal: None,
             references: Vec::new(),
             parameters: Vec::new(),
+            first_row: 0,
             input_bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); inputs],
             state_bounds: vec![Bounds::FREE; states],
+            previous_inputs: Vec::new(),
             targets: Vec::new(),
             path_constraints: Vec::new(),
             norm_constraints: Vec::new(),
             move_blocks: Vec::new(),
+            constant_inputs: Vec::new(),
             terminal_set: None,
             state_scale: vec![1.0; states],
+            state_size: Vec::new(),
             state_trust: vec![f64::INFINITY; states],
             input_trust: vec![1.0; inputs],
         }
     }
 
-    /// Number of states.
+    /// Number of states, previous inputs included.
     pub fn states(&self) -> usize {
         self.state_bounds.len()
     }
@@ -131,6 +150,19 @@ impl Ocp {
             .fold(0.0, |worst: f64, v| if worst.is_nan() || v.is_nan() { f64::NAN } else { worst.max(v) })
     }
 
+    /// Size of what each state passes through.
+    pub(crate) fn sizes(&self) -> &[f64] {
+        if self.state_size.is_empty() { &self.state_scale } else { &self.state_size }
+    }
+
+    /// Which ends of bounds are finite: the layout of programs depends on it.
+    pub(crate) fn finite_ends(&self) -> Vec<bool> {
+        let states = self.state_bounds.iter().map(|b| (b.min, b.max));
+        let paths = self.path_constraints.iter().map(|c| (c.bounds.min, c.bounds.max));
+        let ends = states.chain(self.input_bounds.iter().copied()).chain(paths);
+        ends.flat_map(|b| [b.0.is_finite(), b.1.is_finite()]).collect()
+    }
+
     /// Brings every bound closer to its middle by `fraction` of the half-width (one-sided bounds stay): room for feedback.
     #[must_use]
     pub fn tightened(&self, fraction: f64) -> Self {
@@ -142,29 +174,39 @@ impl Ocp {
                 *max -= fraction * half;
             }
         };
-        ocp.input_bounds.iter_mut().for_each(|b| shrink(&mut b.0, &mut b.1));
+        let constants = &self.constant_inputs;
+        let decided = ocp.input_bounds.iter_mut().enumerate().filter(|(j, _)| !constants.contains(j));
+        decided.for_each(|(_, b)| shrink(&mut b.0, &mut b.1));
         ocp.state_bounds.iter_mut().for_each(|b| shrink(&mut b.min, &mut b.max));
         ocp
     }
 
     /// Whether the problem can be handed to a solver.
     ///
+    /// `states` and `inputs` are those of the dynamics.
+    ///
     /// # Errors
     /// Names the first thing that is wrong.
     pub fn check(&self, states: usize, inputs: usize) -> Result<(), MpcError> {
+        let states = states + self.previous_inputs.len();
+        if let Some(p) = self.previous_inputs.iter().find(|p| p.input >= inputs) {
+            return Err(MpcError::Length { what: "the list of inputs", found: inputs, expected: p.input + 1 });
+        }
         check_length("the list of state bounds", self.state_bounds.len(), states)?;
         check_length("the list of input bounds", self.input_bounds.len(), inputs)?;
         check_length("the list of state scales", self.state_scale.len(), states)?;
+        check_length("the list of state sizes", self.sizes().len(), states)?;
         check_length("the list of state trusts", self.state_trust.len(), states)?;
         check_length("the list of input trusts", self.input_trust.len(), inputs)?;
         positive("the number of steps", self.steps as f64)?;
         positive("the interval dt", self.dt)?;
+        self.check_lengths()?;
         positive("the number of substeps", self.substeps.least() as f64)?;
         self.integrator.check()?;
         if let Some(&value) = self.parameters.iter().flatten().find(|v| !v.is_finite()) {
             return Err(MpcError::Value { what: "a parameter".into(), value, remedy: "give a finite number" });
         }
-        for s in &self.state_scale {
+        for s in self.state_scale.iter().chain(&self.state_size) {
             positive("a scale", *s)?;
         }
         for s in self.state_trust.iter().chain(&self.input_trust) {
@@ -208,29 +250,32 @@ impl Ocp {
 
     /// The references at grid point k.
     pub(crate) fn reference(&self, k: usize) -> &[f64] {
-        row(&self.references, k)
+        row(&self.references, k.saturating_sub(self.first_row))
+    }
+
+    /// The live parameters of the dynamics at grid point k; none where the dynamics keep theirs.
+    pub(crate) fn parameter_row(&self, k: usize) -> Option<&[f64]> {
+        let last = self.parameters.len().checked_sub(1)?;
+        Some(&self.parameters[k.saturating_sub(self.first_row).min(last)])
     }
 
     /// The stage cost l(x, u) at grid point k, without dt.
     pub(crate) fn stage_cost(&mut self, k: usize, t: f64, x: &[f64], u: &[f64]) -> f64 {
-        let r = row(&self.references, k);
+        let r = row(&self.references, k.saturating_sub(self.first_row));
         self.stage.as_mut().map_or(0.0, |c| c.value(x, u, t, &r[..c.references()]))
     }
 
     /// Stage and terminal costs of a trajectory that starts at grid point `k0` of the run, without penalties.
     pub(crate) fn cost(&mut self, k0: usize, trajectory: &Trajectory) -> f64 {
-        let dt = self.dt;
         let steps = trajectory.steps();
         let mut sum = 0.0;
         for k in 0..steps {
-            sum += dt * self.stage_cost(k0 + k, (k0 + k) as f64 * dt, trajectory.x(k), trajectory.u(k));
+            let (sample, t) = (self.sample(k0, k), self.time(k0, k));
+            sum += self.length(k) * self.stage_cost(sample, t, trajectory.x(k), trajectory.u(k));
         }
-        let end = k0 + steps;
-        let r = row(&self.references, end);
-        sum + self
-            .terminal
-            .as_mut()
-            .map_or(0.0, |c| c.value(trajectory.x(steps), &[], end as f64 * dt, &r[..c.references()]))
+        let t = self.time(k0, steps);
+        let r = row(&self.references, self.sample(k0, steps).saturating_sub(self.first_row));
+        sum + self.terminal.as_mut().map_or(0.0, |c| c.value(trajectory.x(steps), &[], t, &r[..c.references()]))
     }
 
     /// Cost of violated bounds and constraints (hard ones at `hard` per unit of scale) and missed targets of a trajectory that
@@ -242,7 +287,7 @@ impl Ocp {
                 let allowed = if b.softness == Softness::Hard { HARD_TOLERANCE * self.state_scale[i] } else { 0.0 };
                 let v = b.violation(trajectory.x(k)[i]) - allowed;
                 if v > 0.0 {
-                    let (linear, quadratic) = self.weights(i, hard);
+                    let (linear, quadratic) = self.weights(i, k, hard);
                     sum += linear * v + quadratic * v * v;
                 }
             }
@@ -254,9 +299,9 @@ impl Ocp {
         sum
     }
 
-    /// Weights of violation and its square of bound i, dt included.
-    pub(crate) fn weights(&self, i: usize, hard: f64) -> (f64, f64) {
-        self.state_bounds[i].softness.weights(self.dt, hard / self.state_scale[i])
+    /// Weights of violation and its square of bound i at grid point k, the length of an interval included.
+    pub(crate) fn weights(&self, i: usize, k: usize, hard: f64) -> (f64, f64) {
+        self.state_bounds[i].softness.weights(self.share(k), hard / self.state_scale[i])
     }
 
     /// Largest violation of a hard bound or constraint, in units of its scale.
@@ -270,6 +315,57 @@ impl Ocp {
             }
         }
         worst
+    }
+}
+
+/// Functions of states and inputs that programs linearize: path constraints, then the absolute values of the stage cost, then
+/// those of the terminal cost, numbered in this order.
+impl Ocp {
+    /// Their numbers, bounds and grid points, and whether what a violation costs is multiplied by dt.
+    pub(crate) fn row_functions(&self, steps: usize) -> impl Iterator<Item = (&PathConstraint, Range<usize>, bool)> {
+        let path = self.path_constraints.iter().map(move |c| (c, c.grid_points(steps), true));
+        let stage = self.stage.iter().flat_map(CostFunction::absolute);
+        // The stage cost ends before the last state, and nothing changes the first one.
+        let stage = stage.map(move |c| (c, c.grid_points(steps).start..steps, true));
+        let terminal = self.terminal.iter().flat_map(CostFunction::absolute).map(move |c| (c, steps..steps + 1, false));
+        path.chain(stage).chain(terminal)
+    }
+
+    /// Visits values and Jacobian of some of them at one grid point.
+    pub(crate) fn row_function_at(
+        &mut self,
+        number: usize,
+        (k, t): (usize, f64),
+        (x, u): (&[f64], &[f64]),
+        visit: impl FnOnce(&Bounds, f64, &[f64]),
+    ) {
+        let r = row(&self.references, k);
+        let mut absolute = [&mut self.stage, &mut self.terminal];
+        let [stage, terminal] = absolute.each_mut().map(|c| c.as_mut().map_or(&mut [][..], CostFunction::absolute_mut));
+        let mut all = self.path_constraints.iter_mut().chain(stage).chain(terminal);
+        if let Some(c) = all.nth(number) {
+            let (g, jacobian) = c.function.values_and_jacobian(x, u, t, r);
+            visit(&c.bounds, g[0], jacobian);
+        }
+    }
+}
+
+impl Ocp {
+    /// Adds `weight` times the second derivatives of one of them at one grid point.
+    pub(crate) fn add_row_curvature(
+        &mut self,
+        number: usize,
+        (k, t): (usize, f64),
+        (x, u): (&[f64], &[f64]),
+        weight: f64,
+        hessian: &mut [f64],
+    ) {
+        let r = row(&self.references, k);
+        let mut absolute = [&mut self.stage, &mut self.terminal];
+        let [stage, terminal] = absolute.each_mut().map(|c| c.as_mut().map_or(&mut [][..], CostFunction::absolute_mut));
+        if let Some(c) = self.path_constraints.iter_mut().chain(stage).chain(terminal).nth(number) {
+            c.function.add_second_derivatives(CostPoint { x, u, t, r }, weight, hessian);
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Vector functions of states, inputs, time and references.
 
-use super::cost::{CostKind, CostNames};
+use super::cost_names::{CostKind, CostNames, CostPoint};
 use crate::error::{MpcError, check_length};
-use bracketry_native::{Function, Workspace};
+use bracketry_native::{Backend, Function, Workspace};
 use bracketry_symbolic::{Expr, Pool, Symbol, Tape};
 use bracketry_system::System;
 
@@ -16,6 +16,8 @@ pub struct VectorFunction {
     value: Function,
     derivatives: Function,
     pattern: Vec<(usize, usize)>,
+    /// Second derivatives of the only component with their places (i ≤ j); by the interpreter, since few problems ask for them.
+    second: Option<(Vec<(usize, usize)>, Function)>,
     arguments: Vec<f64>,
     work: Workspace,
     out: Vec<f64>,
@@ -75,7 +77,24 @@ impl VectorFunction {
                 }
             }
         }
+        let mut places = Vec::new();
+        let mut entries = Vec::new();
+        if let &[g] = functions {
+            for (i, row) in pool.hessian(g, &variables).into_iter().enumerate() {
+                for (j, h) in row.into_iter().enumerate().skip(i).filter(|(_, h)| !pool.is_zero(*h)) {
+                    places.push((i, j));
+                    entries.push(h);
+                }
+            }
+        }
+        let second = if places.is_empty() {
+            None
+        } else {
+            let tape = Tape::compile(pool, &all, &entries)?;
+            Function::with_backend(tape, Backend::Tape).ok().map(|f| (places, f))
+        };
         Ok(Self {
+            second,
             states: states.len(),
             variables: variables.len(),
             references: references.len(),
@@ -139,8 +158,28 @@ impl VectorFunction {
     /// If a slice is shorter than the function needs.
     pub fn values_and_jacobian(&mut self, x: &[f64], u: &[f64], t: f64, r: &[f64]) -> (&[f64], &[f64]) {
         self.load(x, u, t, r);
-        self.derivatives.call(&self.arguments, &mut self.work, &mut self.out);
-        self.out.split_at(self.outputs)
+        let all = self.outputs + self.pattern.len();
+        self.derivatives.call(&self.arguments, &mut self.work, &mut self.out[..all]);
+        self.out[..all].split_at(self.outputs)
+    }
+
+    /// Adds `weight` times the second derivatives of the only component to `hessian`, n + m rows of n + m entries. Components that
+    /// are several count as affine.
+    pub(crate) fn add_second_derivatives(&mut self, at: CostPoint<'_>, weight: f64, hessian: &mut [f64]) {
+        if self.second.is_none() {
+            return;
+        }
+        self.load(at.x, at.u, at.t, at.r);
+        let Some((places, f)) = &self.second else { return };
+        self.out.resize(self.out.len().max(places.len()), 0.0);
+        f.call(&self.arguments, &mut self.work, &mut self.out[..places.len()]);
+        let w = at.x.len() + at.u.len();
+        for (&(i, j), h) in places.iter().zip(&self.out) {
+            hessian[i * w + j] += weight * h;
+            if i != j {
+                hessian[j * w + i] += weight * h;
+            }
+        }
     }
 
     pub(super) fn check(&self, what: &'static str, states: usize, inputs: usize) -> Result<(), MpcError> {

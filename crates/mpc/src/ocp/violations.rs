@@ -8,6 +8,9 @@ use crate::trajectory::Trajectory;
 impl Ocp {
     /// Checks blocks, path constraints, norm constraints and the terminal set.
     pub(crate) fn check_constraints(&self, states: usize, inputs: usize) -> Result<(), MpcError> {
+        if let Some(j) = self.constant_inputs.iter().find(|j| **j >= inputs) {
+            return Err(MpcError::Length { what: "the list of inputs", found: inputs, expected: j + 1 });
+        }
         for &length in &self.move_blocks {
             positive("the length of a move block", length as f64)?;
         }
@@ -42,9 +45,19 @@ impl Ocp {
         path.chain(norm).max().unwrap_or(0)
     }
 
-    /// The first interval of the block that each interval belongs to. A horizon that has become shorter than the blocks has
-    /// lost its first intervals.
+    /// The first interval of the block that each interval belongs to, by interval and input.
     pub(crate) fn block_starts(&self, steps: usize) -> Vec<usize> {
+        let start = |(k, j): (usize, usize), of_block: usize| {
+            if self.constant_inputs.contains(&j) { 0 } else { of_block.min(k) }
+        };
+        let of_blocks = self.move_block_starts(steps);
+        let rows = of_blocks.into_iter().enumerate();
+        rows.flat_map(|(k, of_block)| (0..self.inputs()).map(move |j| start((k, j), of_block))).collect()
+    }
+
+    /// The first interval of the move block that each interval belongs to. A horizon that has become shorter than the blocks has
+    /// lost its first intervals.
+    fn move_block_starts(&self, steps: usize) -> Vec<usize> {
         if self.move_blocks.is_empty() {
             return (0..steps).collect();
         }
@@ -62,25 +75,25 @@ impl Ocp {
     /// Visits the violation of every path constraint, norm constraint and of the terminal set along a trajectory that starts
     /// at grid point `k0` of the run.
     fn visit_constraints(&mut self, k0: usize, z: &Trajectory, hard: f64, mut visit: impl FnMut(Violation)) {
-        let (steps, dt) = (z.steps(), self.dt);
+        let steps = z.steps();
         let input = |k: usize| if k < steps { z.u(k) } else { &[] };
         let mut path = std::mem::take(&mut self.path_constraints);
         for c in &mut path {
             for k in c.grid_points(steps) {
-                let t = (k0 + k) as f64 * dt;
-                let g = c.function.values(z.x(k), input(k), t, self.reference(k0 + k))[0];
-                visit(c.bounds.softness.judge(c.bounds.violation(g), dt, hard, 1.0));
+                let t = self.time(k0, k);
+                let g = c.function.values(z.x(k), input(k), t, self.reference(self.sample(k0, k)))[0];
+                visit(c.bounds.softness.judge(c.bounds.violation(g), self.share(k), hard, 1.0));
             }
         }
         self.path_constraints = path;
         let mut norm = std::mem::take(&mut self.norm_constraints);
         for c in &mut norm {
             for k in c.grid_points(steps) {
-                let t = (k0 + k) as f64 * dt;
-                let r = self.reference(k0 + k);
+                let t = self.time(k0, k);
+                let r = self.reference(self.sample(k0, k));
                 let g = c.vector.values(z.x(k), input(k), t, r).iter().map(|v| v * v).sum::<f64>().sqrt();
                 let v = (g - c.limit.values(z.x(k), input(k), t, r)[0]).max(0.0);
-                visit(c.softness.judge(v, dt, hard, 1.0));
+                visit(c.softness.judge(v, self.share(k), hard, 1.0));
             }
         }
         self.norm_constraints = norm;
@@ -89,7 +102,7 @@ impl Ocp {
         }
     }
 
-    /// Largest violation of a path or norm constraint, soft or hard, along a run of states x and inputs u (one fewer), each in
+    /// Largest violation of a path or norm constraint, soft or hard, along a run, those at the end by its last state of states x and inputs u (one fewer), each in
     /// its own unit; NaN when a constrained value is no number.
     pub fn largest_constraint_violation(&mut self, x: &[Vec<f64>], u: &[Vec<f64>]) -> f64 {
         let (steps, dt) = (u.len(), self.dt);

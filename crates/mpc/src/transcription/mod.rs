@@ -7,4 +7,4 @@ mod shooting;
 pub(crate) use merit::Merit;
 pub(crate) use multiple_shooting::{STABLE_STEP, Transcription};
 pub use shooting::Linearization;
-pub(crate) use shooting::Shooter;
+pub(crate) use shooting::{Shooter, carry_block, spread_flow};

@@ -23,7 +23,7 @@ pub(crate) struct Transcription {
 }
 
 fn grid(ocp: &Ocp, k0: usize, substeps: usize) -> Grid<'_> {
-    Grid { k0, dt: ocp.dt, substeps, parameters: &ocp.parameters }
+    Grid { k0, substeps, ocp }
 }
 
 impl Transcription {
@@ -32,7 +32,7 @@ impl Transcription {
         for row in &ocp.parameters {
             check_length("a row of parameters", row.len(), dynamics.parameters())?;
         }
-        let shooter = Shooter::new(dynamics.as_ref(), ocp.integrator);
+        let shooter = Shooter::of_problem(dynamics.as_ref(), &ocp);
         Ok(Self { dynamics, ocp, shooter, substeps: 1, k0: 0, ends: Vec::new(), end: Vec::new() })
     }
 
@@ -43,6 +43,20 @@ impl Transcription {
         self.ocp.parameters[0].clear();
         self.ocp.parameters[0].extend_from_slice(parameters);
         Ok(())
+    }
+
+    /// Changes the problem; says whether its programs need another layout. A change that contradicts the problem or the dynamics
+    /// is undone.
+    pub(crate) fn change(&mut self, change: impl FnOnce(&mut Ocp)) -> Result<bool, MpcError> {
+        let mut ocp = self.ocp.clone();
+        change(&mut ocp);
+        ocp.check(self.dynamics.states(), self.dynamics.inputs())?;
+        for row in &ocp.parameters {
+            check_length("a row of parameters", row.len(), self.dynamics.parameters())?;
+        }
+        let relaid = ocp.finite_ends() != self.ocp.finite_ends();
+        self.ocp = ocp;
+        Ok(relaid)
     }
 
     pub(crate) fn check_trajectory(&self, trajectory: &Trajectory) -> Result<(), MpcError> {
@@ -59,12 +73,13 @@ impl Transcription {
             Substeps::AtLeast(s) if self.ocp.integrator.is_implicit() => s,
             Substeps::AtLeast(s) => {
                 let mut rate = 0.0_f64;
+                let n = self.ocp.model_states();
                 let grid = grid(&self.ocp, self.k0, self.substeps);
                 for k in 0..trajectory.steps() {
                     let t = grid.enter(self.dynamics.as_mut(), k, trajectory.u(k)).t;
-                    rate = rate.max(self.dynamics.relaxation_rate(t, trajectory.x(k), trajectory.u(k)));
+                    rate = rate.max(self.dynamics.relaxation_rate(t, &trajectory.x(k)[..n], trajectory.u(k)));
                 }
-                s.max((self.ocp.dt * rate / STABLE_STEP).ceil().min(1e4) as usize)
+                s.max((self.ocp.longest() * rate / STABLE_STEP).ceil().min(1e4) as usize)
             }
         };
     }
@@ -72,6 +87,19 @@ impl Transcription {
     pub(crate) fn linearize(&mut self, trajectory: &Trajectory, from: usize, to: usize, lin: &mut Linearization) {
         let grid = grid(&self.ocp, self.k0, self.substeps);
         self.shooter.linearize(self.dynamics.as_mut(), grid, trajectory, from..to, lin);
+    }
+
+    /// As [`Transcription::linearize`] for all intervals, with the second derivatives of [`Transcription::curvatures`].
+    pub(crate) fn linearize_with_curvatures(
+        &mut self,
+        trajectory: &Trajectory,
+        multipliers: &[f64],
+        field: &[(usize, usize)],
+        lin: &mut Linearization,
+    ) {
+        let grid = grid(&self.ocp, self.k0, self.substeps);
+        let dynamics = self.dynamics.as_mut();
+        self.shooter.linearize_with_curvatures(dynamics, grid, trajectory, (multipliers, field), lin);
     }
 
     /// Adds the second derivatives of the dynamics in the Lagrangian with these multipliers; `field` holds the places of those of
@@ -132,11 +160,16 @@ impl Transcription {
         Merit { objective, defects: sum, worst_defect: worst }
     }
 
+    /// Ends of all intervals of a trajectory.
+    pub(crate) fn end_states(&mut self, trajectory: &Trajectory, ends: &mut Vec<f64>) {
+        let grid = grid(&self.ocp, self.k0, self.substeps);
+        self.shooter.end_states(self.dynamics.as_mut(), grid, trajectory, ends);
+    }
+
     /// Merit of any trajectory.
     pub(crate) fn merit(&mut self, trajectory: &Trajectory, hard: f64) -> Merit {
         let mut ends = std::mem::take(&mut self.ends);
-        let grid = grid(&self.ocp, self.k0, self.substeps);
-        self.shooter.end_states(self.dynamics.as_mut(), grid, trajectory, &mut ends);
+        self.end_states(trajectory, &mut ends);
         let merit = self.merit_with(trajectory, &ends, hard);
         self.ends = ends;
         merit

@@ -4,6 +4,7 @@ use crate::dynamics::Dynamics;
 use crate::integrator::{
     Collocation, Differentiated, ExplicitRungeKutta, Integrator, Interval, OneStepMethod, Stages, Tableau,
 };
+use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
 
 /// End states of every interval, and their derivatives.
@@ -18,24 +19,23 @@ pub struct Linearization {
     pub curvature: Vec<f64>,
 }
 
-/// Start, interval, number of integration steps per interval and parameters over the horizon.
-#[derive(Clone, Copy, Debug)]
+/// Start, number of integration steps per interval, and problem.
+#[derive(Clone, Copy)]
 pub(crate) struct Grid<'a> {
     /// Grid point of the run at which the horizon starts.
     pub(crate) k0: usize,
-    pub(crate) dt: f64,
     pub(crate) substeps: usize,
-    /// Live parameters at the grid points of the run; the last row holds on.
-    pub(crate) parameters: &'a [Vec<f64>],
+    /// The problem, for its intervals and live parameters.
+    pub(crate) ocp: &'a Ocp,
 }
 
 impl Grid<'_> {
     /// Interval k of the horizon under the input `u`; the dynamics get its parameters.
     pub(crate) fn enter<'a>(&self, dynamics: &mut dyn Dynamics, k: usize, u: &'a [f64]) -> Interval<'a> {
-        if let Some(last) = self.parameters.len().checked_sub(1) {
-            dynamics.set_parameters(&self.parameters[(self.k0 + k).min(last)]);
+        if let Some(parameters) = self.ocp.parameter_row(self.ocp.sample(self.k0, k)) {
+            dynamics.set_parameters(parameters);
         }
-        Interval { t: (self.k0 + k) as f64 * self.dt, dt: self.dt, substeps: self.substeps, u }
+        Interval { t: self.ocp.time(self.k0, k), dt: self.ocp.length(k), substeps: self.substeps, u }
     }
 }
 
@@ -52,9 +52,43 @@ pub(crate) struct Shooter {
     stages: Stages,
     end: Vec<f64>,
     jacobian: Vec<f64>,
+    hessian: Vec<f64>,
+    /// Inputs that are the last states at the end of an interval, in this order.
+    previous: Vec<usize>,
+    /// Constant inputs and the states that carry them on.
+    carried: Vec<(usize, usize)>,
 }
 
 impl Shooter {
+    /// For the states of the dynamics, then the previous inputs of the problem.
+    pub(crate) fn of_problem(dynamics: &dyn Dynamics, ocp: &Ocp) -> Self {
+        let mut shooter = Self::new(dynamics, ocp.integrator);
+        let (n, m, extra) = (shooter.n, shooter.m, ocp.previous_inputs.len());
+        if extra == 0 {
+            return shooter;
+        }
+        let w = n + extra + m;
+        let mut closure = vec![false; (n + extra) * w];
+        for i in 0..n {
+            for j in 0..n + m {
+                closure[i * w + if j < n { j } else { j + extra }] = shooter.closure[i * (n + m) + j];
+            }
+        }
+        for (i, p) in ocp.previous_inputs.iter().enumerate() {
+            closure[(n + i) * w + n + extra + p.input] = true;
+        }
+        shooter.carried = ocp.carried();
+        for &(j, state) in &shooter.carried {
+            for i in 0..n + extra {
+                closure[i * w + state] |= closure[i * w + n + extra + j];
+            }
+        }
+        shooter.closure = closure;
+        shooter.previous = ocp.previous_inputs.iter().map(|p| p.input).collect();
+        shooter
+    }
+
+    /// For the states of the dynamics alone.
     pub(crate) fn new(dynamics: &dyn Dynamics, integrator: Integrator) -> Self {
         let (n, m) = (dynamics.states(), dynamics.inputs());
         let w = n + m;
@@ -81,7 +115,24 @@ impl Shooter {
         } else {
             Box::new(ExplicitRungeKutta::new(n, m, pattern, &closure))
         };
-        Self { n, m, closure, method, failed: false, stages: Stages::default(), end: Vec::new(), jacobian: Vec::new() }
+        Self {
+            n,
+            m,
+            closure,
+            method,
+            failed: false,
+            stages: Stages::default(),
+            end: Vec::new(),
+            jacobian: Vec::new(),
+            hessian: Vec::new(),
+            previous: Vec::new(),
+            carried: Vec::new(),
+        }
+    }
+
+    /// Number of states, previous inputs included.
+    fn states(&self) -> usize {
+        self.n + self.previous.len()
     }
 
     /// Which entries of ∂F/∂(x, u) can differ from zero, n rows of n + m.
@@ -96,7 +147,9 @@ impl Shooter {
 
     /// Advances `x` over the interval.
     pub(crate) fn advance(&mut self, dynamics: &mut dyn Dynamics, interval: Interval<'_>, x: &mut [f64]) {
+        let (x, previous) = x.split_at_mut(self.n);
         self.failed |= !self.method.advance(dynamics, interval, x);
+        previous.iter_mut().zip(&self.previous).for_each(|(v, &j)| *v = interval.u[j]);
     }
 
     /// As [`Shooter::advance`], and the derivative of the end state with respect to (x, u) into `jacobian`.
@@ -107,7 +160,16 @@ impl Shooter {
         x: &mut [f64],
         jacobian: &mut [f64],
     ) {
-        self.failed |= !self.method.differentiate(dynamics, interval, Differentiated { x, jacobian, stages: None });
+        let (x, previous) = x.split_at_mut(self.n);
+        if previous.is_empty() {
+            self.failed |= !self.method.differentiate(dynamics, interval, Differentiated { x, jacobian, stages: None });
+            return;
+        }
+        previous.iter_mut().zip(&self.previous).for_each(|(v, &j)| *v = interval.u[j]);
+        self.jacobian.resize(self.n * (self.n + self.m), 0.0);
+        let to = Differentiated { x, jacobian: &mut self.jacobian, stages: None };
+        self.failed |= !self.method.differentiate(dynamics, interval, to);
+        spread_flow(&self.jacobian, (self.n, self.m), &self.previous, jacobian);
     }
 
     /// Linearizes some intervals of the trajectory.
@@ -119,14 +181,18 @@ impl Shooter {
         intervals: std::ops::Range<usize>,
         out: &mut Linearization,
     ) {
-        let (n, w) = (self.n, self.n + self.m);
+        let (n, w) = (self.states(), self.states() + self.m);
         out.end.resize(trajectory.steps() * n, 0.0);
         out.jacobian.resize(trajectory.steps() * n * w, 0.0);
         for k in intervals {
             let interval = grid.enter(dynamics, k, trajectory.u(k));
             let end = &mut out.end[k * n..(k + 1) * n];
             end.copy_from_slice(trajectory.x(k));
-            self.advance_with_sensitivity(dynamics, interval, end, &mut out.jacobian[k * n * w..(k + 1) * n * w]);
+            let jacobian = &mut out.jacobian[k * n * w..(k + 1) * n * w];
+            self.advance_with_sensitivity(dynamics, interval, end, jacobian);
+            if k > 0 {
+                carry_columns(&self.carried, n, w, jacobian);
+            }
         }
     }
 
@@ -141,16 +207,31 @@ impl Shooter {
         field: &[(usize, usize)],
         out: &mut [f64],
     ) {
+        let (n, extra) = (self.n, self.previous.len());
         self.end.clear();
-        self.end.extend_from_slice(x);
-        self.jacobian.resize(self.n * (self.n + self.m), 0.0);
+        self.end.extend_from_slice(&x[..n]);
+        self.jacobian.resize(n * (n + self.m), 0.0);
         let stages = &mut self.stages;
         stages.clear();
         let (end, jacobian) = (&mut self.end, &mut self.jacobian);
         let to = Differentiated { x: end, jacobian, stages: Some(stages) };
         if self.method.differentiate(dynamics, interval, to) {
-            self.method.adjoints(interval.step(), stages, lambda);
-            stages.hessian(dynamics, interval.u, field, out);
+            self.method.adjoints(interval.step(), stages, &mut lambda[..n]);
+            if extra == 0 {
+                stages.hessian(dynamics, interval.u, field, out);
+                return;
+            }
+            // Previous inputs are linear: what they add is zero.
+            let w = n + self.m;
+            self.hessian.resize(w * w, 0.0);
+            stages.hessian(dynamics, interval.u, field, &mut self.hessian);
+            out.fill(0.0);
+            let place = |i: usize| if i < n { i } else { i + extra };
+            for (i, row) in self.hessian.chunks_exact(w).enumerate() {
+                for (j, v) in row.iter().enumerate() {
+                    out[place(i) * (w + extra) + place(j)] = *v;
+                }
+            }
         } else {
             out.fill(f64::NAN);
         }
@@ -166,13 +247,47 @@ impl Shooter {
         field: &[(usize, usize)],
         out: &mut Vec<f64>,
     ) {
-        let (n, w) = (self.n, self.n + self.m);
+        let (n, w) = (self.states(), self.states() + self.m);
         out.resize(trajectory.steps() * w * w, 0.0);
         let mut lambda = vec![0.0; n];
         for (k, block) in out.chunks_exact_mut(w * w).enumerate() {
             let interval = grid.enter(dynamics, k, trajectory.u(k));
             lambda.iter_mut().zip(&multipliers[k * n..(k + 1) * n]).for_each(|(l, y)| *l = -y);
             self.curvature(dynamics, interval, trajectory.x(k), &mut lambda, field, block);
+            if k > 0 {
+                carry_block(&self.carried, n, w, block);
+            }
+        }
+    }
+
+    /// Linearizes all intervals and adds their curvature as [`Shooter::curvatures`] does, in one pass.
+    pub(crate) fn linearize_with_curvatures(
+        &mut self,
+        dynamics: &mut dyn Dynamics,
+        grid: Grid<'_>,
+        trajectory: &Trajectory,
+        (multipliers, field): (&[f64], &[(usize, usize)]),
+        out: &mut Linearization,
+    ) {
+        let (n, w, steps) = (self.states(), self.states() + self.m, trajectory.steps());
+        out.end.resize(steps * n, 0.0);
+        out.jacobian.resize(steps * n * w, 0.0);
+        out.curvature.resize(steps * w * w, 0.0);
+        let mut lambda = vec![0.0; n];
+        for (k, block) in out.curvature.chunks_exact_mut(w * w).enumerate() {
+            let interval = grid.enter(dynamics, k, trajectory.u(k));
+            lambda.iter_mut().zip(&multipliers[k * n..(k + 1) * n]).for_each(|(l, y)| *l = -y);
+            self.curvature(dynamics, interval, trajectory.x(k), &mut lambda, field, block);
+            let end = &mut out.end[k * n..(k + 1) * n];
+            end[..self.n].copy_from_slice(&self.end);
+            let previous = end[self.n..].iter_mut().zip(&self.previous);
+            previous.for_each(|(v, &j)| *v = interval.u[j]);
+            let jacobian = &mut out.jacobian[k * n * w..(k + 1) * n * w];
+            spread_flow(&self.jacobian, (self.n, self.m), &self.previous, jacobian);
+            if k > 0 {
+                carry_columns(&self.carried, n, w, jacobian);
+                carry_block(&self.carried, n, w, block);
+            }
         }
     }
 
@@ -184,7 +299,7 @@ impl Shooter {
         trajectory: &Trajectory,
         end: &mut Vec<f64>,
     ) {
-        let n = self.n;
+        let n = self.states();
         end.resize(trajectory.steps() * n, 0.0);
         for (k, row) in end.chunks_exact_mut(n).enumerate() {
             let interval = grid.enter(dynamics, k, trajectory.u(k));
@@ -201,6 +316,40 @@ impl Shooter {
             self.advance(dynamics, interval, &mut x);
             trajectory.x_mut(k + 1).copy_from_slice(&x);
         }
+    }
+}
+
+/// Moves the columns of constant inputs, of `width` columns after `n` states, to the states that carry them on.
+fn carry_columns(carried: &[(usize, usize)], n: usize, width: usize, matrix: &mut [f64]) {
+    for &(j, state) in carried {
+        for row in matrix.chunks_exact_mut(width) {
+            row[state] += std::mem::take(&mut row[n + j]);
+        }
+    }
+}
+
+/// The same for rows and columns of a symmetric block of `width` variables.
+pub(crate) fn carry_block(carried: &[(usize, usize)], n: usize, width: usize, block: &mut [f64]) {
+    carry_columns(carried, n, width, block);
+    for &(j, state) in carried {
+        for c in 0..width {
+            block[state * width + c] += std::mem::take(&mut block[(n + j) * width + c]);
+        }
+    }
+}
+
+/// The derivative of the end state with respect to (x, u) from that of the dynamics' states, n rows of n + m: room for the
+/// previous inputs, which are these inputs at the end of the interval.
+pub(crate) fn spread_flow(flow: &[f64], (n, m): (usize, usize), previous: &[usize], out: &mut [f64]) {
+    let extra = previous.len();
+    let w = n + extra + m;
+    out.fill(0.0);
+    for (from, to) in flow.chunks_exact(n + m).zip(out.chunks_exact_mut(w)) {
+        to[..n].copy_from_slice(&from[..n]);
+        to[n + extra..].copy_from_slice(&from[n..]);
+    }
+    for (i, &j) in previous.iter().enumerate() {
+        out[(n + i) * w + n + extra + j] = 1.0;
     }
 }
 
