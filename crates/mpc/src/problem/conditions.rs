@@ -14,6 +14,8 @@ pub struct RunConditions {
     pub delay: usize,
     /// Whether the controller predicts over the delay.
     pub compensate_delay: bool,
+    /// Whether the run keeps the predicted trajectory of every sample.
+    pub keep_predictions: bool,
     /// What goes wrong, with the samples at which it does.
     pub faults: Vec<(Range<usize>, Fault)>,
 }

@@ -2,13 +2,16 @@
 
 use super::conditions::RunConditions;
 use super::estimation::Estimation;
-use super::method::Method;
+use super::found_values::FoundValues;
+use super::method::{Method, MethodReason};
+use super::schedule::Schedule;
 use crate::controller::FailurePolicy;
 use crate::error::MpcError;
 use crate::ocp::Ocp;
 use crate::qp::QpSettings;
 use bracketry_symbolic::StopFlag;
 use bracketry_system::{AffineError, FileError, System};
+use std::sync::Arc;
 
 /// A problem file that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -40,11 +43,14 @@ pub struct ControlProblem {
     pub plant: System,
     /// Horizon, cost, constraints and targets.
     pub ocp: Ocp,
-    /// How the loop is closed, with the settings of that method.
+    /// How the loop is closed, with the settings of that method; [`Method::Automatic`] where the file names none.
     pub method: Method,
+    /// Why it is this method; a choice at the start of a controller replaces it.
+    pub method_reason: MethodReason,
     /// Settings of the quadratic programs.
     pub qp: QpSettings,
-    /// Widths that replace `sign` in the controller's model, from wide to narrow; the loop uses the last.
+    /// Widths that replace `sign` in the controller's model, from wide to narrow; the loop uses the last. When empty, those of the
+    /// method: [`ControlProblem::widths`].
     pub smoothing: Vec<f64>,
     /// What is applied when a sample has no solution.
     pub policy: FailurePolicy,
@@ -52,10 +58,14 @@ pub struct ControlProblem {
     pub rest_input: Vec<f64>,
     /// Parameters of the controller's model that change over the run, as [`Ocp::parameters`] has them.
     pub live: Vec<String>,
+    /// Those of them that are functions of time or changed from outside, and the references, with their values over the run.
+    pub schedule: Schedule,
     /// Inputs of the first guess, one row per interval.
     pub guess: Vec<Vec<f64>>,
     /// Initial state.
     pub x0: Vec<f64>,
+    /// Inputs applied before the first sample; when empty, those at rest.
+    pub u0: Vec<f64>,
     /// Number of samples of the run.
     pub samples: usize,
     /// Integration steps of a smooth plant per sample.
@@ -64,6 +74,40 @@ pub struct ControlProblem {
     pub conditions: RunConditions,
     /// What is measured, and the estimator; without it the states are measured.
     pub estimation: Option<Estimation>,
+    /// What is left free; none once values were found for it, see [`ControlProblem::with_free_values`].
+    pub(crate) free: Option<Arc<FreeValues>>,
+    /// The values found for what was free.
+    pub found: Option<FoundValues>,
     /// Once it is raised, planning and running end with [`MpcError::Stopped`](crate::MpcError::Stopped).
     pub stop: StopFlag,
+}
+
+impl ControlProblem {
+    /// Widths that replace `sign` in the controller's model, from wide to narrow: those given, else those of the method.
+    pub fn widths(&self) -> Vec<f64> {
+        if self.smoothing.is_empty() { self.method.widths().to_vec() } else { self.smoothing.clone() }
+    }
+}
+
+/// The problem with the values found put into its file.
+pub(crate) type WithFound = Box<dyn Fn(&FoundValues) -> Result<ControlProblem, ProblemError> + Send + Sync>;
+
+/// A problem with something free: the one to be solved for it, in which it is the last inputs, and what becomes of it.
+pub(crate) struct FreeValues {
+    pub(super) extended: ControlProblem,
+    pub(super) parameters: Vec<String>,
+    /// Guess of the end time, s, where it is free.
+    pub(super) end_time: Option<f64>,
+    pub(super) with_found: WithFound,
+}
+
+impl FreeValues {
+    pub(crate) fn new(
+        extended: ControlProblem,
+        parameters: &[String],
+        end_time: Option<f64>,
+        with_found: WithFound,
+    ) -> Self {
+        Self { extended, parameters: parameters.to_vec(), end_time, with_found }
+    }
 }

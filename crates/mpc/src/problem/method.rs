@@ -1,10 +1,16 @@
 //! Methods of control, each with its settings.
 
 use crate::sqp::Hessian;
+use serde::Serialize;
 
 /// How the closed loop is controlled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
+    /// The one of the others that the problem needs. It is chosen once, when a controller is started.
+    Automatic {
+        /// When a solution is converged, where the method has one.
+        convergence: Convergence,
+    },
     /// Real-time iteration: one quadratic program per sample, receding horizon.
     Rti {
         /// Programs solved before the first input is applied.
@@ -39,8 +45,19 @@ impl Method {
     /// The settings of the method's converged solution, else the default ones.
     pub fn convergence(&self) -> Convergence {
         match *self {
-            Self::Sqp { convergence, .. } | Self::Plan { convergence, .. } => convergence,
+            Self::Automatic { convergence } | Self::Sqp { convergence, .. } | Self::Plan { convergence, .. } => {
+                convergence
+            }
             Self::Rti { .. } | Self::StickSlip { .. } => Convergence::default(),
+        }
+    }
+
+    /// Widths that replace `sign` in the controller's model where the problem gives none, from wide to narrow.
+    pub(super) fn widths(&self) -> &'static [f64] {
+        match self {
+            Self::Automatic { .. } | Self::Rti { .. } | Self::Sqp { .. } => &[0.01],
+            Self::Plan { .. } => &[0.1, 0.03, 0.01, 0.003],
+            Self::StickSlip { .. } => &[0.1, 0.01],
         }
     }
 
@@ -85,5 +102,53 @@ pub struct Feedback {
 impl Default for Feedback {
     fn default() -> Self {
         Self { iterations: 1, proximal: 0.0, guarded: false, time_limit: f64::INFINITY }
+    }
+}
+
+/// Why the loop is closed by its method.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum MethodReason {
+    /// The problem names it.
+    Given,
+    /// The problem has a setting of this method alone.
+    Setting {
+        /// The key.
+        key: String,
+    },
+    /// Dry friction is in reach of the plan.
+    Friction {
+        /// What vanishes or changes its sign.
+        names: Vec<String>,
+    },
+    /// The run ends with the horizon, at whose end there are targets: a horizon that moves on would not arrive.
+    Targets,
+    /// The end time or a parameter is free: a plan decides on it.
+    Free,
+    /// More programs hardly change the plan of the first one.
+    Settled {
+        /// Largest change, as a share of the cost or of what an input may change.
+        change: f64,
+    },
+    /// More programs change the plan of the first one.
+    NotSettled {
+        /// Largest change, as a share of the cost or of what an input may change; none where one of the plans fails.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        change: Option<f64>,
+    },
+    /// More programs change the plan of the first one, but do not converge either.
+    NotConverging,
+}
+
+impl Method {
+    /// Its name in problem files, where [`Method::Automatic`] is the method of those that name none.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Automatic { .. } => "automatic",
+            Self::Rti { .. } => "rti",
+            Self::Sqp { .. } => "sqp",
+            Self::Plan { .. } => "plan",
+            Self::StickSlip { .. } => "stick-slip",
+        }
     }
 }

@@ -1,19 +1,31 @@
 //! Control problems: model, horizon, cost, method and run together.
 
+mod choice;
 mod conditions;
 mod control_problem;
 mod estimation;
+mod findings;
+mod found_values;
+mod free_values;
 mod method;
 mod notes;
 mod on_plant;
+mod rehearsal;
 mod report;
 mod run;
+mod schedule;
+mod signs;
+mod start;
+mod verdict;
 
 pub use conditions::RunConditions;
+pub(crate) use control_problem::FreeValues;
 pub use control_problem::{ControlProblem, ProblemError};
 pub use estimation::{Estimation, EstimatorKind};
-pub use method::{Convergence, Feedback, Method};
-pub use notes::{FirstSample, Note};
+pub use found_values::FoundValues;
+pub use method::{Convergence, Feedback, Method, MethodReason};
+pub use notes::{Cause, FirstSample, Note};
 pub use on_plant::{ControlError, Controlled, control, control_watched};
 pub use report::{ClosedLoopReport, KeptRange, PlanReport};
 pub use run::ControlRun;
+pub use schedule::{Schedule, Scheduled};

@@ -4,12 +4,10 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use super::control_problem::ControlProblem;
-use crate::closed_loop::ClosedLoop;
-use crate::controller::{FallbackReason, StepStatus};
+use crate::controller::FallbackReason;
 use crate::error::MpcError;
 use crate::qp::QpStatus;
-use bracketry_system::{System, counted, readable};
+use bracketry_system::{counted, readable};
 
 /// Where something happened first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +16,26 @@ pub struct FirstSample {
     pub index: usize,
     /// Its time, s.
     pub time: f64,
+}
+
+/// What probably lies behind it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// The programs did not reach their tolerance.
+    Inaccurate,
+    /// The plant's friction is smoothed in the controller's model.
+    SmoothedFriction,
+    /// The plant is another model.
+    Plant,
+    /// The first plan did not converge.
+    Plan,
+    /// The horizon moves on, and its end with it.
+    MovingHorizon,
+    /// One program per sample does not follow the problem.
+    OneProgram,
+    /// A minimum that is only local.
+    LocalMinimum,
 }
 
 /// What is to be said of a run.
@@ -38,6 +56,47 @@ pub enum Note {
         samples: f64,
         /// Samples that the controller predicts over.
         compensated: usize,
+    },
+    /// A table of a reference or parameter ends before the run.
+    TableEnds {
+        /// The reference or parameter.
+        name: String,
+        /// Time of its last row, s.
+        last: f64,
+        /// End of the run, s.
+        end: f64,
+    },
+    /// The run starts where a hard bound is violated.
+    StartsOutside {
+        /// The state.
+        state: String,
+        /// Its value at the start.
+        value: f64,
+        /// Its bounds.
+        bounds: (f64, f64),
+    },
+    /// The run ends before the horizon, at whose end the targets are; the plan reaches them.
+    TargetsLater {
+        /// Number of samples of the run.
+        samples: usize,
+        /// Number of intervals of the horizon.
+        steps: usize,
+    },
+    /// The plan misses a target.
+    PlanMisses {
+        /// The state.
+        state: String,
+        /// By how much.
+        miss: f64,
+    },
+    /// The bounds of an input go beyond its range in the model.
+    BeyondRange {
+        /// The input.
+        input: String,
+        /// Its bounds.
+        bounds: (f64, f64),
+        /// Its range.
+        range: (f64, f64),
     },
     /// The stage cost is not finite.
     StageCost {
@@ -67,6 +126,91 @@ pub enum Note {
         /// The first of them.
         first: FirstSample,
     },
+    /// Most samples do not reach the tolerance.
+    MostlyInaccurate {
+        /// Number of samples that do not.
+        count: usize,
+        /// Number of all samples.
+        of: usize,
+    },
+    /// The plan did not converge.
+    PlanNotConverged,
+    /// After the end of the plan, the inputs at rest do not hold what it reached.
+    NotHeld {
+        /// Number of samples after the end of the plan.
+        count: usize,
+        /// Stage cost at the end of the plan.
+        reached: f64,
+        /// Stage cost at the end of the run.
+        left: f64,
+    },
+    /// The stage cost grows from the start of the run to its end.
+    Grows {
+        /// Mean of the first quarter of the samples.
+        first: f64,
+        /// Mean of the last quarter.
+        last: f64,
+        /// What probably lies behind it.
+        cause: Cause,
+    },
+    /// A target is missed.
+    MissedTarget {
+        /// The state.
+        state: String,
+        /// By how much.
+        miss: f64,
+        /// What probably lies behind it.
+        cause: Cause,
+    },
+    /// The loop costs much more than the plan that it starts with.
+    UnlikePlan {
+        /// Cost of the loop.
+        realized: f64,
+        /// Cost of the plan over the same intervals.
+        planned: f64,
+        /// Number of intervals.
+        intervals: usize,
+        /// What probably lies behind it.
+        cause: Cause,
+    },
+    /// A simple input does better than the plan.
+    Outdone {
+        /// Whether the inputs stay at their guess.
+        stays: bool,
+        /// The input that is held.
+        input: String,
+        /// Its value.
+        value: f64,
+        /// For how many intervals; afterwards it is at rest.
+        intervals: usize,
+        /// What this costs over the horizon.
+        cost: f64,
+        /// What the plan costs over the horizon; with one program per sample, what the loop does.
+        realized: f64,
+    },
+    /// A plan from another start costs much less.
+    BetterElsewhere {
+        /// Whether the start are inputs at rest; else waves around the guess.
+        at_rest: bool,
+        /// What the plan costs.
+        planned: f64,
+        /// What the other plan costs.
+        found: f64,
+    },
+    /// The run comes close to where the equations have no value.
+    Singular {
+        /// The components of the vector whose direction they use.
+        name: String,
+        /// Its smallest length.
+        length: f64,
+        /// Where.
+        first: FirstSample,
+    },
+    /// Nothing moves, and no input alone would move anything.
+    Held {
+        /// The switching functions of the friction that holds.
+        names: Vec<String>,
+    },
     /// The tolerance is not reached.
     Inaccurate {
         /// Number of samples.
@@ -74,6 +218,59 @@ pub enum Note {
         /// The first of them.
         first: FirstSample,
     },
+}
+
+impl Note {
+    /// Whether a run with this note did not do what was asked.
+    pub fn is_failure(&self) -> bool {
+        match self {
+            Self::MostlyInaccurate { .. }
+            | Self::PlanNotConverged
+            | Self::NotHeld { .. }
+            | Self::Grows { .. }
+            | Self::MissedTarget { .. }
+            | Self::PlanMisses { .. }
+            | Self::UnlikePlan { .. }
+            | Self::Outdone { .. }
+            | Self::BetterElsewhere { .. }
+            | Self::Held { .. }
+            | Self::State { .. }
+            | Self::StageCost { .. }
+            | Self::NoPlan
+            | Self::Fallback { .. }
+            | Self::Infeasible { .. } => true,
+            Self::Delays { .. }
+            | Self::TableEnds { .. }
+            | Self::StartsOutside { .. }
+            | Self::TargetsLater { .. }
+            | Self::BeyondRange { .. }
+            | Self::Unobservable { .. }
+            | Self::Singular { .. }
+            | Self::Inaccurate { .. } => false,
+        }
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Inaccurate => "most programs miss their tolerance; give a [guess], or [scale] near the real sizes",
+            Self::SmoothedFriction => {
+                "the controller's model has smoothed friction, the plant sticks; write method = \"stick-slip\""
+            }
+            Self::Plant => "the plant is not the controller's model",
+            Self::Plan => "the plan did not converge; give a [guess], or raise max_iterations",
+            Self::MovingHorizon => {
+                "it is that of the end of a horizon that moves on; write method = \"plan\", whose horizon ends with the run"
+            }
+            Self::OneProgram => {
+                "one program per sample does not follow; write method = \"sqp\", or raise initial_iterations"
+            }
+            Self::LocalMinimum => {
+                "give a [guess] nearer to what is wanted, a longer horizon, or a cost that leads there"
+            }
+        })
+    }
 }
 
 impl fmt::Display for FirstSample {
@@ -97,6 +294,43 @@ impl fmt::Display for Note {
                 readable(*longest),
                 counted(*compensated, "sample", "samples")
             ),
+            Note::TableEnds { name, last, end } => write!(
+                f,
+                "the table of `{name}` ends at t = {} s, the run at t = {} s: afterwards the last value is kept",
+                readable(*last),
+                readable(*end)
+            ),
+            Note::StartsOutside { state, value, bounds } => write!(
+                f,
+                "the run starts with `{state}` = {} outside its hard bounds {} to {}: start within them, or make them soft",
+                readable(*value),
+                readable(bounds.0),
+                readable(bounds.1)
+            ),
+            Note::Held { names } => write!(
+                f,
+                "nothing moves: friction holds (sign of {}) against every input alone, at both of its bounds; widen the bounds",
+                names.join(", ")
+            ),
+            Note::TargetsLater { samples, steps } => write!(
+                f,
+                "the run ends after {} of a horizon of {steps}, at whose end the targets are; the plan reaches them",
+                counted(*samples, "sample", "samples")
+            ),
+            Note::PlanMisses { state, miss } => write!(
+                f,
+                "the plan misses the target of `{state}` by {}: {}",
+                readable(*miss),
+                Cause::LocalMinimum
+            ),
+            Note::BeyondRange { input, bounds, range } => write!(
+                f,
+                "`{input}` may go from {} to {}, though its range in the model is {} to {}: narrow the bounds, or widen [ranges]",
+                readable(bounds.0),
+                readable(bounds.1),
+                readable(range.0),
+                readable(range.1)
+            ),
             Note::StageCost { first } => write!(
                 f,
                 "the stage cost is not finite {first}: write one that is defined at every state that the loop passes"
@@ -114,6 +348,60 @@ impl fmt::Display for Note {
                 "{count} × infeasible: a hard bound cannot be kept; make it soft, or give the inputs more room or the loop \
                  another start, first {first}"
             ),
+            Note::MostlyInaccurate { count, of } => write!(
+                f,
+                "{count} of {} do not reach the tolerance: the inputs are no solutions; give a [guess], or [scale] near the real sizes",
+                counted(*of, "sample", "samples")
+            ),
+            Note::PlanNotConverged => f.write_str("the plan did not converge: give a [guess], or raise max_iterations"),
+            Note::NotHeld { count, reached, left } => write!(
+                f,
+                "{} after the end of the plan have the inputs at rest, which do not hold what it reached: the stage cost \
+                 goes from {} to {}; lengthen the horizon, give [solve] rest, or take another method",
+                counted(*count, "sample", "samples"),
+                readable(*reached),
+                readable(*left)
+            ),
+            Note::Grows { first, last, cause } => write!(
+                f,
+                "the stage cost grows from {} in the first quarter of the run to {} in the last: {cause}",
+                readable(*first),
+                readable(*last)
+            ),
+            Note::MissedTarget { state, miss, cause } => {
+                write!(f, "the target of `{state}` is missed by {}: {cause}", readable(*miss))
+            }
+            Note::UnlikePlan { realized, planned, intervals, cause } => write!(
+                f,
+                "the first {} cost {}, where the plan has {}: {cause}",
+                counted(*intervals, "interval", "intervals"),
+                readable(*realized),
+                readable(*planned)
+            ),
+            Note::Outdone { stays, input, value, intervals, cost, realized } => {
+                let what = if *stays { "the inputs stay at their guess" } else { "a simple input does better" };
+                write!(
+                    f,
+                    "{what}: over the horizon they cost {}, {input} = {} for {} and then rest {}; give a [guess] near it",
+                    readable(*realized),
+                    readable(*value),
+                    counted(*intervals, "interval", "intervals"),
+                    readable(*cost)
+                )
+            }
+            Note::BetterElsewhere { at_rest, planned, found } => write!(
+                f,
+                "the plan is a minimum that is only local: it costs {}, one from {} {}; give such a [guess]",
+                readable(*planned),
+                if *at_rest { "inputs at rest" } else { "a wave of 10 % on the guess" },
+                readable(*found)
+            ),
+            Note::Singular { name, length, first } => write!(
+                f,
+                "the direction of ({name}) is taken where its length is {} {first}; it is smooth but where the length is 0, and \
+                 friction only if written unit(…)",
+                readable(*length)
+            ),
             Note::Inaccurate { count, first } => write!(
                 f,
                 "{count} × inaccurate: the tolerance is not reached; give [scale], a [guess] or more max_iterations, first \
@@ -127,68 +415,6 @@ impl Serialize for Note {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
-}
-
-/// What the controller is told of inputs that act later than they are commanded.
-fn note_on_delays(problem: &ControlProblem) -> Option<Note> {
-    let longest = |system: &System| system.delay_values().into_iter().flatten().fold(0.0, f64::max);
-    let (plant, model) = (longest(&problem.plant), longest(&problem.system));
-    if plant == 0.0 && model == 0.0 {
-        return None;
-    }
-    let compensated = match problem.delay_of_inputs() {
-        Ok(samples) if problem.conditions.compensate_delay => samples,
-        _ => 0,
-    };
-    Some(Note::Delays { longest: plant, samples: plant / problem.ocp.dt, compensated })
-}
-
-/// What went wrong in a run: quantities that are not finite, then samples without a good solution; and what the
-/// controller is told of delays.
-pub(super) fn notes(problem: &ControlProblem, run: &ClosedLoop, open_loop_cost: f64) -> Vec<Note> {
-    let mut notes = Vec::new();
-    let sample = |k: usize| FirstSample { index: k, time: run.t[k] };
-    let names = problem.system.state_names();
-    let mut states = run.x.iter().enumerate();
-    if let Some((k, i)) = states.find_map(|(k, x)| x.iter().position(|v| !v.is_finite()).map(|i| (k, i))) {
-        notes.push(Note::State { name: names[i].clone(), first: sample(k) });
-    }
-    notes.extend(note_on_delays(problem));
-    let mut ocp = problem.ocp.clone();
-    let mut inputs = run.u.iter().enumerate();
-    if let Some((k, _)) = inputs.find(|&(k, u)| !ocp.stage_cost(k, run.t[k], &run.x[k], u).is_finite()) {
-        notes.push(Note::StageCost { first: sample(k) });
-    }
-    if let Some(estimation) = &problem.estimation {
-        // What moves nowhere on the way cannot be told; at some points alone anything may be hidden.
-        let samples = run.u.len();
-        let hidden = [0, samples / 3, 2 * samples / 3]
-            .map(|k| estimation.problem.check_observability(&run.x[k], &run.u[k]).err());
-        if let [Some(_), Some(_), Some(MpcError::NotObservable { names })] = hidden {
-            notes.push(Note::Unobservable { names });
-        }
-    }
-    if !open_loop_cost.is_finite() {
-        notes.push(Note::NoPlan);
-    }
-    // One note per reason, in the order of their appearance.
-    let mut fallbacks: Vec<(FallbackReason, usize, usize)> = Vec::new();
-    for (k, step) in run.steps.iter().enumerate() {
-        if let StepStatus::Fallback(reason) = step.status {
-            match fallbacks.iter_mut().find(|f| f.0 == reason) {
-                Some(f) => f.1 += 1,
-                None => fallbacks.push((reason, 1, k)),
-            }
-        }
-    }
-    let fallback = |(reason, count, k)| Note::Fallback { reason, count, first: sample(k) };
-    notes.extend(fallbacks.into_iter().map(fallback));
-    let first = |status: StepStatus| run.steps.iter().position(|s| s.status == status).map(sample);
-    let infeasible = first(StepStatus::Infeasible);
-    notes.extend(infeasible.map(|first| Note::Infeasible { count: run.counts.infeasible, first }));
-    let inaccurate = first(StepStatus::Inaccurate);
-    notes.extend(inaccurate.map(|first| Note::Inaccurate { count: run.counts.inaccurate, first }));
-    notes
 }
 
 /// What is behind a fallback, and what to do about it.

@@ -53,6 +53,7 @@ pub fn control(problem: &ControlProblem) -> Result<Controlled, ControlError> {
 /// # Errors
 /// As [`control`].
 pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)) -> Result<Controlled, ControlError> {
+    let problem = &*problem.with_free_values()?;
     problem.system.check_denominators()?;
     problem.plant.check_denominators()?;
     // Delays act within a sample, which is for the simulator too.

@@ -1,7 +1,10 @@
 //! What is to be said about a closed-loop run.
 
+use super::found_values::FoundValues;
+use super::method::MethodReason;
 use super::notes::Note;
 use crate::closed_loop::{Counts, SolveTimes};
+use crate::sqp::Hessian;
 use bracketry_symbolic::Named;
 use serde::Serialize;
 
@@ -10,8 +13,12 @@ use serde::Serialize;
 pub struct PlanReport {
     /// How the solution process ended.
     pub status: String,
+    /// Steps of the interior-point method, before the programs that confirm where it ends.
+    pub interior_point_steps: usize,
     /// Number of quadratic programs.
     pub programs: usize,
+    /// Second derivatives of the last program: `gauss-newton` or `exact`.
+    pub hessian: Hessian,
     /// Largest mismatch between intervals, in units of the state scales.
     pub defect: f64,
     /// Time taken, s.
@@ -34,6 +41,10 @@ pub struct KeptRange {
 /// Figures of a closed-loop run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClosedLoopReport {
+    /// The method, as problem files name it.
+    pub method: &'static str,
+    /// Why it is this method.
+    pub method_reason: MethodReason,
     /// Σ dt·stage cost at the sampled states with the applied inputs.
     pub closed_loop_cost: f64,
     /// Stage and terminal cost, as predicted from the initial state, of the first plan that an input is taken from: with
@@ -57,13 +68,17 @@ pub struct ClosedLoopReport {
     /// Inputs that are kept within ranges of the model.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub input_ranges: Vec<KeptRange>,
+    /// The end time and parameters that were free.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub found: Option<FoundValues>,
     /// The plan, where one was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanReport>,
     /// What went wrong: how often, where first, and what to do about it.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<Note>,
-    /// Whether the run did what was asked: every target met within its tolerance (without targets: the plan, where there is
-    /// one, converged), no sample infeasible or fallen back on an old input, and every figure finite.
+    /// Whether the run did what was asked: every target met within its tolerance (without targets, or where the run ends before
+    /// the horizon: the plan, where there is
+    /// one, converged), no sample infeasible or fallen back on an old input, every figure finite, and no note that speaks
+    /// against it ([`Note::is_failure`]).
     pub succeeded: bool,
 }

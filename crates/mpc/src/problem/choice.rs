@@ -1,0 +1,190 @@
+//! The method of control that a problem needs, where its file names none.
+
+use super::control_problem::ControlProblem;
+use super::method::{Convergence, Feedback, Method, MethodReason};
+use super::rehearsal::Rehearsal;
+use super::signs::jumps;
+use super::start::Prepared;
+use super::verdict::floor;
+use crate::controller::StepStatus;
+use crate::error::{MpcError, check_flag};
+use crate::exact_friction::StickSlipController;
+use crate::sqp::{SolveStatus, Sqp};
+use crate::trajectory::Trajectory;
+
+/// Programs after which the plan of the first one is looked at again.
+const MORE_PROGRAMS: usize = 4;
+/// Largest change of the plan, as a share of its cost or of what an input may change, with which one program per sample
+/// settles.
+const SETTLED: f64 = 0.01;
+/// Share of its largest value below which a switching function counts as reached.
+const NEAR: f64 = 0.05;
+
+/// A plan with its cost and penalties: as predicted, and as its inputs really have it.
+struct Rated {
+    predicted: f64,
+    real: f64,
+    plan: Trajectory,
+}
+
+/// The real-time iteration, tried at the first sample.
+struct Trial {
+    /// Stage and terminal cost of the first plan.
+    open_loop_cost: f64,
+    /// The first plan, and the one after more programs; fewer where one of them fails.
+    plans: Vec<Rated>,
+}
+
+impl ControlProblem {
+    /// The problem with the method that it needs, and the controller of that method at its start: exact friction where friction is
+    /// in reach; else a plan where the run ends with the horizon and its targets; else one program per sample where the plan settles
+    /// with it; else converged solutions. What is solved on the way is not solved again.
+    pub(super) fn choose_method(&self, convergence: Convergence) -> Result<(Self, Prepared), MpcError> {
+        let iterations = convergence.max_iterations;
+        if self.has_exact_friction() {
+            let mut exact = self.with_method(Method::StickSlip { iterations }, MethodReason::Given);
+            let mut controller = exact.stick_slip(iterations)?;
+            let names = self.friction_in_reach(&mut controller)?;
+            if !names.is_empty() {
+                exact.method_reason = MethodReason::Friction { names };
+                let prepared = exact.on_exact_flow(controller)?;
+                return Ok((exact, prepared));
+            }
+        }
+        if !self.ocp.targets.is_empty() && self.samples <= self.ocp.steps && self.ocp.is_uniform() {
+            let feedback = Feedback { guarded: true, ..Feedback::default() };
+            let method = Method::Plan { convergence, margin: 0.0, feedback };
+            // Friction is not in reach: one width is enough.
+            let plan = Self { smoothing: self.widths(), ..self.with_method(method, MethodReason::Targets) };
+            let prepared = plan.tracker(0.0, feedback)?;
+            return Ok((plan, prepared));
+        }
+        let feedback = Feedback::default();
+        let trial = self.try_one_program(feedback, self.start())?;
+        let mut change = self.change(&trial, feedback)?;
+        if change.is_some_and(|c| c <= SETTLED) {
+            change = Some(change.unwrap_or(0.0).max(self.gain_from_waves(convergence, &trial)?));
+        }
+        let open_loop_cost = trial.open_loop_cost;
+        let single = |reason| -> Result<(Self, Prepared), MpcError> {
+            let problem = self.with_method(Method::Rti { initial_iterations: 1, feedback }, reason);
+            let controller = Box::new(problem.receding(feedback, problem.start())?);
+            Ok((problem, Prepared { controller, plan: None, open_loop_cost }))
+        };
+        if let Some(change) = change.filter(|c| *c <= SETTLED) {
+            return single(MethodReason::Settled { change });
+        }
+        let converged =
+            self.with_method(Method::Sqp { convergence, first: feedback }, MethodReason::NotSettled { change });
+        let (sqp, solution) = converged.first_solution(feedback)?;
+        if !matches!(solution.status, SolveStatus::Converged | SolveStatus::Infeasible { .. }) {
+            return single(MethodReason::NotConverging);
+        }
+        let prepared = converged.converged(sqp, solution)?;
+        Ok((converged, prepared))
+    }
+
+    /// By what share of its cost a converged plan from waves beats a first plan that stays at the guess: there, programs that leave
+    /// negative curvature out may come back to a maximum.
+    fn gain_from_waves(&self, convergence: Convergence, trial: &Trial) -> Result<f64, MpcError> {
+        let Some(first) = trial.plans.first() else { return Ok(0.0) };
+        if !self.system.is_smooth() || !self.stays((0..first.plan.steps()).map(|k| first.plan.u(k))) {
+            return Ok(0.0);
+        }
+        let method = Method::Sqp { convergence, first: Feedback::default() };
+        let problem = self.with_method(method, MethodReason::Given);
+        let mut sqp = Sqp::new(problem.dynamics()?, problem.ocp.clone(), problem.sqp_settings())?;
+        let found = sqp.solve(&self.initial_state(), &self.waves())?;
+        let gain = first.real - self.value(&found.trajectory) - floor(self, first.plan.steps());
+        let converged = found.status == SolveStatus::Converged && gain > 0.0;
+        Ok(if converged { gain / first.real.abs().max(f64::MIN_POSITIVE) } else { 0.0 })
+    }
+
+    fn with_method(&self, method: Method, method_reason: MethodReason) -> Self {
+        Self { method, method_reason, ..self.clone() }
+    }
+
+    /// Whether the controller's model has friction that the exact flow treats.
+    fn has_exact_friction(&self) -> bool {
+        !self.ocp.integrator.is_implicit() && !self.system.is_smooth()
+    }
+
+    /// The arguments of `sign` that vanish or change their sign along the first plan, as it is with smoothed friction.
+    fn friction_in_reach(&self, controller: &mut StickSlipController) -> Result<Vec<String>, MpcError> {
+        let mut system = self.system.clone();
+        let (names, surfaces): (Vec<String>, Vec<_>) = jumps(&mut system).into_iter().unzip();
+        if names.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut arguments = vec![system.pool.symbol("t")];
+        arguments.extend(system.states.iter().chain(&system.inputs));
+        // A switching function of another one has its sign in it; along a plan the outer one alone says enough.
+        let Ok(tape) = system.compile(&arguments, &surfaces) else { return Ok(names) };
+        let plan = controller.smoothed_plan(&self.initial_state())?;
+        let mut work = Vec::new();
+        let mut values = vec![0.0; names.len()];
+        let mut extent = vec![(0.0_f64, f64::INFINITY, false); names.len()];
+        let mut before: Option<Vec<f64>> = None;
+        for k in 0..plan.steps() {
+            let mut at = vec![self.ocp.time(0, k)];
+            at.extend(plan.x(k)[..self.ocp.model_states()].iter().chain(plan.u(k)));
+            tape.eval(&at, &mut work, &mut values);
+            for (i, v) in values.iter().enumerate() {
+                let crossed = before.as_ref().is_some_and(|b| b[i] * v <= 0.0);
+                extent[i] = (extent[i].0.max(v.abs()), extent[i].1.min(v.abs()), extent[i].2 || crossed);
+            }
+            before = Some(values.clone());
+        }
+        // Where there is no plan to look at, friction is not ruled out.
+        let reached =
+            extent.iter().map(|(most, least, crossed)| *crossed || *least <= NEAR * most || !most.is_finite());
+        Ok(names.into_iter().zip(reached).filter(|(_, reached)| *reached).map(|(name, _)| name).collect())
+    }
+
+    /// The first plan of the real-time iteration, and the one after more programs.
+    fn try_one_program(&self, feedback: Feedback, start: Trajectory) -> Result<Trial, MpcError> {
+        let mut rti = self.receding(feedback, start)?;
+        let mut ocp = self.ocp.clone();
+        let mut rehearsal = Rehearsal::smoothed(self)?;
+        let mut trial = Trial { open_loop_cost: f64::NAN, plans: Vec::new() };
+        for programs in [1, MORE_PROGRAMS] {
+            for _ in 0..programs {
+                check_flag(&self.stop)?;
+                if matches!(rti.feedback(&self.initial_state())?.status, StepStatus::Fallback(_)) {
+                    return Ok(trial);
+                }
+            }
+            let mut plan = rti.trajectory().clone();
+            let cost = ocp.cost(0, &plan);
+            if trial.plans.is_empty() {
+                trial.open_loop_cost = cost;
+            }
+            let predicted = cost + ocp.penalty(0, &plan, self.qp.hard_weight);
+            // What its inputs really cost shows how far the plan is from the dynamics.
+            let real = rehearsal.cost(&mut plan);
+            trial.plans.push(Rated { predicted, real, plan });
+        }
+        Ok(trial)
+    }
+
+    /// How much more programs at the first sample change its plan, as a share of the cost of that plan's inputs or of what an
+    /// input may change; none where one of them fails. A plan that stays at the guess is looked at from beside it, too: there,
+    /// programs do not come back to a guess that is stationary, but no minimum.
+    fn change(&self, trial: &Trial, feedback: Feedback) -> Result<Option<f64>, MpcError> {
+        let [first, later] = &trial.plans[..] else { return Ok(None) };
+        let differ = |a: f64, b: f64| (a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
+        let mut change = differ(first.predicted, first.real).max(differ(first.real, later.real));
+        let moved = |a: &[f64], b: &[f64]| {
+            let inputs = a.iter().zip(b).zip(&self.ocp.input_trust);
+            inputs.fold(0.0, |most: f64, ((a, b), trust)| most.max((a - b).abs() / trust))
+        };
+        change = change.max(moved(first.plan.u(0), later.plan.u(0)));
+        let steps = first.plan.steps();
+        if change <= SETTLED && self.stays((0..steps).map(|k| first.plan.u(k))) {
+            let beside = self.try_one_program(feedback, self.waves())?;
+            let [_, other] = &beside.plans[..] else { return Ok(None) };
+            change = (0..steps).fold(change, |most, k| most.max(moved(first.plan.u(k), other.plan.u(k))));
+        }
+        Ok(Some(change).filter(|c| c.is_finite()))
+    }
+}

@@ -1,0 +1,11 @@
+//! The dry friction of a model, as what jumps in it.
+
+use bracketry_symbolic::Expr;
+use bracketry_system::{SwitchKind, System};
+
+/// Names and arguments of the signs in a model. The exact flow treats these; kinks alone are smooth enough.
+pub(super) fn jumps(system: &mut System) -> Vec<(String, Expr)> {
+    let form = system.set_valued_form();
+    let jumps = form.signs().iter().filter(|s| s.kind == SwitchKind::Jump);
+    jumps.map(|s| (s.name.clone(), s.surface)).collect()
+}

@@ -1,0 +1,327 @@
+//! What speaks against a run whose every sample has a solution: it does not do what its plan says, or something simple does
+//! better.
+
+use super::control_problem::ControlProblem;
+use super::method::{Method, MethodReason};
+use super::notes::{Cause, Note};
+use super::rehearsal::{Held, Rehearsal};
+use super::signs::jumps;
+use crate::closed_loop::ClosedLoop;
+use crate::error::MpcError;
+use crate::ocp::Ocp;
+use crate::sqp::{SolveStatus, Sqp};
+use crate::trajectory::Trajectory;
+
+/// Share of the larger of two costs beyond which they differ grossly: one is more than ten times the other.
+const GROSS: f64 = 0.9;
+/// The same for a simple input that does better than a loop with one program per sample: it costs less than half.
+const BETTER: f64 = 0.5;
+/// The same where the loop does next to nothing.
+const IDLE: f64 = 0.1;
+/// The same for a simple input that does better than a converged plan, which is then not the best one.
+const BEST: f64 = 0.01;
+/// The same for the plan from another start: solutions that differ less are other ways to do the same.
+const ELSEWHERE: f64 = 0.3;
+/// Samples of a run from which on another plan hardly adds to its time.
+const OTHER_START: usize = 20;
+/// Violation of a hard bound, as a share of its scale, below which it does not count: the plant bends otherwise between samples.
+const KEPT: f64 = 0.01;
+/// Motion, as a share of a state's scale, below which nothing moves.
+const STILL: f64 = 1e-6;
+/// Share of what moving every state by its scale costs, below which costs are not worth mentioning.
+const FLOOR: f64 = 0.01;
+
+/// The cost of what was done, of what was planned, and what a cost has to reach to be worth mentioning.
+struct Balance {
+    /// Over the first `intervals`, with the terminal cost where these are the horizon.
+    realized: f64,
+    planned: f64,
+    intervals: usize,
+    floor: f64,
+}
+
+/// What speaks against the run; `plan` is the trajectory that the controller started from.
+///
+/// # Errors
+/// If the pieces of the problem do not fit together.
+pub(super) fn verdict(
+    problem: &ControlProblem,
+    run: &ClosedLoop,
+    plan: &Trajectory,
+    planned: bool,
+    predicted: f64,
+) -> Result<Vec<Note>, MpcError> {
+    let mut notes = Vec::new();
+    let answered = run.steps.len() - run.counts.played_out;
+    if answered > 1 && 2 * run.counts.inaccurate > answered {
+        notes.push(Note::MostlyInaccurate { count: run.counts.inaccurate, of: answered });
+    }
+    if !planned && (problem.ocp.targets.is_empty() || problem.ends_early()) {
+        notes.push(Note::PlanNotConverged);
+    }
+    if let Some(note) = held(problem, run)? {
+        // Whatever else is wrong follows from it.
+        notes.push(note);
+        return Ok(notes);
+    }
+    let cause = cause(problem, run, planned);
+    let end = run.x.last().unwrap_or(&problem.x0);
+    for t in problem.ocp.targets.iter().filter(|_| !problem.ends_early()) {
+        let miss = end[t.state] - t.value;
+        if miss.abs() * t.linear > 1.0 {
+            let state = problem.system.symbol_name(problem.system.states[t.state]).to_owned();
+            let moves_on = !matches!(problem.method, Method::Plan { .. });
+            let cause = if moves_on && cause != Cause::Plant { Cause::MovingHorizon } else { cause };
+            notes.push(Note::MissedTarget { state, miss: miss.abs(), cause });
+        }
+    }
+    if problem.ends_early() && planned && !one_program(problem) {
+        notes.extend(targets_of_plan(problem, plan));
+    }
+    if !one_program(problem) && planned {
+        notes.extend(plan_outdone(problem, plan)?);
+        let converged = matches!(problem.method, Method::Sqp { .. } | Method::Plan { .. });
+        if converged && notes.is_empty() && answered >= OTHER_START {
+            notes.extend(other_start(problem, problem.value(plan))?);
+        }
+    }
+    // What noise, faults and delays cost cannot be told from what the controller does.
+    let conditions = &problem.conditions;
+    let undisturbed = conditions.noise.iter().all(|s| *s == 0.0)
+        && conditions.faults.is_empty()
+        && conditions.delay == 0
+        && problem.estimation.is_none()
+        // Nor do intervals that are no samples have a counterpart in the run.
+        && problem.ocp.is_uniform();
+    if !undisturbed || !run.x.iter().flatten().all(|v| v.is_finite()) {
+        return Ok(notes);
+    }
+    let balance = balance(problem, run, plan, predicted);
+    let (first, last) = ends(problem, run);
+    let falls = last < 0.5 * first;
+    let gross = |a: f64, b: f64, share: f64| a - b > share * a.abs().max(b.abs()) + balance.floor;
+    if gross(balance.realized, balance.planned, GROSS) && (!one_program(problem) || !falls) {
+        let Balance { realized, planned, intervals, .. } = balance;
+        notes.push(Note::UnlikePlan { realized, planned, intervals, cause });
+    }
+    notes.extend(not_held(problem, run, balance.floor));
+    let per_interval = balance.floor / (problem.ocp.dt * balance.intervals.max(1) as f64);
+    // References and live parameters may make a cost grow that was well served.
+    let constant = problem.ocp.references.is_empty() && problem.ocp.parameters.is_empty();
+    if notes.is_empty() && constant && last - first > GROSS * first.abs().max(last.abs()) + per_interval {
+        notes.push(Note::Grows { first, last, cause });
+    }
+    let same = problem.plant.dynamics.len() == problem.system.dynamics.len() && !differs(problem);
+    let whole = balance.intervals == problem.ocp.steps && problem.ocp.targets.is_empty();
+    if whole && same && one_program(problem) && notes.is_empty() {
+        notes.extend(loop_outdone(problem, run, &balance)?);
+        let doubtful = problem.stays(run.u.iter().map(Vec::as_slice))
+            || matches!(problem.method_reason, MethodReason::NotConverging);
+        if doubtful && notes.is_empty() {
+            notes.extend(other_start(problem, balance.realized)?);
+        }
+    }
+    Ok(notes)
+}
+
+/// Friction that holds everything where it is, whatever the inputs, though something else is asked.
+fn held(problem: &ControlProblem, run: &ClosedLoop) -> Result<Option<Note>, MpcError> {
+    let moves = |x: &[f64]| {
+        let scale = &problem.ocp.state_scale;
+        x.iter().zip(&problem.x0).zip(scale).any(|((x, x0), s)| (x - x0).abs() > STILL * s)
+    };
+    let asked = run.cost.abs() > floor(problem, problem.ocp.steps)
+        || problem.ocp.targets.iter().any(|t| (problem.x0[t.state] - t.value).abs() * t.linear > 1.0);
+    // An input without bounds overcomes what it has to, if its cost allows.
+    let bounded = problem.ocp.input_bounds.iter().all(|b| b.0.is_finite() && b.1.is_finite());
+    if problem.system.is_smooth() || !asked || !bounded || run.x.iter().any(|x| moves(x)) {
+        return Ok(None);
+    }
+    let mut rehearsal = Rehearsal::exact(problem)?;
+    if !matches!(rehearsal, Rehearsal::Exact(_)) {
+        return Ok(None);
+    }
+    for motion in rehearsal.at_bounds(problem) {
+        if (0..=motion.steps()).any(|k| moves(motion.x(k))) {
+            return Ok(None);
+        }
+    }
+    let names = jumps(&mut problem.system.clone()).into_iter().map(|(name, _)| name).collect();
+    Ok(Some(Note::Held { names }))
+}
+
+/// Whether the plan of a run that ends before it reaches the targets.
+fn targets_of_plan(problem: &ControlProblem, plan: &Trajectory) -> Vec<Note> {
+    let end = plan.x(plan.steps());
+    let missed = problem.ocp.targets.iter().filter(|t| (end[t.state] - t.value).abs() * t.linear > 1.0);
+    let notes: Vec<Note> = missed
+        .map(|t| Note::PlanMisses {
+            state: problem.system.symbol_name(problem.system.states[t.state]).to_owned(),
+            miss: (end[t.state] - t.value).abs(),
+        })
+        .collect();
+    if notes.is_empty() && !problem.ocp.targets.is_empty() {
+        return vec![Note::TargetsLater { samples: problem.samples, steps: problem.ocp.steps }];
+    }
+    notes
+}
+
+/// A simple input that costs less than the converged plan, which shows that there is a better one.
+fn plan_outdone(problem: &ControlProblem, plan: &Trajectory) -> Result<Option<Note>, MpcError> {
+    let mut problem = problem.clone();
+    problem.ocp = problem.ocp.tightened(problem.method.margin());
+    let mut rehearsal = match problem.method {
+        Method::StickSlip { .. } => Rehearsal::exact(&problem)?,
+        _ => Rehearsal::smoothed(&problem)?,
+    };
+    let floor = floor(&problem, plan.steps());
+    let stays = problem.stays((0..plan.steps()).map(|k| plan.u(k)));
+    let planned = problem.value(plan);
+    let held = rehearsal.best_held(&problem);
+    let better = held.filter(|h| planned - h.cost > BEST * planned.abs().max(h.cost.abs()) + floor);
+    Ok(better.map(|held| outdone(&problem, &held, stays, planned)))
+}
+
+/// A plan from another start that costs much less than `planned`: from inputs at rest, or from waves where those are the guess.
+fn other_start(problem: &ControlProblem, planned: f64) -> Result<Option<Note>, MpcError> {
+    let steps = problem.ocp.steps;
+    let rest = Trajectory::constant(steps, &problem.initial_state(), &problem.first_input());
+    let at_rest = !problem.stays((0..steps).map(|k| rest.u(k)));
+    let start = if at_rest { rest } else { problem.waves() };
+    let ocp = problem.ocp.tightened(problem.method.margin());
+    let solution =
+        Sqp::new(problem.dynamics()?, ocp, problem.sqp_settings())?.solve(&problem.initial_state(), &start)?;
+    let found = problem.value(&solution.trajectory);
+    let better = solution.status == SolveStatus::Converged
+        && planned - found > ELSEWHERE * planned.abs().max(found.abs()) + floor(problem, steps);
+    Ok(better.then_some(Note::BetterElsewhere { at_rest, planned, found }))
+}
+
+/// A simple input that costs much less than what was done with one program per sample, or anything less than doing nothing. What
+/// was done costs more than its plan where the horizon is short; that is no fault of the plan.
+fn loop_outdone(problem: &ControlProblem, run: &ClosedLoop, balance: &Balance) -> Result<Option<Note>, MpcError> {
+    let stays = problem.stays(run.u.iter().map(Vec::as_slice));
+    let share = if stays { IDLE } else { BETTER };
+    let costs_less =
+        |cost: f64, than: f64, share: f64| than - cost > share * than.abs().max(cost.abs()) + balance.floor;
+    let held = Rehearsal::exact(problem)?.best_held(problem);
+    let better = held.filter(|held| {
+        costs_less(held.cost, balance.realized, share)
+            && (balance.planned.is_nan() || costs_less(held.cost, balance.planned, BEST))
+    });
+    Ok(better.map(|held| outdone(problem, &held, stays, balance.realized)))
+}
+
+fn outdone(problem: &ControlProblem, held: &Held, stays: bool, realized: f64) -> Note {
+    let input = problem.system.input_names()[held.input].clone();
+    Note::Outdone { stays, input, value: held.value, intervals: held.intervals, cost: held.cost, realized }
+}
+
+/// Whether inputs at rest lose what the plan reached.
+fn not_held(problem: &ControlProblem, run: &ClosedLoop, floor: f64) -> Option<Note> {
+    let count = run.counts.played_out;
+    let solved = run.u.len() - count;
+    if count == 0 || solved == 0 {
+        return None;
+    }
+    let mut ocp = problem.ocp.clone();
+    // Both with the last input of the plan: what an input costs is not what it holds.
+    let mut stage = |k: usize| ocp.stage_cost(k, run.t[k], &run.x[k], &run.u[solved - 1]);
+    let (reached, left) = (stage(solved), stage(run.x.len() - 1));
+    let floor = floor / (problem.ocp.dt * problem.ocp.steps as f64);
+    let lost = left - reached > BETTER * left.abs().max(reached.abs()) + floor;
+    lost.then_some(Note::NotHeld { count, reached, left })
+}
+
+/// Costs of what was done and of what was planned.
+fn balance(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory, predicted: f64) -> Balance {
+    let mut ocp = problem.ocp.clone();
+    // Those of a horizon that moves on are not met on the way.
+    ocp.targets.clear();
+    let intervals = run.u.len().min(problem.ocp.steps);
+    let rows = |count: usize| -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+        ((0..=count).map(|k| plan.x(k).to_vec()).collect(), (0..count).map(|k| plan.u(k).to_vec()).collect())
+    };
+    let one_program = one_program(problem);
+    let mut whole = |x: &[Vec<f64>], u: &[Vec<f64>]| match Trajectory::from_rows(x, u) {
+        // The predicted cost has no penalties.
+        Ok(z) if intervals == problem.ocp.steps && one_program => ocp.cost(0, &z),
+        Ok(z) if intervals == problem.ocp.steps => {
+            let hard = if ocp.hard_violation(0, &z) > KEPT { problem.qp.hard_weight } else { 0.0 };
+            ocp.cost(0, &z) + ocp.penalty(0, &z, hard)
+        }
+        Ok(z) => (0..intervals).map(|k| ocp.dt * ocp.stage_cost(k, k as f64 * ocp.dt, z.x(k), z.u(k))).sum(),
+        Err(_) => f64::NAN,
+    };
+    let realized = whole(&run.x[..=intervals], &run.u[..intervals]);
+    // The trajectory that real-time iteration starts from is no plan yet: what is known is the cost of its whole first plan.
+    let planned = if one_program {
+        if intervals == problem.ocp.steps { predicted } else { f64::NAN }
+    } else {
+        let (x, u) = rows(intervals.min(plan.steps()));
+        whole(&x, &u)
+    };
+    Balance { realized, planned, intervals, floor: floor(problem, intervals) }
+}
+
+/// What costs over some intervals have to differ by to be worth mentioning.
+pub(super) fn floor(problem: &ControlProblem, intervals: usize) -> f64 {
+    FLOOR * what_scales_cost(&mut problem.ocp.clone(), &problem.initial_state(), &problem.first_input(), intervals)
+}
+
+/// What it costs to be off by its scale in every state for some intervals.
+fn what_scales_cost(ocp: &mut Ocp, x0: &[f64], u: &[f64], intervals: usize) -> f64 {
+    let mut moved = Trajectory::constant(ocp.steps, x0, u);
+    let share = intervals as f64 / ocp.steps as f64;
+    let still = ocp.cost(0, &moved);
+    let mut sum = 0.0;
+    for i in 0..ocp.model_states() {
+        for k in 0..=ocp.steps {
+            moved.x_mut(k)[i] = x0[i] + ocp.state_scale[i];
+        }
+        sum += (ocp.cost(0, &moved) - still).abs();
+        for k in 0..=ocp.steps {
+            moved.x_mut(k)[i] = x0[i];
+        }
+    }
+    if sum.is_finite() { share * sum } else { 0.0 }
+}
+
+fn one_program(problem: &ControlProblem) -> bool {
+    matches!(problem.method, Method::Rti { .. })
+}
+
+/// Mean stage cost of the first and the last quarter of the samples.
+fn ends(problem: &ControlProblem, run: &ClosedLoop) -> (f64, f64) {
+    let mut ocp = problem.ocp.clone();
+    let costs: Vec<f64> = run.u.iter().enumerate().map(|(k, u)| ocp.stage_cost(k, run.t[k], &run.x[k], u)).collect();
+    let quarter = costs.len().div_ceil(4);
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / quarter as f64;
+    (mean(&costs[..quarter]), mean(&costs[costs.len() - quarter..]))
+}
+
+/// Whether plant and controller's model are different.
+fn differs(problem: &ControlProblem) -> bool {
+    match (problem.plant.to_toml(), problem.system.to_toml()) {
+        (Ok(plant), Ok(model)) => plant != model,
+        _ => true,
+    }
+}
+
+/// What probably lies behind a run that does not do what was planned.
+fn cause(problem: &ControlProblem, run: &ClosedLoop, planned: bool) -> Cause {
+    let exact = matches!(problem.method, Method::StickSlip { .. });
+    if !planned {
+        Cause::Plan
+    } else if differs(problem) {
+        Cause::Plant
+    } else if run.counts.inaccurate > run.counts.solved {
+        Cause::Inaccurate
+    } else if !exact && !problem.system.is_smooth() {
+        Cause::SmoothedFriction
+    } else if one_program(problem) {
+        Cause::OneProgram
+    } else {
+        Cause::LocalMinimum
+    }
+}

@@ -1,0 +1,393 @@
+//! Runs that fail without a failing sample are told so, with the reason; healthy ones are not accused. The method is chosen.
+#![allow(clippy::unwrap_used)]
+
+use bracketry_mpc::{ClosedLoopReport, ControlProblem, Method, MethodReason, Note, Substeps, control};
+use bracketry_system::System;
+
+fn problem(model: &str, text: &str) -> ControlProblem {
+    let text = format!("model = \"model.toml\"\n{text}");
+    ControlProblem::parse("problem.toml", &text, |file| System::parse(file, model).map_err(Box::new))
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn run(model: &str, text: &str) -> ClosedLoopReport {
+    control(&problem(model, text)).unwrap_or_else(|e| panic!("{e}")).run.report
+}
+
+/// The method that a controller of the problem starts with, and why.
+fn chosen(problem: &ControlProblem) -> (Method, MethodReason) {
+    let controller = problem.controller().unwrap();
+    (controller.problem().method, controller.problem().method_reason.clone())
+}
+
+fn least(problem: &ControlProblem) -> usize {
+    let (Substeps::Fixed(s) | Substeps::AtLeast(s)) = problem.ocp.substeps;
+    s
+}
+
+const SPRING_MASS: &str = r#"
+    states = ["x", "v"]
+    inputs = ["u"]
+    parameters = { m = 1, k = 0.8, c = 0.5, F = 0.2 }
+    dynamics = { x = "v", v = "(-k*x - c*v + u - F*sign(v))/m" }
+"#;
+
+const TO_TARGET: &str = r#"
+    horizon = { steps = 20, dt = 0.15 }
+    cost = { stage = "(x - 2)^2 + v^2 + 0.1*(u - 1.8)^2" }
+    constraints = { u = { min = -2, max = 2 } }
+"#;
+
+const DC_MOTOR: &str = r#"
+    states = ["phi", "w", "i"]
+    inputs = ["U"]
+    parameters = { J = 0.01, K = 0.1, R = 1, L = 0.002, Tc = 0.05, b = 0.002 }
+    dynamics = { phi = "w", w = "(K*i - b*w - Tc*sign(w))/J", i = "(U - R*i - K*w)/L" }
+"#;
+
+const TURN: &str = r#"
+    horizon = { steps = 30, dt = 0.01 }
+    cost = { stage = "100*(phi - 1)^2 + 0.01*w^2 + 0.001*U^2" }
+    constraints = { U = { min = -12, max = 12 } }
+"#;
+
+#[test]
+fn a_plan_with_smoothed_friction_arrives_or_says_that_it_does_not() {
+    let report =
+        run(SPRING_MASS, &format!("{TO_TARGET}\nsolve = {{ method = \"plan\" }}\nrun = {{ x0 = {{ x = 0 }} }}"));
+    let arrived = (report.x_final.get("x").unwrap() - 2.0).abs() < 0.3;
+    assert!(arrived || !report.succeeded && report.notes.iter().any(Note::is_failure), "{report:?}");
+}
+
+#[test]
+fn friction_in_reach_is_treated_exactly_without_being_asked() {
+    let report = run(SPRING_MASS, &format!("{TO_TARGET}\nrun = {{ x0 = {{ x = 0 }}, steps = 40 }}"));
+    assert_eq!(report.method, "stick-slip");
+    assert_eq!(report.method_reason, MethodReason::Friction { names: vec!["v".into()] });
+    assert!(report.succeeded && (report.x_final.get("x").unwrap() - 2.0).abs() < 0.02, "{report:?}");
+}
+
+#[test]
+fn an_explicit_method_gets_steps_for_the_fastest_mode() {
+    // R/L is 500/s: one step of 10 ms would be unstable.
+    for method in ["", "solve = { method = \"stick-slip\" }", "solve = { method = \"sqp\" }"] {
+        let p = problem(DC_MOTOR, &format!("{TURN}\n{method}\nrun = {{}}"));
+        assert!(least(&p) >= 2, "{method}");
+        let report = control(&p).unwrap().run.report;
+        assert!(
+            (report.open_loop_cost - 8.02).abs() < 0.05 || method.contains("sqp"),
+            "{method}: {}",
+            report.open_loop_cost
+        );
+        assert!(report.closed_loop_cost < 9.0 && report.succeeded, "{method}: {report:?}");
+    }
+    let smooth = DC_MOTOR.replace("Tc = 0.05", "Tc = 0").replace(" - Tc*sign(w)", "");
+    assert!(least(&problem(&smooth, &format!("{TURN}\nrun = {{}}"))) >= 2);
+    // What is asked for is taken.
+    let fixed = TURN.replace("dt = 0.01", "dt = 0.01, substeps = 1");
+    assert_eq!(least(&problem(DC_MOTOR, &format!("{fixed}\nrun = {{}}"))), 1);
+}
+
+const PENDULUM: &str = r#"
+    states = ["th", "w"]
+    inputs = ["u"]
+    dynamics = { th = "w", w = "9.81*sin(th) - 0.1*w + u" }
+"#;
+
+#[test]
+fn one_program_where_it_settles_and_converged_ones_where_it_does_not() {
+    let cost = "cost = { stage = \"10*th^2 + 0.1*w^2 + 0.01*u^2\" }\nconstraints = { u = { min = -10, max = 10 } }";
+    let near =
+        problem(PENDULUM, &format!("horizon = {{ steps = 30, dt = 0.04 }}\n{cost}\nrun = {{ x0 = {{ th = 0.1 }} }}"));
+    assert!(matches!(near.method, Method::Automatic { .. }), "a file is read, not solved");
+    assert!(matches!(chosen(&near), (Method::Rti { .. }, MethodReason::Settled { .. })));
+    let text =
+        format!("horizon = {{ steps = 50, dt = 0.04 }}\n{cost}\nrun = {{ x0 = {{ th = \"pi\" }}, steps = 100 }}");
+    let report = run(PENDULUM, &text);
+    assert_eq!(report.method, "sqp");
+    assert!(matches!(report.method_reason, MethodReason::NotSettled { .. }));
+    assert!(report.succeeded && report.x_final.get("th").unwrap().abs() < 1e-3, "{report:?}");
+    assert_eq!(report.status.solved, 100);
+    // A setting of one method alone asks for it.
+    let asked = problem(PENDULUM, &format!("{text}\nsolve = {{ initial_iterations = 30 }}"));
+    assert!(matches!(asked.method, Method::Rti { .. }));
+    assert_eq!(asked.method_reason, MethodReason::Setting { key: "initial_iterations".into() });
+    let given = problem(PENDULUM, &format!("{text}\nsolve = {{ method = \"rti\" }}"));
+    assert_eq!(given.method_reason, MethodReason::Given);
+}
+
+/// The message of a problem that cannot be read.
+fn refused(model: &str, text: &str) -> String {
+    let text = format!("model = \"model.toml\"\n{text}");
+    match ControlProblem::parse("problem.toml", &text, |file| System::parse(file, model).map_err(Box::new)) {
+        Ok(_) => panic!("accepted: {text}"),
+        Err(e) => e.to_string(),
+    }
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused_with_its_place() {
+    let model = "states = [\"x\"]\ninputs = [\"u\"]\nranges = { u = { min = -1, max = 1 } }\ndynamics = { x = \"u\" }";
+    let horizon = "horizon = { steps = 10, dt = 0.1 }\nrun = { x0 = { x = 1 } }\n";
+    let none = refused(model, horizon);
+    assert!(none.contains("neither a cost nor a target"), "{none}");
+    let rate = refused(model, &format!("{horizon}cost = {{ stage = \"x^2 + der( u )^2\" }}"));
+    assert!(
+        rate.contains("problem.toml:4:") && rate.contains("`der(u)` cannot stand") && rate.contains("u_rate"),
+        "{rate}"
+    );
+    let cost = "cost = { stage = \"x^2 + u^2\" }\n";
+    for bounds in ["min = 2, max = 3", "min = 2", "max = -2"] {
+        let apart = refused(model, &format!("{horizon}{cost}constraints = {{ u = {{ {bounds} }} }}"));
+        assert!(apart.contains("contradict its range -1 to 1"), "{apart}");
+    }
+    // Bounds beyond the range are kept, and said.
+    let wide = run(model, &format!("{horizon}{cost}constraints = {{ u = {{ min = -5 }} }}"));
+    assert!(wide.succeeded && matches!(&wide.notes[..], [Note::BeyondRange { .. }]), "{:?}", wide.notes);
+    let narrow = run(model, &format!("{horizon}{cost}constraints = {{ u = {{ min = -0.5 }} }}"));
+    assert!(narrow.succeeded && narrow.notes.is_empty(), "{:?}", narrow.notes);
+}
+
+#[test]
+fn a_plan_that_rest_does_not_hold_is_told() {
+    let plan = |rest: &str, steps: usize| {
+        run(
+            SPRING_MASS,
+            &format!(
+                "{TO_TARGET}\nsolve = {{ method = \"plan\"{rest} }}\nrun = {{ x0 = {{ x = 0 }}, steps = {steps} }}"
+            ),
+        )
+    };
+    let lost = plan("", 40);
+    assert!(!lost.succeeded && matches!(&lost.notes[..], [Note::NotHeld { count: 20, .. }]), "{lost:?}");
+    assert!(plan(", rest = { u = 1.6 }", 40).succeeded && plan("", 20).succeeded);
+}
+
+#[test]
+fn targets_at_the_end_of_the_run_are_planned_for_once() {
+    let model = "states = [\"x\", \"v\"]\ninputs = [\"u\"]\ndynamics = { x = \"v\", v = \"u\" }";
+    let text = "horizon = { steps = 20, dt = 0.1 }\ncost = { stage = \"u^2\" }\n\
+                target = { x = { value = 1, tolerance = 1e-3 }, v = { value = 0, tolerance = 1e-3 } }\n";
+    let report = run(model, &format!("{text}run = {{}}"));
+    assert_eq!((report.method, &report.method_reason), ("plan", &MethodReason::Targets));
+    // The double integrator from rest to rest in 2 s: 12/T³, and what holding the inputs adds.
+    assert!(report.succeeded && (report.open_loop_cost / 1.5 - 1.0).abs() < 0.01, "{report:?}");
+    // A horizon that moves on never arrives.
+    let moving = run(model, &format!("{text}solve = {{ method = \"sqp\" }}\nrun = {{}}"));
+    assert!(!moving.succeeded && moving.notes.iter().all(|n| matches!(n, Note::MissedTarget { .. })), "{moving:?}");
+    assert!(moving.notes[0].to_string().contains("method = \"plan\""));
+    assert_eq!(run(model, &format!("{text}run = {{ steps = 60 }}")).method, "rti");
+    // A run that ends before the horizon is judged by its plan.
+    for method in ["", "solve = { method = \"plan\" }\n", "solve = { method = \"sqp\" }\n"] {
+        for steps in [1, 5, 19] {
+            let early = run(model, &format!("{text}{method}run = {{ steps = {steps} }}"));
+            assert!(early.succeeded, "{:?}", early.notes);
+            assert_eq!(early.notes, [Note::TargetsLater { samples: steps, steps: 20 }]);
+            let bounded = format!(
+                "{text}{method}constraints = {{ u = {{ min = -0.1, max = 0.1 }} }}\nrun = {{ steps = {steps} }}"
+            );
+            let out_of_reach = run(model, &bounded);
+            let told = out_of_reach.notes.iter().any(|n| matches!(n, Note::PlanMisses { state, .. } if state == "x"));
+            assert!(!out_of_reach.succeeded && told, "{:?}", out_of_reach.notes);
+        }
+    }
+}
+
+#[test]
+fn inputs_that_stay_at_a_guess_that_is_no_minimum_are_told() {
+    // Hanging, the cost does not tell one side from the other: the guess 0 is stationary, and a maximum.
+    let hanging = PENDULUM.replace("9.81*sin(th)", "-9.81*sin(th)");
+    let text = |guess: &str, method: &str| {
+        format!(
+            "horizon = {{ steps = 40, dt = 0.05 }}\ncost = {{ stage = \"10*(1 + cos(th))^2 + 0.01*u^2\" }}\n\
+             constraints = {{ u = {{ min = -12, max = 12 }} }}\n{guess}\nsolve = {{ method = \"{method}\" }}\n\
+             run = {{ steps = 60 }}"
+        )
+    };
+    let idle = run(&hanging, &text("", "rti"));
+    assert!(!idle.succeeded, "{idle:?}");
+    assert!(idle.notes.iter().any(|n| matches!(n, Note::Outdone { stays: true, .. })), "{:?}", idle.notes);
+    // A converged plan is solved again, from what does better.
+    let again = run(&hanging, &text("", "sqp"));
+    assert!(again.succeeded && again.x_final.get("th").unwrap().cos() < -0.9, "{again:?}");
+    let moved = run(&hanging, &text("guess = { u = \"5*sin(4*t)\" }", "sqp"));
+    assert!(moved.succeeded, "{:?}", moved.notes);
+}
+
+#[test]
+fn a_plan_that_something_simple_outdoes_is_not_kept_in_silence() {
+    // Two wells, the start in the shallower one: of random depth, width, and height in between.
+    let mut found = 0;
+    for seed in 1..25_i32 {
+        let s = f64::from(seed);
+        let (tilt, height, speed) =
+            (0.2 + 0.3 * s.sin().abs(), 0.2 + 0.6 * (2.0 * s).cos().abs(), 2.0 + (3.0 * s).sin());
+        let stage = |x: f64, u: f64| height * (x * x - 1.0).powi(2) + tilt * x + 0.001 * u * u;
+        let text = format!(
+            "horizon = {{ steps = 40, dt = 0.1 }}\n\
+             cost = {{ stage = \"{height}*(x^2 - 1)^2 + {tilt}*x + 0.001*u^2\" }}\n\
+             constraints = {{ u = {{ min = -{speed}, max = {speed} }} }}\nsolve = {{ method = \"sqp\" }}\nrun = {{ x0 = {{ x = 1 }} }}"
+        );
+        let report = run("states = [\"x\"]\ninputs = [\"u\"]\ndynamics = { x = \"u\" }", &text);
+        // One speed for a while, and then rest.
+        let mut held = f64::INFINITY;
+        for level in [1.0, 0.5, 0.25, -0.25, -0.5, -1.0] {
+            for steps in [10, 20, 40] {
+                let (mut x, mut cost) = (1.0, 0.0);
+                for k in 0..40 {
+                    let u = if k < steps { level * speed } else { 0.0 };
+                    cost += 0.1 * stage(x, u);
+                    x += 0.1 * u;
+                }
+                held = held.min(cost);
+            }
+        }
+        // What does not count: 1 %, and 1 % of being off by the scale of the state.
+        let most =
+            held + 0.01 * report.open_loop_cost.abs().max(held.abs()) + 0.04 * (stage(2.0, 0.0) - stage(1.0, 0.0));
+        let right = report.open_loop_cost <= most;
+        let told = report.notes.iter().any(|n| matches!(n, Note::Outdone { .. }));
+        assert!(right || told && !report.succeeded, "{seed}: {} {held} {:?}", report.open_loop_cost, report.notes);
+        found += usize::from(right && held < 0.4 * stage(1.0, 0.0) * 10.0 - 0.1);
+    }
+    assert!(found > 5, "{found} other wells found");
+}
+
+#[test]
+fn a_method_is_not_chosen_at_a_guess_that_is_stationary() {
+    // Hanging pendulums on a cart of random lengths and masses: at rest, the cost has no slope, and is no minimum.
+    for seed in 1..7_i32 {
+        let s = f64::from(seed);
+        let (length, mass) = (0.3 + 0.5 * s.sin().abs(), 0.1 + 0.5 * (2.0 * s).cos().abs());
+        let model = format!(
+            "states = [\"x\", \"th\", \"v\", \"w\"]\ninputs = [\"u\"]\nparameters = {{ m = {mass}, l = {length}, g = 9.81 }}\n\
+             definitions = {{ a = \"(u + m*sin(th)*(l*w^2 - g*cos(th)))/(1 + m*sin(th)^2)\" }}\n\
+             dynamics = {{ x = \"v\", th = \"w\", v = \"a\", w = \"(g*sin(th) - a*cos(th))/l\" }}"
+        );
+        let text = "horizon = { steps = 60, dt = 0.03 }\n\
+                    cost = { stage = \"x^2 + 10*(1 - cos(th)) + 0.01*(v^2 + w^2) + 0.001*u^2\", terminal = \"50*(1 - cos(th)) + w^2\" }\n\
+                    constraints = { u = { min = -30, max = 30 } }\nrun = { x0 = { th = \"pi\" }, steps = 100 }";
+        let report = run(&model, text);
+        assert!(
+            matches!(report.method_reason, MethodReason::NotSettled { .. } | MethodReason::NotConverging),
+            "{report:?}"
+        );
+        let upright = report.x_final.get("th").unwrap().cos() > 0.99;
+        assert!(upright || !report.succeeded, "{seed}: {report:?}");
+    }
+}
+
+#[test]
+fn healthy_runs_are_not_accused() {
+    // Regulators of random linear systems from random states; one starts at rest, where nothing is to be done.
+    for seed in 1..7_i32 {
+        let s = f64::from(seed);
+        let (a, b, d) = (s.sin(), (2.0 * s).cos(), 0.5 + (3.0 * s).sin().abs());
+        let model = format!(
+            "states = [\"x\", \"y\"]\ninputs = [\"u\"]\ndynamics = {{ x = \"{a}*x + y\", y = \"{b}*x - 0.5*y + {d}*u\" }}"
+        );
+        let x0 = if seed == 1 { 0.0 } else { b };
+        for extra in ["", ", noise = { x = 0.01, y = 0.01 }", ", parameters = {}"] {
+            let text = format!(
+                "horizon = {{ steps = 30, dt = 0.1 }}\ncost = {{ stage = \"x^2 + y^2 + 0.1*u^2\", terminal = \"10*(x^2 + y^2)\" }}\n\
+                 run = {{ x0 = {{ x = {x0}, y = {a} }}, steps = 50{extra} }}"
+            );
+            let text = if seed == 1 { text.replace(&format!("y = {a}"), "y = 0") } else { text };
+            let report = run(&model, &text);
+            assert!(report.succeeded && report.notes.is_empty(), "{seed}{extra}: {:?}", report.notes);
+            assert_eq!(report.method, "rti");
+        }
+    }
+    // A harvest: its cost is negative, and its end is used up.
+    let stock = "states = [\"s\"]\ninputs = [\"h\"]\ndynamics = { s = \"s*(1 - s) - h\" }";
+    let harvest = "horizon = { steps = 30, dt = 0.1 }\ncost = { stage = \"-h + 0.1*h^2\" }\n\
+                   constraints = { h = { min = 0, max = 0.4 }, s = { min = 0.1 } }\nrun = { x0 = { s = 0.8 }, steps = 60 }";
+    let report = run(stock, harvest);
+    assert!(report.succeeded, "{:?}", report.notes);
+    // A push that is not worth its effort: friction holds, and nothing moves.
+    let held = run(
+        "states = [\"x\", \"v\"]\ninputs = [\"u\"]\ndynamics = { x = \"v\", v = \"u - 2*sign(v)\" }",
+        "horizon = { steps = 20, dt = 0.05 }\ncost = { stage = \"x^2 + u^2\" }\nrun = { x0 = { x = 0.05 }, steps = 30 }",
+    );
+    assert!(held.succeeded && held.method == "stick-slip", "{held:?}");
+    // A target that a bound keeps out of reach is not missed for want of a better plan.
+    let bounded = run(
+        "states = [\"x\"]\ninputs = [\"u\"]\ndynamics = { x = \"u\" }",
+        "horizon = { steps = 20, dt = 0.1 }\ncost = { stage = \"(x - 2)^2 + 0.1*u^2\" }\n\
+         constraints = { u = { min = -1, max = 1 }, x = { max = 1 } }\nrun = { steps = 40 }",
+    );
+    assert!(bounded.succeeded, "{:?}", bounded.notes);
+}
+
+#[test]
+fn a_plant_that_bends_between_samples_is_not_accused() {
+    // A stiff lag along a hard bound: the plant, integrated more finely than the plan, is beyond it by some thousandths.
+    for rate in [20.0, 50.0, 120.0] {
+        let model = format!(
+            "states = [\"y\", \"z\"]\ninputs = [\"u\"]\ndynamics = {{ y = \"{rate}*(u - y)\", z = \"y - z\" }}"
+        );
+        let text = "horizon = { steps = 30, dt = 0.04, integrator = \"radau\", stages = 2, substeps = 1 }\n\
+                    cost = { stage = \"(z - 1)^2 + 0.01*(u - 1)^2\" }\n\
+                    constraints = { u = { min = 0, max = 3 }, y = { max = 1.5, hard = true } }\nrun = { steps = 30, plant_substeps = 40 }";
+        let report = run(&model, text);
+        let far = report.notes.iter().find(|n| matches!(n, Note::UnlikePlan { .. } | Note::Outdone { .. }));
+        assert!(far.is_none() && report.constraint_violation_max < 0.01, "{rate}: {report:?}");
+    }
+}
+
+#[test]
+fn springs_are_planned_as_they_are_written() {
+    // A mass on a spring of 5 mm, in the plane: the force of the controller's model is exact.
+    let model = "states = [\"x\", \"y\", \"vx\", \"vy\"]\ninputs = [\"u\"]\nparameters = { k = 10, L = 0.005 }\n\
+                 definitions = { l = \"sqrt(x^2 + y^2)\" }\n[dynamics]\nx = \"vx\"\ny = \"vy\"\n\
+                 vx = \"-k*(l - L)*x/l - 0.5*vx + u\"\nvy = \"-k*(l - L)*y/l - 0.5*vy\"\n";
+    let problem = "horizon = { steps = 20, dt = 0.05 }\ncost = { stage = \"100*(x - 0.02)^2 + vx^2 + 1e-3*u^2\" }\n\
+                   run = { x0 = { x = 0.004, y = 0.003 }, steps = 20 }";
+    let report = run(model, problem);
+    assert!(report.succeeded && report.notes.is_empty(), "{:?}", report.notes);
+    assert_ne!(report.method, "stick-slip");
+    // Through its end the spring turns at once: this is said.
+    let through = run(model, &problem.replace("y = 0.003", "y = 1e-6").replace("x - 0.02", "x + 0.02"));
+    assert!(through.notes.iter().any(|n| matches!(n, Note::Singular { .. })), "{:?}", through.notes);
+}
+
+/// Friction above what the input can do: nothing moves, whatever the cost or target asks.
+#[test]
+fn friction_that_no_input_overcomes_is_told() {
+    for (friction, most) in [(2.0, 1.5), (0.3, 0.1), (25.0, 24.0)] {
+        let model = format!("states = ['x', 'v']\ninputs = ['F']\n[dynamics]\nx = 'v'\nv = 'F - {friction}*sign(v)'\n");
+        let text = |bound: f64, asked: &str| {
+            format!(
+                "horizon = {{ steps = 20, dt = 0.05 }}\nconstraints = {{ F = {{ min = -{bound}, max = {bound} }} }}\n{asked}\n\
+                 run = {{ x0 = {{ x = 1 }}, steps = 20 }}"
+            )
+        };
+        for asked in ["cost = { stage = \"10*x^2 + 0.1*v^2 + 0.01*F^2\" }", "target = { x = 0 }"] {
+            let stuck = run(&model, &text(most, asked));
+            assert!(!stuck.succeeded && matches!(&stuck.notes[..], [Note::Held { .. }]), "{:?}", stuck.notes);
+            let free = run(&model, &text(4.0 * friction, asked));
+            assert!(!free.notes.iter().any(|n| matches!(n, Note::Held { .. })), "{:?}", free.notes);
+        }
+        // At rest where it is wanted, nothing has to move.
+        let wanted = run(&model, &text(most, "cost = { stage = \"10*(x - 1)^2 + 0.1*v^2 + 0.01*F^2\" }"));
+        assert!(wanted.succeeded, "{:?}", wanted.notes);
+    }
+}
+
+/// A maximum of a symmetric cost: one program per sample comes back to it, a converged plan leaves it.
+#[test]
+fn a_guess_at_a_maximum_is_left() {
+    for (torque, gravity) in [(4.0, 9.81), (3.0, 5.0), (12.0, 9.81)] {
+        let model =
+            format!("states = ['th', 'w']\ninputs = ['u']\n[dynamics]\nth = 'w'\nw = 'u + {gravity}*sin(th)'\n");
+        let report = run(
+            &model,
+            &format!(
+                "horizon = {{ steps = 50, dt = 0.04 }}\nconstraints = {{ u = {{ min = -{torque}, max = {torque} }} }}\n\
+                 cost = {{ stage = \"10*(1-cos(th)) + 0.1*w^2 + 0.01*u^2\" }}\nrun = {{ x0 = {{ th = \"pi\" }}, steps = 20 }}"
+            ),
+        );
+        assert_eq!(report.method, "sqp", "{report:?}");
+        assert!((report.x_final.get("th").unwrap() - std::f64::consts::PI).abs() > 0.3, "{report:?}");
+    }
+}
