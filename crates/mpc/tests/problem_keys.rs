@@ -330,10 +330,11 @@ fn violations_of_named_constraints_count_too() {
     let (report, x, _) = run(&with(both, "[solve]"));
     let worst = x[1..].iter().map(|x| (1.0 - x[2]).max(x[2] + 1.0)).fold(0.0, f64::max);
     assert!(worst >= 1.0 && (report.constraint_violation_max - worst).abs() < 1e-12, "{report:?} {worst}");
-    let length = "speed = { norm = [\"vx\", \"vy\"], max = \"-1\" }";
+    // A length below 1/2 with a component above 1.
+    let length = "over = { expression = \"vx\", min = 1 }\nspeed = { norm = [\"vx\", \"vy\"], max = 0.5 }";
     let (report, x, _) = run(&with(length, "[solve]"));
-    let longest = x[1..].iter().map(|x| x[2].hypot(x[3])).fold(0.0, f64::max);
-    assert!((report.constraint_violation_max - longest - 1.0).abs() < 1e-12, "{report:?} {longest}");
+    let worst = x[1..].iter().map(|x| (1.0 - x[2]).max(x[2].hypot(x[3]) - 0.5)).fold(0.0, f64::max);
+    assert!(worst >= 0.25 && (report.constraint_violation_max - worst).abs() < 1e-12, "{report:?} {worst}");
 }
 
 #[test]

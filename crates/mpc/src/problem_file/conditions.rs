@@ -1,14 +1,16 @@
 //! The run of a problem file: start, length, noise, delay, faults, and what is different in the plant.
 
+use super::free_keys::is_free;
 use super::reader::{Located, Parsed, Reader};
 use crate::closed_loop::Fault;
+use crate::ocp::Ocp;
 use crate::problem::RunConditions;
 use bracketry_symbolic::Rational;
 use bracketry_system::{System, Table, Value};
 use std::ops::Range;
 
-const KEYS: [&str; 9] =
-    ["x0", "steps", "plant_substeps", "parameters", "noise", "seed", "delay", "compensate_delay", "faults"];
+const KEYS: [&str; 10] =
+    ["x0", "u0", "steps", "plant_substeps", "parameters", "noise", "seed", "delay", "compensate_delay", "faults"];
 const FAULT_KEYS: [&str; 7] = ["at", "until", "lost", "nan", "disturbance", "solver_limit", "time_limit"];
 
 /// Start and length of a run.
@@ -25,8 +27,19 @@ impl Reader<'_> {
         let samples = self.count(run, "steps", Some(steps))?;
         let x0 = self.by_state(run, "x0")?.unwrap_or_else(|| vec![0.0; self.system.states.len()]);
         let given = run.contains_key("plant_substeps");
-        let plant_substeps = given.then(|| self.count(run, "plant_substeps", None)).transpose()?;
+        let plant_substeps = given.then(|| self.substeps(run, "plant_substeps")).transpose()?;
         Ok((run, Start { x0, samples, plant_substeps }))
+    }
+
+    /// The inputs applied before the first sample; empty where the file has none.
+    pub(super) fn input_before(&self, run: &Table<'_>, ocp: &Ocp) -> Parsed<Vec<f64>> {
+        let Some(values) = self.doc.sub_table(run, "u0")? else { return Ok(Vec::new()) };
+        let mut u0: Vec<f64> = ocp.input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
+        for (name, value) in values {
+            let j = self.input(name.get_ref(), name.span())?;
+            u0[j] = self.constant(value, name.get_ref())?;
+        }
+        Ok(u0)
     }
 
     /// Numbers by state, 0 where there is none.
@@ -52,10 +65,13 @@ impl Reader<'_> {
     /// Values of `[parameters]` that do not change over the run.
     pub(super) fn fixed_parameters(&self, table: &Table<'_>, system: &mut System) -> Parsed<()> {
         for (key, v) in self.doc.sub_table(table, "parameters")?.into_iter().flatten() {
+            if is_free(v) {
+                continue;
+            }
             let value = match self.constant(v, key.get_ref()) {
                 Ok(_) => self.exact(v, key.get_ref())?,
                 // Not a constant: the value at the start, until the run begins.
-                Err(_) => Rational::simplest_from_f64(self.over_time(v, key.get_ref(), true)?(0.0)).unwrap_or_default(),
+                Err(_) => Rational::simplest_from_f64(self.at_start(v, key.get_ref())?).unwrap_or_default(),
             };
             self.set(key.get_ref(), key.span(), value, system)?;
         }
@@ -66,8 +82,7 @@ impl Reader<'_> {
         if system.set_parameter(name, value) {
             return Ok(());
         }
-        let known: Vec<String> = system.parameters.iter().map(|p| system.symbol_name(p.symbol).to_owned()).collect();
-        Err(self.unknown(name, span, "parameter", &known))
+        Err(self.unknown(name, span, "parameter", &system.parameter_names()))
     }
 
     /// A constant as a rational number; what is none (π) is rounded.
@@ -81,7 +96,7 @@ impl Reader<'_> {
     }
 
     /// Noise, delay and faults. `measured` are the names of what is measured.
-    pub(super) fn conditions(&self, run: &Table<'_>, measured: &[String]) -> Parsed<RunConditions> {
+    pub(super) fn conditions(&self, run: &Table<'_>, samples: usize, measured: &[String]) -> Parsed<RunConditions> {
         let mut noise = vec![0.0; measured.len()];
         if let Some(t) = self.doc.sub_table(run, "noise")? {
             for key in t.keys() {
@@ -90,6 +105,10 @@ impl Reader<'_> {
             }
         }
         let delay = self.whole(run, "delay", 0)?;
+        if let Some(v) = run.get("delay").filter(|_| delay >= samples) {
+            let message = format!("with a delay of {delay} samples, no input acts within the run of {samples}");
+            return Err(self.doc.error(v.span(), message, "give [run] more steps, or a shorter delay").into());
+        }
         let mut faults = Vec::new();
         if let Some(v) = run.get("faults") {
             let remedy = "write [[run.faults]] with `at`, or faults = [{ at = 10, lost = true }]";
@@ -100,7 +119,7 @@ impl Reader<'_> {
                 let Value::Table(fault) = entry.get_ref() else {
                     return Err(self.doc.error(entry.span(), "a fault must be a table", remedy).into());
                 };
-                self.fault(entry, fault, measured, &mut faults)?;
+                self.fault(entry, fault, samples, measured, &mut faults)?;
             }
         }
         Ok(RunConditions {
@@ -108,6 +127,7 @@ impl Reader<'_> {
             seed: self.whole(run, "seed", 0)? as u64,
             delay,
             compensate_delay: self.boolean(run, "compensate_delay", true)?,
+            keep_predictions: false,
             faults,
         })
     }
@@ -124,6 +144,7 @@ impl Reader<'_> {
         &self,
         entry: Located<'_, '_>,
         fault: &Table<'_>,
+        samples: usize,
         measured: &[String],
         faults: &mut Vec<(Range<usize>, Fault)>,
     ) -> Parsed<()> {
@@ -135,6 +156,11 @@ impl Reader<'_> {
                 .into());
         }
         let at = self.whole(fault, "at", 0)?;
+        if let Some(v) = fault.get("at").filter(|_| at >= samples) {
+            let message =
+                format!("the fault at sample {at} comes after the run, whose samples are 0 to {}", samples - 1);
+            return Err(self.doc.error(v.span(), message, "give [run] more steps, or an earlier sample").into());
+        }
         let until = self.whole(fault, "until", at)?;
         if until < at {
             let remedy = format!("`until` is the last sample of the fault: {at} or more");

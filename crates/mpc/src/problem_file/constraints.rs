@@ -5,27 +5,27 @@ use crate::ocp::{
     Bounds, CostKind, CostNames, NormConstraint, Ocp, PathConstraint, Softness, TerminalTarget, VectorFunction,
 };
 use crate::problem::ProblemError;
-use bracketry_symbolic::{Expr, Pool, Rational, Symbol};
-use bracketry_system::{Table, Value};
+use bracketry_symbolic::{Expr, Pool, Symbol};
+use bracketry_system::{FileError, Table, Value};
 
 /// Stands for the default penalty until the level of the cost is known, see [`Reader::default_penalties`].
 const DEFAULT_SOFT: Softness = Softness::Soft { linear: f64::INFINITY, quadratic: f64::INFINITY };
 
 /// Expressions in their pool.
 #[derive(Clone)]
-struct Vector {
+pub(super) struct Vector {
     pool: Pool,
     components: Vec<Expr>,
     uses_states: bool,
+    uses_inputs: bool,
 }
 
 impl Reader<'_> {
     /// Bounds of the inputs that the model declares.
     pub(super) fn ranges(&self, ocp: &mut Ocp) {
-        for range in &self.system.input_ranges {
-            if let Some(j) = self.system.inputs.iter().position(|&u| u == range.input) {
-                let end = |r: &Option<Rational>, free: f64| r.as_ref().map_or(free, |r| r.to_f64().value());
-                ocp.input_bounds[j] = (end(&range.min, f64::NEG_INFINITY), end(&range.max, f64::INFINITY));
+        for (j, bounds) in ocp.input_bounds.iter_mut().enumerate() {
+            if let Some(range) = self.system.range_of_input(j) {
+                *bounds = range;
             }
         }
     }
@@ -39,7 +39,16 @@ impl Reader<'_> {
                 let remedy = format!("write {name} = {{ min = …, max = … }}");
                 return Err(self.doc.error(v.span(), format!("the bounds of `{name}` must be a table"), remedy).into());
             };
-            self.doc.only_keys(b, &["min", "max", "soft", "hard", "expression", "norm"], "a constraint")?;
+            self.doc.only_keys(
+                b,
+                &["min", "max", "rate", "soft", "hard", "expression", "norm", "at"],
+                "a constraint",
+            )?;
+            if let Some(at) = b.get("at").filter(|_| !b.contains_key("expression")) {
+                let remedy = format!("write {name} = {{ expression = \"…\", at = \"end\", … }}");
+                return Err(self.doc.error(at.span(), "`at` applies to an expression", remedy).into());
+            }
+            self.rate_bounds(key, b, names, ocp)?;
             if let Some(e) = b.get("expression") {
                 let g = self.vector(&[(e, "expression")], names)?;
                 self.between(&g, key, b, names, ocp)?;
@@ -69,6 +78,10 @@ impl Reader<'_> {
             let g = self.vector(&[(&own, name)], names)?;
             return self.between(&g, key, b, names, ocp);
         }
+        if !["min", "max", "rate"].iter().any(|key| b.contains_key(*key)) {
+            let message = format!("`{name}` has neither `min` nor `max`: nothing is bounded");
+            return Err(self.doc.error(v.span(), message, "add min or max, or remove the entry").into());
+        }
         // An end that is not named here stays that of the model's range.
         let (low, high) = match variable {
             Variable::State(_) => (f64::NEG_INFINITY, f64::INFINITY),
@@ -76,6 +89,12 @@ impl Reader<'_> {
         };
         let min = self.number(b, "min", Some(low))?.0;
         let max = self.number(b, "max", Some(high))?.0;
+        let given = (b.contains_key("min"), b.contains_key("max"));
+        if min > max && given != (true, true) || min > high || max < low {
+            let message =
+                format!("the bounds {min} to {max} of `{name}` contradict its range {low} to {high} in the model");
+            return Err(self.doc.error(v.span(), message, "change the bounds, or the model's [ranges]").into());
+        }
         if min > max {
             let message = format!("`{name}` cannot be both above {min} and below {max}");
             return Err(self.doc.error(v.span(), message, "swap min and max").into());
@@ -110,19 +129,31 @@ impl Reader<'_> {
         names: &[String],
         ocp: &mut Ocp,
     ) -> Result<(), ProblemError> {
+        let ends = [b.get("min"), b.get("max")].into_iter().flatten();
+        if !g.uses_states && !g.uses_inputs && !ends.into_iter().any(|end| self.varies(end, names)) {
+            return Err(self.constant_constraint(key).into());
+        }
         let softness = self.softness(key.get_ref(), b, !g.uses_states)?;
+        let at_end = self.choice(b, "at", "place", &[("path", false), ("end", true)])?;
+        if let Some(at) =
+            b.get("at").filter(|_| at_end && self.compiled(g.clone(), names).is_ok_and(|f| f.uses_inputs()))
+        {
+            let remedy = "use states, time and references only: the last state has no input";
+            return Err(self.doc.error(at.span(), "a constraint at the end uses an input", remedy).into());
+        }
         let mut whole = Bounds { softness, ..Bounds::FREE };
         for (side, sign) in [("min", -1.0), ("max", 1.0)] {
             let Some(end) = b.get(side) else { continue };
             if self.varies(end, names) {
                 let mut g = g.clone();
-                let (mut context, _) = CostNames::new(self.system, CostKind::Stage, names);
+                let (context, _) = CostNames::new(self.system, CostKind::Stage, names);
+                let mut context = context.with_remembered(self.remembered);
                 let e = self.doc.expression(end, side, &mut g.pool, &mut context)?;
                 let difference = g.pool.sub(g.components[0], e);
                 g.components = vec![difference];
                 let (min, max) = if sign > 0.0 { (f64::NEG_INFINITY, 0.0) } else { (0.0, f64::INFINITY) };
                 let function = self.compiled(g, names)?;
-                ocp.path_constraints.push(PathConstraint { function, bounds: Bounds { min, max, softness } });
+                ocp.path_constraints.push(PathConstraint { function, bounds: Bounds { min, max, softness }, at_end });
             } else {
                 let value = self.constant(end, side)?;
                 *(if sign > 0.0 { &mut whole.max } else { &mut whole.min }) = value;
@@ -133,7 +164,11 @@ impl Reader<'_> {
             return Err(self.doc.error(key.span(), message, "swap min and max").into());
         }
         if !whole.is_free() {
-            ocp.path_constraints.push(PathConstraint { function: self.compiled(g.clone(), names)?, bounds: whole });
+            ocp.path_constraints.push(PathConstraint {
+                function: self.compiled(g.clone(), names)?,
+                bounds: whole,
+                at_end,
+            });
         } else if !b.contains_key("min") && !b.contains_key("max") {
             let message = format!("`{}` has no bounds", key.get_ref());
             return Err(self.doc.error(key.span(), message, "add min or max").into());
@@ -165,32 +200,62 @@ impl Reader<'_> {
         let Some(max) = b.get("max") else {
             return Err(self.doc.error(key.span(), format!("`{}` has no `max`", key.get_ref()), remedy).into());
         };
+        if self.constant(max, "max").is_ok_and(|max| max < 0.0) {
+            let remedy = "give a number from 0: no norm is negative";
+            return Err(self.doc.error(max.span(), format!("nothing satisfies `{}`", key.get_ref()), remedy).into());
+        }
         let (vector, limit) = (self.vector(&parts, names)?, self.vector(&[(max, "max")], names)?);
+        if ![&vector, &limit].iter().any(|v| v.uses_states || v.uses_inputs) {
+            return Err(self.constant_constraint(key).into());
+        }
         let softness = self.softness(key.get_ref(), b, !vector.uses_states && !limit.uses_states)?;
+        let (mut vector, mut limit) = (vector, limit);
+        // Both or none: what is a function of the state alone has other grid points.
+        let remembered = self.remembered;
+        let states =
+            [&mut vector, &mut limit].map(|g| remembered.at_grid_points(self.system, &mut g.pool, &g.components));
+        if let [Some(of_vector), Some(of_limit)] = states {
+            (vector.components, limit.components) = (of_vector, of_limit);
+        }
         ocp.norm_constraints.push(NormConstraint {
-            vector: self.compiled(vector, names)?,
-            limit: self.compiled(limit, names)?,
+            vector: self.compiled_as_written(vector, names)?,
+            limit: self.compiled_as_written(limit, names)?,
             softness,
         });
         Ok(())
     }
 
-    /// Expressions of states, inputs, time and references.
-    fn vector(&self, parts: &[(Located<'_, '_>, &str)], names: &[String]) -> Parsed<Vector> {
-        let (mut context, mut pool) = CostNames::new(self.system, CostKind::Stage, names);
-        let mut components = Vec::new();
-        for (v, key) in parts {
-            components.push(self.doc.expression(v, key, &mut pool, &mut context)?);
-        }
-        let uses_states = self.system.states.iter().any(|&x| components.iter().any(|&e| pool.depends_on(e, x)));
-        Ok(Vector { pool, components, uses_states })
+    fn constant_constraint(&self, key: &Key<'_>) -> Box<FileError> {
+        let message = format!("the constraint `{}` has no state or input in it: no input can keep it", key.get_ref());
+        self.doc.error(key.span(), message, "write an expression of states or inputs, or remove it").into()
     }
 
-    fn compiled(&self, mut g: Vector, names: &[String]) -> Result<VectorFunction, ProblemError> {
+    /// Expressions of states, inputs, time and references.
+    pub(super) fn vector(&self, parts: &[(Located<'_, '_>, &str)], names: &[String]) -> Parsed<Vector> {
+        let (context, mut pool) = CostNames::new(self.system, CostKind::Stage, names);
+        let mut context = context.with_remembered(self.remembered);
+        let mut components = Vec::new();
+        for (v, key) in parts {
+            self.without_derivatives(v)?;
+            components.push(self.doc.expression(v, key, &mut pool, &mut context)?);
+        }
+        let uses = |list: &[Symbol]| list.iter().any(|&s| components.iter().any(|&e| pool.depends_on(e, s)));
+        let (uses_states, uses_inputs) = (uses(&self.system.states), uses(&self.system.inputs));
+        Ok(Vector { pool, components, uses_states, uses_inputs })
+    }
+
+    pub(super) fn compiled(&self, mut g: Vector, names: &[String]) -> Result<VectorFunction, ProblemError> {
+        if let Some(functions) = self.remembered.at_grid_points(self.system, &mut g.pool, &g.components) {
+            g.components = functions;
+        }
+        self.compiled_as_written(g, names)
+    }
+
+    fn compiled_as_written(&self, mut g: Vector, names: &[String]) -> Result<VectorFunction, ProblemError> {
         let time = g.pool.symbol("t");
         let references: Vec<Symbol> = names.iter().map(|r| g.pool.symbol(r)).collect();
-        let (states, inputs) = (&self.system.states, &self.system.inputs);
-        Ok(VectorFunction::compile(&mut g.pool, time, states, inputs, &references, &g.components)?)
+        let states = self.remembered.states(self.system, &mut g.pool);
+        Ok(VectorFunction::compile(&mut g.pool, time, &states, &self.system.inputs, &references, &g.components)?)
     }
 
     /// `soft`, `hard` or the default: constraints on inputs alone are hard, others soft.
@@ -237,21 +302,28 @@ impl Reader<'_> {
             if let [linear, quadratic] = weights[..]
                 && linear >= 0.0
                 && quadratic >= 0.0
+                && linear + quadratic > 0.0
             {
                 return Ok(Some((linear, quadratic)));
             }
         }
-        let remedy = "write soft = [linear weight, quadratic weight], neither negative";
+        let remedy = "write soft = [linear weight, quadratic weight], neither negative, at least one positive";
         Err(self.doc.error(v.span(), "`soft` must be two weights", remedy).into())
     }
 
     pub(super) fn targets(&self, table: &Table<'_>, ocp: &mut Ocp) -> Parsed<()> {
         let Some(t) = self.doc.sub_table(table, "target")? else { return Ok(()) };
+        // Targets change the scales, not what the states pass through on the way.
+        ocp.state_size.clone_from(&ocp.state_scale);
         for (key, v) in t {
             let name: &str = key.get_ref();
             let state = self.state(name, key.span())?;
             let target = if let Value::Table(entry) = v.get_ref() {
                 self.doc.only_keys(entry, &["value", "tolerance", "soft"], "a target")?;
+                if !entry.contains_key("value") {
+                    let message = format!("the target of `{name}` has no value");
+                    return Err(self.doc.error(v.span(), message, "add `value = …`").into());
+                }
                 let value = self.number(entry, "value", None)?.0;
                 let tolerance = self.positive(entry, "tolerance", Some(1e-2))?;
                 let weights = self.soft(entry)?.unwrap_or((1.0 / tolerance, 0.5 / tolerance / tolerance));
@@ -261,6 +333,11 @@ impl Reader<'_> {
                 ocp.state_scale[state] = 1e-2;
                 TerminalTarget { state, value: self.constant(v, name)?, linear: 1e2, quadratic: 5e3 }
             };
+            let Bounds { min, max, .. } = ocp.state_bounds[state];
+            if target.value < min || target.value > max {
+                let message = format!("the target {} of `{name}` is outside its bounds {min} to {max}", target.value);
+                return Err(self.doc.error(v.span(), message, "change the target or the bounds").into());
+            }
             ocp.targets.push(target);
         }
         Ok(())

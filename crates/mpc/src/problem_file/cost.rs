@@ -1,79 +1,133 @@
 //! References and costs of a problem file.
 
+use super::free_keys::is_free;
 use super::reader::{Located, Parsed, Reader};
 use crate::dynamics::SymbolicDynamics;
 use crate::ocp::{CostFunction, CostKind, CostNames, Ocp, Softness, TerminalSet};
+use crate::problem::Scheduled;
+use bracketry_symbolic::Rational;
 use bracketry_system::{Table, Value};
 
+/// What costs depend on.
+#[derive(Clone, Copy, Default)]
+pub(super) struct DependsOn {
+    states: bool,
+    inputs: bool,
+}
+
+/// The keys of one cost.
+struct CostKeys {
+    kind: CostKind,
+    expression: &'static str,
+    residuals: &'static str,
+    weights: &'static str,
+}
+
+const STAGE: CostKeys =
+    CostKeys { kind: CostKind::Stage, expression: "stage", residuals: "residuals", weights: "weights" };
+const TERMINAL: CostKeys = CostKeys {
+    kind: CostKind::Terminal,
+    expression: "terminal",
+    residuals: "terminal_residuals",
+    weights: "terminal_weights",
+};
+const KEYS: [&str; 7] =
+    ["stage", "residuals", "weights", "terminal", "terminal_residuals", "terminal_weights", "terminal_set"];
+
 impl Reader<'_> {
-    /// Parameters of the controller's model that change over the run, their values at the grid points 0 … `points` into the
-    /// problem; their names. Those that do not change have been set in the model before.
-    pub(super) fn parameters(&self, table: &Table<'_>, points: usize, ocp: &mut Ocp) -> Parsed<Vec<String>> {
-        let (mut names, mut rows) = (Vec::new(), vec![Vec::new(); points + 1]);
+    /// Parameters of the controller's model that change over the run: those with an expression of time, checked at the grid
+    /// points 0 … `points`, and those that are to be changed from outside. The others have been set in the model before.
+    pub(super) fn parameters(&self, table: &Table<'_>, points: usize, dt: f64) -> Parsed<Vec<Scheduled>> {
+        let mut live = Vec::new();
         for (key, v) in self.doc.sub_table(table, "parameters")?.into_iter().flatten() {
-            if self.constant(v, key.get_ref()).is_err() {
-                self.over_run(v, key.get_ref(), ocp.dt, &mut rows)?;
-                names.push(key.get_ref().to_string());
+            if !is_free(v) && self.constant(v, key.get_ref()).is_err() {
+                live.push(self.over_run(v, key.get_ref(), points, dt)?);
             }
         }
-        if !names.is_empty() {
-            ocp.parameters = rows;
-        }
-        Ok(names)
-    }
-
-    /// Adds the values of an expression of time to the rows of the grid points.
-    fn over_run(&self, v: Located<'_, '_>, name: &str, dt: f64, rows: &mut [Vec<f64>]) -> Parsed<()> {
-        let value = self.over_time(v, name, true)?;
-        for (k, row) in rows.iter_mut().enumerate() {
-            let (at, now) = (k as f64 * dt, value(k as f64 * dt));
-            if !now.is_finite() {
-                let message = format!("`{name}` is not finite at t = {at}");
-                return Err(self.doc.error(v.span(), message, "write an expression that is finite").into());
+        let Some(list) = table.get("live_parameters") else { return Ok(live) };
+        let remedy = "write live_parameters = [\"m\"]: names of parameters of the model";
+        let Value::Array(names) = list.get_ref() else {
+            return Err(self.doc.error(list.span(), "`live_parameters` must be a list", remedy).into());
+        };
+        for entry in names {
+            let Value::String(name) = entry.get_ref() else {
+                return Err(self.doc.error(entry.span(), "a name must stand in quotes", remedy).into());
+            };
+            let parameters = &self.system.parameters;
+            let Some(p) = parameters.iter().find(|p| self.system.symbol_name(p.symbol) == name) else {
+                return Err(self.unknown(name, entry.span(), "parameter", &self.system.parameter_names()));
+            };
+            if live.iter().any(|s| s.name == **name) {
+                let message = format!("`{name}` is there twice, or already an expression of t");
+                return Err(self.doc.error(entry.span(), message, "remove it from the list").into());
             }
-            row.push(now);
+            live.push(Scheduled::constant(name.to_string(), p.value.to_f64().value()));
         }
-        Ok(())
+        Ok(live)
     }
 
-    /// Reads the references, their values at the grid points 0 … `points` into the problem; their names. Live parameters come
-    /// first: a cost sees them change.
-    pub(super) fn references(
-        &self,
-        table: &Table<'_>,
-        points: usize,
-        live: &[String],
-        ocp: &mut Ocp,
-    ) -> Parsed<Vec<String>> {
-        let mut names = live.to_vec();
-        let mut rows = if live.is_empty() { vec![Vec::new(); points + 1] } else { ocp.parameters.clone() };
-        let given = self.doc.sub_table(table, "references")?;
-        if given.is_none() && live.is_empty() {
-            return Ok(names);
-        }
-        for (key, v) in given.into_iter().flatten() {
+    /// Reads the references, finite at the grid points 0 … `points`.
+    pub(super) fn references(&self, table: &Table<'_>, points: usize, dt: f64) -> Parsed<Vec<Scheduled>> {
+        let mut references = Vec::new();
+        for (key, v) in self.doc.sub_table(table, "references")?.into_iter().flatten() {
             let name = key.get_ref().to_string();
             let taken = self.system.state_index(&name).is_some() || self.system.input_index(&name).is_some();
-            let parameter = self.system.parameters.iter().any(|p| self.system.symbol_name(p.symbol) == name);
-            if taken || parameter || name == "t" {
+            if taken || self.system.parameter_names().contains(&name) || name == "t" {
                 let message = format!("`{name}` already has a meaning in the model");
                 return Err(self.doc.error(key.span(), message, "give the reference another name").into());
             }
-            self.over_run(v, &name, ocp.dt, &mut rows)?;
-            names.push(name);
+            references.push(self.over_run(v, &name, points, dt)?);
         }
-        ocp.references = rows;
-        Ok(names)
+        Ok(references)
     }
 
-    pub(super) fn costs(&self, table: &Table<'_>, references: &[String], ocp: &mut Ocp) -> Parsed<()> {
-        let Some(cost) = self.doc.sub_table(table, "cost")? else { return Ok(()) };
-        self.doc.only_keys(cost, &["stage", "terminal", "terminal_set"], "[cost]")?;
-        ocp.stage = self.cost(cost, "stage", CostKind::Stage, references)?;
-        if !self.infinite_horizon(cost)? {
-            ocp.terminal = self.cost(cost, "terminal", CostKind::Terminal, references)?;
+    /// Stage and terminal cost; what they depend on.
+    pub(super) fn costs(&self, table: &Table<'_>, references: &[String], ocp: &mut Ocp) -> Parsed<DependsOn> {
+        let mut depends_on = DependsOn::default();
+        let Some(cost) = self.doc.sub_table(table, "cost")? else { return Ok(depends_on) };
+        self.doc.only_keys(cost, &KEYS, "[cost]")?;
+        ocp.stage = self.cost(cost, &STAGE, references, &mut depends_on)?;
+        if self.infinite_horizon(cost)? {
+            depends_on.states = true;
+            if let Some(v) = cost.get(TERMINAL.residuals) {
+                let message = "the terminal cost of the infinite horizon takes no residuals";
+                return Err(self.doc.error(v.span(), message, "write terminal = an expression, or remove them").into());
+            }
+        } else {
+            ocp.terminal = self.cost(cost, &TERMINAL, references, &mut depends_on)?;
         }
-        Ok(())
+        Ok(depends_on)
+    }
+
+    /// Refuses a problem that asks nothing of the states: no input would answer what is measured. `costs` is what the costs depend
+    /// on.
+    pub(super) fn check_what_is_asked(
+        &self,
+        table: &Table<'_>,
+        costs: DependsOn,
+        ocp: &Ocp,
+        planned: bool,
+    ) -> Parsed<()> {
+        let bounded = ocp.state_bounds.iter().any(|b| (b.min, b.max) != (f64::NEG_INFINITY, f64::INFINITY))
+            || !ocp.path_constraints.is_empty()
+            || !ocp.norm_constraints.is_empty();
+        let remedy = "add what is wanted to [cost], such as stage = \"(x - 1)^2 + 0.1*u^2\", or a [target]";
+        // What is free may be all that the cost is for.
+        let decides = planned && (ocp.stage.is_some() || ocp.terminal.is_some());
+        let message = if decides || costs.states || !ocp.targets.is_empty() || costs.inputs && bounded {
+            return Ok(());
+        } else if costs.inputs {
+            "neither cost nor target has a state in it: the inputs would not depend on what is measured"
+        } else if table.contains_key("cost") && (ocp.stage.is_some() || ocp.terminal.is_some()) {
+            "the cost has no state or input in it: any input would do"
+        } else {
+            "the problem has neither a cost nor a target: any input would do"
+        };
+        Err(match table.get("cost") {
+            Some(cost) => self.doc.error(cost.span(), message, remedy),
+            None => self.doc.missing(message, remedy),
+        }
+        .into())
     }
 
     /// Whether the terminal cost is to be that of the infinite horizon.
@@ -94,8 +148,13 @@ impl Reader<'_> {
         let Some(v) = cost.get("terminal").filter(|_| self.infinite_horizon(cost).unwrap_or(false)) else {
             return Ok(());
         };
-        let (n, m) = (ocp.states(), ocp.inputs());
-        let (x, u) = self.system.point_values().unwrap_or_else(|| (vec![0.0; n], vec![0.0; m]));
+        if self.free.is_some() {
+            let message = "the infinite horizon goes on from a fixed end with fixed parameters";
+            return Err(self.doc.error(v.span(), message, "write an expression, or fix what is free").into());
+        }
+        let (n, m) = (ocp.model_states(), ocp.inputs());
+        let (mut x, u) = self.system.point_values().unwrap_or_else(|| (vec![0.0; n], vec![0.0; m]));
+        ocp.append_previous(&mut x, &u);
         let live: Vec<&str> = live.iter().map(String::as_str).collect();
         let solved = SymbolicDynamics::with_live_parameters(self.system, &live)
             .and_then(|mut dynamics| ocp.clone().with_terminal_cost_at(&mut dynamics, &x, &u));
@@ -124,18 +183,70 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// The expression of a cost plus the weighted squares of its residuals.
     fn cost(
         &self,
         table: &Table<'_>,
-        key: &str,
-        kind: CostKind,
+        keys: &CostKeys,
         references: &[String],
+        depends_on: &mut DependsOn,
     ) -> Parsed<Option<CostFunction>> {
-        let Some(v) = table.get(key) else { return Ok(None) };
-        let (mut names, mut pool) = CostNames::new(self.system, kind, references);
-        let e = self.doc.expression(v, key, &mut pool, &mut names)?;
-        let made = CostFunction::of_system(self.system, kind, references, &mut pool, e);
+        let residuals = self.residuals(table, keys)?;
+        let first = residuals.first().map(|(v, _)| *v);
+        let Some(place) = table.get(keys.expression).or(first) else { return Ok(None) };
+        let (names, mut pool) = CostNames::new(self.system, keys.kind, references);
+        let mut names = names.with_remembered(self.remembered);
+        let mut sum = pool.int(0);
+        if let Some(v) = table.get(keys.expression) {
+            self.without_derivatives(v)?;
+            sum = self.doc.expression(v, keys.expression, &mut pool, &mut names)?;
+        }
+        for (v, weight) in residuals {
+            self.without_derivatives(v)?;
+            let residual = self.doc.expression(v, keys.residuals, &mut pool, &mut names)?;
+            let square = pool.powi(residual, 2);
+            let weight = pool.rational(weight);
+            let term = pool.mul(weight, square);
+            sum = pool.add(sum, term);
+        }
+        depends_on.states |= self.system.states.iter().any(|&x| pool.depends_on(sum, x));
+        depends_on.inputs |= self.system.inputs.iter().any(|&u| pool.depends_on(sum, u));
+        if keys.kind == CostKind::Stage {
+            sum = self.over_scaled_time(&mut pool, sum);
+        }
+        let made = CostFunction::of_system(self.system, keys.kind, references, self.remembered, &mut pool, sum);
         let remedy = "write states, inputs, parameters, references and t, without derivatives of inputs";
-        Ok(Some(made.map_err(|e| self.doc.error(v.span(), e.to_string(), remedy))?))
+        Ok(Some(made.map_err(|e| self.doc.error(place.span(), e.to_string(), remedy))?))
+    }
+
+    /// The residuals of a cost with their weights.
+    fn residuals<'t, 'i>(&self, table: &'t Table<'i>, keys: &CostKeys) -> Parsed<Vec<(Located<'t, 'i>, Rational)>> {
+        // What is reached at the end has no input.
+        let (example, weights) =
+            if keys.kind == CostKind::Stage { ("\"x - 1\", \"u\"", "10, 0.1") } else { ("\"x - 1\", \"v\"", "10, 1") };
+        let remedy = format!("write {} = [{example}] and {} = [{weights}]", keys.residuals, keys.weights);
+        let list = |key: &str| -> Parsed<Option<Vec<Located<'t, 'i>>>> {
+            match table.get(key).map(|v| (v, v.get_ref())) {
+                None => Ok(None),
+                Some((_, Value::Array(list))) => Ok(Some(list.iter().collect())),
+                Some((v, _)) => Err(self.doc.error(v.span(), format!("`{key}` must be a list"), remedy.clone()).into()),
+            }
+        };
+        let residuals = list(keys.residuals)?.unwrap_or_default();
+        let weights = list(keys.weights)?;
+        if let (Some(weights), Some(v)) = (&weights, table.get(keys.weights))
+            && weights.len() != residuals.len()
+        {
+            let message = format!("{} weights for {} residuals", weights.len(), residuals.len());
+            return Err(self.doc.error(v.span(), message, remedy).into());
+        }
+        let weight = |i: usize| -> Parsed<Rational> {
+            let Some(v) = weights.as_ref().and_then(|w| w.get(i).copied()) else { return Ok(Rational::ONE) };
+            let value = self.constant(v, keys.weights)?;
+            Rational::simplest_from_f64(value).filter(|_| value >= 0.0).ok_or_else(|| {
+                self.doc.error(v.span(), "a weight must not be negative", "write a number that is not negative").into()
+            })
+        };
+        residuals.into_iter().enumerate().map(|(i, v)| Ok((v, weight(i)?))).collect()
     }
 }

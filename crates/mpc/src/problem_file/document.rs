@@ -2,21 +2,24 @@
 
 use super::horizon::KEYS as HORIZON_KEYS;
 use super::reader::Reader;
-use crate::ocp::Ocp;
-use crate::problem::{ControlProblem, ProblemError};
+use super::scaling::Expected;
+use crate::ocp::{Ocp, Remembered, Substeps};
+use crate::problem::{ControlProblem, FoundValues, FreeValues, Method, ProblemError, Schedule};
 use crate::qp::QpSettings;
 use bracketry_symbolic::StopFlag;
 use bracketry_system::Table;
 use bracketry_system::{Document, FileError, System};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-const KEYS: [&str; 17] = [
+const KEYS: [&str; 18] = [
     "name",
     "model",
     "plant",
     "horizon",
     "cost",
     "parameters",
+    "live_parameters",
     "references",
     "constraints",
     "target",
@@ -42,7 +45,8 @@ impl ControlProblem {
         let path = path.as_ref();
         let doc = Document::read(path)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Self::from_document(&doc, &folder, |name| System::read(folder.join(name)).map_err(Box::new))
+        let models = |name: &str| System::read(folder.join(name)).map_err(Box::new);
+        Arc::new(Source::new(doc, &folder, models)?).problem(None)
     }
 
     /// Reads a problem from text; `models` finds the models that it names.
@@ -55,11 +59,21 @@ impl ControlProblem {
         models: impl FnMut(&str) -> Result<System, Box<FileError>>,
     ) -> Result<Self, ProblemError> {
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-        Self::from_document(&Document::new(file, text), folder, models)
+        Arc::new(Source::new(Document::new(file, text), folder, models)?).problem(None)
     }
+}
 
-    fn from_document(
-        doc: &Document,
+/// A problem file with the models that it names.
+struct Source {
+    doc: Document,
+    folder: PathBuf,
+    model: System,
+    plant: Option<System>,
+}
+
+impl Source {
+    fn new(
+        doc: Document,
         folder: &Path,
         mut models: impl FnMut(&str) -> Result<System, Box<FileError>>,
     ) -> Result<Self, ProblemError> {
@@ -68,14 +82,27 @@ impl ControlProblem {
         let Some(model) = doc.string(&table, "model")? else {
             return Err(doc.missing("no model is named", "add `model = \"model.toml\"` at the top").into());
         };
-        let mut system = with_own_inputs(models(&model)?)?;
-        system.leaves_time_free(doc)?;
+        let model = with_own_inputs(models(&model)?)?;
+        model.leaves_time_free(&doc)?;
+        let plant = doc.string(&table, "plant")?;
+        let plant = plant.map(|name| with_own_inputs(models(&name)?)).transpose()?;
+        drop(table);
+        Ok(Self { doc, folder: folder.to_owned(), model, plant })
+    }
+
+    /// The problem, with the values that were found for what is free.
+    fn problem(self: &Arc<Self>, found: Option<&FoundValues>) -> Result<ControlProblem, ProblemError> {
+        let doc = &self.doc;
+        let table = doc.table()?;
+        let mut system = self.model.clone();
         let original = system.clone();
-        Reader { doc, system: &original }.fixed_parameters(&table, &mut system)?;
-        let mut plant = match doc.string(&table, "plant")? {
-            Some(name) => with_own_inputs(models(&name)?)?,
-            None => system.clone(),
-        };
+        let remembered = Remembered::default();
+        let first = Reader { doc, system: &original, folder: &self.folder, remembered: &remembered, free: None };
+        first.fixed_parameters(&table, &mut system)?;
+        let horizon = first.required(&table, "horizon", "[horizon] with steps and dt")?;
+        let free = first.free(&table, horizon)?;
+        free.fix(found, &mut system);
+        let mut plant = self.plant.clone().unwrap_or_else(|| system.clone());
         if plant.state_names() != system.state_names() || plant.input_names() != system.input_names() {
             let names =
                 |s: &System| format!("states {}, inputs {}", s.state_names().join(" "), s.input_names().join(" "));
@@ -83,11 +110,22 @@ impl ControlProblem {
                 format!("model and plant differ: {} in the model, {} in the plant", names(&system), names(&plant));
             return Err(doc.missing(message, "give both the same states and inputs in the same order").into());
         }
-        let reader = Reader { doc, system: &system };
+        let reader = Reader { system: &system, ..first };
         if let Some(run) = doc.sub_table(&table, "run")? {
             reader.plant_parameters(run, &mut plant)?;
         }
-        let mut problem = reader.problem(&table, folder, plant)?;
+        let end_time = free.end_time.as_ref().map(|r| found.and_then(|f| f.end_time).unwrap_or(r.guess));
+        let mut problem = reader.problem(&table, plant.clone(), end_time, !free.is_empty())?;
+        if !free.is_empty() && found.is_none() {
+            let system = free.system(&system);
+            let reader = Reader { system: &system, free: Some(&free), ..first };
+            let extended = reader.problem(&table, plant, end_time, true)?;
+            let source = Arc::clone(self);
+            let with_found = Box::new(move |found: &FoundValues| source.problem(Some(found)));
+            let end_time = free.end_time.as_ref().map(|r| r.guess);
+            problem.free = Some(Arc::new(FreeValues::new(extended, &free.names(), end_time, with_found)));
+        }
+        problem.found = found.cloned();
         if let Some(e) = problem.estimation.as_ref().filter(|e| e.hands_over()) {
             if !problem.live.is_empty() {
                 let message = "time-varying parameters cannot be combined with an estimator that updates parameters";
@@ -107,56 +145,125 @@ fn with_own_inputs(system: System) -> Result<System, ProblemError> {
 }
 
 impl Reader<'_> {
-    fn problem(&self, table: &Table<'_>, folder: &Path, plant: System) -> Result<ControlProblem, ProblemError> {
+    /// The problem over the end time, where it is a free one; `planned` where anything is free.
+    fn problem(
+        &self,
+        table: &Table<'_>,
+        plant: System,
+        end_time: Option<f64>,
+        planned: bool,
+    ) -> Result<ControlProblem, ProblemError> {
         let system = self.system;
         let (n, m) = (system.states.len(), system.inputs.len());
         let horizon = self.required(table, "horizon", "[horizon] with steps and dt")?;
         self.doc.only_keys(horizon, &HORIZON_KEYS, "[horizon]")?;
-        let steps = self.count(horizon, "steps", None)?;
-        if let Some(v) = horizon.get("steps").filter(|_| steps > MOST_INTERVALS) {
+        let others: [(&str, &[&str]); 2] = [("steps", &["lengths"]), ("dt", &["lengths", "end_time"])];
+        for (key, instead) in others {
+            let missing = !horizon.contains_key(key) && !instead.iter().any(|k| horizon.contains_key(*k));
+            if let Some(v) = table.get("horizon").filter(|_| missing) {
+                let remedy =
+                    "write horizon = { steps = 40, dt = 0.05 }: number of intervals and their length in seconds";
+                return Err(self.doc.error(v.span(), format!("[horizon] has no `{key}`"), remedy).into());
+            }
+        }
+        let lengths = self.lengths(horizon)?;
+        let steps = if horizon.contains_key("lengths") { lengths.len() } else { self.count(horizon, "steps", None)? };
+        let place = horizon.get("steps").or(horizon.get("lengths"));
+        if let Some(v) = place.filter(|_| steps > MOST_INTERVALS) {
             let message = format!("a horizon of {steps} intervals makes programs too large to solve at every sample");
             let remedy = format!("take at most {MOST_INTERVALS}, with a longer dt");
             return Err(self.doc.error(v.span(), message, remedy).into());
         }
-        let dt = self.positive(horizon, "dt", None)?;
+        let dt = match lengths.first() {
+            Some(first) => *first,
+            None => self.interval(horizon, steps, end_time)?,
+        };
         let mut ocp = Ocp::new(n, m, steps, dt);
+        if lengths.iter().any(|l| *l != dt) {
+            ocp.lengths = lengths;
+        }
         self.discretization(horizon, &mut ocp)?;
 
         let (run, start) = self.run(table, steps)?;
-        let live = self.parameters(table, start.samples + steps, &mut ocp)?;
-        let names = self.references(table, start.samples + steps, &live, &mut ocp)?;
-        self.costs(table, &names, &mut ocp)?;
+        let points = start.samples + ocp.samples_of_horizon();
+        let schedule = Schedule {
+            parameters: self.parameters(table, points, dt)?,
+            references: self.references(table, points, dt)?,
+        };
+        schedule.write(&mut ocp, 0, points);
+        let live: Vec<String> = schedule.parameters.iter().map(|s| s.name.clone()).collect();
+        // Costs and constraints see the live parameters change.
+        let names: Vec<String> =
+            live.iter().cloned().chain(schedule.references.iter().map(|s| s.name.clone())).collect();
+        if let Some(free) = self.free {
+            free.bound(&mut ocp);
+        }
+        let mut remembered = self.input_rates(table, dt)?;
+        if let Some(free) = self.free {
+            free.remember(&ocp, &mut remembered);
+        }
+        self.same_lengths(horizon, &ocp, !remembered.inputs.is_empty(), "rates of inputs")?;
+        let reader = Reader { remembered: &remembered, ..*self };
+        remembered.inputs.iter().for_each(|&j| ocp.remember(j));
+        let costs = reader.costs(table, &names, &mut ocp)?;
         self.ranges(&mut ocp);
-        self.constraints(table, &names, &mut ocp)?;
+        reader.constraints(table, &names, &mut ocp)?;
         let mut guess = self.guess(table, &ocp)?;
-        self.initial_guess(table, folder, &ocp, &mut guess)?;
-        let level = self.expected_sizes(&start.x0, &guess, &mut ocp)?;
+        self.initial_guess(table, &ocp, &mut guess)?;
+        if let Some(free) = self.free {
+            free.guess(&mut guess);
+        }
+        let Expected { cost_level: level, explicit_steps } = self.expected_sizes(&start.x0, &guess, &mut ocp)?;
         self.targets(table, &mut ocp)?;
         self.scales(table, &mut ocp)?;
         Self::default_penalties(level, &mut ocp);
         self.end_of_horizon(table, &live, level, &mut ocp)?;
-        let estimation = self.estimation(table, &start, &ocp)?;
+        self.check_what_is_asked(table, costs, &ocp, planned)?;
+        // The problem that is solved for what is free sees the initial state alone.
+        let estimation = if self.free.is_some() { None } else { self.estimation(table, &start, &ocp)? };
         let measured = estimation.as_ref().map_or_else(|| system.state_names(), |e| e.names.clone());
-        let conditions = self.conditions(run, &measured)?;
+        let conditions = self.conditions(run, start.samples, &measured)?;
+        if planned && schedule.varies() {
+            let message = "the end time is free, or a parameter, and references or parameters vary over time";
+            return Err(self
+                .doc
+                .missing(message, "make them constant, or expressions of `t` in the cost itself")
+                .into());
+        }
         // The multiplier of a bound cannot well exceed what the whole horizon costs.
         let hard_weight = (10.0 * dt * level).max(QpSettings::default().hard_weight);
         let empty = Table::new();
         let solve = self.doc.sub_table(table, "solve")?.unwrap_or(&empty);
-        let solve = self.solve(solve, hard_weight, &ocp.input_bounds)?;
+        let (solve, method_reason) = self.solve(solve, hard_weight, &ocp.input_bounds, planned)?;
+        let plans = matches!(solve.method, Method::Plan { .. });
+        self.same_lengths(
+            horizon,
+            &ocp,
+            plans,
+            "the method \"plan\", which shortens the horizon interval by interval,",
+        )?;
         Ok(ControlProblem {
             method: solve.method,
+            method_reason,
             qp: solve.qp,
             smoothing: solve.smoothing,
             policy: solve.policy,
             rest_input: solve.rest_input,
             live,
+            schedule,
             guess,
             x0: start.x0,
+            u0: self.input_before(run, &ocp)?,
             samples: start.samples,
-            plant_substeps: start.plant_substeps.unwrap_or(ocp.substeps.least()),
+            plant_substeps: start.plant_substeps.unwrap_or(match ocp.substeps {
+                Substeps::Fixed(s) => s,
+                Substeps::AtLeast(s) => s.max(explicit_steps),
+            }),
             conditions,
             estimation,
             stop: StopFlag::default(),
+            free: None,
+            found: None,
             system: system.clone(),
             plant,
             ocp,

@@ -42,8 +42,8 @@ impl Reader<'_> {
         problem.integrator = ocp.integrator;
         problem.substeps = ocp.substeps;
         problem.smoothing = self.positive(t, "smoothing", Some(problem.smoothing))?;
-        problem.initial_std = ocp.state_scale.iter().map(|s| DEFAULT_STD * s).collect();
-        problem.process_noise = ocp.state_scale.iter().map(|s| DEFAULT_NOISE * s).collect();
+        problem.initial_std = ocp.state_scale[..ocp.model_states()].iter().map(|s| DEFAULT_STD * s).collect();
+        problem.process_noise = ocp.state_scale[..ocp.model_states()].iter().map(|s| DEFAULT_NOISE * s).collect();
         for (key, list, least) in [
             ("initial", &mut problem.initial, f64::NEG_INFINITY),
             ("initial_std", &mut problem.initial_std, 0.0),
@@ -104,9 +104,8 @@ impl Reader<'_> {
     fn read_parameters(&self, t: &Table<'_>, problem: &mut EstimationProblem) -> Parsed<()> {
         for (key, v) in self.doc.sub_table(t, "parameters")?.into_iter().flatten() {
             let name = key.get_ref();
-            if !self.system.parameters.iter().any(|p| self.system.symbol_name(p.symbol) == *name) {
-                let known: Vec<String> =
-                    self.system.parameters.iter().map(|p| self.system.symbol_name(p.symbol).to_owned()).collect();
+            let known = self.system.parameter_names();
+            if !known.iter().any(|k| k == name) {
                 return Err(self.unknown(name, key.span(), "parameter", &known));
             }
             let (std, walk, min, max) = self.walk(v, name)?;

@@ -5,13 +5,17 @@ use crate::integrator::Integrator;
 use crate::ocp::{Ocp, Substeps};
 use bracketry_system::{Table, Value};
 
-pub(super) const KEYS: [&str; 6] = ["steps", "dt", "integrator", "stages", "substeps", "blocks"];
+pub(super) const KEYS: [&str; 9] =
+    ["steps", "dt", "growth", "lengths", "end_time", "integrator", "stages", "substeps", "blocks"];
+
+/// Most integration steps per interval.
+const MOST_SUBSTEPS: usize = 10_000;
 
 impl Reader<'_> {
     /// Integrator, substeps and move blocks.
     pub(super) fn discretization(&self, horizon: &Table<'_>, ocp: &mut Ocp) -> Parsed<()> {
         if horizon.contains_key("substeps") {
-            ocp.substeps = Substeps::Fixed(self.count(horizon, "substeps", None)?);
+            ocp.substeps = Substeps::Fixed(self.substeps(horizon, "substeps")?);
         }
         let stages = self.count(horizon, "stages", Some(2))?;
         if let Some(v) = horizon.get("stages").filter(|_| stages > 4) {
@@ -31,6 +35,19 @@ impl Reader<'_> {
         self.blocks(horizon, ocp)
     }
 
+    /// A number of integration steps per interval.
+    pub(super) fn substeps(&self, table: &Table<'_>, key: &str) -> Parsed<usize> {
+        let steps = self.count(table, key, None)?;
+        match table.get(key).filter(|_| steps > MOST_SUBSTEPS) {
+            None => Ok(steps),
+            Some(v) => {
+                let message = format!("{steps} integration steps per interval take too long");
+                let remedy = format!("take at most {MOST_SUBSTEPS}, an implicit integrator, or a shorter dt");
+                Err(self.doc.error(v.span(), message, remedy).into())
+            }
+        }
+    }
+
     /// Lengths of the move blocks; the last one is extended to the end of the horizon.
     fn blocks(&self, horizon: &Table<'_>, ocp: &mut Ocp) -> Parsed<()> {
         let Some(v) = horizon.get("blocks") else { return Ok(()) };
@@ -40,8 +57,11 @@ impl Reader<'_> {
         };
         for length in list {
             let value = self.constant(length, "blocks")?;
-            if value < 1.0 || value.fract() != 0.0 {
-                return Err(self.doc.error(length.span(), "a block must be a whole number, 1 or more", remedy).into());
+            if !(1.0..=1e6).contains(&value) || value.fract() != 0.0 {
+                return Err(self
+                    .doc
+                    .error(length.span(), "a block must be a whole number from 1 to 1000000", remedy)
+                    .into());
             }
             ocp.move_blocks.push(value as usize);
         }
@@ -59,7 +79,6 @@ impl Reader<'_> {
 
     /// The inputs of the guess, taken in the middle of every interval; where the file gives none, 0 or the bound closest to it.
     pub(super) fn guess(&self, table: &Table<'_>, ocp: &Ocp) -> Parsed<Vec<Vec<f64>>> {
-        let dt = ocp.dt;
         let rest = ocp.input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
         let mut rows: Vec<Vec<f64>> = vec![rest; ocp.steps];
         let Some(t) = self.doc.sub_table(table, "guess")? else { return Ok(rows) };
@@ -69,7 +88,11 @@ impl Reader<'_> {
             };
             let value = self.over_time(v, key.get_ref(), true)?;
             for (k, row) in rows.iter_mut().enumerate() {
-                row[j] = value((k as f64 + 0.5) * dt);
+                row[j] = value(if ocp.is_uniform() {
+                    (k as f64 + 0.5) * ocp.dt
+                } else {
+                    ocp.offset(k) + 0.5 * ocp.length(k)
+                });
                 if !row[j].is_finite() {
                     let message = format!("the guess of `{}` is not finite at some time", key.get_ref());
                     return Err(self.doc.error(v.span(), message, "write an expression that is finite").into());

@@ -4,18 +4,11 @@ use super::reader::{Parsed, Reader};
 use crate::ocp::Ocp;
 use bracketry_sim::{Hold, Samples};
 use bracketry_system::{Columns, Entries, Table};
-use std::path::Path;
 
 impl Reader<'_> {
     /// Puts the columns of the table that `[initial_guess]` names into the guess: the mean over every interval. After the last
     /// row its values stay. Inputs without a column keep their guess.
-    pub(super) fn initial_guess(
-        &self,
-        table: &Table<'_>,
-        folder: &Path,
-        ocp: &Ocp,
-        guess: &mut [Vec<f64>],
-    ) -> Parsed<()> {
+    pub(super) fn initial_guess(&self, table: &Table<'_>, ocp: &Ocp, guess: &mut [Vec<f64>]) -> Parsed<()> {
         let Some(t) = self.doc.sub_table(table, "initial_guess")? else { return Ok(()) };
         self.doc.only_keys(t, &["file", "hold"], "[initial_guess]")?;
         let Some(name) = self.doc.string(t, "file")? else {
@@ -23,7 +16,7 @@ impl Reader<'_> {
             return Err(self.doc.missing("[initial_guess] names no table", remedy).into());
         };
         let hold = Hold::read(self.doc, t)?;
-        let doc = Columns::document(&folder.join(name), "name a CSV file: a table with a column t and inputs")?;
+        let doc = Columns::document(&self.folder.join(name), "name a CSV file: a table with a column t and inputs")?;
         let Columns { columns, .. } = Columns::parse(&doc, |_| Entries::Finite)?;
         let Some(times) = columns.get("t") else {
             return Err(doc.missing("there is no column `t`", "add a column t with the time in seconds").into());
@@ -35,7 +28,7 @@ impl Reader<'_> {
             let samples = Samples::new(times.clone(), values.clone(), hold)
                 .map_err(|e| doc.missing(e.to_string(), "sort the rows by time and remove repeated ones"))?;
             for (k, row) in guess.iter_mut().enumerate() {
-                row[j] = samples.mean(k as f64 * ocp.dt, (k + 1) as f64 * ocp.dt);
+                row[j] = samples.mean(ocp.offset(k), ocp.offset(k + 1));
             }
         }
         if !found {

@@ -1,8 +1,11 @@
 //! Values of a problem file: numbers, names, expressions.
 
+use super::free::Free;
+use crate::ocp::Remembered;
 use bracketry_symbolic::{Expr, Names, Pool, Tape};
 use bracketry_system::{Document, FileError, System, Table, Value};
 use std::ops::Range;
+use std::path::Path;
 
 pub(super) type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
 pub(super) type Key<'i> = toml::Spanned<std::borrow::Cow<'i, str>>;
@@ -23,8 +26,7 @@ impl Names for Constants<'_> {
         Some(pool.rational(p.value.clone()))
     }
     fn known(&self) -> Vec<String> {
-        let mut known: Vec<String> =
-            self.system.parameters.iter().map(|p| self.system.symbol_name(p.symbol).to_owned()).collect();
+        let mut known = self.system.parameter_names();
         known.extend(self.time.then(|| "t".to_owned()));
         known
     }
@@ -37,15 +39,40 @@ pub(super) enum Variable {
     Input(usize),
 }
 
+#[derive(Clone, Copy)]
 pub(super) struct Reader<'a> {
     pub(super) doc: &'a Document,
     pub(super) system: &'a System,
+    /// Where the tables that the file names are looked for.
+    pub(super) folder: &'a Path,
+    /// The inputs that costs and constraints remember.
+    pub(super) remembered: &'a Remembered,
+    /// What is free, in the problem that is solved for it.
+    pub(super) free: Option<&'a Free>,
 }
 
 impl Reader<'_> {
     pub(super) fn required<'t, 'i>(&self, table: &'t Table<'i>, key: &str, remedy: &str) -> Parsed<&'t Table<'i>> {
         let found = self.doc.sub_table(table, key)?;
         Ok(found.ok_or_else(|| self.doc.missing(format!("[{key}] is missing"), format!("add {remedy}")))?)
+    }
+
+    /// Refuses derivatives of inputs, which costs and constraints do not have.
+    pub(super) fn without_derivatives(&self, v: Located<'_, '_>) -> Parsed<()> {
+        let Value::String(text) = v.get_ref() else { return Ok(()) };
+        let names = self.system.input_names();
+        let compact: String = text.split_whitespace().collect();
+        let Some(name) =
+            names.iter().find(|name| [")", ","].iter().any(|end| compact.contains(&format!("der({name}{end}"))))
+        else {
+            return Ok(());
+        };
+        let remedy = format!(
+            "write `rate({name})` for the change of `{name}` from one sample to the next over the period. For an input that \
+             changes continuously, make `{name}` a state of the model, with its rate as the input: dynamics = {{ {name} = \
+             \"{name}_rate\" }}"
+        );
+        Err(self.doc.error(v.span(), format!("`der({name})` cannot stand in a cost or constraint"), remedy).into())
     }
 
     pub(super) fn number(&self, table: &Table<'_>, key: &str, default: Option<f64>) -> Parsed<(f64, Range<usize>)> {

@@ -3,30 +3,47 @@
 use super::reader::{Parsed, Reader, Variable};
 use crate::closed_loop::{Plant, RungeKuttaPlant};
 use crate::dynamics::{Dynamics, SymbolicDynamics};
+use crate::integrator::Interval;
 use crate::ocp::{CostPoint, Ocp, Substeps};
 use crate::problem::ProblemError;
+use crate::transcription::Shooter;
 use bracketry_system::Table;
-use nalgebra::{DMatrix, Schur};
+use nalgebra::{Complex, DMatrix, Schur};
 
 /// Product of step and fastest rate of the dynamics up to which a trial run takes one step.
 const RESOLVED: f64 = 1.0;
 /// The same for the problem itself: the Runge–Kutta method of order 4 is stable up to 2.78.
 const STABLE: f64 = 2.5;
+/// Width of smoothing at which friction adds nothing to the rates.
+const WITHOUT_FRICTION: f64 = 1e9;
 /// Most steps of an interval.
 const MOST_STEPS: f64 = 1e3;
+
+/// What trial runs tell beside typical sizes.
+pub(super) struct Expected {
+    /// What the horizon costs along the trial runs, per unit of time step.
+    pub(super) cost_level: f64,
+    /// Steps of an interval for which the Runge–Kutta method of order 4 is stable.
+    pub(super) explicit_steps: usize,
+}
 
 impl Reader<'_> {
     /// Typical sizes: the largest of initial value, bounds and the model's point, and how far trial runs under constant
     /// inputs (those of the guess, then each at its bounds) take a state within one interval, or, up to 1, within the horizon.
     ///
-    /// Where the file does not say how many integration steps an interval gets, there are enough for a stable method.
-    ///
-    /// Returns the level of the cost: what the horizon costs along the trial runs, per unit of time step.
-    pub(super) fn expected_sizes(&self, x0: &[f64], guess: &[Vec<f64>], ocp: &mut Ocp) -> Result<f64, ProblemError> {
-        let (n, m) = (ocp.states(), ocp.inputs());
+    /// Where the file does not say how many integration steps an interval gets, an explicit method gets enough to be stable
+    /// for the fastest mode along the guess.
+    pub(super) fn expected_sizes(
+        &self,
+        x0: &[f64],
+        guess: &[Vec<f64>],
+        ocp: &mut Ocp,
+    ) -> Result<Expected, ProblemError> {
+        let (n, m) = (ocp.model_states(), ocp.inputs());
         let point = self.system.point_values();
         let finite = |values: &[f64]| values.iter().filter(|v| v.is_finite()).fold(0.0, |s: f64, v| s.max(v.abs()));
-        for j in 0..m {
+        let constant = |ocp: &Ocp, j: usize| ocp.constant_inputs.contains(&j);
+        for j in (0..m).filter(|&j| !constant(ocp, j)).collect::<Vec<_>>() {
             let (min, max) = ocp.input_bounds[j];
             let half = (max - min) / 2.0;
             if half.is_finite() && half > 0.0 {
@@ -45,33 +62,34 @@ impl Reader<'_> {
             .collect();
         let mut dynamics = SymbolicDynamics::new(self.system)?;
         let mut rates = dynamics.clone();
-        if !dynamics.is_smoothed() {
-            let mut rate = fastest_rate(&mut rates, 0.0, x0, &guess[0]);
-            if let Some((x, u)) = &point {
-                rate = rate.max(fastest_rate(&mut rates, 0.0, x, u));
-            }
-            ocp.substeps = match ocp.substeps {
-                Substeps::AtLeast(s) => Substeps::AtLeast(s.max(steps_for(ocp.dt * rate / STABLE))),
-                fixed @ Substeps::Fixed(_) => fixed,
-            };
+        // The rates of smoothed friction are those of its width, with which the steps of a solution change.
+        rates.set_smoothing(WITHOUT_FRICTION);
+        let mut rate = fastest_rate(&mut rates, 0.0, x0, &guess[0]);
+        if let Some((x, u)) = &point {
+            rate = rate.max(fastest_rate(&mut rates, 0.0, x, u));
         }
         dynamics.set_smoothing(sizes.iter().fold(1e-2, |w: f64, s| w.max(0.1 * s)));
-        let steps = steps_for(ocp.dt * fastest_rate(&mut dynamics, 0.0, x0, &guess[0]) / RESOLVED);
-        let mut plant = RungeKuttaPlant::new(Box::new(dynamics), steps);
+        let steps = steps_for(ocp.longest() * fastest_rate(&mut dynamics, 0.0, x0, &guess[0]) / RESOLVED);
+        let mut advance = trial_step(dynamics, ocp, steps);
         let mut trials = vec![guess.to_vec()];
-        for (j, b) in ocp.input_bounds.iter().enumerate() {
+        // Constants are not driven to the ends of their ranges.
+        for (j, b) in ocp.input_bounds.iter().enumerate().filter(|(j, _)| !constant(ocp, *j)) {
             for end in [b.0, b.1].into_iter().filter(|end| end.is_finite()) {
                 let mut u = guess[0].clone();
                 u[j] = end;
                 trials.push(vec![u; guess.len()]);
             }
         }
-        for inputs in trials {
+        for (trial, inputs) in trials.iter().enumerate() {
             let mut x = x0.to_vec();
             for (k, u) in inputs.iter().enumerate() {
                 let before = x.clone();
-                if plant.step(k as f64 * ocp.dt, &mut x, u, ocp.dt).is_err() || x.iter().any(|v| !v.is_finite()) {
+                if !advance(k, &mut x, u) || x.iter().any(|v| !v.is_finite()) {
                     break;
+                }
+                // Under constant inputs at their bounds a state may soon be where no loop takes it.
+                if trial == 0 || k == 0 {
+                    rate = rate.max(fastest_stable_rate(&mut rates, ocp.time(0, k), &x, u));
                 }
                 for i in 0..n {
                     let near = if k == 0 { (x[i] - before[i]).abs() } else { 0.0 };
@@ -79,10 +97,20 @@ impl Reader<'_> {
                 }
             }
         }
+        let explicit = steps_for(ocp.longest() * rate / STABLE);
+        // An implicit method is stable for any step.
+        if let Substeps::AtLeast(s) = ocp.substeps
+            && !ocp.integrator.is_implicit()
+        {
+            ocp.substeps = Substeps::AtLeast(s.max(explicit));
+        }
         for (scale, size) in ocp.state_scale.iter_mut().zip(sizes) {
             *scale = if size > 0.0 { size } else { 1.0 };
         }
-        Ok(cost_level(ocp, x0, &guess[0]))
+        for (i, p) in ocp.previous_inputs.iter().enumerate() {
+            ocp.state_scale[n + i] = ocp.input_trust[p.input];
+        }
+        Ok(Expected { cost_level: cost_level(ocp, x0, &guess[0]), explicit_steps: explicit })
     }
 
     /// The tables `[scale]` and `[trust]`.
@@ -91,6 +119,9 @@ impl Reader<'_> {
             for key in t.keys() {
                 let i = self.state(key.get_ref(), key.span())?;
                 ocp.state_scale[i] = self.positive(t, key.get_ref(), None)?;
+                if let Some(size) = ocp.state_size.get_mut(i) {
+                    *size = ocp.state_scale[i];
+                }
             }
         }
         if let Some(t) = self.doc.sub_table(table, "trust")? {
@@ -106,6 +137,29 @@ impl Reader<'_> {
     }
 }
 
+/// Number of the interval, state, input: advances the state; whether that worked.
+type TrialStep = Box<dyn FnMut(usize, &mut [f64], &[f64]) -> bool>;
+
+/// Advances a trial run by one interval: by the method of the problem where that is implicit, which stiff models need, else by the
+/// Runge–Kutta method with this number of steps.
+fn trial_step(mut dynamics: SymbolicDynamics, ocp: &Ocp, steps: usize) -> TrialStep {
+    let grid: Vec<(f64, f64)> = (0..ocp.steps).map(|k| (ocp.time(0, k), ocp.length(k))).collect();
+    if ocp.integrator.is_implicit() {
+        let substeps = ocp.substeps.least();
+        let mut shooter = Shooter::new(&dynamics, ocp.integrator);
+        return Box::new(move |k, x, u| {
+            let (t, dt) = grid[k];
+            shooter.advance(&mut dynamics, Interval { t, dt, substeps, u }, x);
+            !shooter.take_failure()
+        });
+    }
+    let mut plant = RungeKuttaPlant::new(Box::new(dynamics), steps);
+    Box::new(move |k, x, u| {
+        let (t, dt) = grid[k];
+        plant.step(t, x, u, dt).is_ok()
+    })
+}
+
 /// N times the size of the stage cost, with the end of the horizon spread over it: the value at the start, and what moving
 /// every state and input by its size changes to second order.
 fn cost_level(ocp: &mut Ocp, x0: &[f64], u0: &[f64]) -> f64 {
@@ -113,6 +167,9 @@ fn cost_level(ocp: &mut Ocp, x0: &[f64], u0: &[f64]) -> f64 {
     let sizes: Vec<f64> = ocp.state_scale.iter().chain(&ocp.input_trust).copied().collect();
     let r = ocp.reference(0).to_vec();
     let mut level = 0.0;
+    let mut x = x0.to_vec();
+    ocp.append_previous(&mut x, u0);
+    let x0 = &x;
     for (cost, u, factor) in [(&mut ocp.stage, u0, steps), (&mut ocp.terminal, &[][..], 1.0 / dt)] {
         let Some(cost) = cost else { continue };
         let mut gradient = vec![0.0; n + u.len()];
@@ -140,6 +197,16 @@ fn steps_for(steps: f64) -> usize {
 
 /// Largest modulus of the eigenvalues of ∂f/∂x; 0 where they are not to be had.
 fn fastest_rate(dynamics: &mut SymbolicDynamics, t: f64, x: &[f64], u: &[f64]) -> f64 {
+    eigenvalues(dynamics, t, x, u).iter().fold(0.0, |r: f64, l| r.max(l.norm()))
+}
+
+/// As [`fastest_rate`], of the modes that do not grow: an explicit method with too long a step makes them grow.
+fn fastest_stable_rate(dynamics: &mut SymbolicDynamics, t: f64, x: &[f64], u: &[f64]) -> f64 {
+    eigenvalues(dynamics, t, x, u).iter().filter(|l| l.re <= 0.0).fold(0.0, |r: f64, l| r.max(l.norm()))
+}
+
+/// The eigenvalues of ∂f/∂x; none where they are not to be had.
+fn eigenvalues(dynamics: &mut SymbolicDynamics, t: f64, x: &[f64], u: &[f64]) -> Vec<Complex<f64>> {
     let n = dynamics.states();
     let pattern = dynamics.jacobian_pattern().to_vec();
     let (mut dx, mut entries) = (vec![0.0; n], vec![0.0; pattern.len()]);
@@ -151,8 +218,8 @@ fn fastest_rate(dynamics: &mut SymbolicDynamics, t: f64, x: &[f64], u: &[f64]) -
         }
     }
     if entries.iter().any(|v| !v.is_finite()) {
-        return 0.0;
+        return Vec::new();
     }
     let schur = Schur::try_new(jacobian, f64::EPSILON, 100 * n.max(1));
-    schur.map_or(0.0, |s| s.complex_eigenvalues().iter().fold(0.0, |r: f64, l| r.max(l.norm())))
+    schur.map_or(Vec::new(), |s| s.complex_eigenvalues().iter().copied().collect())
 }

@@ -2,7 +2,7 @@
 
 use super::reader::{Parsed, Reader};
 use crate::controller::{Brake, FailurePolicy};
-use crate::problem::{Convergence, Feedback, Method};
+use crate::problem::{Convergence, Feedback, Method, MethodReason};
 use crate::qp::{ProgramForm, QpSettings};
 use crate::sqp::Hessian;
 use bracketry_system::{Table, Value};
@@ -28,6 +28,16 @@ const KEYS: [&str; 18] = [
     "rest",
 ];
 
+/// Settings that only one method has.
+const SETTINGS_OF_ONE: [(&str, Name); 6] = [
+    ("initial_iterations", Name::Rti),
+    ("iterations", Name::Rti),
+    ("time_limit", Name::Rti),
+    ("proximal", Name::Rti),
+    ("guarded", Name::Rti),
+    ("hessian", Name::Sqp),
+];
+
 /// What the table `[solve]` says.
 pub(super) struct Solve {
     pub(super) method: Method,
@@ -40,6 +50,7 @@ pub(super) struct Solve {
 /// Names of the methods.
 #[derive(Clone, Copy, PartialEq)]
 enum Name {
+    Automatic,
     Rti,
     Sqp,
     Plan,
@@ -55,11 +66,48 @@ enum PolicyName {
 }
 
 impl Reader<'_> {
-    /// The table `[solve]`. Every key is checked, also where the method does not use it.
-    pub(super) fn solve(&self, solve: &Table<'_>, hard_weight: f64, input_bounds: &[(f64, f64)]) -> Parsed<Solve> {
+    /// The table `[solve]`, and why it has this method: it names it, or has a setting of it alone. Where anything is free, it is
+    /// `planned`.
+    pub(super) fn solve(
+        &self,
+        solve: &Table<'_>,
+        hard_weight: f64,
+        input_bounds: &[(f64, f64)],
+        planned: bool,
+    ) -> Parsed<(Solve, MethodReason)> {
         self.doc.only_keys(solve, &KEYS, "[solve]")?;
         let methods = [("rti", Name::Rti), ("sqp", Name::Sqp), ("plan", Name::Plan), ("stick-slip", Name::StickSlip)];
-        let name = self.choice(solve, "method", "method", &methods)?;
+        let named = self.choice(solve, "method", "method", &methods)?;
+        let with = |name: Name| self.solve_by(name, solve, hard_weight, input_bounds);
+        if planned {
+            if let Some(v) = solve.get("method").filter(|_| named != Name::Plan) {
+                let message = "this method has a horizon that moves on: it cannot decide on an end time or a parameter";
+                let remedy = "write method = \"plan\", or remove it; or fix what is free";
+                return Err(self.doc.error(v.span(), message, remedy).into());
+            }
+            if solve.contains_key("method") {
+                return Ok((with(named)?, MethodReason::Given));
+            }
+            // Without the margin and the coarse tolerance of a plan that is asked for: what is found is the optimum.
+            let plan = with(Name::Plan)?;
+            let mut solved = with(Name::Sqp)?;
+            if let (Method::Sqp { convergence, .. }, Method::Plan { feedback, .. }) = (solved.method, plan.method) {
+                let margin = self.not_negative(solve, "margin", 0.0)?;
+                solved.method = Method::Plan { convergence, margin, feedback };
+            }
+            return Ok((solved, MethodReason::Free));
+        }
+        let setting = SETTINGS_OF_ONE.into_iter().find(|(key, _)| solve.contains_key(*key));
+        let (name, reason) = match setting {
+            _ if solve.contains_key("method") => (named, MethodReason::Given),
+            Some((key, name)) => (name, MethodReason::Setting { key: key.into() }),
+            None => (Name::Automatic, MethodReason::Given),
+        };
+        Ok((with(name)?, reason))
+    }
+
+    /// The table `[solve]` for a method. Every key is checked, also where the method does not use it.
+    fn solve_by(&self, name: Name, solve: &Table<'_>, hard_weight: f64, input_bounds: &[(f64, f64)]) -> Parsed<Solve> {
         let planned = name == Name::Plan;
         let initial_iterations = self.count(solve, "initial_iterations", Some(1))?;
         let mut feedback = Feedback { iterations: self.count(solve, "iterations", Some(1))?, ..Feedback::default() };
@@ -70,8 +118,20 @@ impl Reader<'_> {
             hessian: self.hessian(solve, name)?,
         };
         let tolerance = self.positive(solve, "qp_tolerance", Some(1e-8))?;
-        let smoothing = self.smoothing(solve, name)?;
+        let smoothing = self.smoothing(solve)?;
         let margin = self.not_negative(solve, "margin", if planned { 0.05 } else { 0.0 })?;
+        for (key, value, remedy) in [
+            ("margin", margin, "write the share of the bounds that is left to the feedback, such as 0.05"),
+            (
+                "tolerance",
+                convergence.tolerance,
+                "write the share of the cost that a last step may promise, such as 1e-8",
+            ),
+        ] {
+            if let Some(v) = solve.get(key).filter(|_| value >= 1.0) {
+                return Err(self.doc.error(v.span(), format!("`{key}` must be below 1"), remedy).into());
+            }
+        }
         feedback.proximal = self.not_negative(solve, "proximal", if planned { 0.5 } else { 0.0 })?;
         feedback.guarded = self.boolean(solve, "guarded", planned)?;
         let backend = self.backend(solve)?;
@@ -82,6 +142,7 @@ impl Reader<'_> {
         }
         Ok(Solve {
             method: match name {
+                Name::Automatic => Method::Automatic { convergence },
                 Name::Rti => Method::Rti { initial_iterations, feedback },
                 Name::Sqp => Method::Sqp { convergence, first: feedback },
                 Name::Plan => Method::Plan { convergence, margin, feedback },
@@ -115,7 +176,8 @@ impl Reader<'_> {
 
     /// The second derivatives of the programs of a converged solution.
     fn hessian(&self, solve: &Table<'_>, method: Name) -> Parsed<Hessian> {
-        let hessians = [("gauss-newton", Hessian::GaussNewton), ("exact", Hessian::Exact)];
+        let hessians =
+            [("automatic", Hessian::Automatic), ("gauss-newton", Hessian::GaussNewton), ("exact", Hessian::Exact)];
         let hessian = self.choice(solve, "hessian", "Hessian", &hessians)?;
         let unused = hessian == Hessian::Exact && !matches!(method, Name::Sqp | Name::Plan);
         if let Some(v) = solve.get("hessian").filter(|_| unused) {
@@ -192,14 +254,9 @@ impl Reader<'_> {
         Ok(list)
     }
 
-    fn smoothing(&self, solve: &Table<'_>, method: Name) -> Parsed<Vec<f64>> {
-        let Some(v) = solve.get("smoothing") else {
-            return Ok(match method {
-                Name::Plan => vec![0.1, 0.03, 0.01, 0.003],
-                Name::StickSlip => vec![0.1, 0.01],
-                Name::Rti | Name::Sqp => vec![0.01],
-            });
-        };
+    /// The widths of smoothing; empty where the file has none.
+    fn smoothing(&self, solve: &Table<'_>) -> Parsed<Vec<f64>> {
+        let Some(v) = solve.get("smoothing") else { return Ok(Vec::new()) };
         let mut widths = Vec::new();
         match v.get_ref() {
             Value::Array(list) => {
