@@ -123,7 +123,7 @@ fn outcomes(c: &Counts) -> String {
 
 /// Real-time iteration on a problem.
 fn controller(problem: &ControlProblem, policy: FailurePolicy) -> Result<Rti, Box<dyn Error>> {
-    let settings = RtiSettings { policy, smoothing: problem.smoothing.last().copied(), ..RtiSettings::default() };
+    let settings = RtiSettings { policy, smoothing: problem.widths().last().copied(), ..RtiSettings::default() };
     let rest = vec![0.0; problem.ocp.inputs()];
     let start = Trajectory::constant(problem.ocp.steps, &problem.x0, &rest);
     let dynamics = Box::new(SymbolicDynamics::new(&problem.system)?);

@@ -28,6 +28,14 @@ pub enum MpcError {
         /// What to do about it.
         remedy: &'static str,
     },
+    /// A measurement comes at a time at which none can be used.
+    #[error("the measurement at t = {time:?} s cannot be used: {reason}")]
+    Time {
+        /// Its time, s.
+        time: f64,
+        /// Why, and what to do about it.
+        reason: &'static str,
+    },
     /// A lower bound lies above its upper bound.
     #[error("the bounds of {what} {index} contradict each other: min {min} > max {max}")]
     EmptyBounds {
@@ -54,8 +62,14 @@ pub enum MpcError {
         /// What cannot be told.
         names: Vec<String>,
     },
+    /// The problem cannot be stated with the values that were found for what it leaves free.
+    #[error("with the values that were found for what is free: {reason}")]
+    ValuesFound {
+        /// Why not.
+        reason: String,
+    },
     /// A name is not known.
-    #[error("there is no {what} `{name}`: known are {}", known.join(", "))]
+    #[error("there is no {what} `{name}`: {}", known_names(known))]
     NoSuchName {
         /// What was looked for: `"parameter"`, `"input"`, `"state"`.
         what: &'static str,
@@ -127,6 +141,10 @@ pub enum MpcError {
 /// [`MpcError::Stopped`] once the flag is raised.
 pub(crate) fn check_flag(stop: &StopFlag) -> Result<(), MpcError> {
     if stop.is_raised() { Err(MpcError::Stopped) } else { Ok(()) }
+}
+
+fn known_names(known: &[String]) -> String {
+    if known.is_empty() { "the problem has none".to_owned() } else { format!("known are {}", known.join(", ")) }
 }
 
 /// [`MpcError::Value`] unless the value is good.

@@ -52,6 +52,7 @@ mod error;
 mod estimation;
 mod exact_friction;
 mod integrator;
+mod live;
 mod ocp;
 mod problem;
 mod problem_file;
@@ -74,18 +75,20 @@ pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::{MpcError, PlantError};
 pub use estimation::{
     Disturbance, DisturbanceChannel, Estimate, EstimateStatus, EstimatedParameter, EstimationProblem, Estimator,
-    ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings, OffsetFree, Outliers, SteadyTarget,
-    TargetCalculator, TargetStatus,
+    ExtendedKalman, MeasuredOutput, MovingHorizon, MovingHorizonSettings, OffsetFree, Outliers, OutputFeedback,
+    SteadyTarget, TargetCalculator, TargetStatus,
 };
 pub use exact_friction::{StickSlipController, StickSlipSettings};
 pub use integrator::Integrator;
+pub use live::{Change, LiveController, LiveStep, LoopLog};
 pub use ocp::{
-    Bounds, CostFunction, CostKind, NormConstraint, Ocp, PathConstraint, Softness, Substeps, TerminalSet,
-    TerminalTarget, VectorFunction,
+    Bounds, CostFunction, CostKind, NormConstraint, Ocp, PathConstraint, PreviousInput, Softness, Substeps,
+    TerminalSet, TerminalTarget, VectorFunction,
 };
 pub use problem::{
-    ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled, Convergence, Estimation, EstimatorKind,
-    Feedback, FirstSample, KeptRange, Method, Note, PlanReport, ProblemError, RunConditions, control, control_watched,
+    Cause, ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled, Convergence, Estimation,
+    EstimatorKind, Feedback, FirstSample, FoundValues, KeptRange, Method, MethodReason, Note, PlanReport, ProblemError,
+    RunConditions, Schedule, Scheduled, control, control_watched,
 };
 pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};

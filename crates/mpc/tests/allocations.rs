@@ -1,12 +1,12 @@
 //! What the real-time iteration allocates: preparation nothing, feedback only what Clarabel's own update and solution do.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod common;
 
 use allocation_counter::measure;
 use bracketry_mpc::{
-    Bounds, CostFunction, CostKind, Ocp, Rti, RtiSettings, Softness, StepStatus, Substeps, SymbolicDynamics,
-    TerminalTarget, Trajectory,
+    Bounds, ControlProblem, CostFunction, CostKind, Ocp, Rti, RtiSettings, Softness, StepStatus, Substeps,
+    SymbolicDynamics, TerminalTarget, Trajectory,
 };
 use bracketry_system::System;
 use clarabel::algebra::CscMatrix;
@@ -93,4 +93,74 @@ fn the_guarded_step_allocates_no_more() {
 fn several_iterations_allocate_what_as_many_programs_do() {
     let settings = RtiSettings { iterations: 3, ..RtiSettings::default() };
     assert_eq!(largest(settings, 3), (0, clarabel_alone(), 0));
+}
+
+/// A live controller adds nothing, whatever is measured, nor do the rows of a reference that never ends.
+#[test]
+fn a_live_controller_allocates_no_more() {
+    let model = "states = ['x', 'v']\ninputs = ['a']\ndynamics = { x = 'v', v = 'a' }\n";
+    let problem = "model = 'mass.toml'\nhorizon = { steps = 20, dt = 0.1 }\nreferences = { r = 0.5 }\n\
+        cost = { stage = '(x - r)^2 + 0.1*v^2 + 0.01*a^2' }\nconstraints = { a = { min = -1, max = 1 } }\n\
+        solve = { method = 'rti' }\nrun = { x0 = { x = 1 } }\n";
+    let problem =
+        ControlProblem::parse("problem.toml", problem, |f| System::parse(f, model).map_err(Box::new)).unwrap();
+    let mut controller = problem.controller().unwrap();
+    controller.keep_log(8);
+    let alone = clarabel_alone();
+    for k in 0..40 {
+        let prepare = measure(|| controller.prepare().unwrap()).count_total;
+        let y = if k % 4 == 3 { [f64::NAN; 2] } else { [1.0 - 0.01 * f64::from(k), 0.0] };
+        let feedback = measure(|| controller.feedback(&y).map(|_| ()).unwrap()).count_total;
+        if k > 9 {
+            assert!(
+                prepare == 0 && feedback <= alone,
+                "sample {k}: {prepare} before, {feedback} after the measurement"
+            );
+        }
+    }
+}
+
+/// Largest numbers of allocations before and after the measurement over some samples of a live controller of a mass under friction
+/// `c*sign(v)`, the first ones left out.
+fn of_live(friction: &str, rest: &str) -> (u64, u64) {
+    let model = format!(
+        "states = ['x', 'v']\ninputs = ['a']\ndynamics = {{ x = 'v', v = 'a - {friction}' }}\noutputs = {{ y = 'x' }}\n"
+    );
+    let problem = format!(
+        "model = 'mass.toml'\nhorizon = {{ steps = 20, dt = 0.1 }}\ncost = {{ stage = 'x^2 + 0.1*v^2 + 0.01*a^2' }}\n\
+         constraints = {{ a = {{ min = -1, max = 1 }} }}\nrun = {{ x0 = {{ x = 1 }} }}\n{rest}"
+    );
+    let problem =
+        ControlProblem::parse("problem.toml", &problem, |f| System::parse(f, &model).map_err(Box::new)).unwrap();
+    let mut controller = problem.controller().unwrap();
+    let mut y = vec![0.0; controller.measured().len()];
+    let mut worst = (0, 0);
+    for k in 0..40 {
+        y[0] = 1.0 - 0.01 * f64::from(k);
+        let prepare = measure(|| controller.prepare().unwrap()).count_total;
+        let feedback = measure(|| controller.feedback(&y).map(|_| ()).unwrap()).count_total;
+        if k > 9 {
+            worst = (worst.0.max(prepare), worst.1.max(feedback));
+        }
+    }
+    worst
+}
+
+/// What the other methods and the estimators allocate at a sample, as docs/live.md states it: nothing before the measurement, and
+/// after it less than so many times.
+#[test]
+fn the_other_methods_and_the_estimators_allocate_what_the_guide_states() {
+    let smooth = "0.1*v";
+    let ekf = "solve = { method = 'rti' }\nestimation = { kind = 'ekf', outputs = { y = 0.01 } }\n";
+    let mhe = "solve = { method = 'rti' }\nestimation = { kind = 'mhe', outputs = { y = 0.01 }, horizon = 10 }\n";
+    for (name, friction, rest, most) in [
+        ("rti with ekf", smooth, ekf, 40),
+        ("rti with mhe", smooth, mhe, 200),
+        ("sqp", smooth, "solve = { method = 'sqp' }\n", 40),
+        ("stick-slip", "0.1*sign(v)", "solve = { method = 'stick-slip' }\n", 60),
+    ] {
+        let (prepare, feedback) = of_live(friction, rest);
+        println!("{name}: {feedback}");
+        assert!(prepare == 0 && feedback <= most, "{name}: {prepare} before, {feedback} after the measurement");
+    }
 }

@@ -108,7 +108,8 @@ fn nonlinear_path_constraints_are_kept_and_touched() {
     let system = point();
     let mut ocp = problem(&system, 12, "u^2 + v^2 + 10*(p - 2)^2 + 10*q^2");
     let outside = Bounds { min: 1.0, max: f64::INFINITY, softness: Softness::Hard };
-    ocp.path_constraints = vec![PathConstraint { function: function(&system, &["p^2 + q^2"]), bounds: outside }];
+    ocp.path_constraints =
+        vec![PathConstraint { function: function(&system, &["p^2 + q^2"]), bounds: outside, at_end: false }];
     ocp.input_bounds = vec![(-0.8, 0.8); 2];
     for form in FORMS {
         let s = solve(&system, &ocp, form, [-2.0, 0.3]);
@@ -120,6 +121,28 @@ fn nonlinear_path_constraints_are_kept_and_touched() {
     }
 }
 
+/// The least effort to the rim of a disk: straight to its nearest point, at a constant speed, through its inside.
+#[test]
+fn a_constraint_at_the_end_holds_there_alone() {
+    let system = point();
+    let mut ocp = problem(&system, 10, "u^2 + v^2");
+    let rim = Bounds { min: 4.0, max: 4.0, softness: Softness::Hard };
+    ocp.path_constraints =
+        vec![PathConstraint { function: function(&system, &["p^2 + q^2"]), bounds: rim, at_end: true }];
+    for form in FORMS {
+        for direction in [0.3f64, 2.0, -1.2] {
+            let start = [0.5 * direction.cos(), 0.5 * direction.sin()];
+            let s = solve(&system, &ocp, form, start);
+            assert_eq!(s.status, SolveStatus::Converged);
+            let speed = 1.5 / (10.0 * ocp.dt);
+            for k in 0..10 {
+                assert_relative_eq!(s.trajectory.u(k)[0], speed * direction.cos(), epsilon = 1e-5);
+                assert_relative_eq!(s.trajectory.u(k)[1], speed * direction.sin(), epsilon = 1e-5);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_soft_path_constraint_gives_way_where_its_price_is_exceeded() {
     // min dt·((u − 3)² + w₁ s + w₂ s²), s = u − 1 ≥ 0: 2 (u − 3) + w₁ + 2 w₂ (u − 1) = 0.
@@ -127,7 +150,7 @@ fn a_soft_path_constraint_gives_way_where_its_price_is_exceeded() {
     let mut ocp = problem(&system, 2, "(u - 3)^2 + v^2");
     let softness = Softness::Soft { linear: 1.0, quadratic: 0.5 };
     let bounds = Bounds { min: f64::NEG_INFINITY, max: 1.0, softness };
-    ocp.path_constraints = vec![PathConstraint { function: function(&system, &["u"]), bounds }];
+    ocp.path_constraints = vec![PathConstraint { function: function(&system, &["u"]), bounds, at_end: false }];
     for form in FORMS {
         let s = solve(&system, &ocp, form, [0.0, 0.0]);
         assert_eq!(s.status, SolveStatus::Converged);
@@ -141,7 +164,7 @@ fn contradictions_are_solved_with_the_smallest_violation_and_reported() {
     let mut ocp = problem(&system, 3, "u^2 + v^2");
     ocp.input_bounds[0] = (-1.0, 1.0);
     let bounds = Bounds { min: 1.75, max: f64::INFINITY, softness: Softness::Hard };
-    ocp.path_constraints = vec![PathConstraint { function: function(&system, &["u"]), bounds }];
+    ocp.path_constraints = vec![PathConstraint { function: function(&system, &["u"]), bounds, at_end: false }];
     for form in FORMS {
         let s = solve(&system, &ocp, form, [0.0, 0.0]);
         let SolveStatus::Infeasible { violation } = s.status else { panic!("{:?}", s.status) };
@@ -220,6 +243,7 @@ fn what_contradicts_the_model_is_refused() {
     let path = |f: VectorFunction, min: f64, max: f64| PathConstraint {
         function: f,
         bounds: Bounds { min, max, softness: Softness::Hard },
+        at_end: false,
     };
     let norm = |vector: &[&str], limit: &[&str]| NormConstraint {
         vector: function(&system, vector),

@@ -6,8 +6,8 @@ mod common;
 use approx::assert_relative_eq;
 use bracketry_mpc::{
     Bounds, Brake, ClosedLoop, Controller, CostFunction, CostKind, DelayCompensated, Estimate, EstimateStatus,
-    Estimator, FailurePolicy, FallbackReason, Fault, InputSource, LoopSettings, MpcError, Ocp, Rti, RtiSettings,
-    RungeKuttaPlant, Softness, Sqp, SqpController, SqpSettings, StepStatus, SymbolicDynamics, Trajectory,
+    Estimator, FailurePolicy, FallbackReason, Fault, InputSource, LoopSettings, MpcError, Ocp, OutputFeedback, Rti,
+    RtiSettings, RungeKuttaPlant, Softness, Sqp, SqpController, SqpSettings, StepStatus, SymbolicDynamics, Trajectory,
     run_closed_loop,
 };
 use bracketry_system::System;
@@ -266,16 +266,13 @@ impl Estimator for Differentiator {
 fn an_estimator_gets_the_applied_inputs_and_makes_states_of_outputs() {
     let delay = 2;
     let inside = rti(problem(), RtiSettings::default());
-    let mut controller = DelayCompensated::new(inside, dynamics(), delay, &[0.0]).unwrap();
-    let mut estimator = Differentiator { last: 0.0, inputs: Vec::new(), corrections: 0 };
-    let settings = LoopSettings {
-        estimator: Some(&mut estimator),
-        measurement: Some(Box::new(|_, x| vec![x[0]])),
-        delay,
-        ..LoopSettings::default()
-    };
+    let compensated = DelayCompensated::new(inside, dynamics(), delay, &[0.0]).unwrap();
+    let estimator = Differentiator { last: 0.0, inputs: Vec::new(), corrections: 0 };
+    let mut controller = OutputFeedback::new(compensated, estimator, false, delay, &[0.0]).unwrap();
+    let settings = LoopSettings { measurement: Some(Box::new(|_, x| vec![x[0]])), delay, ..LoopSettings::default() };
     let mut plant = RungeKuttaPlant::new(dynamics(), 1);
     let run = run_closed_loop(&mut controller, &mut plant, &[1.0, 0.0], 120, settings).unwrap();
+    let estimator = controller.estimator();
     assert_eq!(estimator.corrections, 1);
     assert_eq!(estimator.inputs.len(), 119);
     for k in 0..119 {

@@ -8,7 +8,7 @@ mod noise;
 use bracketry_mpc::{
     ClosedLoop, CostFunction, CostKind, DelayCompensated, Disturbance, DisturbanceChannel, EstimationProblem,
     Estimator, ExtendedKalman, LoopSettings, MeasuredOutput, MovingHorizon, MovingHorizonSettings, Ocp, OffsetFree,
-    Plant, PlantError, Rti, RtiSettings, TargetCalculator, TargetStatus, Trajectory, run_closed_loop,
+    OutputFeedback, Plant, PlantError, Rti, RtiSettings, TargetCalculator, TargetStatus, Trajectory, run_closed_loop,
 };
 use bracketry_sim::ExactPlant;
 use bracketry_system::System;
@@ -107,17 +107,16 @@ struct Case {
 const PLAIN: Case = Case { friction: (20, 1.0), disturbance: 0.15, dead_band: 0.03, delay: 0, losses: false };
 
 /// The loop on exact friction.
-fn run(problem: &EstimationProblem, estimator: &mut (dyn Estimator + 'static), case: &Case) -> ClosedLoop {
+fn run(problem: &EstimationProblem, estimator: impl Estimator, case: &Case) -> ClosedLoop {
     let inside = OffsetFree::new(controller(problem), problem, &[0], &[GOAL], &[case.dead_band]).unwrap();
     let model = Box::new(problem.controller_dynamics().unwrap());
-    let mut controller = DelayCompensated::new(inside, model, case.delay, &[0.0]).unwrap();
+    let compensated = DelayCompensated::new(inside, model, case.delay, &[0.0]).unwrap();
+    let mut controller = OutputFeedback::new(compensated, estimator, true, case.delay, &[0.0]).unwrap();
     let (friction, at_rest) = case.friction;
     let mut plant = Pushed(exact_plant(&mass(friction, at_rest), &[0.0, 0.0]), case.disturbance);
     let mut noise = Noise::new(u64::from(friction));
     let losses = case.losses;
     let settings = LoopSettings {
-        estimator: Some(estimator),
-        hand_over: true,
         delay: case.delay,
         measurement: Some(Box::new(|_, x| vec![x[0]])),
         noise: Some(Box::new(move |k, y| {
@@ -149,15 +148,15 @@ fn with_wrong_friction_and_a_constant_disturbance_the_mass_comes_to_rest_near_th
         Case { friction: (16, 1.0), delay: 1, ..PLAIN },
         Case { friction: (24, 1.0), losses: true, ..PLAIN },
     ] {
-        let run = run(&problem, &mut ExtendedKalman::new(&problem).unwrap(), &case);
+        let run = run(&problem, ExtendedKalman::new(&problem).unwrap(), &case);
         let (starts, error) = starts_and_error(&run);
         assert_eq!(starts, 0, "the mass moves again with friction {:?}", case.friction);
         assert!(error < 0.03, "{error} with friction {:?}, delay {}", case.friction, case.delay);
         let late = &run.u[SAMPLES / 2..];
         assert!(late.iter().all(|u| u == &late[0]), "within the dead band the input is held");
     }
-    let mut horizon = MovingHorizon::new(&problem, MovingHorizonSettings::default()).unwrap();
-    let (starts, error) = starts_and_error(&run(&problem, &mut horizon, &Case { friction: (24, 1.0), ..PLAIN }));
+    let horizon = MovingHorizon::new(&problem, MovingHorizonSettings::default()).unwrap();
+    let (starts, error) = starts_and_error(&run(&problem, horizon, &Case { friction: (24, 1.0), ..PLAIN }));
     assert!(starts == 0 && error < 0.03, "{starts} {error}");
 }
 
@@ -167,7 +166,7 @@ fn an_integrator_that_knows_nothing_of_friction_never_comes_to_rest() {
     let problem = problem(&mass(0, 1.0));
     for friction in [(24, 1.0), (24, 1.5)] {
         let case = Case { friction, dead_band: 0.0, ..PLAIN };
-        let (starts, _) = starts_and_error(&run(&problem, &mut ExtendedKalman::new(&problem).unwrap(), &case));
+        let (starts, _) = starts_and_error(&run(&problem, ExtendedKalman::new(&problem).unwrap(), &case));
         assert!(starts > 0, "{friction:?}");
     }
 }

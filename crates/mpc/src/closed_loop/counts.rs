@@ -2,9 +2,10 @@
 
 use crate::controller::{FallbackReason, InputSource, Step, StepStatus, Timings};
 use crate::qp::QpStatus;
+use serde::{Serialize, Serializer};
 
 /// How often each status occurred.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Inputs from programs solved to full accuracy.
     pub solved: usize,
@@ -23,14 +24,13 @@ pub struct Counts {
 }
 
 /// How often the failure policy decided for each [`FallbackReason`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReasonCounts {
     /// Nothing was measured.
     pub lost_sample: usize,
     /// The measurement was not finite.
     pub measurement: usize,
     /// The linearization was not finite.
-    #[serde(rename = "linearisation")]
     pub linearization: usize,
     /// The cost along the plan was not finite.
     pub cost: usize,
@@ -43,7 +43,7 @@ pub struct ReasonCounts {
 }
 
 /// How often an input came from each [`InputSource`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SourceCounts {
     /// Programs solved for the measurement.
     pub program: usize,
@@ -86,6 +86,23 @@ impl Counts {
     }
 }
 
+impl Serialize for ReasonCounts {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let counts = [
+            ("lost_sample", self.lost_sample),
+            ("measurement", self.measurement),
+            ("linearization", self.linearization),
+            // The name of this key in earlier versions, for programs that read it.
+            ("linearisation", self.linearization),
+            ("cost", self.cost),
+            ("time_limit", self.time_limit),
+            ("qp_limit", self.qp_limit),
+            ("qp_failed", self.qp_failed),
+        ];
+        serializer.collect_map(counts)
+    }
+}
+
 impl ReasonCounts {
     fn add(&mut self, reason: FallbackReason) {
         *match reason {
@@ -119,7 +136,7 @@ impl SourceCounts {
 }
 
 /// Times of the samples, ms.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct SolveTimes {
     /// Half of the samples take less.
     pub median: f64,
@@ -143,7 +160,7 @@ impl SolveTimes {
 }
 
 /// Times of the phases of the samples, ms.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PhaseTimes {
     /// Preparation, before the measurement.
     pub prepare: SolveTimes,

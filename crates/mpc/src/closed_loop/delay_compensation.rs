@@ -19,6 +19,10 @@ pub struct DelayCompensated<C> {
     /// Grid point of the run at the measurement.
     k: usize,
     x: Vec<f64>,
+    /// Input decided last.
+    last: Vec<f64>,
+    /// One interval, for the choice of its substeps.
+    held: Trajectory,
 }
 
 impl<C: Controller> DelayCompensated<C> {
@@ -29,11 +33,13 @@ impl<C: Controller> DelayCompensated<C> {
     /// # Errors
     /// If the model contradicts the controller's problem or a length is wrong.
     pub fn new(mut controller: C, dynamics: Box<dyn Dynamics>, delay: usize, first: &[f64]) -> Result<Self, MpcError> {
-        let model = Transcription::new(dynamics, controller.ocp().clone())?;
+        let model = Transcription::new(dynamics, model_alone(controller.ocp()))?;
         check_length("the delayed input", first.len(), model.ocp.inputs())?;
         controller.set_start(delay);
         let x = vec![0.0; model.ocp.states()];
-        Ok(Self { controller, model, pending: vec![first.to_vec(); delay].into(), k: 0, x })
+        let held = Trajectory::constant(1, &x, first);
+        let pending = vec![first.to_vec(); delay].into();
+        Ok(Self { controller, model, pending, k: 0, x, last: first.to_vec(), held })
     }
 
     /// The controller inside.
@@ -42,22 +48,53 @@ impl<C: Controller> DelayCompensated<C> {
     }
 }
 
+/// What a prediction needs of a problem: its grid and its parameters.
+fn model_alone(ocp: &Ocp) -> Ocp {
+    let mut alone = Ocp::new(ocp.model_states(), ocp.inputs(), ocp.steps, ocp.dt);
+    (alone.integrator, alone.substeps) = (ocp.integrator, ocp.substeps);
+    alone.parameters.clone_from(&ocp.parameters);
+    alone.first_row = ocp.first_row;
+    alone
+}
+
 impl<C: Controller> Controller for DelayCompensated<C> {
-    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+    fn prepare(&mut self) -> Result<(), MpcError> {
+        self.controller.prepare()
+    }
+
+    fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         check_length("the measured state", x.len(), self.x.len())?;
         self.x.copy_from_slice(x);
         if x.iter().all(|v| v.is_finite()) {
             for (i, u) in self.pending.iter().enumerate() {
                 self.model.k0 = self.k + i;
-                self.model.choose_substeps(&Trajectory::constant(1, &self.x, u));
+                self.held.set(&self.x, u);
+                self.model.choose_substeps(&self.held);
                 self.model.predict(&mut self.x, u);
             }
         }
-        let step = self.controller.step(&self.x)?;
-        self.pending.push_back(step.u.clone());
-        self.pending.pop_front();
-        self.k += 1;
+        let step = self.controller.feedback(&self.x)?;
+        self.last.copy_from_slice(&step.u);
         Ok(step)
+    }
+
+    fn shift(&mut self) {
+        if let Some(mut u) = self.pending.pop_front() {
+            u.copy_from_slice(&self.last);
+            self.pending.push_back(u);
+        }
+        self.k += 1;
+        self.controller.shift();
+    }
+
+    fn plan(&self) -> &Trajectory {
+        self.controller.plan()
+    }
+
+    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
+        self.controller.change(change)?;
+        self.model.ocp = model_alone(self.controller.ocp());
+        Ok(())
     }
 
     fn ocp(&self) -> &Ocp {

@@ -5,8 +5,8 @@ use super::faults::{Fault, disturb, lose};
 use super::plant::Plant;
 use crate::controller::{Controller, Step, StepLimits, StepStatus, Timings};
 use crate::error::{MpcError, check_flag, check_length};
-use crate::estimation::Estimator;
 use crate::ocp::Ocp;
+use crate::trajectory::Trajectory;
 use bracketry_symbolic::StopFlag;
 use std::collections::VecDeque;
 
@@ -20,11 +20,6 @@ pub type FaultFunction<'a> = Box<dyn FnMut(usize) -> Vec<Fault> + 'a>;
 /// What stands between controller and plant. The default: the state is measured exactly and at once, and nothing fails.
 #[derive(Default)]
 pub struct LoopSettings<'a> {
-    /// What makes states of the measured outputs; without it the outputs are handed to the controller as states.
-    pub estimator: Option<&'a mut (dyn Estimator + 'static)>,
-    /// Whether the estimated parameters, and after them the estimated disturbances, become the live parameters of the
-    /// controller's model.
-    pub hand_over: bool,
     /// The measured outputs; the states themselves when there is none.
     pub measurement: Option<MeasurementFunction<'a>>,
     /// Noise on the measured outputs.
@@ -32,10 +27,13 @@ pub struct LoopSettings<'a> {
     /// Samples between the measurement that an input answers and its application. A controller that knows of them is a
     /// [`DelayCompensated`](crate::DelayCompensated) one.
     pub delay: usize,
-    /// Input of the first `delay` samples; zero when empty.
+    /// Input before the first decision acts: that of the first `delay` samples, and what rates of inputs start from; zero when
+    /// empty.
     pub initial_input: Vec<f64>,
     /// What goes wrong.
     pub faults: Option<FaultFunction<'a>>,
+    /// Whether the plan of every sample is kept.
+    pub keep_predictions: bool,
     /// Once it is raised, the loop ends with [`MpcError::Stopped`] at its next sample.
     pub stop: StopFlag,
 }
@@ -55,6 +53,8 @@ pub struct Sample {
     pub u: Vec<f64>,
     /// What the controller answered; with a delay its input is applied later.
     pub step: Step,
+    /// The plan behind the answer, where predictions are kept.
+    pub prediction: Option<Trajectory>,
 }
 
 /// A closed loop that is run sample by sample and keeps nothing of the past but counts and cost.
@@ -66,8 +66,8 @@ pub struct SampledLoop<'a> {
     k: usize,
     x: Vec<f64>,
     pending: VecDeque<Vec<f64>>,
-    /// Input applied since the last measurement.
-    applied: Vec<f64>,
+    /// Input applied over the interval before.
+    before: Vec<f64>,
     cost: f64,
     counts: Counts,
 }
@@ -84,13 +84,13 @@ impl<'a> SampledLoop<'a> {
         settings: LoopSettings<'a>,
     ) -> Result<Self, MpcError> {
         let ocp = controller.ocp().clone();
-        check_length("the initial state", x0.len(), ocp.states())?;
+        check_length("the initial state", x0.len(), ocp.model_states())?;
         let first =
             if settings.initial_input.is_empty() { vec![0.0; ocp.inputs()] } else { settings.initial_input.clone() };
         check_length("the initial input", first.len(), ocp.inputs())?;
-        let pending = vec![first; settings.delay].into();
+        let (pending, before) = (vec![first.clone(); settings.delay].into(), first);
         let (x, cost, counts) = (x0.to_vec(), 0.0, Counts::default());
-        Ok(Self { controller, plant, settings, ocp, k: 0, x, pending, applied: Vec::new(), cost, counts })
+        Ok(Self { controller, plant, settings, ocp, k: 0, x, pending, before, cost, counts })
     }
 
     /// Time, s.
@@ -135,28 +135,20 @@ impl<'a> SampledLoop<'a> {
         if limits != StepLimits::default() {
             self.controller.limit_next_step(limits);
         }
-        let estimate = self.estimate(&y)?;
-        let step = self.controller.step(&estimate)?;
+        let step = self.controller.feedback(&y)?.clone();
+        let prediction = self.settings.keep_predictions.then(|| self.controller.plan().clone());
+        self.controller.shift();
+        let estimate = self.controller.estimate().map_or_else(|| y.clone(), |e| e.x.clone());
         self.pending.push_back(step.u.clone());
         let u = self.pending.pop_front().unwrap_or_else(|| step.u.clone());
         self.counts.add(&step);
-        self.cost += dt * self.ocp.stage_cost(k, t, &x, &u);
+        let mut at = x.clone();
+        self.ocp.append_previous(&mut at, &self.before);
+        self.before.copy_from_slice(&u);
+        self.cost += dt * self.ocp.stage_cost(k, t, &at, &u);
         self.plant.step(t, &mut self.x, &u, dt).map_err(|source| MpcError::Plant { time: t, source })?;
         self.k += 1;
-        self.applied.clone_from(&u);
-        Ok(Sample { t, x, y, estimate, u, step })
-    }
-
-    /// The state for the controller.
-    fn estimate(&mut self, y: &[f64]) -> Result<Vec<f64>, MpcError> {
-        let Some(estimator) = &mut self.settings.estimator else { return Ok(y.to_vec()) };
-        let estimate = if self.k == 0 { estimator.correct(y)? } else { estimator.update(&self.applied, y)? };
-        if self.settings.hand_over {
-            let mut parameters = estimate.parameters;
-            parameters.extend(estimate.disturbance);
-            self.controller.set_parameters(&parameters)?;
-        }
-        Ok(estimate.x)
+        Ok(Sample { t, x, y, estimate, u, step, prediction })
     }
 }
 
@@ -175,6 +167,8 @@ pub struct ClosedLoop {
     pub u: Vec<Vec<f64>>,
     /// Outcome of each sample.
     pub steps: Vec<Step>,
+    /// The plan behind each input, where predictions are kept. With delay compensation it starts where the input begins to act.
+    pub predictions: Vec<Trajectory>,
     /// Σ dt·stage cost at the sampled states with the applied inputs.
     pub cost: f64,
     /// Counted outcomes.
@@ -204,6 +198,7 @@ pub fn run_closed_loop(
         estimates: Vec::with_capacity(samples),
         u: Vec::with_capacity(samples),
         steps: Vec::with_capacity(samples),
+        predictions: Vec::new(),
         cost: 0.0,
         counts: Counts::default(),
         times: SolveTimes::default(),
@@ -217,6 +212,7 @@ pub fn run_closed_loop(
         run.estimates.push(sample.estimate);
         run.u.push(sample.u);
         run.steps.push(sample.step);
+        run.predictions.extend(sample.prediction);
     }
     run.t.push(sampled.time());
     run.x.push(sampled.state().to_vec());

@@ -2,17 +2,61 @@
 
 use super::step::{Step, StepLimits};
 use crate::error::{MpcError, check_length};
+use crate::estimation::Estimate;
 use crate::ocp::Ocp;
+use crate::trajectory::Trajectory;
 
 /// Something that answers a measured state with an input, sample by sample.
-pub trait Controller {
-    /// The input for the next interval, from the state `x`, whose entries are NaN where nothing is known.
+///
+/// A sample has three parts, in this order: [`prepare`](Controller::prepare) before the measurement,
+/// [`feedback`](Controller::feedback) from the measurement to the input, [`shift`](Controller::shift) to the next sample.
+pub trait Controller: Send {
+    /// Everything that does not need the measurement. [`Controller::feedback`] does it where it has not been done.
     ///
     /// # Errors
     /// Only for misuse; trouble while solving is a status.
-    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError>;
+    fn prepare(&mut self) -> Result<(), MpcError> {
+        Ok(())
+    }
+    /// The input for the next interval, from the state `x`, whose entries are NaN where nothing is known. The horizon stays
+    /// where it is.
+    ///
+    /// # Errors
+    /// Only for misuse; trouble while solving is a status.
+    fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError>;
+    /// Moves the horizon to the next sample.
+    fn shift(&mut self);
+    /// Passes over a sample that was neither measured nor answered: the last input was held.
+    ///
+    /// # Errors
+    /// Only for misuse.
+    fn skip(&mut self) -> Result<(), MpcError> {
+        self.shift();
+        Ok(())
+    }
+    /// A whole sample: [`Controller::feedback`], then [`Controller::shift`].
+    ///
+    /// # Errors
+    /// As [`Controller::feedback`].
+    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+        let step = self.feedback(x)?.clone();
+        self.shift();
+        Ok(step)
+    }
+    /// What the last measurement told, where an [`Estimator`](crate::Estimator) stands in between.
+    fn estimate(&self) -> Option<&Estimate> {
+        None
+    }
+    /// The trajectory that the last input comes from; after [`Controller::shift`], the one that the next sample starts from.
+    fn plan(&self) -> &Trajectory;
     /// The problem that the controller solves.
     fn ocp(&self) -> &Ocp;
+    /// Changes references, bounds, values of targets or tabulated parameters of the problem, from the next preparation on. A
+    /// change that contradicts the problem is refused and has no effect.
+    ///
+    /// # Errors
+    /// What contradicts the problem.
+    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError>;
     /// Sets the grid point of the run at which the next horizon starts (time and references follow it).
     fn set_start(&mut self, k0: usize);
     /// Limits the next step alone.
@@ -27,11 +71,29 @@ pub trait Controller {
 }
 
 impl<C: Controller + ?Sized> Controller for Box<C> {
-    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
-        (**self).step(x)
+    fn prepare(&mut self) -> Result<(), MpcError> {
+        (**self).prepare()
+    }
+    fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
+        (**self).feedback(x)
+    }
+    fn shift(&mut self) {
+        (**self).shift();
+    }
+    fn skip(&mut self) -> Result<(), MpcError> {
+        (**self).skip()
+    }
+    fn estimate(&self) -> Option<&Estimate> {
+        (**self).estimate()
+    }
+    fn plan(&self) -> &Trajectory {
+        (**self).plan()
     }
     fn ocp(&self) -> &Ocp {
         (**self).ocp()
+    }
+    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
+        (**self).change(change)
     }
     fn set_start(&mut self, k0: usize) {
         (**self).set_start(k0);

@@ -2,9 +2,11 @@
 
 mod failure_policy;
 mod interface;
+mod remembering;
 mod step;
 
 pub use failure_policy::{Brake, FailurePolicy};
 pub(crate) use failure_policy::{Failures, rest_input};
 pub use interface::Controller;
+pub(crate) use remembering::Remembering;
 pub use step::{FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings};

@@ -20,6 +20,19 @@ pub enum FallbackReason {
 }
 
 impl FallbackReason {
+    /// The name in results: `lost_sample`, `measurement`, `linearization`, `cost`, `time_limit`, `qp_limit`, `qp_failed`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LostSample => "lost_sample",
+            Self::Measurement => "measurement",
+            Self::Linearization | Self::Qp(QpStatus::NotANumber) => "linearization",
+            Self::Cost => "cost",
+            Self::TimeLimit => "time_limit",
+            Self::Qp(QpStatus::Limit) => "qp_limit",
+            Self::Qp(_) => "qp_failed",
+        }
+    }
+
     /// Why nothing can be solved from this measurement; `None` where it is finite.
     pub(crate) fn of_measurement(x: &[f64]) -> Option<Self> {
         if x.iter().all(|v| v.is_finite()) {
@@ -47,6 +60,24 @@ pub enum StepStatus {
     Fallback(FallbackReason),
 }
 
+impl StepStatus {
+    /// The name in results: `solved`, `inaccurate`, `infeasible`, `played_out`, `fallback`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Inaccurate => "inaccurate",
+            Self::Infeasible => "infeasible",
+            Self::PlayedOut => "played_out",
+            Self::Fallback(_) => "fallback",
+        }
+    }
+
+    /// Why the failure policy decided; none where it did not.
+    pub fn fallback_reason(self) -> Option<FallbackReason> {
+        if let Self::Fallback(reason) = self { Some(reason) } else { None }
+    }
+}
+
 /// Where an input comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputSource {
@@ -60,6 +91,19 @@ pub enum InputSource {
     Brake,
     /// The input of rest.
     Rest,
+}
+
+impl InputSource {
+    /// The name in results: `program`, `tangent`, `plan`, `brake`, `rest`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Program => "program",
+            Self::Tangent => "tangent",
+            Self::Plan => "plan",
+            Self::Brake => "brake",
+            Self::Rest => "rest",
+        }
+    }
 }
 
 /// Where the time of one sample went, s.
@@ -96,6 +140,24 @@ pub struct Step {
     pub source: InputSource,
     /// Times taken.
     pub timings: Timings,
+}
+
+impl Step {
+    /// Takes over another step of as many inputs, without allocating.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.u.clone_from(&other.u);
+        (self.status, self.source, self.timings) = (other.status, other.source, other.timings);
+    }
+
+    /// What stands before the first sample: nothing has been decided.
+    pub(crate) fn undecided(inputs: usize) -> Self {
+        Self {
+            u: vec![0.0; inputs],
+            status: StepStatus::PlayedOut,
+            source: InputSource::Rest,
+            timings: Timings::default(),
+        }
+    }
 }
 
 /// Limits of a single sample on top of those of the controller's settings.

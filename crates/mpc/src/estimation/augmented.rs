@@ -82,7 +82,7 @@ impl Names for OutputNames<'_> {
     }
     fn known(&self) -> Vec<String> {
         let mut names = self.system.state_names();
-        names.extend(self.system.parameters.iter().map(|p| self.system.symbol_name(p.symbol).to_owned()));
+        names.extend(self.system.parameter_names());
         names.extend(self.system.outputs.iter().map(|(n, _)| n.clone()));
         names.push("t".into());
         names

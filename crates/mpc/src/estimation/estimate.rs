@@ -49,3 +49,12 @@ pub trait Estimator: Send {
     /// If a length is wrong or an input is not finite; all that measurements can do is a status.
     fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError>;
 }
+
+impl<E: Estimator + ?Sized> Estimator for Box<E> {
+    fn correct(&mut self, y: &[f64]) -> Result<Estimate, MpcError> {
+        (**self).correct(y)
+    }
+    fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError> {
+        (**self).update(u, y)
+    }
+}

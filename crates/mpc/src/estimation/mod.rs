@@ -6,6 +6,7 @@ mod kalman;
 mod moving_horizon;
 mod observability;
 mod offset_free;
+mod output_feedback;
 mod problem;
 mod targets;
 
@@ -13,5 +14,6 @@ pub use estimate::{Estimate, EstimateStatus, Estimator};
 pub use kalman::ExtendedKalman;
 pub use moving_horizon::{MovingHorizon, MovingHorizonSettings};
 pub use offset_free::OffsetFree;
+pub use output_feedback::OutputFeedback;
 pub use problem::{Disturbance, DisturbanceChannel, EstimatedParameter, EstimationProblem, MeasuredOutput, Outliers};
 pub use targets::{SteadyTarget, TargetCalculator, TargetStatus};

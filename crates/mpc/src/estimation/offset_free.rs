@@ -7,6 +7,7 @@ use crate::controller::{Controller, Step, StepLimits};
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
 use crate::rti::Rti;
+use crate::trajectory::Trajectory;
 
 /// Gives a controller the steady state and input that belong to a reference under the estimated disturbance, and keeps its
 /// hands still where friction holds the state within a dead band of the reference.
@@ -28,6 +29,7 @@ pub struct OffsetFree {
     parameters: Vec<f64>,
     /// Input decided last.
     last: Vec<f64>,
+    step: Step,
     target: Option<SteadyTarget>,
 }
 
@@ -58,6 +60,7 @@ impl OffsetFree {
             reference: reference.to_vec(),
             dead_band: dead_band.to_vec(),
             parameters,
+            step: Step::undecided(last.len()),
             last,
             target: None,
         })
@@ -93,7 +96,11 @@ impl OffsetFree {
 }
 
 impl Controller for OffsetFree {
-    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+    fn prepare(&mut self) -> Result<(), MpcError> {
+        Controller::prepare(&mut self.controller)
+    }
+
+    fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         let target = self.targets.target(&self.reference, &self.parameters)?;
         if !matches!(target.status, TargetStatus::NotSteady { .. }) {
             let row = target.x.iter().chain(&target.u).copied().collect();
@@ -101,12 +108,24 @@ impl Controller for OffsetFree {
         }
         self.target = Some(target);
         let hold = x.iter().all(|v| v.is_finite()) && self.rests(x);
-        let mut step = self.controller.step(x)?;
+        self.step.copy_from(self.controller.feedback(x)?);
         if hold {
-            step.u.clone_from(&self.last);
+            self.step.u.clone_from(&self.last);
         }
-        self.last.clone_from(&step.u);
-        Ok(step)
+        self.last.clone_from(&self.step.u);
+        Ok(&self.step)
+    }
+
+    fn shift(&mut self) {
+        Controller::shift(&mut self.controller);
+    }
+
+    fn plan(&self) -> &Trajectory {
+        self.controller.trajectory()
+    }
+
+    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
+        Controller::change(&mut self.controller, change)
     }
 
     fn ocp(&self) -> &Ocp {

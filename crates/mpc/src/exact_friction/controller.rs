@@ -12,7 +12,7 @@ use crate::ocp::Ocp;
 use crate::qp::{Qp, QpSettings, QpStatus};
 use crate::sqp::{Sqp, SqpSettings};
 use crate::trajectory::Trajectory;
-use crate::transcription::{Linearization, Transcription};
+use crate::transcription::{Linearization, Shooter, Transcription};
 use bracketry_sim::ModeChange;
 use bracketry_symbolic::StopFlag;
 use bracketry_system::System;
@@ -102,6 +102,7 @@ pub struct StickSlipController {
     qp: Qp,
     settings: StickSlipSettings,
     plan: Trajectory,
+    step: Step,
     failures: Failures,
     limits: StepLimits,
     lambda: f64,
@@ -109,6 +110,8 @@ pub struct StickSlipController {
     dynamics: SymbolicDynamics,
     smooth: Option<Transcription>,
     smooth_lin: Linearization,
+    /// The solution of the problem with the widest smoothing, where it is there before the first plan is made.
+    widest: Option<Trajectory>,
     start: Instant,
     qp_seconds: f64,
 }
@@ -144,6 +147,8 @@ impl StickSlipController {
             qp,
             smooth: width.map(|_| smooth),
             smooth_lin: Linearization::default(),
+            widest: None,
+            step: Step::undecided(ocp.inputs()),
             plan: guess,
             failures,
             limits: StepLimits::default(),
@@ -186,6 +191,48 @@ impl StickSlipController {
             self.solve_from(x)?;
         }
         Ok(&self.plan)
+    }
+
+    /// The plan from the state `x` with friction smoothed to the first of the widths, which is one of those that the first plan is
+    /// chosen from; the guess where there are no widths or no friction.
+    ///
+    /// # Errors
+    /// If `x` has the wrong length.
+    pub(crate) fn smoothed_plan(&mut self, x: &[f64]) -> Result<Trajectory, MpcError> {
+        check_length("the initial state", x.len(), self.problem.ocp.states())?;
+        let (guess, _) = self.guess_from(x);
+        let Some(&width) = self.settings.smoothing.first().filter(|_| self.smooth.is_some()) else { return Ok(guess) };
+        let plan = self.solve_smoothed(width, &guess)?;
+        self.widest = Some(plan.clone());
+        Ok(plan)
+    }
+
+    /// The inputs of the plan from the state `x`, with their cost.
+    fn guess_from(&mut self, x: &[f64]) -> (Trajectory, f64) {
+        let mut z = self.plan.clone();
+        z.x_mut(0).copy_from_slice(x);
+        z.clamp_inputs(&self.problem.ocp.input_bounds);
+        let cost = self.problem.roll_out(&mut z);
+        (z, cost)
+    }
+
+    /// Settings of the solutions with smoothed friction.
+    fn smoothed_settings(&self) -> SqpSettings {
+        SqpSettings {
+            qp: self.settings.qp,
+            max_iterations: 50,
+            stop: self.settings.stop.clone(),
+            ..SqpSettings::default()
+        }
+    }
+
+    /// The solution with friction smoothed to this width.
+    fn solve_smoothed(&self, width: f64, guess: &Trajectory) -> Result<Trajectory, MpcError> {
+        let mut dynamics = self.dynamics.clone();
+        dynamics.set_smoothing(width);
+        let mut sqp = Sqp::new(Box::new(dynamics), self.problem.ocp.clone(), self.smoothed_settings())?;
+        sqp.set_start(self.problem.k0);
+        Ok(sqp.solve(guess.x(0), guess)?.trajectory)
     }
 
     /// The changes of mode along the plan, in order of time; empty where the flow fails.
@@ -290,30 +337,26 @@ impl StickSlipController {
         if self.smooth.is_none() {
             return Ok(());
         }
-        let settings = SqpSettings {
-            qp: self.settings.qp,
-            max_iterations: 50,
-            stop: self.settings.stop.clone(),
-            ..SqpSettings::default()
-        };
         let guess = z.clone();
-        let x0 = guess.x(0).to_vec();
-        let mut candidates = Vec::new();
+        let mut candidates: Vec<Trajectory> = Vec::new();
         // Whole steps find good solutions through states that a merit function forbids; the guarded iteration converges where
         // they do not.
-        let mut last = guess.clone();
+        let mut solved = self.widest.take();
         for &w in &self.settings.smoothing {
-            let mut dynamics = self.dynamics.clone();
-            dynamics.set_smoothing(w);
-            let mut sqp = Sqp::new(Box::new(dynamics), self.problem.ocp.clone(), settings.clone())?;
-            sqp.set_start(self.problem.k0);
-            last = sqp.solve(&x0, &last)?.trajectory;
-            candidates.push(last.clone());
+            let last = match solved.take() {
+                Some(first) => first,
+                None => self.solve_smoothed(w, candidates.last().unwrap_or(&guess))?,
+            };
+            candidates.push(last);
         }
-        let guarded = SqpSettings { smoothing: self.settings.smoothing.clone(), filter_iterations: 0, ..settings };
+        let guarded = SqpSettings {
+            smoothing: self.settings.smoothing.clone(),
+            filter_iterations: 0,
+            ..self.smoothed_settings()
+        };
         let mut sqp = Sqp::new(Box::new(self.dynamics.clone()), self.problem.ocp.clone(), guarded)?;
         sqp.set_start(self.problem.k0);
-        candidates.push(sqp.solve(&x0, &guess)?.trajectory);
+        candidates.push(sqp.solve(guess.x(0), &guess)?.trajectory);
         for mut candidate in candidates {
             let value = self.problem.roll_out(&mut candidate);
             if value < *cost {
@@ -329,10 +372,7 @@ impl StickSlipController {
 
     /// Plans from the state `x`.
     fn solve_from(&mut self, x: &[f64]) -> Result<StepStatus, MpcError> {
-        let mut z = self.plan.clone();
-        z.x_mut(0).copy_from_slice(x);
-        z.clamp_inputs(&self.problem.ocp.input_bounds);
-        let mut cost = self.problem.roll_out(&mut z);
+        let (mut z, mut cost) = self.guess_from(x);
         let first = !std::mem::replace(&mut self.started, true);
         if first {
             self.first_plan(&mut z, &mut cost)?;
@@ -364,21 +404,13 @@ impl StickSlipController {
             s => StepStatus::Fallback(FallbackReason::Qp(s)),
         })
     }
-
-    /// Moves the horizon by one interval; the last input is held for one more.
-    fn shift(&mut self) {
-        self.plan.shift();
-        self.problem.k0 += 1;
-        let last = self.plan.steps() - 1;
-        self.problem.advance(&mut self.plan, last);
-    }
 }
 
 /// Violation of a hard bound, in units of its scale, above which a sample counts as infeasible.
 const HARD_TOLERANCE: f64 = 1e-3;
 
 impl Controller for StickSlipController {
-    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
+    fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         check_length("the measured state", x.len(), self.problem.ocp.states())?;
         (self.start, self.qp_seconds) = (Instant::now(), 0.0);
         self.failures.believe(x);
@@ -390,17 +422,49 @@ impl Controller for StickSlipController {
             Some(reason) => StepStatus::Fallback(reason),
         };
         self.limits = StepLimits::default();
-        let mut u = self.plan.u(0).to_vec();
-        let source = if matches!(status, StepStatus::Fallback(_)) {
-            self.failures.decide(&self.plan, &self.problem.ocp.input_bounds, &mut u)
+        self.step.status = status;
+        self.step.source = if matches!(status, StepStatus::Fallback(_)) {
+            self.failures.decide(&self.plan, &self.problem.ocp.input_bounds, &mut self.step.u)
         } else {
+            self.step.u.copy_from_slice(self.plan.u(0));
             self.failures.solved(self.plan.steps());
             InputSource::Program
         };
-        self.failures.shift();
-        self.shift();
         let rest = self.start.elapsed().as_secs_f64() - self.qp_seconds;
-        Ok(Step { u, status, source, timings: Timings { linearize: 0.0, qp: self.qp_seconds, rest } })
+        self.step.timings = Timings { linearize: 0.0, qp: self.qp_seconds, rest };
+        Ok(&self.step)
+    }
+
+    /// Moves the horizon by one interval; the last input is held for one more.
+    fn shift(&mut self) {
+        self.failures.shift();
+        self.problem.ocp.move_on(&mut self.plan);
+        self.problem.k0 += 1;
+        let last = self.plan.steps() - 1;
+        self.problem.advance(&mut self.plan, last);
+    }
+
+    fn plan(&self) -> &Trajectory {
+        &self.plan
+    }
+
+    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
+        let mut ocp = self.problem.ocp.clone();
+        change(&mut ocp);
+        ocp.check(self.problem.ocp.model_states(), self.plan.inputs())?;
+        for row in &ocp.parameters {
+            check_length("a row of parameters", row.len(), self.settings.live_parameters.len())?;
+        }
+        if ocp.finite_ends() != self.problem.ocp.finite_ends() {
+            let shooter = Shooter::of_problem(&self.dynamics, &ocp);
+            self.qp = Qp::new(&ocp, ocp.steps, shooter.closure(), self.settings.qp);
+        }
+        if let Some(smooth) = &mut self.smooth {
+            smooth.ocp = ocp.clone();
+        }
+        self.problem.ocp = ocp;
+        self.plan.clamp_inputs(&self.problem.ocp.input_bounds);
+        Ok(())
     }
 
     fn ocp(&self) -> &Ocp {

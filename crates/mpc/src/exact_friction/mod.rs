@@ -9,3 +9,6 @@ mod roll_out;
 mod switched_field;
 
 pub use controller::{StickSlipController, StickSlipSettings};
+pub(crate) use flow::StickSlipFlow;
+pub(crate) use roll_out::ExactProblem;
+pub(crate) use switched_field::SwitchedField;

@@ -4,7 +4,7 @@ use super::flow::StickSlipFlow;
 use crate::integrator::Interval;
 use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
-use crate::transcription::Linearization;
+use crate::transcription::{Linearization, spread_flow};
 use bracketry_sim::{Mode, ModeChange};
 
 /// What the flow does in one interval of a roll-out.
@@ -36,6 +36,10 @@ pub(crate) struct ExactProblem {
     pub(crate) intervals: Vec<IntervalModes>,
     holds: Vec<Option<Mode>>,
     end: Vec<f64>,
+    /// Derivative of the flow of the dynamics' states.
+    jacobian: Vec<f64>,
+    /// Inputs that are the last states at the end of an interval.
+    previous: Vec<usize>,
 }
 
 impl ExactProblem {
@@ -47,32 +51,38 @@ impl ExactProblem {
             ..Linearization::default()
         };
         let intervals = vec![IntervalModes::default(); ocp.steps];
-        Self { ocp, flow, hard_weight, k0: 0, lin, intervals, holds: Vec::new(), end: Vec::new() }
+        let jacobian = vec![0.0; ocp.model_states() * (ocp.model_states() + m)];
+        let previous = ocp.previous_inputs.iter().map(|p| p.input).collect();
+        Self { ocp, flow, hard_weight, k0: 0, lin, intervals, holds: Vec::new(), end: Vec::new(), jacobian, previous }
     }
 
     /// Interval k of the horizon under the input `u`; the flow gets its parameters.
     fn enter<'u>(&mut self, k: usize, u: &'u [f64]) -> Interval<'u> {
-        if let Some(last) = self.ocp.parameters.len().checked_sub(1) {
-            self.flow.field.set_parameters(&self.ocp.parameters[(self.k0 + k).min(last)]);
+        if let Some(parameters) = self.ocp.parameter_row(self.ocp.sample(self.k0, k)) {
+            self.flow.field.set_parameters(parameters);
         }
-        let (dt, substeps) = (self.ocp.dt, self.ocp.substeps.least());
-        Interval { t: (self.k0 + k) as f64 * dt, dt, substeps, u }
+        let (dt, substeps) = (self.ocp.length(k), self.ocp.substeps.least());
+        Interval { t: self.ocp.time(self.k0, k), dt, substeps, u }
     }
 
     /// Fills in the state at the end of interval k; false where the flow fails.
     pub(crate) fn advance(&mut self, z: &mut Trajectory, k: usize) -> bool {
         let done = self.flow_over(z, k);
         if done {
-            z.x_mut(k + 1).copy_from_slice(&self.end);
+            let n = self.end.len();
+            z.x_mut(k + 1)[..n].copy_from_slice(&self.end);
+            for (i, &j) in self.previous.iter().enumerate() {
+                z.x_mut(k + 1)[n + i] = z.u(k)[j];
+            }
         }
         done
     }
 
-    /// Advances the state at grid point k to the end of its interval, into `end`; false where the flow fails.
+    /// Advances the dynamics' state at grid point k to the end of its interval, into `end`; false where the flow fails.
     fn flow_over(&mut self, z: &Trajectory, k: usize) -> bool {
         let interval = self.enter(k, z.u(k));
         self.end.clear();
-        self.end.extend_from_slice(z.x(k));
+        self.end.extend_from_slice(&z.x(k)[..self.ocp.model_states()]);
         self.flow.advance(interval, &mut self.end, None, &[])
     }
 
@@ -97,7 +107,7 @@ impl ExactProblem {
     /// Where the plan sticks, the derivative promises nothing beyond the friction that holds: there the move is shortened
     /// to what holds. The flag says whether any was.
     pub(crate) fn roll_out_held(&mut self, plan: &Trajectory, z: &mut Trajectory) -> (f64, bool) {
-        let (n, m) = (self.ocp.states(), self.ocp.inputs());
+        let (n, m) = (self.ocp.model_states(), self.ocp.inputs());
         let w = n + m;
         let mut held = false;
         for k in 0..z.steps() {
@@ -151,11 +161,16 @@ impl ExactProblem {
             if let Some(release) = release {
                 self.holds.extend(release.iter().enumerate().map(|(i, mode)| mode.filter(|_| modes.sticks(i))));
             }
-            let end = &mut self.lin.end[k * n..(k + 1) * n];
-            end.copy_from_slice(z.x(k));
+            let (end, previous) = self.lin.end[k * n..(k + 1) * n].split_at_mut(n - self.previous.len());
+            end.copy_from_slice(&z.x(k)[..end.len()]);
+            previous.iter_mut().zip(&self.previous).for_each(|(v, &j)| *v = interval.u[j]);
             let jacobian = &mut self.lin.jacobian[k * block..(k + 1) * block];
-            if !self.flow.advance(interval, end, Some(jacobian), &self.holds) {
+            let of_flow = if previous.is_empty() { &mut *jacobian } else { &mut self.jacobian };
+            if !self.flow.advance(interval, end, Some(of_flow), &self.holds) {
                 return false;
+            }
+            if !previous.is_empty() {
+                spread_flow(&self.jacobian, (end.len(), interval.u.len()), &self.previous, jacobian);
             }
             if release.is_none() {
                 let interval = &mut self.intervals[k];
@@ -182,12 +197,15 @@ impl ExactProblem {
         let n = self.ocp.states();
         let signs = self.intervals[0].signs.clone();
         let t = self.enter(0, z.u(0)).t;
-        self.flow.field.differentiate(t, z.x(0), z.u(0), &signs);
+        let of_model = self.ocp.model_states();
+        self.flow.field.differentiate(t, &z.x(0)[..of_model], z.u(0), &signs);
         (0..signs.len())
             .map(|i| {
                 let along: f64 = dx
                     .chunks_exact(n)
-                    .map(|d| d.iter().enumerate().map(|(j, d)| self.flow.field.gradient(i, j) * d).sum::<f64>())
+                    .map(|d| {
+                        d[..of_model].iter().enumerate().map(|(j, d)| self.flow.field.gradient(i, j) * d).sum::<f64>()
+                    })
                     .sum();
                 (self.intervals[0].sticks(i) && along.abs() > 1e-9).then(|| Mode::of_sign(along))
             })

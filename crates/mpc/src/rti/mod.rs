@@ -77,15 +77,9 @@ impl Rti {
         problem.choose_substeps(&trajectory);
         let steps = trajectory.steps();
         let qp = Qp::new(&problem.ocp, steps, problem.shooter.closure(), settings.qp);
-        let timings = Timings::default();
         Ok(Self {
             failures: Failures::new(settings.policy.clone(), rest, problem.ocp.states(), steps),
-            step: Step {
-                u: vec![0.0; problem.ocp.inputs()],
-                status: StepStatus::PlayedOut,
-                source: InputSource::Rest,
-                timings,
-            },
+            step: Step::undecided(problem.ocp.inputs()),
             problem,
             settings,
             qp,
@@ -167,32 +161,23 @@ impl Rti {
     /// # Errors
     /// If the bounds contradict themselves or the number of states and inputs.
     pub fn set_bounds(&mut self, states: Vec<Bounds>, inputs: Vec<(f64, f64)>) -> Result<(), MpcError> {
-        let shape = |ocp: &Ocp| -> Vec<bool> {
-            let states = ocp.state_bounds.iter().map(|b| (b.min, b.max));
-            states.chain(ocp.input_bounds.iter().copied()).flat_map(|b| [b.0.is_finite(), b.1.is_finite()]).collect()
-        };
-        let before = shape(&self.problem.ocp);
         self.change(|ocp| {
             ocp.state_bounds = states;
             ocp.input_bounds = inputs;
-        })?;
-        self.trajectory.clamp_inputs(&self.problem.ocp.input_bounds);
-        if self.settings.rest_input.is_empty() {
-            self.failures.set_rest(rest_input(&[], &self.problem.ocp.input_bounds)?);
-        }
-        if shape(&self.problem.ocp) != before {
-            self.lay_out();
-        }
-        Ok(())
+        })
     }
 
     /// Changes the problem; a change that contradicts it is undone.
     fn change(&mut self, change: impl FnOnce(&mut Ocp)) -> Result<(), MpcError> {
-        let mut ocp = self.problem.ocp.clone();
-        change(&mut ocp);
-        ocp.check(self.problem.dynamics.states(), self.problem.dynamics.inputs())?;
-        self.problem.ocp = ocp;
+        let relaid = self.problem.change(change)?;
         self.prepared = false;
+        self.trajectory.clamp_inputs(&self.problem.ocp.input_bounds);
+        if self.settings.rest_input.is_empty() {
+            self.failures.set_rest(rest_input(&[], &self.problem.ocp.input_bounds)?);
+        }
+        if relaid {
+            self.lay_out();
+        }
         Ok(())
     }
 
@@ -411,7 +396,7 @@ impl Rti {
                 self.problem.k0 += 1;
             }
             Horizon::Receding => {
-                self.trajectory.shift();
+                self.problem.ocp.move_on(&mut self.trajectory);
                 self.problem.k0 += 1;
                 self.problem.extend_last(&mut self.trajectory);
             }
@@ -444,10 +429,20 @@ impl Rti {
 }
 
 impl Controller for Rti {
-    fn step(&mut self, x: &[f64]) -> Result<Step, MpcError> {
-        let step = self.feedback(x)?.clone();
-        self.shift();
-        Ok(step)
+    fn prepare(&mut self) -> Result<(), MpcError> {
+        Rti::prepare(self)
+    }
+    fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
+        Rti::feedback(self, x)
+    }
+    fn shift(&mut self) {
+        Rti::shift(self);
+    }
+    fn plan(&self) -> &Trajectory {
+        &self.trajectory
+    }
+    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
+        Rti::change(self, change)
     }
     fn ocp(&self) -> &Ocp {
         Rti::ocp(self)

@@ -102,6 +102,11 @@ impl RtiSettings {
                 "prepare by Preparation::AdvancedStep: the tangential predictor supports bounds and targets only";
             check_value(false, format!("the number of {what}"), 1.0, remedy)?;
         }
+        let shrinks = matches!(self.horizon, Horizon::Shrinking { .. });
+        if let Some(length) = ocp.lengths.iter().find(|l| shrinks && **l != ocp.dt) {
+            let remedy = "a horizon that shrinks by the sampling period has intervals of one length";
+            check_value(false, "the length of an interval", *length, remedy)?;
+        }
         self.policy.check(ocp.states(), ocp.inputs())
     }
 }
@@ -110,6 +115,7 @@ impl RtiSettings {
 fn not_tangential(ocp: &Ocp) -> Option<&'static str> {
     let cases = [
         (!ocp.path_constraints.is_empty(), "path constraints"),
+        (ocp.row_functions(1).count() > ocp.path_constraints.len(), "absolute values in the cost"),
         (!ocp.norm_constraints.is_empty(), "norm constraints"),
         (!ocp.move_blocks.is_empty(), "move blocks"),
         (ocp.terminal_set.is_some(), "terminal sets"),
