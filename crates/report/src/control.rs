@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use bracketry_mpc::{ClosedLoopReport, ControlError, ControlProblem, Controlled, MpcError, PlantStopped};
+use bracketry_mpc::{
+    ClosedLoopReport, ControlError, ControlProblem, Controlled, Hessian, MethodReason, MpcError, Ocp, PlantStopped,
+    Trajectory,
+};
 use bracketry_plot::{Dash, Drawing, Panel, PlotError, Series, TimeSeries};
 use bracketry_sim::Breakdown;
 use bracketry_system::{counted, readable};
@@ -19,9 +22,24 @@ struct Text<'a>(&'a ClosedLoopReport);
 impl fmt::Display for Text<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let report = self.0;
+        writeln!(f, "method         {}: {}", report.method, why(&report.method_reason))?;
         if let Some(p) = &report.plan {
-            let programs = counted(p.programs, "quadratic program", "quadratic programs");
-            writeln!(f, "plan           {}, {programs} in {:.2} s", p.status, p.seconds)?;
+            let programs = effort(p.interior_point_steps, p.programs);
+            let exact = if p.hessian == Hessian::Exact { ", in the end with the exact Hessian," } else { "" };
+            writeln!(f, "plan           {}, {programs}{exact} in {:.2} s", p.status, p.seconds)?;
+        }
+        if let Some(found) = &report.found {
+            let end_time = found.end_time.iter().map(|t| ("end time", *t, " s"));
+            let parameters = found.parameters.iter().map(|(name, v)| (name.as_str(), *v, ""));
+            let values = end_time.chain(parameters).map(|(name, v, unit)| format!("{name} {}{unit}", readable(v)));
+            let programs = effort(found.interior_point_steps, found.programs);
+            writeln!(
+                f,
+                "found          {}: {}, {programs} in {:.2} s",
+                values.collect::<Vec<_>>().join(", "),
+                found.status,
+                found.seconds
+            )?;
         }
         let (cost, predicted) = (readable(report.closed_loop_cost), readable(report.open_loop_cost));
         writeln!(f, "cost           {cost} in closed loop, {predicted} predicted")?;
@@ -66,6 +84,38 @@ impl fmt::Display for Text<'_> {
     }
 }
 
+/// What it took to find a plan.
+fn effort(steps: usize, programs: usize) -> String {
+    let programs = counted(programs, "quadratic program", "quadratic programs");
+    if steps == 0 {
+        return programs;
+    }
+    format!("{}, {programs}", counted(steps, "interior-point step", "interior-point steps"))
+}
+
+/// Why the method was taken.
+fn why(reason: &MethodReason) -> String {
+    let percent =
+        |change: f64| if change < 1e-4 { "less than 0.01 %".to_owned() } else { format!("{:.2} %", 100.0 * change) };
+    match reason {
+        MethodReason::Given => "as the problem says".to_owned(),
+        MethodReason::Setting { key } => format!("the problem gives `{key}`, which only this method has"),
+        MethodReason::Friction { names } => {
+            format!("dry friction is in reach of the plan (sign of {})", names.join(", "))
+        }
+        MethodReason::Targets => "the run ends with the horizon and its targets".to_owned(),
+        MethodReason::Free => "a plan decides on what is free".to_owned(),
+        MethodReason::Settled { change } => {
+            format!("one program per sample settles; more change its first plan by {}", percent(*change))
+        }
+        MethodReason::NotSettled { change: Some(change) } => {
+            format!("one program per sample does not settle; more change its first plan by {}", percent(*change))
+        }
+        MethodReason::NotSettled { change: None } => "one program per sample has no usable first plan".to_owned(),
+        MethodReason::NotConverging => "one program per sample does not settle, and more do not converge".to_owned(),
+    }
+}
+
 /// Why a problem could not be run; where its plant stopped, with the part of the equations that has no value there.
 pub fn error(problem: &ControlProblem, error: &ControlError) -> String {
     if let ControlError::Mpc(MpcError::Plant { time, source }) = error
@@ -98,6 +148,35 @@ pub fn table(problem: &ControlProblem, controlled: &Controlled) -> (Vec<String>,
         })
         .collect();
     (header, rows)
+}
+
+/// The predicted trajectory of every sample as a table: sample, time, states, inputs. Empty where predictions were not kept.
+pub fn predictions(problem: &ControlProblem, controlled: &Controlled) -> (Vec<String>, Vec<Vec<f64>>) {
+    let run = &controlled.run.closed_loop;
+    let delay = problem.compensated_delay();
+    let mut rows = Vec::new();
+    // After the end of a plan nothing is predicted.
+    for (sample, plan) in run.predictions.iter().enumerate().filter(|(_, plan)| plan.steps() > 0) {
+        let first = run.t[sample] + delay as f64 * problem.ocp.dt;
+        rows.extend(planned(plan, first, &problem.ocp).map(|row| [vec![sample as f64], row].concat()));
+    }
+    let names = [vec!["sample".to_owned(), "t".to_owned()], problem.plant.state_names(), problem.plant.input_names()];
+    (names.concat(), rows)
+}
+
+/// The plan of a method that makes one, as a table: time, states, inputs.
+pub fn plan(problem: &ControlProblem, controlled: &Controlled) -> Option<(Vec<String>, Vec<Vec<f64>>)> {
+    let plan = &controlled.run.plan.as_ref()?.trajectory;
+    let names = [vec!["t".to_owned()], problem.plant.state_names(), problem.plant.input_names()];
+    Some((names.concat(), planned(plan, 0.0, &problem.ocp).collect()))
+}
+
+/// Rows of a predicted trajectory; the last state has no input of its own and gets the one before.
+fn planned<'a>(plan: &'a Trajectory, first: f64, ocp: &'a Ocp) -> impl Iterator<Item = Vec<f64>> + 'a {
+    (0..=plan.steps()).map(move |k| {
+        let last = k.min(plan.steps() - 1);
+        [&[rounded(first + ocp.offset(k))], plan.x(k), plan.u(last)].concat()
+    })
 }
 
 /// A time without the rounding of k·dt in its last digits.

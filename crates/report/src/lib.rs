@@ -4,6 +4,7 @@ pub mod analysis;
 pub mod certificates;
 pub mod control;
 mod diagnosis;
+pub mod export;
 pub mod forms;
 pub mod html;
 pub mod identifiability;

@@ -2,6 +2,7 @@
 
 use super::breakdown::stop;
 use super::table::{Event, events};
+use super::text::singular;
 use bracketry_sim::{SampledScenario, ScenarioRun};
 use bracketry_system::System;
 use serde::Serialize;
@@ -21,6 +22,8 @@ struct Simulation<'a> {
     ignored_columns: &'a [String],
     inputs_at_zero: &'a [String],
     impulses_left_out: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<String>,
 }
 
 /// The object of a run of `given` on `system`, in the order of its keys.
@@ -38,5 +41,6 @@ pub fn json<'a>(system: &'a System, given: &'a SampledScenario, run: &ScenarioRu
         ignored_columns: &given.ignored,
         inputs_at_zero: &given.held_at_zero,
         impulses_left_out: run.impulses_left_out.iter().map(|(n, order)| format!("der({n},{order})")).collect(),
+        notes: singular(system, run),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::breakdown::stop;
 use bracketry_sim::{SampledScenario, ScenarioRun};
-use bracketry_system::{System, counted, readable};
+use bracketry_system::{ClosestApproach, System, counted, readable};
 
 /// Rounding on a sticking surface, which is not worth an axis of its own.
 pub(super) const ROUNDING: f64 = 1e-13;
@@ -23,6 +23,7 @@ pub fn text(system: &System, given: &SampledScenario, run: &ScenarioRun) -> Stri
         format!("  warning: `{input}` jumps or has kinks: impulses of der({input},{order}) are neglected")
     }));
     lines.extend(beyond_ranges(system, run).iter().map(|sentence| format!("  warning: {sentence}")));
+    lines.extend(singular(system, run).iter().map(|sentence| format!("  note: {sentence}")));
     let ignored = given.ignored.iter();
     lines.extend(ignored.map(|name| format!("  column `{name}` is not an input that the model uses and was ignored")));
     let names = system.state_names();
@@ -31,6 +32,21 @@ pub fn text(system: &System, given: &SampledScenario, run: &ScenarioRun) -> Stri
     lines.extend(states.map(|(name, value)| format!("  {name:>width$} = {}", readable(*value))));
     lines.extend(stop(system, run));
     lines.join("\n") + "\n"
+}
+
+/// Where directions that are no dry friction are used of vectors that nearly vanish.
+pub(super) fn singular(system: &System, run: &ScenarioRun) -> Vec<String> {
+    let rows = run.states.iter().map(Vec::as_slice).zip(run.inputs.iter().map(Vec::as_slice));
+    let sentence = |near: ClosestApproach| {
+        format!(
+            "the direction of ({}) is taken where its length is {} (t = {} s); it is smooth but where the length is 0, and \
+             friction only if written unit(…)",
+            near.name,
+            readable(near.length),
+            readable(run.times[near.row])
+        )
+    };
+    system.closest_approaches(rows).into_iter().map(sentence).collect()
 }
 
 /// What the model says an input cannot do, and it does.
