@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 
 use common::{bracketry, code, file, json, scratch, text, within};
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 16] = [
     "new",
     "analyze",
     "affinize",
@@ -17,6 +17,7 @@ const COMMANDS: [&str; 15] = [
     "linearize",
     "certify",
     "transform",
+    "export",
     "steer",
     "simulate",
     "control",

@@ -267,6 +267,7 @@ fn a_parameter_that_makes_a_denominator_zero_is_named_by_every_command() {
         &["simulate", "m.toml", "--scenario", "s.toml"],
         &["control", "p.toml"],
         &["diagnose", "m.toml", "run.csv"],
+        &["export", "m.toml", "--language", "c", "--parameters", "k"],
     ] {
         let message = said(&dir, arguments);
         assert!(

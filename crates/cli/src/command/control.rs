@@ -1,19 +1,22 @@
 //! `bracketry control`: the closed loop of a problem file.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use bracketry::mpc::{ControlError, ControlProblem, Controlled, MpcError, control_watched};
+use bracketry::mpc::{ControlError, ControlProblem, Controlled, LiveController, MpcError, control_watched};
 use bracketry::report::control as printed;
 use clap::Args;
 
+use super::live::{Limits, serve};
 use super::output::{csv, figure, folder, json, line, print, spinner, write};
 use super::style::warning;
 use super::{Outcome, OutputArgs};
 
 /// Shown by the help.
-pub(crate) const EXAMPLES: [(&str, &str); 2] = [
+pub(crate) const EXAMPLES: [(&str, &str); 3] = [
     ("Swing a pendulum up, with trajectory and plots", "bracketry control models/cart_pole_swing_up.toml --out out"),
     ("Other noise", "bracketry control problem.toml --seed 7"),
+    ("Control a plant of your own over a pipe", "bracketry control problem.toml --live --deadline 0.05"),
 ];
 
 /// Arguments of `control`.
@@ -25,6 +28,27 @@ pub(crate) struct ControlArgs {
     /// Seed of the measurement noise; overrides `seed` in [run]
     #[arg(long, allow_negative_numbers = true, value_name = "N")]
     seed: Option<u64>,
+    /// Control a plant of your own: read measurements from standard input and write inputs to standard output, one JSON object
+    /// per line; docs/live.md
+    #[arg(long)]
+    live: bool,
+    /// With --live: longest time from an input to the next measurement, s; after it the failure policy decides
+    #[arg(long, requires = "live", value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
+    deadline: Option<Duration>,
+    /// With --live: longest time without any message, s; after it the session ends with exit code 1
+    #[arg(long, requires = "live", value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds, default_value = "60")]
+    timeout: Duration,
+    /// With --live: send a sign of life this often, s
+    #[arg(long, requires = "live", value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
+    heartbeat: Option<Duration>,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let number: f64 = text.parse().map_err(|_| "write a number of seconds".to_owned())?;
+    Duration::try_from_secs_f64(number)
+        .ok()
+        .filter(|d| !d.is_zero() && *d < Duration::from_secs(1_000_000))
+        .ok_or_else(|| "write a positive number of seconds below a million".to_owned())
 }
 
 /// Runs the loop and writes what it gave.
@@ -35,6 +59,13 @@ pub(crate) fn run(args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Out
         problem.conditions.seed = seed;
     }
     progress.set_message("first plan");
+    let mut problem = problem.with_free_values()?.into_owned();
+    if args.live {
+        let controller = problem.controller()?;
+        progress.finish_and_clear();
+        return control_live(controller, args, output);
+    }
+    problem.conditions.keep_predictions = output.out.is_some();
     let total = problem.samples;
     let outcome = control_watched(&problem, |k| progress.set_message(format!("closed loop, sample {k} of {total}")));
     progress.finish_and_clear();
@@ -59,8 +90,12 @@ pub(crate) fn run(args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Out
         print(&printed::text(report))?;
         match &output.out {
             Some(dir) => {
+                let plan = if controlled.run.plan.is_some() { ", plan.csv" } else { "" };
                 let figure = if drawn { ", closed_loop.svg, closed_loop.png" } else { "" };
-                line(&format!("written to {}: control.json, closed_loop.csv{figure}", dir.display()))?;
+                line(&format!(
+                    "written to {}: control.json, closed_loop.csv, predictions.csv{plan}{figure}",
+                    dir.display()
+                ))?;
             }
             None => line("(--out DIR writes trajectory and plots)")?,
         }
@@ -68,10 +103,35 @@ pub(crate) fn run(args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Out
     Ok(if report.succeeded { Outcome::Done } else { Outcome::Negative })
 }
 
+/// Samples that `--live --out DIR` keeps: the last.
+const KEPT: usize = 1_000_000;
+
+/// Answers the measurements of a peer on standard input and output.
+fn control_live(mut controller: LiveController, args: &ControlArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
+    if let Some(dir) = &output.out {
+        folder(dir)?;
+        controller.keep_log(KEPT);
+    }
+    let limits = Limits { deadline: args.deadline, timeout: args.timeout, heartbeat: args.heartbeat };
+    let ended = serve(controller, std::io::stdin(), std::io::stdout(), limits)?;
+    if let (Some(dir), Some(log)) = (&output.out, &ended.log) {
+        csv(&dir.join("closed_loop.csv"), log.names(), log.rows())?;
+    }
+    if !ended.succeeded() {
+        warning(&ended.to_string());
+    }
+    Ok(if ended.succeeded() { Outcome::Done } else { Outcome::Negative })
+}
+
 /// The table and the figure; says whether there is a figure.
 fn write_files(dir: &Path, problem: &ControlProblem, controlled: &Controlled) -> anyhow::Result<bool> {
     let (header, rows) = printed::table(problem, controlled);
     csv(&dir.join("closed_loop.csv"), &header, rows.iter().map(Vec::as_slice))?;
+    let (header, rows) = printed::predictions(problem, controlled);
+    csv(&dir.join("predictions.csv"), &header, rows.iter().map(Vec::as_slice))?;
+    if let Some((header, rows)) = printed::plan(problem, controlled) {
+        csv(&dir.join("plan.csv"), &header, rows.iter().map(Vec::as_slice))?;
+    }
 
     Ok(figure(printed::figure(problem, controlled), &dir.join("closed_loop")))
 }

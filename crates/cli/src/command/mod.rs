@@ -8,8 +8,10 @@ mod analyze;
 mod certify;
 mod control;
 mod diagnose;
+mod export;
 mod file_kind;
 mod help;
+mod live;
 mod main_job;
 mod new;
 mod operating_point;
@@ -96,6 +98,9 @@ enum Command {
         "Exit codes", "0  found, and confirmed by transforming back\n1  there is no such form, or it was not found; the report says which and why\n2  bad input",
     )]))]
     Transform(transform::TransformArgs),
+    /// Write the equations with their Jacobians as source code: C, Rust, Python, CasADi, Julia
+    #[command(after_help = examples(&export::EXAMPLES), after_long_help = guide(&export::EXAMPLES, &[EXIT_CODES]))]
+    Export(export::ExportArgs),
     /// Find inputs that move a model from one state to another
     #[command(after_help = examples(&steer::EXAMPLES), after_long_help = guide(&steer::EXAMPLES, &[
         ("Exit codes", "0  the simulated motion ends within 1e-6 of every state, with inputs within their ranges\n\
@@ -147,6 +152,7 @@ impl Command {
             Self::Affinize(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Trim(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Transform(args) => vec![Given::new(&args.model, FileKind::Model)],
+            Self::Export(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Linearize(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Certify(args) => vec![Given::new(&args.model, FileKind::Model)],
             Self::Steer(args) => vec![Given::new(&args.model, FileKind::Model)],
@@ -195,6 +201,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<Outcome> {
         Some(Command::Linearize(args)) => operating_point::linearize(&args, &output),
         Some(Command::Certify(args)) => certify::run(&args, &output),
         Some(Command::Transform(args)) => transform::transform(&args, &output),
+        Some(Command::Export(args)) => export::run(&args, &output),
         Some(Command::Steer(args)) => steer::run(&args, &output),
         Some(Command::Simulate(args)) => simulate::run(&args, &output),
         Some(Command::Plate(args)) => plate::run(&args, &output),
