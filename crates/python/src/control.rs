@@ -28,13 +28,14 @@ pub(crate) fn control<'py>(
     models: HashMap<String, Bound<'py, Model>>,
     seed: Option<u64>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let models: HashMap<String, System> = models.into_iter().map(|(name, m)| (name, m.get().system.clone())).collect();
+    let models = models_of(&models);
     let (answer, controlled, problem) = watched(py, move |stop| {
         let mut problem = read(path.as_deref(), text.as_deref(), &folder, &models)?;
         if let Some(seed) = seed {
             problem.conditions.seed = seed;
         }
         problem.stop = stop.clone();
+        let problem = problem.with_free_values()?.into_owned();
         let controlled = Arc::new(bracketry::control(&problem).map_err(|e| match e {
             ControlError::Mpc(MpcError::Plant { .. }) => Failure::new(report::error(&problem, &e)),
             other => other.into(),
@@ -59,7 +60,12 @@ pub(crate) fn control<'py>(
     Ok(dict)
 }
 
-fn read(
+/// Systems by the names under which a problem speaks of them.
+pub(crate) fn models_of(models: &HashMap<String, Bound<'_, Model>>) -> HashMap<String, System> {
+    models.iter().map(|(name, m)| (name.clone(), m.get().system.clone())).collect()
+}
+
+pub(crate) fn read(
     path: Option<&Path>,
     text: Option<&str>,
     folder: &Path,

@@ -7,16 +7,20 @@
 
 mod analysis;
 mod certificates;
+mod compensator;
 mod control;
 mod diagnosis;
 mod error;
+mod export;
 mod figures;
 mod forms;
 mod interrupt;
+mod live_controller;
 mod model;
 mod operating_point;
 mod parameters;
 mod plate;
+mod plate_controller;
 mod simulation;
 mod steering;
 mod stiffness;
@@ -33,15 +37,21 @@ mod _native {
     #[pymodule_export]
     use super::certificates::{certify, check_certificate};
     #[pymodule_export]
+    use super::compensator::{CompensationStep, Compensator};
+    #[pymodule_export]
     use super::control::control;
     #[pymodule_export]
     use super::diagnosis::{Page, diagnose};
     #[pymodule_export]
     use super::error::BracketryError;
     #[pymodule_export]
+    use super::export::export;
+    #[pymodule_export]
     use super::figures::Figures;
     #[pymodule_export]
     use super::forms::transform;
+    #[pymodule_export]
+    use super::live_controller::{LiveController, Step};
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]
@@ -50,6 +60,8 @@ mod _native {
     use super::parameters::{identifiability, parameter_cases, parameter_map};
     #[pymodule_export]
     use super::plate::run_plate;
+    #[pymodule_export]
+    use super::plate_controller::{PlateController, PlateStep};
     #[pymodule_export]
     use super::simulation::simulate;
     #[pymodule_export]

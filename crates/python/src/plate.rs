@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use bracketry::plate::{
-    GivenOption, NumberOption, PlateExperiment, PlateLog, PlateOptions, PlateRow, Shape, TextOption,
+    GivenOption, NumberOption, PlateExperiment, PlateLog, PlateOptions, PlateRow, PlateSetup, Shape, TextOption,
 };
 use bracketry::report::plate;
 use numpy::IntoPyArray;
@@ -19,7 +19,7 @@ use crate::interrupt::watched;
 use crate::tables::{Answer, Text, matrix};
 
 /// Options by name; what is `None` has a default.
-type Given<T> = HashMap<String, Option<T>>;
+pub(crate) type Given<T> = HashMap<String, Option<T>>;
 
 /// The options that are given, numbers before texts.
 fn options(mut numbers: Given<f64>, mut texts: Given<String>) -> Result<PlateOptions, Failure> {
@@ -27,6 +27,11 @@ fn options(mut numbers: Given<f64>, mut texts: Given<String>) -> Result<PlateOpt
     let text = |&option: &TextOption| Some(GivenOption::Text(option, texts.remove(option.name())??));
     let numbers = NumberOption::ALL.iter().filter_map(number);
     PlateOptions::from_values(numbers.chain(TextOption::ALL.iter().filter_map(text))).map_err(named)
+}
+
+/// The set-up of options.
+pub(crate) fn setup_of(numbers: Given<f64>, texts: Given<String>) -> Result<PlateSetup, Failure> {
+    options(numbers, texts)?.setup(None).map_err(named)
 }
 
 /// One experiment, with the options of a scenario file where they are not given, on a polygon where its vertices are, and beside a log.

@@ -16,7 +16,7 @@ use crate::figures::Figures;
 use crate::interrupt::watched;
 use crate::tables::{Answer, Text, matrix};
 
-fn robot_file(given: &Text) -> Result<RobotFile, Failure> {
+pub(crate) fn robot_file(given: &Text) -> Result<RobotFile, Failure> {
     match given {
         Text::File(path) => Ok(RobotFile::read(path)?),
         Text::Given(name, text) => Ok(RobotFile::parse(name, text, Path::new(""))?),

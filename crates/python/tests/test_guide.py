@@ -21,6 +21,18 @@ def test_the_readme_runs(capsys) -> None:
     assert "equilibrium" in capsys.readouterr().out
 
 
+def test_the_cart_pole_of_an_independent_engine_is_swung_up(monkeypatch, capsys) -> None:
+    pytest.importorskip("mujoco")
+    text = (ROOT / "docs/live.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert len(block.splitlines()) <= 30
+    names: dict = {}
+    exec(compile(block, "docs/live.md", "exec"), names)
+    p, th = names["plant"].qpos
+    assert abs(p) < 0.05 and abs(th) < 0.05
+    assert abs(names["plant"].qvel).max() < 0.2
+
+
 def test_the_guide_runs(tmp_path, monkeypatch) -> None:
     pytest.importorskip("sympy")
     monkeypatch.chdir(tmp_path)

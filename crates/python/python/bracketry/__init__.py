@@ -4,20 +4,23 @@ A model is a :class:`System`. :func:`analyze` says what its inputs reach, :func:
 :func:`trim` finds operating points, :func:`linearize` gives the linear system there, :func:`transform` its normal forms,
 :func:`parameter_cases` for which values of parameters that changes, :func:`identifiability` which parameters can be known,
 :func:`steer` moves it from one state to another, :func:`simulate` integrates it with exact dry friction, :func:`control` closes a
-loop, :func:`diagnose` names what it gets wrong
+loop, :class:`Controller` is stepped on a plant of your own, :func:`diagnose` names what it gets wrong
 in measured data. :mod:`bracketry.plate` is for the vibrating plate, :mod:`bracketry.stiffness` for robots that bend,
-:func:`sweep` for many runs at once. :func:`certify` proves stability and passivity of polynomial models.
+:func:`sweep` for many runs at once. :func:`certify` proves stability and passivity of polynomial models. :meth:`System.export`
+writes the equations as source code.
 """
 
 from . import plate, stiffness
 from ._analysis import Affinization, Analysis, AtPoint, LocalControllability, Mode, Reach, affinize, analyze
 from ._certificates import Certification, certify, check_certificate
 from ._control import ClosedLoop, control
+from ._controller import Controller, Prediction
 from ._diagnosis import Candidate, Cause, Diagnosis, Estimate, Gain, Place, RefittedParameter, Rival, diagnose
+from ._export import Export
 from ._forms import Transformation, transform
 from ._linear import Gain as LinearGain
 from ._linear import Linearization, Trim, linearize, trim
-from ._native import BracketryError, __version__
+from ._native import BracketryError, Step, __version__
 from ._parameters import Identifiability, ParameterCases, ParameterMap, identifiability, parameter_cases, parameter_map
 from ._result import Figure, Result
 from ._sampled import Sampled
@@ -35,9 +38,11 @@ __all__ = [
     "Cause",
     "Certification",
     "ClosedLoop",
+    "Controller",
     "Diagnosis",
     "Estimate",
     "Event",
+    "Export",
     "Figure",
     "Gain",
     "Identifiability",
@@ -49,12 +54,14 @@ __all__ = [
     "ParameterCases",
     "ParameterMap",
     "Place",
+    "Prediction",
     "Reach",
     "RefittedParameter",
     "Result",
     "Rival",
     "Sampled",
     "Steering",
+    "Step",
     "System",
     "Trajectory",
     "Transformation",

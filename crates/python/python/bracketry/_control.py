@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike, fspath
-from typing import Any
+from typing import Any, TypedDict
 
 from . import _native
 from ._native import BracketryError
@@ -14,6 +14,15 @@ from ._sampled import Sampled
 from ._system import System, model_of
 from ._tables import Floats
 from ._text import toml_document, whole
+
+
+class ProblemArguments(TypedDict):
+    """A problem for the native functions."""
+
+    path: str | None
+    text: str | None
+    folder: str
+    models: dict[str, _native.Model]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,6 +51,8 @@ class ClosedLoop(Sampled):
     solve_ms: dict[str, float] = field(repr=False, default_factory=dict)
     period_ms: float = field(repr=False, default=0.0)
     plan: dict[str, Any] | None = field(repr=False, default=None)
+    #: End time and parameters that were free: ``end_time``, ``parameters``, ``status`` …
+    found: dict[str, Any] | None = field(repr=False, default=None)
     #: What went wrong, and what to do about it.
     notes: list[str] = field(repr=False, default_factory=list)
     #: What was measured at each sample, shape (k, number of outputs).
@@ -76,6 +87,28 @@ def control(
     BracketryError
         For a problem that contradicts itself, and if the plant stops.
     """
+    answer = _native.control(**problem_of(problem, models), seed=None if seed is None else whole(seed, "seed"))
+    data = parsed(answer["json"])
+    return result_of(
+        ClosedLoop,
+        data,
+        answer,
+        closed_loop_cost=real(data["closed_loop_cost"]),
+        open_loop_cost=real(data["open_loop_cost"]),
+        constraint_violation_max=real(data["constraint_violation_max"]),
+        x_final={name: real(value) for name, value in data["x_final"].items()},
+        t=answer["t"],
+        states=answer["states"],
+        inputs=answer["inputs"],
+        measured=answer["measured"],
+        estimates=answer["estimates"],
+        state_names=answer["state_names"],
+        input_names=answer["input_names"],
+    )
+
+
+def problem_of(problem: str | PathLike[str] | Mapping[str, Any], models: Mapping[str, System] | None) -> ProblemArguments:
+    """What the native functions are told of a problem."""
     named = dict(models or {})
     path = text = None
     if isinstance(problem, Mapping):
@@ -94,21 +127,4 @@ def control(
     if path is not None and named:
         raise BracketryError("models go with a problem that is given as text or as a mapping, not with a file")
     systems = {name: model_of(system, name) for name, system in named.items()}
-    answer = _native.control(path=path, text=text, folder="", models=systems, seed=None if seed is None else whole(seed, "seed"))
-    data = parsed(answer["json"])
-    return result_of(
-        ClosedLoop,
-        data,
-        answer,
-        closed_loop_cost=real(data["closed_loop_cost"]),
-        open_loop_cost=real(data["open_loop_cost"]),
-        constraint_violation_max=real(data["constraint_violation_max"]),
-        x_final={name: real(value) for name, value in data["x_final"].items()},
-        t=answer["t"],
-        states=answer["states"],
-        inputs=answer["inputs"],
-        measured=answer["measured"],
-        estimates=answer["estimates"],
-        state_names=answer["state_names"],
-        input_names=answer["input_names"],
-    )
+    return {"path": path, "text": text, "folder": "", "models": systems}

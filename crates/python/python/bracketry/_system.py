@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._export import Export, exported
 from ._native import BracketryError, Model
 from ._tables import Floats, real_array
 from ._text import expression, key, listed, name_of, number, string, toml_value
@@ -235,6 +236,29 @@ class System:
         n, m = len(self.states), len(self.inputs)
         both = self._model.jacobian(rows).reshape(*shape, n, n + m)
         return both[..., :n], both[..., n:]
+
+    def export(self, language: str, *, parameters: Sequence[Any] | str = (), name: str | None = None) -> Export:
+        """The equations f, the outputs h, and their Jacobians as source code.
+
+        Parameters
+        ----------
+        language
+            "c", "rust", "python" (NumPy), "casadi", or "julia".
+        parameters
+            Names of the parameters that become arguments of the functions, or "all"; the others are constants.
+        name
+            Name of module and files, and prefix of C functions, instead of that of the model.
+
+        Returns
+        -------
+        Export
+
+        Raises
+        ------
+        BracketryError
+            For an unknown language or parameter, or a name that is none.
+        """
+        return exported(self._model, language, parameters, name)
 
     def _rows(self, x: ArrayLike, u: ArrayLike, derivatives: ArrayLike | None) -> tuple[Floats, tuple[int, ...]]:
         """Arguments of compiled expressions, one row each, and the shape that the rows stand for."""

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._native import BracketryError
+from ._native import BracketryError, PlateStep
 from ._result import fields_of, parsed, real, result_of
 from ._sampled import Sampled
 from ._tables import Floats, Table, real_array, table_text
-from ._text import number
+from ._text import number, whole
 
-__all__ = ["Comparison", "Deviation", "PlateRun", "run"]
+__all__ = ["Comparison", "Deviation", "PlateController", "PlateRun", "PlateStep", "run"]
 
 #: How object and plate touch, from the published equations to six degrees of freedom.
 Model: TypeAlias = Literal["published", "point", "reduced", "area", "body"]
@@ -242,6 +242,91 @@ def run(
         gap=answer["gap"],
         lean=answer["lean"],
     )
+
+
+class PlateController:
+    """The controller that brings an object on the plate to a pose, stepped on a plate of your own.
+
+    It plans moves from rest to rest with both motions of the plate at once, follows them, and corrects what they missed.
+
+    Parameters
+    ----------
+    target
+        x, y (m) and yaw (rad) in the frame of the plate.
+    shape, thickness, mass
+        The object, as for :func:`run`.
+    mu
+        Friction coefficient that is believed in at first (0.3).
+    mu_deviation
+        Standard deviation of what is not known of it, as a share of it.
+    period
+        Sampling period in s.
+    delay
+        Samples after which a command acts.
+    noise
+        Standard deviations of the measured position (m) and yaw (rad).
+    tolerance
+        What counts as arrived: error of x and y (m), and of yaw (rad).
+
+    Raises
+    ------
+    BracketryError
+        For an object, a target or a setting without meaning.
+    """
+
+    def __init__(
+        self,
+        target: Sequence[float] | Floats,
+        *,
+        shape: str | ArrayLike | None = None,
+        thickness: float | None = None,
+        mass: float | None = None,
+        mu: float | None = None,
+        mu_deviation: float = 0.12,
+        period: float = 0.02,
+        delay: int = 1,
+        noise: Sequence[float] = (5e-4, 0.0087),
+        tolerance: Sequence[float] = (2e-3, 0.035),
+    ) -> None:
+        numbers = {"thickness": thickness, "mass": mass, "mu": mu}
+        self._native = _native.PlateController(
+            _several(target, 3, "target"),
+            {name: None if value is None else float(number(value, name)) for name, value in numbers.items()},
+            {"shape": shape if isinstance(shape, str) else None},
+            polygon=None if shape is None or isinstance(shape, str) else _vertices(shape),
+            period=float(number(period, "period")),
+            delay=whole(delay, "delay"),
+            mu_deviation=float(number(mu_deviation, "mu_deviation")),
+            noise=_several(noise, 2, "noise"),
+            tolerance=_several(tolerance, 2, "tolerance"),
+        )
+
+    def step(self, pose: Sequence[float] | Floats, plate: Sequence[float] | Floats | None = None) -> PlateStep:
+        """The accelerations of the plate for the next period.
+
+        Parameters
+        ----------
+        pose
+            Measured x, y (m) and yaw (rad, not wrapped) of the object in the frame of the plate; NaN where lost.
+        plate
+            Measured X (m), X' (m/s), theta (rad) and theta' (rad/s) of the plate; without it, the plate does what it is told.
+
+        Returns
+        -------
+        PlateStep
+            ``displacement_acceleration`` (m/s²), ``tilt_acceleration`` (rad/s²), ``finished``, ``status`` (working, arrived,
+            unreachable or moves_used_up), ``estimate`` of the object's state, and ``mu``, the friction coefficient believed in. The first
+            step plans, which takes about a second.
+        """
+        return self._native.step(_several(pose, 3, "pose"), None if plate is None else _several(plate, 4, "plate"))
+
+
+def _several(values: Any, count: int, what: str) -> list[float]:
+    """So many numbers."""
+    array = real_array(values, what)
+    if array.shape != (count,):
+        raise BracketryError(f"{what} has the shape {array.shape}; give {count} numbers")
+    return [float(value) for value in array]
 
 
 def _experiment(given: Any) -> tuple[str | None, str | None]:

@@ -11,14 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._native import BracketryError
+from ._native import BracketryError, CompensationStep
 from ._result import Result, parsed, result_of
 from ._tables import Floats, Table, path_of, real_array, table_text
-from ._text import whole
+from ._text import number, whole
 
 __all__ = [
     "ChosenPoses",
     "Compensation",
+    "CompensationStep",
+    "Compensator",
     "Expectation",
     "Identification",
     "Weighing",
@@ -250,6 +252,51 @@ def compensate(
         samples_limited=data["limited"],
         **arrays,
     )
+
+
+class Compensator:
+    """The compensation of a robot file, one control period at a time.
+
+    Parameters
+    ----------
+    robot
+        A robot file with springs and a sensor, or its text.
+    period
+        Time between two steps in s, in place of that of the file.
+
+    Raises
+    ------
+    BracketryError
+        For a robot file without springs or sensor, and settings that do not fit.
+    """
+
+    def __init__(self, robot: str | PathLike[str], *, period: float | None = None) -> None:
+        self._native = _native.Compensator(_robot(robot), None if period is None else float(number(period, "period")))
+
+    def step(
+        self,
+        measured: Sequence[float] | Floats,
+        reading: Sequence[float] | Floats,
+        reference: Sequence[float] | Floats | None = None,
+    ) -> CompensationStep:
+        """What to send to the robot in this period.
+
+        Parameters
+        ----------
+        measured
+            Coordinates of the joints as the encoders tell them, rad or m.
+        reading
+            Of the sensor: Fx, Fy, Fz (N), Mx, My, Mz (N·m) in its axes.
+        reference
+            Coordinates that the robot is to have; those measured if left out.
+
+        Returns
+        -------
+        CompensationStep
+            ``reference``, corrected, always finite; ``correction``, ``wrench``, ``displacement``, ``fault`` (what was wrong with the input:
+            the last good correction is held) and ``limited``.
+        """
+        return self._native.step(measured, [float(v) for v in reading], measured if reference is None else reference)
 
 
 def choose_poses(candidates: Table, robot: str | PathLike[str], *, count: int = 20) -> ChosenPoses:
