@@ -2,6 +2,7 @@
 
 pub use bracketry_certify as certify;
 pub use bracketry_diagnose as diagnose;
+pub use bracketry_export as export;
 pub use bracketry_files as files;
 pub use bracketry_lie as lie;
 pub use bracketry_mpc as mpc;
@@ -34,6 +35,10 @@ pub mod tutorial {}
 #[doc = include_str!("../docs/mpc.md")]
 pub mod control_guide {}
 
+/// Controllers for a plant of one's own: from Rust, from Python, and over a pipe.
+#[doc = include_str!("../docs/live.md")]
+pub mod live_guide {}
+
 /// Lyapunov functions, regions of attraction, passivity, and conserved functions, with certificates.
 #[doc = include_str!("../docs/certify.md")]
 pub mod certificates_guide {}
@@ -45,6 +50,10 @@ pub mod diagnose_guide {}
 /// Verdicts by cases of parameters: special values, and maps over two of them.
 #[doc = include_str!("../docs/parameters.md")]
 pub mod parameters_guide {}
+
+/// The equations of a model as source code.
+#[doc = include_str!("../docs/export.md")]
+pub mod export_guide {}
 
 /// Identifiability in full.
 #[doc = include_str!("../docs/identifiability.md")]

@@ -8,18 +8,20 @@ use std::path::Path;
 use toml::Table;
 
 /// The layers from the lowest up: each crate may use those before it.
-const LAYERS: [&str; 18] = [
+const LAYERS: [&str; 20] = [
     "bracketry-symbolic",
     "bracketry-files",
     "bracketry-plot",
     "bracketry-native",
     "bracketry-system",
+    "bracketry-export",
     "bracketry-lie",
     "bracketry-sim",
     "bracketry-certify",
     "bracketry-steer",
     "bracketry-stiffness",
     "bracketry-mpc",
+    "bracketry-c",
     "bracketry-diagnose",
     "bracketry-plate",
     "bracketry-report",

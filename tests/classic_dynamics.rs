@@ -54,6 +54,13 @@ fn energy_changes_by_the_power_of_the_inputs() {
     changes_by("magnetic_levitation", "1/2*m*v^2 - m*g*z + 1/2*(L + 2*C/z)*i^2", "u*i - R*i^2");
     changes_by("spacecraft", "1/2*(J1*w1^2 + J2*w2^2 + J3*w3^2)", "u1*w1 + u2*w2");
     changes_by("duffing", "1/2*v^2 - 1/2*a*x^2 + 1/4*b*x^4", "u*v - d*v^2");
+    // The middle of each rod moves with the joint before it; inertias about the middle as in the file.
+    let rods = "1/2*m0*v^2 + 1/2*m1*((v + L1/2*w1*cos(th1))^2 + (L1/2*w1*sin(th1))^2) + 1/24*m1*L1^2*w1^2 \
+                + 1/2*m2*((v + L1*w1*cos(th1) + L2/2*w2*cos(th2))^2 + (L1*w1*sin(th1) + L2/2*w2*sin(th2))^2) \
+                + 1/24*m2*L2^2*w2^2 + m1*g*L1/2*cos(th1) + m2*g*(L1*cos(th1) + L2/2*cos(th2))";
+    changes_by("double_pendulum_cart", rods, "u*v");
+    changes_by("double_pendulum_cart_rates", rods, "u*v");
+    changes_by("race_car", "1/2*m*v^2", "((Cm1 - Cm2*v)*D - Cr2*v^2 - Cr0*tanh(5*v))*v*cos(C1*delta)");
 }
 
 #[test]
@@ -92,4 +99,16 @@ fn laws_that_the_equations_were_not_written_from_hold() {
     // Half the tangent of half the angle: |r|² changes by (1 + |r|²) r·w.
     changes_by("spacecraft", "r1^2 + r2^2 + r3^2", "(1 + r1^2 + r2^2 + r3^2)*(r1*w1 + r2*w2 + r3*w3)");
     changes_by("spacecraft", "J3*w3", "(J1 - J2)*w1*w2");
+    // What is fed is in the reactor; without cooling, all of the monomer would heat it.
+    changes_by("polymerization", "mW + mA + mP", "(wW + wA)*f");
+    changes_by("polymerization", "Tad - TR - H*mA/(cR*(mW + mA + mP))", "0");
+    // The product does not leave the volume, of which the feed is the only source.
+    changes_by("fed_batch_rates", "V*P", "v_p*X*V");
+    // B and what becomes of it come from A alone.
+    changes_by("klatt_engell_rates", "cB", "-F*cB + k1*exp(-E1/(T + 273.15))*(cA - cB)");
+    // Momentum across the chain changes by the forces at its ends and the weight.
+    let (first, last) =
+        ("D*(1 - L/sqrt(x1^2 + y1^2 + z1^2))", "D*(1 - L/sqrt((x4 - x3)^2 + (y4 - y3)^2 + (z4 - z3)^2))");
+    changes_by("chain_of_five_masses", "m*(vx1 + vx2 + vx3)", &format!("{last}*(x4 - x3) - {first}*x1"));
+    changes_by("chain_of_five_masses", "m*(vz1 + vz2 + vz3)", &format!("{last}*(z4 - z3) - {first}*z1 - 3*m*g"));
 }
