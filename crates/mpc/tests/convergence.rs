@@ -62,6 +62,7 @@ fn a_quadrotor_flips_upright_from_every_tilt() {
         let s = plan(problem(QUADROTOR, &text), Hessian::Automatic);
         assert_eq!(s.status, SolveStatus::Converged, "{tilt}");
         assert!((s.cost / reference - 1.0).abs() < 1e-3, "{tilt}: {} in place of {reference}", s.cost);
+        assert!(s.interior_point_steps > 0, "{tilt}");
     }
 }
 
@@ -254,6 +255,8 @@ fn a_trajectory_that_can_be_followed_is_followed_from_a_guess_at_rest() {
         let s = solver(&ocp).solve(&x0, &Trajectory::constant(steps, &x0, &vec![0.0; joints])).unwrap();
         assert_eq!(s.status, SolveStatus::Converged, "{trial}");
         assert!(s.cost < 1e-6, "{trial}: {} where 0 is possible", s.cost);
+        // The interior-point method leads, whatever the number of inputs.
+        assert!(s.interior_point_steps > 0, "{trial}");
     }
 }
 
