@@ -69,7 +69,7 @@ pub use closed_loop::{
     run_closed_loop,
 };
 pub use controller::{
-    Brake, Controller, FailurePolicy, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings,
+    Brake, Controller, FailurePolicy, FallbackReason, Figures, InputSource, Step, StepLimits, StepStatus, Timings,
 };
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::{MpcError, PlantError};
@@ -82,13 +82,13 @@ pub use exact_friction::{StickSlipController, StickSlipSettings};
 pub use integrator::Integrator;
 pub use live::{Change, LiveController, LiveStep, LoopLog};
 pub use ocp::{
-    Bounds, CostFunction, CostKind, NormConstraint, Ocp, PathConstraint, PreviousInput, Softness, Substeps,
+    Bounds, Branching, CostFunction, CostKind, NormConstraint, Ocp, PathConstraint, PreviousInput, Softness, Substeps,
     TerminalSet, TerminalTarget, VectorFunction,
 };
 pub use problem::{
     Cause, ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled, Convergence, Estimation,
     EstimatorKind, Feedback, FirstSample, FoundValues, KeptRange, Method, MethodReason, Note, PlanReport, ProblemError,
-    RunConditions, Schedule, Scheduled, control, control_watched,
+    RunConditions, ScenarioReport, Schedule, Scheduled, control, control_watched,
 };
 pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};

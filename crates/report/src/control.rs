@@ -41,6 +41,13 @@ impl fmt::Display for Text<'_> {
                 found.seconds
             )?;
         }
+        if let Some(tree) = &report.scenarios {
+            write!(f, "scenarios      {}", counted(tree.branches, "branch", "branches"))?;
+            match tree.predicted_violation {
+                Some(v) => writeln!(f, ", bounds violated by at most {} in all plans of all of them", readable(v))?,
+                None => writeln!(f)?,
+            }
+        }
         let (cost, predicted) = (readable(report.closed_loop_cost), readable(report.open_loop_cost));
         writeln!(f, "cost           {cost} in closed loop, {predicted} predicted")?;
         let c = &report.status;

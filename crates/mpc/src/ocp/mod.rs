@@ -1,6 +1,7 @@
 //! The optimal control problem as data: cost, bounds, constraints, and their values along a trajectory.
 
 mod bounds;
+mod branching;
 mod constraint;
 mod cost;
 mod cost_names;
@@ -9,10 +10,12 @@ mod grid;
 mod memory;
 mod previous_input;
 mod problem;
+mod shared_inputs;
 mod vector_function;
 mod violations;
 
 pub use bounds::{Bounds, Softness};
+pub use branching::Branching;
 pub use constraint::{NormConstraint, PathConstraint, TerminalSet};
 pub use cost::CostFunction;
 pub use cost_names::CostKind;

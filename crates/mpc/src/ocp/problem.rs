@@ -1,6 +1,7 @@
 //! The optimal control problem as data.
 
 use super::bounds::{Bounds, HARD_TOLERANCE, Softness, ordered, positive, weight};
+use super::branching::Branching;
 use super::constraint::{NormConstraint, PathConstraint, TerminalSet};
 use super::cost::CostFunction;
 use super::cost_names::CostPoint;
@@ -83,6 +84,8 @@ pub struct Ocp {
     pub move_blocks: Vec<usize>,
     /// Inputs that are held over the whole horizon: constants to be decided on.
     pub constant_inputs: Vec<usize>,
+    /// Branches of a scenario tree, where the problem is one.
+    pub branching: Option<Branching>,
     /// A set in which the last state shall lie.
     pub terminal_set: Option<TerminalSet>,
     /// Typical size of each state: defects are measured in it.
@@ -118,6 +121,7 @@ impl Ocp {
             norm_constraints: Vec::new(),
             move_blocks: Vec::new(),
             constant_inputs: Vec::new(),
+            branching: None,
             terminal_set: None,
             state_scale: vec![1.0; states],
             state_size: Vec::new(),

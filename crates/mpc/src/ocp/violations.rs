@@ -129,6 +129,21 @@ impl Ocp {
         values.into_iter().fold(0.0, |worst: f64, v| if worst.is_nan() || v.is_nan() { f64::NAN } else { worst.max(v) })
     }
 
+    /// Largest violation of a bound, path constraint, norm constraint, or the terminal set along a predicted trajectory that starts at
+    /// grid point `k0` of the run, each in its own unit; NaN when a bounded value is no number.
+    pub(crate) fn predicted_violation(&mut self, k0: usize, z: &Trajectory) -> f64 {
+        // `f64::max` would drop a NaN.
+        let worse = |worst: f64, v: f64| if worst.is_nan() || worst > v { worst } else { v };
+        let mut worst = 0.0;
+        self.visit_constraints(k0, z, 0.0, |v| worst = worse(worst, v.value));
+        for k in 1..=z.steps() {
+            for (v, b) in z.x(k).iter().zip(&self.state_bounds).filter(|(_, b)| !b.is_free()) {
+                worst = worse(worst, if v.is_nan() { *v } else { b.violation(*v) });
+            }
+        }
+        worst
+    }
+
     /// Cost of violated path and norm constraints and of leaving the terminal set; hard ones at `hard` per unit of scale.
     pub(crate) fn constraint_penalty(&mut self, k0: usize, trajectory: &Trajectory, hard: f64) -> f64 {
         let mut sum = 0.0;

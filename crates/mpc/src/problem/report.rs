@@ -3,6 +3,7 @@
 use super::found_values::FoundValues;
 use super::method::MethodReason;
 use super::notes::Note;
+use super::scenarios::ScenarioReport;
 use crate::closed_loop::{Counts, SolveTimes};
 use crate::sqp::Hessian;
 use bracketry_symbolic::Named;
@@ -71,6 +72,9 @@ pub struct ClosedLoopReport {
     /// The end time and parameters that were free.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub found: Option<FoundValues>,
+    /// The scenario tree, where parameters are uncertain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scenarios: Option<ScenarioReport>,
     /// The plan, where one was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanReport>,

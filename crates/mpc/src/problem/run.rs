@@ -105,6 +105,7 @@ impl ControlProblem {
             constraint_violation_max: violation,
             input_ranges: self.kept_ranges(),
             found: self.found.clone(),
+            scenarios: self.scenarios.as_ref().map(|tree| tree.report(controller.figures().predicted_violation)),
             plan: plan.as_ref().map(|p| PlanReport {
                 status: p.status.to_string(),
                 interior_point_steps: p.interior_point_steps,

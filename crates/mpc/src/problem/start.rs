@@ -70,6 +70,9 @@ impl ControlProblem {
         if self.has_free_values() {
             return self.with_free_values()?.plan();
         }
+        if let Some(tree) = &self.scenarios {
+            return tree.plan(self);
+        }
         let ocp = self.ocp.tightened(self.method.margin());
         let mut sqp = Sqp::new(self.dynamics()?, ocp, self.sqp_settings())?;
         let x0 = self.initial_state();
@@ -143,9 +146,10 @@ impl ControlProblem {
     /// The controller at its start, with delay compensation and estimator. Where the method is
     /// [`Method::Automatic`], it is chosen here.
     pub(crate) fn started(&self) -> Result<Started, MpcError> {
-        let (problem, Prepared { mut controller, mut plan, open_loop_cost }) = match self.method {
-            Method::Automatic { convergence } => self.choose_method(convergence)?,
-            _ => (self.clone(), self.prepared()?),
+        let (problem, Prepared { mut controller, mut plan, open_loop_cost }) = match (&self.scenarios, self.method) {
+            (Some(tree), _) => tree.started(self)?,
+            (None, Method::Automatic { convergence }) => self.choose_method(convergence)?,
+            (None, _) => (self.clone(), self.prepared()?),
         };
         let first = self.first_input();
         if !self.ocp.previous_inputs.is_empty() {
@@ -188,7 +192,7 @@ impl ControlProblem {
     }
 
     /// The controller of the problem's method at its start.
-    fn prepared(&self) -> Result<Prepared, MpcError> {
+    pub(super) fn prepared(&self) -> Result<Prepared, MpcError> {
         match self.method {
             Method::Automatic { convergence } => self.choose_method(convergence).map(|(_, prepared)| prepared),
             Method::Plan { margin, feedback, .. } => self.tracker(margin, feedback),

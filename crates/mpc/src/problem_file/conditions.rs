@@ -86,7 +86,7 @@ impl Reader<'_> {
     }
 
     /// A constant as a rational number; what is none (π) is rounded.
-    fn exact(&self, v: Located<'_, '_>, key: &str) -> Parsed<Rational> {
+    pub(super) fn exact(&self, v: Located<'_, '_>, key: &str) -> Parsed<Rational> {
         let value = self.constant(v, key)?;
         let exact = match v.get_ref() {
             Value::Integer(_) | Value::Float(_) => Some(self.doc.exact_number(v, key)?),

@@ -1,6 +1,7 @@
 //! Bounds and targets of a problem file.
 
 use super::reader::{Key, Located, Parsed, Reader, Variable};
+use super::tree::renamed;
 use crate::ocp::{
     Bounds, CostKind, CostNames, NormConstraint, Ocp, PathConstraint, Softness, TerminalTarget, VectorFunction,
 };
@@ -254,8 +255,20 @@ impl Reader<'_> {
     fn compiled_as_written(&self, mut g: Vector, names: &[String]) -> Result<VectorFunction, ProblemError> {
         let time = g.pool.symbol("t");
         let references: Vec<Symbol> = names.iter().map(|r| g.pool.symbol(r)).collect();
-        let states = self.remembered.states(self.system, &mut g.pool);
-        Ok(VectorFunction::compile(&mut g.pool, time, &states, &self.system.inputs, &references, &g.components)?)
+        let Some(tree) = self.tree else {
+            let states = self.remembered.states(self.system, &mut g.pool);
+            return Ok(VectorFunction::compile(
+                &mut g.pool,
+                time,
+                &states,
+                &self.system.inputs,
+                &references,
+                &g.components,
+            )?);
+        };
+        let own = renamed(self.system, self.branch, &mut g.pool, &g.components);
+        let states = tree.remembered(self.remembered).states(&tree.product, &mut g.pool);
+        Ok(VectorFunction::compile(&mut g.pool, time, &states, &tree.product.inputs, &references, &own)?)
     }
 
     /// `soft`, `hard` or the default: constraints on inputs alone are hard, others soft.

@@ -13,5 +13,8 @@ mod intervals;
 mod rates;
 mod reader;
 mod scaling;
+mod scenarios;
 mod solve;
 mod time_function;
+mod tree;
+mod uncertainty;

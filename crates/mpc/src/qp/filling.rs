@@ -249,7 +249,9 @@ impl Assembly {
                 p.defect[k * n + i] = lin.end[k * n + i] - trajectory.x(k + 1)[i];
             }
             for j in 0..m {
-                p.offset[k * m + j] = trajectory.u(p.block_start[k * m + j])[j] - trajectory.u(k)[j];
+                let (start, shared) = (p.block_start[k * m + j], p.shared_with[k * m + j]);
+                let equal = if start < k { trajectory.u(start)[j] } else { trajectory.u(k)[shared] };
+                p.offset[k * m + j] = equal - trajectory.u(k)[j];
             }
         }
     }
