@@ -69,7 +69,8 @@ pub use closed_loop::{
     run_closed_loop,
 };
 pub use controller::{
-    Brake, Controller, FailurePolicy, FallbackReason, Figures, InputSource, Step, StepLimits, StepStatus, Timings,
+    Brake, Controller, FailurePolicy, FallbackReason, Figures, InputSource, Step, StepLimits, StepStatus,
+    SumUpRounding, Timings,
 };
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::{MpcError, PlantError};
@@ -88,7 +89,7 @@ pub use ocp::{
 pub use problem::{
     Cause, ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled, Convergence, Estimation,
     EstimatorKind, Feedback, FirstSample, FoundValues, KeptRange, Method, MethodReason, Note, PlanReport, ProblemError,
-    RunConditions, ScenarioReport, Schedule, Scheduled, control, control_watched,
+    RoundingReport, RunConditions, ScenarioReport, Schedule, Scheduled, control, control_watched,
 };
 pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};

@@ -41,6 +41,15 @@ impl fmt::Display for Text<'_> {
                 found.seconds
             )?;
         }
+        if let Some(r) = &report.rounding {
+            writeln!(
+                f,
+                "rounding       first plan costs {} relaxed, {} with inputs {} rounded to their values",
+                readable(r.relaxed_cost),
+                readable(r.rounded_cost),
+                r.inputs.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ")
+            )?;
+        }
         if let Some(tree) = &report.scenarios {
             write!(f, "scenarios      {}", counted(tree.branches, "branch", "branches"))?;
             match tree.predicted_violation {

@@ -114,6 +114,10 @@ impl<C: Controller> Controller for DelayCompensated<C> {
         self.controller.figures()
     }
 
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        self.controller.relaxed_plan()
+    }
+
     fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
         self.model.set_parameters(parameters)?;
         self.controller.set_parameters(parameters)

@@ -116,6 +116,6 @@ impl Controller for Branches {
         self.controller.set_parameters(parameters)
     }
     fn figures(&self) -> Figures {
-        Figures { predicted_violation: self.violation }
+        Figures { predicted_violation: self.violation, ..self.controller.figures() }
     }
 }

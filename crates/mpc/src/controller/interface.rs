@@ -11,6 +11,8 @@ use crate::trajectory::Trajectory;
 pub struct Figures {
     /// Largest violation of a bound or constraint that a plan predicts in any branch of a scenario tree, each in its own unit.
     pub predicted_violation: Option<f64>,
+    /// Largest |∫ (relaxed − rounded) dt| of an input of a finite set, in its unit times seconds.
+    pub rounding_error: Option<f64>,
 }
 
 /// Something that answers a measured state with an input, sample by sample.
@@ -68,6 +70,10 @@ pub trait Controller: Send {
     fn set_start(&mut self, k0: usize);
     /// Limits the next step alone.
     fn limit_next_step(&mut self, limits: StepLimits);
+    /// The first plan, where inputs of finite sets are rounded: the one before rounding.
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        None
+    }
     /// What it tells of its samples so far; nothing, unless it says so.
     fn figures(&self) -> Figures {
         Figures::default()
@@ -114,6 +120,9 @@ impl<C: Controller + ?Sized> Controller for Box<C> {
     }
     fn figures(&self) -> Figures {
         (**self).figures()
+    }
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        (**self).relaxed_plan()
     }
     fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
         (**self).set_parameters(parameters)

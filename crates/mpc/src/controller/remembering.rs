@@ -92,6 +92,9 @@ impl Controller for Remembering {
     fn figures(&self) -> Figures {
         self.controller.figures()
     }
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        self.controller.relaxed_plan()
+    }
     fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
         self.controller.set_parameters(parameters)
     }

@@ -119,6 +119,10 @@ impl<C: Controller, E: Estimator> Controller for OutputFeedback<C, E> {
         self.controller.figures()
     }
 
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        self.controller.relaxed_plan()
+    }
+
     fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
         self.controller.set_parameters(parameters)
     }

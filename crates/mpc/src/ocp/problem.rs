@@ -68,6 +68,9 @@ pub struct Ocp {
     pub first_row: usize,
     /// Bounds of every input, always hard.
     pub input_bounds: Vec<(f64, f64)>,
+    /// Values that each input may take, in ascending order; none where it takes all between its bounds. Programs plan with all values
+    /// between the bounds, and the controller of a [`ControlProblem`](crate::ControlProblem) rounds. When empty, no input is rounded.
+    pub input_values: Vec<Vec<f64>>,
     /// Bounds of every state at the grid points 1 … N: those of the dynamics, then the previous inputs.
     pub state_bounds: Vec<Bounds>,
     /// Inputs whose value over the interval before follows the states of the dynamics, in this order. That before the first
@@ -114,6 +117,7 @@ impl Ocp {
             parameters: Vec::new(),
             first_row: 0,
             input_bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); inputs],
+            input_values: Vec::new(),
             state_bounds: vec![Bounds::FREE; states],
             previous_inputs: Vec::new(),
             targets: Vec::new(),
@@ -138,6 +142,15 @@ impl Ocp {
     /// Number of inputs.
     pub fn inputs(&self) -> usize {
         self.input_bounds.len()
+    }
+
+    /// The inputs closest to zero within their bounds and values.
+    pub(crate) fn inputs_at_rest(&self) -> Vec<f64> {
+        let closest = |values: &Vec<f64>| values.iter().copied().reduce(|a, b| if b.abs() < a.abs() { b } else { a });
+        let at_rest = |(j, b): (usize, &(f64, f64))| {
+            self.input_values.get(j).and_then(closest).unwrap_or_else(|| 0f64.clamp(b.0, b.1))
+        };
+        self.input_bounds.iter().enumerate().map(at_rest).collect()
     }
 
     /// Largest violation of a bound by states or inputs, each in its own unit; 0 when all are kept, NaN when a bounded
@@ -179,7 +192,8 @@ impl Ocp {
             }
         };
         let constants = &self.constant_inputs;
-        let decided = ocp.input_bounds.iter_mut().enumerate().filter(|(j, _)| !constants.contains(j));
+        let finite = |j: usize| self.input_values.get(j).is_some_and(|values| !values.is_empty());
+        let decided = ocp.input_bounds.iter_mut().enumerate().filter(|(j, _)| !constants.contains(j) && !finite(*j));
         decided.for_each(|(_, b)| shrink(&mut b.0, &mut b.1));
         ocp.state_bounds.iter_mut().for_each(|b| shrink(&mut b.min, &mut b.max));
         ocp

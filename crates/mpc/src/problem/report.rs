@@ -3,6 +3,7 @@
 use super::found_values::FoundValues;
 use super::method::MethodReason;
 use super::notes::Note;
+use super::rounding::RoundingReport;
 use super::scenarios::ScenarioReport;
 use crate::closed_loop::{Counts, SolveTimes};
 use crate::sqp::Hessian;
@@ -75,6 +76,9 @@ pub struct ClosedLoopReport {
     /// The scenario tree, where parameters are uncertain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenarios: Option<ScenarioReport>,
+    /// Inputs of finite sets, and what rounding to them costs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rounding: Option<RoundingReport>,
     /// The plan, where one was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanReport>,

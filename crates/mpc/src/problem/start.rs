@@ -4,7 +4,7 @@ use super::control_problem::ControlProblem;
 use super::method::{Convergence, Feedback, Method};
 use super::rehearsal::Rehearsal;
 use crate::closed_loop::DelayCompensated;
-use crate::controller::{Controller, Remembering, StepStatus};
+use crate::controller::{Controller, Remembering, Rounded, StepStatus};
 use crate::dynamics::SymbolicDynamics;
 use crate::error::{MpcError, check_flag};
 use crate::estimation::OutputFeedback;
@@ -131,8 +131,7 @@ impl ControlProblem {
         if !self.u0.is_empty() {
             return self.u0.clone();
         }
-        let rest = self.ocp.input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1));
-        if self.rest_input.is_empty() { rest.collect() } else { self.rest_input.clone() }
+        if self.rest_input.is_empty() { self.ocp.inputs_at_rest() } else { self.rest_input.clone() }
     }
 
     /// Cost of the plan after the first sample's programs along `trajectory`; NaN where they have no solution.
@@ -152,6 +151,9 @@ impl ControlProblem {
             (None, _) => (self.clone(), self.prepared()?),
         };
         let first = self.first_input();
+        if self.has_finite_inputs() {
+            controller = Box::new(Rounded::new(controller)?);
+        }
         if !self.ocp.previous_inputs.is_empty() {
             controller = Box::new(Remembering::new(controller, &first)?);
             if let Some(plan) = &mut plan {

@@ -289,9 +289,10 @@ fn what_scales_cost(ocp: &mut Ocp, x0: &[f64], u: &[f64], intervals: usize) -> f
 }
 
 impl ControlProblem {
-    /// Whether the cost of a plan is that of the model alone: that of a scenario tree is a mean.
+    /// Whether the cost of a plan is that of the inputs that are applied: that of a scenario tree is a mean, and inputs of finite
+    /// sets are rounded.
     fn is_alone(&self) -> bool {
-        self.scenarios.is_none()
+        self.scenarios.is_none() && !self.has_finite_inputs()
     }
 }
 

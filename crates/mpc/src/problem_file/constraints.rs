@@ -42,12 +42,16 @@ impl Reader<'_> {
             };
             self.doc.only_keys(
                 b,
-                &["min", "max", "rate", "soft", "hard", "expression", "norm", "at"],
+                &["min", "max", "rate", "soft", "hard", "expression", "norm", "at", "values"],
                 "a constraint",
             )?;
             if let Some(at) = b.get("at").filter(|_| !b.contains_key("expression")) {
                 let remedy = format!("write {name} = {{ expression = \"…\", at = \"end\", … }}");
                 return Err(self.doc.error(at.span(), "`at` applies to an expression", remedy).into());
+            }
+            if b.contains_key("values") {
+                self.finite_input(key, b, ocp)?;
+                continue;
             }
             self.rate_bounds(key, b, names, ocp)?;
             if let Some(e) = b.get("expression") {

@@ -267,8 +267,9 @@ impl Reader<'_> {
         // The multiplier of a bound cannot well exceed what the whole horizon costs.
         let hard_weight = (10.0 * dt * level).max(QpSettings::default().hard_weight);
         let empty = Table::new();
-        let solve = self.doc.sub_table(table, "solve")?.unwrap_or(&empty);
-        let (solve, method_reason) = self.solve(solve, hard_weight, &ocp.input_bounds, planned)?;
+        let solve_table = self.doc.sub_table(table, "solve")?.unwrap_or(&empty);
+        let (mut solve, method_reason) = self.solve(solve_table, hard_weight, &ocp.input_bounds, planned)?;
+        self.finite_rest(solve_table, &ocp, &mut solve.rest_input)?;
         let plans = matches!(solve.method, Method::Plan { .. });
         self.same_lengths(
             horizon,

@@ -5,6 +5,7 @@ mod constraints;
 mod cost;
 mod document;
 mod estimation;
+mod finite_inputs;
 mod free;
 mod free_keys;
 mod horizon;

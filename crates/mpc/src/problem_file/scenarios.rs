@@ -181,6 +181,8 @@ impl Ocp {
         ocp.state_size = repeated(&self.state_size, n.min(self.state_size.len()), count);
         ocp.state_trust = repeated(&self.state_trust, n, count);
         ocp.previous_inputs = (0..count).flat_map(previous).collect();
+        // The one input of the tree that is applied is rounded.
+        ocp.input_values.clear();
         ocp.path_constraints.clear();
         ocp.norm_constraints.clear();
         ocp.targets.clear();
