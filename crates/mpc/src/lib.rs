@@ -47,6 +47,7 @@
 mod closed_loop;
 mod controller;
 mod dense;
+mod deviations;
 mod dynamics;
 mod error;
 mod estimation;
@@ -83,13 +84,14 @@ pub use exact_friction::{StickSlipController, StickSlipSettings};
 pub use integrator::Integrator;
 pub use live::{Change, LiveController, LiveStep, LoopLog};
 pub use ocp::{
-    Bounds, Branching, CostFunction, CostKind, NormConstraint, Ocp, PathConstraint, PreviousInput, Softness, Substeps,
-    TerminalSet, TerminalTarget, VectorFunction,
+    Bounds, Branching, CostFunction, CostKind, Margins, NormConstraint, Ocp, PathConstraint, PreviousInput, Softness,
+    Substeps, TerminalSet, TerminalTarget, VectorFunction,
 };
 pub use problem::{
-    Cause, ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled, Convergence, Estimation,
-    EstimatorKind, Feedback, FirstSample, FoundValues, KeptRange, Method, MethodReason, Note, PlanReport, ProblemError,
-    RoundingReport, RunConditions, ScenarioReport, Schedule, Scheduled, control, control_watched,
+    Cause, ChanceMargin, ChanceReport, ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled,
+    Convergence, Estimation, EstimatorKind, Feedback, FirstSample, FoundValues, KeptRange, MarginFeedback, Method,
+    MethodReason, Note, PlanReport, ProblemError, RoundingReport, RunConditions, ScenarioReport, Schedule, Scheduled,
+    control, control_watched,
 };
 pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};

@@ -140,7 +140,7 @@ fn dense(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(6))]
+    #![proptest_config(ProptestConfig::with_cases(4))]
     #[test]
     fn a_tree_of_linear_systems_is_its_dense_program(
         k in prop::collection::vec(-2.0..4.0_f64, 2..4),
@@ -252,6 +252,19 @@ fn a_live_controller_does_what_the_run_does_and_changes_all_branches() {
     for x in [0.5, 1.0, -1.0] {
         assert!(live.step(&[x, 0.0]).unwrap().step.u[0].abs() < 0.1 + 1e-9);
     }
+}
+
+#[test]
+fn live_parameters_go_with_branches_that_part_twice() {
+    let text = |m: f64, lines: &str| {
+        let tree = "uncertainty = { parameters = { k = [0.5, 2] }, robust_horizon = 2 }";
+        spring("sqp", &format!("{tree}\nparameters = {{ m = {m} }}\n{lines}"))
+    };
+    let mut live = read(SPRING, &text(1.0, "live_parameters = [\"m\"]")).unwrap().controller().unwrap();
+    live.set_parameters(&[("m", 3.0)]).unwrap();
+    let mut given = read(SPRING, &text(3.0, "")).unwrap().controller().unwrap();
+    let (a, b) = (live.step(&[0.02, 0.0]).unwrap().step.u[0], given.step(&[0.02, 0.0]).unwrap().step.u[0]);
+    assert!((a - b).abs() < 1e-7 && a.abs() < 1.9, "{a} and {b}");
 }
 
 #[test]

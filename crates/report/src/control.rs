@@ -41,6 +41,14 @@ impl fmt::Display for Text<'_> {
                 found.seconds
             )?;
         }
+        for m in report.chance.iter().flat_map(|c| &c.margins) {
+            let (first, last) = (readable(m.first), readable(m.last));
+            writeln!(
+                f,
+                "margin {:<7} {first} at first to {last} at the end, for a probability of {}",
+                m.name, m.probability
+            )?;
+        }
         if let Some(r) = &report.rounding {
             writeln!(
                 f,

@@ -5,6 +5,7 @@ use super::branching::Branching;
 use super::constraint::{NormConstraint, PathConstraint, TerminalSet};
 use super::cost::CostFunction;
 use super::cost_names::CostPoint;
+use super::margins::Margins;
 use super::previous_input::PreviousInput;
 use crate::error::{MpcError, check_length, check_value};
 use crate::integrator::Integrator;
@@ -73,6 +74,8 @@ pub struct Ocp {
     pub input_values: Vec<Vec<f64>>,
     /// Bounds of every state at the grid points 1 … N: those of the dynamics, then the previous inputs.
     pub state_bounds: Vec<Bounds>,
+    /// How far within its bounds a plan is to stay.
+    pub margins: Margins,
     /// Inputs whose value over the interval before follows the states of the dynamics, in this order. That before the first
     /// interval is part of the initial state.
     pub previous_inputs: Vec<PreviousInput>,
@@ -119,6 +122,7 @@ impl Ocp {
             input_bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); inputs],
             input_values: Vec::new(),
             state_bounds: vec![Bounds::FREE; states],
+            margins: Margins::default(),
             previous_inputs: Vec::new(),
             targets: Vec::new(),
             path_constraints: Vec::new(),
@@ -301,7 +305,8 @@ impl Ocp {
     pub(crate) fn penalty(&mut self, k0: usize, trajectory: &Trajectory, hard: f64) -> f64 {
         let mut sum = self.constraint_penalty(k0, trajectory, hard);
         for k in 1..=trajectory.steps() {
-            for (i, b) in self.state_bounds.iter().enumerate() {
+            for i in 0..self.state_bounds.len() {
+                let b = self.state_bounds_at(k, i);
                 let allowed = if b.softness == Softness::Hard { HARD_TOLERANCE * self.state_scale[i] } else { 0.0 };
                 let v = b.violation(trajectory.x(k)[i]) - allowed;
                 if v > 0.0 {
@@ -326,7 +331,8 @@ impl Ocp {
     pub(crate) fn hard_violation(&mut self, k0: usize, trajectory: &Trajectory) -> f64 {
         let mut worst = self.hard_constraint_violation(k0, trajectory);
         for k in 1..=trajectory.steps() {
-            for (i, b) in self.state_bounds.iter().enumerate() {
+            for i in 0..self.state_bounds.len() {
+                let b = self.state_bounds_at(k, i);
                 if b.softness == Softness::Hard {
                     worst = worst.max(b.violation(trajectory.x(k)[i]) / self.state_scale[i]);
                 }

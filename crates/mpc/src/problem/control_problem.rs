@@ -1,5 +1,6 @@
 //! A control problem as data.
 
+use super::chance::ChanceReport;
 use super::conditions::RunConditions;
 use super::estimation::Estimation;
 use super::found_values::FoundValues;
@@ -76,6 +77,8 @@ pub struct ControlProblem {
     pub estimation: Option<Estimation>,
     /// What is left free; none once values were found for it, see [`ControlProblem::with_free_values`].
     pub(crate) free: Option<Arc<FreeValues>>,
+    /// The margins of bounds that hold with a probability, where there is noise.
+    pub chance: Option<ChanceReport>,
     /// The branches, where parameters are uncertain.
     pub(crate) scenarios: Option<Arc<ScenarioTree>>,
     /// The values found for what was free.

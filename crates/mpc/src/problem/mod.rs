@@ -1,5 +1,6 @@
 //! Control problems: model, horizon, cost, method and run together.
 
+mod chance;
 mod choice;
 mod conditions;
 mod control_problem;
@@ -20,6 +21,7 @@ mod signs;
 mod start;
 mod verdict;
 
+pub use chance::{ChanceMargin, ChanceReport, MarginFeedback};
 pub use conditions::RunConditions;
 pub use control_problem::{ControlProblem, ProblemError};
 pub(crate) use control_problem::{FreeValues, ScenarioTree};

@@ -1,5 +1,6 @@
 //! What is to be said about a closed-loop run.
 
+use super::chance::ChanceReport;
 use super::found_values::FoundValues;
 use super::method::MethodReason;
 use super::notes::Note;
@@ -76,6 +77,9 @@ pub struct ClosedLoopReport {
     /// The scenario tree, where parameters are uncertain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenarios: Option<ScenarioReport>,
+    /// The margins of bounds that hold with a probability.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chance: Option<ChanceReport>,
     /// Inputs of finite sets, and what rounding to them costs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rounding: Option<RoundingReport>,

@@ -108,6 +108,7 @@ impl ControlProblem {
             input_ranges: self.kept_ranges(),
             found: self.found.clone(),
             rounding,
+            chance: self.chance.clone(),
             scenarios: self.scenarios.as_ref().map(|tree| tree.report(controller.figures().predicted_violation)),
             plan: plan.as_ref().map(|p| PlanReport {
                 status: p.status.to_string(),

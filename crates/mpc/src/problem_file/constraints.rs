@@ -35,33 +35,45 @@ impl Reader<'_> {
     pub(super) fn constraints(&self, table: &Table<'_>, names: &[String], ocp: &mut Ocp) -> Result<(), ProblemError> {
         let Some(t) = self.doc.sub_table(table, "constraints")? else { return Ok(()) };
         for (key, v) in t {
-            let name: &str = key.get_ref();
-            let Value::Table(b) = v.get_ref() else {
-                let remedy = format!("write {name} = {{ min = …, max = … }}");
-                return Err(self.doc.error(v.span(), format!("the bounds of `{name}` must be a table"), remedy).into());
-            };
-            self.doc.only_keys(
-                b,
-                &["min", "max", "rate", "soft", "hard", "expression", "norm", "at", "values"],
-                "a constraint",
-            )?;
-            if let Some(at) = b.get("at").filter(|_| !b.contains_key("expression")) {
-                let remedy = format!("write {name} = {{ expression = \"…\", at = \"end\", … }}");
-                return Err(self.doc.error(at.span(), "`at` applies to an expression", remedy).into());
-            }
-            if b.contains_key("values") {
-                self.finite_input(key, b, ocp)?;
-                continue;
-            }
-            self.rate_bounds(key, b, names, ocp)?;
-            if let Some(e) = b.get("expression") {
-                let g = self.vector(&[(e, "expression")], names)?;
-                self.between(&g, key, b, names, ocp)?;
-            } else if let Some(e) = b.get("norm") {
-                self.norm(e, key, b, names, ocp)?;
-            } else {
-                self.bounds(key, v, b, names, ocp)?;
-            }
+            self.constraint(key, v, names, ocp)?;
+        }
+        Ok(())
+    }
+
+    /// One entry of the constraints.
+    pub(super) fn constraint(
+        &self,
+        key: &Key<'_>,
+        v: Located<'_, '_>,
+        names: &[String],
+        ocp: &mut Ocp,
+    ) -> Result<(), ProblemError> {
+        let name: &str = key.get_ref();
+        let Value::Table(b) = v.get_ref() else {
+            let remedy = format!("write {name} = {{ min = …, max = … }}");
+            return Err(self.doc.error(v.span(), format!("the bounds of `{name}` must be a table"), remedy).into());
+        };
+        self.doc.only_keys(
+            b,
+            &["min", "max", "rate", "soft", "hard", "expression", "norm", "at", "values", "probability"],
+            "a constraint",
+        )?;
+        if let Some(at) = b.get("at").filter(|_| !b.contains_key("expression")) {
+            let remedy = format!("write {name} = {{ expression = \"…\", at = \"end\", … }}");
+            return Err(self.doc.error(at.span(), "`at` applies to an expression", remedy).into());
+        }
+        if b.contains_key("values") {
+            self.finite_input(key, b, ocp)?;
+            return Ok(());
+        }
+        self.rate_bounds(key, b, names, ocp)?;
+        if let Some(e) = b.get("expression") {
+            let g = self.vector(&[(e, "expression")], names)?;
+            self.between(&g, key, b, names, ocp)?;
+        } else if let Some(e) = b.get("norm") {
+            self.norm(e, key, b, names, ocp)?;
+        } else {
+            self.bounds(key, v, b, names, ocp)?;
         }
         Ok(())
     }

@@ -123,7 +123,7 @@ impl Source {
         let reader = Reader { system: &system, ..first };
         let tree = reader.uncertainty(&table)?;
         if let Some(v) = table.get("uncertainty").filter(|_| !free.is_empty()) {
-            let message = "uncertain parameters cannot be combined with a free end time or free parameters";
+            let message = "uncertainty cannot be combined with a free end time or free parameters";
             return Err(doc.error(v.span(), message, "fix what is free, or remove [uncertainty]").into());
         }
         let reader = Reader { tree: tree.as_ref(), ..reader };
@@ -144,7 +144,7 @@ impl Source {
         problem.found = found.cloned();
         if let Some(e) = problem.estimation.as_ref().filter(|e| e.hands_over()) {
             if let Some(v) = table.get("uncertainty") {
-                let message = "uncertain parameters cannot be combined with an estimator that updates the model";
+                let message = "uncertainty cannot be combined with an estimator that updates the model";
                 let remedy = "remove `parameters` and `disturbances` of [estimation], or [uncertainty]";
                 return Err(doc.error(v.span(), message, remedy).into());
             }
@@ -252,6 +252,11 @@ impl Reader<'_> {
         self.scales(table, &mut ocp)?;
         Self::default_penalties(level, &mut ocp);
         self.end_of_horizon(table, &live, level, &mut ocp)?;
+        let chance = match self.free {
+            // The values found are put into the file, which is read once more.
+            Some(_) => None,
+            None => reader.chance(table, &names, &live, (&start.x0, &guess[0]), &mut ocp)?,
+        };
         self.check_what_is_asked(table, costs, &ocp, planned)?;
         // The problem that is solved for what is free sees the initial state alone.
         let estimation = if self.free.is_some() { None } else { self.estimation(table, &start, &ocp)? };
@@ -302,6 +307,7 @@ impl Reader<'_> {
             estimation,
             stop: StopFlag::default(),
             free: None,
+            chance,
             scenarios: None,
             found: None,
             system: system.clone(),

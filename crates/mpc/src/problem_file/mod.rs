@@ -1,5 +1,6 @@
 //! Problem files: model, horizon, cost, constraints and run in one TOML file.
 
+mod chance;
 mod conditions;
 mod constraints;
 mod cost;

@@ -186,6 +186,10 @@ impl Ocp {
         ocp.path_constraints.clear();
         ocp.norm_constraints.clear();
         ocp.targets.clear();
+        for row in &mut ocp.margins.states {
+            *row = repeated(row, n, count);
+        }
+        ocp.margins.path = vec![self.margins.path.clone(); count].concat();
         (ocp.stage, ocp.terminal, ocp.terminal_set) = (None, None, None);
         ocp
     }

@@ -5,7 +5,9 @@ use super::tree::{Combination, Tree};
 use bracketry_symbolic::Rational;
 use bracketry_system::{Table, Value};
 
-const KEYS: [&str; 4] = ["parameters", "scenarios", "weights", "robust_horizon"];
+const KEYS: [&str; 6] = ["parameters", "scenarios", "weights", "robust_horizon", "noise", "confidence"];
+/// Those that need a tree.
+const OF_TREES: [&str; 2] = ["weights", "robust_horizon"];
 
 /// Most branches of a tree: a program has as many copies of the model.
 const MOST_BRANCHES: usize = 64;
@@ -28,6 +30,13 @@ impl Reader<'_> {
             }
             (Some(v), None) => self.products(v, t)?,
             (None, Some(v)) => self.listed(v, t)?,
+            (None, None) if t.contains_key("noise") || t.contains_key("confidence") => {
+                if let Some((key, v)) = OF_TREES.into_iter().find_map(|key| Some((key, t.get(key)?))) {
+                    let message = format!("`{key}` needs uncertain parameters");
+                    return Err(self.doc.error(v.span(), message, "add `parameters`, or remove it").into());
+                }
+                return Ok(None);
+            }
             (None, None) => {
                 let remedy = "write parameters = { k = [0.9, 1.0, 1.1] }, or remove [uncertainty]";
                 return Err(self.doc.error(place, "[uncertainty] names no parameters", remedy).into());
