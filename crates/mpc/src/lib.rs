@@ -47,6 +47,7 @@
 mod closed_loop;
 mod controller;
 mod dense;
+mod deviations;
 mod dynamics;
 mod error;
 mod estimation;
@@ -69,7 +70,8 @@ pub use closed_loop::{
     run_closed_loop,
 };
 pub use controller::{
-    Brake, Controller, FailurePolicy, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings,
+    Brake, Controller, FailurePolicy, FallbackReason, Figures, InputSource, Step, StepLimits, StepStatus,
+    SumUpRounding, Timings,
 };
 pub use dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 pub use error::{MpcError, PlantError};
@@ -82,13 +84,14 @@ pub use exact_friction::{StickSlipController, StickSlipSettings};
 pub use integrator::Integrator;
 pub use live::{Change, LiveController, LiveStep, LoopLog};
 pub use ocp::{
-    Bounds, CostFunction, CostKind, NormConstraint, Ocp, PathConstraint, PreviousInput, Softness, Substeps,
-    TerminalSet, TerminalTarget, VectorFunction,
+    Bounds, Branching, CostFunction, CostKind, Margins, NormConstraint, Ocp, PathConstraint, PreviousInput, Softness,
+    Substeps, TerminalSet, TerminalTarget, VectorFunction,
 };
 pub use problem::{
-    Cause, ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled, Convergence, Estimation,
-    EstimatorKind, Feedback, FirstSample, FoundValues, KeptRange, Method, MethodReason, Note, PlanReport, ProblemError,
-    RunConditions, Schedule, Scheduled, control, control_watched,
+    Cause, ChanceMargin, ChanceReport, ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled,
+    Convergence, Estimation, EstimatorKind, Feedback, FirstSample, FoundValues, KeptRange, MarginFeedback, Method,
+    MethodReason, Note, PlanReport, ProblemError, RoundingReport, RunConditions, ScenarioReport, Schedule, Scheduled,
+    control, control_watched,
 };
 pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};

@@ -41,6 +41,30 @@ impl fmt::Display for Text<'_> {
                 found.seconds
             )?;
         }
+        for m in report.chance.iter().flat_map(|c| &c.margins) {
+            let (first, last) = (readable(m.first), readable(m.last));
+            writeln!(
+                f,
+                "margin {:<7} {first} at first to {last} at the end, for a probability of {}",
+                m.name, m.probability
+            )?;
+        }
+        if let Some(r) = &report.rounding {
+            writeln!(
+                f,
+                "rounding       first plan costs {} relaxed, {} with inputs {} rounded to their values",
+                readable(r.relaxed_cost),
+                readable(r.rounded_cost),
+                r.inputs.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ")
+            )?;
+        }
+        if let Some(tree) = &report.scenarios {
+            write!(f, "scenarios      {}", counted(tree.branches, "branch", "branches"))?;
+            match tree.predicted_violation {
+                Some(v) => writeln!(f, ", bounds violated by at most {} in all plans of all of them", readable(v))?,
+                None => writeln!(f)?,
+            }
+        }
         let (cost, predicted) = (readable(report.closed_loop_cost), readable(report.open_loop_cost));
         writeln!(f, "cost           {cost} in closed loop, {predicted} predicted")?;
         let c = &report.status;

@@ -1,6 +1,6 @@
 //! Compensation of a delay between measurement and input.
 
-use crate::controller::{Controller, Step, StepLimits};
+use crate::controller::{Controller, Figures, Step, StepLimits};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
@@ -108,6 +108,14 @@ impl<C: Controller> Controller for DelayCompensated<C> {
 
     fn limit_next_step(&mut self, limits: StepLimits) {
         self.controller.limit_next_step(limits);
+    }
+
+    fn figures(&self) -> Figures {
+        self.controller.figures()
+    }
+
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        self.controller.relaxed_plan()
     }
 
     fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {

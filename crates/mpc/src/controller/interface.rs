@@ -6,6 +6,15 @@ use crate::estimation::Estimate;
 use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
 
+/// What a controller tells of its samples so far, beyond its steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Figures {
+    /// Largest violation of a bound or constraint that a plan predicts in any branch of a scenario tree, each in its own unit.
+    pub predicted_violation: Option<f64>,
+    /// Largest |∫ (relaxed − rounded) dt| of an input of a finite set, in its unit times seconds.
+    pub rounding_error: Option<f64>,
+}
+
 /// Something that answers a measured state with an input, sample by sample.
 ///
 /// A sample has three parts, in this order: [`prepare`](Controller::prepare) before the measurement,
@@ -61,6 +70,14 @@ pub trait Controller: Send {
     fn set_start(&mut self, k0: usize);
     /// Limits the next step alone.
     fn limit_next_step(&mut self, limits: StepLimits);
+    /// The first plan, where inputs of finite sets are rounded: the one before rounding.
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        None
+    }
+    /// What it tells of its samples so far; nothing, unless it says so.
+    fn figures(&self) -> Figures {
+        Figures::default()
+    }
     /// Gives the live parameters of the model these values. A controller has none unless it says so.
     ///
     /// # Errors
@@ -100,6 +117,12 @@ impl<C: Controller + ?Sized> Controller for Box<C> {
     }
     fn limit_next_step(&mut self, limits: StepLimits) {
         (**self).limit_next_step(limits);
+    }
+    fn figures(&self) -> Figures {
+        (**self).figures()
+    }
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        (**self).relaxed_plan()
     }
     fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
         (**self).set_parameters(parameters)

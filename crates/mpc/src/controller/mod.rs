@@ -1,12 +1,18 @@
 //! What answers measured states with inputs, sample by sample.
 
+mod branches;
 mod failure_policy;
 mod interface;
 mod remembering;
+mod rounded;
 mod step;
+mod sum_up_rounding;
 
+pub(crate) use branches::{Branches, shown_branch};
 pub use failure_policy::{Brake, FailurePolicy};
 pub(crate) use failure_policy::{Failures, rest_input};
-pub use interface::Controller;
+pub use interface::{Controller, Figures};
 pub(crate) use remembering::Remembering;
+pub(crate) use rounded::Rounded;
 pub use step::{FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings};
+pub use sum_up_rounding::SumUpRounding;

@@ -1,6 +1,6 @@
 //! The input applied last, in front of a controller whose problem counts it to the state.
 
-use super::interface::Controller;
+use super::interface::{Controller, Figures};
 use super::step::{Step, StepLimits, StepStatus};
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
@@ -88,6 +88,12 @@ impl Controller for Remembering {
     }
     fn limit_next_step(&mut self, limits: StepLimits) {
         self.controller.limit_next_step(limits);
+    }
+    fn figures(&self) -> Figures {
+        self.controller.figures()
+    }
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        self.controller.relaxed_plan()
     }
     fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
         self.controller.set_parameters(parameters)

@@ -1,7 +1,7 @@
 //! A controller that is given measured outputs in place of the state.
 
 use super::estimate::{Estimate, Estimator};
-use crate::controller::{Controller, Step, StepLimits};
+use crate::controller::{Controller, Figures, Step, StepLimits};
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
@@ -113,6 +113,14 @@ impl<C: Controller, E: Estimator> Controller for OutputFeedback<C, E> {
 
     fn limit_next_step(&mut self, limits: StepLimits) {
         self.controller.limit_next_step(limits);
+    }
+
+    fn figures(&self) -> Figures {
+        self.controller.figures()
+    }
+
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        self.controller.relaxed_plan()
     }
 
     fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {

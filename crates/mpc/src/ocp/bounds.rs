@@ -54,8 +54,9 @@ pub(super) fn soft_weights(what: &str, softness: Softness) -> Result<(), MpcErro
     Ok(())
 }
 
-/// Violations and what they cost: v is in the unit of the constraint, `relative` is v over its scale if it is hard.
+/// Violations and what they cost: `value` is in the unit of the constraint, `relative` is v over its scale if it is hard.
 pub(super) struct Violation {
+    pub(super) value: f64,
     pub(super) cost: f64,
     pub(super) relative: f64,
 }
@@ -72,6 +73,7 @@ impl Softness {
     pub(super) fn judge(self, v: f64, factor: f64, hard: f64, scale: f64) -> Violation {
         let (linear, quadratic) = self.weights(factor, hard / scale);
         Violation {
+            value: v,
             cost: linear * v + quadratic * v * v,
             relative: if self == Softness::Hard { v / scale } else { 0.0 },
         }

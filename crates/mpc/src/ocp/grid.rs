@@ -62,6 +62,7 @@ impl Ocp {
     pub(crate) fn move_on(&self, trajectory: &mut Trajectory) {
         if self.is_uniform() {
             trajectory.shift();
+            self.merge_shared_inputs(trajectory);
             return;
         }
         let old = trajectory.clone();
@@ -85,6 +86,7 @@ impl Ocp {
                 }
             }
         }
+        self.merge_shared_inputs(trajectory);
     }
 }
 

@@ -1,22 +1,28 @@
 //! The optimal control problem as data: cost, bounds, constraints, and their values along a trajectory.
 
 mod bounds;
+mod branching;
 mod constraint;
 mod cost;
 mod cost_names;
 mod cost_parts;
 mod grid;
+mod kept_bounds;
+mod margins;
 mod memory;
 mod previous_input;
 mod problem;
+mod shared_inputs;
 mod vector_function;
 mod violations;
 
 pub use bounds::{Bounds, Softness};
+pub use branching::Branching;
 pub use constraint::{NormConstraint, PathConstraint, TerminalSet};
 pub use cost::CostFunction;
 pub use cost_names::CostKind;
 pub(crate) use cost_names::{CostNames, CostPoint, Remembered};
+pub use margins::Margins;
 pub use previous_input::PreviousInput;
 pub use problem::{Ocp, Substeps, TerminalTarget};
 pub use vector_function::VectorFunction;

@@ -1,9 +1,11 @@
 //! The optimal control problem as data.
 
 use super::bounds::{Bounds, HARD_TOLERANCE, Softness, ordered, positive, weight};
+use super::branching::Branching;
 use super::constraint::{NormConstraint, PathConstraint, TerminalSet};
 use super::cost::CostFunction;
 use super::cost_names::CostPoint;
+use super::margins::Margins;
 use super::previous_input::PreviousInput;
 use crate::error::{MpcError, check_length, check_value};
 use crate::integrator::Integrator;
@@ -67,8 +69,13 @@ pub struct Ocp {
     pub first_row: usize,
     /// Bounds of every input, always hard.
     pub input_bounds: Vec<(f64, f64)>,
+    /// Values that each input may take, in ascending order; none where it takes all between its bounds. Programs plan with all values
+    /// between the bounds, and the controller of a [`ControlProblem`](crate::ControlProblem) rounds. When empty, no input is rounded.
+    pub input_values: Vec<Vec<f64>>,
     /// Bounds of every state at the grid points 1 … N: those of the dynamics, then the previous inputs.
     pub state_bounds: Vec<Bounds>,
+    /// How far within its bounds a plan is to stay.
+    pub margins: Margins,
     /// Inputs whose value over the interval before follows the states of the dynamics, in this order. That before the first
     /// interval is part of the initial state.
     pub previous_inputs: Vec<PreviousInput>,
@@ -83,6 +90,8 @@ pub struct Ocp {
     pub move_blocks: Vec<usize>,
     /// Inputs that are held over the whole horizon: constants to be decided on.
     pub constant_inputs: Vec<usize>,
+    /// Branches of a scenario tree, where the problem is one.
+    pub branching: Option<Branching>,
     /// A set in which the last state shall lie.
     pub terminal_set: Option<TerminalSet>,
     /// Typical size of each state: defects are measured in it.
@@ -111,13 +120,16 @@ impl Ocp {
             parameters: Vec::new(),
             first_row: 0,
             input_bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); inputs],
+            input_values: Vec::new(),
             state_bounds: vec![Bounds::FREE; states],
+            margins: Margins::default(),
             previous_inputs: Vec::new(),
             targets: Vec::new(),
             path_constraints: Vec::new(),
             norm_constraints: Vec::new(),
             move_blocks: Vec::new(),
             constant_inputs: Vec::new(),
+            branching: None,
             terminal_set: None,
             state_scale: vec![1.0; states],
             state_size: Vec::new(),
@@ -134,6 +146,15 @@ impl Ocp {
     /// Number of inputs.
     pub fn inputs(&self) -> usize {
         self.input_bounds.len()
+    }
+
+    /// The inputs closest to zero within their bounds and values.
+    pub(crate) fn inputs_at_rest(&self) -> Vec<f64> {
+        let closest = |values: &Vec<f64>| values.iter().copied().reduce(|a, b| if b.abs() < a.abs() { b } else { a });
+        let at_rest = |(j, b): (usize, &(f64, f64))| {
+            self.input_values.get(j).and_then(closest).unwrap_or_else(|| 0f64.clamp(b.0, b.1))
+        };
+        self.input_bounds.iter().enumerate().map(at_rest).collect()
     }
 
     /// Largest violation of a bound by states or inputs, each in its own unit; 0 when all are kept, NaN when a bounded
@@ -175,7 +196,8 @@ impl Ocp {
             }
         };
         let constants = &self.constant_inputs;
-        let decided = ocp.input_bounds.iter_mut().enumerate().filter(|(j, _)| !constants.contains(j));
+        let finite = |j: usize| self.input_values.get(j).is_some_and(|values| !values.is_empty());
+        let decided = ocp.input_bounds.iter_mut().enumerate().filter(|(j, _)| !constants.contains(j) && !finite(*j));
         decided.for_each(|(_, b)| shrink(&mut b.0, &mut b.1));
         ocp.state_bounds.iter_mut().for_each(|b| shrink(&mut b.min, &mut b.max));
         ocp
@@ -283,7 +305,8 @@ impl Ocp {
     pub(crate) fn penalty(&mut self, k0: usize, trajectory: &Trajectory, hard: f64) -> f64 {
         let mut sum = self.constraint_penalty(k0, trajectory, hard);
         for k in 1..=trajectory.steps() {
-            for (i, b) in self.state_bounds.iter().enumerate() {
+            for i in 0..self.state_bounds.len() {
+                let b = self.state_bounds_at(k, i);
                 let allowed = if b.softness == Softness::Hard { HARD_TOLERANCE * self.state_scale[i] } else { 0.0 };
                 let v = b.violation(trajectory.x(k)[i]) - allowed;
                 if v > 0.0 {
@@ -308,7 +331,8 @@ impl Ocp {
     pub(crate) fn hard_violation(&mut self, k0: usize, trajectory: &Trajectory) -> f64 {
         let mut worst = self.hard_constraint_violation(k0, trajectory);
         for k in 1..=trajectory.steps() {
-            for (i, b) in self.state_bounds.iter().enumerate() {
+            for i in 0..self.state_bounds.len() {
+                let b = self.state_bounds_at(k, i);
                 if b.softness == Softness::Hard {
                     worst = worst.max(b.violation(trajectory.x(k)[i]) / self.state_scale[i]);
                 }

@@ -2,7 +2,7 @@
 
 use super::bounds::{Violation, ordered, positive, soft_weights};
 use super::problem::Ocp;
-use crate::error::{MpcError, check_length};
+use crate::error::{MpcError, check_length, check_value};
 use crate::trajectory::Trajectory;
 
 impl Ocp {
@@ -11,6 +11,7 @@ impl Ocp {
         if let Some(j) = self.constant_inputs.iter().find(|j| **j >= inputs) {
             return Err(MpcError::Length { what: "the list of inputs", found: inputs, expected: j + 1 });
         }
+        self.check_shapes(states, inputs)?;
         for &length in &self.move_blocks {
             positive("the length of a move block", length as f64)?;
         }
@@ -36,6 +37,28 @@ impl Ocp {
             soft_weights("a norm constraint", c.softness)?;
         }
         self.terminal_set.as_ref().map_or(Ok(()), |s| s.check(states))
+    }
+
+    /// Checks the shapes of branches, values of inputs, and margins.
+    fn check_shapes(&self, states: usize, inputs: usize) -> Result<(), MpcError> {
+        if !self.input_values.is_empty() {
+            check_length("the list of the inputs' values", self.input_values.len(), inputs)?;
+        }
+        for row in &self.margins.states {
+            check_length("a row of margins", row.len(), states)?;
+        }
+        let Some(b) = &self.branching else { return Ok(()) };
+        positive("the number of branches", b.branches as f64)?;
+        check_length("the list of inputs", inputs, b.branches * (inputs / b.branches))?;
+        for row in &b.leaders {
+            check_length("a row of leaders", row.len(), b.branches)?;
+            for (branch, &leader) in row.iter().enumerate() {
+                let known = leader <= branch && row[leader] == leader;
+                let remedy = "name the first branch with the same past, counted from 0";
+                check_value(known, format!("the leader of branch {branch}"), leader as f64, remedy)?;
+            }
+        }
+        Ok(())
     }
 
     /// Largest number of references that a constraint asks for.
@@ -78,11 +101,12 @@ impl Ocp {
         let steps = z.steps();
         let input = |k: usize| if k < steps { z.u(k) } else { &[] };
         let mut path = std::mem::take(&mut self.path_constraints);
-        for c in &mut path {
+        for (number, c) in path.iter_mut().enumerate() {
             for k in c.grid_points(steps) {
                 let t = self.time(k0, k);
                 let g = c.function.values(z.x(k), input(k), t, self.reference(self.sample(k0, k)))[0];
-                visit(c.bounds.softness.judge(c.bounds.violation(g), self.share(k), hard, 1.0));
+                let bounds = c.bounds.within(self.path_margin(number, k));
+                visit(bounds.softness.judge(bounds.violation(g), self.share(k), hard, 1.0));
             }
         }
         self.path_constraints = path;
@@ -127,6 +151,24 @@ impl Ocp {
         self.norm_constraints = norm;
         // `f64::max` would drop a NaN.
         values.into_iter().fold(0.0, |worst: f64, v| if worst.is_nan() || v.is_nan() { f64::NAN } else { worst.max(v) })
+    }
+
+    /// Largest violation of a bound, path constraint, norm constraint, or the terminal set along a predicted trajectory that starts at
+    /// grid point `k0` of the run, each in its own unit; NaN when a bounded value is no number.
+    pub(crate) fn predicted_violation(&mut self, k0: usize, z: &Trajectory) -> f64 {
+        // `f64::max` would drop a NaN.
+        let worse = |worst: f64, v: f64| if worst.is_nan() || worst > v { worst } else { v };
+        let mut worst = 0.0;
+        // What counts are the bounds, not the margins to them.
+        let margins = std::mem::take(&mut self.margins);
+        self.visit_constraints(k0, z, 0.0, |v| worst = worse(worst, v.value));
+        self.margins = margins;
+        for k in 1..=z.steps() {
+            for (v, b) in z.x(k).iter().zip(&self.state_bounds).filter(|(_, b)| !b.is_free()) {
+                worst = worse(worst, if v.is_nan() { *v } else { b.violation(*v) });
+            }
+        }
+        worst
     }
 
     /// Cost of violated path and norm constraints and of leaving the terminal set; hard ones at `hard` per unit of scale.

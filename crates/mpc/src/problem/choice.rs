@@ -106,7 +106,8 @@ impl ControlProblem {
 
     /// Whether the controller's model has friction that the exact flow treats.
     fn has_exact_friction(&self) -> bool {
-        !self.ocp.integrator.is_implicit() && !self.system.is_smooth()
+        // The exact flow has one state of sticking and slipping, not one per branch.
+        !self.ocp.integrator.is_implicit() && self.ocp.branching.is_none() && !self.system.is_smooth()
     }
 
     /// The arguments of `sign` that vanish or change their sign along the first plan, as it is with smoothed friction.

@@ -1,5 +1,6 @@
 //! A control problem as data.
 
+use super::chance::ChanceReport;
 use super::conditions::RunConditions;
 use super::estimation::Estimation;
 use super::found_values::FoundValues;
@@ -9,7 +10,7 @@ use crate::controller::FailurePolicy;
 use crate::error::MpcError;
 use crate::ocp::Ocp;
 use crate::qp::QpSettings;
-use bracketry_symbolic::StopFlag;
+use bracketry_symbolic::{Named, StopFlag};
 use bracketry_system::{AffineError, FileError, System};
 use std::sync::Arc;
 
@@ -76,6 +77,10 @@ pub struct ControlProblem {
     pub estimation: Option<Estimation>,
     /// What is left free; none once values were found for it, see [`ControlProblem::with_free_values`].
     pub(crate) free: Option<Arc<FreeValues>>,
+    /// The margins of bounds that hold with a probability, where there is noise.
+    pub chance: Option<ChanceReport>,
+    /// The branches, where parameters are uncertain.
+    pub(crate) scenarios: Option<Arc<ScenarioTree>>,
     /// The values found for what was free.
     pub found: Option<FoundValues>,
     /// Once it is raised, planning and running end with [`MpcError::Stopped`](crate::MpcError::Stopped).
@@ -110,4 +115,15 @@ impl FreeValues {
     ) -> Self {
         Self { extended, parameters: parameters.to_vec(), end_time, with_found }
     }
+}
+
+/// The problem of all branches: the product of as many copies of the model, with the weighted mean of their costs.
+pub(crate) struct ScenarioTree {
+    pub(crate) problem: ControlProblem,
+    /// The problem of one branch, as the file has it.
+    pub(crate) own: Ocp,
+    /// The branch of the model's own values, whose plan is shown.
+    pub(crate) nominal: usize,
+    pub(crate) robust_horizon: usize,
+    pub(crate) combinations: Vec<Named<f64>>,
 }

@@ -1,5 +1,6 @@
 //! Control problems: model, horizon, cost, method and run together.
 
+mod chance;
 mod choice;
 mod conditions;
 mod control_problem;
@@ -12,20 +13,25 @@ mod notes;
 mod on_plant;
 mod rehearsal;
 mod report;
+mod rounding;
 mod run;
+mod scenarios;
 mod schedule;
 mod signs;
 mod start;
 mod verdict;
 
+pub use chance::{ChanceMargin, ChanceReport, MarginFeedback};
 pub use conditions::RunConditions;
-pub(crate) use control_problem::FreeValues;
 pub use control_problem::{ControlProblem, ProblemError};
+pub(crate) use control_problem::{FreeValues, ScenarioTree};
 pub use estimation::{Estimation, EstimatorKind};
 pub use found_values::FoundValues;
 pub use method::{Convergence, Feedback, Method, MethodReason};
 pub use notes::{Cause, FirstSample, Note};
 pub use on_plant::{ControlError, Controlled, control, control_watched};
 pub use report::{ClosedLoopReport, KeptRange, PlanReport};
+pub use rounding::RoundingReport;
 pub use run::ControlRun;
+pub use scenarios::ScenarioReport;
 pub use schedule::{Schedule, Scheduled};

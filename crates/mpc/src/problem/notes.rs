@@ -197,6 +197,13 @@ pub enum Note {
         /// What the other plan costs.
         found: f64,
     },
+    /// Inputs of finite sets cost much more than inputs between their values.
+    RoundingCosts {
+        /// What the first plan costs over the horizon, before its inputs are rounded.
+        relaxed: f64,
+        /// What its rounded inputs cost, or the run over the same time, whichever is more.
+        rounded: f64,
+    },
     /// The run comes close to where the equations have no value.
     Singular {
         /// The components of the vector whose direction they use.
@@ -244,6 +251,7 @@ impl Note {
             | Self::StartsOutside { .. }
             | Self::TargetsLater { .. }
             | Self::BeyondRange { .. }
+            | Self::RoundingCosts { .. }
             | Self::Unobservable { .. }
             | Self::Singular { .. }
             | Self::Inaccurate { .. } => false,
@@ -293,6 +301,12 @@ impl fmt::Display for Note {
                  over {} of it",
                 readable(*longest),
                 counted(*compensated, "sample", "samples")
+            ),
+            Note::RoundingCosts { relaxed, rounded } => write!(
+                f,
+                "inputs of finite sets cost {} over the horizon, inputs between their values {}: take a shorter dt, or more values",
+                readable(*rounded),
+                readable(*relaxed)
             ),
             Note::TableEnds { name, last, end } => write!(
                 f,

@@ -93,7 +93,8 @@ impl Rehearsal {
     pub(super) fn best_held(&mut self, problem: &ControlProblem) -> Option<Held> {
         let (rest, steps) = (problem.first_input(), problem.ocp.steps);
         let mut best: Option<Held> = None;
-        for (j, &(min, max)) in problem.ocp.input_bounds.iter().enumerate() {
+        let (own, all) = (problem.ocp.inputs_of_branch(), problem.ocp.inputs());
+        for (j, &(min, max)) in problem.ocp.input_bounds.iter().enumerate().take(own) {
             let size = problem.ocp.input_trust[j];
             let end = |sign: f64| {
                 let bound = if sign > 0.0 { max } else { min };
@@ -105,7 +106,8 @@ impl Rehearsal {
                 for duration in durations {
                     let intervals = ((duration * steps as f64).ceil() as usize).max(1);
                     let mut plan = Trajectory::constant(steps, &problem.initial_state(), &rest);
-                    (0..intervals).for_each(|k| plan.u_mut(k)[j] = value);
+                    // The same in every branch.
+                    (0..intervals).for_each(|k| (j..all).step_by(own).for_each(|j| plan.u_mut(k)[j] = value));
                     let cost = self.cost(&mut plan);
                     if best.as_ref().is_none_or(|b| cost < b.cost) {
                         best = Some(Held { input: j, value, intervals, cost, trajectory: plan });
@@ -132,11 +134,11 @@ impl ControlProblem {
     /// minimum.
     pub(super) fn waves(&self) -> Trajectory {
         let mut start = self.start();
-        let steps = start.steps();
+        let (steps, own) = (start.steps(), self.ocp.inputs_of_branch().max(1));
         for k in 0..steps {
             let turn = std::f64::consts::TAU * (k as f64 + 0.5) / steps as f64;
             for (j, (u, trust)) in start.u_mut(k).iter_mut().zip(&self.ocp.input_trust).enumerate() {
-                *u += WAVE * trust * ((j + 1) as f64 * turn).cos();
+                *u += WAVE * trust * ((j % own + 1) as f64 * turn).cos();
             }
         }
         start.clamp_inputs(&self.ocp.input_bounds);

@@ -1,8 +1,11 @@
 //! What is to be said about a closed-loop run.
 
+use super::chance::ChanceReport;
 use super::found_values::FoundValues;
 use super::method::MethodReason;
 use super::notes::Note;
+use super::rounding::RoundingReport;
+use super::scenarios::ScenarioReport;
 use crate::closed_loop::{Counts, SolveTimes};
 use crate::sqp::Hessian;
 use bracketry_symbolic::Named;
@@ -71,6 +74,15 @@ pub struct ClosedLoopReport {
     /// The end time and parameters that were free.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub found: Option<FoundValues>,
+    /// The scenario tree, where parameters are uncertain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scenarios: Option<ScenarioReport>,
+    /// The margins of bounds that hold with a probability.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chance: Option<ChanceReport>,
+    /// Inputs of finite sets, and what rounding to them costs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rounding: Option<RoundingReport>,
     /// The plan, where one was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanReport>,

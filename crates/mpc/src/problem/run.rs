@@ -81,6 +81,8 @@ impl ControlProblem {
         let judged = judged.as_ref().unwrap_or(&run);
         let mut notes = findings(&problem, &run, open_loop_cost);
         notes.extend(verdict(&problem, judged, &problem.plan_with_previous(&first_plan), planned, open_loop_cost)?);
+        let rounding = problem.rounding_report(controller.as_ref(), judged)?;
+        notes.extend(rounding.as_ref().and_then(|r| problem.note_on_rounding(r)));
         let succeeded = finite
             && !notes.iter().any(Note::is_failure)
             && run.counts.infeasible + run.counts.fallback == 0
@@ -105,6 +107,9 @@ impl ControlProblem {
             constraint_violation_max: violation,
             input_ranges: self.kept_ranges(),
             found: self.found.clone(),
+            rounding,
+            chance: self.chance.clone(),
+            scenarios: self.scenarios.as_ref().map(|tree| tree.report(controller.figures().predicted_violation)),
             plan: plan.as_ref().map(|p| PlanReport {
                 status: p.status.to_string(),
                 interior_point_steps: p.interior_point_steps,

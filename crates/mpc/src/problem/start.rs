@@ -4,7 +4,7 @@ use super::control_problem::ControlProblem;
 use super::method::{Convergence, Feedback, Method};
 use super::rehearsal::Rehearsal;
 use crate::closed_loop::DelayCompensated;
-use crate::controller::{Controller, Remembering, StepStatus};
+use crate::controller::{Controller, Remembering, Rounded, StepStatus};
 use crate::dynamics::SymbolicDynamics;
 use crate::error::{MpcError, check_flag};
 use crate::estimation::OutputFeedback;
@@ -70,6 +70,9 @@ impl ControlProblem {
         if self.has_free_values() {
             return self.with_free_values()?.plan();
         }
+        if let Some(tree) = &self.scenarios {
+            return tree.plan(self);
+        }
         let ocp = self.ocp.tightened(self.method.margin());
         let mut sqp = Sqp::new(self.dynamics()?, ocp, self.sqp_settings())?;
         let x0 = self.initial_state();
@@ -128,8 +131,7 @@ impl ControlProblem {
         if !self.u0.is_empty() {
             return self.u0.clone();
         }
-        let rest = self.ocp.input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1));
-        if self.rest_input.is_empty() { rest.collect() } else { self.rest_input.clone() }
+        if self.rest_input.is_empty() { self.ocp.inputs_at_rest() } else { self.rest_input.clone() }
     }
 
     /// Cost of the plan after the first sample's programs along `trajectory`; NaN where they have no solution.
@@ -143,11 +145,15 @@ impl ControlProblem {
     /// The controller at its start, with delay compensation and estimator. Where the method is
     /// [`Method::Automatic`], it is chosen here.
     pub(crate) fn started(&self) -> Result<Started, MpcError> {
-        let (problem, Prepared { mut controller, mut plan, open_loop_cost }) = match self.method {
-            Method::Automatic { convergence } => self.choose_method(convergence)?,
-            _ => (self.clone(), self.prepared()?),
+        let (problem, Prepared { mut controller, mut plan, open_loop_cost }) = match (&self.scenarios, self.method) {
+            (Some(tree), _) => tree.started(self)?,
+            (None, Method::Automatic { convergence }) => self.choose_method(convergence)?,
+            (None, _) => (self.clone(), self.prepared()?),
         };
         let first = self.first_input();
+        if self.has_finite_inputs() {
+            controller = Box::new(Rounded::new(controller)?);
+        }
         if !self.ocp.previous_inputs.is_empty() {
             controller = Box::new(Remembering::new(controller, &first)?);
             if let Some(plan) = &mut plan {
@@ -188,7 +194,7 @@ impl ControlProblem {
     }
 
     /// The controller of the problem's method at its start.
-    fn prepared(&self) -> Result<Prepared, MpcError> {
+    pub(super) fn prepared(&self) -> Result<Prepared, MpcError> {
         match self.method {
             Method::Automatic { convergence } => self.choose_method(convergence).map(|(_, prepared)| prepared),
             Method::Plan { margin, feedback, .. } => self.tracker(margin, feedback),

@@ -78,7 +78,7 @@ pub(super) fn verdict(
     if problem.ends_early() && planned && !one_program(problem) {
         notes.extend(targets_of_plan(problem, plan));
     }
-    if !one_program(problem) && planned {
+    if !one_program(problem) && planned && problem.is_alone() {
         notes.extend(plan_outdone(problem, plan)?);
         let converged = matches!(problem.method, Method::Sqp { .. } | Method::Plan { .. });
         if converged && notes.is_empty() && answered >= OTHER_START {
@@ -91,6 +91,7 @@ pub(super) fn verdict(
         && conditions.faults.is_empty()
         && conditions.delay == 0
         && problem.estimation.is_none()
+        && problem.is_alone()
         // Nor do intervals that are no samples have a counterpart in the run.
         && problem.ocp.is_uniform();
     if !undisturbed || !run.x.iter().flatten().all(|v| v.is_finite()) {
@@ -285,6 +286,14 @@ fn what_scales_cost(ocp: &mut Ocp, x0: &[f64], u: &[f64], intervals: usize) -> f
         }
     }
     if sum.is_finite() { share * sum } else { 0.0 }
+}
+
+impl ControlProblem {
+    /// Whether the cost of a plan is that of the inputs that are applied: that of a scenario tree is a mean, and inputs of finite
+    /// sets are rounded.
+    fn is_alone(&self) -> bool {
+        self.scenarios.is_none() && !self.has_finite_inputs()
+    }
 }
 
 fn one_program(problem: &ControlProblem) -> bool {

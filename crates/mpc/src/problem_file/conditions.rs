@@ -34,10 +34,11 @@ impl Reader<'_> {
     /// The inputs applied before the first sample; empty where the file has none.
     pub(super) fn input_before(&self, run: &Table<'_>, ocp: &Ocp) -> Parsed<Vec<f64>> {
         let Some(values) = self.doc.sub_table(run, "u0")? else { return Ok(Vec::new()) };
-        let mut u0: Vec<f64> = ocp.input_bounds.iter().map(|b| 0f64.clamp(b.0, b.1)).collect();
+        let mut u0 = ocp.inputs_at_rest();
         for (name, value) in values {
             let j = self.input(name.get_ref(), name.span())?;
             u0[j] = self.constant(value, name.get_ref())?;
+            self.is_a_value(value.span(), j, u0[j], &ocp.input_values)?;
         }
         Ok(u0)
     }
@@ -86,7 +87,7 @@ impl Reader<'_> {
     }
 
     /// A constant as a rational number; what is none (π) is rounded.
-    fn exact(&self, v: Located<'_, '_>, key: &str) -> Parsed<Rational> {
+    pub(super) fn exact(&self, v: Located<'_, '_>, key: &str) -> Parsed<Rational> {
         let value = self.constant(v, key)?;
         let exact = match v.get_ref() {
             Value::Integer(_) | Value::Float(_) => Some(self.doc.exact_number(v, key)?),

@@ -1,6 +1,7 @@
 //! Bounds and targets of a problem file.
 
 use super::reader::{Key, Located, Parsed, Reader, Variable};
+use super::tree::renamed;
 use crate::ocp::{
     Bounds, CostKind, CostNames, NormConstraint, Ocp, PathConstraint, Softness, TerminalTarget, VectorFunction,
 };
@@ -34,29 +35,45 @@ impl Reader<'_> {
     pub(super) fn constraints(&self, table: &Table<'_>, names: &[String], ocp: &mut Ocp) -> Result<(), ProblemError> {
         let Some(t) = self.doc.sub_table(table, "constraints")? else { return Ok(()) };
         for (key, v) in t {
-            let name: &str = key.get_ref();
-            let Value::Table(b) = v.get_ref() else {
-                let remedy = format!("write {name} = {{ min = …, max = … }}");
-                return Err(self.doc.error(v.span(), format!("the bounds of `{name}` must be a table"), remedy).into());
-            };
-            self.doc.only_keys(
-                b,
-                &["min", "max", "rate", "soft", "hard", "expression", "norm", "at"],
-                "a constraint",
-            )?;
-            if let Some(at) = b.get("at").filter(|_| !b.contains_key("expression")) {
-                let remedy = format!("write {name} = {{ expression = \"…\", at = \"end\", … }}");
-                return Err(self.doc.error(at.span(), "`at` applies to an expression", remedy).into());
-            }
-            self.rate_bounds(key, b, names, ocp)?;
-            if let Some(e) = b.get("expression") {
-                let g = self.vector(&[(e, "expression")], names)?;
-                self.between(&g, key, b, names, ocp)?;
-            } else if let Some(e) = b.get("norm") {
-                self.norm(e, key, b, names, ocp)?;
-            } else {
-                self.bounds(key, v, b, names, ocp)?;
-            }
+            self.constraint(key, v, names, ocp)?;
+        }
+        Ok(())
+    }
+
+    /// One entry of the constraints.
+    pub(super) fn constraint(
+        &self,
+        key: &Key<'_>,
+        v: Located<'_, '_>,
+        names: &[String],
+        ocp: &mut Ocp,
+    ) -> Result<(), ProblemError> {
+        let name: &str = key.get_ref();
+        let Value::Table(b) = v.get_ref() else {
+            let remedy = format!("write {name} = {{ min = …, max = … }}");
+            return Err(self.doc.error(v.span(), format!("the bounds of `{name}` must be a table"), remedy).into());
+        };
+        self.doc.only_keys(
+            b,
+            &["min", "max", "rate", "soft", "hard", "expression", "norm", "at", "values", "probability"],
+            "a constraint",
+        )?;
+        if let Some(at) = b.get("at").filter(|_| !b.contains_key("expression")) {
+            let remedy = format!("write {name} = {{ expression = \"…\", at = \"end\", … }}");
+            return Err(self.doc.error(at.span(), "`at` applies to an expression", remedy).into());
+        }
+        if b.contains_key("values") {
+            self.finite_input(key, b, ocp)?;
+            return Ok(());
+        }
+        self.rate_bounds(key, b, names, ocp)?;
+        if let Some(e) = b.get("expression") {
+            let g = self.vector(&[(e, "expression")], names)?;
+            self.between(&g, key, b, names, ocp)?;
+        } else if let Some(e) = b.get("norm") {
+            self.norm(e, key, b, names, ocp)?;
+        } else {
+            self.bounds(key, v, b, names, ocp)?;
         }
         Ok(())
     }
@@ -254,8 +271,20 @@ impl Reader<'_> {
     fn compiled_as_written(&self, mut g: Vector, names: &[String]) -> Result<VectorFunction, ProblemError> {
         let time = g.pool.symbol("t");
         let references: Vec<Symbol> = names.iter().map(|r| g.pool.symbol(r)).collect();
-        let states = self.remembered.states(self.system, &mut g.pool);
-        Ok(VectorFunction::compile(&mut g.pool, time, &states, &self.system.inputs, &references, &g.components)?)
+        let Some(tree) = self.tree else {
+            let states = self.remembered.states(self.system, &mut g.pool);
+            return Ok(VectorFunction::compile(
+                &mut g.pool,
+                time,
+                &states,
+                &self.system.inputs,
+                &references,
+                &g.components,
+            )?);
+        };
+        let own = renamed(self.system, self.branch, &mut g.pool, &g.components);
+        let states = tree.remembered(self.remembered).states(&tree.product, &mut g.pool);
+        Ok(VectorFunction::compile(&mut g.pool, time, &states, &tree.product.inputs, &references, &own)?)
     }
 
     /// `soft`, `hard` or the default: constraints on inputs alone are hard, others soft.

@@ -2,11 +2,12 @@
 
 use super::free_keys::is_free;
 use super::reader::{Located, Parsed, Reader};
+use super::tree::{Tree, renamed};
 use crate::dynamics::SymbolicDynamics;
 use crate::ocp::{CostFunction, CostKind, CostNames, Ocp, Softness, TerminalSet};
 use crate::problem::Scheduled;
-use bracketry_symbolic::Rational;
-use bracketry_system::{Table, Value};
+use bracketry_symbolic::{Expr, Pool, Rational};
+use bracketry_system::{System, Table, Value};
 
 /// What costs depend on.
 #[derive(Clone, Copy, Default)]
@@ -153,10 +154,12 @@ impl Reader<'_> {
             return Err(self.doc.error(v.span(), message, "write an expression, or fix what is free").into());
         }
         let (n, m) = (ocp.model_states(), ocp.inputs());
-        let (mut x, u) = self.system.point_values().unwrap_or_else(|| (vec![0.0; n], vec![0.0; m]));
+        let branches = self.tree.map_or(1, Tree::branches);
+        let point = self.system.point_values().map(|(x, u)| (x.repeat(branches), u.repeat(branches)));
+        let (mut x, u) = point.unwrap_or_else(|| (vec![0.0; n], vec![0.0; m]));
         ocp.append_previous(&mut x, &u);
         let live: Vec<&str> = live.iter().map(String::as_str).collect();
-        let solved = SymbolicDynamics::with_live_parameters(self.system, &live)
+        let solved = SymbolicDynamics::with_live_parameters(self.tree.map_or(self.system, |t| &t.product), &live)
             .and_then(|mut dynamics| ocp.clone().with_terminal_cost_at(&mut dynamics, &x, &u));
         let (whole, beyond) = solved.map_err(|e| {
             let remedy =
@@ -194,6 +197,51 @@ impl Reader<'_> {
         let residuals = self.residuals(table, keys)?;
         let first = residuals.first().map(|(v, _)| *v);
         let Some(place) = table.get(keys.expression).or(first) else { return Ok(None) };
+        let remedy = "write states, inputs, parameters, references and t, without derivatives of inputs";
+        let made = if let Some(tree) = self.tree {
+            let (mut pool, sum) = self.mean_cost(tree, table, keys, references)?;
+            let remembered = tree.remembered(self.remembered);
+            CostFunction::of_system(&tree.product, keys.kind, references, &remembered, &mut pool, sum)
+        } else {
+            let (mut pool, sum) = self.sum_of_costs(table, keys, references, depends_on)?;
+            CostFunction::of_system(self.system, keys.kind, references, self.remembered, &mut pool, sum)
+        };
+        Ok(Some(made.map_err(|e| self.doc.error(place.span(), e.to_string(), remedy))?))
+    }
+
+    /// The weighted mean of the costs of all branches, in its pool.
+    fn mean_cost(
+        &self,
+        tree: &Tree,
+        table: &Table<'_>,
+        keys: &CostKeys,
+        references: &[String],
+    ) -> Parsed<(Pool, Expr)> {
+        let mut pool = tree.product.pool.clone();
+        let mut mean = pool.int(0);
+        for s in 0..tree.branches() {
+            // What has been read stays what it is in a pool that grows.
+            let system = System { pool, ..tree.systems[tree.last(s)].clone() };
+            let reader = Reader { system: &system, tree: None, ..*self };
+            let (own_pool, sum) = reader.sum_of_costs(table, keys, references, &mut DependsOn::default())?;
+            pool = own_pool;
+            let own = renamed(&system, s, &mut pool, &[sum])[0];
+            let weight = pool.rational(Rational::simplest_from_f64(tree.weight(s)).unwrap_or_default());
+            let term = pool.mul(weight, own);
+            mean = pool.add(mean, term);
+        }
+        Ok((pool, mean))
+    }
+
+    /// The expression of a cost and the weighted squares of its residuals, in their pool.
+    fn sum_of_costs(
+        &self,
+        table: &Table<'_>,
+        keys: &CostKeys,
+        references: &[String],
+        depends_on: &mut DependsOn,
+    ) -> Parsed<(Pool, Expr)> {
+        let residuals = self.residuals(table, keys)?;
         let (names, mut pool) = CostNames::new(self.system, keys.kind, references);
         let mut names = names.with_remembered(self.remembered);
         let mut sum = pool.int(0);
@@ -214,9 +262,7 @@ impl Reader<'_> {
         if keys.kind == CostKind::Stage {
             sum = self.over_scaled_time(&mut pool, sum);
         }
-        let made = CostFunction::of_system(self.system, keys.kind, references, self.remembered, &mut pool, sum);
-        let remedy = "write states, inputs, parameters, references and t, without derivatives of inputs";
-        Ok(Some(made.map_err(|e| self.doc.error(place.span(), e.to_string(), remedy))?))
+        Ok((pool, sum))
     }
 
     /// The residuals of a cost with their weights.

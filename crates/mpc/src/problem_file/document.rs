@@ -3,6 +3,7 @@
 use super::horizon::KEYS as HORIZON_KEYS;
 use super::reader::Reader;
 use super::scaling::Expected;
+use super::tree::Tree;
 use crate::ocp::{Ocp, Remembered, Substeps};
 use crate::problem::{ControlProblem, FoundValues, FreeValues, Method, ProblemError, Schedule};
 use crate::qp::QpSettings;
@@ -12,7 +13,7 @@ use bracketry_system::{Document, FileError, System};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-const KEYS: [&str; 18] = [
+const KEYS: [&str; 19] = [
     "name",
     "model",
     "plant",
@@ -30,6 +31,7 @@ const KEYS: [&str; 18] = [
     "solve",
     "estimation",
     "run",
+    "uncertainty",
     "about",
 ];
 
@@ -97,7 +99,15 @@ impl Source {
         let mut system = self.model.clone();
         let original = system.clone();
         let remembered = Remembered::default();
-        let first = Reader { doc, system: &original, folder: &self.folder, remembered: &remembered, free: None };
+        let first = Reader {
+            doc,
+            system: &original,
+            folder: &self.folder,
+            remembered: &remembered,
+            free: None,
+            tree: None,
+            branch: 0,
+        };
         first.fixed_parameters(&table, &mut system)?;
         let horizon = first.required(&table, "horizon", "[horizon] with steps and dt")?;
         let free = first.free(&table, horizon)?;
@@ -111,6 +121,12 @@ impl Source {
             return Err(doc.missing(message, "give both the same states and inputs in the same order").into());
         }
         let reader = Reader { system: &system, ..first };
+        let tree = reader.uncertainty(&table)?;
+        if let Some(v) = table.get("uncertainty").filter(|_| !free.is_empty()) {
+            let message = "uncertainty cannot be combined with a free end time or free parameters";
+            return Err(doc.error(v.span(), message, "fix what is free, or remove [uncertainty]").into());
+        }
+        let reader = Reader { tree: tree.as_ref(), ..reader };
         if let Some(run) = doc.sub_table(&table, "run")? {
             reader.plant_parameters(run, &mut plant)?;
         }
@@ -127,6 +143,11 @@ impl Source {
         }
         problem.found = found.cloned();
         if let Some(e) = problem.estimation.as_ref().filter(|e| e.hands_over()) {
+            if let Some(v) = table.get("uncertainty") {
+                let message = "uncertainty cannot be combined with an estimator that updates the model";
+                let remedy = "remove `parameters` and `disturbances` of [estimation], or [uncertainty]";
+                return Err(doc.error(v.span(), message, remedy).into());
+            }
             if !problem.live.is_empty() {
                 let message = "time-varying parameters cannot be combined with an estimator that updates parameters";
                 return Err(doc.missing(message, "make one of them constant").into());
@@ -152,6 +173,19 @@ impl Reader<'_> {
         plant: System,
         end_time: Option<f64>,
         planned: bool,
+    ) -> Result<ControlProblem, ProblemError> {
+        // One branch first; the other ones are like it.
+        let (tree, this) = (self.tree, Reader { tree: None, ..*self });
+        this.problem_of_one(table, plant, end_time, planned, tree)
+    }
+
+    fn problem_of_one(
+        &self,
+        table: &Table<'_>,
+        plant: System,
+        end_time: Option<f64>,
+        planned: bool,
+        tree: Option<&Tree>,
     ) -> Result<ControlProblem, ProblemError> {
         let system = self.system;
         let (n, m) = (system.states.len(), system.inputs.len());
@@ -218,6 +252,11 @@ impl Reader<'_> {
         self.scales(table, &mut ocp)?;
         Self::default_penalties(level, &mut ocp);
         self.end_of_horizon(table, &live, level, &mut ocp)?;
+        let chance = match self.free {
+            // The values found are put into the file, which is read once more.
+            Some(_) => None,
+            None => reader.chance(table, &names, &live, (&start.x0, &guess[0]), &mut ocp)?,
+        };
         self.check_what_is_asked(table, costs, &ocp, planned)?;
         // The problem that is solved for what is free sees the initial state alone.
         let estimation = if self.free.is_some() { None } else { self.estimation(table, &start, &ocp)? };
@@ -233,8 +272,9 @@ impl Reader<'_> {
         // The multiplier of a bound cannot well exceed what the whole horizon costs.
         let hard_weight = (10.0 * dt * level).max(QpSettings::default().hard_weight);
         let empty = Table::new();
-        let solve = self.doc.sub_table(table, "solve")?.unwrap_or(&empty);
-        let (solve, method_reason) = self.solve(solve, hard_weight, &ocp.input_bounds, planned)?;
+        let solve_table = self.doc.sub_table(table, "solve")?.unwrap_or(&empty);
+        let (mut solve, method_reason) = self.solve(solve_table, hard_weight, &ocp.input_bounds, planned)?;
+        self.finite_rest(solve_table, &ocp, &mut solve.rest_input)?;
         let plans = matches!(solve.method, Method::Plan { .. });
         self.same_lengths(
             horizon,
@@ -242,7 +282,11 @@ impl Reader<'_> {
             plans,
             "the method \"plan\", which shortens the horizon interval by interval,",
         )?;
-        Ok(ControlProblem {
+        if let Some(v) = table.get("uncertainty").filter(|_| matches!(solve.method, Method::StickSlip { .. })) {
+            let message = "the method \"stick-slip\" has no scenario tree";
+            return Err(self.doc.error(v.span(), message, "write method = \"rti\", \"sqp\", or \"plan\"").into());
+        }
+        let mut problem = ControlProblem {
             method: solve.method,
             method_reason,
             qp: solve.qp,
@@ -263,10 +307,17 @@ impl Reader<'_> {
             estimation,
             stop: StopFlag::default(),
             free: None,
+            chance,
+            scenarios: None,
             found: None,
             system: system.clone(),
             plant,
             ocp,
-        })
+        };
+        if let Some(tree) = tree {
+            let reader = Reader { remembered: &remembered, ..*self };
+            problem.scenarios = Some(Arc::new(reader.scenarios(table, tree, &problem, &names, level)?));
+        }
+        Ok(problem)
     }
 }

@@ -1,10 +1,12 @@
 //! Problem files: model, horizon, cost, constraints and run in one TOML file.
 
+mod chance;
 mod conditions;
 mod constraints;
 mod cost;
 mod document;
 mod estimation;
+mod finite_inputs;
 mod free;
 mod free_keys;
 mod horizon;
@@ -13,5 +15,8 @@ mod intervals;
 mod rates;
 mod reader;
 mod scaling;
+mod scenarios;
 mod solve;
 mod time_function;
+mod tree;
+mod uncertainty;

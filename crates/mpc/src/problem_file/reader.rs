@@ -1,6 +1,7 @@
 //! Values of a problem file: numbers, names, expressions.
 
 use super::free::Free;
+use super::tree::Tree;
 use crate::ocp::Remembered;
 use bracketry_symbolic::{Expr, Names, Pool, Tape};
 use bracketry_system::{Document, FileError, System, Table, Value};
@@ -49,6 +50,10 @@ pub(super) struct Reader<'a> {
     pub(super) remembered: &'a Remembered,
     /// What is free, in the problem that is solved for it.
     pub(super) free: Option<&'a Free>,
+    /// The branches, in the problem of all of them.
+    pub(super) tree: Option<&'a Tree>,
+    /// The branch whose constraints are read.
+    pub(super) branch: usize,
 }
 
 impl Reader<'_> {

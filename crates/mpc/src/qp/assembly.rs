@@ -126,6 +126,7 @@ impl Slacks {
             slacks: self.counts.clone(),
             defect: vec![0.0; steps * n],
             block_start: ocp.block_starts(steps),
+            shared_with: ocp.shared_inputs(steps),
             offset: vec![0.0; steps * m],
             hessian_places: (0..variables).map(|v| (v, v)).collect(),
             gradient: vec![0.0; variables],

@@ -202,12 +202,11 @@ impl Builder {
                 let q = program.state(k + 1, i);
                 eliminated.push(self.eliminate(q, parents, constant, negative, Some(k * n + i)));
             }
-            for j in (0..m).filter(|j| program.block_start[k * m + j] < k) {
-                let start = program.block_start[k * m + j];
+            for (j, parent) in (0..m).filter_map(|j| Some((j, program.equal_input(k, j)?))) {
                 let constant = self.coefficient(Coefficient::Offset(k * m + j));
                 let negative = self.coefficient(Coefficient::NegativeOffset(k * m + j));
                 let q = program.input(k, j);
-                eliminated.push(self.eliminate(q, vec![(program.input(start, j), one)], constant, negative, None));
+                eliminated.push(self.eliminate(q, vec![(parent, one)], constant, negative, None));
             }
         }
         (eliminated, early)

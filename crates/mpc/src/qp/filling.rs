@@ -249,7 +249,9 @@ impl Assembly {
                 p.defect[k * n + i] = lin.end[k * n + i] - trajectory.x(k + 1)[i];
             }
             for j in 0..m {
-                p.offset[k * m + j] = trajectory.u(p.block_start[k * m + j])[j] - trajectory.u(k)[j];
+                let (start, shared) = (p.block_start[k * m + j], p.shared_with[k * m + j]);
+                let equal = if start < k { trajectory.u(start)[j] } else { trajectory.u(k)[shared] };
+                p.offset[k * m + j] = equal - trajectory.u(k)[j];
             }
         }
     }
@@ -312,7 +314,7 @@ impl Assembly {
             right[r.row] = if r.upper { b.1 - v } else { v - b.0 };
         }
         for r in &self.state_rows {
-            let (v, b) = (trajectory.x(r.k)[r.of], &ocp.state_bounds[r.of]);
+            let (v, b) = (trajectory.x(r.k)[r.of], ocp.state_bounds_at(r.k, r.of));
             right[r.row] = if r.upper { b.max - v } else { v - b.min };
         }
         for r in &self.target_rows {
@@ -337,9 +339,11 @@ impl Assembly {
         for rows in &self.path[path] {
             let k = rows.k;
             let at = (ocp.sample(k0, k), ocp.time(k0, k));
+            let margin = ocp.path_margin(rows.constraint, k);
             ocp.row_function_at(rows.constraint, at, (trajectory.x(k), input(k)), |bounds, g, jacobian| {
                 for (upper, row, slots) in &rows.sides {
                     let sign = if *upper { 1.0 } else { -1.0 };
+                    let bounds = bounds.within(margin);
                     program.right[*row] = if *upper { bounds.max - g } else { g - bounds.min };
                     set_entries(&mut program.rows, slots, jacobian, sign);
                 }

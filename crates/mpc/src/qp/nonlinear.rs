@@ -50,10 +50,11 @@ pub(crate) struct NonlinearProgram {
 }
 
 impl NonlinearProgram {
-    /// Lays the problem out; `None` where it has second-order cones, blocks of equal inputs, or inputs that are constant.
+    /// Lays the problem out; `None` where it has second-order cones, blocks of equal inputs, branches, or inputs that are constant.
     pub(crate) fn new(ocp: &Ocp, closure: &[bool], hard: f64) -> Option<Self> {
         let m = ocp.inputs();
         let blocked = ocp.block_starts(ocp.steps).iter().enumerate().any(|(i, start)| *start != i / m);
+        let blocked = blocked || ocp.branching.is_some();
         if blocked || !ocp.carried().is_empty() || !ocp.norm_constraints.is_empty() || ocp.terminal_set.is_some() {
             return None;
         }

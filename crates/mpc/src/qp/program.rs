@@ -10,7 +10,8 @@ pub(super) const NOWHERE: usize = usize::MAX;
 /// ```text
 /// min  ½ zᵀHz + gᵀz                    z = (du_0, dx_1, s_1, du_1, …, dx_N, s_N)
 /// s.t. dx_{k+1} = A_k dx_k + B_k du_k + c_k
-///      du_k = du_{b(k)} + o_k           input by input, for intervals k that share that of the first of their block, b(k) < k
+///      du_k = du_{b(k)} + o_k           input by input, for intervals k that share that of the first of their block, b(k) < k,
+///                                       and for inputs that share that of another branch of a scenario tree
 ///      r − Rz ∈ K                       K a product of a nonnegative orthant and second-order cones
 /// ```
 ///
@@ -30,6 +31,8 @@ pub struct StageProgram {
     pub(crate) defect: Vec<f64>,
     /// b(k) of every interval, N rows of m.
     pub(crate) block_start: Vec<usize>,
+    /// Input of the same interval that each input is equal to, itself where it is free, N rows of m.
+    pub(crate) shared_with: Vec<usize>,
     /// o_k, N rows of m.
     pub(crate) offset: Vec<f64>,
     /// Places (i ≤ j) of H: the whole diagonal first.
@@ -136,6 +139,11 @@ impl StageProgram {
     /// First interval b(k) of the block of interval k for input j, and o_k: du_k = du_{b(k)} + o_k when b(k) < k.
     pub fn block(&self, k: usize, j: usize) -> (usize, f64) {
         (self.block_start[k * self.inputs + j], self.offset[k * self.inputs + j])
+    }
+    /// Number of the variable that input j in du_k is equal to but for o_k; none where it is free.
+    pub(super) fn equal_input(&self, k: usize, j: usize) -> Option<usize> {
+        let (start, shared) = (self.block_start[k * self.inputs + j], self.shared_with[k * self.inputs + j]);
+        if start < k { Some(self.input(start, j)) } else { (shared != j).then(|| self.input(k, shared)) }
     }
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {

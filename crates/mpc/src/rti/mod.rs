@@ -392,6 +392,7 @@ impl Rti {
         match self.settings.horizon {
             Horizon::Shrinking { .. } => {
                 self.trajectory.drop_first();
+                self.problem.ocp.merge_shared_inputs(&mut self.trajectory);
                 self.problem.ocp.steps = self.trajectory.steps();
                 self.problem.k0 += 1;
             }

@@ -118,6 +118,7 @@ fn not_tangential(ocp: &Ocp) -> Option<&'static str> {
         (ocp.row_functions(1).count() > ocp.path_constraints.len(), "absolute values in the cost"),
         (!ocp.norm_constraints.is_empty(), "norm constraints"),
         (!ocp.move_blocks.is_empty(), "move blocks"),
+        (ocp.branching.is_some(), "scenario trees"),
         (ocp.terminal_set.is_some(), "terminal sets"),
     ];
     cases.into_iter().find(|(there, _)| *there).map(|(_, what)| what)

@@ -30,7 +30,7 @@ impl Transcription {
     pub(crate) fn new(dynamics: Box<dyn Dynamics>, ocp: Ocp) -> Result<Self, MpcError> {
         ocp.check(dynamics.states(), dynamics.inputs())?;
         for row in &ocp.parameters {
-            check_length("a row of parameters", row.len(), dynamics.parameters())?;
+            check_length("a row of parameters", row.len() + ocp.branch_parameters(0).len(), dynamics.parameters())?;
         }
         let shooter = Shooter::of_problem(dynamics.as_ref(), &ocp);
         Ok(Self { dynamics, ocp, shooter, substeps: 1, k0: 0, ends: Vec::new(), end: Vec::new() })
@@ -52,7 +52,8 @@ impl Transcription {
         change(&mut ocp);
         ocp.check(self.dynamics.states(), self.dynamics.inputs())?;
         for row in &ocp.parameters {
-            check_length("a row of parameters", row.len(), self.dynamics.parameters())?;
+            let found = row.len() + ocp.branch_parameters(0).len();
+            check_length("a row of parameters", found, self.dynamics.parameters())?;
         }
         let relaid = ocp.finite_ends() != self.ocp.finite_ends();
         self.ocp = ocp;

@@ -32,7 +32,11 @@ pub(crate) struct Grid<'a> {
 impl Grid<'_> {
     /// Interval k of the horizon under the input `u`; the dynamics get its parameters.
     pub(crate) fn enter<'a>(&self, dynamics: &mut dyn Dynamics, k: usize, u: &'a [f64]) -> Interval<'a> {
-        if let Some(parameters) = self.ocp.parameter_row(self.ocp.sample(self.k0, k)) {
+        let (of_run, of_branches) =
+            (self.ocp.parameter_row(self.ocp.sample(self.k0, k)), self.ocp.branch_parameters(k));
+        if !of_branches.is_empty() {
+            dynamics.set_parameters(&[of_run.unwrap_or(&[]), of_branches].concat());
+        } else if let Some(parameters) = of_run {
             dynamics.set_parameters(parameters);
         }
         Interval { t: self.ocp.time(self.k0, k), dt: self.ocp.length(k), substeps: self.substeps, u }

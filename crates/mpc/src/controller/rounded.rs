@@ -1,0 +1,95 @@
+//! Inputs of finite sets behind a controller that plans with all values between their ends.
+
+use super::interface::{Controller, Figures};
+use super::step::{Step, StepLimits, StepStatus};
+use super::sum_up_rounding::SumUpRounding;
+use crate::error::MpcError;
+use crate::ocp::Ocp;
+use crate::trajectory::Trajectory;
+
+/// An input of a finite set: its rounding up to the sample before, and including the present one.
+struct FiniteInput {
+    input: usize,
+    before: SumUpRounding,
+    now: SumUpRounding,
+}
+
+/// A controller whose inputs of finite sets are rounded, wherever they come from, with the error of rounding carried from sample to
+/// sample.
+pub(crate) struct Rounded {
+    controller: Box<dyn Controller>,
+    inputs: Vec<FiniteInput>,
+    step: Step,
+    /// The first plan, before rounding.
+    relaxed: Option<Trajectory>,
+    /// Largest |∫ (relaxed − rounded) dt| so far.
+    largest: f64,
+}
+
+impl Rounded {
+    /// Rounds the inputs that have [`values`](Ocp::input_values).
+    pub(crate) fn new(controller: Box<dyn Controller>) -> Result<Self, MpcError> {
+        let ocp = controller.ocp();
+        let step = Step::undecided(ocp.inputs());
+        let mut inputs = Vec::new();
+        for (input, values) in ocp.input_values.iter().enumerate().filter(|(_, values)| !values.is_empty()) {
+            let before = SumUpRounding::new(values)?;
+            inputs.push(FiniteInput { input, now: before.clone(), before });
+        }
+        Ok(Self { controller, inputs, step, relaxed: None, largest: 0.0 })
+    }
+}
+
+impl Controller for Rounded {
+    fn prepare(&mut self) -> Result<(), MpcError> {
+        self.controller.prepare()
+    }
+    fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
+        self.step.copy_from(self.controller.feedback(x)?);
+        if self.relaxed.is_none() && !matches!(self.step.status, StepStatus::Fallback(_) | StepStatus::PlayedOut) {
+            self.relaxed = Some(self.controller.plan().clone());
+        }
+        let ocp = self.controller.ocp();
+        for finite in &mut self.inputs {
+            // A second answer for the same sample takes the place of the first one.
+            finite.now.clone_from(&finite.before);
+            let u = &mut self.step.u[finite.input];
+            *u = finite.now.round_within(*u, ocp.dt, ocp.input_bounds[finite.input]);
+        }
+        Ok(&self.step)
+    }
+    fn shift(&mut self) {
+        for finite in &mut self.inputs {
+            finite.before.clone_from(&finite.now);
+            self.largest = self.largest.max(finite.before.error().abs());
+        }
+        self.controller.shift();
+    }
+    fn skip(&mut self) -> Result<(), MpcError> {
+        self.controller.skip()
+    }
+    fn plan(&self) -> &Trajectory {
+        self.controller.plan()
+    }
+    fn ocp(&self) -> &Ocp {
+        self.controller.ocp()
+    }
+    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
+        self.controller.change(change)
+    }
+    fn set_start(&mut self, k0: usize) {
+        self.controller.set_start(k0);
+    }
+    fn limit_next_step(&mut self, limits: StepLimits) {
+        self.controller.limit_next_step(limits);
+    }
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
+        self.controller.set_parameters(parameters)
+    }
+    fn figures(&self) -> Figures {
+        Figures { rounding_error: Some(self.largest), ..self.controller.figures() }
+    }
+    fn relaxed_plan(&self) -> Option<&Trajectory> {
+        self.relaxed.as_ref()
+    }
+}
