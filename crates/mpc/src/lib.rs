@@ -64,9 +64,9 @@ mod trajectory;
 mod transcription;
 
 pub use closed_loop::{
-    ClosedLoop, Counts, DelayCompensated, Fault, FaultFunction, LoopSettings, MeasurementFunction, NoiseFunction,
-    PhaseTimes, Plant, PlantStopped, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop, SolveTimes, SourceCounts,
-    run_closed_loop,
+    ClosedLoop, Counts, DelayCompensated, Fault, FaultFunction, LateSamples, LoopSettings, MeasurementFunction,
+    NoiseFunction, PhaseTimes, Plant, PlantStopped, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop, SolveTimes,
+    SourceCounts, run_closed_loop,
 };
 pub use controller::{
     Brake, Controller, FailurePolicy, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings,
@@ -82,13 +82,13 @@ pub use exact_friction::{StickSlipController, StickSlipSettings};
 pub use integrator::Integrator;
 pub use live::{Change, LiveController, LiveStep, LoopLog};
 pub use ocp::{
-    Bounds, CostFunction, CostKind, NormConstraint, Ocp, PathConstraint, PreviousInput, Softness, Substeps,
-    TerminalSet, TerminalTarget, VectorFunction,
+    BoundSide, Bounded, Bounds, ConstraintTrace, CostFunction, CostKind, LargestViolation, NormConstraint, Ocp,
+    PathConstraint, PreviousInput, Softness, Substeps, TerminalSet, TerminalTarget, VectorFunction,
 };
 pub use problem::{
     Cause, ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled, Convergence, Estimation,
     EstimatorKind, Feedback, FirstSample, FoundValues, KeptRange, Method, MethodReason, Note, PlanReport, ProblemError,
-    RunConditions, Schedule, Scheduled, control, control_watched,
+    ReferenceUse, RunConditions, Schedule, Scheduled, ViolationReport, control, control_watched,
 };
 pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};

@@ -9,6 +9,7 @@ mod grid;
 mod memory;
 mod previous_input;
 mod problem;
+mod trace;
 mod vector_function;
 mod violations;
 
@@ -16,7 +17,9 @@ pub use bounds::{Bounds, Softness};
 pub use constraint::{NormConstraint, PathConstraint, TerminalSet};
 pub use cost::CostFunction;
 pub use cost_names::CostKind;
-pub(crate) use cost_names::{CostNames, CostPoint, Remembered};
+pub(crate) use cost_names::{CostNames, CostPoint, Remembered, derivative_name};
 pub use previous_input::PreviousInput;
+pub(crate) use problem::HorizonCost;
 pub use problem::{Ocp, Substeps, TerminalTarget};
+pub use trace::{BoundSide, Bounded, ConstraintTrace, LargestViolation};
 pub use vector_function::VectorFunction;

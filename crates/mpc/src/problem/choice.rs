@@ -9,6 +9,7 @@ use super::verdict::floor;
 use crate::controller::StepStatus;
 use crate::error::{MpcError, check_flag};
 use crate::exact_friction::StickSlipController;
+use crate::ocp::HorizonCost;
 use crate::sqp::{SolveStatus, Sqp};
 use crate::trajectory::Trajectory;
 
@@ -30,7 +31,7 @@ struct Rated {
 /// The real-time iteration, tried at the first sample.
 struct Trial {
     /// Stage and terminal cost of the first plan.
-    open_loop_cost: f64,
+    predicted: HorizonCost,
     /// The first plan, and the one after more programs; fewer where one of them fails.
     plans: Vec<Rated>,
 }
@@ -65,11 +66,11 @@ impl ControlProblem {
         if change.is_some_and(|c| c <= SETTLED) {
             change = Some(change.unwrap_or(0.0).max(self.gain_from_waves(convergence, &trial)?));
         }
-        let open_loop_cost = trial.open_loop_cost;
+        let predicted = trial.predicted;
         let single = |reason| -> Result<(Self, Prepared), MpcError> {
             let problem = self.with_method(Method::Rti { initial_iterations: 1, feedback }, reason);
             let controller = Box::new(problem.receding(feedback, problem.start())?);
-            Ok((problem, Prepared { controller, plan: None, open_loop_cost }))
+            Ok((problem, Prepared { controller, plan: None, predicted }))
         };
         if let Some(change) = change.filter(|c| *c <= SETTLED) {
             return single(MethodReason::Settled { change });
@@ -146,7 +147,7 @@ impl ControlProblem {
         let mut rti = self.receding(feedback, start)?;
         let mut ocp = self.ocp.clone();
         let mut rehearsal = Rehearsal::smoothed(self)?;
-        let mut trial = Trial { open_loop_cost: f64::NAN, plans: Vec::new() };
+        let mut trial = Trial { predicted: HorizonCost::NONE, plans: Vec::new() };
         for programs in [1, MORE_PROGRAMS] {
             for _ in 0..programs {
                 check_flag(&self.stop)?;
@@ -155,11 +156,11 @@ impl ControlProblem {
                 }
             }
             let mut plan = rti.trajectory().clone();
-            let cost = ocp.cost(0, &plan);
+            let costs = ocp.costs(0, &plan);
             if trial.plans.is_empty() {
-                trial.open_loop_cost = cost;
+                trial.predicted = costs;
             }
-            let predicted = cost + ocp.penalty(0, &plan, self.qp.hard_weight);
+            let predicted = costs.total() + ocp.penalty(0, &plan, self.qp.hard_weight);
             // What its inputs really cost shows how far the plan is from the dynamics.
             let real = rehearsal.cost(&mut plan);
             trial.plans.push(Rated { predicted, real, plan });

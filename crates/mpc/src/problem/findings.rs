@@ -29,8 +29,12 @@ fn notes_on_tables(problem: &ControlProblem) -> impl Iterator<Item = Note> {
     let (last_sample, end) = ((problem.samples - 1) as f64 * dt, problem.samples as f64 * dt);
     let tables = problem.schedule.parameters.iter().chain(&problem.schedule.references);
     // Times are rounded.
-    let short = tables.filter_map(move |s| Some((s, s.last.filter(|last| *last < last_sample - 1e-6 * dt)?)));
-    short.map(move |(s, last)| Note::TableEnds { name: s.name.clone(), last, end })
+    let short = tables
+        .clone()
+        .filter(|s| !s.one_row)
+        .filter_map(move |s| Some((s, s.last.filter(|last| *last < last_sample - 1e-6 * dt)?)));
+    let one_row = tables.clone().filter(|s| s.one_row).map(|s| Note::OneRow { name: s.name.clone() });
+    one_row.chain(short.map(move |(s, last)| Note::TableEnds { name: s.name.clone(), last, end }))
 }
 
 /// Hard bounds that the initial state violates.
@@ -47,7 +51,9 @@ fn notes_on_start(problem: &ControlProblem) -> impl Iterator<Item = Note> {
 /// What went wrong in a run: quantities that are not finite, then samples without a good solution; and what the
 /// controller is told of delays.
 pub(super) fn findings(problem: &ControlProblem, run: &ClosedLoop, open_loop_cost: f64) -> Vec<Note> {
-    let mut notes = Vec::new();
+    let mut notes = problem.remarks.clone();
+    let unused = problem.references.iter().filter(|r| !r.used);
+    notes.extend(unused.map(|r| Note::UnusedReference { name: r.name.clone() }));
     let sample = |k: usize| FirstSample { index: k, time: run.t[k] };
     let names = problem.system.state_names();
     let mut states = run.x.iter().enumerate();

@@ -26,6 +26,6 @@ pub use found_values::FoundValues;
 pub use method::{Convergence, Feedback, Method, MethodReason};
 pub use notes::{Cause, FirstSample, Note};
 pub use on_plant::{ControlError, Controlled, control, control_watched};
-pub use report::{ClosedLoopReport, KeptRange, PlanReport};
+pub use report::{ClosedLoopReport, KeptRange, PlanReport, ViolationReport};
 pub use run::ControlRun;
-pub use schedule::{Schedule, Scheduled};
+pub use schedule::{ReferenceUse, Schedule, Scheduled};

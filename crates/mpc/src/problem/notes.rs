@@ -66,6 +66,23 @@ pub enum Note {
         /// End of the run, s.
         end: f64,
     },
+    /// A table of a reference or parameter has one row: the quantity is constant.
+    OneRow {
+        /// The reference or parameter.
+        name: String,
+    },
+    /// A reference is in no cost and no constraint.
+    UnusedReference {
+        /// Its name.
+        name: String,
+    },
+    /// An interval is much longer than every motion of the model.
+    LongInterval {
+        /// Its length, s.
+        dt: f64,
+        /// Time constant of the slowest motion, or of the fastest growing one, s.
+        time_constant: f64,
+    },
     /// The run starts where a hard bound is violated.
     StartsOutside {
         /// The state.
@@ -241,6 +258,9 @@ impl Note {
             | Self::Infeasible { .. } => true,
             Self::Delays { .. }
             | Self::TableEnds { .. }
+            | Self::OneRow { .. }
+            | Self::UnusedReference { .. }
+            | Self::LongInterval { .. }
             | Self::StartsOutside { .. }
             | Self::TargetsLater { .. }
             | Self::BeyondRange { .. }
@@ -299,6 +319,20 @@ impl fmt::Display for Note {
                 "the table of `{name}` ends at t = {} s, the run at t = {} s: afterwards the last value is kept",
                 readable(*last),
                 readable(*end)
+            ),
+            Note::OneRow { name } => {
+                write!(f, "the table of `{name}` has one row: its value holds at all times; give more rows, or a number")
+            }
+            Note::UnusedReference { name } => write!(
+                f,
+                "nothing uses the reference `{name}`: write it in the cost, such as (x - {name})^2, or remove it"
+            ),
+            Note::LongInterval { dt, time_constant } => write!(
+                f,
+                "an interval of {} s is {} times as long as the time constant of the model's motion, {} s: is dt in seconds?",
+                readable(*dt),
+                readable((dt / time_constant).round()),
+                readable(*time_constant)
             ),
             Note::StartsOutside { state, value, bounds } => write!(
                 f,

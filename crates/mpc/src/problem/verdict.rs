@@ -8,7 +8,7 @@ use super::rehearsal::{Held, Rehearsal};
 use super::signs::jumps;
 use crate::closed_loop::ClosedLoop;
 use crate::error::MpcError;
-use crate::ocp::Ocp;
+use crate::ocp::{HorizonCost, Ocp};
 use crate::sqp::{SolveStatus, Sqp};
 use crate::trajectory::Trajectory;
 
@@ -49,7 +49,7 @@ pub(super) fn verdict(
     run: &ClosedLoop,
     plan: &Trajectory,
     planned: bool,
-    predicted: f64,
+    predicted: HorizonCost,
 ) -> Result<Vec<Note>, MpcError> {
     let mut notes = Vec::new();
     let answered = run.steps.len() - run.counts.played_out;
@@ -234,7 +234,7 @@ fn not_held(problem: &ControlProblem, run: &ClosedLoop, floor: f64) -> Option<No
 }
 
 /// Costs of what was done and of what was planned.
-fn balance(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory, predicted: f64) -> Balance {
+fn balance(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory, predicted: HorizonCost) -> Balance {
     let mut ocp = problem.ocp.clone();
     // Those of a horizon that moves on are not met on the way.
     ocp.targets.clear();
@@ -256,7 +256,7 @@ fn balance(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory, predic
     let realized = whole(&run.x[..=intervals], &run.u[..intervals]);
     // The trajectory that real-time iteration starts from is no plan yet: what is known is the cost of its whole first plan.
     let planned = if one_program {
-        if intervals == problem.ocp.steps { predicted } else { f64::NAN }
+        if intervals == problem.ocp.steps { predicted.total() } else { f64::NAN }
     } else {
         let (x, u) = rows(intervals.min(plan.steps()));
         whole(&x, &u)
