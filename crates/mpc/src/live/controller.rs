@@ -60,8 +60,8 @@ pub struct LiveStep {
 /// # }
 /// ```
 ///
-/// With the real-time iteration, neither feedback nor preparation allocates memory of its own; Clarabel's update does. The other
-/// methods allocate at every sample.
+/// With real-time iteration and sequential quadratic programs, neither feedback nor preparation allocates memory of its own; Clarabel's
+/// update does. Exact friction and moving-horizon estimation allocate at every sample.
 pub struct LiveController {
     pub(super) problem: ControlProblem,
     pub(super) controller: Box<dyn Controller>,
