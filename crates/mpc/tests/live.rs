@@ -401,18 +401,18 @@ fn the_derivative_of_a_changed_reference_is_that_of_its_new_values() {
     let ahead: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k * k % 17)).collect();
     let slopes: Vec<f64> = ahead.windows(2).map(|w| (w[1] - w[0]) / 0.05).chain([0.0]).collect();
     let mut derived = with("r = \"sin(t)\"", "der(r)").controller().unwrap();
-    let mut spelled = with("r = \"sin(t)\", d = \"cos(t)\"", "d").controller().unwrap();
+    let mut spelled = with("r = \"sin(t)\", rate_of_r = \"cos(t)\"", "rate_of_r").controller().unwrap();
     assert_eq!(derived.references(), ["r"]);
     assert!(matches!(derived.set_reference("der(r)", 1.0), Err(MpcError::NoSuchName { .. })));
     for k in 0..30 {
         if k == 10 {
             derived.set_reference_ahead("r", &ahead).unwrap();
             spelled.set_reference_ahead("r", &ahead).unwrap();
-            spelled.set_reference_ahead("d", &slopes).unwrap();
+            spelled.set_reference_ahead("rate_of_r", &slopes).unwrap();
         } else if k == 20 {
             derived.set_reference("r", 0.2).unwrap();
             spelled.set_reference("r", 0.2).unwrap();
-            spelled.set_reference("d", 0.0).unwrap();
+            spelled.set_reference("rate_of_r", 0.0).unwrap();
         }
         let y = [0.1 + 0.01 * f64::from(k), 0.0];
         let (a, b) = (derived.step(&y).unwrap().step.u[0], spelled.step(&y).unwrap().step.u[0]);

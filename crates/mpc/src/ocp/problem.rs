@@ -4,6 +4,7 @@ use super::bounds::{Bounds, HARD_TOLERANCE, Softness, ordered, positive, weight}
 use super::constraint::{NormConstraint, PathConstraint, TerminalSet};
 use super::cost::CostFunction;
 use super::cost_names::CostPoint;
+use super::horizon_cost::HorizonCost;
 use super::previous_input::PreviousInput;
 use crate::error::{MpcError, check_length, check_value};
 use crate::integrator::Integrator;
@@ -39,24 +40,6 @@ pub struct TerminalTarget {
     pub linear: f64,
     /// Weight of e².
     pub quadratic: f64,
-}
-
-/// What a trajectory costs over a horizon, without penalties.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct HorizonCost {
-    /// The stage cost, summed over the intervals.
-    pub(crate) stage: f64,
-    /// The terminal cost.
-    pub(crate) terminal: f64,
-}
-
-impl HorizonCost {
-    /// That of no trajectory.
-    pub(crate) const NONE: Self = Self { stage: f64::NAN, terminal: f64::NAN };
-
-    pub(crate) fn total(self) -> f64 {
-        self.stage + self.terminal
-    }
 }
 
 /// An optimal control problem over N intervals of length dt. Every field is in the unit of its state or input.

@@ -47,18 +47,17 @@ impl ControlProblem {
             let mut controller = exact.stick_slip(iterations)?;
             let names = self.friction_in_reach(&mut controller)?;
             if !names.is_empty() {
+                if let Some(planned) = self.plan_through_friction(convergence)? {
+                    return Ok(planned);
+                }
                 exact.method_reason = MethodReason::Friction { names };
                 let prepared = exact.on_exact_flow(controller)?;
                 return Ok((exact, prepared));
             }
         }
-        if !self.ocp.targets.is_empty() && self.samples <= self.ocp.steps && self.ocp.is_uniform() {
-            let feedback = Feedback { guarded: true, ..Feedback::default() };
-            let method = Method::Plan { convergence, margin: 0.0, feedback };
+        if self.ends_with_targets() {
             // Friction is not in reach: one width is enough.
-            let plan = Self { smoothing: self.widths(), ..self.with_method(method, MethodReason::Targets) };
-            let prepared = plan.tracker(0.0, feedback)?;
-            return Ok((plan, prepared));
+            return Self { smoothing: self.widths(), ..self.clone() }.planned(convergence);
         }
         let feedback = Feedback::default();
         let trial = self.try_one_program(feedback, self.start())?;
@@ -83,6 +82,35 @@ impl ControlProblem {
         }
         let prepared = converged.converged(sqp, solution)?;
         Ok((converged, prepared))
+    }
+
+    /// Whether the run ends with the horizon and its targets.
+    fn ends_with_targets(&self) -> bool {
+        !self.ocp.targets.is_empty() && self.samples <= self.ocp.steps && self.ocp.is_uniform()
+    }
+
+    /// The problem with a plan that is tracked to the targets.
+    fn planned(&self, convergence: Convergence) -> Result<(Self, Prepared), MpcError> {
+        let feedback = Feedback { guarded: true, ..Feedback::default() };
+        let method = Method::Plan { convergence, margin: 0.0, feedback };
+        let plan = self.with_method(method, MethodReason::Targets);
+        let prepared = plan.tracker(0.0, feedback)?;
+        Ok((plan, prepared))
+    }
+
+    /// The same through dry friction, where the inputs of the plan reach the targets on the exact flow too: a horizon that moves on
+    /// does not arrive.
+    fn plan_through_friction(&self, convergence: Convergence) -> Result<Option<(Self, Prepared)>, MpcError> {
+        if !self.ends_with_targets() {
+            return Ok(None);
+        }
+        let (problem, prepared) = self.planned(convergence)?;
+        let Some(mut motion) = prepared.plan.as_ref().map(|plan| plan.trajectory.clone()) else { return Ok(None) };
+        let cost = Rehearsal::exact(&problem)?.cost(&mut motion);
+        let end = motion.x(motion.steps());
+        // The linear weight of a target is the inverse of its tolerance.
+        let met = self.ocp.targets.iter().all(|t| (end[t.state] - t.value).abs() * t.linear <= 1.0);
+        Ok((met && cost.is_finite()).then_some((problem, prepared)))
     }
 
     /// By what share of its cost a converged plan from waves beats a first plan that stays at the guess: there, programs that leave

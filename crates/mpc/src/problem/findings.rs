@@ -2,6 +2,7 @@
 //! something else than its model.
 
 use super::control_problem::ControlProblem;
+use super::estimates::estimate_off;
 use super::notes::{FirstSample, Note};
 use crate::closed_loop::ClosedLoop;
 use crate::controller::{FallbackReason, StepStatus};
@@ -13,14 +14,14 @@ use bracketry_system::System;
 fn note_on_delays(problem: &ControlProblem) -> Option<Note> {
     let longest = |system: &System| system.delay_values().into_iter().flatten().fold(0.0, f64::max);
     let (plant, model) = (longest(&problem.plant), longest(&problem.system));
-    if plant == 0.0 && model == 0.0 {
-        return None;
-    }
-    let compensated = match problem.delay_of_inputs() {
-        Ok(samples) if problem.conditions.compensate_delay => samples,
-        _ => 0,
-    };
-    Some(Note::Delays { longest: plant, samples: plant / problem.ocp.dt, compensated })
+    let (samples, compensated) = problem.delay_of_plant();
+    // A delay of the run that the controller predicts over is as it should be.
+    let of_run = problem.conditions.delay > 0 && !problem.conditions.compensate_delay;
+    (plant > 0.0 || model > 0.0 || of_run).then_some(Note::Delays {
+        longest: samples * problem.ocp.dt,
+        samples,
+        compensated,
+    })
 }
 
 /// Tables that end before the last sample.
@@ -61,6 +62,7 @@ pub(super) fn findings(problem: &ControlProblem, run: &ClosedLoop, open_loop_cos
         notes.push(Note::State { name: names[i].clone(), first: sample(k) });
     }
     notes.extend(note_on_delays(problem));
+    notes.extend(estimate_off(problem, run));
     for (j, &bounds) in problem.ocp.input_bounds.iter().enumerate() {
         let Some(range) = problem.system.range_of_input(j) else { continue };
         if bounds.0 < range.0 || bounds.1 > range.1 {

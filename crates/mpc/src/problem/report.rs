@@ -5,7 +5,7 @@ use super::method::MethodReason;
 use super::notes::Note;
 use crate::closed_loop::{Counts, LateSamples, SolveTimes};
 use crate::ocp::BoundSide;
-use crate::sqp::Hessian;
+use crate::sqp::{Hessian, Solution};
 use bracketry_symbolic::Named;
 use serde::Serialize;
 
@@ -24,6 +24,19 @@ pub struct PlanReport {
     pub defect: f64,
     /// Time taken, s.
     pub seconds: f64,
+}
+
+impl PlanReport {
+    pub(super) fn of(plan: &Solution) -> Self {
+        Self {
+            status: plan.status.to_string(),
+            interior_point_steps: plan.interior_point_steps,
+            programs: plan.iterations.len(),
+            hessian: plan.hessian,
+            defect: plan.defect,
+            seconds: plan.seconds,
+        }
+    }
 }
 
 /// The bounds of an input to which the model gives a range: this range, with the ends that the problem gives instead.

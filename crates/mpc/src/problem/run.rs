@@ -119,14 +119,7 @@ impl ControlProblem {
             constraint_violation_at: violation.map(|v| self.violated(&v, &constraints, run.t[v.sample])),
             input_ranges: self.kept_ranges(),
             found: self.found.clone(),
-            plan: plan.as_ref().map(|p| PlanReport {
-                status: p.status.to_string(),
-                interior_point_steps: p.interior_point_steps,
-                programs: p.iterations.len(),
-                hessian: p.hessian,
-                defect: p.defect,
-                seconds: p.seconds,
-            }),
+            plan: plan.as_ref().map(PlanReport::of),
         };
         Ok(ControlRun { report, closed_loop: run, plan, constraints })
     }

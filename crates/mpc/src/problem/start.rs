@@ -182,6 +182,13 @@ impl ControlProblem {
         self.known_delay().unwrap_or(0)
     }
 
+    /// By how much the inputs of the plant act later than measured for, in samples, the largest of them; and how many samples of it the
+    /// controller predicts over.
+    pub(super) fn delay_of_plant(&self) -> (f64, usize) {
+        let of_inputs = self.plant.delay_values().into_iter().flatten().fold(0.0, f64::max);
+        (self.conditions.delay as f64 + of_inputs / self.ocp.dt, self.compensated_delay())
+    }
+
     /// Names of what is measured: the outputs of the estimator, else the states.
     pub fn measured(&self) -> Vec<String> {
         self.estimation.as_ref().map_or_else(|| self.system.state_names(), |e| e.names.clone())
