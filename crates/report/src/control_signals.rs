@@ -31,8 +31,7 @@ pub(crate) fn columns(problem: &ControlProblem, controlled: &Controlled, taken: 
 /// The panel of a state or input with the references that it follows.
 pub(crate) fn with_references(mut panel: Panel, problem: &ControlProblem, t: &[f64], name: &str) -> Panel {
     for r in references(problem) {
-        let follows = |u: &&bracketry_mpc::ReferenceUse| u.name == r.name && u.tracked_by.as_deref() == Some(name);
-        if problem.references.iter().any(|u| follows(&u)) {
+        if problem.references.iter().any(|u| u.name == r.name && u.tracked_by.as_deref() == Some(name)) {
             panel = panel.series(reference(r, t));
         }
     }
@@ -66,7 +65,7 @@ pub(crate) fn panels(problem: &ControlProblem, controlled: &Controlled) -> Vec<P
     panels
 }
 
-/// The references by name; their derivatives are no signals of their own.
+/// The references, and after them those of their derivatives that are used.
 fn references(problem: &ControlProblem) -> impl Iterator<Item = &Scheduled> {
     problem.schedule.references.iter()
 }
