@@ -7,7 +7,7 @@ use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use common::{bracketry, code, file, json, scratch};
 use serde_json::{Value, json};
@@ -313,6 +313,59 @@ fn a_peer_that_does_not_read_ends_the_command() {
     writer.join().unwrap();
 }
 
+/// A peer that closes the end that it reads, and goes on with nothing, is noticed long before the time-out, which is 60 s.
+#[cfg(unix)]
+#[test]
+fn a_peer_that_closes_its_reading_end_is_noticed_at_once() {
+    let dir = scratch("live_closed_reader");
+    let mut peer = Peer::start(&problem(&dir), &[]);
+    peer.ask(&json!({"y": [1, 0]}));
+    let started = Instant::now();
+    drop(peer.from);
+    let o = peer.child.wait_with_output().unwrap();
+    assert!(started.elapsed() < Duration::from_secs(10), "{:?}", started.elapsed());
+    assert_eq!(o.status.code(), Some(1));
+    assert!(String::from_utf8(o.stderr).unwrap().contains("does not read"));
+    drop(peer.to);
+}
+
+/// Samples that take longer than the sampling period are counted: with a period of a nanosecond, all of them.
+#[test]
+fn samples_that_take_longer_than_the_period_are_counted() {
+    let dir = scratch("live_late");
+    file(&dir, "mass.toml", MODEL);
+    let path = file(&dir, "problem.toml", &PROBLEM.replace("dt = 0.1", "dt = 1e-9"));
+    let mut peer = Peer::start(&path, &[]);
+    for _ in 0..3 {
+        peer.ask(&json!({"y": [1, 0]}));
+    }
+    let end = peer.ask(&json!({"type": "end"}));
+    assert_eq!((&end["late"]["samples"], &end["late"]["share"]), (&3.into(), &1.0.into()));
+    assert!(number(&end["late"]["longest_ms"]) > 1e-6);
+    let (code, said) = peer.end();
+    assert!(code == 0 && said.contains("3 samples (100.0 %) took longer to solve"), "{code} {said}");
+}
+
+/// A problem without `[run]` is one for a controller of a plant of one's own; to run it, a start is missing.
+#[test]
+fn a_problem_without_a_run_is_for_live_controllers() {
+    let dir = scratch("live_no_run");
+    file(&dir, "mass.toml", MODEL);
+    let text = PROBLEM.split("run = ").next().unwrap();
+    let path = file(&dir, "problem.toml", text);
+    let o = bracketry(&["control", &path]);
+    let said = String::from_utf8(o.stderr.clone()).unwrap();
+    assert!(code(&o) == 2 && said.contains("[run]") && said.contains("--live"), "{said}");
+    let mut open = Peer::start(&path, &[]);
+    let given = file(&dir, "given.toml", &PROBLEM.replace("x0 = { x = 1 }", "x0 = { x = 1, v = 0.5 }"));
+    let mut given = Peer::start(&given, &[]);
+    for k in 0..5 {
+        let y = json!({"y": [1.0 - 0.01 * f64::from(k), 0.5]});
+        let [a, b] = [&mut open, &mut given].map(|peer| number(&peer.ask(&y)["u"][0]));
+        assert!((a - b).abs() < 1e-6, "{k}: {a} {b}");
+    }
+}
+
 #[test]
 fn limits_that_mean_nothing_are_refused() {
     let dir = scratch("live_limits");
@@ -346,7 +399,7 @@ fn the_command_writes_predictions_and_the_plan() {
     for (sample, now) in run.iter().take(20).enumerate() {
         let mut own = predictions.iter().filter(|row| row[0] == sample as f64);
         let first = own.next().unwrap();
-        assert_eq!(first[1..], now[..], "sample {sample}: time, states and input are those of the run");
+        assert_eq!(first[1..], now[..first.len() - 1], "sample {sample}: time, states and input are those of the run");
         assert_eq!(own.count(), 20 - sample, "the horizon shrinks");
     }
 }

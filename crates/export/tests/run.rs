@@ -187,6 +187,33 @@ fn python_computes_what_the_library_computes() {
     fs::remove_dir_all(dir).unwrap();
 }
 
+/// A vector with an entry too many or too few is an error in every function, also where the function uses none of its entries.
+#[test]
+fn python_refuses_vectors_of_another_length() {
+    let Some(interpreter) = python("numpy") else { return };
+    let (cases, dir) = (cases(), folder("python_lengths"));
+    for case in &cases {
+        write(case, Target::Python, &dir);
+    }
+    let functions = "    for name in functions:
+        for wrong in range(1, len(points[0])):
+            for change in (lambda v: v + [0.5], lambda v: v[:-1]):
+                point = list(points[0])
+                if change(point[wrong]) == point[wrong]:
+                    continue
+                point[wrong] = change(point[wrong])
+                try:
+                    getattr(module, name)(*point)
+                except ValueError as e:
+                    assert 'expected' in str(e), e
+                else:
+                    raise AssertionError((module.__name__, name, wrong))
+";
+    fs::write(dir.join("main.py"), python_driver(&cases, "", functions)).unwrap();
+    run(&interpreter, &dir, &["main.py"]).unwrap();
+    fs::remove_dir_all(dir).unwrap();
+}
+
 #[test]
 fn casadi_computes_what_the_library_computes() {
     let Some(interpreter) = python("casadi") else { return };

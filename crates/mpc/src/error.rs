@@ -127,6 +127,12 @@ pub enum MpcError {
         /// The derivative.
         name: String,
     },
+    /// The problem says nothing of a run.
+    #[error(
+        "there is no [run], which says where the loop starts: add run = {{ x0 = {{ … }}, steps = 100 }}; only a live controller \
+         (--live) does without"
+    )]
+    NoRun,
     /// The flag of the settings was raised.
     #[error("the computation was stopped")]
     Stopped,

@@ -65,9 +65,9 @@ mod trajectory;
 mod transcription;
 
 pub use closed_loop::{
-    ClosedLoop, Counts, DelayCompensated, Fault, FaultFunction, LoopSettings, MeasurementFunction, NoiseFunction,
-    PhaseTimes, Plant, PlantStopped, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop, SolveTimes, SourceCounts,
-    run_closed_loop,
+    ClosedLoop, Counts, DelayCompensated, Fault, FaultFunction, LateSamples, LoopSettings, MeasurementFunction,
+    NoiseFunction, PhaseTimes, Plant, PlantStopped, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop, SolveTimes,
+    SourceCounts, run_closed_loop,
 };
 pub use controller::{
     Brake, Controller, FailurePolicy, FallbackReason, Figures, InputSource, Step, StepLimits, StepStatus,
@@ -84,14 +84,15 @@ pub use exact_friction::{StickSlipController, StickSlipSettings};
 pub use integrator::Integrator;
 pub use live::{Change, LiveController, LiveStep, LoopLog};
 pub use ocp::{
-    Bounds, Branching, CostFunction, CostKind, Margins, NormConstraint, Ocp, PathConstraint, PreviousInput, Softness,
-    Substeps, TerminalSet, TerminalTarget, VectorFunction,
+    BoundSide, Bounded, Bounds, Branching, ConstraintTrace, CostFunction, CostKind, LargestViolation, Margins,
+    NormConstraint, Ocp, PathConstraint, PreviousInput, Softness, Substeps, TerminalSet, TerminalTarget,
+    VectorFunction,
 };
 pub use problem::{
     Cause, ChanceMargin, ChanceReport, ClosedLoopReport, ControlError, ControlProblem, ControlRun, Controlled,
     Convergence, Estimation, EstimatorKind, Feedback, FirstSample, FoundValues, KeptRange, MarginFeedback, Method,
-    MethodReason, Note, PlanReport, ProblemError, RoundingReport, RunConditions, ScenarioReport, Schedule, Scheduled,
-    control, control_watched,
+    MethodReason, Note, PlanReport, ProblemError, ReferenceUse, RoundingReport, RunConditions, ScenarioReport,
+    Schedule, Scheduled, ViolationReport, control, control_watched,
 };
 pub use qp::{ProgramForm, QpBackend, QpSettings, QpStatus, StageProgram, StageSolution};
 pub use riccati::{InfiniteHorizon, Riccati, dare};

@@ -48,7 +48,7 @@ fn a_limited_input_vector_is_the_projection_of_the_free_one_onto_the_disk() {
     let mut ocp = problem(&system, 4, "(u - a)^2 + (v - b)^2");
     ocp.references = vec![vec![3.0, 4.0], vec![0.3, -0.2], vec![-5.0, 12.0], vec![2.5, 0.0]];
     let (vector, limit) = (function(&system, &["u", "v"]), function(&system, &["2"]));
-    ocp.norm_constraints = vec![NormConstraint { vector, limit, softness: Softness::Hard }];
+    ocp.norm_constraints = vec![NormConstraint { name: String::new(), vector, limit, softness: Softness::Hard }];
     for form in FORMS {
         let s = solve(&system, &ocp, form, [0.0, 0.0]);
         assert_eq!(s.status, SolveStatus::Converged);
@@ -66,7 +66,7 @@ fn a_limit_that_depends_on_the_input_is_a_friction_cone() {
     let system = point();
     let mut ocp = problem(&system, 3, "(u - 1)^2 + (v - 1)^2");
     let (vector, limit) = (function(&system, &["u"]), function(&system, &["v/2"]));
-    ocp.norm_constraints = vec![NormConstraint { vector, limit, softness: Softness::Hard }];
+    ocp.norm_constraints = vec![NormConstraint { name: String::new(), vector, limit, softness: Softness::Hard }];
     for form in FORMS {
         let s = solve(&system, &ocp, form, [0.0, 0.0]);
         let along = (0.5 + 1.0) / 1.25;
@@ -108,8 +108,12 @@ fn nonlinear_path_constraints_are_kept_and_touched() {
     let system = point();
     let mut ocp = problem(&system, 12, "u^2 + v^2 + 10*(p - 2)^2 + 10*q^2");
     let outside = Bounds { min: 1.0, max: f64::INFINITY, softness: Softness::Hard };
-    ocp.path_constraints =
-        vec![PathConstraint { function: function(&system, &["p^2 + q^2"]), bounds: outside, at_end: false }];
+    ocp.path_constraints = vec![PathConstraint {
+        name: String::new(),
+        function: function(&system, &["p^2 + q^2"]),
+        bounds: outside,
+        at_end: false,
+    }];
     ocp.input_bounds = vec![(-0.8, 0.8); 2];
     for form in FORMS {
         let s = solve(&system, &ocp, form, [-2.0, 0.3]);
@@ -127,8 +131,12 @@ fn a_constraint_at_the_end_holds_there_alone() {
     let system = point();
     let mut ocp = problem(&system, 10, "u^2 + v^2");
     let rim = Bounds { min: 4.0, max: 4.0, softness: Softness::Hard };
-    ocp.path_constraints =
-        vec![PathConstraint { function: function(&system, &["p^2 + q^2"]), bounds: rim, at_end: true }];
+    ocp.path_constraints = vec![PathConstraint {
+        name: String::new(),
+        function: function(&system, &["p^2 + q^2"]),
+        bounds: rim,
+        at_end: true,
+    }];
     for form in FORMS {
         for direction in [0.3f64, 2.0, -1.2] {
             let start = [0.5 * direction.cos(), 0.5 * direction.sin()];
@@ -150,7 +158,8 @@ fn a_soft_path_constraint_gives_way_where_its_price_is_exceeded() {
     let mut ocp = problem(&system, 2, "(u - 3)^2 + v^2");
     let softness = Softness::Soft { linear: 1.0, quadratic: 0.5 };
     let bounds = Bounds { min: f64::NEG_INFINITY, max: 1.0, softness };
-    ocp.path_constraints = vec![PathConstraint { function: function(&system, &["u"]), bounds, at_end: false }];
+    ocp.path_constraints =
+        vec![PathConstraint { name: String::new(), function: function(&system, &["u"]), bounds, at_end: false }];
     for form in FORMS {
         let s = solve(&system, &ocp, form, [0.0, 0.0]);
         assert_eq!(s.status, SolveStatus::Converged);
@@ -164,7 +173,8 @@ fn contradictions_are_solved_with_the_smallest_violation_and_reported() {
     let mut ocp = problem(&system, 3, "u^2 + v^2");
     ocp.input_bounds[0] = (-1.0, 1.0);
     let bounds = Bounds { min: 1.75, max: f64::INFINITY, softness: Softness::Hard };
-    ocp.path_constraints = vec![PathConstraint { function: function(&system, &["u"]), bounds, at_end: false }];
+    ocp.path_constraints =
+        vec![PathConstraint { name: String::new(), function: function(&system, &["u"]), bounds, at_end: false }];
     for form in FORMS {
         let s = solve(&system, &ocp, form, [0.0, 0.0]);
         let SolveStatus::Infeasible { violation } = s.status else { panic!("{:?}", s.status) };
@@ -174,7 +184,7 @@ fn contradictions_are_solved_with_the_smallest_violation_and_reported() {
     // No vector is shorter than −0.5.
     let mut ocp = problem(&system, 3, "(u - 1)^2 + v^2");
     let (vector, limit) = (function(&system, &["u", "v"]), function(&system, &["-0.5"]));
-    ocp.norm_constraints = vec![NormConstraint { vector, limit, softness: Softness::Hard }];
+    ocp.norm_constraints = vec![NormConstraint { name: String::new(), vector, limit, softness: Softness::Hard }];
     for form in FORMS {
         let s = solve(&system, &ocp, form, [0.0, 0.0]);
         let SolveStatus::Infeasible { violation } = s.status else { panic!("{:?}", s.status) };
@@ -241,11 +251,13 @@ fn what_contradicts_the_model_is_refused() {
         ocp.check(2, 2).unwrap_err().to_string()
     };
     let path = |f: VectorFunction, min: f64, max: f64| PathConstraint {
+        name: String::new(),
         function: f,
         bounds: Bounds { min, max, softness: Softness::Hard },
         at_end: false,
     };
     let norm = |vector: &[&str], limit: &[&str]| NormConstraint {
+        name: String::new(),
         vector: function(&system, vector),
         limit: function(&system, limit),
         softness: Softness::Hard,

@@ -31,7 +31,7 @@ fn maratos(second_order_correction: bool) -> Solution {
     ocp.stage = Some(CostFunction::parse(&system, CostKind::Stage, &[], "(u^2 + v^2)/2 - u").unwrap());
     let function = VectorFunction::parse(&system, &[], &["u^2 + v^2"]).unwrap();
     let bounds = Bounds { min: 1.0, max: 1.0, softness: Softness::Hard };
-    ocp.path_constraints = vec![PathConstraint { function, bounds, at_end: false }];
+    ocp.path_constraints = vec![PathConstraint { name: String::new(), function, bounds, at_end: false }];
     let guess = Trajectory::from_rows(&[vec![0.0], vec![0.5f64.cos()]], &[vec![0.5f64.cos(), 0.5f64.sin()]]).unwrap();
     let settings = SqpSettings { second_order_correction, ..filter_alone() };
     solver(&system, ocp, settings).solve(&[0.0], &guess).unwrap()

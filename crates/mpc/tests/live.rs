@@ -358,3 +358,64 @@ fn the_log_keeps_the_last_samples_with_the_inputs_that_acted() {
         assert_eq!(row, [run.t[k], run.y[k][0], run.u[k][0]]);
     }
 }
+
+/// Without `[run]`, the controller does what the one does whose file has the first measured state as x0, by every method, after a
+/// reset too.
+#[test]
+fn a_problem_without_a_run_starts_from_the_first_measurement() {
+    let body = r#"
+        cost = { stage = "10*(th - r)^2 + 0.1*w^2 + 0.01*u^2" }
+        references = { r = "0.3*sin(2*t)" }
+        constraints = { u = { min = -12, max = 12 } }
+    "#;
+    for method in ["", "solve = { method = \"rti\", initial_iterations = 5 }", "solve = { method = \"plan\" }"] {
+        let open = problem(&format!("{body}\n{method}"));
+        assert!(matches!(open.run(&mut plant(&open)), Err(MpcError::NoRun)));
+        let given = problem(&format!("{body}\n{method}\nrun = {{ x0 = {{ th = 1.5, w = -0.5 }} }}"));
+        let inputs = |controller: &mut LiveController| {
+            let y = |k: usize| [1.5 - 0.02 * k as f64, -0.5];
+            (0..8).map(|k| controller.step(&y(k)).unwrap().step.u[0]).collect::<Vec<f64>>()
+        };
+        let expected = inputs(&mut given.controller().unwrap());
+        // The sizes of the states, to which programs are solved, are those of another trial run.
+        let same = |found: &[f64]| found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-5);
+        let mut controller = open.controller().unwrap();
+        let first = inputs(&mut controller);
+        assert!(same(&first), "{method}: {first:?} {expected:?}");
+        controller.reset().unwrap();
+        assert_eq!(inputs(&mut controller), first, "{method}, after a reset");
+        controller.reset_to(&[1.5, -0.5]).unwrap();
+        assert!(same(&inputs(&mut controller)), "{method}, from a given state");
+    }
+}
+
+/// A reference that is changed takes its derivative along: 0 for a constant, differences for values known ahead.
+#[test]
+fn the_derivative_of_a_changed_reference_is_that_of_its_new_values() {
+    let with = |reference: &str, derivative: &str| {
+        problem(&format!(
+            "cost = {{ stage = \"10*(th - r)^2 + 0.1*(w - {derivative})^2 + 0.01*u^2\" }}\nsolve = {{ method = \"rti\" }}\n\
+             references = {{ {reference} }}\nrun = {{ x0 = {{ th = 0.1 }} }}"
+        ))
+    };
+    let ahead: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k * k % 17)).collect();
+    let slopes: Vec<f64> = ahead.windows(2).map(|w| (w[1] - w[0]) / 0.05).chain([0.0]).collect();
+    let mut derived = with("r = \"sin(t)\"", "der(r)").controller().unwrap();
+    let mut spelled = with("r = \"sin(t)\", rate_of_r = \"cos(t)\"", "rate_of_r").controller().unwrap();
+    assert_eq!(derived.references(), ["r"]);
+    assert!(matches!(derived.set_reference("der(r)", 1.0), Err(MpcError::NoSuchName { .. })));
+    for k in 0..30 {
+        if k == 10 {
+            derived.set_reference_ahead("r", &ahead).unwrap();
+            spelled.set_reference_ahead("r", &ahead).unwrap();
+            spelled.set_reference_ahead("rate_of_r", &slopes).unwrap();
+        } else if k == 20 {
+            derived.set_reference("r", 0.2).unwrap();
+            spelled.set_reference("r", 0.2).unwrap();
+            spelled.set_reference("rate_of_r", 0.0).unwrap();
+        }
+        let y = [0.1 + 0.01 * f64::from(k), 0.0];
+        let (a, b) = (derived.step(&y).unwrap().step.u[0], spelled.step(&y).unwrap().step.u[0]);
+        assert!((a - b).abs() < 1e-9, "sample {k}: {a} {b}");
+    }
+}

@@ -55,6 +55,12 @@ fn mistakes_are_said_with_their_place_and_remedy() {
     let mistakes = [
         ("horizon = { dt = 0.1 }", "[horizon] has no `steps`"),
         ("horizon = { steps = 10 }", "[horizon] has no `dt`"),
+        ("horizon = { steps = 0, dt = 0.1 }", "`steps` must be a whole number from 1 to 20000"),
+        ("horizon = { steps = 10, dt = \"50 ms\" }", "give seconds: 0.05"),
+        ("horizon = { steps = 10, dt = \"20Hz\" }", "give seconds: 0.05"),
+        ("references = { x = 1 }", "stage = \"(x - x_ref)^2"),
+        ("solve = { method = \"rti\", hessian = \"exact\" }", "`hessian` applies to the methods"),
+        ("solve = { iterations = 2, hessian = \"exact\" }", "`iterations` chooses \"rti\""),
         ("horizon = { steps = 10, dt = 0.1, substeps = 1000000 }", "take too long"),
         ("horizon = { steps = 10, dt = 0.1, blocks = [1e300] }", "a whole number from 1 to"),
         ("cost = { stage = 5 }", "the cost has no state or input in it"),
@@ -117,6 +123,42 @@ fn a_table_that_ends_before_the_run_is_told() {
         assert_eq!(notes.iter().any(|n| matches!(n, Note::TableEnds { .. })), told, "{last}: {notes:?}");
         assert!(report.succeeded, "{last}: {notes:?}");
     }
+}
+
+#[test]
+fn a_table_with_one_row_is_a_constant_and_is_told() {
+    let folder = folder();
+    std::fs::write(folder.join("one.csv"), "t,r\n0,0.5\n").unwrap();
+    let cost = "cost = { stage = \"(x - r)^2 + 0.1*u^2\" }\n";
+    let costs = |r: &str| {
+        let problem =
+            read(&with(&format!("{cost}references = {{ r = {r} }}\nsolve = {{ method = \"rti\" }}")), &folder);
+        let report = control(&problem.unwrap()).unwrap().run.report;
+        (report.closed_loop_cost, report.notes)
+    };
+    let (from_table, told) = costs("{ file = \"one.csv\" }");
+    let (from_number, quiet) = costs("0.5");
+    assert_eq!(from_table, from_number);
+    assert!(matches!(&told[..], [Note::OneRow { name }] if name == "r") && quiet.is_empty(), "{told:?} {quiet:?}");
+}
+
+#[test]
+fn a_reference_that_nothing_uses_is_told() {
+    let report = run("references = { r = 1, s = \"sin(t)\" }\ncost = { stage = \"(x - s)^2 + 0.1*u^2\" }");
+    assert!(matches!(&report.notes[..], [Note::UnusedReference { name }] if name == "r"), "{:?}", report.notes);
+    let at_end = run("references = { r = 1 }\nconstraints = { c = { expression = \"x - r\", max = 5, at = \"end\" } }");
+    assert!(at_end.notes.is_empty(), "{:?}", at_end.notes);
+}
+
+/// The oscillator has a period of 2π: an interval of 50 s was meant to be one of 50 ms.
+#[test]
+fn an_interval_beyond_every_motion_of_the_model_is_told() {
+    let notes = |dt: f64| {
+        let text = with(&format!("horizon = {{ steps = 10, dt = {dt} }}\nsolve = {{ method = \"rti\" }}"));
+        control(&read(&text, &folder()).unwrap()).unwrap().run.report.notes
+    };
+    let told = |notes: &[Note]| notes.iter().any(|n| matches!(n, Note::LongInterval { dt: 50.0, .. }));
+    assert!(told(&notes(50.0)) && notes(0.05).is_empty() && notes(1.0).is_empty());
 }
 
 #[test]

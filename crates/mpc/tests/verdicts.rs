@@ -391,3 +391,138 @@ fn a_guess_at_a_maximum_is_left() {
         assert!((report.x_final.get("th").unwrap() - std::f64::consts::PI).abs() > 0.3, "{report:?}");
     }
 }
+
+/// The nonholonomic integrator: no state comes home without a detour, which a cost at the end alone pays for.
+const BROCKETT: &str = r#"
+    states = ["x", "y", "z"]
+    inputs = ["u", "v"]
+    dynamics = { x = "u", y = "v", z = "x*v - y*u" }
+"#;
+
+fn brockett(weight: f64, rest: &str) -> ClosedLoopReport {
+    let text = format!(
+        r#"
+        horizon = {{ steps = 20, dt = 0.05 }}
+        cost = {{ stage = "u^2 + v^2", terminal = "{weight}*(x^2 + y^2 + z^2)" }}
+        guess = {{ u = "cos(6*t)", v = "sin(6*t)" }}
+        {rest}
+        "#
+    );
+    run(BROCKETT, &text)
+}
+
+/// A plan that is tracked to its end costs what was predicted, part by part.
+#[test]
+fn the_parts_of_the_predicted_cost_compare_with_those_of_the_loop() {
+    for weight in [10.0, 1000.0] {
+        let report = brockett(weight, "solve = { method = \"plan\" }\nrun = { x0 = { z = 1 } }");
+        assert!(report.succeeded, "{:?}", report.notes);
+        let parts = report.open_loop_stage_cost + report.open_loop_terminal_cost;
+        assert!((parts - report.open_loop_cost).abs() < 1e-12 * parts);
+        let x = |name: &str| report.x_final.get(name).unwrap();
+        let end = weight * (x("x").powi(2) + x("y").powi(2) + x("z").powi(2));
+        let at_end = report.closed_loop_terminal_cost.unwrap();
+        assert!((at_end - end).abs() < 1e-9 * end.max(1e-9), "{at_end} {end}");
+        let (realized, planned) = (report.closed_loop_cost + at_end, report.open_loop_cost);
+        assert!((realized - planned).abs() < 0.05 * planned, "{realized} {planned}");
+    }
+}
+
+/// A horizon that moves on puts off what costs most at its end. Where it gets there in the end, nothing is wrong; where it does not,
+/// what is said is the terminal cost, and not that the loop costs more than its plan.
+#[test]
+fn a_terminal_cost_is_not_held_against_a_horizon_that_moves_on() {
+    for (steps, arrives) in [(20, false), (400, true)] {
+        let report =
+            brockett(1000.0, &format!("solve = {{ method = \"sqp\" }}\nrun = {{ x0 = {{ z = 1 }}, steps = {steps} }}"));
+        let unlike = report.notes.iter().any(|n| matches!(n, Note::UnlikePlan { .. }));
+        let stays = report.notes.iter().find(|n| matches!(n, Note::EndCostStays { .. }));
+        assert!(!unlike && report.closed_loop_terminal_cost.is_none(), "{:?}", report.notes);
+        assert_eq!(stays.is_none() && report.succeeded, arrives, "{steps}: {report:?}");
+        assert!(stays.is_none_or(|n| n.to_string().contains("method = \"plan\"")));
+    }
+}
+
+/// A delay that the controller does not know is told; where it ruins the loop, the run fails, with the delay as the reason.
+#[test]
+fn a_delay_without_compensation_is_told_and_fails_where_it_ruins_the_loop() {
+    let upright = |delay: usize, compensate: bool| {
+        let text = format!(
+            r#"
+            horizon = {{ steps = 30, dt = 0.05 }}
+            cost = {{ stage = "10*th^2 + 0.1*w^2 + 0.01*u^2" }}
+            constraints = {{ u = {{ min = -15, max = 15 }} }}
+            solve = {{ method = "rti" }}
+            run = {{ x0 = {{ th = 0.3 }}, steps = 100, delay = {delay}, compensate_delay = {compensate} }}
+            "#
+        );
+        run(PENDULUM, &text)
+    };
+    for delay in [1, 2, 5] {
+        let known = upright(delay, true);
+        assert!(known.succeeded && known.notes.is_empty(), "{delay}: {:?}", known.notes);
+        assert!(known.x_final.get("th").unwrap().abs() < 1e-2);
+        let unknown = upright(delay, false);
+        let told = unknown.notes.iter().any(|n| matches!(n, Note::Delays { compensated: 0, .. }));
+        let end = unknown.x_final.get("th").unwrap().abs();
+        assert!(told && (end > 1e-2 || unknown.succeeded), "{delay}: {unknown:?}");
+        // Farther from the goal than at the start.
+        let ruined = end > 0.3;
+        let reason = unknown.notes.iter().any(|n| n.is_failure() && n.to_string().contains("compensate_delay = true"));
+        assert!(!ruined || reason && !unknown.succeeded, "{delay}: {:?}", unknown.notes);
+    }
+    assert!(!upright(5, false).succeeded && upright(0, false).notes.is_empty());
+}
+
+/// An estimator that is sure of a wrong model does not see that its estimate leaves the state; a simulated plant knows.
+#[test]
+fn an_estimate_that_leaves_the_state_is_told() {
+    let loop_with = |process_noise: &str, plant: &str| {
+        let text = format!(
+            r#"
+            horizon = {{ steps = 20, dt = 0.1 }}
+            cost = {{ stage = "x^2 + 0.1*v^2 + 0.1*u^2" }}
+            constraints = {{ u = {{ min = -5, max = 5 }} }}
+            solve = {{ method = "rti" }}
+            run = {{ x0 = {{ x = 1 }}, steps = 100, noise = {{ x = 0.001 }}, parameters = {{ c = {plant} }} }}
+            [estimation]
+            kind = "ekf"
+            outputs = {{ x = 0.001 }}
+            {process_noise}
+            "#
+        );
+        run(
+            "states = [\"x\", \"v\"]\ninputs = [\"u\"]\nparameters = { c = 0 }\ndynamics = { x = \"v\", v = \"u + c\" }\n",
+            &text,
+        )
+    };
+    let sure = "process_noise = { x = 1e-9, v = 1e-9 }";
+    let off = |report: &ClosedLoopReport| report.notes.iter().any(|n| matches!(n, Note::EstimateOff { .. }));
+    let wrong = loop_with(sure, "3");
+    assert!(off(&wrong) && !wrong.succeeded, "{:?}", wrong.notes);
+    for (process_noise, plant) in [(sure, "0"), ("", "0"), ("process_noise = { v = 3 }", "3")] {
+        let right = loop_with(process_noise, plant);
+        assert!(!off(&right) && right.succeeded, "{process_noise} {plant}: {:?}", right.notes);
+    }
+}
+
+/// Targets at the end of the run, with dry friction on the way: a plan whose inputs arrive on the exact flow is taken without being
+/// asked for, and arrives; where a horizon that moves on is asked for, the note names the plan.
+#[test]
+fn targets_beyond_dry_friction_are_planned_for_where_the_plan_arrives() {
+    for friction in [0.2, 0.5] {
+        let model = SPRING_MASS.replace("F = 0.2", &format!("F = {friction}"));
+        let text = r#"
+            horizon = { steps = 20, dt = 0.15 }
+            cost = { stage = "0.1*v^2 + 0.1*u^2" }
+            constraints = { u = { min = -2, max = 2 } }
+            target = { x = { value = 1, tolerance = 0.01 }, v = { value = 0, tolerance = 0.01 } }
+        "#;
+        let chosen = run(&model, &format!("{text}run = {{}}"));
+        assert_eq!((chosen.method, &chosen.method_reason), ("plan", &MethodReason::Targets));
+        assert!(chosen.succeeded && chosen.miss.iter().all(|(_, miss)| miss.abs() <= 0.01), "{chosen:?}");
+        let moving = run(&model, &format!("{text}solve = {{ method = \"stick-slip\" }}\nrun = {{}}"));
+        let missed = moving.notes.iter().find(|n| matches!(n, Note::MissedTarget { .. })).unwrap();
+        assert!(!moving.succeeded && missed.to_string().contains("method = \"plan\""), "{missed}");
+    }
+}

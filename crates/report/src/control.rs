@@ -3,13 +3,14 @@
 use std::fmt;
 
 use bracketry_mpc::{
-    ClosedLoopReport, ControlError, ControlProblem, Controlled, Hessian, MethodReason, MpcError, Ocp, PlantStopped,
-    Trajectory,
+    BoundSide, ClosedLoopReport, ControlError, ControlProblem, Controlled, Hessian, LateSamples, MethodReason,
+    MpcError, Ocp, PlantStopped, Trajectory,
 };
 use bracketry_plot::{Dash, Drawing, Panel, PlotError, Series, TimeSeries};
 use bracketry_sim::Breakdown;
 use bracketry_system::{counted, readable};
 
+use crate::control_signals::{columns, is_tracking, panels, with_references};
 use crate::simulation::{self, friction_bands, friction_colors};
 
 /// The figures of a closed loop, one to a line.
@@ -66,7 +67,15 @@ impl fmt::Display for Text<'_> {
             }
         }
         let (cost, predicted) = (readable(report.closed_loop_cost), readable(report.open_loop_cost));
-        writeln!(f, "cost           {cost} in closed loop, {predicted} predicted")?;
+        write!(f, "cost           {cost} in closed loop, {predicted} predicted")?;
+        if report.open_loop_terminal_cost != 0.0 {
+            let (stage, terminal) = (report.open_loop_stage_cost, report.open_loop_terminal_cost);
+            write!(f, ": {} stage, {} terminal", readable(stage), readable(terminal))?;
+            if let Some(end) = report.closed_loop_terminal_cost {
+                write!(f, ", which is {} in closed loop", readable(end))?;
+            }
+        }
+        writeln!(f)?;
         let c = &report.status;
         writeln!(
             f,
@@ -82,7 +91,15 @@ impl fmt::Display for Text<'_> {
             s.max,
             readable(report.period_ms)
         )?;
-        writeln!(f, "bounds         violated by at most {}", readable(report.constraint_violation_max))?;
+        write!(f, "bounds         violated by at most {}", readable(report.constraint_violation_max))?;
+        if let Some(v) = &report.constraint_violation_at {
+            let side = match v.side {
+                BoundSide::Min => "below its min",
+                BoundSide::Max => "above its max",
+            };
+            write!(f, ": `{}` {side} at sample {} (t = {} s)", v.name, v.sample, readable(v.time))?;
+        }
+        writeln!(f)?;
         for r in &report.input_ranges {
             let ends = [(r.min, "at least "), (r.max, "at most ")];
             let ends = ends.into_iter().filter_map(|(end, word)| Some(format!("{word}{}", readable(end?))));
@@ -104,8 +121,25 @@ impl fmt::Display for Text<'_> {
         for note in &report.notes {
             writeln!(f, "note           {note}")?;
         }
+        if let Some(said) = late(&report.late, report.period_ms) {
+            writeln!(f, "note           {said}")?;
+        }
         Ok(())
     }
+}
+
+/// What is to be said of samples that took too long; none where there are none.
+pub fn late(late: &LateSamples, period_ms: f64) -> Option<String> {
+    (late.samples > 0).then(|| {
+        format!(
+            "{} ({:.1} %) took longer to solve than the sampling period of {} ms, the longest {:.2} ms: on a real plant, their \
+             inputs come late; take fewer steps, method = \"rti\", a time_limit, or a longer dt",
+            counted(late.samples, "sample", "samples"),
+            100.0 * late.share,
+            readable(period_ms),
+            late.longest_ms
+        )
+    })
 }
 
 /// What it took to find a plan.
@@ -152,7 +186,8 @@ pub fn error(problem: &ControlProblem, error: &ControlError) -> String {
     error.to_string()
 }
 
-/// Names of the columns and rows of a table: time, states, inputs and, where states are estimated, the estimates.
+/// Names of the columns and rows of a table: time, states, inputs and, where states are estimated, the estimates; then the
+/// references and the named constraints.
 pub fn table(problem: &ControlProblem, controlled: &Controlled) -> (Vec<String>, Vec<Vec<f64>>) {
     let run = &controlled.run.closed_loop;
     let states = problem.plant.state_names();
@@ -163,12 +198,17 @@ pub fn table(problem: &ControlProblem, controlled: &Controlled) -> (Vec<String>,
     if estimated {
         header.extend(states.iter().map(|x| format!("estimated {x}")));
     }
+    let signals = columns(problem, controlled, &header);
+    header.extend(signals.iter().map(|s| s.0.clone()));
     // The last state has no sample of its own: the last applied input and the last estimate stand there.
     let rows = (0..run.t.len())
         .map(|k| {
             let last = k.min(run.u.len() - 1);
             let estimate = run.estimates[last].iter().take(if estimated { states.len() } else { 0 });
-            std::iter::once(&rounded(run.t[k])).chain(&run.x[k]).chain(&run.u[last]).chain(estimate).copied().collect()
+            let signals = signals.iter().map(|s| &s.1[k]);
+            let t = rounded(run.t[k]);
+            let row = std::iter::once(&t).chain(&run.x[k]).chain(&run.u[last]);
+            row.chain(estimate).chain(signals).copied().collect()
         })
         .collect();
     (header, rows)
@@ -208,7 +248,7 @@ fn rounded(t: f64) -> f64 {
     format!("{t:.12e}").parse().unwrap_or(t)
 }
 
-/// States with targets, bounds and the modes of friction, inputs, and the time of each solution.
+/// States with references, targets, bounds and the modes of friction, inputs, named constraints, and the time of each solution.
 ///
 /// # Errors
 /// [`PlotError`] for numbers that no axis holds.
@@ -219,12 +259,19 @@ pub fn figure(problem: &ControlProblem, controlled: &Controlled) -> Result<Drawi
     let mut chart = friction_colors(TimeSeries::new()).title(format!("Closed loop, {}", problem.system.name));
     for (k, name) in states.iter().enumerate() {
         let values: Vec<f64> = run.x.iter().map(|x| x[k]).collect();
-        let label = if estimated { "true state" } else { "" };
+        let label = if estimated {
+            "true state"
+        } else if is_tracking(problem, name) {
+            name
+        } else {
+            ""
+        };
         let mut panel = Panel::new(name.clone()).series(Series::new(label, run.t.clone(), values));
         if estimated {
             let values: Vec<f64> = run.estimates.iter().map(|x| x[k]).collect();
             panel = panel.series(Series::new("estimate", run.t[..values.len()].to_vec(), values).dash(Dash::Dashed));
         }
+        panel = with_references(panel, problem, &run.t, name);
         for target in problem.ocp.targets.iter().filter(|t| t.state == k) {
             panel = panel.target(target.value);
         }
@@ -237,10 +284,14 @@ pub fn figure(problem: &ControlProblem, controlled: &Controlled) -> Result<Drawi
     }
     for (k, name) in inputs.iter().enumerate() {
         let mut panel = Panel::new(format!("input {name}")).series(held(&run.t, run.u.iter().map(|u| u[k])));
+        panel = with_references(panel, problem, &run.t, name);
         let (min, max) = problem.ocp.input_bounds[k];
         for bound in [min, max].into_iter().filter(|b| b.is_finite()) {
             panel = panel.bound(bound);
         }
+        chart = chart.panel(panel);
+    }
+    for panel in panels(problem, controlled) {
         chart = chart.panel(panel);
     }
     let milliseconds = run.steps.iter().map(|s| 1e3 * s.timings.total());

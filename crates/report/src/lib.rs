@@ -3,6 +3,7 @@
 pub mod analysis;
 pub mod certificates;
 pub mod control;
+mod control_signals;
 mod diagnosis;
 pub mod export;
 pub mod forms;

@@ -7,7 +7,7 @@ use bracketry::mpc::{ControlError, ControlProblem, Controlled, LiveController, M
 use bracketry::report::control as printed;
 use clap::Args;
 
-use super::live::{Limits, serve};
+use super::live::{Limits, serve, wait_until_closed};
 use super::output::{csv, figure, folder, json, line, print, spinner, write};
 use super::style::warning;
 use super::{Outcome, OutputArgs};
@@ -112,13 +112,17 @@ fn control_live(mut controller: LiveController, args: &ControlArgs, output: &Out
         folder(dir)?;
         controller.keep_log(KEPT);
     }
+    let period_ms = 1e3 * controller.period();
     let limits = Limits { deadline: args.deadline, timeout: args.timeout, heartbeat: args.heartbeat };
-    let ended = serve(controller, std::io::stdin(), std::io::stdout(), limits)?;
+    let ended = serve(controller, std::io::stdin(), std::io::stdout(), wait_until_closed, limits)?;
     if let (Some(dir), Some(log)) = (&output.out, &ended.log) {
         csv(&dir.join("closed_loop.csv"), log.names(), log.rows())?;
     }
     if !ended.succeeded() {
         warning(&ended.to_string());
+    }
+    if let Some(late) = printed::late(&ended.late, period_ms) {
+        warning(&late);
     }
     Ok(if ended.succeeded() { Outcome::Done } else { Outcome::Negative })
 }

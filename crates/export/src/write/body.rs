@@ -6,7 +6,7 @@ use crate::equations::Compiled;
 use crate::exported::Export;
 
 /// Names in the files that no local may have.
-const TAKEN: [&str; 18] = [
+const TAKEN: [&str; 19] = [
     "t",
     "x",
     "u",
@@ -25,6 +25,7 @@ const TAKEN: [&str; 18] = [
     "INPUTS",
     "OUTPUTS",
     "PARAMETERS",
+    "_vector",
 ];
 
 /// The statements of a function.

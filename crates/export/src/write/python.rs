@@ -8,11 +8,22 @@ use super::layout::{block, rows};
 use crate::equations::{Compiled, ExportedResult};
 use crate::exported::{Export, SourceFile};
 
+/// Reads an argument: a vector of another length is an error, not one of which the first entries count.
+const VECTOR: &str = r#"
+
+def _vector(argument, values, length):
+    values = np.asarray(values, dtype=float)
+    if values.shape[:1] != (length,):
+        raise ValueError(f"{argument} has shape {values.shape}, expected ({length},)")
+    return values
+"#;
+
 /// One file, a module.
 pub(crate) fn write(made: &mut Export, functions: &[Compiled]) {
     let mut out = comment(made);
     out.push_str("\nimport numpy as np\n\n");
     out.push_str(&names(made));
+    out.push_str(VECTOR);
     for function in functions {
         out.push_str(&definition(made, function));
     }
@@ -52,10 +63,13 @@ fn definition(made: &Export, function: &Compiled) -> String {
         sentence(signature.about()),
         shapes.join(" and ")
     );
-    for (array, used) in ["x", "u", "p"].into_iter().zip(body.used) {
-        if used {
-            let _ = writeln!(out, "    {array} = np.asarray({array}, dtype=float)");
-        }
+    let mut arguments = vec![("x", made.states.len()), ("u", made.inputs.len())];
+    if !made.parameters.is_empty() {
+        arguments.push(("p", made.parameters.len()));
+    }
+    for ((array, length), used) in arguments.into_iter().zip(body.used) {
+        let kept = if used { format!("{array} = ") } else { String::new() };
+        let _ = writeln!(out, "    {kept}_vector(\"{array}\", {array}, {length})");
     }
     for line in &body.lines {
         let _ = writeln!(out, "    {line}");

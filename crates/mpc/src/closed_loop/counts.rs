@@ -159,6 +159,32 @@ impl SolveTimes {
     }
 }
 
+/// Samples whose input took longer to find, preparation included, than the sampling period.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct LateSamples {
+    /// Their number.
+    pub samples: usize,
+    /// Their share of all samples.
+    pub share: f64,
+    /// Longest time of one of them, ms; 0 where there are none.
+    pub longest_ms: f64,
+    /// Number of all samples.
+    #[serde(skip)]
+    of: usize,
+}
+
+impl LateSamples {
+    /// Counts a sample that took so many seconds.
+    pub fn add(&mut self, seconds: f64, period: f64) {
+        self.of += 1;
+        if seconds > period {
+            self.samples += 1;
+            self.longest_ms = self.longest_ms.max(1e3 * seconds);
+        }
+        self.share = self.samples as f64 / self.of as f64;
+    }
+}
+
 /// Times of the phases of the samples, ms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PhaseTimes {

@@ -6,7 +6,7 @@ mod faults;
 mod plant;
 mod sampled_loop;
 
-pub use counts::{Counts, PhaseTimes, ReasonCounts, SolveTimes, SourceCounts};
+pub use counts::{Counts, LateSamples, PhaseTimes, ReasonCounts, SolveTimes, SourceCounts};
 pub use delay_compensation::DelayCompensated;
 pub use faults::Fault;
 pub use plant::{Plant, PlantStopped, RungeKuttaPlant};

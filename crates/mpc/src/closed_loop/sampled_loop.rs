@@ -49,6 +49,8 @@ pub struct Sample {
     pub y: Vec<f64>,
     /// State handed to the controller: estimated, or the measured outputs.
     pub estimate: Vec<f64>,
+    /// Standard deviations of the estimated state as the estimator states them; empty without an estimator.
+    pub deviation: Vec<f64>,
     /// Input applied from that time on.
     pub u: Vec<f64>,
     /// What the controller answered; with a delay its input is applied later.
@@ -139,6 +141,8 @@ impl<'a> SampledLoop<'a> {
         let prediction = self.settings.keep_predictions.then(|| self.controller.plan().clone());
         self.controller.shift();
         let estimate = self.controller.estimate().map_or_else(|| y.clone(), |e| e.x.clone());
+        let deviation =
+            self.controller.estimate().map_or_else(Vec::new, |e| e.std.iter().take(e.x.len()).copied().collect());
         self.pending.push_back(step.u.clone());
         let u = self.pending.pop_front().unwrap_or_else(|| step.u.clone());
         self.counts.add(&step);
@@ -148,7 +152,7 @@ impl<'a> SampledLoop<'a> {
         self.cost += dt * self.ocp.stage_cost(k, t, &at, &u);
         self.plant.step(t, &mut self.x, &u, dt).map_err(|source| MpcError::Plant { time: t, source })?;
         self.k += 1;
-        Ok(Sample { t, x, y, estimate, u, step, prediction })
+        Ok(Sample { t, x, y, estimate, deviation, u, step, prediction })
     }
 }
 
@@ -163,6 +167,8 @@ pub struct ClosedLoop {
     pub y: Vec<Vec<f64>>,
     /// States handed to the controller: estimated, or the measured outputs.
     pub estimates: Vec<Vec<f64>>,
+    /// Standard deviations of the estimates, as the estimator states them; empty without an estimator.
+    pub deviations: Vec<Vec<f64>>,
     /// Inputs applied from each time on.
     pub u: Vec<Vec<f64>>,
     /// Outcome of each sample.
@@ -196,6 +202,7 @@ pub fn run_closed_loop(
         x: Vec::with_capacity(samples + 1),
         y: Vec::with_capacity(samples),
         estimates: Vec::with_capacity(samples),
+        deviations: Vec::with_capacity(samples),
         u: Vec::with_capacity(samples),
         steps: Vec::with_capacity(samples),
         predictions: Vec::new(),
@@ -210,6 +217,7 @@ pub fn run_closed_loop(
         run.x.push(sample.x);
         run.y.push(sample.y);
         run.estimates.push(sample.estimate);
+        run.deviations.push(sample.deviation);
         run.u.push(sample.u);
         run.steps.push(sample.step);
         run.predictions.extend(sample.prediction);

@@ -26,6 +26,14 @@ pub(crate) struct LinearizedInterval {
     pub(crate) hidden: Vec<bool>,
 }
 
+impl LinearizedInterval {
+    /// Room for an interval of a model.
+    pub(crate) fn of(model: &Augmented) -> Self {
+        let (n, k) = (model.size(), model.noise.len());
+        Self { end: DVector::zeros(n), f: DMatrix::zeros(n, n), g: DMatrix::zeros(n, k), hidden: vec![false; n] }
+    }
+}
+
 /// A friction force: its smoothed signs, and the rows of the dynamics that it holds while it sticks.
 struct Friction {
     signs: std::ops::Range<usize>,
@@ -62,7 +70,14 @@ pub(crate) struct Augmented {
     jacobian: Vec<f64>,
     inputs_and_noise: Vec<f64>,
     values: Vec<f64>,
+    time_and_states: Vec<f64>,
     sign_values: Vec<f64>,
+    /// Which friction sticks at both ends of an interval.
+    stuck: Vec<bool>,
+    /// Rows of the dynamics that it holds.
+    held: Vec<bool>,
+    /// The end of an interval at half the width of smoothing.
+    half: Vec<f64>,
 }
 
 /// The names of an output expression.
@@ -253,10 +268,14 @@ impl Augmented {
             shooter: Shooter::new(&dynamics, problem.integrator),
             dynamics,
             values: vec![0.0; outputs.n_outputs()],
+            time_and_states: vec![0.0; 1 + n],
             outputs,
             sign_values: vec![0.0; signs.n_outputs()],
             arguments,
             width: problem.smoothing,
+            stuck: vec![false; friction.len()],
+            held: vec![false; n],
+            half: vec![0.0; n],
             signs,
             friction,
             acts_on,
@@ -279,9 +298,16 @@ impl Augmented {
     }
 
     /// Which friction sticks at this state.
-    pub(crate) fn stuck(&mut self, t: f64, z: &[f64], u: &[f64]) -> Vec<bool> {
+    pub(crate) fn stuck(&mut self, t: f64, z: &[f64], u: &[f64]) -> &[bool] {
+        self.stuck.fill(true);
+        self.keep_stuck(t, z, u);
+        &self.stuck
+    }
+
+    /// Keeps of the friction that sticks what sticks at this state too.
+    fn keep_stuck(&mut self, t: f64, z: &[f64], u: &[f64]) {
         if self.friction.is_empty() {
-            return Vec::new();
+            return;
         }
         let n = self.size();
         self.arguments[0] = t;
@@ -289,62 +315,82 @@ impl Augmented {
         self.arguments[1 + n..1 + n + self.inputs].copy_from_slice(u);
         self.signs.call(&self.arguments, &mut self.work, &mut self.sign_values);
         let size = |f: &Friction| self.sign_values[f.signs.clone()].iter().map(|s| s * s).sum::<f64>().sqrt();
-        self.friction.iter().map(|f| size(f) < STUCK).collect()
+        self.stuck.iter_mut().zip(&self.friction).for_each(|(stuck, f)| *stuck &= size(f) < STUCK);
     }
 
     /// Which parameters and disturbances cannot be seen because of the friction that sticks: those that act on nothing but
     /// what it holds.
-    fn hidden(&self, stuck: &[bool]) -> Vec<bool> {
-        let n = self.size();
-        let mut held = vec![false; n];
-        for (f, _) in self.friction.iter().zip(stuck).filter(|(_, stuck)| **stuck) {
+    fn hide(&mut self, hidden: &mut [bool]) {
+        let held = &mut self.held;
+        held.fill(false);
+        for (f, _) in self.friction.iter().zip(&self.stuck).filter(|(_, stuck)| **stuck) {
             held.iter_mut().zip(&f.holds).for_each(|(h, &row)| *h |= row);
         }
+        let held = &self.held;
         let unseen =
-            |rows: &Vec<bool>| rows.iter().any(|&row| row) && rows.iter().zip(&held).all(|(&row, &held)| held || !row);
-        let mut hidden = vec![false; self.states];
-        hidden.extend(self.acts_on.iter().map(unseen));
-        hidden
+            |rows: &Vec<bool>| rows.iter().any(|&row| row) && rows.iter().zip(held).all(|(&row, &held)| held || !row);
+        hidden[..self.states].fill(false);
+        hidden[self.states..].iter_mut().zip(&self.acts_on).for_each(|(h, rows)| *h = unseen(rows));
     }
 
     /// The flow over one interval with its derivatives; `w` is standardized noise. Parameters that stay hidden throughout
     /// neither act nor walk: the creep of smoothed friction, which depends on them, does not exist. Without `hide` nothing
     /// is taken to be hidden.
     pub(crate) fn interval(&mut self, t: f64, z: &[f64], u: &[f64], w: &[f64], hide: bool) -> LinearizedInterval {
+        let mut interval = LinearizedInterval::of(self);
+        self.linearize(t, z, u, w, hide, &mut interval);
+        interval
+    }
+
+    /// [`Augmented::interval`] in the room for one.
+    pub(crate) fn linearize(
+        &mut self,
+        t: f64,
+        z: &[f64],
+        u: &[f64],
+        w: &[f64],
+        hide: bool,
+        into: &mut LinearizedInterval,
+    ) {
         let (n, m) = (self.size(), self.inputs);
         let columns = n + m + self.noise.len();
         self.inputs_and_noise[..m].copy_from_slice(u);
         for (slot, (w, (_, std))) in self.inputs_and_noise[m..].iter_mut().zip(w.iter().zip(&self.noise)) {
             *slot = w * std;
         }
-        let mut end = z.to_vec();
+        let end = into.end.as_mut_slice();
+        end.copy_from_slice(z);
         let substeps = self.substeps(t, z);
         let interval = Interval { t, dt: self.dt, substeps, u: &self.inputs_and_noise };
-        self.shooter.advance_with_sensitivity(&mut self.dynamics, interval, &mut end, &mut self.jacobian);
-        let before = self.stuck(t, z, u);
-        let after = self.stuck(t + self.dt, &end, u);
-        let stuck: Vec<bool> = before.iter().zip(&after).map(|(a, b)| hide && *a && *b).collect();
-        let hidden = self.hidden(&stuck);
-        if stuck.contains(&true) {
-            self.take_out_creep(t, z, substeps, &mut end);
+        self.shooter.advance_with_sensitivity(&mut self.dynamics, interval, end, &mut self.jacobian);
+        self.stuck.fill(hide);
+        self.keep_stuck(t, z, u);
+        self.keep_stuck(t + self.dt, end, u);
+        self.hide(&mut into.hidden);
+        if self.stuck.contains(&true) {
+            self.take_out_creep(t, z, substeps, end);
         }
-        let entry = |i: usize, j: usize| self.jacobian[i * columns + j];
-        let f = DMatrix::from_fn(n, n, |i, j| if hidden[j] && i != j { 0.0 } else { entry(i, j) });
-        let g = DMatrix::from_fn(n, self.noise.len(), |i, k| {
-            let (state, std) = self.noise[k];
-            if hidden[state] { 0.0 } else { entry(i, n + m + k) * std }
-        });
-        LinearizedInterval { end: DVector::from_vec(end), f, g, hidden }
+        let (hidden, entry) = (&into.hidden, |i: usize, j: usize| self.jacobian[i * columns + j]);
+        for i in 0..n {
+            for j in 0..n {
+                into.f[(i, j)] = if hidden[j] && i != j { 0.0 } else { entry(i, j) };
+            }
+            for (k, &(state, std)) in self.noise.iter().enumerate() {
+                into.g[(i, k)] = if hidden[state] { 0.0 } else { entry(i, n + m + k) * std };
+            }
+        }
     }
 
     /// What smoothed friction holds creeps with a speed proportional to the width: extrapolation to the width 0.
     fn take_out_creep(&mut self, t: f64, z: &[f64], substeps: usize, end: &mut [f64]) {
-        let mut half = z.to_vec();
+        let mut half = std::mem::take(&mut self.half);
+        half.copy_from_slice(z);
         self.dynamics.set_smoothing(self.width / 2.0);
         let interval = Interval { t, dt: self.dt, substeps: 2 * substeps, u: &self.inputs_and_noise };
         self.shooter.advance(&mut self.dynamics, interval, &mut half);
         self.dynamics.set_smoothing(self.width);
-        end.iter_mut().zip(half).for_each(|(whole, half)| *whole = 2.0 * half - *whole);
+        end.iter_mut().zip(&half).for_each(|(whole, half)| *whole = 2.0 * half - *whole);
+        self.half = half;
     }
 
     fn substeps(&mut self, t: f64, z: &[f64]) -> usize {
@@ -361,10 +407,21 @@ impl Augmented {
     /// Outputs h(z) and ∂h/∂z.
     pub(crate) fn outputs(&mut self, t: f64, z: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
         let (n, p) = (self.size(), self.sensors.len());
-        let mut arguments = vec![t];
-        arguments.extend_from_slice(z);
-        self.outputs.call(&arguments, &mut self.work, &mut self.values);
-        (DVector::from_column_slice(&self.values[..p]), DMatrix::from_row_slice(p, n, &self.values[p..]))
+        let (h, c) = self.measure(t, z);
+        (DVector::from_column_slice(h), DMatrix::from_row_slice(p, n, c))
+    }
+
+    /// Outputs h(z), and ∂h/∂z row by row.
+    pub(crate) fn measure(&mut self, t: f64, z: &[f64]) -> (&[f64], &[f64]) {
+        self.time_and_states[0] = t;
+        self.time_and_states[1..].copy_from_slice(z);
+        self.outputs.call(&self.time_and_states, &mut self.work, &mut self.values);
+        self.measured()
+    }
+
+    /// What [`Augmented::measure`] gave last.
+    pub(crate) fn measured(&self) -> (&[f64], &[f64]) {
+        self.values.split_at(self.sensors.len())
     }
 
     /// y − h, to the nearest turn for angles.

@@ -33,6 +33,14 @@ pub struct Estimate {
     pub status: EstimateStatus,
 }
 
+impl Estimate {
+    /// What stands before the first measurement.
+    pub(crate) fn nothing() -> Self {
+        let none = Vec::new;
+        Self { x: none(), parameters: none(), disturbance: none(), std: none(), status: EstimateStatus::Predicted }
+    }
+}
+
 /// An observer that runs beside a controller.
 pub trait Estimator: Send {
     /// Takes in a measurement at the time of the current estimate (the first one of a run). Outputs that are not a number
@@ -48,6 +56,24 @@ pub trait Estimator: Send {
     /// # Errors
     /// If a length is wrong or an input is not finite; all that measurements can do is a status.
     fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError>;
+
+    /// [`Estimator::correct`] in place of the estimate before, whose memory it may use.
+    ///
+    /// # Errors
+    /// As [`Estimator::correct`].
+    fn correct_into(&mut self, y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
+        *estimate = self.correct(y)?;
+        Ok(())
+    }
+
+    /// [`Estimator::update`] in place of the estimate before, whose memory it may use.
+    ///
+    /// # Errors
+    /// As [`Estimator::update`].
+    fn update_into(&mut self, u: &[f64], y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
+        *estimate = self.update(u, y)?;
+        Ok(())
+    }
 }
 
 impl<E: Estimator + ?Sized> Estimator for Box<E> {
@@ -56,5 +82,11 @@ impl<E: Estimator + ?Sized> Estimator for Box<E> {
     }
     fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError> {
         (**self).update(u, y)
+    }
+    fn correct_into(&mut self, y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
+        (**self).correct_into(y, estimate)
+    }
+    fn update_into(&mut self, u: &[f64], y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
+        (**self).update_into(u, y, estimate)
     }
 }

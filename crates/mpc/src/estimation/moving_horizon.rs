@@ -2,7 +2,7 @@
 
 use super::augmented::{Augmented, LinearizedInterval};
 use super::estimate::{Estimate, EstimateStatus, Estimator};
-use super::kalman::{ExtendedKalman, absorb, check_input, estimate, prior};
+use super::kalman::{AbsorbRoom, ExtendedKalman, ScalarOutput, absorb, check_input, prior, propagate, write_estimate};
 use super::problem::{EstimationProblem, Outliers};
 use crate::error::{MpcError, check_length};
 use crate::ocp::{Bounds, CostFunction, Ocp, Softness};
@@ -80,6 +80,34 @@ pub struct MovingHorizon {
     entries: usize,
     /// Columns per interval: noise, or a part of ζ.
     columns: usize,
+    room: Room,
+}
+
+/// Memory of the estimator, used at every sample anew.
+struct Room {
+    flows: Vec<LinearizedInterval>,
+    /// L.
+    root: DMatrix<f64>,
+    product: DMatrix<f64>,
+    absorb: AbsorbRoom,
+    /// Measurements with angles at the turn of the prediction.
+    unwrapped: Vec<f64>,
+    /// The node that has left the horizon.
+    spare: Option<Node>,
+}
+
+impl Room {
+    fn of(model: &Augmented, horizon: usize) -> Self {
+        let n = model.size();
+        Self {
+            flows: (0..=horizon).map(|_| LinearizedInterval::of(model)).collect(),
+            root: DMatrix::zeros(n, n),
+            product: DMatrix::zeros(n, n),
+            absorb: AbsorbRoom::of(n),
+            unwrapped: vec![0.0; model.sensors.len()],
+            spare: None,
+        }
+    }
 }
 
 impl MovingHorizon {
@@ -124,6 +152,7 @@ impl MovingHorizon {
                 ..Linearization::default()
             },
             hidden_before: vec![false; n],
+            room: Room::of(&head.model, settings.horizon),
             nodes: VecDeque::from([node]),
             head,
             settings,
@@ -149,10 +178,13 @@ impl MovingHorizon {
     }
 
     /// Measurements at the newest point with angles taken to the turn of the prediction.
-    fn unwrapped(&mut self, y: &[f64]) -> Vec<f64> {
+    fn unwrap(&mut self, y: &[f64]) {
         let t = self.head.time();
-        let (h, _) = self.head.model.outputs(t, self.head.z.as_slice());
-        y.iter().enumerate().map(|(i, &y)| h[i] + self.head.model.residual(i, y, h[i])).collect()
+        self.head.model.measure(t, self.head.z.as_slice());
+        let (h, _) = self.head.model.measured();
+        for (i, unwrapped) in self.room.unwrapped.iter_mut().enumerate() {
+            *unwrapped = h[i] + self.head.model.residual(i, y[i], h[i]);
+        }
     }
 
     /// Huber's weight of a residual in standard deviations.
@@ -168,20 +200,33 @@ impl MovingHorizon {
         let t = self.start_time();
         let Some(node) = self.nodes.pop_front() else { return };
         let model = &mut self.head.model;
-        let (h, c) = model.outputs(t, node.z.as_slice());
+        let n = self.mean.len();
+        model.measure(t, node.z.as_slice());
+        let (h, c) = model.measured();
         for (i, &y) in node.y.iter().enumerate().filter(|(_, y)| y.is_finite()) {
-            let row = c.row(i).into_owned();
-            let r = y - h[i] - (&row * (&self.mean - &node.z))[(0, 0)];
-            let noise = model.sensors[i].0;
-            absorb(&mut self.mean, &mut self.covariance, &row, r, noise, self.outliers, &self.hidden_before);
+            let row = &c[i * n..(i + 1) * n];
+            let moved: f64 = (0..n).map(|j| row[j] * (self.mean[j] - node.z[j])).sum();
+            let output = ScalarOutput { row, residual: y - h[i] - moved, noise: model.sensors[i].0 };
+            let hidden = &self.hidden_before;
+            absorb(&mut self.mean, &mut self.covariance, &output, self.outliers, hidden, &mut self.room.absorb);
         }
-        let step = model.interval(t, node.z.as_slice(), &node.u, &node.w, node.hide);
-        self.mean = &step.end + &step.f * (&self.mean - &node.z) - &step.g * DVector::from_vec(node.w);
-        self.covariance = &step.f * &self.covariance * step.f.transpose() + &step.g * step.g.transpose();
+        let Room { flows, product, .. } = &mut self.room;
+        let step = &mut flows[0];
+        model.linearize(t, node.z.as_slice(), &node.u, &node.w, node.hide, step);
+        // The mean relative to the point at which the interval is linearized; the end takes its place.
+        self.mean -= &node.z;
+        for i in 0..n {
+            let moved: f64 = (0..n).map(|j| step.f[(i, j)] * self.mean[j]).sum();
+            let noise: f64 = node.w.iter().enumerate().map(|(k, w)| step.g[(i, k)] * w).sum();
+            step.end[i] += moved - noise;
+        }
+        self.mean.copy_from(&step.end);
+        propagate(&mut self.covariance, &step.f, &step.g, product);
         for (v, b) in self.mean.iter_mut().zip(&model.bounds) {
             *v = v.clamp(b.0, b.1);
         }
-        self.hidden_before = step.hidden;
+        self.hidden_before.copy_from_slice(&step.hidden);
+        self.room.spare = Some(node);
     }
 
     /// One quadratic program; false if it gave no usable step.
@@ -192,12 +237,13 @@ impl MovingHorizon {
         let intervals = self.nodes.len() - 1;
         let first = steps - intervals;
         let t0 = self.start_time();
-        let mut flows: Vec<LinearizedInterval> = Vec::with_capacity(intervals);
-        for (k, node) in self.nodes.iter().take(intervals).enumerate() {
+        let Room { flows, root, .. } = &mut self.room;
+        let flows = &mut flows[..intervals];
+        for (k, (node, flow)) in self.nodes.iter().zip(flows.iter_mut()).enumerate() {
             let t = t0 + k as f64 * self.dt;
-            flows.push(self.head.model.interval(t, node.z.as_slice(), &node.u, &node.w, node.hide));
+            self.head.model.linearize(t, node.z.as_slice(), &node.u, &node.w, node.hide, flow);
         }
-        let mut root = semidefinite_root(&self.covariance);
+        semidefinite_root(&self.covariance, root);
         for j in (0..n).filter(|&j| !flows.is_empty() && flows.iter().all(|f| f.hidden[j])) {
             root.row_mut(j).fill(0.0);
         }
@@ -255,14 +301,17 @@ impl MovingHorizon {
     fn refer(&mut self, first: usize, t0: f64) {
         let p = self.head.model.sensors.len();
         let mut references = std::mem::take(&mut self.ocp.references);
-        references.resize(self.ocp.steps + 1, vec![0.0; 1 + 2 * p]);
+        if references.is_empty() {
+            references.resize(self.ocp.steps + 1, vec![0.0; 1 + 2 * p]);
+        }
         for row in &mut references[..first] {
             row.fill(0.0);
         }
         for (k, row) in references[first..].iter_mut().enumerate() {
             let t = t0 + k as f64 * self.dt;
             let node = &self.nodes[k];
-            let (h, _) = self.head.model.outputs(t, node.z.as_slice());
+            self.head.model.measure(t, node.z.as_slice());
+            let (h, _) = self.head.model.measured();
             row.fill(0.0);
             row[0] = t;
             for (i, &y) in node.y.iter().enumerate().filter(|(_, y)| y.is_finite()) {
@@ -274,8 +323,8 @@ impl MovingHorizon {
         self.ocp.references = references;
     }
 
-    /// Solves for the horizon and makes an estimate of its end.
-    fn solve(&mut self, lost: usize) -> Result<Estimate, MpcError> {
+    /// Solves for the horizon; how that went.
+    fn solve(&mut self, lost: usize) -> Result<EstimateStatus, MpcError> {
         let mut status = if lost == self.head.model.sensors.len() {
             EstimateStatus::Predicted
         } else {
@@ -290,57 +339,98 @@ impl MovingHorizon {
         if let Some(last) = self.nodes.back() {
             self.head.z.copy_from(&last.z);
         }
-        Ok(estimate(&self.head.model, &self.head.z, &self.head.p, status))
+        Ok(status)
     }
 
     /// Restarts from the filter's estimate.
-    fn restart(&mut self) -> Estimate {
+    fn restart(&mut self) -> EstimateStatus {
         self.mean.copy_from(&self.head.z);
         self.covariance.copy_from(&self.head.p);
         self.hidden_before.fill(false);
         let y = vec![f64::NAN; self.head.model.sensors.len()];
-        self.nodes = VecDeque::from([Node { z: self.mean.clone(), w: Vec::new(), u: Vec::new(), y, hide: true }]);
-        estimate(&self.head.model, &self.head.z, &self.head.p, EstimateStatus::Restarted)
+        self.nodes.clear();
+        self.nodes.push_back(Node { z: self.mean.clone(), w: Vec::new(), u: Vec::new(), y, hide: true });
+        EstimateStatus::Restarted
+    }
+
+    /// Adds the newest point, at the filter's estimate and with the unwrapped measurement.
+    fn push_newest(&mut self) {
+        let spare = self.room.spare.take();
+        let mut node = spare.unwrap_or_else(|| Node {
+            z: self.head.z.clone(),
+            w: Vec::new(),
+            u: Vec::new(),
+            y: Vec::new(),
+            hide: true,
+        });
+        node.z.copy_from(&self.head.z);
+        node.w.clear();
+        node.u.clear();
+        node.y.clone_from(&self.room.unwrapped);
+        node.hide = true;
+        self.nodes.push_back(node);
+    }
+
+    fn correct_status(&mut self, y: &[f64]) -> Result<EstimateStatus, MpcError> {
+        check_length("the measurement", y.len(), self.head.model.sensors.len())?;
+        self.unwrap(y);
+        if self.head.take_in_first(y) == EstimateStatus::Restarted {
+            return Ok(self.restart());
+        }
+        if let Some(last) = self.nodes.back_mut() {
+            last.y.clone_from(&self.room.unwrapped);
+            last.z.copy_from(&self.head.z);
+        }
+        self.solve(y.iter().filter(|v| !v.is_finite()).count())
+    }
+
+    fn update_status(&mut self, u: &[f64], y: &[f64]) -> Result<EstimateStatus, MpcError> {
+        check_length("the measurement", y.len(), self.head.model.sensors.len())?;
+        check_input(&self.head.model, u)?;
+        self.head.predict(u);
+        let hide = self.head.believes_sticking();
+        self.unwrap(y);
+        let lost = self.head.take_in(y);
+        if self.head.finish(lost) == EstimateStatus::Restarted {
+            return Ok(self.restart());
+        }
+        let noise = self.head.model.noise.len();
+        if let Some(last) = self.nodes.back_mut() {
+            last.u.clear();
+            last.u.extend_from_slice(u);
+            last.w.clear();
+            last.w.resize(noise, 0.0);
+            last.hide = hide && self.head.believes_sticking();
+        }
+        self.push_newest();
+        if self.nodes.len() > self.settings.horizon + 1 {
+            self.drop_oldest();
+        }
+        self.solve(lost)
     }
 }
 
 impl Estimator for MovingHorizon {
     fn correct(&mut self, y: &[f64]) -> Result<Estimate, MpcError> {
-        check_length("the measurement", y.len(), self.head.model.sensors.len())?;
-        let unwrapped = self.unwrapped(y);
-        let guess = self.head.correct(y)?;
-        if guess.status == EstimateStatus::Restarted {
-            return Ok(self.restart());
-        }
-        let z = self.head.z.clone();
-        if let Some(last) = self.nodes.back_mut() {
-            last.y = unwrapped;
-            last.z = z;
-        }
-        self.solve(y.iter().filter(|v| !v.is_finite()).count())
+        let mut estimate = Estimate::nothing();
+        self.correct_into(y, &mut estimate).map(|()| estimate)
     }
 
     fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError> {
-        check_length("the measurement", y.len(), self.head.model.sensors.len())?;
-        check_input(&self.head.model, u)?;
-        let before = self.head.z.clone();
-        let hidden = self.head.predict(u);
-        let hide = self.head.believes_sticking();
-        let unwrapped = self.unwrapped(y);
-        let lost = self.head.take_in(y, &hidden);
-        if self.head.finish(lost, &before).status == EstimateStatus::Restarted {
-            return Ok(self.restart());
-        }
-        if let Some(last) = self.nodes.back_mut() {
-            last.u = u.to_vec();
-            last.w = vec![0.0; self.head.model.noise.len()];
-            last.hide = hide && self.head.believes_sticking();
-        }
-        self.nodes.push_back(Node { z: self.head.z.clone(), w: Vec::new(), u: Vec::new(), y: unwrapped, hide: true });
-        if self.nodes.len() > self.settings.horizon + 1 {
-            self.drop_oldest();
-        }
-        self.solve(lost)
+        let mut estimate = Estimate::nothing();
+        self.update_into(u, y, &mut estimate).map(|()| estimate)
+    }
+
+    fn correct_into(&mut self, y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
+        let status = self.correct_status(y)?;
+        write_estimate(&self.head.model, &self.head.z, &self.head.p, status, estimate);
+        Ok(())
+    }
+
+    fn update_into(&mut self, u: &[f64], y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
+        let status = self.update_status(u, y)?;
+        write_estimate(&self.head.model, &self.head.z, &self.head.p, status, estimate);
+        Ok(())
     }
 }
 
@@ -381,9 +471,9 @@ fn costs(problem: &EstimationProblem, n: usize, columns: usize) -> Result<(CostF
 }
 
 /// A lower triangular L with L Lᵀ = P for a positive semidefinite P; directions without spread get a zero column.
-fn semidefinite_root(p: &DMatrix<f64>) -> DMatrix<f64> {
+fn semidefinite_root(p: &DMatrix<f64>, l: &mut DMatrix<f64>) {
     let n = p.nrows();
-    let mut l = DMatrix::zeros(n, n);
+    l.fill(0.0);
     for j in 0..n {
         let pivot = p[(j, j)] - (0..j).map(|k: usize| l[(j, k)] * l[(j, k)]).sum::<f64>();
         if pivot <= 1e-13 * p[(j, j)].max(0.0) {
@@ -396,5 +486,4 @@ fn semidefinite_root(p: &DMatrix<f64>) -> DMatrix<f64> {
             l[(i, j)] = (p[(i, j)] - sum) / root;
         }
     }
-    l
 }

@@ -62,12 +62,12 @@ impl<C: Controller, E: Estimator> Controller for OutputFeedback<C, E> {
     }
 
     fn feedback(&mut self, y: &[f64]) -> Result<&Step, MpcError> {
-        let estimate = match &self.applied {
-            None => self.estimator.correct(y)?,
-            Some(u) => self.estimator.update(u, y)?,
-        };
+        let estimate = self.estimate.get_or_insert_with(Estimate::nothing);
+        match &self.applied {
+            None => self.estimator.correct_into(y, estimate)?,
+            Some(u) => self.estimator.update_into(u, y, estimate)?,
+        }
         self.nothing.resize(y.len(), f64::NAN);
-        let estimate = self.estimate.insert(estimate);
         if self.hand_over {
             self.parameters.clear();
             self.parameters.extend(estimate.parameters.iter().chain(&estimate.disturbance));
@@ -85,7 +85,8 @@ impl<C: Controller, E: Estimator> Controller for OutputFeedback<C, E> {
 
     fn skip(&mut self) -> Result<(), MpcError> {
         if let Some(u) = &self.applied {
-            self.estimate = Some(self.estimator.update(u, &self.nothing)?);
+            let estimate = self.estimate.get_or_insert_with(Estimate::nothing);
+            self.estimator.update_into(u, &self.nothing, estimate)?;
         }
         self.rotate();
         self.controller.skip()

@@ -2,7 +2,7 @@
 
 use super::controller::LiveController;
 use crate::error::{MpcError, check_value};
-use crate::ocp::Ocp;
+use crate::ocp::{Ocp, derivative_name};
 use crate::problem::{Schedule, Scheduled};
 
 /// A change of a controller while it runs, for [`LiveController::change`].
@@ -184,12 +184,34 @@ impl LiveController {
         Ok(Limit::Input(j, min, max))
     }
 
+    /// Puts a reference and its derivatives, which `new` makes by their order, in the place of those there are.
+    fn replace_reference(
+        &self,
+        list: &mut [Scheduled],
+        name: &str,
+        new: impl Fn(u32) -> Scheduled,
+    ) -> Result<(), MpcError> {
+        let known = self.references();
+        if !known.iter().any(|r| r == name) {
+            return Err(MpcError::NoSuchName { what: "reference", name: name.to_owned(), known });
+        }
+        for scheduled in list {
+            let order = if scheduled.name == name { Some(0) } else { scheduled.order_of(name) };
+            if let Some(order) = order {
+                *scheduled = new(order).derivative_of(name, order);
+            }
+        }
+        Ok(())
+    }
+
     /// Puts what a change says of references and parameters into the schedule.
     fn reschedule(&self, schedule: &mut Schedule, change: &Change<'_>) -> Result<(), MpcError> {
         match *change {
             Change::Reference { name, value } => {
                 finite("the reference", name, value)?;
-                replace(&mut schedule.references, Scheduled::constant(name, value), "reference")
+                self.replace_reference(&mut schedule.references, name, |order| {
+                    Scheduled::constant(derivative_name(name, order), if order == 0 { value } else { 0.0 })
+                })
             }
             Change::Parameter { name, value } => {
                 finite("the parameter", name, value)?;
@@ -202,9 +224,16 @@ impl LiveController {
                 for &value in values {
                     finite("the reference", name, value)?;
                 }
-                let (first, dt, values) = (self.next() as f64, self.period(), values.to_vec());
-                let at = move |t: f64| values[((t / dt).round() - first).clamp(0.0, last as f64) as usize];
-                replace(&mut schedule.references, Scheduled::new(name, at), "reference")
+                let (first, dt) = (self.next() as f64, self.period());
+                self.replace_reference(&mut schedule.references, name, |order| {
+                    let mut values = values.to_vec();
+                    // The derivative over the period that follows; the last value holds.
+                    for _ in 0..order {
+                        values = values.windows(2).map(|w| (w[1] - w[0]) / dt).chain([0.0]).collect();
+                    }
+                    let at = move |t: f64| values[((t / dt).round() - first).clamp(0.0, last as f64) as usize];
+                    Scheduled::new(derivative_name(name, order), at)
+                })
             }
             Change::Bounds { .. } | Change::Target { .. } => Ok(()),
         }

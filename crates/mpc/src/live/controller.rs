@@ -4,7 +4,7 @@ use super::log::LoopLog;
 use crate::controller::{Controller, Step, StepLimits};
 use crate::error::{MpcError, check_length, check_value};
 use crate::estimation::Estimate;
-use crate::problem::{ControlProblem, Schedule, Scheduled};
+use crate::problem::{ControlProblem, Method, MethodReason, Schedule, Scheduled};
 use crate::trajectory::Trajectory;
 
 /// Grid points by which the known references and parameters are continued at a time.
@@ -60,8 +60,8 @@ pub struct LiveStep {
 /// # }
 /// ```
 ///
-/// With the real-time iteration, neither feedback nor preparation allocates memory of its own; Clarabel's update does. The other
-/// methods allocate at every sample.
+/// With real-time iteration and sequential quadratic programs, neither feedback nor preparation allocates memory of its own; Clarabel's
+/// update does. Exact friction and moving-horizon estimation allocate at every sample.
 pub struct LiveController {
     pub(super) problem: ControlProblem,
     pub(super) controller: Box<dyn Controller>,
@@ -76,10 +76,15 @@ pub struct LiveController {
     prediction: Trajectory,
     nothing: Vec<f64>,
     log: Option<LoopLog>,
+    /// The method as the problem gives it.
+    given: (Method, MethodReason),
+    /// Whether the first measured state is to be the initial one.
+    awaits_start: bool,
 }
 
 impl ControlProblem {
-    /// The controller of this problem, to be stepped on any plant. Chooses the method where the problem leaves it open, and makes
+    /// The controller of this problem, to be stepped on any plant. A problem without `[run]` starts from the first measured state, for
+    /// which its method is chosen and its first plan made once more. Chooses the method where the problem leaves it open, and makes
     /// the first plan where the method has one, from `x0` of the run. What the run says of noise, faults, and the plant is left out.
     ///
     /// # Errors
@@ -92,6 +97,8 @@ impl ControlProblem {
 impl LiveController {
     fn new(problem: &ControlProblem) -> Result<Self, MpcError> {
         let problem = problem.with_free_values()?.into_owned();
+        let given = (problem.method, problem.method_reason.clone());
+        let awaits_start = !problem.has_run && problem.estimation.is_none();
         let started = problem.started()?;
         let problem = started.problem;
         let inputs = problem.ocp.inputs();
@@ -106,6 +113,8 @@ impl LiveController {
             origin: None,
             nothing,
             log: None,
+            given,
+            awaits_start,
             problem,
         })
     }
@@ -199,7 +208,23 @@ impl LiveController {
         answered.map(|()| &self.answer)
     }
 
+    /// Starts from the measured state, where the problem has no other.
+    fn start_from(&mut self, x0: &[f64]) -> Result<(), MpcError> {
+        let mut problem = self.problem.clone();
+        (problem.method, problem.method_reason) = self.given.clone();
+        problem.x0.copy_from_slice(x0);
+        let (sample, missed, origin, log) = (self.sample, self.answer.missed, self.origin, self.log.take());
+        *self = Self::new(&problem)?;
+        (self.sample, self.answer.missed, self.origin, self.log) = (sample, missed, origin, log);
+        self.awaits_start = false;
+        self.controller.set_start(sample);
+        self.continue_schedule()
+    }
+
     fn answer(&mut self, y: &[f64]) -> Result<&LiveStep, MpcError> {
+        if self.awaits_start && y.iter().all(|v| v.is_finite()) {
+            self.start_from(y)?;
+        }
         self.answer.step.copy_from(self.controller.feedback(y)?);
         self.answer.sample = self.sample;
         self.answered = true;
@@ -244,7 +269,7 @@ impl LiveController {
         (self.sample, points)
     }
 
-    /// Starts again from `x0` of the problem, at sample 0: plans, estimates, and counted failures are forgotten. Changes of
+    /// Starts again from `x0` of the problem, or, where it has no `[run]`, from the next measured state, at sample 0: plans, estimates, and counted failures are forgotten. Changes of
     /// references, parameters, bounds, and targets stay.
     ///
     /// # Errors
@@ -264,9 +289,13 @@ impl LiveController {
         }
         let mut problem = self.problem.clone();
         problem.x0.copy_from_slice(x0);
+        if self.awaits_start {
+            (problem.method, problem.method_reason) = self.given.clone();
+        }
         let home = std::mem::take(&mut self.problem.x0);
         let started = self.start_again(problem);
         self.problem.x0 = home;
+        self.awaits_start &= started.is_err();
         started
     }
 
@@ -275,6 +304,8 @@ impl LiveController {
         problem.schedule.write(&mut problem.ocp, 0, rows);
         let mut started = Self::new(&problem)?;
         started.log = self.log.take().map(LoopLog::cleared);
+        // The method as the problem gives it is known to the first of them alone.
+        started.given = self.given.clone();
         *self = started;
         Ok(())
     }
@@ -349,7 +380,7 @@ impl LiveController {
 
     /// Names of the references.
     pub fn references(&self) -> Vec<String> {
-        self.problem.schedule.references.iter().map(name).collect()
+        self.problem.schedule.references.iter().filter(|r| !r.is_derivative()).map(name).collect()
     }
 
     /// Names of the parameters that can be changed.

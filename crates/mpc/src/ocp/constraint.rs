@@ -16,6 +16,8 @@ fn grid_points(uses_inputs: bool, steps: usize) -> Range<usize> {
 /// linearized.
 #[derive(Clone)]
 pub struct PathConstraint {
+    /// Its name in results; empty where it has none.
+    pub name: String,
     /// The function g, with one component.
     pub function: VectorFunction,
     /// Its bounds. Violations of hard ones are penalized per unit of g: scale g so that 1 is a large violation.
@@ -36,6 +38,8 @@ impl PathConstraint {
 /// norm stays, as a second-order cone.
 #[derive(Clone)]
 pub struct NormConstraint {
+    /// Its name in results; empty where it has none.
+    pub name: String,
     /// The vector g.
     pub vector: VectorFunction,
     /// The limit h, with one component.

@@ -101,7 +101,12 @@ impl CostFunction {
         let absolute = parts.absolute.iter().map(|term| {
             let function = VectorFunction::compile(pool, time, states, inputs, references, &[term.residual])?;
             let softness = Softness::Soft { linear: term.weight, quadratic: 0.0 };
-            Ok(PathConstraint { function, bounds: Bounds { min: 0.0, max: 0.0, softness }, at_end: false })
+            Ok(PathConstraint {
+                name: String::new(),
+                function,
+                bounds: Bounds { min: 0.0, max: 0.0, softness },
+                at_end: false,
+            })
         });
         let absolute = absolute.collect::<Result<Vec<_>, MpcError>>()?;
         let (squares, gauss_newton) = parts.sum_of_squares(pool, &variables);

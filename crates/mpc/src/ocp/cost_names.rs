@@ -66,6 +66,15 @@ impl Remembered {
     }
 }
 
+/// `r`, `der(r)`, `der(r, 2)`: the name of a derivative of a reference.
+pub(crate) fn derivative_name(name: &str, order: u32) -> String {
+    match order {
+        0 => name.to_owned(),
+        1 => format!("der({name})"),
+        _ => format!("der({name}, {order})"),
+    }
+}
+
 /// The symbol of the value of input j over the interval before.
 fn before(system: &System, j: usize, pool: &mut Pool) -> Symbol {
     pool.symbol(&format!("{}#before", system.symbol_name(system.inputs[j])))
@@ -146,6 +155,11 @@ impl Names for CostNames<'_> {
         let e = self.remembered.without_inputs(self.system, pool, &[e])[0];
         let mut inputs = self.system.inputs.iter();
         inputs.all(|u| !pool.depends_on(e, *u)).then_some(e)
+    }
+    /// The derivative of a reference is a reference of its own.
+    fn derivative(&mut self, pool: &mut Pool, name: &str, order: u32) -> Option<Expr> {
+        let name = derivative_name(name, order);
+        self.references.contains(&name).then(|| pool.var(&name))
     }
     fn rate(&mut self, pool: &mut Pool, name: &str) -> Option<Expr> {
         let j = self.system.input_index(name).filter(|j| self.remembered.inputs.contains(j))?;

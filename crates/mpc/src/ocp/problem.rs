@@ -5,6 +5,7 @@ use super::branching::Branching;
 use super::constraint::{NormConstraint, PathConstraint, TerminalSet};
 use super::cost::CostFunction;
 use super::cost_names::CostPoint;
+use super::horizon_cost::HorizonCost;
 use super::margins::Margins;
 use super::previous_input::PreviousInput;
 use crate::error::{MpcError, check_length, check_value};
@@ -157,20 +158,6 @@ impl Ocp {
         self.input_bounds.iter().enumerate().map(at_rest).collect()
     }
 
-    /// Largest violation of a bound by states or inputs, each in its own unit; 0 when all are kept, NaN when a bounded
-    /// value is no number.
-    pub fn largest_violation(&self, x: &[Vec<f64>], u: &[Vec<f64>]) -> f64 {
-        // `f64::max` would drop a NaN.
-        let states = x
-            .iter()
-            .flat_map(|x| x.iter().zip(&self.state_bounds))
-            .map(|(v, b)| if v.is_nan() && !b.is_free() { f64::NAN } else { b.violation(*v) });
-        let inputs = u.iter().flat_map(|u| u.iter().zip(&self.input_bounds)).map(|(v, b)| (b.0 - v).max(v - b.1));
-        states
-            .chain(inputs)
-            .fold(0.0, |worst: f64, v| if worst.is_nan() || v.is_nan() { f64::NAN } else { worst.max(v) })
-    }
-
     /// Size of what each state passes through.
     pub(crate) fn sizes(&self) -> &[f64] {
         if self.state_size.is_empty() { &self.state_scale } else { &self.state_size }
@@ -289,15 +276,27 @@ impl Ocp {
 
     /// Stage and terminal costs of a trajectory that starts at grid point `k0` of the run, without penalties.
     pub(crate) fn cost(&mut self, k0: usize, trajectory: &Trajectory) -> f64 {
+        self.costs(k0, trajectory).total()
+    }
+
+    /// The parts of [`Ocp::cost`].
+    pub(crate) fn costs(&mut self, k0: usize, trajectory: &Trajectory) -> HorizonCost {
         let steps = trajectory.steps();
-        let mut sum = 0.0;
+        let mut stage = 0.0;
         for k in 0..steps {
             let (sample, t) = (self.sample(k0, k), self.time(k0, k));
-            sum += self.length(k) * self.stage_cost(sample, t, trajectory.x(k), trajectory.u(k));
+            stage += self.length(k) * self.stage_cost(sample, t, trajectory.x(k), trajectory.u(k));
         }
-        let t = self.time(k0, steps);
-        let r = row(&self.references, self.sample(k0, steps).saturating_sub(self.first_row));
-        sum + self.terminal.as_mut().map_or(0.0, |c| c.value(trajectory.x(steps), &[], t, &r[..c.references()]))
+        HorizonCost {
+            stage,
+            terminal: self.terminal_cost(self.sample(k0, steps), self.time(k0, steps), trajectory.x(steps)),
+        }
+    }
+
+    /// The terminal cost of the state x at grid point k of the run.
+    pub(crate) fn terminal_cost(&mut self, k: usize, t: f64, x: &[f64]) -> f64 {
+        let r = row(&self.references, k.saturating_sub(self.first_row));
+        self.terminal.as_mut().map_or(0.0, |c| c.value(x, &[], t, &r[..c.references()]))
     }
 
     /// Cost of violated bounds and constraints (hard ones at `hard` per unit of scale) and missed targets of a trajectory that

@@ -126,33 +126,6 @@ impl Ocp {
         }
     }
 
-    /// Largest violation of a path or norm constraint, soft or hard, along a run, those at the end by its last state of states x and inputs u (one fewer), each in
-    /// its own unit; NaN when a constrained value is no number.
-    pub fn largest_constraint_violation(&mut self, x: &[Vec<f64>], u: &[Vec<f64>]) -> f64 {
-        let (steps, dt) = (u.len(), self.dt);
-        let input = |k: usize| u.get(k).map_or(&[][..], Vec::as_slice);
-        let mut values = vec![0.0];
-        let mut path = std::mem::take(&mut self.path_constraints);
-        for c in &mut path {
-            for k in c.grid_points(steps) {
-                let g = c.function.values(&x[k], input(k), k as f64 * dt, self.reference(k))[0];
-                values.push(if g.is_nan() { g } else { c.bounds.violation(g) });
-            }
-        }
-        self.path_constraints = path;
-        let mut norm = std::mem::take(&mut self.norm_constraints);
-        for c in &mut norm {
-            for k in c.grid_points(steps) {
-                let (t, r) = (k as f64 * dt, self.reference(k));
-                let g = c.vector.values(&x[k], input(k), t, r).iter().map(|v| v * v).sum::<f64>().sqrt();
-                values.push(g - c.limit.values(&x[k], input(k), t, r)[0]);
-            }
-        }
-        self.norm_constraints = norm;
-        // `f64::max` would drop a NaN.
-        values.into_iter().fold(0.0, |worst: f64, v| if worst.is_nan() || v.is_nan() { f64::NAN } else { worst.max(v) })
-    }
-
     /// Largest violation of a bound, path constraint, norm constraint, or the terminal set along a predicted trajectory that starts at
     /// grid point `k0` of the run, each in its own unit; NaN when a bounded value is no number.
     pub(crate) fn predicted_violation(&mut self, k0: usize, z: &Trajectory) -> f64 {

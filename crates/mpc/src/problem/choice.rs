@@ -9,6 +9,7 @@ use super::verdict::floor;
 use crate::controller::StepStatus;
 use crate::error::{MpcError, check_flag};
 use crate::exact_friction::StickSlipController;
+use crate::ocp::HorizonCost;
 use crate::sqp::{SolveStatus, Sqp};
 use crate::trajectory::Trajectory;
 
@@ -30,7 +31,7 @@ struct Rated {
 /// The real-time iteration, tried at the first sample.
 struct Trial {
     /// Stage and terminal cost of the first plan.
-    open_loop_cost: f64,
+    predicted: HorizonCost,
     /// The first plan, and the one after more programs; fewer where one of them fails.
     plans: Vec<Rated>,
 }
@@ -46,18 +47,17 @@ impl ControlProblem {
             let mut controller = exact.stick_slip(iterations)?;
             let names = self.friction_in_reach(&mut controller)?;
             if !names.is_empty() {
+                if let Some(planned) = self.plan_through_friction(convergence)? {
+                    return Ok(planned);
+                }
                 exact.method_reason = MethodReason::Friction { names };
                 let prepared = exact.on_exact_flow(controller)?;
                 return Ok((exact, prepared));
             }
         }
-        if !self.ocp.targets.is_empty() && self.samples <= self.ocp.steps && self.ocp.is_uniform() {
-            let feedback = Feedback { guarded: true, ..Feedback::default() };
-            let method = Method::Plan { convergence, margin: 0.0, feedback };
+        if self.ends_with_targets() {
             // Friction is not in reach: one width is enough.
-            let plan = Self { smoothing: self.widths(), ..self.with_method(method, MethodReason::Targets) };
-            let prepared = plan.tracker(0.0, feedback)?;
-            return Ok((plan, prepared));
+            return Self { smoothing: self.widths(), ..self.clone() }.planned(convergence);
         }
         let feedback = Feedback::default();
         let trial = self.try_one_program(feedback, self.start())?;
@@ -65,11 +65,11 @@ impl ControlProblem {
         if change.is_some_and(|c| c <= SETTLED) {
             change = Some(change.unwrap_or(0.0).max(self.gain_from_waves(convergence, &trial)?));
         }
-        let open_loop_cost = trial.open_loop_cost;
+        let predicted = trial.predicted;
         let single = |reason| -> Result<(Self, Prepared), MpcError> {
             let problem = self.with_method(Method::Rti { initial_iterations: 1, feedback }, reason);
             let controller = Box::new(problem.receding(feedback, problem.start())?);
-            Ok((problem, Prepared { controller, plan: None, open_loop_cost }))
+            Ok((problem, Prepared { controller, plan: None, predicted }))
         };
         if let Some(change) = change.filter(|c| *c <= SETTLED) {
             return single(MethodReason::Settled { change });
@@ -82,6 +82,35 @@ impl ControlProblem {
         }
         let prepared = converged.converged(sqp, solution)?;
         Ok((converged, prepared))
+    }
+
+    /// Whether the run ends with the horizon and its targets.
+    fn ends_with_targets(&self) -> bool {
+        !self.ocp.targets.is_empty() && self.samples <= self.ocp.steps && self.ocp.is_uniform()
+    }
+
+    /// The problem with a plan that is tracked to the targets.
+    fn planned(&self, convergence: Convergence) -> Result<(Self, Prepared), MpcError> {
+        let feedback = Feedback { guarded: true, ..Feedback::default() };
+        let method = Method::Plan { convergence, margin: 0.0, feedback };
+        let plan = self.with_method(method, MethodReason::Targets);
+        let prepared = plan.tracker(0.0, feedback)?;
+        Ok((plan, prepared))
+    }
+
+    /// The same through dry friction, where the inputs of the plan reach the targets on the exact flow too: a horizon that moves on
+    /// does not arrive.
+    fn plan_through_friction(&self, convergence: Convergence) -> Result<Option<(Self, Prepared)>, MpcError> {
+        if !self.ends_with_targets() {
+            return Ok(None);
+        }
+        let (problem, prepared) = self.planned(convergence)?;
+        let Some(mut motion) = prepared.plan.as_ref().map(|plan| plan.trajectory.clone()) else { return Ok(None) };
+        let cost = Rehearsal::exact(&problem)?.cost(&mut motion);
+        let end = motion.x(motion.steps());
+        // The linear weight of a target is the inverse of its tolerance.
+        let met = self.ocp.targets.iter().all(|t| (end[t.state] - t.value).abs() * t.linear <= 1.0);
+        Ok((met && cost.is_finite()).then_some((problem, prepared)))
     }
 
     /// By what share of its cost a converged plan from waves beats a first plan that stays at the guess: there, programs that leave
@@ -147,7 +176,7 @@ impl ControlProblem {
         let mut rti = self.receding(feedback, start)?;
         let mut ocp = self.ocp.clone();
         let mut rehearsal = Rehearsal::smoothed(self)?;
-        let mut trial = Trial { open_loop_cost: f64::NAN, plans: Vec::new() };
+        let mut trial = Trial { predicted: HorizonCost::NONE, plans: Vec::new() };
         for programs in [1, MORE_PROGRAMS] {
             for _ in 0..programs {
                 check_flag(&self.stop)?;
@@ -156,11 +185,11 @@ impl ControlProblem {
                 }
             }
             let mut plan = rti.trajectory().clone();
-            let cost = ocp.cost(0, &plan);
+            let costs = ocp.costs(0, &plan);
             if trial.plans.is_empty() {
-                trial.open_loop_cost = cost;
+                trial.predicted = costs;
             }
-            let predicted = cost + ocp.penalty(0, &plan, self.qp.hard_weight);
+            let predicted = costs.total() + ocp.penalty(0, &plan, self.qp.hard_weight);
             // What its inputs really cost shows how far the plan is from the dynamics.
             let real = rehearsal.cost(&mut plan);
             trial.plans.push(Rated { predicted, real, plan });

@@ -5,7 +5,8 @@ use super::conditions::RunConditions;
 use super::estimation::Estimation;
 use super::found_values::FoundValues;
 use super::method::{Method, MethodReason};
-use super::schedule::Schedule;
+use super::notes::Note;
+use super::schedule::{ReferenceUse, Schedule};
 use crate::controller::FailurePolicy;
 use crate::error::MpcError;
 use crate::ocp::Ocp;
@@ -61,10 +62,17 @@ pub struct ControlProblem {
     pub live: Vec<String>,
     /// Those of them that are functions of time or changed from outside, and the references, with their values over the run.
     pub schedule: Schedule,
+    /// What becomes of every reference.
+    pub references: Vec<ReferenceUse>,
+    /// What is to be said of the problem, however it runs.
+    pub remarks: Vec<Note>,
     /// Inputs of the first guess, one row per interval.
     pub guess: Vec<Vec<f64>>,
-    /// Initial state.
+    /// Initial state; zeros where the file has no `[run]`.
     pub x0: Vec<f64>,
+    /// Whether the file has a `[run]`. Without one, there is nothing to run, and a live controller of measured states starts from the
+    /// first measurement.
+    pub has_run: bool,
     /// Inputs applied before the first sample; when empty, those at rest.
     pub u0: Vec<f64>,
     /// Number of samples of the run.

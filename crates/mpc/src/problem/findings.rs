@@ -2,6 +2,7 @@
 //! something else than its model.
 
 use super::control_problem::ControlProblem;
+use super::estimates::estimate_off;
 use super::notes::{FirstSample, Note};
 use crate::closed_loop::ClosedLoop;
 use crate::controller::{FallbackReason, StepStatus};
@@ -13,14 +14,14 @@ use bracketry_system::System;
 fn note_on_delays(problem: &ControlProblem) -> Option<Note> {
     let longest = |system: &System| system.delay_values().into_iter().flatten().fold(0.0, f64::max);
     let (plant, model) = (longest(&problem.plant), longest(&problem.system));
-    if plant == 0.0 && model == 0.0 {
-        return None;
-    }
-    let compensated = match problem.delay_of_inputs() {
-        Ok(samples) if problem.conditions.compensate_delay => samples,
-        _ => 0,
-    };
-    Some(Note::Delays { longest: plant, samples: plant / problem.ocp.dt, compensated })
+    let (samples, compensated) = problem.delay_of_plant();
+    // A delay of the run that the controller predicts over is as it should be.
+    let of_run = problem.conditions.delay > 0 && !problem.conditions.compensate_delay;
+    (plant > 0.0 || model > 0.0 || of_run).then_some(Note::Delays {
+        longest: samples * problem.ocp.dt,
+        samples,
+        compensated,
+    })
 }
 
 /// Tables that end before the last sample.
@@ -29,8 +30,12 @@ fn notes_on_tables(problem: &ControlProblem) -> impl Iterator<Item = Note> {
     let (last_sample, end) = ((problem.samples - 1) as f64 * dt, problem.samples as f64 * dt);
     let tables = problem.schedule.parameters.iter().chain(&problem.schedule.references);
     // Times are rounded.
-    let short = tables.filter_map(move |s| Some((s, s.last.filter(|last| *last < last_sample - 1e-6 * dt)?)));
-    short.map(move |(s, last)| Note::TableEnds { name: s.name.clone(), last, end })
+    let short = tables
+        .clone()
+        .filter(|s| !s.one_row)
+        .filter_map(move |s| Some((s, s.last.filter(|last| *last < last_sample - 1e-6 * dt)?)));
+    let one_row = tables.clone().filter(|s| s.one_row).map(|s| Note::OneRow { name: s.name.clone() });
+    one_row.chain(short.map(move |(s, last)| Note::TableEnds { name: s.name.clone(), last, end }))
 }
 
 /// Hard bounds that the initial state violates.
@@ -47,7 +52,9 @@ fn notes_on_start(problem: &ControlProblem) -> impl Iterator<Item = Note> {
 /// What went wrong in a run: quantities that are not finite, then samples without a good solution; and what the
 /// controller is told of delays.
 pub(super) fn findings(problem: &ControlProblem, run: &ClosedLoop, open_loop_cost: f64) -> Vec<Note> {
-    let mut notes = Vec::new();
+    let mut notes = problem.remarks.clone();
+    let unused = problem.references.iter().filter(|r| !r.used);
+    notes.extend(unused.map(|r| Note::UnusedReference { name: r.name.clone() }));
     let sample = |k: usize| FirstSample { index: k, time: run.t[k] };
     let names = problem.system.state_names();
     let mut states = run.x.iter().enumerate();
@@ -55,6 +62,7 @@ pub(super) fn findings(problem: &ControlProblem, run: &ClosedLoop, open_loop_cos
         notes.push(Note::State { name: names[i].clone(), first: sample(k) });
     }
     notes.extend(note_on_delays(problem));
+    notes.extend(estimate_off(problem, run));
     for (j, &bounds) in problem.ocp.input_bounds.iter().enumerate() {
         let Some(range) = problem.system.range_of_input(j) else { continue };
         if bounds.0 < range.0 || bounds.1 > range.1 {

@@ -1,9 +1,11 @@
 //! Control problems: model, horizon, cost, method and run together.
 
+mod cause;
 mod chance;
 mod choice;
 mod conditions;
 mod control_problem;
+mod estimates;
 mod estimation;
 mod findings;
 mod found_values;
@@ -21,6 +23,7 @@ mod signs;
 mod start;
 mod verdict;
 
+pub use cause::Cause;
 pub use chance::{ChanceMargin, ChanceReport, MarginFeedback};
 pub use conditions::RunConditions;
 pub use control_problem::{ControlProblem, ProblemError};
@@ -28,10 +31,10 @@ pub(crate) use control_problem::{FreeValues, ScenarioTree};
 pub use estimation::{Estimation, EstimatorKind};
 pub use found_values::FoundValues;
 pub use method::{Convergence, Feedback, Method, MethodReason};
-pub use notes::{Cause, FirstSample, Note};
+pub use notes::{FirstSample, Note};
 pub use on_plant::{ControlError, Controlled, control, control_watched};
-pub use report::{ClosedLoopReport, KeptRange, PlanReport};
+pub use report::{ClosedLoopReport, KeptRange, PlanReport, ViolationReport};
 pub use rounding::RoundingReport;
 pub use run::ControlRun;
 pub use scenarios::ScenarioReport;
-pub use schedule::{Schedule, Scheduled};
+pub use schedule::{ReferenceUse, Schedule, Scheduled};

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
+use super::cause::Cause;
 use crate::controller::FallbackReason;
 use crate::error::MpcError;
 use crate::qp::QpStatus;
@@ -16,26 +17,6 @@ pub struct FirstSample {
     pub index: usize,
     /// Its time, s.
     pub time: f64,
-}
-
-/// What probably lies behind it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Cause {
-    /// The programs did not reach their tolerance.
-    Inaccurate,
-    /// The plant's friction is smoothed in the controller's model.
-    SmoothedFriction,
-    /// The plant is another model.
-    Plant,
-    /// The first plan did not converge.
-    Plan,
-    /// The horizon moves on, and its end with it.
-    MovingHorizon,
-    /// One program per sample does not follow the problem.
-    OneProgram,
-    /// A minimum that is only local.
-    LocalMinimum,
 }
 
 /// What is to be said of a run.
@@ -65,6 +46,23 @@ pub enum Note {
         last: f64,
         /// End of the run, s.
         end: f64,
+    },
+    /// A table of a reference or parameter has one row: the quantity is constant.
+    OneRow {
+        /// The reference or parameter.
+        name: String,
+    },
+    /// A reference is in no cost and no constraint.
+    UnusedReference {
+        /// Its name.
+        name: String,
+    },
+    /// An interval is much longer than every motion of the model.
+    LongInterval {
+        /// Its length, s.
+        dt: f64,
+        /// Time constant of the slowest motion, or of the fastest growing one, s.
+        time_constant: f64,
     },
     /// The run starts where a hard bound is violated.
     StartsOutside {
@@ -173,6 +171,17 @@ pub enum Note {
         /// What probably lies behind it.
         cause: Cause,
     },
+    /// The terminal cost of the loop does not fall as that of its plan does.
+    EndCostStays {
+        /// That of the initial state.
+        first: f64,
+        /// That of the last state.
+        last: f64,
+        /// That of the end of the first plan.
+        planned: f64,
+        /// What probably lies behind it.
+        cause: Cause,
+    },
     /// A simple input does better than the plan.
     Outdone {
         /// Whether the inputs stay at their guess.
@@ -218,6 +227,26 @@ pub enum Note {
         /// The switching functions of the friction that holds.
         names: Vec<String>,
     },
+    /// The estimate of a state is far from the truth at the end of the run, by many of the standard deviations that the estimator states.
+    EstimateOff {
+        /// The state.
+        state: String,
+        /// Root of the mean square of the error over the last quarter of the samples.
+        error: f64,
+        /// The same in standard deviations.
+        deviations: f64,
+        /// Whether it is as large as half of the size of the state.
+        ruined: bool,
+    },
+    /// The stage cost stays far above what the plan falls to.
+    NotSettling {
+        /// Mean of the last quarter of the samples.
+        last: f64,
+        /// Mean of the last quarter of the plan.
+        planned: f64,
+        /// What probably lies behind it.
+        cause: Cause,
+    },
     /// The tolerance is not reached.
     Inaccurate {
         /// Number of samples.
@@ -235,9 +264,12 @@ impl Note {
             | Self::PlanNotConverged
             | Self::NotHeld { .. }
             | Self::Grows { .. }
+            | Self::NotSettling { .. }
+            | Self::EstimateOff { ruined: true, .. }
             | Self::MissedTarget { .. }
             | Self::PlanMisses { .. }
             | Self::UnlikePlan { .. }
+            | Self::EndCostStays { .. }
             | Self::Outdone { .. }
             | Self::BetterElsewhere { .. }
             | Self::Held { .. }
@@ -248,36 +280,18 @@ impl Note {
             | Self::Infeasible { .. } => true,
             Self::Delays { .. }
             | Self::TableEnds { .. }
+            | Self::OneRow { .. }
+            | Self::UnusedReference { .. }
+            | Self::LongInterval { .. }
             | Self::StartsOutside { .. }
             | Self::TargetsLater { .. }
             | Self::BeyondRange { .. }
             | Self::RoundingCosts { .. }
             | Self::Unobservable { .. }
             | Self::Singular { .. }
+            | Self::EstimateOff { .. }
             | Self::Inaccurate { .. } => false,
         }
-    }
-}
-
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Inaccurate => "most programs miss their tolerance; give a [guess], or [scale] near the real sizes",
-            Self::SmoothedFriction => {
-                "the controller's model has smoothed friction, the plant sticks; write method = \"stick-slip\""
-            }
-            Self::Plant => "the plant is not the controller's model",
-            Self::Plan => "the plan did not converge; give a [guess], or raise max_iterations",
-            Self::MovingHorizon => {
-                "it is that of the end of a horizon that moves on; write method = \"plan\", whose horizon ends with the run"
-            }
-            Self::OneProgram => {
-                "one program per sample does not follow; write method = \"sqp\", or raise initial_iterations"
-            }
-            Self::LocalMinimum => {
-                "give a [guess] nearer to what is wanted, a longer horizon, or a cost that leads there"
-            }
-        })
     }
 }
 
@@ -313,6 +327,20 @@ impl fmt::Display for Note {
                 "the table of `{name}` ends at t = {} s, the run at t = {} s: afterwards the last value is kept",
                 readable(*last),
                 readable(*end)
+            ),
+            Note::OneRow { name } => {
+                write!(f, "the table of `{name}` has one row: its value holds at all times; give more rows, or a number")
+            }
+            Note::UnusedReference { name } => write!(
+                f,
+                "nothing uses the reference `{name}`: write it in the cost, such as (x - {name})^2, or remove it"
+            ),
+            Note::LongInterval { dt, time_constant } => write!(
+                f,
+                "an interval of {} s is {} times as long as the time constant of the model's motion, {} s: is dt in seconds?",
+                readable(*dt),
+                readable((dt / time_constant).round()),
+                readable(*time_constant)
             ),
             Note::StartsOutside { state, value, bounds } => write!(
                 f,
@@ -392,6 +420,13 @@ impl fmt::Display for Note {
                 readable(*realized),
                 readable(*planned)
             ),
+            Note::EndCostStays { first, last, planned, cause } => write!(
+                f,
+                "the terminal cost goes from {} to {} over the run, where the plan ends at {}: {cause}",
+                readable(*first),
+                readable(*last),
+                readable(*planned)
+            ),
             Note::Outdone { stays, input, value, intervals, cost, realized } => {
                 let what = if *stays { "the inputs stay at their guess" } else { "a simple input does better" };
                 write!(
@@ -415,6 +450,20 @@ impl fmt::Display for Note {
                 "the direction of ({name}) is taken where its length is {} {first}; it is smooth but where the length is 0, and \
                  friction only if written unit(…)",
                 readable(*length)
+            ),
+            Note::EstimateOff { state, error, deviations, ruined } => write!(
+                f,
+                "the estimate of `{state}` is off by {} in the last quarter of the run, {} standard deviations of the estimator{}: \
+                 raise process_noise or initial_std, estimate a disturbance, or measure more",
+                readable(*error),
+                readable(deviations.round()),
+                if *ruined { "; the controller acts on another state than the plant's" } else { "" }
+            ),
+            Note::NotSettling { last, planned, cause } => write!(
+                f,
+                "the stage cost is {} in the last quarter of the run, where the plan falls to {}: {cause}",
+                readable(*last),
+                readable(*planned)
             ),
             Note::Inaccurate { count, first } => write!(
                 f,

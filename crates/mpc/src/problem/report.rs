@@ -6,8 +6,9 @@ use super::method::MethodReason;
 use super::notes::Note;
 use super::rounding::RoundingReport;
 use super::scenarios::ScenarioReport;
-use crate::closed_loop::{Counts, SolveTimes};
-use crate::sqp::Hessian;
+use crate::closed_loop::{Counts, LateSamples, SolveTimes};
+use crate::ocp::BoundSide;
+use crate::sqp::{Hessian, Solution};
 use bracketry_symbolic::Named;
 use serde::Serialize;
 
@@ -28,6 +29,19 @@ pub struct PlanReport {
     pub seconds: f64,
 }
 
+impl PlanReport {
+    pub(super) fn of(plan: &Solution) -> Self {
+        Self {
+            status: plan.status.to_string(),
+            interior_point_steps: plan.interior_point_steps,
+            programs: plan.iterations.len(),
+            hessian: plan.hessian,
+            defect: plan.defect,
+            seconds: plan.seconds,
+        }
+    }
+}
+
 /// The bounds of an input to which the model gives a range: this range, with the ends that the problem gives instead.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct KeptRange {
@@ -39,6 +53,19 @@ pub struct KeptRange {
     /// Largest value; none if there is no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max: Option<f64>,
+}
+
+/// Which bound or named constraint is violated most, and where.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ViolationReport {
+    /// The state, input, or constraint; a constraint without a name has its number.
+    pub name: String,
+    /// Which of its bounds.
+    pub side: BoundSide,
+    /// The sample, from 0.
+    pub sample: usize,
+    /// Its time, s.
+    pub time: f64,
 }
 
 /// Figures of a closed-loop run.
@@ -53,6 +80,14 @@ pub struct ClosedLoopReport {
     /// Stage and terminal cost, as predicted from the initial state, of the first plan that an input is taken from: with
     /// [`Method::Rti`](super::Method::Rti) after its initial programs, else the converged one. NaN where there is no such plan.
     pub open_loop_cost: f64,
+    /// The part of the stage cost in `open_loop_cost`: what compares with the closed-loop cost over a horizon.
+    pub open_loop_stage_cost: f64,
+    /// The part of the terminal cost in it.
+    pub open_loop_terminal_cost: f64,
+    /// The terminal cost of the state that the loop has at the end of the horizon of a plan; none where the horizon moves on, or the
+    /// run ends before it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closed_loop_terminal_cost: Option<f64>,
     /// State at the end.
     pub x_final: Named<f64>,
     /// What is missing to every target at the end.
@@ -64,10 +99,15 @@ pub struct ClosedLoopReport {
     pub status: Counts,
     /// Times per sample.
     pub solve_ms: SolveTimes,
+    /// Samples that took longer than the sampling period.
+    pub late: LateSamples,
     /// Sampling period, ms.
     pub period_ms: f64,
     /// Largest violation of a bound or named constraint, each in its own unit.
     pub constraint_violation_max: f64,
+    /// Which one it is, and where; none where all are kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub constraint_violation_at: Option<ViolationReport>,
     /// Inputs that are kept within ranges of the model.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub input_ranges: Vec<KeptRange>,

@@ -3,12 +3,14 @@
 use super::conditions::RunConditions;
 use super::control_problem::ControlProblem;
 use super::findings::findings;
+use super::method::Method;
 use super::notes::Note;
-use super::report::{ClosedLoopReport, KeptRange, PlanReport};
+use super::report::{ClosedLoopReport, KeptRange, PlanReport, ViolationReport};
 use super::start::Started;
 use super::verdict::verdict;
-use crate::closed_loop::{ClosedLoop, LoopSettings, MeasurementFunction, Plant, run_closed_loop};
+use crate::closed_loop::{ClosedLoop, LateSamples, LoopSettings, MeasurementFunction, Plant, run_closed_loop};
 use crate::error::MpcError;
+use crate::ocp::{Bounded, ConstraintTrace, LargestViolation};
 use crate::sqp::{Solution, SolveStatus};
 use crate::trajectory::Trajectory;
 use bracketry_system::InputRange;
@@ -25,6 +27,8 @@ pub struct ControlRun {
     pub closed_loop: ClosedLoop,
     /// The plan, where one was made.
     pub plan: Option<Solution>,
+    /// The path constraints, then the norm constraints, along the run.
+    pub constraints: Vec<ConstraintTrace>,
 }
 
 impl ControlProblem {
@@ -48,7 +52,10 @@ impl ControlProblem {
         if self.has_free_values() {
             return self.with_free_values()?.run_disturbed(plant, disturb);
         }
-        let Started { problem, mut controller, plan, open_loop_cost, .. } = self.started()?;
+        if !self.has_run {
+            return Err(MpcError::NoRun);
+        }
+        let Started { problem, mut controller, plan, predicted, .. } = self.started()?;
         let first_plan = controller.plan().clone();
         let mut disturb = disturb;
         let mut noise = Noise::new(&self.conditions);
@@ -75,51 +82,51 @@ impl ControlProblem {
         // The linear weight of a target is the inverse of its tolerance. A run that ends before the horizon does not get there.
         let met =
             self.ends_early() || self.ocp.targets.iter().all(|t| (end[t.state] - t.value).abs() * t.linear <= 1.0);
-        let finite = end.iter().chain([&run.cost, &open_loop_cost]).all(|v| v.is_finite());
+        let finite = end.iter().chain([&run.cost, &predicted.total()]).all(|v| v.is_finite());
         // Costs and constraints are functions of the previous inputs too.
         let judged = problem.with_previous(&run);
         let judged = judged.as_ref().unwrap_or(&run);
-        let mut notes = findings(&problem, &run, open_loop_cost);
-        notes.extend(verdict(&problem, judged, &problem.plan_with_previous(&first_plan), planned, open_loop_cost)?);
+        let mut notes = findings(&problem, &run, predicted.total());
+        notes.extend(verdict(&problem, judged, &problem.plan_with_previous(&first_plan), planned, predicted)?);
         let rounding = problem.rounding_report(controller.as_ref(), judged)?;
         notes.extend(rounding.as_ref().and_then(|r| problem.note_on_rounding(r)));
         let succeeded = finite
             && !notes.iter().any(Note::is_failure)
             && run.counts.infeasible + run.counts.fallback == 0
             && if self.ocp.targets.is_empty() || self.ends_early() { planned } else { met };
-        let constraints = self.ocp.clone().largest_constraint_violation(&judged.x, &run.u);
-        let bounds = self.ocp.largest_violation(&run.x[1..], &run.u);
-        // `f64::max` would drop a NaN.
-        let violation = if constraints > bounds || constraints.is_nan() { constraints } else { bounds };
+        let mut ocp = self.ocp.clone();
+        let constraints = ocp.constraint_traces(&judged.x, &run.u);
+        let violation = ocp.worst_violation(&judged.x, &run.u, &constraints);
+        let steps = ocp.steps;
+        let tracked = matches!(problem.method, Method::Plan { .. }) && ocp.is_uniform() && run.u.len() >= steps;
+        let at_end = tracked.then(|| ocp.terminal_cost(steps, run.t[steps], &judged.x[steps]));
         let report = ClosedLoopReport {
             succeeded,
             notes,
             method: problem.method.name(),
             method_reason: problem.method_reason,
             closed_loop_cost: run.cost,
-            open_loop_cost,
+            open_loop_cost: predicted.total(),
+            open_loop_stage_cost: predicted.stage,
+            open_loop_terminal_cost: predicted.terminal,
+            closed_loop_terminal_cost: at_end,
             x_final: names.iter().cloned().zip(end.iter().copied()).collect(),
             miss: self.ocp.targets.iter().map(|t| (names[t.state].clone(), end[t.state] - t.value)).collect(),
             steps: run.steps.len(),
             status: run.counts,
             solve_ms: run.times,
+            late: self.late_samples(&run),
             period_ms: 1e3 * self.ocp.dt,
-            constraint_violation_max: violation,
+            constraint_violation_max: violation.map_or(0.0, |v| v.by),
+            constraint_violation_at: violation.map(|v| self.violated(&v, &constraints, run.t[v.sample])),
             input_ranges: self.kept_ranges(),
             found: self.found.clone(),
             rounding,
             chance: self.chance.clone(),
             scenarios: self.scenarios.as_ref().map(|tree| tree.report(controller.figures().predicted_violation)),
-            plan: plan.as_ref().map(|p| PlanReport {
-                status: p.status.to_string(),
-                interior_point_steps: p.interior_point_steps,
-                programs: p.iterations.len(),
-                hessian: p.hessian,
-                defect: p.defect,
-                seconds: p.seconds,
-            }),
+            plan: plan.as_ref().map(PlanReport::of),
         };
-        Ok(ControlRun { report, closed_loop: run, plan })
+        Ok(ControlRun { report, closed_loop: run, plan, constraints })
     }
 
     /// The run with the previous inputs among its states; none where the problem has no previous inputs.
@@ -141,6 +148,25 @@ impl ControlProblem {
     /// Whether the run ends before the end of the first horizon, where the targets are.
     pub(super) fn ends_early(&self) -> bool {
         self.samples < self.ocp.samples_of_horizon()
+    }
+
+    /// Samples that took longer than the sampling period.
+    fn late_samples(&self, run: &ClosedLoop) -> LateSamples {
+        let mut late = LateSamples::default();
+        run.steps.iter().for_each(|step| late.add(step.timings.total(), self.ocp.dt));
+        late
+    }
+
+    /// The name of what is violated, and where it is.
+    fn violated(&self, v: &LargestViolation, constraints: &[ConstraintTrace], time: f64) -> ViolationReport {
+        let name = match v.of {
+            Bounded::State(i) => self.system.state_names().get(i).cloned(),
+            Bounded::Input(j) => self.system.input_names().get(j).cloned(),
+            Bounded::Constraint(c) => constraints.get(c).map(|c| c.name.clone()).filter(|name| !name.is_empty()),
+        };
+        let number = |c: usize| format!("constraint {}", c + 1);
+        let (Bounded::State(c) | Bounded::Input(c) | Bounded::Constraint(c)) = v.of;
+        ViolationReport { name: name.unwrap_or_else(|| number(c)), side: v.side, sample: v.sample, time }
     }
 
     /// The bounds of the inputs that have a range in the model.

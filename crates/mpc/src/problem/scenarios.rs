@@ -53,10 +53,10 @@ impl ScenarioTree {
         };
         let ControlProblem { method, method_reason, smoothing, .. } = chosen;
         let problem = ControlProblem { method, method_reason, smoothing, ..own.clone() };
-        let Prepared { controller, plan, open_loop_cost } = prepared;
+        let Prepared { controller, plan, predicted } = prepared;
         let plan = plan.map(|plan| self.shown(own, plan));
         let controller = Box::new(Branches::new(controller, own.ocp.clone(), self.nominal));
-        Ok((problem, Prepared { controller, plan, open_loop_cost }))
+        Ok((problem, Prepared { controller, plan, predicted }))
     }
 
     /// The plan of all branches, as that of the branch that is shown; its cost is the mean.

@@ -9,7 +9,7 @@ use crate::dynamics::SymbolicDynamics;
 use crate::error::{MpcError, check_flag};
 use crate::estimation::OutputFeedback;
 use crate::exact_friction::{StickSlipController, StickSlipSettings};
-use crate::ocp::Ocp;
+use crate::ocp::{HorizonCost, Ocp};
 use crate::rti::{Horizon, Rti, RtiSettings};
 use crate::sqp::{Solution, SolveStatus, Sqp, SqpController, SqpSettings};
 use crate::trajectory::Trajectory;
@@ -27,7 +27,7 @@ pub(super) struct Prepared {
     /// The plan, where the method makes one that it tracks.
     pub(super) plan: Option<Solution>,
     /// Stage and terminal cost of the first plan that an input is taken from.
-    pub(super) open_loop_cost: f64,
+    pub(super) predicted: HorizonCost,
 }
 
 /// The controller of a problem at its start, with everything that stands between it and the measurement.
@@ -36,7 +36,7 @@ pub(crate) struct Started {
     pub(crate) problem: ControlProblem,
     pub(crate) controller: Box<dyn Controller>,
     pub(crate) plan: Option<Solution>,
-    pub(crate) open_loop_cost: f64,
+    pub(crate) predicted: HorizonCost,
     /// Samples that it predicts over.
     pub(crate) delay: usize,
 }
@@ -135,17 +135,17 @@ impl ControlProblem {
     }
 
     /// Cost of the plan after the first sample's programs along `trajectory`; NaN where they have no solution.
-    fn first_predicted_cost(&self, feedback: Feedback, trajectory: &Trajectory) -> Result<f64, MpcError> {
+    fn first_predicted_cost(&self, feedback: Feedback, trajectory: &Trajectory) -> Result<HorizonCost, MpcError> {
         let mut ocp = self.ocp.clone();
         let mut rti = self.receding(feedback, trajectory.clone())?;
         let planned = !matches!(rti.feedback(&self.initial_state())?.status, StepStatus::Fallback(_));
-        Ok(if planned { ocp.cost(0, rti.trajectory()) } else { f64::NAN })
+        Ok(if planned { ocp.costs(0, rti.trajectory()) } else { HorizonCost::NONE })
     }
 
     /// The controller at its start, with delay compensation and estimator. Where the method is
     /// [`Method::Automatic`], it is chosen here.
     pub(crate) fn started(&self) -> Result<Started, MpcError> {
-        let (problem, Prepared { mut controller, mut plan, open_loop_cost }) = match (&self.scenarios, self.method) {
+        let (problem, Prepared { mut controller, mut plan, predicted }) = match (&self.scenarios, self.method) {
             (Some(tree), _) => tree.started(self)?,
             (None, Method::Automatic { convergence }) => self.choose_method(convergence)?,
             (None, _) => (self.clone(), self.prepared()?),
@@ -173,7 +173,7 @@ impl ControlProblem {
             }
             None => controller,
         };
-        Ok(Started { problem, controller, plan, open_loop_cost, delay })
+        Ok(Started { problem, controller, plan, predicted, delay })
     }
 
     /// Samples between a measurement and its input that the controller predicts over.
@@ -186,6 +186,13 @@ impl ControlProblem {
     /// no controller is made for.
     pub fn compensated_delay(&self) -> usize {
         self.known_delay().unwrap_or(0)
+    }
+
+    /// By how much the inputs of the plant act later than measured for, in samples, the largest of them; and how many samples of it the
+    /// controller predicts over.
+    pub(super) fn delay_of_plant(&self) -> (f64, usize) {
+        let of_inputs = self.plant.delay_values().into_iter().flatten().fold(0.0, f64::max);
+        (self.conditions.delay as f64 + of_inputs / self.ocp.dt, self.compensated_delay())
     }
 
     /// Names of what is measured: the outputs of the estimator, else the states.
@@ -204,8 +211,8 @@ impl ControlProblem {
                     check_flag(&self.stop)?;
                     rti.feedback(&self.initial_state())?;
                 }
-                let open_loop_cost = self.first_predicted_cost(feedback, rti.trajectory())?;
-                Ok(Prepared { controller: Box::new(rti), plan: None, open_loop_cost })
+                let predicted = self.first_predicted_cost(feedback, rti.trajectory())?;
+                Ok(Prepared { controller: Box::new(rti), plan: None, predicted })
             }
             Method::Sqp { first, .. } => {
                 let (sqp, solution) = self.first_solution(first)?;
@@ -221,16 +228,16 @@ impl ControlProblem {
         let ocp = self.ocp.tightened(LOOP_SHARE * margin);
         let horizon = Horizon::Shrinking { min_steps: MIN_STEPS };
         let tracker = self.rti(feedback, ocp, plan.trajectory.clone(), horizon)?;
-        let open_loop_cost = plan.cost;
-        Ok(Prepared { controller: Box::new(tracker), plan: Some(plan), open_loop_cost })
+        let predicted = self.ocp.clone().costs(0, &plan.trajectory);
+        Ok(Prepared { controller: Box::new(tracker), plan: Some(plan), predicted })
     }
 
     /// Converged solutions at every sample, from the first one.
     pub(super) fn converged(&self, sqp: Sqp, solution: Solution) -> Result<Prepared, MpcError> {
-        let open_loop_cost = solution.cost;
+        let predicted = self.ocp.clone().costs(0, &solution.trajectory);
         let controller =
             SqpController::new(sqp, solution.trajectory).with_failure_policy(self.policy.clone(), &self.rest_input)?;
-        Ok(Prepared { controller: Box::new(controller), plan: None, open_loop_cost })
+        Ok(Prepared { controller: Box::new(controller), plan: None, predicted })
     }
 
     /// The controller on exact friction, with the guess.
@@ -250,8 +257,8 @@ impl ControlProblem {
 
     /// The controller on exact friction, with its first plan.
     pub(super) fn on_exact_flow(&self, mut controller: StickSlipController) -> Result<Prepared, MpcError> {
-        let open_loop_cost = self.ocp.clone().cost(0, controller.plan_from(&self.initial_state())?);
-        Ok(Prepared { controller: Box::new(controller), plan: None, open_loop_cost })
+        let predicted = self.ocp.clone().costs(0, controller.plan_from(&self.initial_state())?);
+        Ok(Prepared { controller: Box::new(controller), plan: None, predicted })
     }
 
     /// The first converged solution, and its solver. With smoothed friction, whole steps often find a better one through states

@@ -1,14 +1,15 @@
 //! What speaks against a run whose every sample has a solution: it does not do what its plan says, or something simple does
 //! better.
 
+use super::cause::Cause;
 use super::control_problem::ControlProblem;
 use super::method::{Method, MethodReason};
-use super::notes::{Cause, Note};
+use super::notes::Note;
 use super::rehearsal::{Held, Rehearsal};
 use super::signs::jumps;
 use crate::closed_loop::ClosedLoop;
 use crate::error::MpcError;
-use crate::ocp::Ocp;
+use crate::ocp::{HorizonCost, Ocp};
 use crate::sqp::{SolveStatus, Sqp};
 use crate::trajectory::Trajectory;
 
@@ -33,9 +34,11 @@ const FLOOR: f64 = 0.01;
 
 /// The cost of what was done, of what was planned, and what a cost has to reach to be worth mentioning.
 struct Balance {
-    /// Over the first `intervals`, with the terminal cost where these are the horizon.
-    realized: f64,
-    planned: f64,
+    /// Over the first `intervals`, with penalties, and with the terminal cost where these are the horizon.
+    realized: HorizonCost,
+    planned: HorizonCost,
+    /// Terminal cost of the first and the last state of the run.
+    ends: (f64, f64),
     intervals: usize,
     floor: f64,
 }
@@ -49,7 +52,7 @@ pub(super) fn verdict(
     run: &ClosedLoop,
     plan: &Trajectory,
     planned: bool,
-    predicted: f64,
+    predicted: HorizonCost,
 ) -> Result<Vec<Note>, MpcError> {
     let mut notes = Vec::new();
     let answered = run.steps.len() - run.counts.played_out;
@@ -89,7 +92,7 @@ pub(super) fn verdict(
     let conditions = &problem.conditions;
     let undisturbed = conditions.noise.iter().all(|s| *s == 0.0)
         && conditions.faults.is_empty()
-        && conditions.delay == 0
+        && (conditions.delay == 0 || acts_late(problem))
         && problem.estimation.is_none()
         && problem.is_alone()
         // Nor do intervals that are no samples have a counterpart in the run.
@@ -100,11 +103,8 @@ pub(super) fn verdict(
     let balance = balance(problem, run, plan, predicted);
     let (first, last) = ends(problem, run);
     let falls = last < 0.5 * first;
-    let gross = |a: f64, b: f64, share: f64| a - b > share * a.abs().max(b.abs()) + balance.floor;
-    if gross(balance.realized, balance.planned, GROSS) && (!one_program(problem) || !falls) {
-        let Balance { realized, planned, intervals, .. } = balance;
-        notes.push(Note::UnlikePlan { realized, planned, intervals, cause });
-    }
+    let ends_with_plan = matches!(problem.method, Method::Plan { .. });
+    notes.extend(balance.note(ends_with_plan, GROSS, cause).filter(|_| !one_program(problem) || !falls));
     notes.extend(not_held(problem, run, balance.floor));
     let per_interval = balance.floor / (problem.ocp.dt * balance.intervals.max(1) as f64);
     // References and live parameters may make a cost grow that was well served.
@@ -112,14 +112,17 @@ pub(super) fn verdict(
     if notes.is_empty() && constant && last - first > GROSS * first.abs().max(last.abs()) + per_interval {
         notes.push(Note::Grows { first, last, cause });
     }
+    if acts_late(problem) && notes.is_empty() && constant {
+        notes.extend(not_settling(problem, plan, last, per_interval));
+    }
     let same = problem.plant.dynamics.len() == problem.system.dynamics.len() && !differs(problem);
     let whole = balance.intervals == problem.ocp.steps && problem.ocp.targets.is_empty();
-    if whole && same && one_program(problem) && notes.is_empty() {
+    if whole && same && one_program(problem) && notes.is_empty() && !acts_late(problem) {
         notes.extend(loop_outdone(problem, run, &balance)?);
         let doubtful = problem.stays(run.u.iter().map(Vec::as_slice))
             || matches!(problem.method_reason, MethodReason::NotConverging);
         if doubtful && notes.is_empty() {
-            notes.extend(other_start(problem, balance.realized)?);
+            notes.extend(other_start(problem, balance.realized.total())?);
         }
     }
     Ok(notes)
@@ -207,10 +210,10 @@ fn loop_outdone(problem: &ControlProblem, run: &ClosedLoop, balance: &Balance) -
         |cost: f64, than: f64, share: f64| than - cost > share * than.abs().max(cost.abs()) + balance.floor;
     let held = Rehearsal::exact(problem)?.best_held(problem);
     let better = held.filter(|held| {
-        costs_less(held.cost, balance.realized, share)
-            && (balance.planned.is_nan() || costs_less(held.cost, balance.planned, BEST))
+        let (realized, planned) = (balance.realized.total(), balance.planned.total());
+        costs_less(held.cost, realized, share) && (planned.is_nan() || costs_less(held.cost, planned, BEST))
     });
-    Ok(better.map(|held| outdone(problem, &held, stays, balance.realized)))
+    Ok(better.map(|held| outdone(problem, &held, stays, balance.realized.total())))
 }
 
 fn outdone(problem: &ControlProblem, held: &Held, stays: bool, realized: f64) -> Note {
@@ -235,34 +238,63 @@ fn not_held(problem: &ControlProblem, run: &ClosedLoop, floor: f64) -> Option<No
 }
 
 /// Costs of what was done and of what was planned.
-fn balance(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory, predicted: f64) -> Balance {
+fn balance(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory, predicted: HorizonCost) -> Balance {
     let mut ocp = problem.ocp.clone();
     // Those of a horizon that moves on are not met on the way.
     ocp.targets.clear();
     let intervals = run.u.len().min(problem.ocp.steps);
+    let whole = intervals == problem.ocp.steps;
     let rows = |count: usize| -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
         ((0..=count).map(|k| plan.x(k).to_vec()).collect(), (0..count).map(|k| plan.u(k).to_vec()).collect())
     };
     let one_program = one_program(problem);
-    let mut whole = |x: &[Vec<f64>], u: &[Vec<f64>]| match Trajectory::from_rows(x, u) {
-        // The predicted cost has no penalties.
-        Ok(z) if intervals == problem.ocp.steps && one_program => ocp.cost(0, &z),
-        Ok(z) if intervals == problem.ocp.steps => {
+    let mut cost = |x: &[Vec<f64>], u: &[Vec<f64>]| match Trajectory::from_rows(x, u) {
+        Ok(z) if whole => {
+            let HorizonCost { stage, terminal } = ocp.costs(0, &z);
+            // The predicted cost has no penalties.
             let hard = if ocp.hard_violation(0, &z) > KEPT { problem.qp.hard_weight } else { 0.0 };
-            ocp.cost(0, &z) + ocp.penalty(0, &z, hard)
+            let penalty = if one_program { 0.0 } else { ocp.penalty(0, &z, hard) };
+            HorizonCost { stage: stage + penalty, terminal }
         }
-        Ok(z) => (0..intervals).map(|k| ocp.dt * ocp.stage_cost(k, k as f64 * ocp.dt, z.x(k), z.u(k))).sum(),
-        Err(_) => f64::NAN,
+        Ok(z) => {
+            let stage = (0..intervals).map(|k| ocp.dt * ocp.stage_cost(k, k as f64 * ocp.dt, z.x(k), z.u(k))).sum();
+            HorizonCost { stage, terminal: 0.0 }
+        }
+        Err(_) => HorizonCost::NONE,
     };
-    let realized = whole(&run.x[..=intervals], &run.u[..intervals]);
+    let realized = cost(&run.x[..=intervals], &run.u[..intervals]);
     // The trajectory that real-time iteration starts from is no plan yet: what is known is the cost of its whole first plan.
     let planned = if one_program {
-        if intervals == problem.ocp.steps { predicted } else { f64::NAN }
+        if whole { predicted } else { HorizonCost::NONE }
     } else {
         let (x, u) = rows(intervals.min(plan.steps()));
-        whole(&x, &u)
+        cost(&x, &u)
     };
-    Balance { realized, planned, intervals, floor: floor(problem, intervals) }
+    let mut end = |k: usize| ocp.terminal_cost(k, run.t[k], &run.x[k]);
+    let ends = if whole { (end(0), end(run.x.len() - 1)) } else { (0.0, 0.0) };
+    Balance { realized, planned, ends, intervals, floor: floor(problem, intervals) }
+}
+
+impl Balance {
+    /// The note on a loop that costs more than its plan by more than `share` of the larger one. A plan is tracked to its end, and its
+    /// terminal cost counts. A horizon that moves on never ends: its terminal cost stands for what comes after it, so that stage costs
+    /// compare, and terminal costs only where that of the loop does not fall over the whole run.
+    fn note(&self, ends_with_plan: bool, share: f64, cause: Cause) -> Option<Note> {
+        let gross = |a: f64, b: f64| a - b > share * a.abs().max(b.abs()) + self.floor;
+        let (realized, planned) = if ends_with_plan {
+            (self.realized.total(), self.planned.total())
+        } else {
+            (self.realized.stage, self.planned.stage)
+        };
+        if gross(realized, planned) {
+            return Some(Note::UnlikePlan { realized, planned, intervals: self.intervals, cause });
+        }
+        let ((first, last), planned) = (self.ends, self.planned.terminal);
+        let stays = !ends_with_plan && last >= BETTER * first && gross(last, planned);
+        let cause =
+            if matches!(cause, Cause::Plant | Cause::Delay | Cause::Plan) { cause } else { Cause::MovingHorizon };
+        stays.then_some(Note::EndCostStays { first, last, planned, cause })
+    }
 }
 
 /// What costs over some intervals have to differ by to be worth mentioning.
@@ -317,10 +349,29 @@ fn differs(problem: &ControlProblem) -> bool {
     }
 }
 
+/// Whether the inputs act later than the controller takes into account.
+fn acts_late(problem: &ControlProblem) -> bool {
+    let (delay, compensated) = problem.delay_of_plant();
+    delay > compensated as f64 + 0.5
+}
+
+/// Whether the stage cost at the end of the run is far from what the plan falls to.
+fn not_settling(problem: &ControlProblem, plan: &Trajectory, last: f64, floor: f64) -> Option<Note> {
+    let mut ocp = problem.ocp.clone();
+    let steps = plan.steps();
+    let mut stage = |k: usize| ocp.stage_cost(k, k as f64 * ocp.dt, plan.x(k), plan.u(k));
+    let quarter = steps.div_ceil(4);
+    let planned = (steps - quarter..steps).map(&mut stage).sum::<f64>() / quarter as f64;
+    let far = problem.samples >= steps && last - planned > GROSS * last.abs().max(planned.abs()) + floor;
+    far.then_some(Note::NotSettling { last, planned, cause: Cause::Delay })
+}
+
 /// What probably lies behind a run that does not do what was planned.
 fn cause(problem: &ControlProblem, run: &ClosedLoop, planned: bool) -> Cause {
     let exact = matches!(problem.method, Method::StickSlip { .. });
-    if !planned {
+    if acts_late(problem) {
+        Cause::Delay
+    } else if !planned {
         Cause::Plan
     } else if differs(problem) {
         Cause::Plant

@@ -18,17 +18,27 @@ pub(super) struct Start {
     pub(super) x0: Vec<f64>,
     pub(super) samples: usize,
     pub(super) plant_substeps: Option<usize>,
+    /// Whether the file has them.
+    pub(super) given: bool,
 }
 
 impl Reader<'_> {
-    pub(super) fn run<'t, 'i>(&self, table: &'t Table<'i>, steps: usize) -> Parsed<(&'t Table<'i>, Start)> {
-        let run = self.required(table, "run", "[run] with x0 and steps")?;
+    /// The table `[run]`, or `none` where there is no such table.
+    pub(super) fn run<'t, 'i>(
+        &self,
+        table: &'t Table<'i>,
+        none: &'t Table<'i>,
+        steps: usize,
+    ) -> Parsed<(&'t Table<'i>, Start)> {
+        let given = self.doc.sub_table(table, "run")?;
+        let run = given.unwrap_or(none);
         self.doc.only_keys(run, &KEYS, "[run]")?;
         let samples = self.count(run, "steps", Some(steps))?;
         let x0 = self.by_state(run, "x0")?.unwrap_or_else(|| vec![0.0; self.system.states.len()]);
-        let given = run.contains_key("plant_substeps");
-        let plant_substeps = given.then(|| self.substeps(run, "plant_substeps")).transpose()?;
-        Ok((run, Start { x0, samples, plant_substeps }))
+        let given = given.is_some();
+        let plant_substeps =
+            run.contains_key("plant_substeps").then(|| self.substeps(run, "plant_substeps")).transpose()?;
+        Ok((run, Start { x0, samples, plant_substeps, given }))
     }
 
     /// The inputs applied before the first sample; empty where the file has none.

@@ -170,7 +170,13 @@ impl Reader<'_> {
                 g.components = vec![difference];
                 let (min, max) = if sign > 0.0 { (f64::NEG_INFINITY, 0.0) } else { (0.0, f64::INFINITY) };
                 let function = self.compiled(g, names)?;
-                ocp.path_constraints.push(PathConstraint { function, bounds: Bounds { min, max, softness }, at_end });
+                ocp.path_constraints.push(PathConstraint {
+                    // What is bounded is the distance from the end.
+                    name: format!("{} - {side}", key.get_ref()),
+                    function,
+                    bounds: Bounds { min, max, softness },
+                    at_end,
+                });
             } else {
                 let value = self.constant(end, side)?;
                 *(if sign > 0.0 { &mut whole.max } else { &mut whole.min }) = value;
@@ -182,6 +188,7 @@ impl Reader<'_> {
         }
         if !whole.is_free() {
             ocp.path_constraints.push(PathConstraint {
+                name: key.get_ref().to_string(),
                 function: self.compiled(g.clone(), names)?,
                 bounds: whole,
                 at_end,
@@ -235,6 +242,7 @@ impl Reader<'_> {
             (vector.components, limit.components) = (of_vector, of_limit);
         }
         ocp.norm_constraints.push(NormConstraint {
+            name: key.get_ref().to_string(),
             vector: self.compiled_as_written(vector, names)?,
             limit: self.compiled_as_written(limit, names)?,
             softness,

@@ -67,7 +67,7 @@ impl Reader<'_> {
         Ok(live)
     }
 
-    /// Reads the references, finite at the grid points 0 … `points`.
+    /// Reads the references, and after them those of their derivatives that are used, finite at the grid points 0 … `points`.
     pub(super) fn references(&self, table: &Table<'_>, points: usize, dt: f64) -> Parsed<Vec<Scheduled>> {
         let mut references = Vec::new();
         for (key, v) in self.doc.sub_table(table, "references")?.into_iter().flatten() {
@@ -75,9 +75,23 @@ impl Reader<'_> {
             let taken = self.system.state_index(&name).is_some() || self.system.input_index(&name).is_some();
             if taken || self.system.parameter_names().contains(&name) || name == "t" {
                 let message = format!("`{name}` already has a meaning in the model");
-                return Err(self.doc.error(key.span(), message, "give the reference another name").into());
+                let remedy = if self.system.state_index(&name).is_some() {
+                    format!(
+                        "a reference has a name of its own, and the cost says what follows it: references = {{ {name}_ref = … }}, \
+                         cost = {{ stage = \"({name} - {name}_ref)^2 + …\" }}"
+                    )
+                } else {
+                    "give the reference another name".to_owned()
+                };
+                return Err(self.doc.error(key.span(), message, remedy).into());
             }
             references.push(self.over_run(v, &name, points, dt)?);
+        }
+        for (name, order) in self.derivatives_used(table, &references)? {
+            let place = self.doc.sub_table(table, "references")?.and_then(|t| t.get(name.as_str()));
+            if let Some(v) = place {
+                references.push(self.derivative_over_run(v, &name, order, points, dt)?);
+            }
         }
         Ok(references)
     }

@@ -1,6 +1,6 @@
 //! A problem file as a whole: its keys, the models it names, and the problem it states.
 
-use super::horizon::KEYS as HORIZON_KEYS;
+use super::horizon::{KEYS as HORIZON_KEYS, MOST_INTERVALS};
 use super::reader::Reader;
 use super::scaling::Expected;
 use super::tree::Tree;
@@ -34,9 +34,6 @@ const KEYS: [&str; 19] = [
     "uncertainty",
     "about",
 ];
-
-/// Most intervals of a horizon.
-const MOST_INTERVALS: usize = 20_000;
 
 impl ControlProblem {
     /// Reads a problem file; the model is looked for beside it.
@@ -201,7 +198,11 @@ impl Reader<'_> {
             }
         }
         let lengths = self.lengths(horizon)?;
-        let steps = if horizon.contains_key("lengths") { lengths.len() } else { self.count(horizon, "steps", None)? };
+        let steps = if horizon.contains_key("lengths") {
+            lengths.len()
+        } else {
+            self.count_up_to(horizon, "steps", None, MOST_INTERVALS)?
+        };
         let place = horizon.get("steps").or(horizon.get("lengths"));
         if let Some(v) = place.filter(|_| steps > MOST_INTERVALS) {
             let message = format!("a horizon of {steps} intervals makes programs too large to solve at every sample");
@@ -218,7 +219,8 @@ impl Reader<'_> {
         }
         self.discretization(horizon, &mut ocp)?;
 
-        let (run, start) = self.run(table, steps)?;
+        let no_run = Table::new();
+        let (run, start) = self.run(table, &no_run, steps)?;
         let points = start.samples + ocp.samples_of_horizon();
         let schedule = Schedule {
             parameters: self.parameters(table, points, dt)?,
@@ -240,6 +242,7 @@ impl Reader<'_> {
         let reader = Reader { remembered: &remembered, ..*self };
         remembered.inputs.iter().for_each(|&j| ocp.remember(j));
         let costs = reader.costs(table, &names, &mut ocp)?;
+        let references = reader.reference_uses(table, &schedule.references, &names)?;
         self.ranges(&mut ocp);
         reader.constraints(table, &names, &mut ocp)?;
         let mut guess = self.guess(table, &ocp)?;
@@ -247,7 +250,8 @@ impl Reader<'_> {
         if let Some(free) = self.free {
             free.guess(&mut guess);
         }
-        let Expected { cost_level: level, explicit_steps } = self.expected_sizes(&start.x0, &guess, &mut ocp)?;
+        let Expected { cost_level: level, explicit_steps, long_interval } =
+            self.expected_sizes(&start.x0, &guess, &mut ocp)?;
         self.targets(table, &mut ocp)?;
         self.scales(table, &mut ocp)?;
         Self::default_penalties(level, &mut ocp);
@@ -262,6 +266,10 @@ impl Reader<'_> {
         let estimation = if self.free.is_some() { None } else { self.estimation(table, &start, &ocp)? };
         let measured = estimation.as_ref().map_or_else(|| system.state_names(), |e| e.names.clone());
         let conditions = self.conditions(run, start.samples, &measured)?;
+        if planned && !start.given {
+            let message = "[run] is missing: what is free is found for an initial state";
+            return Err(self.doc.missing(message, "add [run] with x0").into());
+        }
         if planned && schedule.varies() {
             let message = "the end time is free, or a parameter, and references or parameters vary over time";
             return Err(self
@@ -295,8 +303,11 @@ impl Reader<'_> {
             rest_input: solve.rest_input,
             live,
             schedule,
+            references,
+            remarks: long_interval.into_iter().collect(),
             guess,
             x0: start.x0,
+            has_run: start.given,
             u0: self.input_before(run, &ocp)?,
             samples: start.samples,
             plant_substeps: start.plant_substeps.unwrap_or(match ocp.substeps {

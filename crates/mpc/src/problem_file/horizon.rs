@@ -8,6 +8,9 @@ use bracketry_system::{Table, Value};
 pub(super) const KEYS: [&str; 9] =
     ["steps", "dt", "growth", "lengths", "end_time", "integrator", "stages", "substeps", "blocks"];
 
+/// Most intervals of a horizon.
+pub(super) const MOST_INTERVALS: usize = 20_000;
+
 /// Most integration steps per interval.
 const MOST_SUBSTEPS: usize = 10_000;
 

@@ -1,5 +1,6 @@
 //! The intervals of a horizon that differ in length.
 
+use super::horizon::MOST_INTERVALS;
 use super::reader::{Parsed, Reader};
 use crate::ocp::Ocp;
 use bracketry_system::{Table, Value};
@@ -42,7 +43,7 @@ impl Reader<'_> {
                     return Err(self.doc.error(v.span(), message, "give dt in place of end_time").into());
                 }
                 let dt = self.positive(horizon, "dt", None)?;
-                let steps = self.count(horizon, "steps", None)?;
+                let steps = self.count_up_to(horizon, "steps", None, MOST_INTERVALS)?;
                 (0..steps).map(|k| dt * growth.powi(k as i32)).collect()
             }
             (None, None) => return Ok(Vec::new()),

@@ -83,7 +83,7 @@ impl Reader<'_> {
         let own = toml::Spanned::new(v.span(), Value::String(format!("rate({name})").into()));
         let function = self.compiled(self.vector(&[(&own, "rate")], names)?, names)?;
         let bounds = Bounds { min, max, softness: Softness::Hard };
-        ocp.path_constraints.push(PathConstraint { function, bounds, at_end: false });
+        ocp.path_constraints.push(PathConstraint { name: format!("rate({name})"), function, bounds, at_end: false });
         for p in ocp.previous_inputs.iter_mut().filter(|p| p.input == j) {
             p.rate = (min, max);
         }

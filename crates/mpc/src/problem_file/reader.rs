@@ -2,6 +2,7 @@
 
 use super::free::Free;
 use super::tree::Tree;
+use super::units::without_unit;
 use crate::ocp::Remembered;
 use bracketry_symbolic::{Expr, Names, Pool, Tape};
 use bracketry_system::{Document, FileError, System, Table, Value};
@@ -32,6 +33,9 @@ impl Names for Constants<'_> {
         known
     }
 }
+
+/// Largest count where nothing else limits it.
+const MOST: usize = 1_000_000;
 
 /// What a name in a table stands for.
 #[derive(Clone, Copy)]
@@ -107,11 +111,22 @@ impl Reader<'_> {
     }
 
     pub(super) fn count(&self, table: &Table<'_>, key: &str, default: Option<usize>) -> Parsed<usize> {
+        self.count_up_to(table, key, default, MOST)
+    }
+
+    /// A whole number from 1 that may be at most `most`; a larger one up to a million is left to the caller to refuse with a remedy.
+    pub(super) fn count_up_to(
+        &self,
+        table: &Table<'_>,
+        key: &str,
+        default: Option<usize>,
+        most: usize,
+    ) -> Parsed<usize> {
         let (v, span) = self.number(table, key, default.map(|d| d as f64))?;
-        if (1.0..=1e6).contains(&v) && v.fract() == 0.0 {
+        if (1.0..=MOST as f64).contains(&v) && v.fract() == 0.0 {
             Ok(v as usize)
         } else {
-            let message = format!("`{key}` must be a whole number from 1 to 1000000");
+            let message = format!("`{key}` must be a whole number from 1 to {most}");
             Err(self.doc.error(span, message, "give a whole number").into())
         }
     }
@@ -159,9 +174,28 @@ impl Reader<'_> {
 
     /// An expression of parameters and perhaps the time, as a function.
     pub(super) fn over_time(&self, v: Located<'_, '_>, key: &str, time: bool) -> Parsed<impl Fn(f64) -> f64 + use<>> {
+        self.derivative_over_time(v, key, time, 0)
+    }
+
+    /// The derivative of such an expression with respect to the time, 0 for itself.
+    pub(super) fn derivative_over_time(
+        &self,
+        v: Located<'_, '_>,
+        key: &str,
+        time: bool,
+        order: u32,
+    ) -> Parsed<impl Fn(f64) -> f64 + use<>> {
+        if let Value::String(text) = v.get_ref()
+            && let Some(remedy) = without_unit(text)
+        {
+            return Err(self.doc.error(v.span(), format!("`{key}` has a unit, `{text}`"), remedy).into());
+        }
         let mut pool = Pool::new();
-        let e = self.doc.expression(v, key, &mut pool, &mut Constants { system: self.system, time })?;
+        let mut e = self.doc.expression(v, key, &mut pool, &mut Constants { system: self.system, time })?;
         let t = pool.symbol("t");
+        for _ in 0..order {
+            e = pool.diff(e, t);
+        }
         let tape = Tape::compile(&pool, &[t], &[e])
             .map_err(|e| self.doc.error(v.span(), e.to_string(), "use numbers and parameters"))?;
         let value = move |t: f64| {

@@ -5,7 +5,7 @@ use crate::closed_loop::{Plant, RungeKuttaPlant};
 use crate::dynamics::{Dynamics, SymbolicDynamics};
 use crate::integrator::Interval;
 use crate::ocp::{CostPoint, Ocp, Substeps};
-use crate::problem::ProblemError;
+use crate::problem::{Note, ProblemError};
 use crate::transcription::Shooter;
 use bracketry_system::Table;
 use nalgebra::{Complex, DMatrix, Schur};
@@ -16,6 +16,10 @@ const RESOLVED: f64 = 1.0;
 const STABLE: f64 = 2.5;
 /// Width of smoothing at which friction adds nothing to the rates.
 const WITHOUT_FRICTION: f64 = 1e9;
+/// Product of interval and rate of every mode beyond which nothing of the motion is left at the next sample.
+const LONG: f64 = 10.0;
+/// Share of the fastest rate below which a mode is one of rest, such as a position without force.
+const AT_REST: f64 = 1e-6;
 /// Most steps of an interval.
 const MOST_STEPS: f64 = 1e3;
 
@@ -25,6 +29,8 @@ pub(super) struct Expected {
     pub(super) cost_level: f64,
     /// Steps of an interval for which the Runge–Kutta method of order 4 is stable.
     pub(super) explicit_steps: usize,
+    /// What is to be said of an interval that is much longer than every motion of the model.
+    pub(super) long_interval: Option<Note>,
 }
 
 impl Reader<'_> {
@@ -65,6 +71,7 @@ impl Reader<'_> {
         // The rates of smoothed friction are those of its width, with which the steps of a solution change.
         rates.set_smoothing(WITHOUT_FRICTION);
         let mut rate = fastest_rate(&mut rates, 0.0, x0, &guess[0]);
+        let long_interval = long_interval(ocp.dt, &eigenvalues(&mut rates, 0.0, x0, &guess[0]));
         if let Some((x, u)) = &point {
             rate = rate.max(fastest_rate(&mut rates, 0.0, x, u));
         }
@@ -110,7 +117,7 @@ impl Reader<'_> {
         for (i, p) in ocp.previous_inputs.iter().enumerate() {
             ocp.state_scale[n + i] = ocp.input_trust[p.input];
         }
-        Ok(Expected { cost_level: cost_level(ocp, x0, &guess[0]), explicit_steps: explicit })
+        Ok(Expected { cost_level: cost_level(ocp, x0, &guess[0]), explicit_steps: explicit, long_interval })
     }
 
     /// The tables `[scale]` and `[trust]`.
@@ -135,6 +142,15 @@ impl Reader<'_> {
         }
         Ok(())
     }
+}
+
+/// A note on an interval within which every mode but those at rest ends, or an unstable one leaves every bound behind.
+fn long_interval(dt: f64, modes: &[Complex<f64>]) -> Option<Note> {
+    let fastest = modes.iter().fold(0.0, |r: f64, l| r.max(l.norm()));
+    let slowest = modes.iter().map(|l| l.norm()).filter(|r| *r > AT_REST * fastest).fold(f64::INFINITY, f64::min);
+    let growth = modes.iter().fold(0.0, |r: f64, l| r.max(l.re));
+    let rate = if slowest.is_finite() { slowest.max(growth) } else { growth };
+    (dt * rate > LONG).then(|| Note::LongInterval { dt, time_constant: 1.0 / rate })
 }
 
 /// Number of the interval, state, input: advances the state; whether that worked.

@@ -24,6 +24,7 @@ use super::program::{NOWHERE, StageProgram};
 use crate::dense::is_positive_definite;
 use crate::ocp::{CostFunction, Ocp};
 use crate::transcription::{Linearization, carry_block};
+use std::ops::Range;
 
 /// Curvature that is left at the states, relative to the largest of all.
 const LEFT: f64 = 1e-8;
@@ -48,13 +49,35 @@ const SHRINKAGE: f64 = 3.0;
 const HELD: f64 = 10.0;
 
 /// An active bound with multiplier z at the distance s.
-pub(super) struct Held {
+struct Held {
     /// Grid point.
-    pub(super) k: usize,
-    /// Entries of its gradient with respect to (x, u).
-    pub(super) gradient: Vec<(usize, f64)>,
+    k: usize,
+    /// Where the entries of its gradient stand.
+    gradient: Range<usize>,
     /// z/s.
-    pub(super) curvature: f64,
+    curvature: f64,
+}
+
+/// What active bounds hold.
+#[derive(Default)]
+pub(super) struct HeldBounds {
+    bounds: Vec<Held>,
+    /// Entries of the gradients with respect to (x, u), one bound after the other.
+    gradients: Vec<(usize, f64)>,
+}
+
+impl HeldBounds {
+    pub(super) fn clear(&mut self) {
+        self.bounds.clear();
+        self.gradients.clear();
+    }
+
+    /// Adds a bound at grid point `k` by the entries of its gradient and its curvature z/s.
+    pub(super) fn add(&mut self, k: usize, gradient: impl Iterator<Item = (usize, f64)>, curvature: f64) {
+        let first = self.gradients.len();
+        self.gradients.extend(gradient);
+        self.bounds.push(Held { k, gradient: first..self.gradients.len(), curvature });
+    }
 }
 
 /// The blocks, in memory that is kept.
@@ -71,7 +94,7 @@ pub(super) struct StageBlocks {
     /// P_{k+1} of every interval, N blocks of n rows of n; empty where no curvature was moved.
     moved: Vec<f64>,
     /// What active bounds hold.
-    pub(super) held: Vec<Held>,
+    pub(super) held: HeldBounds,
     /// Constant inputs and the states that carry them on: after the first interval these inputs have no effect of their own.
     carried: Vec<(usize, usize)>,
     /// Curvature that was added in the last program, relative to the largest of all; 0 if there was none.
@@ -264,7 +287,8 @@ impl StageBlocks {
             b + share * x * size[i] * size[j]
         }));
         let cap = HELD * largest_of(stages);
-        for Held { k, gradient, curvature } in held.iter() {
+        for Held { k, gradient, curvature } in &held.bounds {
+            let gradient = &held.gradients[gradient.clone()];
             let square: f64 = gradient.iter().map(|(i, a)| (a * size[*i]).powi(2)).sum();
             let h = curvature.min(cap / square);
             for &(i, a) in gradient {

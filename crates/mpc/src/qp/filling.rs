@@ -1,7 +1,6 @@
 //! Filling the stage program from the problem.
 
 use super::assembly::Assembly;
-use super::exact_hessian::Held;
 use super::program::NOWHERE;
 use crate::ocp::{CostPoint, Ocp};
 use crate::trajectory::Trajectory;
@@ -293,7 +292,7 @@ impl Assembly {
         };
         for (r, variable) in inputs.chain(states) {
             if let Some(curvature) = curvature_of(r.row) {
-                blocks.held.push(Held { k: r.k, gradient: vec![(variable, 1.0)], curvature });
+                blocks.held.add(r.k, std::iter::once((variable, 1.0)), curvature);
             }
         }
         for rows in self.path.iter().filter(|rows| rows.k < p.steps) {
@@ -301,7 +300,7 @@ impl Assembly {
                 if let Some(curvature) = curvature_of(*row) {
                     let slots = slots.iter().filter(|slot| **slot != NOWHERE);
                     let gradient = slots.map(|&slot| (p.place_at(rows.k, p.row_places[slot].1), p.rows[slot]));
-                    blocks.held.push(Held { k: rows.k, gradient: gradient.collect(), curvature });
+                    blocks.held.add(rows.k, gradient, curvature);
                 }
             }
         }

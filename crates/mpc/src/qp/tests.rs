@@ -54,17 +54,33 @@ fn everything() -> Ocp {
     ];
     let bounds = |min, max, softness| Bounds { min, max, softness };
     ocp.path_constraints = vec![
-        PathConstraint { function: function(&["a*b + sin(c)"]), bounds: bounds(-0.4, 0.5, SOFT), at_end: false },
         PathConstraint {
+            name: String::new(),
+            function: function(&["a*b + sin(c)"]),
+            bounds: bounds(-0.4, 0.5, SOFT),
+            at_end: false,
+        },
+        PathConstraint {
+            name: String::new(),
             function: function(&["a*u + v + t"]),
             bounds: bounds(-0.6, f64::INFINITY, Softness::Hard),
             at_end: false,
         },
-        PathConstraint { function: function(&["a + c - r"]), bounds: Bounds::FREE, at_end: false },
+        PathConstraint { name: String::new(), function: function(&["a + c - r"]), bounds: Bounds::FREE, at_end: false },
     ];
     ocp.norm_constraints = vec![
-        NormConstraint { vector: function(&["u", "v"]), limit: function(&["0.6 + 0.1*a^2"]), softness: Softness::Hard },
-        NormConstraint { vector: function(&["a", "b", "c"]), limit: function(&["0.8"]), softness: SOFT },
+        NormConstraint {
+            name: String::new(),
+            vector: function(&["u", "v"]),
+            limit: function(&["0.6 + 0.1*a^2"]),
+            softness: Softness::Hard,
+        },
+        NormConstraint {
+            name: String::new(),
+            vector: function(&["a", "b", "c"]),
+            limit: function(&["0.8"]),
+            softness: SOFT,
+        },
     ];
     ocp.terminal_set = Some(TerminalSet {
         matrix: vec![vec![2.0, 0.5, 0.0], vec![0.5, 1.0, 0.0], vec![0.0, 0.0, 0.0]],

@@ -55,7 +55,7 @@ impl Controller for SqpController {
             StepStatus::Fallback(reason)
         } else {
             self.sqp.limit_programs(limits)?;
-            let solution = self.sqp.solve_next(x, &self.trajectory)?;
+            let mut solution = self.sqp.solve_next(x, &self.trajectory)?;
             seconds = solution.seconds;
             let status = match solution.status {
                 SolveStatus::Converged
@@ -78,8 +78,9 @@ impl Controller for SqpController {
                 }
             };
             if !matches!(status, StepStatus::Fallback(_)) {
-                self.trajectory = solution.trajectory;
+                std::mem::swap(&mut self.trajectory, &mut solution.trajectory);
             }
+            self.sqp.recycle(solution);
             status
         };
         self.step.status = status;

@@ -43,8 +43,18 @@ impl Filter {
     /// An empty filter for an iteration that starts here. `widest` is the largest sum of defects of an iterate, relative to that of
     /// the start (but at least 1).
     pub(crate) fn new(start: &Merit, widest: f64) -> Self {
+        Self::with_entries(Vec::new(), start, widest)
+    }
+
+    /// As [`Filter::new`], in the memory of an empty list.
+    pub(crate) fn with_entries(entries: Vec<(f64, f64)>, start: &Merit, widest: f64) -> Self {
         let unit = start.defects.max(1.0);
-        Self { entries: Vec::new(), widest: widest * unit, narrow: NARROW * unit }
+        Self { entries, widest: widest * unit, narrow: NARROW * unit }
+    }
+
+    /// The memory of its entries.
+    pub(crate) fn into_entries(self) -> Vec<(f64, f64)> {
+        self.entries
     }
 
     /// Judges a step of which the program promises that the objective falls by `promised`.

@@ -118,9 +118,9 @@ impl Sqp {
         self.problem.linearize(z, 0, z.steps(), &mut self.lin);
         let first = self.problem.merit_with(z, &self.lin.end, self.settings.qp.hard_weight);
         let mut run = Iterate {
-            at: z.clone(),
+            at: self.spare.copy(z),
             now: first,
-            filter: Filter::new(&first, widest),
+            filter: Filter::with_entries(self.spare.entries(), &first, widest),
             restored: false,
             failures: 0,
             lambda: 0.0,
@@ -136,8 +136,8 @@ impl Sqp {
             match self.filter_step(&mut run, width, log)? {
                 Next::Program => {}
                 Next::Converged => {
-                    *z = run.at;
-                    return Ok(Stop::Converged);
+                    end = Stop::Converged;
+                    break;
                 }
                 Next::Failed(stop) => {
                     end = stop;
@@ -145,8 +145,11 @@ impl Sqp {
                 }
             }
         }
-        if run.now.value(run.weight) < first.value(run.weight) {
-            *z = run.at;
+        self.spare.give_entries(run.filter.into_entries());
+        if end == Stop::Converged || run.now.value(run.weight) < first.value(run.weight) {
+            self.spare.replace(z, run.at);
+        } else {
+            self.spare.give(run.at);
         }
         Ok(end)
     }
@@ -173,6 +176,7 @@ impl Sqp {
             run.lambda = 0.0;
             line.predicted = promised;
             log.push(line);
+            self.spare.give(whole.0);
             return Ok(Next::Program);
         }
         if self.is_within_tolerance(promised.abs(), &run.now) {
@@ -180,7 +184,9 @@ impl Sqp {
             log.push(line);
             // The last step is still worth taking unless it leaves the tolerance.
             if whole.1.worst_defect <= self.settings.defect_tolerance {
-                run.at = whole.0;
+                self.spare.replace(&mut run.at, whole.0);
+            } else {
+                self.spare.give(whole.0);
             }
             return Ok(Next::Converged);
         }
@@ -192,7 +198,12 @@ impl Sqp {
         line.ratio = (run.now.value(run.weight) - step.merit.value(run.weight)) / line.predicted.max(f64::MIN_POSITIVE);
         line.fraction = if rejected { 0.0 } else { step.fraction };
         log.push(line);
-        if rejected { self.after_rejection(run) } else { self.take(run, step, curvature, &line) }
+        if rejected {
+            self.spare.give(step.end);
+            self.after_rejection(run)
+        } else {
+            self.take(run, step, curvature, &line)
+        }
     }
 
     /// The whole step, if need be after a correction of second order, else the longest fraction that the filter accepts. Where it
@@ -218,20 +229,20 @@ impl Sqp {
             line.correction = true;
             (line.qp, line.qp_iterations) = (qp, self.qp.solution.iterations);
             if qp.is_usable() {
-                (end, merit) = self.trial(at, 1.0);
+                self.try_again(at, 1.0, &mut end, &mut merit);
                 verdict = run.filter.judge(now, &merit, promised);
             }
             self.qp.solution = step;
         }
         while verdict == Verdict::Rejected && fraction > SHORTEST {
             fraction /= 2.0;
-            (end, merit) = self.trial(at, fraction);
+            self.try_again(at, fraction, &mut end, &mut merit);
             verdict = run.filter.judge(now, &merit, fraction * promised);
         }
         if verdict == Verdict::Rejected && now.worst_defect > self.settings.defect_tolerance {
             fraction = 1.0;
             while fraction > SHORTEST_RESTORATION {
-                (end, merit) = self.trial(at, fraction);
+                self.try_again(at, fraction, &mut end, &mut merit);
                 if merit.objective.is_finite() && merit.defects <= (1.0 - RESTORED * fraction) * now.defects {
                     verdict = Verdict::Progress;
                     break;
@@ -284,7 +295,8 @@ impl Sqp {
             run.filter.add(&run.now);
         }
         run.failures = 0;
-        (run.at, run.now) = (end, merit);
+        self.spare.replace(&mut run.at, end);
+        run.now = merit;
         let whole = fraction == 1.0 && line.proximal == 0.0 && !line.correction && line.qp == QpStatus::Solved;
         if let Some(before) = run.curvature.replace(curvature).filter(|_| whole) {
             let contraction = curvature / before;
@@ -368,9 +380,17 @@ impl Sqp {
 
     /// The iterate after a fraction of the program's step, with its inputs within their bounds.
     pub(crate) fn trial(&mut self, z: &Trajectory, fraction: f64) -> (Trajectory, Merit) {
-        let mut trial = z.moved(fraction, &self.qp.solution.dx, &self.qp.solution.du);
+        let mut trial = self.spare.copy(z);
+        trial.add(fraction, &self.qp.solution.dx, &self.qp.solution.du);
         trial.clamp_inputs(&self.problem.ocp.input_bounds);
         let merit = self.problem.merit(&trial, self.settings.qp.hard_weight);
         (trial, merit)
+    }
+
+    /// Another fraction of the step in the place of one that was tried before.
+    fn try_again(&mut self, z: &Trajectory, fraction: f64, end: &mut Trajectory, merit: &mut Merit) {
+        let (trial, found) = self.trial(z, fraction);
+        self.spare.replace(end, trial);
+        *merit = found;
     }
 }

@@ -23,6 +23,7 @@ mod interior_point;
 mod settings;
 mod solution;
 mod solver;
+mod spare;
 
 pub use controller::SqpController;
 pub use settings::{Hessian, SqpSettings};

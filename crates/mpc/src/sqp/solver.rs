@@ -4,6 +4,7 @@ use super::filter::WIDEST;
 use super::interior_point::{BARRIERS, InteriorPoint, InteriorSolution};
 use super::settings::{Hessian, SqpSettings};
 use super::solution::{Iteration, Solution, SolveStatus};
+use super::spare::Spare;
 use crate::controller::StepLimits;
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_flag, check_length, check_value};
@@ -27,6 +28,7 @@ pub struct Sqp {
     interior: Option<Interior>,
     /// Steps of the interior-point method in this solution.
     interior_point_steps: usize,
+    pub(super) spare: Spare,
 }
 
 /// The layout of the problem for the interior-point method, with the places of the field's second derivatives; none where it does not take
@@ -119,6 +121,7 @@ impl Sqp {
             other,
             interior: None,
             interior_point_steps: 0,
+            spare: Spare::default(),
         })
     }
 
@@ -212,14 +215,19 @@ impl Sqp {
         self.solve_from(x0, guess, true)
     }
 
+    /// Uses the memory of a solution for the next ones.
+    pub(crate) fn recycle(&mut self, solution: Solution) {
+        self.spare.give_solution(solution);
+    }
+
     fn solve_from(&mut self, x0: &[f64], guess: &Trajectory, warm: bool) -> Result<Solution, MpcError> {
         let start = Instant::now();
         check_length("the initial state", x0.len(), self.problem.ocp.states())?;
         self.problem.check_trajectory(guess)?;
-        let mut z = guess.clone();
+        let mut z = self.spare.copy(guess);
         z.x_mut(0).copy_from_slice(x0);
         z.clamp_inputs(&self.problem.ocp.input_bounds);
-        let mut log = Vec::new();
+        let mut log = self.spare.log();
         let widths = if self.problem.dynamics.is_smoothed() { self.settings.smoothing.clone() } else { Vec::new() };
         let mut lambda = self.settings.proximal;
         let mut status = SolveStatus::NotANumber;
@@ -256,7 +264,8 @@ impl Sqp {
         }
         let merit = self.problem.merit(&z, self.settings.qp.hard_weight);
         let ocp = &mut self.problem.ocp;
-        let miss = ocp.targets.iter().map(|t| z.x(z.steps())[t.state] - t.value).collect();
+        let mut miss = self.spare.miss();
+        miss.extend(ocp.targets.iter().map(|t| z.x(z.steps())[t.state] - t.value));
         let cost = ocp.cost(self.problem.k0, &z);
         Ok(Solution {
             trajectory: z,
@@ -280,7 +289,7 @@ impl Sqp {
         warm: bool,
         log: &mut Vec<Iteration>,
     ) -> Result<SolveStatus, MpcError> {
-        let guess = z.clone();
+        let guess = self.spare.copy(z);
         self.interior_point_steps = 0;
         let mut best: Option<Attempt> = None;
         let (mut last, mut led) = (0, false);
@@ -293,7 +302,7 @@ impl Sqp {
                 // The filter method from the guess is for what the other does not solve.
                 break;
             }
-            let (mut end, before) = (guess.clone(), log.len());
+            let (mut end, before) = (self.spare.copy(&guess), log.len());
             if number > 0 {
                 self.start_afresh()?;
             }
@@ -325,6 +334,8 @@ impl Sqp {
             let this = Attempt { number, end, stop, merit: merit.value(weight), exact: self.is_exact() };
             if best.as_ref().is_none_or(|best| this.is_better_than(best)) {
                 best = Some(this);
+            } else {
+                self.spare.give(this.end);
             }
             let tried = steps <= LONG && log.len() - before <= FAR;
             // One other first barrier is enough.
@@ -333,12 +344,13 @@ impl Sqp {
                 break;
             }
         }
+        self.spare.give(guess);
         let Some(best) = best else { return Ok(SolveStatus::NotANumber) };
         if best.number < last {
             // The multipliers are those of the other attempt.
             self.qp.forget_multipliers();
         }
-        *z = best.end;
+        self.spare.replace(z, best.end);
         if best.exact != self.is_exact() {
             self.change_hessian()?;
         }

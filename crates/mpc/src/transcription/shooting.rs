@@ -57,6 +57,7 @@ pub(crate) struct Shooter {
     end: Vec<f64>,
     jacobian: Vec<f64>,
     hessian: Vec<f64>,
+    lambda: Vec<f64>,
     /// Inputs that are the last states at the end of an interval, in this order.
     previous: Vec<usize>,
     /// Constant inputs and the states that carry them on.
@@ -129,6 +130,7 @@ impl Shooter {
             end: Vec::new(),
             jacobian: Vec::new(),
             hessian: Vec::new(),
+            lambda: Vec::new(),
             previous: Vec::new(),
             carried: Vec::new(),
         }
@@ -253,7 +255,8 @@ impl Shooter {
     ) {
         let (n, w) = (self.states(), self.states() + self.m);
         out.resize(trajectory.steps() * w * w, 0.0);
-        let mut lambda = vec![0.0; n];
+        let mut lambda = std::mem::take(&mut self.lambda);
+        lambda.resize(n, 0.0);
         for (k, block) in out.chunks_exact_mut(w * w).enumerate() {
             let interval = grid.enter(dynamics, k, trajectory.u(k));
             lambda.iter_mut().zip(&multipliers[k * n..(k + 1) * n]).for_each(|(l, y)| *l = -y);
@@ -262,6 +265,7 @@ impl Shooter {
                 carry_block(&self.carried, n, w, block);
             }
         }
+        self.lambda = lambda;
     }
 
     /// Linearizes all intervals and adds their curvature as [`Shooter::curvatures`] does, in one pass.
@@ -277,7 +281,8 @@ impl Shooter {
         out.end.resize(steps * n, 0.0);
         out.jacobian.resize(steps * n * w, 0.0);
         out.curvature.resize(steps * w * w, 0.0);
-        let mut lambda = vec![0.0; n];
+        let mut lambda = std::mem::take(&mut self.lambda);
+        lambda.resize(n, 0.0);
         for (k, block) in out.curvature.chunks_exact_mut(w * w).enumerate() {
             let interval = grid.enter(dynamics, k, trajectory.u(k));
             lambda.iter_mut().zip(&multipliers[k * n..(k + 1) * n]).for_each(|(l, y)| *l = -y);
@@ -293,6 +298,7 @@ impl Shooter {
                 carry_block(&self.carried, n, w, block);
             }
         }
+        self.lambda = lambda;
     }
 
     /// End states only.

@@ -97,10 +97,11 @@ fn template(object: &Object, limits: &PlateLimits, interval: f64, margin: f64) -
     };
     ocp.state_bounds[6] = soft(limits.stroke, 5e4);
     ocp.state_bounds[8] = soft(limits.tilt, 1e4);
-    for text in pressure(object, interval) {
+    for (number, text) in pressure(object, interval).into_iter().enumerate() {
         let function = VectorFunction::parse(&system, &[], &[&text])?;
         let softness = Softness::Soft { linear: 1e3, quadratic: 1e3 };
         ocp.path_constraints.push(PathConstraint {
+            name: format!("pressure {}", number + 1),
             function,
             bounds: Bounds { min: LEAST_PRESSURE, max: f64::INFINITY, softness },
             at_end: false,

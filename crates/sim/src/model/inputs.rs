@@ -68,6 +68,11 @@ impl Samples {
         self.value(self.interval(t), t)
     }
 
+    /// Slope at a time; at a sample, that of the interval after it.
+    pub fn slope_at(&self, t: f64) -> f64 {
+        self.slope(self.interval(t))
+    }
+
     /// Mean of the value from one time to a later one.
     pub fn mean(&self, from: f64, to: f64) -> f64 {
         self.means(from, to).0

@@ -6,7 +6,9 @@
 mod lines;
 mod outbox;
 mod protocol;
+mod reader;
 mod serve;
 mod session;
 
+pub(crate) use reader::wait_until_closed;
 pub(crate) use serve::{Limits, serve};

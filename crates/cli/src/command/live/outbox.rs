@@ -81,6 +81,14 @@ impl Outbox {
         Ok(())
     }
 
+    /// Gives the peer up: nothing is written any more.
+    pub(super) fn give_up(&self) {
+        let mut state = self.lock();
+        state.broken = true;
+        state.waiting.clear();
+        self.done.notify_all();
+    }
+
     /// What becomes of the messages.
     pub(super) fn writing(&self) -> Writing {
         let state = self.lock();

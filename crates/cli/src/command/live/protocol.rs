@@ -157,6 +157,7 @@ pub(super) enum Answer<'a> {
         samples: usize,
         u: &'a [f64],
         status: bracketry::mpc::Counts,
+        late: bracketry::mpc::LateSamples,
     },
 }
 

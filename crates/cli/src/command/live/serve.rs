@@ -8,7 +8,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use bracketry::mpc::{Counts, LiveController, LoopLog, MpcError};
+use bracketry::mpc::{Counts, LateSamples, LiveController, LoopLog, MpcError};
 
 use super::lines::Lines;
 use super::outbox::{NotRead, Outbox, Writing};
@@ -16,6 +16,8 @@ use super::session::{Happened, Next, Session};
 
 /// Shortest time between two messages that nobody asked for.
 const MIN_PERIOD: Duration = Duration::from_millis(1);
+/// Time for what a peer sent before it closed its reading end, such as the message that ends the session.
+const LAST_WORDS: Duration = Duration::from_millis(100);
 
 /// How long a peer may be silent.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +36,8 @@ pub(crate) struct Ended {
     reason: &'static str,
     /// Outcomes of the samples.
     counts: Counts,
+    /// Samples that took longer than the sampling period.
+    pub(crate) late: LateSamples,
     /// The samples, if the controller keeps them.
     pub(crate) log: Option<LoopLog>,
 }
@@ -102,6 +106,7 @@ pub(crate) fn serve(
     controller: LiveController,
     input: impl Read + Send + 'static,
     output: impl Write + Send + 'static,
+    until_closed: impl FnOnce() + Send + 'static,
     limits: Limits,
 ) -> Result<Ended, MpcError> {
     let (outbox, session, now) = (Outbox::new(output), Session::new(controller), Instant::now());
@@ -114,6 +119,17 @@ pub(crate) fn serve(
         move || {
             let end = catch_unwind(AssertUnwindSafe(|| answer(Lines::new(input), &shared, limits)));
             shared.lock().end = Some(end);
+            shared.changed.notify_all();
+        }
+    });
+    thread::spawn({
+        let shared = Arc::clone(&shared);
+        move || {
+            until_closed();
+            thread::sleep(LAST_WORDS);
+            shared.outbox.give_up();
+            // Under the lock: the main thread is not just about to wait.
+            let _watched = shared.lock();
             shared.changed.notify_all();
         }
     });
@@ -188,7 +204,7 @@ fn watch(shared: &Shared, unasked: &SyncSender<()>, limits: Limits) -> Result<En
         w.session.end(reason, &shared.outbox)?;
         let _full = unasked.try_send(());
     }
-    let ended = Ended { reason, counts: w.session.counts(), log: w.session.log() };
+    let ended = Ended { reason, counts: w.session.counts(), late: w.session.late(), log: w.session.log() };
     drop(w);
     if reason != "not_read" {
         shared.outbox.wait(limits.timeout);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bracketry::mpc::{Change, Counts, FallbackReason, LiveController, LiveStep, LoopLog, MpcError};
+use bracketry::mpc::{Change, Counts, FallbackReason, LateSamples, LiveController, LiveStep, LoopLog, MpcError};
 
 use super::outbox::Outbox;
 use super::protocol::{
@@ -29,6 +29,7 @@ pub(super) enum Happened {
 pub(super) struct Session {
     controller: LiveController,
     counts: Counts,
+    late: LateSamples,
     measured: Vec<String>,
     /// Since the last preparation.
     happened: Happened,
@@ -36,7 +37,13 @@ pub(super) struct Session {
 
 impl Session {
     pub(super) fn new(controller: LiveController) -> Self {
-        Self { measured: controller.measured(), controller, counts: Counts::default(), happened: Happened::Nothing }
+        Self {
+            measured: controller.measured(),
+            controller,
+            counts: Counts::default(),
+            late: LateSamples::default(),
+            happened: Happened::Nothing,
+        }
     }
 
     pub(super) fn hello(&self) -> Answer<'static> {
@@ -121,6 +128,7 @@ impl Session {
         let prediction = predict.then(|| self.prediction());
         let LiveStep { sample, missed, step } = self.controller.last();
         self.counts.add(step);
+        self.late.add(step.timings.total(), self.controller.period());
         outbox.put(&Answer::Input {
             sample: *sample,
             t: *sample as f64 * self.controller.period(),
@@ -143,13 +151,18 @@ impl Session {
     /// Sends the last message. A peer that is lost gets the input of the policy with it, for whoever reads its pipe.
     pub(super) fn end(&mut self, reason: &'static str, outbox: &Outbox) -> Result<(), MpcError> {
         let last = if reason == "end" { self.controller.last() } else { self.controller.lost()? };
-        let (samples, status) = (self.counts.samples(), self.counts);
-        outbox.put(&Answer::End { reason, samples, u: &last.step.u, status });
+        let (samples, status, late) = (self.counts.samples(), self.counts, self.late);
+        outbox.put(&Answer::End { reason, samples, u: &last.step.u, status, late });
         Ok(())
     }
 
     pub(super) fn counts(&self) -> Counts {
         self.counts
+    }
+
+    /// Samples that took longer than the sampling period.
+    pub(super) fn late(&self) -> LateSamples {
+        self.late
     }
 
     /// The samples, if the controller keeps them.

@@ -1,0 +1,52 @@
+//! What probably lies behind a run that does not do what was asked.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// What probably lies behind it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// The programs did not reach their tolerance.
+    Inaccurate,
+    /// The plant's friction is smoothed in the controller's model.
+    SmoothedFriction,
+    /// Inputs act later than the controller knows.
+    Delay,
+    /// The plant is another model.
+    Plant,
+    /// The first plan did not converge.
+    Plan,
+    /// The horizon moves on, and its end with it.
+    MovingHorizon,
+    /// One program per sample does not follow the problem.
+    OneProgram,
+    /// A minimum that is only local.
+    LocalMinimum,
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Inaccurate => "most programs miss their tolerance; give a [guess], or [scale] near the real sizes",
+            Self::SmoothedFriction => {
+                "the controller's model has smoothed friction, the plant sticks; write method = \"stick-slip\""
+            }
+            Self::Delay => {
+                "inputs act later than the controller knows; write compensate_delay = true, and state the delays of inputs in its model"
+            }
+            Self::Plant => "the plant is not the controller's model",
+            Self::Plan => "the plan did not converge; give a [guess], or raise max_iterations",
+            Self::MovingHorizon => {
+                "it is that of the end of a horizon that moves on; write method = \"plan\", whose horizon ends with the run"
+            }
+            Self::OneProgram => {
+                "one program per sample does not follow; write method = \"sqp\", or raise initial_iterations"
+            }
+            Self::LocalMinimum => {
+                "give a [guess] nearer to what is wanted, a longer horizon, or a cost that leads there"
+            }
+        })
+    }
+}
