@@ -85,9 +85,14 @@ fn the_examples_of_the_guide_do_what_they_say() {
             control(&ControlProblem::parse("problem.toml", text, read).unwrap()).unwrap().run
         })
         .collect();
-    assert_eq!(runs.len(), 3, "rates, intervals, end time");
+    assert_eq!(runs.len(), 4, "references, rates, intervals, end time");
     assert!(runs.iter().all(|r| r.report.succeeded), "{:?}", runs.iter().map(|r| &r.report).collect::<Vec<_>>());
-    let rates = runs[0].closed_loop.u.windows(2).map(|u| (u[1][0] - u[0][0]).abs() / 0.04);
+    // The pendulum follows angle and rate of the reference.
+    let tracking = &runs[0].closed_loop;
+    for (t, x) in tracking.t.iter().zip(&tracking.x).skip(40) {
+        assert!((x[0] - 0.5 * t.sin()).abs() < 0.02 && (x[1] - 0.5 * t.cos()).abs() < 0.05, "{t}: {x:?}");
+    }
+    let rates = runs[1].closed_loop.u.windows(2).map(|u| (u[1][0] - u[0][0]).abs() / 0.04);
     assert!(rates.fold(0.0, f64::max) < 60.01);
-    close(runs[2].report.found.as_ref().unwrap().end_time.unwrap(), 2.0, 1e-4);
+    close(runs[3].report.found.as_ref().unwrap().end_time.unwrap(), 2.0, 1e-4);
 }

@@ -181,8 +181,7 @@ impl Reader<'_> {
         let hessian = self.choice(solve, "hessian", "Hessian", &hessians)?;
         let unused = hessian == Hessian::Exact && !matches!(method, Name::Sqp | Name::Plan);
         if let Some(v) = solve.get("hessian").filter(|_| unused) {
-            let message =
-                "`hessian` applies to the methods \"sqp\" and \"plan\" only: this one has that of Gauss and Newton";
+            let message = "this method does not use the exact Hessian: `hessian` applies to the methods \"sqp\" and \"plan\" only";
             let remedy = match SETTINGS_OF_ONE.iter().find(|(key, _)| solve.contains_key(*key)) {
                 Some((key, _)) if !solve.contains_key("method") => {
                     format!("`{key}` chooses \"rti\": remove it, or write method = \"sqp\"; or remove `hessian`")
