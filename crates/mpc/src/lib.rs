@@ -65,8 +65,8 @@ mod transcription;
 
 pub use closed_loop::{
     ClosedLoop, Counts, DelayCompensated, Fault, FaultFunction, LoopSettings, MeasurementFunction, NoiseFunction,
-    PhaseTimes, Plant, PlantStopped, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop, SolveTimes, SourceCounts,
-    run_closed_loop,
+    PhaseTimes, Plant, PlantEquations, PlantStopped, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop, SolveTimes,
+    SourceCounts, run_closed_loop,
 };
 pub use controller::{
     Brake, Controller, FailurePolicy, FallbackReason, InputSource, Step, StepLimits, StepStatus, Timings,

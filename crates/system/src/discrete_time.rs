@@ -32,9 +32,21 @@ pub(crate) fn discrete_period(doc: &Document, table: &Table<'_>, accepted: bool)
         return Err(doc.error(place("period"), "the period must be positive", remedy));
     }
     let refused = [
-        ("mass", "there are no derivatives that a mass matrix could multiply", "solve the equations for the next states"),
-        ("delays", "delays of inputs are those of continuous time", "make the inputs of the steps before states of the model"),
-        ("static", "dry friction that sticks belongs to continuous time", "remove the table, or state the model in continuous time"),
+        (
+            "mass",
+            "there are no derivatives that a mass matrix could multiply",
+            "solve the equations for the next states",
+        ),
+        (
+            "delays",
+            "delays of inputs are those of continuous time",
+            "make the inputs of the steps before states of the model",
+        ),
+        (
+            "static",
+            "dry friction that sticks belongs to continuous time",
+            "remove the table, or state the model in continuous time",
+        ),
     ];
     for (key, why, remedy) in refused {
         if table.contains_key(key) {

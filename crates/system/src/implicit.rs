@@ -71,7 +71,7 @@ pub(crate) fn algebraic_equations(
 /// [`System::algebraic`] where that is accepted.
 pub(crate) fn eliminate_algebraic(
     doc: &Document,
-    equations: Vec<Equation>,
+    equations: &[Equation],
     accepted: bool,
     plain: &mut FxHashMap<String, Expr>,
     system: &mut System,
@@ -85,14 +85,18 @@ pub(crate) fn eliminate_algebraic(
     let solution = solve(&mut system.pool, &residuals, &unknowns, &parameters).map_err(|singular| {
         let message = "the algebraic equations do not determine the algebraic variables: ∂g/∂z is singular everywhere \
                        (index above 1), by this equation at the latest";
-        let remedy = "differentiate the equation with respect to time until an algebraic variable appears in it, and replace it";
+        let remedy =
+            "differentiate the equation with respect to time until an algebraic variable appears in it, and replace it";
         doc.error(equations[singular.equation].place.clone(), message, remedy)
     })?;
     if let Some(&(open, _)) = solution.open.first().filter(|_| !accepted) {
         let names: Vec<String> = solution.unknowns.iter().map(|&s| format!("`{}`", system.pool.name(s))).collect();
-        let message = format!("the equation is not linear in the algebraic variables, so that {} cannot be eliminated", names.join(", "));
-        let remedy = "state the variable in [definitions] where it has a closed form. Commands other than `simulate` and `control` need \
-                      models whose algebraic variables can be eliminated";
+        let message = format!(
+            "the equation is not linear in the algebraic variables, so that {} cannot be eliminated",
+            names.join(", ")
+        );
+        let remedy = "state the variable in [definitions] where it has a closed form; only `simulate` and `control` solve such equations \
+                      as they go";
         return Err(doc.error(equations[open].place.clone(), message, remedy));
     }
     let map: FxHashMap<Expr, Expr> = solution.found.iter().map(|&(s, e)| (system.pool.sym(s), e)).collect();
@@ -112,6 +116,27 @@ pub(crate) fn eliminate_algebraic(
         let guess = equations.iter().find(|e| e.variable.symbol == symbol).map(|e| e.variable.guess);
         let guess = guess.unwrap_or_else(|| pool.int(0));
         system.algebraic.push(Algebraic { symbol, residual, guess });
+    }
+    Ok(())
+}
+
+/// Refuses what does not go together with algebraic variables that cannot be eliminated.
+pub(crate) fn smooth_beside_algebraic(doc: &Document, table: &Table<'_>, system: &System) -> Result<(), FileError> {
+    let place = |key: &str| table.get(key).map_or(0..0, toml::Spanned::span);
+    let remedy = "solve the algebraic equations for their variables, and state these in [definitions]";
+    let with =
+        |what: &str| format!("{what} cannot stand beside algebraic equations that are not linear in their variables");
+    if system.period.is_some() {
+        return Err(doc.error(place("algebraic"), with("discrete time"), remedy));
+    }
+    if table.contains_key("delays") {
+        return Err(doc.error(place("delays"), with("delays of inputs"), remedy));
+    }
+    if !system.input_derivatives.is_empty() {
+        return Err(doc.error(place("algebraic"), with("derivatives of inputs"), remedy));
+    }
+    if !system.with_algebraic_states().is_smooth() {
+        return Err(doc.error(place("algebraic"), with("`sign`, `abs`, `min`, `max` and `unit`"), remedy));
     }
     Ok(())
 }

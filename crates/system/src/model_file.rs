@@ -9,7 +9,7 @@ use bracketry_files::{Document, FileError, Table, Value};
 
 use crate::constants::Constants;
 use crate::discrete_time::discrete_period;
-use crate::implicit::{MassMatrix, algebraic_equations, algebraic_names, eliminate_algebraic};
+use crate::implicit::{MassMatrix, algebraic_equations, algebraic_names, eliminate_algebraic, smooth_beside_algebraic};
 use crate::input_delay::read_input_delays;
 use crate::rules::{Declared, check_parameter, check_range};
 use crate::scope::{Derivatives, Scope};
@@ -171,7 +171,10 @@ impl<'d> Reader<'d> {
         if let Some(mass) = mass {
             mass.solve(doc, &mut system)?;
         }
-        eliminate_algebraic(doc, equations, self.accepted.algebraic, &mut plain, &mut system)?;
+        eliminate_algebraic(doc, &equations, self.accepted.algebraic, &mut plain, &mut system)?;
+        if !system.algebraic.is_empty() {
+            smooth_beside_algebraic(doc, &table, &system)?;
+        }
         if period.is_some() {
             if let Some(d) = system.input_derivatives.first() {
                 let name = system.pool.name(d.symbol);

@@ -85,6 +85,21 @@ pub enum Eliminated {
     },
 }
 
+impl std::fmt::Display for Eliminated {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Variable { name } => {
+                write!(f, "the algebraic variable `{name}` is eliminated: the algebraic equations are solved for it")
+            }
+            Self::MassMatrix { states } => write!(
+                f,
+                "the mass matrix is eliminated: the equations are solved for the derivatives of {}",
+                states.join(", ")
+            ),
+        }
+    }
+}
+
 /// An algebraic variable z and the equation g(x, z, u) = 0 that stands beside the dynamics. Together, the equations determine all
 /// algebraic variables: ∂g/∂z is regular (index 1).
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -256,6 +271,21 @@ impl System {
             Some(out)
         };
         Some((values(&point.states)?, values(&point.inputs)?))
+    }
+
+    /// The system in which the algebraic variables are the last states, with the residuals of their equations as rates: (f, g) as a
+    /// function of (x, z, u), to be evaluated and differentiated, not to be integrated.
+    #[must_use]
+    pub fn with_algebraic_states(&self) -> System {
+        let mut system = self.clone();
+        for z in std::mem::take(&mut system.algebraic) {
+            system.states.push(z.symbol);
+            system.dynamics.push(z.residual);
+            if let Some(point) = &mut system.point {
+                point.states.push(z.guess);
+            }
+        }
+        system
     }
 
     /// States, then inputs, then input derivatives: the usual arguments of a compiled right-hand side.

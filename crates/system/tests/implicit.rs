@@ -31,7 +31,7 @@ fn a_pendulum_on_a_cart_by_its_mass_matrix_has_the_explicit_equations() {
     // (M + m) v' + m l cos(th) w' = F + m l w² sin(th), m l cos(th) v' + m l² w' = m g l sin(th), solved by hand.
     let cart = System::parse("cart", CART).unwrap();
     let (big, m, l, g) = (1.3, 0.4, 0.7, 9.81);
-    for (th, w, force) in [(0.3f64, -1.2f64, 2.0f64), (1.570_796_326_794_896_6, 0.5, -1.0), (2.8, 3.0, 0.0)] {
+    for (th, w, force) in [(0.3f64, -1.2f64, 2.0f64), (std::f64::consts::FRAC_PI_2, 0.5, -1.0), (2.8, 3.0, 0.0)] {
         let f = values(&cart, &[0.1, th, 0.4, w, force]);
         let v = (force + m * l * w * w * th.sin() - m * g * th.sin() * th.cos()) / (big + m * th.sin().powi(2));
         assert_relative_eq!(f[2], v, max_relative = 1e-12);
@@ -117,7 +117,8 @@ fn a_pivot_that_vanishes_somewhere_adds_no_singularity() {
     let text = "states = ['x', 'y']\nmass = [['x', 1], [1, 'x']]\ndynamics = { x = 'y', y = 2 }";
     let f = values(&System::parse("m", text).unwrap(), &[0.0, 3.0]);
     assert_eq!(f, [2.0, 3.0]);
-    let text = "states = ['x']\nalgebraic = { a = 'sin(x)*a + b - 1', b = 'a + sin(x)*b - 2' }\ndynamics = { x = 'a + 10*b' }";
+    let text =
+        "states = ['x']\nalgebraic = { a = 'sin(x)*a + b - 1', b = 'a + sin(x)*b - 2' }\ndynamics = { x = 'a + 10*b' }";
     assert_eq!(values(&System::parse("m", text).unwrap(), &[0.0]), [12.0]);
 }
 
@@ -128,19 +129,25 @@ fn refusal(text: &str) -> String {
 #[test]
 fn what_cannot_be_solved_is_refused_with_its_place() {
     let index = refusal("states = ['x']\ninputs = ['u']\ndynamics = { x = 'z' }\n[algebraic]\nz = 'x - u'");
-    assert!(index.contains("index above 1") && index.contains("m.toml:5:5") && index.contains("differentiate"), "{index}");
+    assert!(
+        index.contains("index above 1") && index.contains("m.toml:5:5") && index.contains("differentiate"),
+        "{index}"
+    );
     // Dependent only by an identity.
     let identity = "states = ['x']\ndynamics = { x = 'a + b' }\n[algebraic]\na = 'a + b - x'\nb = '(sin(x)^2 + cos(x)^2)*a + b - 1'";
     assert!(refusal(identity).contains("m.toml:5:5"), "{}", refusal(identity));
     let curved = refusal("states = ['x']\ndynamics = { x = '-z' }\n[algebraic]\nz = 'z + z^3 - x'");
     assert!(curved.contains("not linear") && curved.contains("m.toml:4:5"), "{curved}");
     // The derivative of a sign is 0, but it is not constant.
-    assert!(refusal("states = ['x']\ndynamics = { x = '-z' }\n[algebraic]\nz = 'z + sign(z) - x'").contains("not linear"));
+    assert!(
+        refusal("states = ['x']\ndynamics = { x = '-z' }\n[algebraic]\nz = 'z + sign(z) - x'").contains("not linear")
+    );
     let mass = refusal("states = ['x', 'y']\nmass = [[1, 0], [0, 0]]\ndynamics = { x = 'y', y = 'x - y' }");
     assert!(mass.contains("singular") && mass.contains("m.toml:2:17") && mass.contains("[algebraic]"), "{mass}");
     let short = refusal("states = ['x', 'y']\nmass = [[1, 0]]\ndynamics = { x = 'y', y = 'x - y' }");
     assert!(short.contains("no list of 2 rows"), "{short}");
-    let unknown = refusal("states = ['x', 'y']\nmass = { states = ['z'], matrix = [[1]] }\ndynamics = { x = 'y', y = 'x' }");
+    let unknown =
+        refusal("states = ['x', 'y']\nmass = { states = ['z'], matrix = [[1]] }\ndynamics = { x = 'y', y = 'x' }");
     assert!(unknown.contains("`z` is not a state"), "{unknown}");
     let twice = refusal("states = ['x']\ndynamics = { x = 'x' }\nalgebraic = { x = 'x - 1' }");
     assert!(twice.contains("already declared"), "{twice}");
@@ -165,8 +172,14 @@ fn what_is_accepted_beyond_that_is_kept_and_written() {
         ("time = 'discrete'\nstates = ['x']\ndynamics = { x = 'x' }", "needs its `period`"),
         ("time = 'discrete'\nperiod = 0\nstates = ['x']\ndynamics = { x = 'x' }", "must be positive"),
         ("period = 0.1\nstates = ['x']\ndynamics = { x = 'x' }", "no `period`"),
-        ("time = 'discrete'\nperiod = 1\nstates = ['x']\ninputs = ['u']\ndynamics = { x = 'der(u)' }", "does not exist"),
-        ("time = 'discrete'\nperiod = 1\nstates = ['x']\ninputs = ['u']\ndelays = { u = 1 }\ndynamics = { x = 'u' }", "`delays`"),
+        (
+            "time = 'discrete'\nperiod = 1\nstates = ['x']\ninputs = ['u']\ndynamics = { x = 'der(u)' }",
+            "does not exist",
+        ),
+        (
+            "time = 'discrete'\nperiod = 1\nstates = ['x']\ninputs = ['u']\ndelays = { u = 1 }\ndynamics = { x = 'u' }",
+            "`delays`",
+        ),
     ] {
         let error = System::parse_accepting("m", wrong, accepted).unwrap_err().to_string();
         assert!(error.contains(said), "{error}");

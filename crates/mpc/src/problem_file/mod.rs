@@ -3,6 +3,7 @@
 mod conditions;
 mod constraints;
 mod cost;
+mod discrete_time;
 mod document;
 mod estimation;
 mod free;
