@@ -44,7 +44,8 @@ impl Plant for RungeKuttaPlant {
 /// A model that is discrete in time is a plant; a sample lasts a whole number of its periods.
 impl Plant for DiscreteModel {
     /// # Errors
-    /// [`MpcError::Value`] for a time that is shorter than the period, [`MpcError::Length`] for a vector of the wrong length.
+    /// [`MpcError::Value`](crate::MpcError::Value) for a time that is shorter than the period,
+    /// [`MpcError::Length`](crate::MpcError::Length) for a vector of the wrong length.
     fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
         check_length("the state of the plant", x.len(), self.states())?;
         check_length("the inputs of the plant", u.len(), self.inputs())?;
