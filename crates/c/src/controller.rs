@@ -3,7 +3,7 @@
 use std::ffi::{CString, c_char};
 
 use bracketry_mpc::{ControlProblem, LiveController, ProblemError};
-use bracketry_system::System;
+use bracketry_system::{Accepted, System};
 
 use crate::codes::{BracketryCode, BracketryKind, BracketryStatus};
 use crate::error::{Failure, guarded};
@@ -122,7 +122,10 @@ pub unsafe extern "C" fn bracketry_controller_from_text(
     let make = || {
         // SAFETY: as said above.
         let (problem, model) = unsafe { (text(problem, "the problem")?, text(model, "the model")?) };
-        let parsed = ControlProblem::parse("problem", problem, |name| System::parse(name, model).map_err(Box::new));
+        let parsed = ControlProblem::parse("problem", problem, |name| {
+            let accepted = Accepted { discrete: true, algebraic: true };
+            System::parse_accepting(name, model, accepted).map_err(Box::new)
+        });
         BracketryController::new(&parsed.map_err(refused)?)
     };
     // SAFETY: as said above.

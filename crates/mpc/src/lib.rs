@@ -66,8 +66,8 @@ mod transcription;
 
 pub use closed_loop::{
     ClosedLoop, Counts, DelayCompensated, Fault, FaultFunction, LateSamples, LoopSettings, MeasurementFunction,
-    NoiseFunction, PhaseTimes, Plant, PlantStopped, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop, SolveTimes,
-    SourceCounts, run_closed_loop,
+    NoiseFunction, PhaseTimes, Plant, PlantEquations, PlantStopped, ReasonCounts, RungeKuttaPlant, Sample, SampledLoop,
+    SolveTimes, SourceCounts, run_closed_loop,
 };
 pub use controller::{
     Brake, Controller, FailurePolicy, FallbackReason, Figures, InputSource, Step, StepLimits, StepStatus,

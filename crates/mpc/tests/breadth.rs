@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_mpc::{ControlProblem, control};
-use bracketry_system::System;
+use bracketry_system::{Accepted, System};
 
 const PENDULUM: &str = r#"
     states = ["th", "w"]
@@ -77,15 +77,19 @@ fn the_examples_of_the_guide_do_what_they_say() {
     let blocks = guide.split("```toml\n").skip(1).map(|b| b.split("```").next().unwrap());
     let (problems, models): (Vec<&str>, Vec<&str>) =
         blocks.filter(|b| b.contains("states =") || b.contains("model =")).partition(|b| b.contains("model ="));
-    let model = |name: &str| if name.starts_with("mass") { models[1] } else { models[0] };
+    let model = |name: &str| {
+        let names = ["pendulum.toml", "mass.toml", "stock.toml"];
+        models[names.iter().position(|known| *known == name).unwrap()]
+    };
+    let accepted = Accepted { discrete: true, ..Accepted::default() };
     let runs: Vec<_> = problems[1..]
         .iter()
         .map(|text| {
-            let read = |file: &str| System::parse(file, model(file)).map_err(Box::new);
+            let read = |file: &str| System::parse_accepting(file, model(file), accepted).map_err(Box::new);
             control(&ControlProblem::parse("problem.toml", text, read).unwrap()).unwrap().run
         })
         .collect();
-    assert_eq!(runs.len(), 4, "references, rates, intervals, end time");
+    assert_eq!(runs.len(), 5, "references, rates, intervals, end time, discrete time");
     assert!(runs.iter().all(|r| r.report.succeeded), "{:?}", runs.iter().map(|r| &r.report).collect::<Vec<_>>());
     // The pendulum follows angle and rate of the reference.
     let tracking = &runs[0].closed_loop;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use bracketry::mpc::{ControlError, ControlProblem, MpcError};
 use bracketry::report::control as report;
-use bracketry::system::System;
+use bracketry::system::{Accepted, System};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -76,7 +76,10 @@ pub(crate) fn read(
         (None, Some(text)) => {
             let model = |name: &str| match models.get(name) {
                 Some(system) => Ok(system.clone()),
-                None => System::read(folder.join(name)).map_err(Box::new),
+                None => {
+                    let accepted = Accepted { discrete: true, algebraic: true };
+                    System::read_accepting(folder.join(name), accepted).map_err(Box::new)
+                }
             };
             Ok(ControlProblem::parse("problem", text, model)?)
         }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use bracketry_mpc::{
     BoundSide, ClosedLoopReport, ControlError, ControlProblem, Controlled, Hessian, LateSamples, MethodReason,
-    MpcError, Ocp, PlantStopped, Trajectory,
+    MpcError, Ocp, PlantEquations, PlantStopped, Trajectory,
 };
 use bracketry_plot::{Dash, Drawing, Panel, PlotError, Series, TimeSeries};
 use bracketry_sim::Breakdown;
@@ -182,6 +182,12 @@ pub fn error(problem: &ControlProblem, error: &ControlError) -> String {
     {
         let why = simulation::breakdown(&problem.plant, &why);
         return format!("the plant stopped at t = {time}: {why} (t = {} s)", stop.t);
+    }
+    if let ControlError::Mpc(MpcError::Plant { time, source }) = error
+        && let Some(PlantEquations { t, failure }) = source.downcast_ref()
+    {
+        let why = simulation::breakdown(&problem.plant, &Breakdown::NoRoot(*failure));
+        return format!("the plant stopped at t = {time}: {why} (t = {t} s)");
     }
     error.to_string()
 }

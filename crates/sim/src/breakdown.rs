@@ -1,6 +1,7 @@
 //! Where the equations of a simulation break down: the state, the part of its equation that has no value, what to do.
 
 use crate::Switched;
+use crate::algebraic_root::NoRoot;
 use crate::model::Model;
 use crate::outcome::StopReason;
 use bracketry_symbolic::{Expr, Func, Node, Symbol, Tape};
@@ -21,6 +22,8 @@ pub enum Breakdown {
         /// Index of the input.
         input: usize,
     },
+    /// The algebraic equations have no solution there, or right after it, on the branch of the motion.
+    NoRoot(NoRoot),
     /// The rate of the state outgrows all others.
     Runaway {
         /// Index of the state.

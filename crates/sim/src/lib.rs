@@ -10,11 +10,14 @@
 //! [`Model`] compiles a [`bracketry_system::System`] with [`Inputs`]; [`simulate`] runs it; [`Stepper`] and [`ExactPlant`] do so
 //! piece by piece, as in a control loop.
 
+mod algebraic_root;
 mod balance;
 mod breakdown;
 mod contact;
+mod discrete;
 mod events;
 mod friction;
+mod implicit_model;
 mod integrate;
 mod model;
 mod outcome;
@@ -28,10 +31,13 @@ mod stepper;
 mod switched;
 mod trajectory;
 
+pub use algebraic_root::{AlgebraicRoot, NoRoot, NoRootReason};
 pub use balance::{Account, Balance};
 pub use breakdown::{Breakdown, Undefined, UndefinedPart};
 pub use contact::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Slip};
+pub use discrete::DiscreteModel;
 pub use friction::{Mode, ModeChange, ModeInterval};
+pub use implicit_model::ImplicitModel;
 pub use model::{Hold, InputError, Inputs, Model, Samples};
 pub use outcome::{Outcome, Statistics, StopReason};
 pub use plant::{ExactPlant, PlantError};

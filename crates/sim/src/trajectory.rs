@@ -45,6 +45,18 @@ impl Trajectory {
         }
     }
 
+    /// States that jump at these times, at least one, and hold in between: those of a model that is discrete in time.
+    pub(crate) fn held(times: &[f64], states: &[Vec<f64>]) -> Self {
+        let mut held = Self::new(times[0], &states[0], &[]);
+        for (between, x) in times.windows(2).zip(states) {
+            held.pieces.push(Piece { t: between[0], h: between[1] - between[0], directions: None });
+            held.coefficients.extend_from_slice(x);
+            held.coefficients.resize(5 * held.dim * held.pieces.len(), 0.0);
+        }
+        held.finish(times[times.len() - 1], &states[states.len() - 1]);
+        held
+    }
+
     /// Appends the attempted step of length `h`.
     pub(crate) fn push(&mut self, step: &Step, h: f64) {
         let nodes = step.implicit_signs();

@@ -7,6 +7,7 @@ mod candidate;
 mod closest_approach;
 mod constants;
 mod directions;
+mod discrete_time;
 mod elimination;
 mod enclosure;
 mod extrema;
@@ -14,10 +15,12 @@ mod feedback;
 mod hull;
 mod image_on_box;
 mod images;
+mod implicit;
 mod input_change;
 mod input_delay;
 mod interval;
 mod inverse;
+mod linear_solution;
 mod lowering;
 mod model_file;
 mod model_text;
@@ -54,6 +57,7 @@ pub use candidate::{Candidate, Method};
 pub use closest_approach::ClosestApproach;
 pub use constants::Constants;
 pub use inverse::solved_for;
+pub use model_file::Accepted;
 pub use model_text::WriteError;
 pub use new_input::{AtPoint, NewInput};
 pub use new_state::NewState;
@@ -68,7 +72,9 @@ pub use singular::{Level, SingularSet};
 pub use switching::{
     MAX_ENUMERATED_SWITCHES, Mode, SingularQuotient, Switch, SwitchKind, SwitchedForm, TooManyModes, UnitVector,
 };
-pub use system::{InputDelay, InputDerivative, InputRange, Parameter, Point, StaticLevel, System};
+pub use system::{
+    Algebraic, Eliminated, InputDelay, InputDerivative, InputRange, Parameter, Point, StaticLevel, System,
+};
 pub use term::{Operand, Term};
 pub use unknown_range::UnknownRange;
 pub use zero_denominator::ZeroDenominator;

@@ -8,14 +8,18 @@ use rustc_hash::FxHashMap;
 use bracketry_files::{Document, FileError, Table, Value};
 
 use crate::constants::Constants;
+use crate::discrete_time::discrete_period;
+use crate::implicit::{MassMatrix, algebraic_equations, algebraic_names, eliminate_algebraic, smooth_beside_algebraic};
 use crate::input_delay::read_input_delays;
 use crate::rules::{Declared, check_parameter, check_range};
 use crate::scope::{Derivatives, Scope};
 use crate::static_level::read_static_levels;
 use crate::system::{InputRange, Parameter, Point, System};
 
-const KEYS: [&str; 11] = [
+const KEYS: [&str; 15] = [
     "name",
+    "time",
+    "period",
     "states",
     "inputs",
     "ranges",
@@ -23,6 +27,8 @@ const KEYS: [&str; 11] = [
     "parameters",
     "definitions",
     "dynamics",
+    "mass",
+    "algebraic",
     "outputs",
     "static",
     "point",
@@ -31,15 +37,32 @@ const PARAMETER_KEYS: [&str; 5] = ["value", "unit", "min", "max", "about"];
 
 type Located<'a, 'i> = &'a toml::Spanned<Value<'i>>;
 
+/// What a reader of model files can treat beyond x' = f(x, u). What it cannot is refused with its place in the file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Accepted {
+    /// Models that are discrete in time.
+    pub discrete: bool,
+    /// Algebraic variables that cannot be eliminated.
+    pub algebraic: bool,
+}
+
 impl System {
-    /// Reads a model file.
+    /// Reads a model file that states x' = f(x, u), perhaps after elimination.
     ///
     /// # Errors
     /// One [`FileError`] with file, line, column, the offending text and the remedy.
     pub fn read(path: impl AsRef<Path>) -> Result<System, FileError> {
+        Self::read_accepting(path, Accepted::default())
+    }
+
+    /// As [`System::read`], with what the caller can treat beyond that.
+    ///
+    /// # Errors
+    /// As [`System::read`].
+    pub fn read_accepting(path: impl AsRef<Path>, accepted: Accepted) -> Result<System, FileError> {
         let doc = Document::read(path.as_ref())?;
         let stem = path.as_ref().file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned());
-        Reader::new(&doc).system(&stem)
+        Reader::new(&doc, accepted).system(&stem)
     }
 
     /// Reads a model from text; `file` is how errors call it.
@@ -47,7 +70,15 @@ impl System {
     /// # Errors
     /// As [`System::read`].
     pub fn parse(file: &str, text: &str) -> Result<System, FileError> {
-        Reader::new(&Document::new(file, text)).system(file)
+        Self::parse_accepting(file, text, Accepted::default())
+    }
+
+    /// As [`System::parse`], with what the caller can treat beyond x' = f(x, u).
+    ///
+    /// # Errors
+    /// As [`System::read`].
+    pub fn parse_accepting(file: &str, text: &str, accepted: Accepted) -> Result<System, FileError> {
+        Reader::new(&Document::new(file, text), accepted).system(file)
     }
 }
 
@@ -62,10 +93,11 @@ struct Reader<'d> {
     /// Parameters with an irrational value, which are names of constants.
     constants: Vec<(String, Expr)>,
     declared: Declared,
+    accepted: Accepted,
 }
 
 impl<'d> Reader<'d> {
-    fn new(doc: &'d Document) -> Self {
+    fn new(doc: &'d Document, accepted: Accepted) -> Self {
         Reader {
             doc,
             pool: Pool::new(),
@@ -75,6 +107,7 @@ impl<'d> Reader<'d> {
             parameters: Vec::new(),
             constants: Vec::new(),
             declared: Declared::default(),
+            accepted,
         }
     }
 
@@ -83,17 +116,19 @@ impl<'d> Reader<'d> {
         let table = doc.table()?;
         doc.only_keys(&table, &KEYS, "a model file")?;
         let name = doc.string(&table, "name")?.unwrap_or_else(|| default_name.to_owned());
+        let period = discrete_period(doc, &table, self.accepted.discrete)?;
         self.states = self.names(&table, "states", "state")?;
         if self.states.is_empty() {
             return Err(doc.missing("the model has no states", "add `states = [\"x\", …]` at the top"));
         }
         self.inputs = self.names(&table, "inputs", "input")?;
+        let algebraic = algebraic_names(doc, &table, &mut self.pool, &mut self.declared)?;
         self.read_parameters(&table)?;
 
         let mut plain: FxHashMap<String, Expr> = FxHashMap::default();
         let symbols: Vec<Symbol> =
             self.states.iter().chain(&self.inputs).copied().chain(self.parameters.iter().map(|p| p.symbol)).collect();
-        for s in symbols {
+        for s in symbols.into_iter().chain(algebraic.iter().copied()) {
             let e = self.pool.sym(s);
             plain.insert(self.pool.name(s).to_owned(), e);
         }
@@ -105,6 +140,8 @@ impl<'d> Reader<'d> {
 
         let mut scope = Scope { plain: &plain, inputs: &input_names, derivatives: &mut derivatives };
         let dynamics = self.read_dynamics(&table, &mut scope)?;
+        let mass = MassMatrix::read(doc, &table, &self.states, &mut self.pool, &mut scope)?;
+        let equations = algebraic_equations(doc, &table, algebraic, &mut self.pool, &mut scope)?;
         let mut outputs = Vec::new();
         if let Some(t) = doc.sub_table(&table, "outputs")? {
             for (key, value) in t {
@@ -128,8 +165,24 @@ impl<'d> Reader<'d> {
             dynamics,
             outputs,
             point,
+            period,
             ..System::default()
         };
+        if let Some(mass) = mass {
+            mass.solve(doc, &mut system)?;
+        }
+        eliminate_algebraic(doc, &equations, self.accepted.algebraic, &mut plain, &mut system)?;
+        if !system.algebraic.is_empty() {
+            smooth_beside_algebraic(doc, &table, &system)?;
+        }
+        if period.is_some() {
+            if let Some(d) = system.input_derivatives.first() {
+                let name = system.pool.name(d.symbol);
+                let message = format!("the model is discrete in time, where `{name}` does not exist");
+                return Err(doc.missing(message, "make the input of the step before a state of the model"));
+            }
+            return Ok(system);
+        }
         system.mark_dry_friction();
         read_static_levels(doc, &table, &plain, &mut system)?;
         read_input_delays(doc, &table, &mut system)?;

@@ -25,6 +25,10 @@ pub enum WriteError {
 #[derive(Serialize)]
 struct Plain {
     name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    period: Option<f64>,
     states: Vec<String>,
     inputs: Vec<String>,
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
@@ -34,6 +38,8 @@ struct Plain {
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
     parameters: toml::Table,
     dynamics: toml::Table,
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    algebraic: toml::Table,
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
     outputs: toml::Table,
     #[serde(rename = "static", skip_serializing_if = "toml::Table::is_empty")]
@@ -112,8 +118,16 @@ impl System {
             let nonzero = states.chain(inputs).filter(|(_, v)| !self.pool.is_zero(**v));
             nonzero.map(|(s, v)| (self.pool.name(*s).to_owned(), text(*v))).collect()
         });
+        let algebraic = self.algebraic.iter().map(|z| {
+            let entries = [("equation", z.residual), ("guess", z.guess)];
+            let entries: toml::Table = entries.into_iter().map(|(k, e)| (k.to_owned(), text(e))).collect();
+            (self.pool.name(z.symbol).to_owned(), toml::Value::Table(entries))
+        });
         Plain {
             name: self.name.clone(),
+            time: self.period.map(|_| "discrete"),
+            period: self.period,
+            algebraic: algebraic.collect(),
             states: self.state_names(),
             inputs: self.input_names(),
             ranges,

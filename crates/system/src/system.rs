@@ -70,6 +70,48 @@ pub struct StaticLevel {
     pub ratio: Expr,
 }
 
+/// What was eliminated when a model was read, so that its equations are x' = f(x, u).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Eliminated {
+    /// An algebraic variable: its equations were solved for it. A definition of this name holds its value.
+    Variable {
+        /// Its name.
+        name: String,
+    },
+    /// A mass matrix M of M(x) x' = f: the equations were solved for the derivatives of these states.
+    MassMatrix {
+        /// Their names.
+        states: Vec<String>,
+    },
+}
+
+impl std::fmt::Display for Eliminated {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Variable { name } => {
+                write!(f, "the algebraic variable `{name}` is eliminated: the algebraic equations are solved for it")
+            }
+            Self::MassMatrix { states } => write!(
+                f,
+                "the mass matrix is eliminated: the equations are solved for the derivatives of {}",
+                states.join(", ")
+            ),
+        }
+    }
+}
+
+/// An algebraic variable z and the equation g(x, z, u) = 0 that stands beside the dynamics. Together, the equations determine all
+/// algebraic variables: ∂g/∂z is regular (index 1).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Algebraic {
+    /// Its symbol, which dynamics, definitions and outputs may contain.
+    pub symbol: Symbol,
+    /// The residual g.
+    pub residual: Expr,
+    /// Where the search for the value starts: a constant expression. It selects the branch where there are several solutions.
+    pub guess: Expr,
+}
+
 /// A control system x' = f(x, u, u', …; p), read from a model file or made by an analysis.
 ///
 /// Where inputs have delays, u stands for the delayed input u(t − d), in the equations and in everything said about them.
@@ -96,8 +138,15 @@ pub struct System {
     pub parameters: Vec<Parameter>,
     /// Named sub-expressions of the model file, expanded.
     pub definitions: Vec<(String, Expr)>,
-    /// Time derivative of each state.
+    /// Time derivative of each state; its next value where the model is discrete in time.
     pub dynamics: Vec<Expr>,
+    /// The period of a model that is discrete in time, x(t + period) = f(x, u), in seconds; none in continuous time. Only a reader
+    /// that [accepts](crate::Accepted) such models gets one.
+    pub period: Option<f64>,
+    /// Algebraic variables that could not be eliminated. Only a reader that [accepts](crate::Accepted) them gets any.
+    pub algebraic: Vec<Algebraic>,
+    /// What was eliminated when the model was read.
+    pub eliminated: Vec<Eliminated>,
     /// Measured outputs.
     pub outputs: Vec<(String, Expr)>,
     /// Static levels of dry friction above the sliding one.
@@ -222,6 +271,21 @@ impl System {
             Some(out)
         };
         Some((values(&point.states)?, values(&point.inputs)?))
+    }
+
+    /// The system in which the algebraic variables are the last states, with the residuals of their equations as rates: (f, g) as a
+    /// function of (x, z, u), to be evaluated and differentiated, not to be integrated.
+    #[must_use]
+    pub fn with_algebraic_states(&self) -> System {
+        let mut system = self.clone();
+        for z in std::mem::take(&mut system.algebraic) {
+            system.states.push(z.symbol);
+            system.dynamics.push(z.residual);
+            if let Some(point) = &mut system.point {
+                point.states.push(z.guess);
+            }
+        }
+        system
     }
 
     /// States, then inputs, then input derivatives: the usual arguments of a compiled right-hand side.

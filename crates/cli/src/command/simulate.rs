@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use bracketry::report::simulation;
 use bracketry::sim::{Hold, SampledScenario, Scenario, ScenarioRun, Settings};
-use bracketry::system::System;
+use bracketry::system::{Accepted, System};
 use clap::{Args, ValueEnum};
 
 use super::file_kind::{FileKind, Given};
@@ -74,7 +74,7 @@ impl SimulateArgs {
 
 /// Runs the simulation and writes what it gave.
 pub(crate) fn run(args: &SimulateArgs, output: &OutputArgs) -> anyhow::Result<Outcome> {
-    let system = System::read(&args.model)?;
+    let system = System::read_accepting(&args.model, Accepted { discrete: true, algebraic: true })?;
     let given = match (&args.scenario, &args.inputs) {
         (Some(path), _) => {
             let scenario = Scenario::read(path, &system)?;

@@ -9,7 +9,7 @@ mod sampled_loop;
 pub use counts::{Counts, LateSamples, PhaseTimes, ReasonCounts, SolveTimes, SourceCounts};
 pub use delay_compensation::DelayCompensated;
 pub use faults::Fault;
-pub use plant::{Plant, PlantStopped, RungeKuttaPlant};
+pub use plant::{Plant, PlantEquations, PlantStopped, RungeKuttaPlant};
 pub use sampled_loop::{
     ClosedLoop, FaultFunction, LoopSettings, MeasurementFunction, NoiseFunction, Sample, SampledLoop, run_closed_loop,
 };

@@ -1,10 +1,10 @@
 //! The thing that is controlled.
 
 use crate::dynamics::Dynamics;
-use crate::error::PlantError;
+use crate::error::{PlantError, check_length, check_value};
 use crate::integrator::{Integrator, Interval};
 use crate::transcription::Shooter;
-use bracketry_sim::{ExactPlant, Model, Outcome, StopReason};
+use bracketry_sim::{DiscreteModel, ExactPlant, Model, NoRoot, Outcome, StopReason};
 
 /// The thing that is controlled.
 pub trait Plant {
@@ -30,8 +30,28 @@ impl RungeKuttaPlant {
 }
 
 impl Plant for RungeKuttaPlant {
+    /// # Errors
+    /// [`PlantEquations`] where algebraic equations have no solution.
     fn step(&mut self, t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
         self.shooter.advance(self.dynamics.as_mut(), Interval { t, dt, substeps: self.substeps, u }, x);
+        match self.dynamics.take_failure() {
+            Some((t, failure)) if x.iter().any(|v| !v.is_finite()) => Err(Box::new(PlantEquations { t, failure })),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A model that is discrete in time is a plant; a sample lasts a whole number of its periods.
+impl Plant for DiscreteModel {
+    /// # Errors
+    /// [`MpcError::Value`](crate::MpcError::Value) for a time that is shorter than the period,
+    /// [`MpcError::Length`](crate::MpcError::Length) for a vector of the wrong length.
+    fn step(&mut self, _t: f64, x: &mut [f64], u: &[f64], dt: f64) -> Result<(), PlantError> {
+        check_length("the state of the plant", x.len(), self.states())?;
+        check_length("the inputs of the plant", u.len(), self.inputs())?;
+        let steps = (dt / self.period()).round();
+        check_value(steps >= 1.0, "a sample of a plant that is discrete in time", dt, "give a multiple of its period")?;
+        (0..steps as usize).for_each(|_| DiscreteModel::step(self, x, u));
         Ok(())
     }
 }
@@ -54,6 +74,16 @@ impl Plant for ExactPlant {
             }
         }
     }
+}
+
+/// A plant whose algebraic equations have no solution.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("the algebraic equations of the plant are not solved (equation {}, residual {}) at t = {t} s", failure.equation + 1, failure.residual)]
+pub struct PlantEquations {
+    /// When, s.
+    pub t: f64,
+    /// Which, and why.
+    pub failure: NoRoot,
 }
 
 /// A simulated plant that cannot go on.

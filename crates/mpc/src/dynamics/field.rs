@@ -1,8 +1,9 @@
 //! The dynamics as the optimizer needs them: a field and its exact derivatives.
 
 use crate::error::MpcError;
+use bracketry_sim::NoRoot;
 
-/// Continuous dynamics x' = f(t, x, u) with exact derivatives.
+/// Dynamics x' = f(t, x, u) with exact derivatives; with [`Integrator::Map`](crate::Integrator::Map), x⁺ = f(t, x, u).
 pub trait Dynamics: Send {
     /// Number of states n.
     fn states(&self) -> usize;
@@ -38,6 +39,11 @@ pub trait Dynamics: Send {
     }
     /// Sets the smoothing width; without effect on smooth dynamics.
     fn set_smoothing(&mut self, _width: f64) {}
+    /// Time and cause of the last evaluation at which algebraic equations had no solution, since this was last asked; the values
+    /// there are no numbers.
+    fn take_failure(&mut self) -> Option<(f64, NoRoot)> {
+        None
+    }
     /// Speed, in 1/s, at which the smoothed dynamics relax onto a switching surface; 0 for smooth dynamics.
     fn relaxation_rate(&mut self, _t: f64, _x: &[f64], _u: &[f64]) -> f64 {
         0.0

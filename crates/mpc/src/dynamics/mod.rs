@@ -2,6 +2,7 @@
 
 mod arguments;
 mod field;
+mod implicit;
 mod second_derivatives;
 mod symbolic;
 

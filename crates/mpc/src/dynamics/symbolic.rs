@@ -2,9 +2,11 @@
 
 use super::arguments::{Arguments, sparse_jacobian};
 use super::field::Dynamics;
+use super::implicit::ImplicitDynamics;
 use super::second_derivatives::{SecondDerivatives, WeightedHessian};
 use crate::error::MpcError;
 use bracketry_native::{Function, Workspace};
+use bracketry_sim::NoRoot;
 use bracketry_symbolic::{Expr, Symbol, Tape};
 use bracketry_system::{SwitchKind, SwitchedForm, System};
 
@@ -41,6 +43,8 @@ pub struct SymbolicDynamics {
     arguments: Arguments,
     work: Workspace,
     out: Vec<f64>,
+    /// Where the system has algebraic variables, which are solved for.
+    implicit: Option<Box<ImplicitDynamics<SymbolicDynamics>>>,
 }
 
 impl SymbolicDynamics {
@@ -78,6 +82,18 @@ impl SymbolicDynamics {
     /// [`MpcError::NoSuchParameter`] for another name, [`MpcError::InputDerivative`] if the equations use a derivative of an
     /// input.
     pub fn with_live_parameters(system: &System, live: &[&str]) -> Result<Self, MpcError> {
+        let whole = Self::explicit(&system.with_algebraic_states(), live)?;
+        if system.algebraic.is_empty() {
+            return Ok(whole);
+        }
+        let guess = system.algebraic.iter().map(|z| system.value(z.guess).unwrap_or(0.0)).collect();
+        let implicit = Box::new(ImplicitDynamics::new(whole.clone(), guess));
+        let (states, pattern) = (system.states.len(), implicit.pattern().to_vec());
+        Ok(Self { states, pattern, implicit: Some(implicit), ..whole })
+    }
+
+    /// For a system without algebraic variables.
+    fn explicit(system: &System, live: &[&str]) -> Result<Self, MpcError> {
         let mut system = system.clone();
         let form = system.set_valued_form();
         let rates = relaxation_rates(&mut system, &form);
@@ -108,6 +124,7 @@ impl SymbolicDynamics {
             width: 0.01,
             arguments,
             work: Workspace::default(),
+            implicit: None,
         })
     }
 
@@ -127,6 +144,9 @@ impl Dynamics for SymbolicDynamics {
         self.inputs
     }
     fn field(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64]) {
+        if let Some(implicit) = &mut self.implicit {
+            return implicit.field(t, x, u, dx);
+        }
         self.load(t, x, u);
         self.field.call(&self.arguments.values, &mut self.work, dx);
     }
@@ -134,18 +154,27 @@ impl Dynamics for SymbolicDynamics {
         &self.pattern
     }
     fn field_and_jacobian(&mut self, t: f64, x: &[f64], u: &[f64], dx: &mut [f64], jacobian: &mut [f64]) {
+        if let Some(implicit) = &mut self.implicit {
+            return implicit.field_and_jacobian(t, x, u, dx, jacobian);
+        }
         self.load(t, x, u);
         self.field_and_jacobian.call(&self.arguments.values, &mut self.work, &mut self.out);
         dx.copy_from_slice(&self.out[..self.states]);
         jacobian.copy_from_slice(&self.out[self.states..]);
     }
     fn second_derivatives(&mut self) -> Result<Vec<(usize, usize)>, MpcError> {
+        if let Some(implicit) = &mut self.implicit {
+            return implicit.second_derivatives();
+        }
         if self.hessian.is_none() {
             self.hessian = Some(self.second.compile()?);
         }
         Ok(self.hessian.as_ref().map_or(Vec::new(), |h| h.pattern().to_vec()))
     }
     fn weighted_hessian(&mut self, t: f64, x: &[f64], u: &[f64], weights: &[f64], hessian: &mut [f64]) {
+        if let Some(implicit) = &mut self.implicit {
+            return implicit.weighted_hessian(t, x, u, weights, hessian);
+        }
         self.load(t, x, u);
         match &mut self.hessian {
             Some(h) => h.call(&self.arguments.values, weights, &mut self.work, hessian),
@@ -156,6 +185,9 @@ impl Dynamics for SymbolicDynamics {
         self.arguments.parameters()
     }
     fn set_parameters(&mut self, parameters: &[f64]) {
+        if let Some(implicit) = &mut self.implicit {
+            implicit.whole().set_parameters(parameters);
+        }
         self.arguments.set_parameters(parameters);
     }
     fn is_smoothed(&self) -> bool {
@@ -164,8 +196,11 @@ impl Dynamics for SymbolicDynamics {
     fn set_smoothing(&mut self, width: f64) {
         self.width = width;
     }
+    fn take_failure(&mut self) -> Option<(f64, NoRoot)> {
+        self.implicit.as_mut().and_then(|implicit| implicit.take_failure())
+    }
     fn relaxation_rate(&mut self, t: f64, x: &[f64], u: &[f64]) -> f64 {
-        if self.rates.n_outputs() == 0 {
+        if self.rates.n_outputs() == 0 || self.implicit.is_some() {
             return 0.0;
         }
         self.load(t, x, u);

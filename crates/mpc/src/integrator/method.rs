@@ -18,13 +18,16 @@ pub enum Integrator {
         /// Number of collocation points, 1 to 4 (1 is the implicit Euler method).
         stages: usize,
     },
+    /// None: the dynamics are discrete in time and give the next state. An interval applies them once per integration step.
+    Map,
 }
 
 impl Integrator {
-    /// Order of convergence.
+    /// Order of convergence; 0 for a map, which approximates nothing.
     pub fn order(self) -> usize {
         match self {
             Self::Rk4 => 4,
+            Self::Map => 0,
             Self::GaussLegendre { stages } => 2 * stages,
             Self::RadauIIA { stages } => 2 * stages - 1,
         }
@@ -33,14 +36,14 @@ impl Integrator {
     /// Whether a step solves equations, so that stiffness does not limit its length.
     pub fn is_implicit(self) -> bool {
         match self {
-            Self::Rk4 => false,
+            Self::Rk4 | Self::Map => false,
             Self::GaussLegendre { .. } | Self::RadauIIA { .. } => true,
         }
     }
 
     pub(crate) fn check(self) -> Result<(), MpcError> {
         let stages = match self {
-            Self::Rk4 => return Ok(()),
+            Self::Rk4 | Self::Map => return Ok(()),
             Self::GaussLegendre { stages } | Self::RadauIIA { stages } => stages,
         };
         let what = "the number of stages of the integrator";

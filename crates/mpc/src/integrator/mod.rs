@@ -3,6 +3,7 @@
 mod collocation;
 mod explicit;
 mod interval;
+mod map;
 mod method;
 mod one_step;
 mod stages;
@@ -13,6 +14,7 @@ mod tests;
 pub(crate) use collocation::Collocation;
 pub(crate) use explicit::ExplicitRungeKutta;
 pub(crate) use interval::Interval;
+pub(crate) use map::MapIteration;
 pub use method::Integrator;
 pub(crate) use one_step::{Differentiated, OneStepMethod};
 pub(crate) use stages::Stages;

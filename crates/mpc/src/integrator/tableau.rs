@@ -22,6 +22,8 @@ impl Tableau {
                 let (sixth, third) = (1.0 / 6.0, 1.0 / 3.0);
                 Self { c: vec![0.0, 0.5, 0.5, 1.0], a, b: vec![sixth, third, third, sixth] }
             }
+            // It has no stages.
+            Integrator::Map => Self { c: Vec::new(), a: Vec::new(), b: Vec::new() },
             Integrator::GaussLegendre { stages } => Self::collocation(&roots(|x| legendre(stages, x), stages)),
             Integrator::RadauIIA { stages } => {
                 Self::collocation(&roots(|x| legendre(stages, x) - legendre(stages - 1, x), stages))

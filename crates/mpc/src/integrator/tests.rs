@@ -1,7 +1,7 @@
 //! Order, stability and sensitivities of the methods.
 #![allow(clippy::unwrap_used)]
 
-use super::Integrator::{self, GaussLegendre, RadauIIA, Rk4};
+use super::Integrator::{self, GaussLegendre, Map, RadauIIA, Rk4};
 use super::Interval;
 use crate::dynamics::{Dynamics, FieldDynamics, SymbolicDynamics};
 use crate::transcription::Shooter;
@@ -49,7 +49,7 @@ fn every_method_converges_with_its_order() {
 }
 
 #[test]
-fn sensitivities_are_the_derivatives_of_the_implicit_flow() {
+fn sensitivities_are_the_derivatives_of_the_implicit_flow_and_of_a_map() {
     let text = r#"
         states = ["q", "v", "z"]
         inputs = ["a", "b"]
@@ -57,7 +57,7 @@ fn sensitivities_are_the_derivatives_of_the_implicit_flow() {
     "#;
     let mut d = symbolic(text);
     let z0 = [0.3, 0.2, -0.4, 0.6, 1.5];
-    for method in IMPLICIT {
+    for method in IMPLICIT.into_iter().chain([Map]) {
         let mut jacobian = vec![0.0; 15];
         let mut x = z0[..3].to_vec();
         let interval = Interval { t: 0.0, dt: 0.3, substeps: 2, u: &z0[3..] };
@@ -149,7 +149,7 @@ fn curvature_is_the_derivative_of_the_sensitivities() {
     let field = d.second_derivatives().unwrap();
     let z0 = [0.3, 0.2, -0.4, 0.6, 1.5];
     let lambda = [0.7, -1.3, 2.1];
-    for method in IMPLICIT.into_iter().chain([Rk4]) {
+    for method in IMPLICIT.into_iter().chain([Rk4, Map]) {
         let mut shooter = Shooter::new(&d, method);
         let mut hessian = vec![0.0; 25];
         let interval = Interval { t: 0.2, dt: 0.3, substeps: 2, u: &z0[3..] };

@@ -99,6 +99,9 @@ impl<'a> CostNames<'a> {
         valued.parameters.retain(|p| !references.iter().any(|r| r == pool.name(p.symbol)));
         let (names, expressions): (Vec<String>, Vec<Expr>) =
             system.definitions.iter().chain(&system.outputs).cloned().unzip();
+        let algebraic = |e: Expr| system.algebraic.iter().any(|z| system.pool.depends_on(e, z.symbol));
+        let (names, expressions): (Vec<String>, Vec<Expr>) =
+            names.into_iter().zip(expressions).filter(|(_, e)| !algebraic(*e)).unzip();
         let defined = names.into_iter().zip(valued.with_values(&expressions)).collect();
         (Self { system, kind, references, remembered: Remembered::default(), defined }, valued.pool)
     }

@@ -9,6 +9,7 @@ use super::verdict::floor;
 use crate::controller::StepStatus;
 use crate::error::{MpcError, check_flag};
 use crate::exact_friction::StickSlipController;
+use crate::integrator::Integrator;
 use crate::ocp::HorizonCost;
 use crate::sqp::{SolveStatus, Sqp};
 use crate::trajectory::Trajectory;
@@ -136,7 +137,7 @@ impl ControlProblem {
     /// Whether the controller's model has friction that the exact flow treats.
     fn has_exact_friction(&self) -> bool {
         // The exact flow has one state of sticking and slipping, not one per branch.
-        !self.ocp.integrator.is_implicit() && self.ocp.branching.is_none() && !self.system.is_smooth()
+        self.ocp.integrator == Integrator::Rk4 && self.ocp.branching.is_none() && !self.system.is_smooth()
     }
 
     /// The arguments of `sign` that vanish or change their sign along the first plan, as it is with smoothed friction.

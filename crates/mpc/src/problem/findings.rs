@@ -61,6 +61,7 @@ pub(super) fn findings(problem: &ControlProblem, run: &ClosedLoop, open_loop_cos
     if let Some((k, i)) = states.find_map(|(k, x)| x.iter().position(|v| !v.is_finite()).map(|i| (k, i))) {
         notes.push(Note::State { name: names[i].clone(), first: sample(k) });
     }
+    notes.extend(problem.system.eliminated.iter().cloned().map(Note::Eliminated));
     notes.extend(note_on_delays(problem));
     notes.extend(estimate_off(problem, run));
     for (j, &bounds) in problem.ocp.input_bounds.iter().enumerate() {

@@ -8,7 +8,7 @@ use super::cause::Cause;
 use crate::controller::FallbackReason;
 use crate::error::MpcError;
 use crate::qp::QpStatus;
-use bracketry_system::{counted, readable};
+use bracketry_system::{Eliminated, counted, readable};
 
 /// Where something happened first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +29,8 @@ pub enum Note {
         /// Where first.
         first: FirstSample,
     },
+    /// Something was eliminated from the controller's model when it was read.
+    Eliminated(Eliminated),
     /// Inputs act later than they are commanded.
     Delays {
         /// The longest delay of the plant, s.
@@ -278,7 +280,8 @@ impl Note {
             | Self::NoPlan
             | Self::Fallback { .. }
             | Self::Infeasible { .. } => true,
-            Self::Delays { .. }
+            Self::Eliminated(_)
+            | Self::Delays { .. }
             | Self::TableEnds { .. }
             | Self::OneRow { .. }
             | Self::UnusedReference { .. }
@@ -309,6 +312,7 @@ impl fmt::Display for Note {
                 "the plant's state `{name}` is not finite {first}: bound the inputs, or take a shorter dt or more \
                  plant_substeps"
             ),
+            Note::Eliminated(what) => write!(f, "{what}"),
             Note::Delays { longest, samples, compensated } => write!(
                 f,
                 "the plant's inputs act up to {} s ({samples:.2} samples) later than commanded; the controller predicts \

@@ -6,7 +6,10 @@ use super::run::ControlRun;
 use crate::closed_loop::{Plant, RungeKuttaPlant};
 use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
-use bracketry_sim::{ExactPlant, Hold, InputError, Inputs, Model, Samples, Settings, SimError, Simulation, simulate};
+use bracketry_sim::{
+    DiscreteModel, ExactPlant, Hold, ImplicitModel, InputError, Inputs, Model, Samples, Settings, SimError, Simulation,
+    simulate,
+};
 use bracketry_system::ZeroDenominator;
 
 /// A control problem that could not be run.
@@ -56,6 +59,9 @@ pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)
     let problem = &*problem.with_free_values()?;
     problem.system.check_denominators()?;
     problem.plant.check_denominators()?;
+    if let Some(map) = DiscreteModel::of(&problem.plant).map_err(MpcError::from)? {
+        return control_map(problem, map, progress);
+    }
     // Delays act within a sample, which is for the simulator too.
     let delayed = problem.plant.delay_values().iter().any(|d| *d != Some(0.0));
     let smooth = problem.plant.is_smooth() && !delayed;
@@ -78,10 +84,29 @@ pub fn control_watched(problem: &ControlProblem, mut progress: impl FnMut(usize)
         }
         inputs = inputs.samples(name, Samples::new(times, values, Hold::Previous)?);
     }
-    let model = Model::new(&problem.plant, &inputs)?;
-    let switches = model.switch_names().map(str::to_owned).collect();
     let end = run.closed_loop.t.last().copied().unwrap_or(0.0);
     let settings = Settings { stop: problem.stop.clone(), ..Settings::default() };
+    if !problem.plant.algebraic.is_empty() {
+        let model = ImplicitModel::new(&problem.plant, &inputs)?;
+        let recording = simulate(model, 0.0, &problem.x0, end, &settings)?;
+        return Ok(Controlled { run, recording, switches: Vec::new() });
+    }
+    let model = Model::new(&problem.plant, &inputs)?;
+    let switches = model.switch_names().map(str::to_owned).collect();
     let recording = simulate(model, 0.0, &problem.x0, end, &settings)?;
     Ok(Controlled { run, recording, switches })
+}
+
+/// [`control_watched`] on a plant that is discrete in time.
+fn control_map(
+    problem: &ControlProblem,
+    mut map: DiscreteModel,
+    mut progress: impl FnMut(usize),
+) -> Result<Controlled, ControlError> {
+    let run = problem.run_disturbed(&mut map.clone(), |k, _| progress(k))?;
+    let applied = &run.closed_loop.u;
+    let held = (problem.ocp.dt / map.period()).round().max(1.0) as usize;
+    let start = run.closed_loop.t.first().copied().unwrap_or(0.0);
+    let recording = map.iterate(start, &problem.x0, held * applied.len(), |k, _| applied[k / held].clone());
+    Ok(Controlled { run, recording, switches: Vec::new() })
 }

@@ -3,6 +3,7 @@
 use super::control_problem::ControlProblem;
 use crate::error::MpcError;
 use crate::exact_friction::{ExactProblem, StickSlipFlow, SwitchedField};
+use crate::integrator::Integrator;
 use crate::trajectory::Trajectory;
 use crate::transcription::Transcription;
 
@@ -51,7 +52,7 @@ impl Rehearsal {
 
     /// The model with exact friction where it has any, and can be integrated explicitly.
     pub(super) fn exact(problem: &ControlProblem) -> Result<Self, MpcError> {
-        if problem.system.is_smooth() || problem.ocp.integrator.is_implicit() {
+        if problem.system.is_smooth() || problem.ocp.integrator != Integrator::Rk4 {
             return Self::smoothed(problem);
         }
         let live: Vec<&str> = problem.live.iter().map(String::as_str).collect();

@@ -9,7 +9,7 @@ use crate::problem::{ControlProblem, FoundValues, FreeValues, Method, ProblemErr
 use crate::qp::QpSettings;
 use bracketry_symbolic::StopFlag;
 use bracketry_system::Table;
-use bracketry_system::{Document, FileError, System};
+use bracketry_system::{Accepted, Document, FileError, System};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -44,7 +44,9 @@ impl ControlProblem {
         let path = path.as_ref();
         let doc = Document::read(path)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        let models = |name: &str| System::read(folder.join(name)).map_err(Box::new);
+        let models = |name: &str| {
+            System::read_accepting(folder.join(name), Accepted { discrete: true, algebraic: true }).map_err(Box::new)
+        };
         Arc::new(Source::new(doc, &folder, models)?).problem(None)
     }
 
@@ -117,6 +119,7 @@ impl Source {
                 format!("model and plant differ: {} in the model, {} in the plant", names(&system), names(&plant));
             return Err(doc.missing(message, "give both the same states and inputs in the same order").into());
         }
+        first.suits_the_model(&table, &system, &plant, &free)?;
         let reader = Reader { system: &system, ..first };
         let tree = reader.uncertainty(&table)?;
         if let Some(v) = table.get("uncertainty").filter(|_| !free.is_empty()) {
@@ -217,7 +220,11 @@ impl Reader<'_> {
         if lengths.iter().any(|l| *l != dt) {
             ocp.lengths = lengths;
         }
-        self.discretization(horizon, &mut ocp)?;
+        match system.period {
+            Some(period) => self.steps_of_the_map(horizon, period, &mut ocp)?,
+            None => self.discretization(horizon, &mut ocp)?,
+        }
+        self.steps_of_the_plant(horizon, &plant, dt)?;
 
         let no_run = Table::new();
         let (run, start) = self.run(table, &no_run, steps)?;

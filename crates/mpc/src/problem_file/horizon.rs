@@ -52,7 +52,7 @@ impl Reader<'_> {
     }
 
     /// Lengths of the move blocks; the last one is extended to the end of the horizon.
-    fn blocks(&self, horizon: &Table<'_>, ocp: &mut Ocp) -> Parsed<()> {
+    pub(super) fn blocks(&self, horizon: &Table<'_>, ocp: &mut Ocp) -> Parsed<()> {
         let Some(v) = horizon.get("blocks") else { return Ok(()) };
         let remedy = "write blocks = [1, 1, 2, 4, 8]: numbers of intervals over which the inputs are held";
         let Value::Array(list) = v.get_ref() else {

@@ -4,6 +4,7 @@ mod chance;
 mod conditions;
 mod constraints;
 mod cost;
+mod discrete_time;
 mod document;
 mod estimation;
 mod finite_inputs;

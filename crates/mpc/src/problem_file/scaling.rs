@@ -3,7 +3,7 @@
 use super::reader::{Parsed, Reader, Variable};
 use crate::closed_loop::{Plant, RungeKuttaPlant};
 use crate::dynamics::{Dynamics, SymbolicDynamics};
-use crate::integrator::Interval;
+use crate::integrator::{Integrator, Interval};
 use crate::ocp::{CostPoint, Ocp, Substeps};
 use crate::problem::{Note, ProblemError};
 use crate::transcription::Shooter;
@@ -107,7 +107,7 @@ impl Reader<'_> {
         let explicit = steps_for(ocp.longest() * rate / STABLE);
         // An implicit method is stable for any step.
         if let Substeps::AtLeast(s) = ocp.substeps
-            && !ocp.integrator.is_implicit()
+            && ocp.integrator == Integrator::Rk4
         {
             ocp.substeps = Substeps::AtLeast(s.max(explicit));
         }
@@ -156,11 +156,11 @@ fn long_interval(dt: f64, modes: &[Complex<f64>]) -> Option<Note> {
 /// Number of the interval, state, input: advances the state; whether that worked.
 type TrialStep = Box<dyn FnMut(usize, &mut [f64], &[f64]) -> bool>;
 
-/// Advances a trial run by one interval: by the method of the problem where that is implicit, which stiff models need, else by the
-/// Runge–Kutta method with this number of steps.
+/// Advances a trial run by one interval: by the method of the problem where that is implicit, which stiff models need, or a map, else
+/// by the Runge–Kutta method with this number of steps.
 fn trial_step(mut dynamics: SymbolicDynamics, ocp: &Ocp, steps: usize) -> TrialStep {
     let grid: Vec<(f64, f64)> = (0..ocp.steps).map(|k| (ocp.time(0, k), ocp.length(k))).collect();
-    if ocp.integrator.is_implicit() {
+    if ocp.integrator != Integrator::Rk4 {
         let substeps = ocp.substeps.least();
         let mut shooter = Shooter::new(&dynamics, ocp.integrator);
         return Box::new(move |k, x, u| {

@@ -78,6 +78,12 @@ impl Reader<'_> {
         self.doc.only_keys(solve, &KEYS, "[solve]")?;
         let methods = [("rti", Name::Rti), ("sqp", Name::Sqp), ("plan", Name::Plan), ("stick-slip", Name::StickSlip)];
         let named = self.choice(solve, "method", "method", &methods)?;
+        let other = self.system.period.is_some() || !self.system.algebraic.is_empty();
+        if let Some(v) = solve.get("method").filter(|_| named == Name::StickSlip && other) {
+            let message = "the method \"stick-slip\" follows x' = f(x, u); the model is discrete in time or has algebraic variables";
+            let remedy = "write method = \"rti\", \"sqp\" or \"plan\", or remove it";
+            return Err(self.doc.error(v.span(), message, remedy).into());
+        }
         let with = |name: Name| self.solve_by(name, solve, hard_weight, input_bounds);
         if planned {
             if let Some(v) = solve.get("method").filter(|_| named != Name::Plan) {

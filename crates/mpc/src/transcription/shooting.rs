@@ -2,7 +2,7 @@
 
 use crate::dynamics::Dynamics;
 use crate::integrator::{
-    Collocation, Differentiated, ExplicitRungeKutta, Integrator, Interval, OneStepMethod, Stages, Tableau,
+    Collocation, Differentiated, ExplicitRungeKutta, Integrator, Interval, MapIteration, OneStepMethod, Stages, Tableau,
 };
 use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
@@ -115,10 +115,12 @@ impl Shooter {
                 }
             }
         }
-        let method: Box<dyn OneStepMethod> = if integrator.is_implicit() {
-            Box::new(Collocation::new(n, m, pattern, Tableau::new(integrator)))
-        } else {
-            Box::new(ExplicitRungeKutta::new(n, m, pattern, &closure))
+        let method: Box<dyn OneStepMethod> = match integrator {
+            Integrator::Map => Box::new(MapIteration::new(n, m, pattern)),
+            Integrator::Rk4 => Box::new(ExplicitRungeKutta::new(n, m, pattern, &closure)),
+            Integrator::GaussLegendre { .. } | Integrator::RadauIIA { .. } => {
+                Box::new(Collocation::new(n, m, pattern, Tableau::new(integrator)))
+            }
         };
         Self {
             n,

@@ -45,6 +45,9 @@ fn whole(f: &mut String, a: &Analysis) -> fmt::Result {
     for change in changes(&a.affinization) {
         writeln!(f, "  {change}")?;
     }
+    for eliminated in &model.eliminated {
+        writeln!(f, "  note: {eliminated}")?;
+    }
     for (s, e) in model.states.iter().zip(&model.dynamics) {
         writeln!(f, "  {}' = {}", model.pool.name(*s), model.pool.text(*e))?;
     }

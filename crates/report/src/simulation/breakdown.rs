@@ -1,6 +1,6 @@
 //! Why a simulation stopped, as sentences.
 
-use bracketry_sim::{Breakdown, Outcome, ScenarioRun, Undefined, UndefinedPart};
+use bracketry_sim::{Breakdown, NoRoot, NoRootReason, Outcome, ScenarioRun, Undefined, UndefinedPart};
 use bracketry_symbolic::Expr;
 use bracketry_system::{System, readable};
 
@@ -28,6 +28,9 @@ pub fn breakdown(system: &System, breakdown: &Breakdown) -> String {
             "the input `{}` has no finite value there or right after; give it one at all times of the simulation",
             system.symbol_name(system.inputs[*input])
         ),
+        Breakdown::NoRoot(failure) => {
+            format!("the algebraic equations are not solved there: {}", no_root(system, failure))
+        }
         Breakdown::Runaway { state, rate } => format!(
             "`{}` runs away there, its rate is {}: it grows without bound in finite time, or divides by what comes near 0; \
              check its equation and the values of its parameters",
@@ -35,6 +38,25 @@ pub fn breakdown(system: &System, breakdown: &Breakdown) -> String {
             readable(*rate)
         ),
     }
+}
+
+/// Why algebraic equations have no solution, and what to do about it.
+fn no_root(system: &System, failure: &NoRoot) -> String {
+    let name = system.algebraic.get(failure.equation).map_or("?", |z| system.symbol_name(z.symbol));
+    let (why, remedy) = match failure.why {
+        NoRootReason::NotConverging => (
+            "Newton's method does not converge",
+            "give a `guess` near the solution at the start, or keep the motion where there is one",
+        ),
+        NoRootReason::Singular => (
+            "their derivatives by the algebraic variables are singular (index above 1) or not finite",
+            "begin elsewhere, or keep the motion where they are regular",
+        ),
+        NoRootReason::OtherBranch => {
+            ("the branch of solutions on which the motion began ends in a fold", "keep the motion before the fold")
+        }
+    };
+    format!("{why}; the residual of that of `{name}` is {}; {remedy}", readable(failure.residual))
 }
 
 /// A part without value, as a clause; none if it is too long to be shown.

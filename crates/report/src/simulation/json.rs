@@ -2,7 +2,7 @@
 
 use super::breakdown::stop;
 use super::table::{Event, events};
-use super::text::singular;
+use super::text::notes;
 use bracketry_sim::{SampledScenario, ScenarioRun};
 use bracketry_system::System;
 use serde::Serialize;
@@ -41,6 +41,6 @@ pub fn json<'a>(system: &'a System, given: &'a SampledScenario, run: &ScenarioRu
         ignored_columns: &given.ignored,
         inputs_at_zero: &given.held_at_zero,
         impulses_left_out: run.impulses_left_out.iter().map(|(n, order)| format!("der({n},{order})")).collect(),
-        notes: singular(system, run),
+        notes: notes(system, run),
     }
 }

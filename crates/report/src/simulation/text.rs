@@ -23,7 +23,7 @@ pub fn text(system: &System, given: &SampledScenario, run: &ScenarioRun) -> Stri
         format!("  warning: `{input}` jumps or has kinks: impulses of der({input},{order}) are neglected")
     }));
     lines.extend(beyond_ranges(system, run).iter().map(|sentence| format!("  warning: {sentence}")));
-    lines.extend(singular(system, run).iter().map(|sentence| format!("  note: {sentence}")));
+    lines.extend(notes(system, run).iter().map(|sentence| format!("  note: {sentence}")));
     let ignored = given.ignored.iter();
     lines.extend(ignored.map(|name| format!("  column `{name}` is not an input that the model uses and was ignored")));
     let names = system.state_names();
@@ -34,8 +34,13 @@ pub fn text(system: &System, given: &SampledScenario, run: &ScenarioRun) -> Stri
     lines.join("\n") + "\n"
 }
 
+/// What is to be said beside the figures: what was eliminated from the model, and where it is nearly singular.
+pub(super) fn notes(system: &System, run: &ScenarioRun) -> Vec<String> {
+    system.eliminated.iter().map(ToString::to_string).chain(singular(system, run)).collect()
+}
+
 /// Where directions that are no dry friction are used of vectors that nearly vanish.
-pub(super) fn singular(system: &System, run: &ScenarioRun) -> Vec<String> {
+fn singular(system: &System, run: &ScenarioRun) -> Vec<String> {
     let rows = run.states.iter().map(Vec::as_slice).zip(run.inputs.iter().map(Vec::as_slice));
     let sentence = |near: ClosestApproach| {
         format!(

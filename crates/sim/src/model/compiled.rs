@@ -86,6 +86,9 @@ impl Model {
         measures: usize,
         differentiate: Option<Differentiate<'_>>,
     ) -> Result<Self, InputError> {
+        if system.period.is_some() {
+            return Err(InputError::DiscreteTime);
+        }
         let mut driven = drive(system, inputs)?;
         let form = driven.system.set_valued_form();
         let (tapes, switches) = Tapes::compile(&mut driven, &form, measures, differentiate)?;

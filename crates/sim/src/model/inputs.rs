@@ -190,6 +190,11 @@ impl Inputs {
         self.mentions(input) && !self.drives.contains_key(input)
     }
 
+    /// Whether samples drive `input`.
+    pub(crate) fn is_sampled(&self, input: &str) -> bool {
+        matches!(self.drives.get(input), Some(Drive::Samples(_)))
+    }
+
     /// All inputs held.
     pub fn new() -> Self {
         Self::default()
@@ -275,6 +280,9 @@ pub enum InputError {
         /// Order of the derivative.
         order: u32,
     },
+    /// A model that is discrete in time, which is not integrated.
+    #[error("the model is discrete in time: it is iterated, not integrated")]
+    DiscreteTime,
     /// An input that the model uses, of which only derivatives are given.
     #[error("the model uses `{input}` itself, of which only derivatives are given: add a column {input}")]
     OnlyDerivatives {

@@ -1,5 +1,6 @@
 //! Scenario files.
 
+use super::discrete::{for_signals, is_multiple};
 use super::setup::{Scenario, initial_state};
 use super::table::input_table;
 use crate::model::{Hold, InputError, Inputs, Model};
@@ -48,7 +49,17 @@ impl Scenario {
         let Some(end) = positive("duration")? else {
             return Err(doc.missing("the scenario has no duration", "add `duration = 5.0` (seconds)"));
         };
-        let sample = positive("sample")?.unwrap_or(end / 1000.0);
+        let sample = positive("sample")?;
+        for (key, value) in [("duration", Some(end)), ("sample", sample)] {
+            let (Some(period), Some(value), Some(at)) = (system.period, value, table.get(key)) else { continue };
+            if !is_multiple(value, period) {
+                let message =
+                    format!("`{key}` is no multiple of the period {period} s of the model, which is discrete in time");
+                let steps = (value / period).round().max(1.0);
+                return Err(doc.error(at.span(), message, format!("write {key} = {}, for example", steps * period)));
+            }
+        }
+        let sample = sample.unwrap_or(system.period.unwrap_or(end / 1000.0));
         if end / sample > MAX_ROWS {
             return Err(doc.missing(format!("more than {MAX_ROWS:.0} rows would be written"), "enlarge `sample`"));
         }
@@ -110,7 +121,7 @@ fn read_inputs(doc: &Document, table: &Table<'_>, system: &System, sampled: Inpu
         };
         inputs = inputs.expression(name, &text);
         // Asked one by one so that the error can name the line.
-        Model::new(system, &Inputs::new().expression(name, &text)).map_err(|e| match e {
+        Model::new(&for_signals(system), &Inputs::new().expression(name, &text)).map_err(|e| match e {
             InputError::Expression { source, .. } => doc.parse_error(value, in_time(system, source)),
             other => doc.error(value.span(), other.to_string(), IN_TIME),
         })?;

@@ -1,6 +1,8 @@
 //! Simulations by files: what a scenario or a table of inputs says, its run, and what sensors would give of it.
 
+mod discrete;
 mod file;
+mod implicit;
 mod run;
 mod sensors;
 mod setup;

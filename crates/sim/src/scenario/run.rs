@@ -2,10 +2,12 @@
 
 use super::setup::Scenario;
 use crate::breakdown::Breakdown;
+use crate::discrete::DiscreteModel;
 use crate::model::{InputError, Model};
 use crate::outcome::Outcome;
 use crate::settings::{Settings, SimError};
 use crate::simulate::{Simulation, simulate};
+use bracketry_symbolic::CompileError;
 use bracketry_system::{FileError, System, ZeroDenominator};
 
 /// A simulation that cannot be set up.
@@ -17,6 +19,9 @@ pub enum ScenarioError {
     /// The inputs do not fit the model.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// The equations cannot be compiled.
+    #[error(transparent)]
+    Compile(#[from] CompileError),
     /// The integrator was misused.
     #[error(transparent)]
     Sim(#[from] SimError),
@@ -59,6 +64,12 @@ impl Scenario {
             system.set_parameter(name, value.clone());
         }
         system.check_denominators()?;
+        if let Some(map) = DiscreteModel::of(&system)? {
+            return self.run_discrete(&system, map);
+        }
+        if !system.algebraic.is_empty() {
+            return self.run_implicit(&system, settings);
+        }
         let mut model = Model::new(&system, &self.inputs)?;
         let simulation = simulate(model.clone(), self.start, &self.x0, self.end, settings)?;
         let (end, breakdown) = match &simulation.outcome {
@@ -89,7 +100,7 @@ impl Scenario {
     }
 
     /// The times of the rows of a run that ends at `end`.
-    fn times_to(&self, end: f64) -> Vec<f64> {
+    pub(super) fn times_to(&self, end: f64) -> Vec<f64> {
         let count = ((end - self.start) / self.sample + 1e-9).floor() as usize;
         let mut times: Vec<f64> = (0..=count).map(|i| self.start + i as f64 * self.sample).collect();
         if end - times[count] > 1e-9 * self.sample {

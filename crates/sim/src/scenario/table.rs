@@ -27,7 +27,7 @@ impl Scenario {
         if end <= start {
             return Err(doc.missing("the table has fewer than two rows", "give at least two samples"));
         }
-        let sample = (end - start) / (times.len() - 1) as f64;
+        let sample = system.period.unwrap_or((end - start) / (times.len() - 1) as f64);
         let x0 = initial_state(system);
         let scenario = Scenario { x0, inputs, end, start, sample, parameters: Vec::new() };
         let held_at_zero = scenario.inputs_at_zero(system);
