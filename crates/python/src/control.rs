@@ -74,12 +74,12 @@ pub(crate) fn read(
     match (path, text) {
         (Some(path), _) => Ok(ControlProblem::read(path)?),
         (None, Some(text)) => {
-            let model = |name: &str| match models.get(name) {
-                Some(system) => Ok(system.clone()),
-                None => {
-                    let accepted = Accepted { discrete: true, algebraic: true };
-                    System::read_accepting(folder.join(name), accepted).map_err(Box::new)
+            let model = |name: &str| {
+                if let Some(system) = models.get(name) {
+                    return Ok(system.clone());
                 }
+                let accepted = Accepted { discrete: true, algebraic: true };
+                System::read_accepting(folder.join(name), accepted).map_err(Box::new)
             };
             Ok(ControlProblem::parse("problem", text, model)?)
         }
