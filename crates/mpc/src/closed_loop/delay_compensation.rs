@@ -1,6 +1,6 @@
 //! Compensation of a delay between measurement and input.
 
-use crate::controller::{Controller, Figures, Step, StepLimits};
+use crate::controller::{Controller, Step, forward_to};
 use crate::dynamics::Dynamics;
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
@@ -42,6 +42,15 @@ impl<C: Controller> DelayCompensated<C> {
         Ok(Self { controller, model, pending, k: 0, x, last: first.to_vec(), held })
     }
 
+    /// Lets the input decided last wait for its turn.
+    fn rotate(&mut self) {
+        if let Some(mut u) = self.pending.pop_front() {
+            u.copy_from_slice(&self.last);
+            self.pending.push_back(u);
+        }
+        self.k += 1;
+    }
+
     /// The controller inside.
     pub fn controller(&self) -> &C {
         &self.controller
@@ -58,9 +67,7 @@ fn model_alone(ocp: &Ocp) -> Ocp {
 }
 
 impl<C: Controller> Controller for DelayCompensated<C> {
-    fn prepare(&mut self) -> Result<(), MpcError> {
-        self.controller.prepare()
-    }
+    forward_to!(self => self.controller; prepare, estimate, plan, ocp, limit_next_step, relaxed_plan, figures);
 
     fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         check_length("the measured state", x.len(), self.x.len())?;
@@ -79,16 +86,13 @@ impl<C: Controller> Controller for DelayCompensated<C> {
     }
 
     fn shift(&mut self) {
-        if let Some(mut u) = self.pending.pop_front() {
-            u.copy_from_slice(&self.last);
-            self.pending.push_back(u);
-        }
-        self.k += 1;
+        self.rotate();
         self.controller.shift();
     }
 
-    fn plan(&self) -> &Trajectory {
-        self.controller.plan()
+    fn skip(&mut self) -> Result<(), MpcError> {
+        self.rotate();
+        self.controller.skip()
     }
 
     fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
@@ -97,25 +101,9 @@ impl<C: Controller> Controller for DelayCompensated<C> {
         Ok(())
     }
 
-    fn ocp(&self) -> &Ocp {
-        self.controller.ocp()
-    }
-
     fn set_start(&mut self, k0: usize) {
         self.k = k0;
         self.controller.set_start(k0 + self.pending.len());
-    }
-
-    fn limit_next_step(&mut self, limits: StepLimits) {
-        self.controller.limit_next_step(limits);
-    }
-
-    fn figures(&self) -> Figures {
-        self.controller.figures()
-    }
-
-    fn relaxed_plan(&self) -> Option<&Trajectory> {
-        self.controller.relaxed_plan()
     }
 
     fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {

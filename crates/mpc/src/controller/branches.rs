@@ -1,7 +1,8 @@
 //! The measured state in front of a controller of all branches of a scenario tree.
 
+use super::forwarding::forward_to;
 use super::interface::{Controller, Figures};
-use super::step::{Step, StepLimits, StepStatus};
+use super::step::{Step, StepStatus};
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
@@ -56,9 +57,8 @@ pub(crate) fn shown_branch(all: &Trajectory, own: &Ocp, branches: usize, branch:
 }
 
 impl Controller for Branches {
-    fn prepare(&mut self) -> Result<(), MpcError> {
-        self.controller.prepare()
-    }
+    forward_to!(self => self.controller; prepare, limit_next_step, set_parameters);
+
     fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         check_length("the measured state", x.len(), self.own.states())?;
         let (states, previous) = x.split_at(self.own.model_states());
@@ -108,12 +108,6 @@ impl Controller for Branches {
     fn set_start(&mut self, k0: usize) {
         self.k = k0;
         self.controller.set_start(k0);
-    }
-    fn limit_next_step(&mut self, limits: StepLimits) {
-        self.controller.limit_next_step(limits);
-    }
-    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
-        self.controller.set_parameters(parameters)
     }
     fn figures(&self) -> Figures {
         Figures { predicted_violation: self.violation, ..self.controller.figures() }

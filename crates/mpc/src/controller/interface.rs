@@ -1,5 +1,6 @@
 //! What answers measured states with inputs, sample by sample.
 
+use super::forwarding::forward_to;
 use super::step::{Step, StepLimits};
 use crate::error::{MpcError, check_length};
 use crate::estimation::Estimate;
@@ -88,43 +89,5 @@ pub trait Controller: Send {
 }
 
 impl<C: Controller + ?Sized> Controller for Box<C> {
-    fn prepare(&mut self) -> Result<(), MpcError> {
-        (**self).prepare()
-    }
-    fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
-        (**self).feedback(x)
-    }
-    fn shift(&mut self) {
-        (**self).shift();
-    }
-    fn skip(&mut self) -> Result<(), MpcError> {
-        (**self).skip()
-    }
-    fn estimate(&self) -> Option<&Estimate> {
-        (**self).estimate()
-    }
-    fn plan(&self) -> &Trajectory {
-        (**self).plan()
-    }
-    fn ocp(&self) -> &Ocp {
-        (**self).ocp()
-    }
-    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
-        (**self).change(change)
-    }
-    fn set_start(&mut self, k0: usize) {
-        (**self).set_start(k0);
-    }
-    fn limit_next_step(&mut self, limits: StepLimits) {
-        (**self).limit_next_step(limits);
-    }
-    fn figures(&self) -> Figures {
-        (**self).figures()
-    }
-    fn relaxed_plan(&self) -> Option<&Trajectory> {
-        (**self).relaxed_plan()
-    }
-    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
-        (**self).set_parameters(parameters)
-    }
+    forward_to!(self => (**self); prepare, feedback, shift, skip, estimate, plan, ocp, change, set_start, limit_next_step, relaxed_plan, figures, set_parameters);
 }

@@ -1,7 +1,8 @@
 //! The input applied last, in front of a controller whose problem counts it to the state.
 
-use super::interface::{Controller, Figures};
-use super::step::{Step, StepLimits, StepStatus};
+use super::forwarding::forward_to;
+use super::interface::Controller;
+use super::step::{Step, StepStatus};
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
@@ -37,9 +38,8 @@ impl Remembering {
 }
 
 impl Controller for Remembering {
-    fn prepare(&mut self) -> Result<(), MpcError> {
-        self.controller.prepare()
-    }
+    forward_to!(self => self.controller; prepare, estimate, ocp, set_start, limit_next_step, relaxed_plan, figures, set_parameters);
+
     fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         check_length("the measured state", x.len(), self.states)?;
         self.x.clear();
@@ -75,27 +75,9 @@ impl Controller for Remembering {
     fn plan(&self) -> &Trajectory {
         &self.plan
     }
-    fn ocp(&self) -> &Ocp {
-        self.controller.ocp()
-    }
     fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
         self.controller.change(change)?;
         self.copy_plan();
         Ok(())
-    }
-    fn set_start(&mut self, k0: usize) {
-        self.controller.set_start(k0);
-    }
-    fn limit_next_step(&mut self, limits: StepLimits) {
-        self.controller.limit_next_step(limits);
-    }
-    fn figures(&self) -> Figures {
-        self.controller.figures()
-    }
-    fn relaxed_plan(&self) -> Option<&Trajectory> {
-        self.controller.relaxed_plan()
-    }
-    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
-        self.controller.set_parameters(parameters)
     }
 }

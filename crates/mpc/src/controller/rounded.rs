@@ -1,10 +1,10 @@
 //! Inputs of finite sets behind a controller that plans with all values between their ends.
 
+use super::forwarding::forward_to;
 use super::interface::{Controller, Figures};
-use super::step::{Step, StepLimits, StepStatus};
+use super::step::{Step, StepStatus};
 use super::sum_up_rounding::SumUpRounding;
 use crate::error::MpcError;
-use crate::ocp::Ocp;
 use crate::trajectory::Trajectory;
 
 /// An input of a finite set: its rounding up to the sample before, and including the present one.
@@ -41,9 +41,8 @@ impl Rounded {
 }
 
 impl Controller for Rounded {
-    fn prepare(&mut self) -> Result<(), MpcError> {
-        self.controller.prepare()
-    }
+    forward_to!(self => self.controller; prepare, skip, estimate, plan, ocp, change, set_start, limit_next_step, set_parameters);
+
     fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         self.step.copy_from(self.controller.feedback(x)?);
         if self.relaxed.is_none() && !matches!(self.step.status, StepStatus::Fallback(_) | StepStatus::PlayedOut) {
@@ -64,27 +63,6 @@ impl Controller for Rounded {
             self.largest = self.largest.max(finite.before.error().abs());
         }
         self.controller.shift();
-    }
-    fn skip(&mut self) -> Result<(), MpcError> {
-        self.controller.skip()
-    }
-    fn plan(&self) -> &Trajectory {
-        self.controller.plan()
-    }
-    fn ocp(&self) -> &Ocp {
-        self.controller.ocp()
-    }
-    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
-        self.controller.change(change)
-    }
-    fn set_start(&mut self, k0: usize) {
-        self.controller.set_start(k0);
-    }
-    fn limit_next_step(&mut self, limits: StepLimits) {
-        self.controller.limit_next_step(limits);
-    }
-    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
-        self.controller.set_parameters(parameters)
     }
     fn figures(&self) -> Figures {
         Figures { rounding_error: Some(self.largest), ..self.controller.figures() }

@@ -1,10 +1,8 @@
 //! A controller that is given measured outputs in place of the state.
 
 use super::estimate::{Estimate, Estimator};
-use crate::controller::{Controller, Figures, Step, StepLimits};
+use crate::controller::{Controller, Step, forward_to};
 use crate::error::{MpcError, check_length};
-use crate::ocp::Ocp;
-use crate::trajectory::Trajectory;
 use std::collections::VecDeque;
 
 /// An estimator in front of a controller: a controller of measured outputs, which are NaN where nothing was measured.
@@ -57,9 +55,7 @@ impl<C: Controller, E: Estimator> OutputFeedback<C, E> {
 }
 
 impl<C: Controller, E: Estimator> Controller for OutputFeedback<C, E> {
-    fn prepare(&mut self) -> Result<(), MpcError> {
-        self.controller.prepare()
-    }
+    forward_to!(self => self.controller; prepare, plan, ocp, change, set_start, limit_next_step, relaxed_plan, figures, set_parameters);
 
     fn feedback(&mut self, y: &[f64]) -> Result<&Step, MpcError> {
         let estimate = self.estimate.get_or_insert_with(Estimate::nothing);
@@ -94,37 +90,5 @@ impl<C: Controller, E: Estimator> Controller for OutputFeedback<C, E> {
 
     fn estimate(&self) -> Option<&Estimate> {
         self.estimate.as_ref()
-    }
-
-    fn plan(&self) -> &Trajectory {
-        self.controller.plan()
-    }
-
-    fn ocp(&self) -> &Ocp {
-        self.controller.ocp()
-    }
-
-    fn change(&mut self, change: &mut dyn FnMut(&mut Ocp)) -> Result<(), MpcError> {
-        self.controller.change(change)
-    }
-
-    fn set_start(&mut self, k0: usize) {
-        self.controller.set_start(k0);
-    }
-
-    fn limit_next_step(&mut self, limits: StepLimits) {
-        self.controller.limit_next_step(limits);
-    }
-
-    fn figures(&self) -> Figures {
-        self.controller.figures()
-    }
-
-    fn relaxed_plan(&self) -> Option<&Trajectory> {
-        self.controller.relaxed_plan()
-    }
-
-    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), MpcError> {
-        self.controller.set_parameters(parameters)
     }
 }
