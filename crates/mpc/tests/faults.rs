@@ -240,25 +240,26 @@ struct Differentiator {
 }
 
 impl Estimator for Differentiator {
-    fn correct(&mut self, y: &[f64]) -> Result<Estimate, MpcError> {
+    fn correct_into(&mut self, y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
         self.corrections += 1;
         self.last = y[0];
-        Ok(Estimate {
+        *estimate = Estimate {
             x: vec![y[0], 0.0],
             parameters: Vec::new(),
             disturbance: Vec::new(),
             std: Vec::new(),
             status: EstimateStatus::Updated { lost: 0 },
-        })
+        };
+        Ok(())
     }
-    fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError> {
+    fn update_into(&mut self, u: &[f64], y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
         self.inputs.push(u[0]);
         // Exact for a constant input: v = Δp/dt + u·dt/2.
         let v = (y[0] - self.last) / DT + u[0] * DT / 2.0;
         self.corrections -= 1;
-        let mut estimate = self.correct(y)?;
+        self.correct_into(y, estimate)?;
         estimate.x[1] = v;
-        Ok(estimate)
+        Ok(())
     }
 }
 

@@ -44,45 +44,39 @@ impl Estimate {
 /// An observer that runs beside a controller.
 pub trait Estimator: Send {
     /// Takes in a measurement at the time of the current estimate (the first one of a run). Outputs that are not a number
-    /// are left out.
+    /// are left out. The estimate takes the place of the one before, whose memory it may use.
     ///
     /// # Errors
     /// If the number of outputs is wrong.
-    fn correct(&mut self, y: &[f64]) -> Result<Estimate, MpcError>;
+    fn correct_into(&mut self, y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError>;
 
     /// Goes on by one sampling period over which the input `u` was held, then takes in the measurement `y` at its end.
-    /// Outputs that are not a number are left out.
+    /// Outputs that are not a number are left out. The estimate takes the place of the one before, whose memory it may use.
     ///
     /// # Errors
     /// If a length is wrong or an input is not finite; all that measurements can do is a status.
-    fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError>;
+    fn update_into(&mut self, u: &[f64], y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError>;
 
-    /// [`Estimator::correct`] in place of the estimate before, whose memory it may use.
+    /// [`Estimator::correct_into`] in memory of its own.
     ///
     /// # Errors
-    /// As [`Estimator::correct`].
-    fn correct_into(&mut self, y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
-        *estimate = self.correct(y)?;
-        Ok(())
+    /// As [`Estimator::correct_into`].
+    fn correct(&mut self, y: &[f64]) -> Result<Estimate, MpcError> {
+        let mut estimate = Estimate::nothing();
+        self.correct_into(y, &mut estimate).map(|()| estimate)
     }
 
-    /// [`Estimator::update`] in place of the estimate before, whose memory it may use.
+    /// [`Estimator::update_into`] in memory of its own.
     ///
     /// # Errors
-    /// As [`Estimator::update`].
-    fn update_into(&mut self, u: &[f64], y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
-        *estimate = self.update(u, y)?;
-        Ok(())
+    /// As [`Estimator::update_into`].
+    fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError> {
+        let mut estimate = Estimate::nothing();
+        self.update_into(u, y, &mut estimate).map(|()| estimate)
     }
 }
 
 impl<E: Estimator + ?Sized> Estimator for Box<E> {
-    fn correct(&mut self, y: &[f64]) -> Result<Estimate, MpcError> {
-        (**self).correct(y)
-    }
-    fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError> {
-        (**self).update(u, y)
-    }
     fn correct_into(&mut self, y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
         (**self).correct_into(y, estimate)
     }

@@ -177,16 +177,6 @@ impl ExtendedKalman {
 }
 
 impl Estimator for ExtendedKalman {
-    fn correct(&mut self, y: &[f64]) -> Result<Estimate, MpcError> {
-        let mut estimate = Estimate::nothing();
-        self.correct_into(y, &mut estimate).map(|()| estimate)
-    }
-
-    fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError> {
-        let mut estimate = Estimate::nothing();
-        self.update_into(u, y, &mut estimate).map(|()| estimate)
-    }
-
     fn correct_into(&mut self, y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
         check_length("the measurement", y.len(), self.model.sensors.len())?;
         let status = self.take_in_first(y);

@@ -411,16 +411,6 @@ impl MovingHorizon {
 }
 
 impl Estimator for MovingHorizon {
-    fn correct(&mut self, y: &[f64]) -> Result<Estimate, MpcError> {
-        let mut estimate = Estimate::nothing();
-        self.correct_into(y, &mut estimate).map(|()| estimate)
-    }
-
-    fn update(&mut self, u: &[f64], y: &[f64]) -> Result<Estimate, MpcError> {
-        let mut estimate = Estimate::nothing();
-        self.update_into(u, y, &mut estimate).map(|()| estimate)
-    }
-
     fn correct_into(&mut self, y: &[f64], estimate: &mut Estimate) -> Result<(), MpcError> {
         let status = self.correct_status(y)?;
         write_estimate(&self.head.model, &self.head.z, &self.head.p, status, estimate);
