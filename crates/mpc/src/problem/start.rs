@@ -57,8 +57,6 @@ impl ControlProblem {
             smoothing: self.widths(),
             qp: self.qp,
             stop: self.stop.clone(),
-            // With several inputs, programs that go on from its solutions at every sample of a loop converge slowly.
-            interior_point: self.ocp.inputs() == 1 || matches!(self.method, Method::Plan { .. }),
             ..SqpSettings::default()
         }
     }

@@ -28,6 +28,8 @@ pub struct Sqp {
     interior: Option<Interior>,
     /// Steps of the interior-point method in this solution.
     interior_point_steps: usize,
+    /// Whether the last sample needed the interior-point method, and programs did not confirm it quickly.
+    interior_leads: bool,
     pub(super) spare: Spare,
 }
 
@@ -44,6 +46,9 @@ const COARSEST: f64 = 1e-6;
 
 /// Most programs that confirm a solution of it.
 const CONFIRMING: usize = 3;
+
+/// Programs from the shifted solution of the last sample after which the interior-point method takes over, where it takes the problem.
+const FOLLOWING: usize = 15;
 
 /// Programs of a cold start beyond which its guess counts as far from any solution: another way from it may lead to a better one.
 const FAR: usize = 30;
@@ -121,6 +126,7 @@ impl Sqp {
             other,
             interior: None,
             interior_point_steps: 0,
+            interior_leads: false,
             spare: Spare::default(),
         })
     }
@@ -282,7 +288,7 @@ impl Sqp {
 
     /// Smooth dynamics. From a guess, the interior-point method leads, and a program or two confirm where it ends; where it does not
     /// converge, or takes long, the filter method starts from the guess too, and the better trajectory counts. From the shifted solution of
-    /// the last sample, the filter method leads.
+    /// the last sample, the filter method leads while it converges quickly.
     fn solve_smooth(
         &mut self,
         z: &mut Trajectory,
@@ -293,10 +299,15 @@ impl Sqp {
         self.interior_point_steps = 0;
         let mut best: Option<Attempt> = None;
         let (mut last, mut led) = (0, false);
-        let interior = BARRIERS.map(Start::Interior);
-        let filter = [Start::Guess, Start::Narrow];
-        let order = if warm { [&filter[..1], &interior, &filter[1..]] } else { [&interior[..], &filter, &[]] };
-        for (number, &start) in order.iter().copied().flatten().enumerate() {
+        let following = warm && self.prepare_interior_point();
+        let [barrier, wide, small] = BARRIERS.map(Start::Interior);
+        let order = match (warm, following && self.interior_leads) {
+            (false, _) => [barrier, wide, small, Start::Guess, Start::Narrow],
+            (true, false) => [Start::Guess, small, barrier, wide, Start::Narrow],
+            (true, true) => [small, barrier, Start::Guess, wide, Start::Narrow],
+        };
+        self.interior_leads = false;
+        for (number, start) in order.into_iter().enumerate() {
             let interior = matches!(start, Start::Interior(_));
             if !interior && led {
                 // The filter method from the guess is for what the other does not solve.
@@ -322,10 +333,15 @@ impl Sqp {
             self.interior_point_steps += steps;
             last = number;
             let widest = if start == Start::Narrow { WIDEST[1] } else { WIDEST[0] };
-            let programs = if solution.is_some() { CONFIRMING } else { self.settings.filter_iterations };
+            let programs = match solution {
+                Some(_) => CONFIRMING,
+                None if following && start == Start::Guess => FOLLOWING.min(self.settings.filter_iterations),
+                None => self.settings.filter_iterations,
+            };
             let mut stop = self.filter_method(&mut end, 0.0, (widest, programs), log)?;
             if let Some(solution) = solution.filter(|_| stop != Stop::Converged) {
                 // The programs are less accurate than what they shall confirm.
+                self.interior_leads = true;
                 self.qp.set_multipliers(&solution.multipliers, &solution.row_multipliers);
                 (end, stop) = (solution.trajectory, Stop::Converged);
             }
@@ -359,21 +375,27 @@ impl Sqp {
 
     /// The interior-point method from a guess, where it takes the problem and converges.
     fn interior_point(&mut self, guess: &Trajectory, barrier: f64) -> Result<Option<InteriorSolution>, MpcError> {
+        if !self.prepare_interior_point() {
+            return Ok(None);
+        }
+        let tolerance = self.settings.tolerance.clamp(FINEST, COARSEST);
+        let Some(Some((program, field))) = &mut self.interior else { return Ok(None) };
+        InteriorPoint::solve(&mut self.problem, program, field, guess, (barrier, tolerance, &self.settings.stop))
+    }
+
+    /// Whether the interior-point method is asked for and takes the problem, whose layout is made at the first call.
+    fn prepare_interior_point(&mut self) -> bool {
         let asked = self.settings.interior_point && self.settings.hessian != Hessian::GaussNewton;
         // Smoothed friction is curved most where it is least true.
         if !asked || self.problem.dynamics.is_smoothed() {
-            return Ok(None);
+            return false;
         }
-        let hard = self.settings.qp.hard_weight;
-        let tolerance = self.settings.tolerance.clamp(FINEST, COARSEST);
-        if self.interior.is_none() {
-            let problem = &mut self.problem;
-            let program = NonlinearProgram::new(&problem.ocp, problem.shooter.closure(), hard);
-            let both = program.and_then(|p| Some((p, problem.dynamics.second_derivatives().ok()?)));
-            self.interior = Some(both);
-        }
-        let Some(Some((program, field))) = &mut self.interior else { return Ok(None) };
-        InteriorPoint::solve(&mut self.problem, program, field, guess, (barrier, tolerance, &self.settings.stop))
+        let (problem, hard) = (&mut self.problem, self.settings.qp.hard_weight);
+        let interior = self.interior.get_or_insert_with(|| {
+            let program = NonlinearProgram::new(&problem.ocp, problem.shooter.closure(), hard)?;
+            Some((program, problem.dynamics.second_derivatives().ok()?))
+        });
+        interior.is_some()
     }
 
     /// Forgets multipliers, and the Hessian where the choice is automatic.
