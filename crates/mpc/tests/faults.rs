@@ -285,6 +285,16 @@ fn an_estimator_gets_the_applied_inputs_and_makes_states_of_outputs() {
 }
 
 #[test]
+fn a_skipped_sample_is_skipped_behind_a_delay_too() {
+    let estimator = Differentiator { last: 0.0, inputs: Vec::new(), corrections: 0 };
+    let inside = OutputFeedback::new(rti(problem(), RtiSettings::default()), estimator, false, 0, &[0.0]).unwrap();
+    let mut controller = DelayCompensated::new(inside, dynamics(), 1, &[0.0]).unwrap();
+    let u = controller.step(&[1.0, 0.0]).unwrap().u;
+    controller.skip().unwrap();
+    assert_eq!(controller.controller().estimator().inputs, u);
+}
+
+#[test]
 fn references_and_bounds_can_change_while_the_loop_runs() {
     let mut controller = rti(problem(), RtiSettings::default());
     run(&mut controller, 100, |_| Vec::new());
