@@ -122,6 +122,11 @@ impl Source {
         first.suits_the_model(&table, &system, &plant, &free)?;
         let reader = Reader { system: &system, ..first };
         let tree = reader.uncertainty(&table)?;
+        if let Some(v) = table.get("uncertainty").filter(|_| tree.is_some() && !system.algebraic.is_empty()) {
+            let message = "a scenario tree has copies of the model, whose algebraic variables cannot be eliminated";
+            let remedy = "write equations that are linear in them, or remove the parameters of [uncertainty]";
+            return Err(doc.error(v.span(), message, remedy).into());
+        }
         if let Some(v) = table.get("uncertainty").filter(|_| !free.is_empty()) {
             let message = "uncertainty cannot be combined with a free end time or free parameters";
             return Err(doc.error(v.span(), message, "fix what is free, or remove [uncertainty]").into());

@@ -233,7 +233,11 @@ impl Reader<'_> {
     }
 
     pub(super) fn unknown(&self, name: &str, span: Range<usize>, what: &str, known: &[String]) -> Box<FileError> {
-        let remedy = format!("the model has: {}", known.join(", "));
-        self.doc.error(span, format!("`{name}` is not a {what} of the model"), remedy).into()
+        let article = if what.starts_with('i') { "an" } else { "a" };
+        let remedy = match known {
+            [] => "the model has none".to_owned(),
+            known => format!("the model has: {}", known.join(", ")),
+        };
+        self.doc.error(span, format!("`{name}` is not {article} {what} of the model"), remedy).into()
     }
 }
