@@ -182,7 +182,8 @@ fn targets_at_the_end_of_the_run_are_planned_for_once() {
         for steps in [1, 5, 19] {
             let early = run(model, &format!("{text}{method}run = {{ steps = {steps} }}"));
             assert!(early.succeeded, "{:?}", early.notes);
-            assert_eq!(early.notes, [Note::TargetsLater { samples: steps, steps: 20 }]);
+            let [Note::TargetsLater { run, horizon, .. }] = early.notes[..] else { panic!("{:?}", early.notes) };
+            assert!((run - 0.1 * steps as f64).abs() < 1e-12 && (horizon - 2.0).abs() < 1e-12, "{run} {horizon}");
             let bounded = format!(
                 "{text}{method}constraints = {{ u = {{ min = -0.1, max = 0.1 }} }}\nrun = {{ steps = {steps} }}"
             );
@@ -190,6 +191,30 @@ fn targets_at_the_end_of_the_run_are_planned_for_once() {
             let told = out_of_reach.notes.iter().any(|n| matches!(n, Note::PlanMisses { state, .. } if state == "x"));
             assert!(!out_of_reach.succeeded && told, "{:?}", out_of_reach.notes);
         }
+    }
+}
+
+#[test]
+fn costs_without_a_lower_bound_and_unstable_loops_are_told() {
+    let model = "states = [\"x\", \"v\"]\ninputs = [\"u\"]\ndynamics = { x = \"v\", v = \"u\" }";
+    let horizon = "horizon = { steps = 20, dt = 0.1 }\nrun = { x0 = { x = 1 }, steps = 40 }\n";
+    for cost in ["stage = \"x^2 - u^2\"", "stage = \"-x^2 - u^2\"", "stage = \"u^2\", terminal = \"-x^2\""] {
+        for method in ["", "solve = { method = \"plan\" }\n"] {
+            let report = run(model, &format!("{horizon}{method}cost = {{ {cost} }}"));
+            let told = report.notes.iter().any(|n| matches!(n, Note::Diverges { in_plan: true, .. } | Note::NoPlan));
+            assert!(!report.succeeded && told, "{cost} {method} {:?}", report.notes);
+        }
+    }
+    // A pole that the controller does not know of, under whatever conditions.
+    let spring = model.replace("v = \"u\"", "v = \"u - k*x\"").replace("dynamics", "parameters = { k = 1 }\ndynamics");
+    for conditions in ["", ", noise = { x = 1e-6 }", ", delay = 1"] {
+        let text = "horizon = { steps = 20, dt = 0.1 }\ncost = { stage = \"x^2 + v^2 + u^2\" }\n\
+                    constraints = { u = { min = -1, max = 1 } }\n";
+        let run_of = |plant: &str| format!("{text}run = {{ x0 = {{ x = 1 }}, steps = 100{conditions}{plant} }}");
+        let report = run(&spring, &run_of(", parameters = { k = -50 }"));
+        let told = report.notes.iter().any(|n| matches!(n, Note::Diverges { in_plan: false, .. }));
+        assert!(!report.succeeded && told, "{conditions} {:?}", report.notes);
+        assert!(run(&spring, &run_of("")).notes.iter().all(|n| !matches!(n, Note::Diverges { .. })));
     }
 }
 

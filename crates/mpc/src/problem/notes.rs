@@ -29,6 +29,17 @@ pub enum Note {
         /// Where first.
         first: FirstSample,
     },
+    /// The plan or the run goes far beyond every size of the problem.
+    Diverges {
+        /// The state or input.
+        name: String,
+        /// The largest value that it takes.
+        value: f64,
+        /// Its size in the problem.
+        size: f64,
+        /// Whether it is the plan; else the run alone.
+        in_plan: bool,
+    },
     /// Something was eliminated from the controller's model when it was read.
     Eliminated(Eliminated),
     /// Inputs act later than they are commanded.
@@ -75,12 +86,21 @@ pub enum Note {
         /// Its bounds.
         bounds: (f64, f64),
     },
-    /// The run ends before the horizon, at whose end the targets are; the plan reaches them.
+    /// The run ends before the horizon, at whose end the targets are.
     TargetsLater {
-        /// Number of samples of the run.
-        samples: usize,
-        /// Number of intervals of the horizon.
-        steps: usize,
+        /// Length of the run, s.
+        run: f64,
+        /// Length of the horizon, s.
+        horizon: f64,
+        /// Whether the plan is known to reach them: it converged.
+        reached: bool,
+    },
+    /// The search for a free end time and free parameters did not converge.
+    SearchNotConverged {
+        /// How it ended.
+        status: String,
+        /// Number of quadratic programs.
+        programs: usize,
     },
     /// The plan misses a target.
     PlanMisses {
@@ -275,6 +295,7 @@ impl Note {
             | Self::Outdone { .. }
             | Self::BetterElsewhere { .. }
             | Self::Held { .. }
+            | Self::Diverges { .. }
             | Self::State { .. }
             | Self::StageCost { .. }
             | Self::NoPlan
@@ -288,6 +309,7 @@ impl Note {
             | Self::LongInterval { .. }
             | Self::StartsOutside { .. }
             | Self::TargetsLater { .. }
+            | Self::SearchNotConverged { .. }
             | Self::BeyondRange { .. }
             | Self::RoundingCosts { .. }
             | Self::Unobservable { .. }
@@ -311,6 +333,20 @@ impl fmt::Display for Note {
                 f,
                 "the plant's state `{name}` is not finite {first}: bound the inputs, or take a shorter dt or more \
                  plant_substeps"
+            ),
+            Note::Diverges { name, value, size, in_plan: true } => write!(
+                f,
+                "the plan goes to `{name}` = {}, where {} is its size: the cost seems to have no lower bound; bound the inputs, or \
+                 make the cost grow with all of them",
+                readable(*value),
+                readable(*size)
+            ),
+            Note::Diverges { name, value, size, in_plan: false } => write!(
+                f,
+                "the run goes to `{name}` = {}, where {} is its size: the loop is unstable; compare the plant with the model, or take \
+                 a shorter dt or a longer horizon",
+                readable(*value),
+                readable(*size)
             ),
             Note::Eliminated(what) => write!(f, "{what}"),
             Note::Delays { longest, samples, compensated } => write!(
@@ -358,10 +394,17 @@ impl fmt::Display for Note {
                 "nothing moves: friction holds (sign of {}) against every input alone, at both of its bounds; widen the bounds",
                 names.join(", ")
             ),
-            Note::TargetsLater { samples, steps } => write!(
+            Note::TargetsLater { run, horizon, reached } => write!(
                 f,
-                "the run ends after {} of a horizon of {steps}, at whose end the targets are; the plan reaches them",
-                counted(*samples, "sample", "samples")
+                "the run of {} s ends before the horizon of {} s, at whose end the targets are{}",
+                readable(*run),
+                readable(*horizon),
+                if *reached { "; the plan reaches them" } else { "" }
+            ),
+            Note::SearchNotConverged { status, programs } => write!(
+                f,
+                "the search for what is free {status} after {}: the values found are approximate; start from them as guesses",
+                counted(*programs, "quadratic program", "quadratic programs")
             ),
             Note::PlanMisses { state, miss } => write!(
                 f,

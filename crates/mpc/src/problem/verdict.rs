@@ -27,6 +27,8 @@ const ELSEWHERE: f64 = 0.3;
 const OTHER_START: usize = 20;
 /// Violation of a hard bound, as a share of its scale, below which it does not count: the plant bends otherwise between samples.
 const KEPT: f64 = 0.01;
+/// Share of its size beyond which a state or an input has no bound.
+const DIVERGED: f64 = 1e8;
 /// Motion, as a share of a state's scale, below which nothing moves.
 const STILL: f64 = 1e-6;
 /// Share of what moving every state by its scale costs, below which costs are not worth mentioning.
@@ -62,6 +64,14 @@ pub(super) fn verdict(
     if !planned && (problem.ocp.targets.is_empty() || problem.ends_early()) {
         notes.push(Note::PlanNotConverged);
     }
+    if let Some(found) = problem.found.as_ref().filter(|found| !found.converged) {
+        notes.push(Note::SearchNotConverged { status: found.status.clone(), programs: found.programs });
+    }
+    if let Some(note) = diverges(problem, run, plan) {
+        // Whatever else is wrong follows from it.
+        notes.push(note);
+        return Ok(notes);
+    }
     if let Some(note) = held(problem, run)? {
         // Whatever else is wrong follows from it.
         notes.push(note);
@@ -78,7 +88,7 @@ pub(super) fn verdict(
             notes.push(Note::MissedTarget { state, miss: miss.abs(), cause });
         }
     }
-    if problem.ends_early() && planned && !one_program(problem) {
+    if problem.ends_early() && planned {
         notes.extend(targets_of_plan(problem, plan));
     }
     if !one_program(problem) && planned && problem.is_alone() {
@@ -128,6 +138,32 @@ pub(super) fn verdict(
     Ok(notes)
 }
 
+/// A plan or a run that goes far beyond the sizes of the problem: its scales, its start, its targets, and its bounds.
+fn diverges(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory) -> Option<Note> {
+    let ocp = &problem.ocp;
+    let size = |scale: f64, value: f64, (min, max): (f64, f64)| {
+        let finite = [min, max].into_iter().filter(|b| b.is_finite()).map(f64::abs);
+        finite.fold(scale.max(value.abs()), f64::max)
+    };
+    let of_input = |j: usize| size(ocp.input_trust[j], 0.0, ocp.input_bounds[j]);
+    let of_state = |i: usize| {
+        let target = ocp.targets.iter().filter(|t| t.state == i).map(|t| t.value.abs()).fold(0.0, f64::max);
+        let bounds = ocp.state_bounds[i];
+        size(ocp.sizes()[i], problem.x0[i].abs().max(target), (bounds.min, bounds.max))
+    };
+    let beyond = |names: Vec<String>, values: &[f64], size: &dyn Fn(usize) -> f64, in_plan: bool| {
+        let sized = names.into_iter().zip(values).enumerate().map(|(i, (name, &value))| (name, value, size(i)));
+        let far = |(_, value, size): &(String, f64, f64)| value.is_finite() && value.abs() > DIVERGED * size;
+        let worst = sized.filter(far).max_by(|a, b| (a.1.abs() / a.2).total_cmp(&(b.1.abs() / b.2)));
+        worst.map(|(name, value, size)| Note::Diverges { name, value, size, in_plan })
+    };
+    let (states, inputs) = (|| problem.system.state_names(), || problem.system.input_names());
+    (0..plan.steps())
+        .find_map(|k| beyond(inputs(), plan.u(k), &of_input, true))
+        .or_else(|| beyond(states(), plan.x(plan.steps()), &of_state, true))
+        .or_else(|| beyond(states(), run.x.last()?, &of_state, false))
+}
+
 /// Friction that holds everything where it is, whatever the inputs, though something else is asked.
 fn held(problem: &ControlProblem, run: &ClosedLoop) -> Result<Option<Note>, MpcError> {
     let moves = |x: &[f64]| {
@@ -164,10 +200,12 @@ fn targets_of_plan(problem: &ControlProblem, plan: &Trajectory) -> Vec<Note> {
             miss: (end[t.state] - t.value).abs(),
         })
         .collect();
-    if notes.is_empty() && !problem.ocp.targets.is_empty() {
-        return vec![Note::TargetsLater { samples: problem.samples, steps: problem.ocp.steps }];
+    if problem.ocp.targets.is_empty() || !(notes.is_empty() || one_program(problem)) {
+        return notes;
     }
-    notes
+    // The plan of one program may miss what the loop does not.
+    let (run, horizon) = (problem.samples as f64 * problem.ocp.dt, problem.ocp.offset(problem.ocp.steps));
+    vec![Note::TargetsLater { run, horizon, reached: !one_program(problem) }]
 }
 
 /// A simple input that costs less than the converged plan, which shows that there is a better one.

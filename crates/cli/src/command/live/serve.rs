@@ -60,7 +60,7 @@ impl fmt::Display for Ended {
         let c = &self.counts;
         write!(
             f,
-            "{why}; of {} samples, {} had no solution and {} kept no bounds",
+            "{why}; of {} samples, {} had no solution and {} could not keep the hard bounds",
             c.samples(),
             c.fallback,
             c.infeasible
