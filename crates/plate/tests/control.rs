@@ -118,6 +118,72 @@ fn wrong_friction_a_delay_noise_and_lost_measurements_are_recovered_from() {
     assert!(controller.report().lost > 0);
 }
 
+/// A plate whose rates follow those that the commands add up to with a first-order lag, and an object on it.
+struct LaggingPlate {
+    contact: AreaContact,
+    time_constant: f64,
+    commanded: [f64; 2],
+    plate: PlateKinematics,
+}
+
+impl LaggingPlate {
+    const PIECE: f64 = 1e-3;
+
+    fn new(bandwidth: f64, mu: f64, [x, y, phi]: [f64; 3]) -> Self {
+        let mut contact = AreaContact::new(&ELLIPSE, &Friction::Coulomb { mu }, &AreaSettings::default()).unwrap();
+        contact.set_state([x, y, phi, 0.0, 0.0, 0.0]).unwrap();
+        let time_constant = 1.0 / (std::f64::consts::TAU * bandwidth);
+        Self { contact, time_constant, commanded: [0.0; 2], plate: PlateKinematics::default() }
+    }
+
+    /// Moves on by a period.
+    fn advance(&mut self, command: Command, period: f64) {
+        for _ in 0..(period / Self::PIECE).round() as usize {
+            self.commanded[0] += command.displacement_acceleration * Self::PIECE;
+            self.commanded[1] += command.tilt_acceleration * Self::PIECE;
+            let acting = Command {
+                displacement_acceleration: (self.commanded[0] - self.plate.velocity) / self.time_constant,
+                tilt_acceleration: (self.commanded[1] - self.plate.tilt_rate) / self.time_constant,
+            };
+            let (from, before) = (self.contact.time(), self.plate);
+            let mut motion = |t: f64| moved(&before, acting, t - from);
+            assert!(self.contact.advance(&mut motion, from + Self::PIECE).unwrap().is_finished());
+            self.plate = moved(&before, acting, Self::PIECE);
+        }
+    }
+}
+
+#[test]
+fn on_a_lagging_plate_the_object_rests_and_comes_back_when_it_is_pushed() {
+    let (target, tolerance) = ([0.04, -0.02, 0.6], [5e-3, 4f64.to_radians()]);
+    for (bandwidth, push) in [(20.0, [0.2, -0.15, 1.0]), (50.0, [-0.1, 0.2, -2.0])] {
+        let settings = PoseSettings { delay: 0, tolerance, ..PoseSettings::default() };
+        let mut controller = PoseController::new(&ELLIPSE, target, &settings).unwrap();
+        let mut plant = LaggingPlate::new(bandwidth, 0.3, target);
+        // The number of arrivals, and the samples since the last one.
+        let (mut arrivals, mut rested) = (0, 0);
+        for _ in 0..500 {
+            let [x, y, phi, ..] = plant.contact.state();
+            let command = controller.command(&Measurement { object: [x, y, phi], plate: plant.plate }).unwrap();
+            plant.advance(command, controller.period());
+            arrivals += usize::from(controller.finished() && rested == 0);
+            rested = if controller.finished() { rested + 1 } else { 0 };
+            if rested == 25 && arrivals == 1 {
+                plant.contact.set_state([x, y, phi, push[0], push[1], push[2]]).unwrap();
+            }
+        }
+        let [x, y, phi, ..] = plant.contact.state();
+        let PlateKinematics { velocity, tilt_rate, .. } = plant.plate;
+        assert_eq!((arrivals, rested > 25), (2, true), "{bandwidth} Hz: {:?}", controller.report().status);
+        assert!(
+            (x - target[0]).abs() < tolerance[0] && (y - target[1]).abs() < tolerance[0],
+            "{bandwidth} Hz: {x} {y}"
+        );
+        assert!((phi - target[2]).abs() < tolerance[1], "{bandwidth} Hz: {phi}");
+        assert!(velocity.abs() < 1e-6 && tilt_rate.abs() < 1e-6, "{bandwidth} Hz: {velocity} {tilt_rate}");
+    }
+}
+
 #[test]
 fn a_mirrored_task_gets_mirrored_commands() {
     // y, φ and θ change their signs.

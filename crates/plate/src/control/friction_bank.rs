@@ -78,6 +78,15 @@ impl FrictionBank {
         Ok(())
     }
 
+    /// Believes the next measurements of the pose, whatever was estimated before.
+    pub(super) fn forget_pose(&mut self) {
+        for i in 0..3 {
+            self.covariance.row_mut(i).fill(0.0);
+            self.covariance.column_mut(i).fill(0.0);
+            self.covariance[(i, i)] = (100.0 * DRIFT[i / 2]).powi(2);
+        }
+    }
+
     /// The friction coefficient.
     pub(super) fn mu(&self) -> f64 {
         let (j, part) = self.place_on_list();

@@ -50,6 +50,7 @@ pub trait PlateController {
     /// [`PlateError`] for misuse only. Lost measurements and failing solvers are the controller's to deal with.
     fn command(&mut self, measurement: &Measurement) -> Result<Command, PlateError>;
 
-    /// Whether it will only bring the plate to rest, or keep it there.
+    /// Whether it has nothing to do but to bring the plate to rest and keep it there, as long as nothing pushes the object. Ask for
+    /// commands all the same: a plate that nobody keeps at rest drifts.
     fn finished(&self) -> bool;
 }

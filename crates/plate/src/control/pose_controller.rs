@@ -28,6 +28,14 @@ const LOOKS: usize = 25;
 const SURE: f64 = 2.5;
 /// Least part of an error that a plan has to remove.
 const PROGRESS: f64 = 0.8;
+/// Samples of an object that has arrived whose mean decides whether it is still there.
+const WATCHED: usize = 10;
+/// Rates of the plate that count as rest, m/s and rad/s.
+const STILL: f64 = 1e-7;
+/// Accelerations that no longer move an object, m/s² and rad/s².
+const GENTLE: f64 = 0.05;
+/// Share of such a rate that is taken off within a period: less than all of it, since a servo follows late.
+const BRAKING: f64 = 0.5;
 
 enum Phase {
     /// Nothing has been measured yet.
@@ -38,9 +46,11 @@ enum Phase {
     Move(Box<Move>),
     /// Plate and object at rest; samples looked at.
     Look { samples: usize },
-    /// Nothing more to do.
-    Done,
+    /// Nothing to do but to watch: how many poses were measured since the last verdict, and their sum.
+    Hold { seen: usize, sum: [f64; 3] },
 }
+
+const HOLD: Phase = Phase::Hold { seen: 0, sum: [0.0; 3] };
 
 /// A plan under way. An interval is two periods: at its second sample the next program is prepared, at the first sample of
 /// the next interval it is solved for the state that the latest measurement gives.
@@ -63,7 +73,8 @@ struct Move {
 /// A plan is found on the area contact with rounded friction and proved on the exact one: the optimizer's aim is shifted until
 /// a replay with set-valued friction ends at the target, before the move and on the way. On the way the friction coefficient
 /// is estimated from the measured positions. At the end of each move the plate is level and friction holds the object, so
-/// that the mean of the measurements tells where it is, and what has arrived stays.
+/// that the mean of the measurements tells where it is, and what has arrived stays. From then on the plate is kept at rest,
+/// also where a servo follows its commands only nearly, and an object that is pushed away is brought back.
 ///
 /// The first plan is made by the first call of [`PlateController::command`], which takes about a second. For corrections the
 /// plate rests [`PoseSettings::planning_samples`] samples.
@@ -78,6 +89,8 @@ pub struct PoseController {
     plate: PlateKinematics,
     /// Commands that have been given and do not act yet.
     queue: VecDeque<Command>,
+    /// Moves up to the last arrival.
+    moves_before: usize,
 }
 
 impl PoseController {
@@ -105,6 +118,7 @@ impl PoseController {
             },
             plate: PlateKinematics::default(),
             queue: std::iter::repeat_n(Command::default(), settings.delay).collect(),
+            moves_before: 0,
             settings: settings.clone(),
         })
     }
@@ -125,16 +139,17 @@ impl PoseController {
         bank.restart()?;
         let (state, mu) = (bank.state(), bank.mu());
         let error: [f64; 3] = std::array::from_fn(|i| state[i] - self.target[i]);
-        if self.report.moves.len() >= self.settings.moves {
+        if self.report.moves.len() - self.moves_before >= self.settings.moves {
             self.report.status = PoseStatus::MovesUsedUp { miss: error };
-            self.phase = Phase::Done;
+            self.phase = HOLD;
             return Ok(());
         }
-        let start = [state[0], state[1], state[2], 0.0, 0.0, 0.0, self.plate.displacement, 0.0, 0.0, 0.0];
+        let start = [state[0], state[1], state[2], 0.0, 0.0, 0.0, self.plate.displacement, 0.0, self.plate.tilt, 0.0];
         let plan = self.planner.plan(&start, self.target, mu)?;
+        let best = plan.as_ref().map_or(error, |p| if cost(&p.miss) < cost(&error) { p.miss } else { error });
         let Some(plan) = plan.filter(|p| cost(&p.miss) < PROGRESS * cost(&error)) else {
-            self.report.status = PoseStatus::Unreachable { miss: error };
-            self.phase = Phase::Done;
+            self.report.status = PoseStatus::Unreachable { miss: best };
+            self.phase = HOLD;
             return Ok(());
         };
         self.report.moves.push(MoveReport {
@@ -162,7 +177,8 @@ impl PoseController {
         let over = samples >= LOOKS;
         if inside && (over || deviation[0] < 0.1 * position) || (over && near) {
             self.report.status = PoseStatus::Arrived;
-            self.phase = Phase::Done;
+            self.moves_before = self.report.moves.len();
+            self.phase = HOLD;
             return Ok(());
         }
         if outside || over {
@@ -170,6 +186,43 @@ impl PoseController {
         }
         self.phase = Phase::Look { samples: samples + 1 };
         Ok(())
+    }
+
+    /// Whether the mean of so many measured poses is farther from the target than tolerance and noise explain.
+    fn is_measured_away(&self, mean: [f64; 3], count: usize) -> bool {
+        let ([position, yaw], noise) = (self.settings.tolerance, self.settings.noise);
+        let beyond = |i: usize, tolerance: f64| {
+            (mean[i] - self.target[i]).abs() > tolerance + SURE * noise[i / 2] / (count as f64).sqrt()
+        };
+        beyond(0, position) || beyond(1, position) || beyond(2, yaw)
+    }
+
+    /// Watches an object that has arrived, and sets out again if it is no longer there.
+    fn watch(&mut self, measured: &[f64; 3], seen: usize, sum: [f64; 3]) {
+        if measured.iter().any(|v| !v.is_finite()) {
+            return;
+        }
+        let (seen, sum) = (seen + 1, std::array::from_fn(|i| sum[i] + measured[i]));
+        self.phase = if seen < WATCHED { Phase::Hold { seen, sum } } else { HOLD };
+        let away = seen == WATCHED && self.is_measured_away(sum.map(|s| s / seen as f64), seen);
+        if away && let Some(bank) = &mut self.bank {
+            bank.forget_pose();
+            self.report.status = PoseStatus::Working;
+            self.phase = Phase::Look { samples: 0 };
+        }
+    }
+
+    /// The command that takes off what is left of the plate's rates.
+    fn resting(&self) -> Command {
+        let (limits, period) = (self.settings.limits, self.settings.period);
+        let plate = self.queue.iter().fold(self.plate, |plate, command| command.applied_to(&plate).after(period));
+        let braked = |rate: f64, limit: f64| {
+            if rate.abs() <= STILL { 0.0 } else { (-BRAKING * rate / period).clamp(-limit, limit) }
+        };
+        Command {
+            displacement_acceleration: braked(plate.velocity, limits.displacement_acceleration),
+            tilt_acceleration: braked(plate.tilt_rate, limits.tilt_acceleration),
+        }
     }
 
     /// The state at the time from which the next command acts, after those in the queue.
@@ -254,30 +307,37 @@ impl PoseController {
         })
     }
 
-    fn decide(&mut self) -> Result<Command, PlateError> {
+    fn decide(&mut self, measured: &[f64; 3]) -> Result<Command, PlateError> {
         if let Phase::Start = self.phase {
-            self.plan(0)?;
+            if self.is_measured_away(*measured, 1) {
+                self.plan(0)?;
+            } else {
+                self.phase = Phase::Look { samples: 0 };
+            }
+        }
+        if let (&Phase::Hold { seen, sum }, PoseStatus::Arrived) = (&self.phase, self.report.status) {
+            self.watch(measured, seen, sum);
         }
         if let Phase::Look { samples } = self.phase {
-            let resting = self.bank.as_ref().is_some_and(FrictionBank::at_rest)
-                && self.queue.iter().all(|c| *c == Command::default());
+            let gentle = |c: &Command| c.displacement_acceleration.abs() < GENTLE && c.tilt_acceleration.abs() < GENTLE;
+            let resting = self.bank.as_ref().is_some_and(FrictionBank::at_rest) && self.queue.iter().all(gentle);
             if resting {
                 self.look(samples)?;
             }
         }
-        match std::mem::replace(&mut self.phase, Phase::Done) {
+        match std::mem::replace(&mut self.phase, HOLD) {
             Phase::Pause { plan, left: 0 } => {
                 let trajectory = plan.trajectory;
                 self.follow(Box::new(Move { trajectory, half: false, correction: None, extended: 0, late: 0 }))
             }
             Phase::Pause { plan, left } => {
                 self.phase = Phase::Pause { plan, left: left - 1 };
-                Ok(Command::default())
+                Ok(self.resting())
             }
             Phase::Move(ongoing) => self.follow(ongoing),
             phase => {
                 self.phase = phase;
-                Ok(Command::default())
+                Ok(self.resting())
             }
         }
     }
@@ -332,7 +392,7 @@ impl PlateController for PoseController {
         }
         self.plate = measurement.plate;
         let moving = matches!(self.phase, Phase::Move(_));
-        let command = if self.bank.is_some() { self.decide()? } else { Command::default() };
+        let command = if self.bank.is_some() { self.decide(&measurement.object)? } else { Command::default() };
         self.queue.push_back(command);
         self.queue.pop_front();
         if moving {
@@ -342,6 +402,6 @@ impl PlateController for PoseController {
     }
 
     fn finished(&self) -> bool {
-        matches!(self.phase, Phase::Done)
+        matches!(self.phase, Phase::Hold { .. })
     }
 }
