@@ -103,6 +103,29 @@ fn time_and_effort_are_weighed_against_each_other() {
 }
 
 #[test]
+fn a_move_with_the_least_effort_and_time_has_the_end_time_of_its_grid() {
+    // Effort 12 d²/T³·N²/(N² − 1) with inputs held over N intervals, and c per second.
+    for (distance, price, steps) in [(1f64, 0.5, 100), (0.3, 2.0, 30), (4.0, 0.1, 60), (2.0, 1.0, 12)] {
+        let (found, run) = run(
+            MASS,
+            &format!(
+                r#"
+                horizon = {{ steps = {steps}, end_time = {{ free = true, guess = 2 }} }}
+                cost = {{ stage = "u^2", terminal = "{price}*t" }}
+                target = {{ x = {{ value = {distance}, tolerance = 1e-4 }}, v = {{ value = 0, tolerance = 1e-4 }} }}
+                run = {{}}
+                "#
+            ),
+        );
+        let effort = 12.0 * distance * distance / (1.0 - f64::from(steps).powi(-2));
+        let end = (3.0 * effort / price).powf(0.25);
+        close(found.end_time.unwrap(), end, 2e-5);
+        close(found.cost, effort / end.powi(3) + price * end, 1e-6);
+        close(run.report.open_loop_cost, found.cost, 1e-6);
+    }
+}
+
+#[test]
 fn time_in_the_equations_is_that_of_the_end_time_found() {
     let ramp = "states = [\"x\"]\ninputs = [\"u\"]\ndynamics = { x = \"u\" }";
     // The cost follows the clock: u = t, x(T) = T²/2 = 2.

@@ -1,15 +1,23 @@
 //! The end time and the parameters that a plan decides on.
 
-use super::control_problem::ControlProblem;
+use super::control_problem::{ControlProblem, FreeValues};
 use super::found_values::FoundValues;
 use crate::error::MpcError;
 use crate::sqp::SolveStatus;
+use crate::trajectory::Trajectory;
 use bracketry_symbolic::Named;
 use std::borrow::Cow;
+use std::time::Instant;
 
 /// Tolerance of the programs of the search. Where a cost has no curvature, as that of time alone, an end is found as well as the
 /// programs are solved: errors of 1e-8 keep the iteration from its end.
 const QP_TOLERANCE: f64 = 1e-10;
+/// First step of the line search for a single value, relative to it, most steps until a minimum is bracketed, and the width at which it ends.
+const FIRST_STEP: f64 = 1e-4;
+const BRACKETING: usize = 8;
+const PRECISION: f64 = 1e-7;
+/// 2 − (1 + √5)/2.
+const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 impl ControlProblem {
     /// Whether an end time or parameters are free, for which no values have been found yet.
@@ -33,10 +41,9 @@ impl ControlProblem {
         let solution = extended.plan()?;
         let inputs = self.ocp.inputs();
         let values = &solution.trajectory.u(0)[inputs..];
-        let scale = values.last().copied().unwrap_or(1.0);
         let found = FoundValues {
-            end_time: free.end_time.map(|guess| guess * scale),
-            parameters: Named(free.parameters.iter().cloned().zip(values.iter().copied()).collect()),
+            end_time: None,
+            parameters: Named(Vec::new()),
             status: solution.status.to_string(),
             converged: solution.status == SolveStatus::Converged,
             interior_point_steps: solution.interior_point_steps,
@@ -44,14 +51,117 @@ impl ControlProblem {
             cost: solution.cost,
             seconds: solution.seconds,
         };
-        let mut problem = (free.with_found)(&found).map_err(|e| MpcError::ValuesFound { reason: e.to_string() })?;
+        let found = free.valued(found, values);
+        if let (false, [value]) = (found.converged, values) {
+            let bounds = extended.ocp.input_bounds[inputs];
+            return self.along_the_line(free, &found, &solution.trajectory, (*value, bounds)).map(Cow::Owned);
+        }
+        self.with_found(free, &found, &solution.trajectory).map(Cow::Owned)
+    }
+
+    /// The problem with the values found, and the inputs of a trajectory as its guess.
+    fn with_found(&self, free: &FreeValues, found: &FoundValues, inputs: &Trajectory) -> Result<Self, MpcError> {
+        let mut problem = (free.with_found)(found).map_err(|e| MpcError::ValuesFound { reason: e.to_string() })?;
+        let m = self.ocp.inputs();
         for (k, row) in problem.guess.iter_mut().enumerate() {
-            row.copy_from_slice(&solution.trajectory.u(k)[..inputs]);
+            row.copy_from_slice(&inputs.u(k)[..m]);
         }
         problem.x0.clone_from(&self.x0);
         problem.samples = self.samples;
         problem.conditions = self.conditions.clone();
         problem.stop = self.stop.clone();
-        Ok(Cow::Owned(problem))
+        Ok(problem)
     }
+
+    /// As [`ControlProblem::with_found`] where the search for one value did not converge: at the value near it whose plan costs least, if
+    /// plans converge there.
+    fn along_the_line(
+        &self,
+        free: &FreeValues,
+        found: &FoundValues,
+        inputs: &Trajectory,
+        (start, bounds): (f64, (f64, f64)),
+    ) -> Result<Self, MpcError> {
+        let clock = Instant::now();
+        let mut plans = 0;
+        let mut cost = |value: f64| -> Result<f64, MpcError> {
+            if !(bounds.0..=bounds.1).contains(&value) {
+                return Ok(f64::INFINITY);
+            }
+            plans += 1;
+            let problem = self.with_found(free, &free.valued(found.clone(), &[value]), inputs)?;
+            let plan = problem.plan()?;
+            let converged = plan.status == SolveStatus::Converged;
+            Ok(if converged { problem.value(&plan.trajectory) } else { f64::INFINITY })
+        };
+        let Some((value, least)) = line_minimum(&mut cost, start)? else { return self.with_found(free, found, inputs) };
+        let refined = FoundValues {
+            status: format!("converged along a line search over {plans} plans"),
+            converged: true,
+            cost: least,
+            seconds: found.seconds + clock.elapsed().as_secs_f64(),
+            ..free.valued(found.clone(), &[value])
+        };
+        self.with_found(free, &refined, inputs)
+    }
+}
+
+impl FreeValues {
+    /// What was found, with the values of the inputs that stand for what is free: the parameters, then the end time by its guess.
+    fn valued(&self, found: FoundValues, values: &[f64]) -> FoundValues {
+        let scale = values.last().copied().unwrap_or(1.0);
+        FoundValues {
+            end_time: self.end_time.map(|guess| guess * scale),
+            parameters: Named(self.parameters.iter().cloned().zip(values.iter().copied()).collect()),
+            ..found
+        }
+    }
+}
+
+/// The minimum of a function near `start` with its value, by golden sections of a bracket; none where there is no bracket, or the function is not
+/// finite.
+fn line_minimum(
+    cost: &mut impl FnMut(f64) -> Result<f64, MpcError>,
+    start: f64,
+) -> Result<Option<(f64, f64)>, MpcError> {
+    let mut step = FIRST_STEP * start.abs().max(f64::MIN_POSITIVE);
+    let (mut middle, mut least) = (start, cost(start)?);
+    let (mut low, mut high) = (start - step, start + step);
+    let (mut at_low, mut at_high) = (cost(low)?, cost(high)?);
+    for _ in 0..BRACKETING {
+        step *= 2.0;
+        if at_low < least {
+            (high, at_high, middle, least) = (middle, least, low, at_low);
+            low = middle - step;
+            at_low = cost(low)?;
+        } else if at_high < least {
+            (low, at_low, middle, least) = (middle, least, high, at_high);
+            high = middle + step;
+            at_high = cost(high)?;
+        } else {
+            break;
+        }
+    }
+    if !least.is_finite() || at_low < least || at_high < least {
+        return Ok(None);
+    }
+    while high - low > PRECISION * middle.abs() {
+        // The larger of the two parts.
+        let right = high - middle > middle - low;
+        let at = if right { middle + GOLDEN * (high - middle) } else { middle - GOLDEN * (middle - low) };
+        let value = cost(at)?;
+        if value < least {
+            if right {
+                low = middle
+            } else {
+                high = middle
+            }
+            (middle, least) = (at, value);
+        } else if right {
+            high = at;
+        } else {
+            low = at;
+        }
+    }
+    Ok(Some((middle, least)))
 }
