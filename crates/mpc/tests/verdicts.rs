@@ -182,8 +182,10 @@ fn targets_at_the_end_of_the_run_are_planned_for_once() {
         for steps in [1, 5, 19] {
             let early = run(model, &format!("{text}{method}run = {{ steps = {steps} }}"));
             assert!(early.succeeded, "{:?}", early.notes);
-            let [Note::TargetsLater { run, horizon, .. }] = early.notes[..] else { panic!("{:?}", early.notes) };
-            assert!((run - 0.1 * steps as f64).abs() < 1e-12 && (horizon - 2.0).abs() < 1e-12, "{run} {horizon}");
+            let [Note::TargetsLater { run: length, horizon, .. }] = early.notes[..] else {
+                panic!("{:?}", early.notes)
+            };
+            assert!((length - 0.1 * steps as f64).abs() < 1e-12 && (horizon - 2.0).abs() < 1e-12, "{length} {horizon}");
             let bounded = format!(
                 "{text}{method}constraints = {{ u = {{ min = -0.1, max = 0.1 }} }}\nrun = {{ steps = {steps} }}"
             );

@@ -152,9 +152,9 @@ fn line_minimum(
         let value = cost(at)?;
         if value < least {
             if right {
-                low = middle
+                low = middle;
             } else {
-                high = middle
+                high = middle;
             }
             (middle, least) = (at, value);
         } else if right {
