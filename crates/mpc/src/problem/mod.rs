@@ -11,6 +11,7 @@ mod findings;
 mod found_values;
 mod free_values;
 mod method;
+mod note_text;
 mod notes;
 mod on_plant;
 mod rehearsal;

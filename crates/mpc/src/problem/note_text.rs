@@ -1,0 +1,238 @@
+//! Notes as text.
+
+use super::cause::Cause;
+use super::notes::{FirstSample, Note};
+use crate::controller::FallbackReason;
+use crate::error::MpcError;
+use crate::qp::QpStatus;
+use bracketry_system::{counted, readable};
+use std::fmt;
+
+impl fmt::Display for FirstSample {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "at sample {} (t = {} s)", self.index, readable(self.time))
+    }
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Note::State { name, first } => write!(
+                f,
+                "the plant's state `{name}` is not finite {first}: bound the inputs, or take a shorter dt or more \
+                 plant_substeps"
+            ),
+            Note::Diverges { name, value, size, in_plan: true } => write!(
+                f,
+                "the plan goes to `{name}` = {}, where {} is its size: the cost seems to have no lower bound; bound the inputs, or \
+                 make the cost grow with all of them",
+                readable(*value),
+                readable(*size)
+            ),
+            Note::Diverges { name, value, size, in_plan: false } => write!(
+                f,
+                "the run goes to `{name}` = {}, where {} is its size: the loop is unstable; compare the plant with the model, or take \
+                 a shorter dt or a longer horizon",
+                readable(*value),
+                readable(*size)
+            ),
+            Note::Eliminated(what) => write!(f, "{what}"),
+            Note::Delays { longest, samples, compensated } => write!(
+                f,
+                "the plant's inputs act up to {} s ({samples:.2} samples) later than commanded; the controller predicts \
+                 over {} of it",
+                readable(*longest),
+                counted(*compensated, "sample", "samples")
+            ),
+            Note::RoundingCosts { relaxed, rounded } => write!(
+                f,
+                "inputs of finite sets cost {} over the horizon, inputs between their values {}: take a shorter dt, or more values",
+                readable(*rounded),
+                readable(*relaxed)
+            ),
+            Note::TableEnds { name, last, end } => write!(
+                f,
+                "the table of `{name}` ends at t = {} s, the run at t = {} s: afterwards the last value is kept",
+                readable(*last),
+                readable(*end)
+            ),
+            Note::OneRow { name } => {
+                write!(f, "the table of `{name}` has one row: its value holds at all times; give more rows, or a number")
+            }
+            Note::UnusedReference { name } => write!(
+                f,
+                "nothing uses the reference `{name}`: write it in the cost, such as (x - {name})^2, or remove it"
+            ),
+            Note::LongInterval { dt, time_constant } => write!(
+                f,
+                "an interval of {} s is {} times as long as the time constant of the model's motion, {} s: is dt in seconds?",
+                readable(*dt),
+                readable((dt / time_constant).round()),
+                readable(*time_constant)
+            ),
+            Note::StartsOutside { state, value, bounds } => write!(
+                f,
+                "the run starts with `{state}` = {} outside its hard bounds {} to {}: start within them, or make them soft",
+                readable(*value),
+                readable(bounds.0),
+                readable(bounds.1)
+            ),
+            Note::Held { names } => write!(
+                f,
+                "nothing moves: friction holds (sign of {}) against every input alone, at both of its bounds; widen the bounds",
+                names.join(", ")
+            ),
+            Note::TargetsLater { run, horizon, reached } => write!(
+                f,
+                "the run of {} s ends before the horizon of {} s, at whose end the targets are{}",
+                readable(*run),
+                readable(*horizon),
+                if *reached { "; the plan reaches them" } else { "" }
+            ),
+            Note::SearchNotConverged { status, programs } => write!(
+                f,
+                "the search for what is free {status} after {}: the values found are approximate; start from them as guesses",
+                counted(*programs, "quadratic program", "quadratic programs")
+            ),
+            Note::PlanMisses { state, miss } => write!(
+                f,
+                "the plan misses the target of `{state}` by {}: {}",
+                readable(*miss),
+                Cause::LocalMinimum
+            ),
+            Note::BeyondRange { input, bounds, range } => write!(
+                f,
+                "`{input}` may go from {} to {}, though its range in the model is {} to {}: narrow the bounds, or widen [ranges]",
+                readable(bounds.0),
+                readable(bounds.1),
+                readable(range.0),
+                readable(range.1)
+            ),
+            Note::StageCost { first } => write!(
+                f,
+                "the stage cost is not finite {first}: write one that is defined at every state that the loop passes"
+            ),
+            Note::Unobservable { names } => fmt::Display::fmt(&MpcError::NotObservable { names: names.clone() }, f),
+            Note::NoPlan => f.write_str(
+                "the predicted cost is not finite: the first plan failed; give a [guess], or a cost defined at its states",
+            ),
+            Note::Fallback { reason, count, first } => {
+                let (what, remedy) = explained(*reason);
+                write!(f, "{count} × fallback, first {first}: {what}; {remedy}")
+            }
+            Note::Infeasible { count, first } => write!(
+                f,
+                "{count} × infeasible: a hard bound cannot be kept; make it soft, or give the inputs more room or the loop \
+                 another start, first {first}"
+            ),
+            Note::MostlyInaccurate { count, of } => write!(
+                f,
+                "{count} of {} do not reach the tolerance: the inputs are no solutions; give a [guess], or [scale] near the real sizes",
+                counted(*of, "sample", "samples")
+            ),
+            Note::PlanNotConverged => f.write_str("the plan did not converge: give a [guess], or raise max_iterations"),
+            Note::NotHeld { count, reached, left } => write!(
+                f,
+                "{} after the end of the plan have the inputs at rest, which do not hold what it reached: the stage cost \
+                 goes from {} to {}; lengthen the horizon, give [solve] rest, or take another method",
+                counted(*count, "sample", "samples"),
+                readable(*reached),
+                readable(*left)
+            ),
+            Note::Grows { first, last, cause } => write!(
+                f,
+                "the stage cost grows from {} in the first quarter of the run to {} in the last: {cause}",
+                readable(*first),
+                readable(*last)
+            ),
+            Note::MissedTarget { state, miss, cause } => {
+                write!(f, "the target of `{state}` is missed by {}: {cause}", readable(*miss))
+            }
+            Note::UnlikePlan { realized, planned, intervals, cause } => write!(
+                f,
+                "the first {} cost {}, where the plan has {}: {cause}",
+                counted(*intervals, "interval", "intervals"),
+                readable(*realized),
+                readable(*planned)
+            ),
+            Note::EndCostStays { first, last, planned, cause } => write!(
+                f,
+                "the terminal cost goes from {} to {} over the run, where the plan ends at {}: {cause}",
+                readable(*first),
+                readable(*last),
+                readable(*planned)
+            ),
+            Note::Outdone { stays, input, value, intervals, cost, realized } => {
+                let what = if *stays { "the inputs stay at their guess" } else { "a simple input does better" };
+                write!(
+                    f,
+                    "{what}: over the horizon they cost {}, {input} = {} for {} and then rest {}; give a [guess] near it",
+                    readable(*realized),
+                    readable(*value),
+                    counted(*intervals, "interval", "intervals"),
+                    readable(*cost)
+                )
+            }
+            Note::BetterElsewhere { at_rest, planned, found } => write!(
+                f,
+                "the plan is a minimum that is only local: it costs {}, one from {} {}; give such a [guess]",
+                readable(*planned),
+                if *at_rest { "inputs at rest" } else { "a wave of 10 % on the guess" },
+                readable(*found)
+            ),
+            Note::Singular { name, length, first } => write!(
+                f,
+                "the direction of ({name}) is taken where its length is {} {first}; it is smooth but where the length is 0, and \
+                 friction only if written unit(…)",
+                readable(*length)
+            ),
+            Note::EstimateOff { state, error, deviations, ruined } => write!(
+                f,
+                "the estimate of `{state}` is off by {} in the last quarter of the run, {} standard deviations of the estimator{}: \
+                 raise process_noise or initial_std, estimate a disturbance, or measure more",
+                readable(*error),
+                readable(deviations.round()),
+                if *ruined { "; the controller acts on another state than the plant's" } else { "" }
+            ),
+            Note::NotSettling { last, planned, cause } => write!(
+                f,
+                "the stage cost is {} in the last quarter of the run, where the plan falls to {}: {cause}",
+                readable(*last),
+                readable(*planned)
+            ),
+            Note::Inaccurate { count, first } => write!(
+                f,
+                "{count} × inaccurate: the tolerance is not reached; give [scale], a [guess] or more max_iterations, first \
+                 {first}"
+            ),
+        }
+    }
+}
+
+/// What is behind a fallback, and what to do about it.
+fn explained(reason: FallbackReason) -> (&'static str, &'static str) {
+    match reason {
+        FallbackReason::LostSample => ("nothing was measured", "[solve] policy says what is applied then"),
+        FallbackReason::Measurement => {
+            ("a measured value is not finite", "[solve] policy says what is applied then; an estimator bridges it")
+        }
+        FallbackReason::Linearization => (
+            "the model or one of its derivatives is not finite along the plan",
+            "bound the states to where the equations are defined, give a [guess], or take a shorter dt",
+        ),
+        FallbackReason::Cost => (
+            "the cost is not finite along the plan",
+            "write a cost that is defined at every state, or bound the states to where it is",
+        ),
+        FallbackReason::TimeLimit => {
+            ("the time of the sample was over", "raise the time limit, or take fewer steps in [horizon]")
+        }
+        FallbackReason::Qp(QpStatus::Limit) => {
+            ("a quadratic program reached its iteration limit", "raise qp_tolerance, or give [scale] and [trust]")
+        }
+        FallbackReason::Qp(_) => (
+            "a quadratic program failed numerically",
+            "give [scale] and [trust] near the real sizes, or make hard bounds soft",
+        ),
+    }
+}
