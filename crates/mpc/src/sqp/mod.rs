@@ -16,6 +16,7 @@
 //! The example `random_starts` counts programs: the guarded iteration solves all of its moves of the plate, but a cart-pole
 //! with dry friction from 2 of 30 starts alone, and from 27 with the filter method after it.
 
+mod attempts;
 mod controller;
 mod filter;
 mod filter_iteration;
