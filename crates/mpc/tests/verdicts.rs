@@ -197,6 +197,23 @@ fn targets_at_the_end_of_the_run_are_planned_for_once() {
 }
 
 #[test]
+fn a_cost_at_the_end_of_the_run_alone_is_planned_for_once() {
+    // Two reactions in a row, x -> y -> nothing: the most of y at the end, by the temperature u.
+    let model = "states = [\"x\", \"y\"]\ninputs = [\"u\"]\ndynamics = { x = \"-u*x\", y = \"u*x - 0.5*u^2*y\" }";
+    let text = "horizon = { steps = 20, dt = 0.1 }\ncost = { terminal = \"-y\" }\n\
+                constraints = { u = { min = 0.1, max = 3 } }\n";
+    let of = |more: &str| run(model, &format!("{text}{more}"));
+    let report = of("run = { x0 = { x = 1 } }");
+    assert_eq!((report.method, &report.method_reason), ("plan", &MethodReason::TerminalCost));
+    let reached = report.closed_loop_terminal_cost.unwrap();
+    assert!(report.succeeded && (reached / report.open_loop_cost - 1.0).abs() < 1e-3, "{report:?}");
+    let moving = of("solve = { method = \"sqp\" }\nrun = { x0 = { x = 1 } }");
+    assert!(-moving.x_final.get("y").unwrap() > reached, "{moving:?}");
+    // A run that goes on has no end that the cost counts at.
+    assert_ne!(of("run = { x0 = { x = 1 }, steps = 40 }").method, "plan");
+}
+
+#[test]
 fn costs_without_a_lower_bound_and_unstable_loops_are_told() {
     let model = "states = [\"x\", \"v\"]\ninputs = [\"u\"]\ndynamics = { x = \"v\", v = \"u\" }";
     let horizon = "horizon = { steps = 20, dt = 0.1 }\nrun = { x0 = { x = 1 }, steps = 40 }\n";

@@ -162,6 +162,7 @@ fn why(reason: &MethodReason) -> String {
             format!("dry friction is in reach of the plan (sign of {})", names.join(", "))
         }
         MethodReason::Targets => "the run ends with the horizon and its targets".to_owned(),
+        MethodReason::TerminalCost => "the run ends with the horizon, and the cost counts there alone".to_owned(),
         MethodReason::Free => "a plan decides on what is free".to_owned(),
         MethodReason::Settled { change } => {
             format!("one program per sample settles; more change its first plan by {}", percent(*change))

@@ -1,7 +1,6 @@
 //! The measured state in front of a controller of all branches of a scenario tree.
 
-use super::forwarding::forward_to;
-use super::interface::{Controller, Figures};
+use super::interface::{Controller, Figures, forward_to};
 use super::step::{Step, StepStatus};
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;

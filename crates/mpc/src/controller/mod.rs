@@ -2,7 +2,6 @@
 
 mod branches;
 mod failure_policy;
-mod forwarding;
 mod interface;
 mod remembering;
 mod rounded;
@@ -12,7 +11,7 @@ mod sum_up_rounding;
 pub(crate) use branches::{Branches, shown_branch};
 pub use failure_policy::{Brake, FailurePolicy};
 pub(crate) use failure_policy::{Failures, rest_input};
-pub(crate) use forwarding::forward_to;
+pub(crate) use interface::forward_to;
 pub use interface::{Controller, Figures};
 pub(crate) use remembering::Remembering;
 pub(crate) use rounded::Rounded;

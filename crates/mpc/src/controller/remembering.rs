@@ -1,7 +1,6 @@
 //! The input applied last, in front of a controller whose problem counts it to the state.
 
-use super::forwarding::forward_to;
-use super::interface::Controller;
+use super::interface::{Controller, forward_to};
 use super::step::{Step, StepStatus};
 use crate::error::{MpcError, check_length};
 use crate::ocp::Ocp;

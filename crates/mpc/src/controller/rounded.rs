@@ -1,7 +1,6 @@
 //! Inputs of finite sets behind a controller that plans with all values between their ends.
 
-use super::forwarding::forward_to;
-use super::interface::{Controller, Figures};
+use super::interface::{Controller, Figures, forward_to};
 use super::step::{Step, StepStatus};
 use super::sum_up_rounding::SumUpRounding;
 use crate::error::MpcError;

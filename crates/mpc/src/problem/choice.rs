@@ -39,7 +39,7 @@ struct Trial {
 
 impl ControlProblem {
     /// The problem with the method that it needs, and the controller of that method at its start: exact friction where friction is
-    /// in reach; else a plan where the run ends with the horizon and its targets; else one program per sample where the plan settles
+    /// in reach; else a plan where the run ends with the horizon and its targets, or with all of its cost; else one program per sample where the plan settles
     /// with it; else converged solutions. What is solved on the way is not solved again.
     pub(super) fn choose_method(&self, convergence: Convergence) -> Result<(Self, Prepared), MpcError> {
         let iterations = convergence.max_iterations;
@@ -56,9 +56,14 @@ impl ControlProblem {
                 return Ok((exact, prepared));
             }
         }
-        if self.ends_with_targets() {
+        let reason = match (self.ends_with_targets(), self.ends_with_cost()) {
+            (true, _) => Some(MethodReason::Targets),
+            (_, true) => Some(MethodReason::TerminalCost),
+            (false, false) => None,
+        };
+        if let Some(reason) = reason {
             // Friction is not in reach: one width is enough.
-            return Self { smoothing: self.widths(), ..self.clone() }.planned(convergence);
+            return Self { smoothing: self.widths(), ..self.clone() }.planned(convergence, reason);
         }
         let feedback = Feedback::default();
         let trial = self.try_one_program(feedback, self.start())?;
@@ -90,11 +95,17 @@ impl ControlProblem {
         !self.ocp.targets.is_empty() && self.samples <= self.ocp.steps && self.ocp.is_uniform()
     }
 
-    /// The problem with a plan that is tracked to the targets.
-    fn planned(&self, convergence: Convergence) -> Result<(Self, Prepared), MpcError> {
+    /// Whether the run ends with the horizon, and the cost counts there alone.
+    fn ends_with_cost(&self) -> bool {
+        let ocp = &self.ocp;
+        ocp.stage.is_none() && ocp.terminal.is_some() && self.samples == ocp.steps && ocp.is_uniform()
+    }
+
+    /// The problem with a plan that is tracked to its end.
+    fn planned(&self, convergence: Convergence, reason: MethodReason) -> Result<(Self, Prepared), MpcError> {
         let feedback = Feedback { guarded: true, ..Feedback::default() };
         let method = Method::Plan { convergence, margin: 0.0, feedback };
-        let plan = self.with_method(method, MethodReason::Targets);
+        let plan = self.with_method(method, reason);
         let prepared = plan.tracker(0.0, feedback)?;
         Ok((plan, prepared))
     }
@@ -105,7 +116,7 @@ impl ControlProblem {
         if !self.ends_with_targets() {
             return Ok(None);
         }
-        let (problem, prepared) = self.planned(convergence)?;
+        let (problem, prepared) = self.planned(convergence, MethodReason::Targets)?;
         let Some(mut motion) = prepared.plan.as_ref().map(|plan| plan.trajectory.clone()) else { return Ok(None) };
         let cost = Rehearsal::exact(&problem)?.cost(&mut motion);
         let end = motion.x(motion.steps());

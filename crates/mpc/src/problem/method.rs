@@ -123,6 +123,8 @@ pub enum MethodReason {
     },
     /// The run ends with the horizon, at whose end there are targets: a horizon that moves on would not arrive.
     Targets,
+    /// The run ends with the horizon, and the cost counts there alone: a horizon that moves on would never pay it.
+    TerminalCost,
     /// The end time or a parameter is free: a plan decides on it.
     Free,
     /// More programs hardly change the plan of the first one.
