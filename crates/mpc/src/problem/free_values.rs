@@ -12,7 +12,8 @@ use std::time::Instant;
 /// Tolerance of the programs of the search. Where a cost has no curvature, as that of time alone, an end is found as well as the
 /// programs are solved: errors of 1e-8 keep the iteration from its end.
 const QP_TOLERANCE: f64 = 1e-10;
-/// First step of the line search for a single value, relative to it, most steps until a minimum is bracketed, and the width at which it ends.
+/// First step of the line search for a single value, relative to its size, most steps until a minimum is bracketed, and the width at which it
+/// ends.
 const FIRST_STEP: f64 = 1e-4;
 const BRACKETING: usize = 8;
 const PRECISION: f64 = 1e-7;
@@ -53,8 +54,9 @@ impl ControlProblem {
         };
         let found = free.valued(found, values);
         if let (false, [value]) = (found.converged, values) {
+            let size = extended.ocp.input_trust[inputs].max(value.abs());
             let bounds = extended.ocp.input_bounds[inputs];
-            return self.along_the_line(free, &found, &solution.trajectory, (*value, bounds)).map(Cow::Owned);
+            return self.along_the_line(free, &found, &solution.trajectory, (*value, size, bounds)).map(Cow::Owned);
         }
         self.with_found(free, &found, &solution.trajectory).map(Cow::Owned)
     }
@@ -80,10 +82,12 @@ impl ControlProblem {
         free: &FreeValues,
         found: &FoundValues,
         inputs: &Trajectory,
-        (start, bounds): (f64, (f64, f64)),
+        (start, size, bounds): (f64, f64, (f64, f64)),
     ) -> Result<Self, MpcError> {
         let clock = Instant::now();
         let mut plans = 0;
+        // What the best plan costs with its penalties, and without.
+        let mut best = (f64::INFINITY, f64::NAN);
         let mut cost = |value: f64| -> Result<f64, MpcError> {
             if !(bounds.0..=bounds.1).contains(&value) {
                 return Ok(f64::INFINITY);
@@ -91,14 +95,20 @@ impl ControlProblem {
             plans += 1;
             let problem = self.with_found(free, &free.valued(found.clone(), &[value]), inputs)?;
             let plan = problem.plan()?;
-            let converged = plan.status == SolveStatus::Converged;
-            Ok(if converged { problem.value(&plan.trajectory) } else { f64::INFINITY })
+            if plan.status != SolveStatus::Converged {
+                return Ok(f64::INFINITY);
+            }
+            let with_penalties = problem.value(&plan.trajectory);
+            if with_penalties < best.0 {
+                best = (with_penalties, plan.cost);
+            }
+            Ok(with_penalties)
         };
-        let Some((value, least)) = line_minimum(&mut cost, start)? else { return self.with_found(free, found, inputs) };
+        let Some(value) = line_minimum(&mut cost, start, size)? else { return self.with_found(free, found, inputs) };
         let refined = FoundValues {
             status: format!("converged along a line search over {plans} plans"),
             converged: true,
-            cost: least,
+            cost: best.1,
             seconds: found.seconds + clock.elapsed().as_secs_f64(),
             ..free.valued(found.clone(), &[value])
         };
@@ -118,13 +128,14 @@ impl FreeValues {
     }
 }
 
-/// The minimum of a function near `start` with its value, by golden sections of a bracket; none where there is no bracket, or the function is not
-/// finite.
+/// Where a function has its minimum near `start`, by golden sections of a bracket; none where there is no bracket, or the function is not finite.
+/// `size` is that of the variable, positive and no less than |start|.
 fn line_minimum(
     cost: &mut impl FnMut(f64) -> Result<f64, MpcError>,
     start: f64,
-) -> Result<Option<(f64, f64)>, MpcError> {
-    let mut step = FIRST_STEP * start.abs().max(f64::MIN_POSITIVE);
+    size: f64,
+) -> Result<Option<f64>, MpcError> {
+    let mut step = FIRST_STEP * size;
     let (mut middle, mut least) = (start, cost(start)?);
     let (mut low, mut high) = (start - step, start + step);
     let (mut at_low, mut at_high) = (cost(low)?, cost(high)?);
@@ -145,7 +156,7 @@ fn line_minimum(
     if !least.is_finite() || at_low < least || at_high < least {
         return Ok(None);
     }
-    while high - low > PRECISION * middle.abs() {
+    while high - low > PRECISION * size {
         // The larger of the two parts.
         let right = high - middle > middle - low;
         let at = if right { middle + GOLDEN * (high - middle) } else { middle - GOLDEN * (middle - low) };
@@ -163,5 +174,36 @@ fn line_minimum(
             low = at;
         }
     }
-    Ok(Some((middle, least)))
+    Ok(Some(middle))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::line_minimum;
+
+    #[test]
+    fn smooth_and_sharp_minima_are_found_also_at_zero_and_at_a_bound() {
+        let starts = [(0.0, 1.0), (3e-4, 1.0), (-2.0, 2.0), (5e6, 5e6)];
+        for (start, size) in starts {
+            for share in [-0.003, 0.0, 0.01] {
+                let least: f64 = start + share * size;
+                for shape in [|d: f64| d.abs(), |d: f64| d * d, |d: f64| if d < 0.0 { f64::INFINITY } else { d }] {
+                    // A start beyond the bound has no finite cost.
+                    let found = line_minimum(&mut |x| Ok(1.0 + shape((x - least) / size)), start, size).unwrap();
+                    let expected = shape((start - least) / size).is_finite();
+                    assert_eq!(found.is_some(), expected, "{start} {least}");
+                    assert!(found.is_none_or(|x| (x - least).abs() < 1e-6 * size), "{start} {least} {found:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_slope_without_end_has_no_minimum() {
+        for slope in [-1.0, 1.0] {
+            assert_eq!(line_minimum(&mut |x| Ok(slope * x), 1.0, 1.0).unwrap(), None);
+        }
+        assert_eq!(line_minimum(&mut |_| Ok(f64::NAN), 1.0, 1.0).unwrap(), None);
+    }
 }
