@@ -32,10 +32,10 @@ const PROGRESS: f64 = 0.8;
 const WATCHED: usize = 10;
 /// Rates of the plate that count as rest, m/s and rad/s.
 const STILL: f64 = 1e-7;
-/// Accelerations that no longer move an object, m/s² and rad/s².
-const GENTLE: f64 = 0.05;
-/// Share of such a rate that is taken off within a period: less than all of it, since a servo follows late.
+/// Share of a rate that is left after a move which is taken off within a period: less than all of it, since a servo follows late.
 const BRAKING: f64 = 0.5;
+/// Accelerations that do not move an object, m/s² and rad/s².
+const GENTLE: f64 = 0.05;
 
 enum Phase {
     /// Nothing has been measured yet.
@@ -50,6 +50,7 @@ enum Phase {
     Hold { seen: usize, sum: [f64; 3] },
 }
 
+/// The beginning of [`Phase::Hold`].
 const HOLD: Phase = Phase::Hold { seen: 0, sum: [0.0; 3] };
 
 /// A plan under way. An interval is two periods: at its second sample the next program is prepared, at the first sample of
@@ -212,12 +213,12 @@ impl PoseController {
         }
     }
 
-    /// The command that takes off what is left of the plate's rates.
-    fn resting(&self) -> Command {
+    /// The command that takes off a share of the plate's rates within a period, as far as the bounds allow.
+    fn braking(&self, share: f64) -> Command {
         let (limits, period) = (self.settings.limits, self.settings.period);
         let plate = self.queue.iter().fold(self.plate, |plate, command| command.applied_to(&plate).after(period));
         let braked = |rate: f64, limit: f64| {
-            if rate.abs() <= STILL { 0.0 } else { (-BRAKING * rate / period).clamp(-limit, limit) }
+            if rate.abs() <= STILL { 0.0 } else { (-share * rate / period).clamp(-limit, limit) }
         };
         Command {
             displacement_acceleration: braked(plate.velocity, limits.displacement_acceleration),
@@ -272,7 +273,7 @@ impl PoseController {
     fn second_half(&mut self, mut ongoing: Box<Move>) -> Result<Command, PlateError> {
         if ongoing.trajectory.steps() == 1 {
             self.phase = Phase::Look { samples: 0 };
-            return self.stopping();
+            return Ok(self.braking(1.0));
         }
         let command = command_of(&ongoing.trajectory);
         let extend = ongoing.late >= 2 && ongoing.extended < MOST_EXTENSION;
@@ -294,17 +295,6 @@ impl PoseController {
         ongoing.half = false;
         self.phase = Phase::Move(ongoing);
         Ok(command)
-    }
-
-    /// The command that stops the plate within a period, as far as the bounds allow.
-    fn stopping(&mut self) -> Result<Command, PlateError> {
-        let state = self.predicted()?;
-        let (limits, period) = (self.settings.limits, self.settings.period);
-        let bounded = |rate: f64, limit: f64| (-rate / period).clamp(-limit, limit);
-        Ok(Command {
-            displacement_acceleration: bounded(state[7], limits.displacement_acceleration),
-            tilt_acceleration: bounded(state[9], limits.tilt_acceleration),
-        })
     }
 
     fn decide(&mut self, measured: &[f64; 3]) -> Result<Command, PlateError> {
@@ -332,12 +322,12 @@ impl PoseController {
             }
             Phase::Pause { plan, left } => {
                 self.phase = Phase::Pause { plan, left: left - 1 };
-                Ok(self.resting())
+                Ok(self.braking(BRAKING))
             }
             Phase::Move(ongoing) => self.follow(ongoing),
             phase => {
                 self.phase = phase;
-                Ok(self.resting())
+                Ok(self.braking(BRAKING))
             }
         }
     }
