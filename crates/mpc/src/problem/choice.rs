@@ -56,12 +56,9 @@ impl ControlProblem {
                 return Ok((exact, prepared));
             }
         }
-        let reason = match (self.ends_with_targets(), self.ends_with_cost()) {
-            (true, _) => Some(MethodReason::Targets),
-            (_, true) => Some(MethodReason::TerminalCost),
-            (false, false) => None,
-        };
-        if let Some(reason) = reason {
+        let targets = self.ends_with_targets();
+        if targets || self.ends_with_cost() {
+            let reason = if targets { MethodReason::Targets } else { MethodReason::TerminalCost };
             // Friction is not in reach: one width is enough.
             return Self { smoothing: self.widths(), ..self.clone() }.planned(convergence, reason);
         }

@@ -151,17 +151,17 @@ fn diverges(problem: &ControlProblem, run: &ClosedLoop, plan: &Trajectory) -> Op
         let bounds = ocp.state_bounds[i];
         size(ocp.sizes()[i], problem.x0[i].abs().max(target), (bounds.min, bounds.max))
     };
-    let beyond = |names: Vec<String>, values: &[f64], size: &dyn Fn(usize) -> f64, in_plan: bool| {
-        let sized = names.into_iter().zip(values).enumerate().map(|(i, (name, &value))| (name, value, size(i)));
-        let far = |(_, value, size): &(String, f64, f64)| value.is_finite() && value.abs() > DIVERGED * size;
+    let beyond = |names: &[String], values: &[f64], size: &dyn Fn(usize) -> f64, in_plan: bool| {
+        let sized = names.iter().zip(values).enumerate().map(|(i, (name, &value))| (name, value, size(i)));
+        let far = |(_, value, size): &(&String, f64, f64)| value.is_finite() && value.abs() > DIVERGED * size;
         let worst = sized.filter(far).max_by(|a, b| (a.1.abs() / a.2).total_cmp(&(b.1.abs() / b.2)));
-        worst.map(|(name, value, size)| Note::Diverges { name, value, size, in_plan })
+        worst.map(|(name, value, size)| Note::Diverges { name: name.clone(), value, size, in_plan })
     };
-    let (states, inputs) = (|| problem.system.state_names(), || problem.system.input_names());
+    let (states, inputs) = (problem.system.state_names(), problem.system.input_names());
     (0..plan.steps())
-        .find_map(|k| beyond(inputs(), plan.u(k), &of_input, true))
-        .or_else(|| beyond(states(), plan.x(plan.steps()), &of_state, true))
-        .or_else(|| beyond(states(), run.x.last()?, &of_state, false))
+        .find_map(|k| beyond(&inputs, plan.u(k), &of_input, true))
+        .or_else(|| beyond(&states, plan.x(plan.steps()), &of_state, true))
+        .or_else(|| beyond(&states, run.x.last()?, &of_state, false))
 }
 
 /// Friction that holds everything where it is, whatever the inputs, though something else is asked.
