@@ -163,5 +163,6 @@ pub trait Controller: Send {
 }
 
 impl<C: Controller + ?Sized> Controller for Box<C> {
-    forward_to!(self => (**self); prepare, feedback, shift, skip, estimate, plan, ocp, change, set_start, limit_next_step, relaxed_plan, figures, set_parameters);
+    forward_to!(self => (**self);
+        prepare, feedback, shift, skip, estimate, plan, ocp, change, set_start, limit_next_step, relaxed_plan, figures, set_parameters);
 }

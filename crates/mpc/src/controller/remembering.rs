@@ -37,7 +37,8 @@ impl Remembering {
 }
 
 impl Controller for Remembering {
-    forward_to!(self => self.controller; prepare, estimate, ocp, set_start, limit_next_step, relaxed_plan, figures, set_parameters);
+    forward_to!(self => self.controller;
+        prepare, estimate, ocp, set_start, limit_next_step, relaxed_plan, figures, set_parameters);
 
     fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         check_length("the measured state", x.len(), self.states)?;

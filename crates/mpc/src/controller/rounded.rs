@@ -40,7 +40,8 @@ impl Rounded {
 }
 
 impl Controller for Rounded {
-    forward_to!(self => self.controller; prepare, skip, estimate, plan, ocp, change, set_start, limit_next_step, set_parameters);
+    forward_to!(self => self.controller;
+        prepare, skip, estimate, plan, ocp, change, set_start, limit_next_step, set_parameters);
 
     fn feedback(&mut self, x: &[f64]) -> Result<&Step, MpcError> {
         self.step.copy_from(self.controller.feedback(x)?);

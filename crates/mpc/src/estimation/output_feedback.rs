@@ -55,7 +55,8 @@ impl<C: Controller, E: Estimator> OutputFeedback<C, E> {
 }
 
 impl<C: Controller, E: Estimator> Controller for OutputFeedback<C, E> {
-    forward_to!(self => self.controller; prepare, plan, ocp, change, set_start, limit_next_step, relaxed_plan, figures, set_parameters);
+    forward_to!(self => self.controller;
+        prepare, plan, ocp, change, set_start, limit_next_step, relaxed_plan, figures, set_parameters);
 
     fn feedback(&mut self, y: &[f64]) -> Result<&Step, MpcError> {
         let estimate = self.estimate.get_or_insert_with(Estimate::nothing);
