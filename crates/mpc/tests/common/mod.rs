@@ -1,6 +1,8 @@
 //! Plants and files that several tests use.
 #![allow(clippy::unwrap_used, dead_code, unreachable_pub)]
 
+pub mod reports;
+
 use bracketry_sim::{ExactPlant, Settings};
 use bracketry_system::System;
 use std::path::PathBuf;
