@@ -3,7 +3,7 @@
 use super::filter::WIDEST;
 use super::interior_point::{BARRIERS, InteriorPoint, InteriorSolution};
 use super::settings::Hessian;
-use super::solution::{Iteration, SolveStatus};
+use super::solution::{Iteration, Solution, SolveStatus};
 use super::solver::{Sqp, Stop};
 use crate::error::MpcError;
 use crate::qp::{NonlinearProgram, QpStatus};
@@ -15,6 +15,9 @@ const LONG: usize = 50;
 /// Tolerances that it is asked for; the programs after it go on.
 const FINEST: f64 = 1e-9;
 const COARSEST: f64 = 1e-6;
+
+/// The share of the tolerance where no program follows.
+const UNCONFIRMED: f64 = 0.1;
 
 /// Most programs that confirm a solution of it.
 const CONFIRMING: usize = 3;
@@ -42,6 +45,8 @@ struct Attempt {
     stop: Stop,
     merit: f64,
     exact: bool,
+    /// Whether programs confirm it.
+    confirmed: bool,
 }
 
 impl Attempt {
@@ -52,9 +57,10 @@ impl Attempt {
 }
 
 impl Sqp {
-    /// Smooth dynamics. From a guess, the interior-point method leads, and a program or two confirm where it ends; where it does not
-    /// converge, or takes long, the filter method starts from the guess too, and the better trajectory counts. From the shifted solution of
-    /// the last sample, the filter method leads while it converges quickly.
+    /// Smooth dynamics. From a guess, the interior-point method leads; where it does not converge, or takes long, the filter method starts
+    /// from the guess too, and the better trajectory counts. Programs confirm what the interior-point method finds, unless the first sample
+    /// will. From the shifted solution of the last sample, the filter method leads while it converges quickly; once programs do
+    /// not confirm what the interior-point method finds, that leads alone.
     pub(super) fn solve_smooth(
         &mut self,
         z: &mut Trajectory,
@@ -67,12 +73,14 @@ impl Sqp {
         let (mut last, mut led) = (0, false);
         let following = warm && self.prepare_interior_point();
         let [barrier, wide, small] = BARRIERS.map(Start::Interior);
-        let order = match (warm, following && self.interior_leads) {
+        let leads = std::mem::take(&mut self.interior_leads) && following;
+        let order = match (warm, leads) {
             (false, _) => [barrier, wide, small, Start::Guess, Start::Narrow],
             (true, false) => [Start::Guess, small, barrier, wide, Start::Narrow],
             (true, true) => [small, barrier, Start::Guess, wide, Start::Narrow],
         };
-        self.interior_leads = false;
+        // A solution of the interior-point method that is good for programs takes few of them.
+        let following_programs = if std::mem::take(&mut self.unconfirmed) { CONFIRMING } else { FOLLOWING };
         for (number, start) in order.into_iter().enumerate() {
             let interior = matches!(start, Start::Interior(_));
             if !interior && led {
@@ -91,29 +99,33 @@ impl Sqp {
                     self.change_hessian()?;
                 }
                 self.qp.set_multipliers(&solution.multipliers, &solution.row_multipliers);
-                led = true;
             } else if interior {
                 continue;
             }
             let steps = solution.as_ref().map_or(0, |s| s.steps);
+            let accurate = solution.as_ref().is_some_and(|s| s.accurate);
             self.interior_point_steps += steps;
             last = number;
             let widest = if start == Start::Narrow { WIDEST[1] } else { WIDEST[0] };
             let programs = match solution {
-                Some(_) => CONFIRMING,
-                None if following && start == Start::Guess => FOLLOWING.min(self.settings.filter_iterations),
+                Some(_) if accurate => CONFIRMING,
+                Some(_) => FOLLOWING,
+                None if following && start == Start::Guess => following_programs.min(self.settings.filter_iterations),
                 None => self.settings.filter_iterations,
             };
-            let mut stop = self.filter_method(&mut end, 0.0, (widest, programs), log)?;
-            if let Some(solution) = solution.filter(|_| stop != Stop::Converged) {
-                // The programs are less accurate than what they shall confirm.
-                self.interior_leads = true;
+            let confirmed = !accurate || (self.confirming && !leads);
+            let mut stop =
+                if confirmed { self.filter_method(&mut end, 0.0, (widest, programs), log)? } else { Stop::Converged };
+            // Programs that do not confirm it are less accurate than it is.
+            self.interior_leads |= accurate && (leads || stop != Stop::Converged);
+            if let Some(solution) = solution.filter(|s| s.accurate && stop != Stop::Converged) {
                 self.qp.set_multipliers(&solution.multipliers, &solution.row_multipliers);
                 (end, stop) = (solution.trajectory, Stop::Converged);
             }
+            led |= interior && stop == Stop::Converged;
             let merit = self.problem.merit(&end, self.settings.qp.hard_weight);
             let weight = 1e2 * merit.objective.abs().max(1.0);
-            let this = Attempt { number, end, stop, merit: merit.value(weight), exact: self.is_exact() };
+            let this = Attempt { number, end, stop, merit: merit.value(weight), exact: self.is_exact(), confirmed };
             if best.as_ref().is_none_or(|best| this.is_better_than(best)) {
                 best = Some(this);
             } else {
@@ -132,6 +144,7 @@ impl Sqp {
             // The multipliers are those of the other attempt.
             self.qp.forget_multipliers();
         }
+        self.unconfirmed = !best.confirmed && !leads;
         self.spare.replace(z, best.end);
         if best.exact != self.is_exact() {
             self.change_hessian()?;
@@ -139,18 +152,27 @@ impl Sqp {
         Ok(self.status(best.stop))
     }
 
+    /// As [`Sqp::solve`], for a controller whose first sample solves on from there: no program confirms what the interior-point method finds.
+    pub(crate) fn solve_first(&mut self, x0: &[f64], guess: &Trajectory) -> Result<Solution, MpcError> {
+        self.confirming = false;
+        let solution = self.solve(x0, guess);
+        self.confirming = true;
+        solution
+    }
+
     /// The interior-point method from a guess, where it takes the problem and converges.
     fn interior_point(&mut self, guess: &Trajectory, barrier: f64) -> Result<Option<InteriorSolution>, MpcError> {
         if !self.prepare_interior_point() {
             return Ok(None);
         }
-        let tolerance = self.settings.tolerance.clamp(FINEST, COARSEST);
+        let share = if self.confirming { 1.0 } else { UNCONFIRMED };
+        let tolerance = (share * self.settings.tolerance).clamp(FINEST, COARSEST);
         let Some(Some((program, field))) = &mut self.interior else { return Ok(None) };
         InteriorPoint::solve(&mut self.problem, program, field, guess, (barrier, tolerance, &self.settings.stop))
     }
 
     /// Whether the interior-point method is asked for and takes the problem, whose layout is made at the first call.
-    fn prepare_interior_point(&mut self) -> bool {
+    pub(crate) fn prepare_interior_point(&mut self) -> bool {
         let asked = self.settings.interior_point && self.settings.hessian != Hessian::GaussNewton;
         // Smoothed friction is curved most where it is least true.
         if !asked || self.problem.dynamics.is_smoothed() {

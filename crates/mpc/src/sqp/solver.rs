@@ -29,6 +29,10 @@ pub struct Sqp {
     pub(super) interior_point_steps: usize,
     /// Whether the last sample needed the interior-point method, and programs did not confirm it quickly.
     pub(super) interior_leads: bool,
+    /// Whether programs confirm what the interior-point method finds.
+    pub(super) confirming: bool,
+    /// Whether the last solution is one of the interior-point method that no program has confirmed.
+    pub(super) unconfirmed: bool,
     pub(super) spare: Spare,
 }
 
@@ -84,6 +88,8 @@ impl Sqp {
             interior: None,
             interior_point_steps: 0,
             interior_leads: false,
+            confirming: true,
+            unconfirmed: false,
             spare: Spare::default(),
         })
     }

@@ -28,6 +28,12 @@ const FASTER_FALL: f64 = 1.5;
 const BOUNDARY: f64 = 0.99;
 /// Distance of the start from its bounds, in units of their size.
 const PUSH: f64 = 1e-2;
+/// What is acceptable where more steps do not help: error, relative to the tolerance and at most; steps in a row with it, and the largest
+/// relative change of the objective by one of them.
+const ACCEPTABLE: f64 = 1e3;
+const LARGEST_ACCEPTABLE: f64 = 1e-5;
+const ACCEPTABLE_STEPS: usize = 10;
+const UNCHANGED: f64 = 1e-7;
 /// Largest slope of the objective at the start, in units of the sizes.
 const STEEPEST: f64 = 100.0;
 /// Largest multiplier of the dynamics that is estimated at the start.
@@ -56,6 +62,8 @@ pub(crate) struct InteriorSolution {
     pub(crate) row_multipliers: Vec<f64>,
     /// Number of steps.
     pub(crate) steps: usize,
+    /// Whether it is as accurate as it was asked for; otherwise steps ceased to change an acceptable one.
+    pub(crate) accurate: bool,
 }
 
 /// The method at work.
@@ -103,6 +111,7 @@ impl<'a> InteriorPoint<'a> {
         let Some(mut method) = Self::start(Evaluator::new(problem, program, field), guess, (barrier, tolerance)) else {
             return Ok(None);
         };
+        let (mut acceptable, mut objective) = (0, f64::INFINITY);
         for steps in 0..STEPS {
             check_flag(stop)?;
             method.now = method.of.differentiate(&method.at, true);
@@ -113,7 +122,15 @@ impl<'a> InteriorPoint<'a> {
                 continue;
             }
             if error <= tolerance {
-                return Ok(Some(method.solution(steps)));
+                return Ok(Some(method.solution(steps, true)));
+            }
+            let change = (method.now.objective - objective).abs();
+            objective = method.now.objective;
+            let unchanged = change <= UNCHANGED * objective.abs();
+            let near = error <= (ACCEPTABLE * tolerance).min(LARGEST_ACCEPTABLE);
+            acceptable = if near && unchanged { acceptable + 1 } else { 0 };
+            if acceptable == ACCEPTABLE_STEPS {
+                return Ok(Some(method.solution(steps, false)));
             }
             if !error.is_finite() {
                 return Ok(None);
@@ -324,7 +341,7 @@ impl<'a> InteriorPoint<'a> {
         (self.at, self.now) = (end, values);
     }
 
-    fn solution(self, steps: usize) -> InteriorSolution {
+    fn solution(self, steps: usize, accurate: bool) -> InteriorSolution {
         let factor = self.of.factor;
         let mut row_multipliers = vec![0.0; self.of.program.all_rows()];
         for (row, v) in self.of.program.rows.iter().zip(&self.at.v) {
@@ -333,6 +350,6 @@ impl<'a> InteriorPoint<'a> {
         let multipliers = self.at.y.iter().map(|y| y / factor).collect();
         let mut trajectory = self.at.z;
         trajectory.clamp_inputs(&self.of.problem.ocp.input_bounds);
-        InteriorSolution { trajectory, multipliers, row_multipliers, steps }
+        InteriorSolution { trajectory, multipliers, row_multipliers, steps, accurate }
     }
 }
