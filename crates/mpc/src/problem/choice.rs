@@ -5,17 +5,18 @@ use super::method::{Convergence, Feedback, Method, MethodReason};
 use super::rehearsal::Rehearsal;
 use super::signs::jumps;
 use super::start::Prepared;
-use super::verdict::floor;
 use crate::controller::StepStatus;
 use crate::error::{MpcError, check_flag};
 use crate::exact_friction::StickSlipController;
 use crate::integrator::Integrator;
 use crate::ocp::HorizonCost;
-use crate::sqp::{SolveStatus, Sqp};
+use crate::sqp::{Solution, SolveStatus};
 use crate::trajectory::Trajectory;
 
-/// Programs after which the plan of the first one is looked at again.
+/// Programs after which the plan of the first one is looked at again, where there is no converged one.
 const MORE_PROGRAMS: usize = 4;
+/// Change of the inputs, as a share of what they may change, below which another program would not change them either.
+const UNCHANGED: f64 = 1e-6;
 /// Largest change of the plan, as a share of its cost or of what an input may change, with which one program per sample
 /// settles.
 const SETTLED: f64 = 0.01;
@@ -33,7 +34,7 @@ struct Rated {
 struct Trial {
     /// Stage and terminal cost of the first plan.
     predicted: HorizonCost,
-    /// The first plan, and the one after more programs; fewer where one of them fails.
+    /// The first plan, and the one to compare it with; fewer where a program fails.
     plans: Vec<Rated>,
 }
 
@@ -63,28 +64,31 @@ impl ControlProblem {
             return Self { smoothing: self.widths(), ..self.clone() }.planned(convergence, reason);
         }
         let feedback = Feedback::default();
-        let trial = self.try_one_program(feedback, self.start())?;
-        let mut change = self.change(&trial, feedback)?;
-        if change.is_some_and(|c| c <= SETTLED) {
-            change = Some(change.unwrap_or(0.0).max(self.gain_from_waves(convergence, &trial)?));
-        }
-        let predicted = trial.predicted;
+        let converged = self.with_method(Method::Sqp { convergence, first: feedback }, MethodReason::Given);
+        let mut sqp = converged.solver()?;
+        // By the interior-point method, a converged plan takes less than the programs that would show whether the first one settles.
+        let plan =
+            if sqp.prepare_interior_point() { Some(converged.first_solution(&mut sqp, feedback)?) } else { None };
+        let reference = plan.as_ref().filter(|plan| is_solved(plan)).map(|plan| &plan.trajectory);
+        let trial = self.try_one_program(feedback, self.start(), reference)?;
+        let change = self.change(&trial, feedback, reference.is_none())?;
         let single = |reason| -> Result<(Self, Prepared), MpcError> {
             let problem = self.with_method(Method::Rti { initial_iterations: 1, feedback }, reason);
             let controller = Box::new(problem.receding(feedback, problem.start())?);
-            Ok((problem, Prepared { controller, plan: None, predicted }))
+            Ok((problem, Prepared { controller, plan: None, predicted: trial.predicted }))
         };
         if let Some(change) = change.filter(|c| *c <= SETTLED) {
             return single(MethodReason::Settled { change });
         }
-        let converged =
-            self.with_method(Method::Sqp { convergence, first: feedback }, MethodReason::NotSettled { change });
-        let (sqp, solution) = converged.first_solution(feedback)?;
-        if !matches!(solution.status, SolveStatus::Converged | SolveStatus::Infeasible { .. }) {
+        let solution = match plan {
+            Some(plan) => plan,
+            None => converged.first_solution(&mut sqp, feedback)?,
+        };
+        if !is_solved(&solution) {
             return single(MethodReason::NotConverging);
         }
         let prepared = converged.converged(sqp, solution)?;
-        Ok((converged, prepared))
+        Ok((Self { method_reason: MethodReason::NotSettled { change }, ..converged }, prepared))
     }
 
     /// Whether the run ends with the horizon and its targets.
@@ -120,22 +124,6 @@ impl ControlProblem {
         // The linear weight of a target is the inverse of its tolerance.
         let met = self.ocp.targets.iter().all(|t| (end[t.state] - t.value).abs() * t.linear <= 1.0);
         Ok((met && cost.is_finite()).then_some((problem, prepared)))
-    }
-
-    /// By what share of its cost a converged plan from waves beats a first plan that stays at the guess: there, programs that leave
-    /// negative curvature out may come back to a maximum.
-    fn gain_from_waves(&self, convergence: Convergence, trial: &Trial) -> Result<f64, MpcError> {
-        let Some(first) = trial.plans.first() else { return Ok(0.0) };
-        if !self.system.is_smooth() || !self.stays((0..first.plan.steps()).map(|k| first.plan.u(k))) {
-            return Ok(0.0);
-        }
-        let method = Method::Sqp { convergence, first: Feedback::default() };
-        let problem = self.with_method(method, MethodReason::Given);
-        let mut sqp = Sqp::new(problem.dynamics()?, problem.ocp.clone(), problem.sqp_settings())?;
-        let found = sqp.solve(&self.initial_state(), &self.waves())?;
-        let gain = first.real - self.value(&found.trajectory) - floor(self, first.plan.steps());
-        let converged = found.status == SolveStatus::Converged && gain > 0.0;
-        Ok(if converged { gain / first.real.abs().max(f64::MIN_POSITIVE) } else { 0.0 })
     }
 
     fn with_method(&self, method: Method, method_reason: MethodReason) -> Self {
@@ -180,50 +168,78 @@ impl ControlProblem {
         Ok(names.into_iter().zip(reached).filter(|(_, reached)| *reached).map(|(name, _)| name).collect())
     }
 
-    /// The first plan of the real-time iteration, and the one after more programs.
-    fn try_one_program(&self, feedback: Feedback, start: Trajectory) -> Result<Trial, MpcError> {
+    /// The first plan of the real-time iteration, and the converged one, or where there is none, the one after more programs.
+    fn try_one_program(
+        &self,
+        feedback: Feedback,
+        start: Trajectory,
+        converged: Option<&Trajectory>,
+    ) -> Result<Trial, MpcError> {
         let mut rti = self.receding(feedback, start)?;
         let mut ocp = self.ocp.clone();
         let mut rehearsal = Rehearsal::smoothed(self)?;
         let mut trial = Trial { predicted: HorizonCost::NONE, plans: Vec::new() };
-        for programs in [1, MORE_PROGRAMS] {
-            for _ in 0..programs {
-                check_flag(&self.stop)?;
-                if matches!(rti.feedback(&self.initial_state())?.status, StepStatus::Fallback(_)) {
-                    return Ok(trial);
-                }
-            }
-            let mut plan = rti.trajectory().clone();
+        let mut rated = |mut plan: Trajectory| {
             let costs = ocp.costs(0, &plan);
-            if trial.plans.is_empty() {
-                trial.predicted = costs;
-            }
             let predicted = costs.total() + ocp.penalty(0, &plan, self.qp.hard_weight);
             // What its inputs really cost shows how far the plan is from the dynamics.
             let real = rehearsal.cost(&mut plan);
-            trial.plans.push(Rated { predicted, real, plan });
+            (costs, Rated { predicted, real, plan })
+        };
+        for programs in [1, MORE_PROGRAMS] {
+            if let (false, Some(plan)) = (trial.plans.is_empty(), converged) {
+                trial.plans.push(rated(plan.clone()).1);
+                break;
+            }
+            for _ in 0..programs {
+                check_flag(&self.stop)?;
+                let before = rti.trajectory().clone();
+                if matches!(rti.feedback(&self.initial_state())?.status, StepStatus::Fallback(_)) {
+                    return Ok(trial);
+                }
+                if self.differ(&before, rti.trajectory()) <= UNCHANGED {
+                    break;
+                }
+            }
+            let (costs, plan) = rated(rti.trajectory().clone());
+            if trial.plans.is_empty() {
+                trial.predicted = costs;
+            }
+            trial.plans.push(plan);
         }
         Ok(trial)
     }
 
-    /// How much more programs at the first sample change its plan, as a share of the cost of that plan's inputs or of what an
-    /// input may change; none where one of them fails. A plan that stays at the guess is looked at from beside it, too: there,
-    /// programs do not come back to a guess that is stationary, but no minimum.
-    fn change(&self, trial: &Trial, feedback: Feedback) -> Result<Option<f64>, MpcError> {
+    /// How much the plan of the first program differs from the other one, as a share of the cost of its inputs or of what an input
+    /// may change; none where a program fails. A plan that stays at the guess is looked at from beside it, too, unless the other is
+    /// converged: programs do not leave a guess that is stationary, but no minimum.
+    fn change(&self, trial: &Trial, feedback: Feedback, look_beside: bool) -> Result<Option<f64>, MpcError> {
         let [first, later] = &trial.plans[..] else { return Ok(None) };
         let differ = |a: f64, b: f64| (a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
         let mut change = differ(first.predicted, first.real).max(differ(first.real, later.real));
-        let moved = |a: &[f64], b: &[f64]| {
-            let inputs = a.iter().zip(b).zip(&self.ocp.input_trust);
-            inputs.fold(0.0, |most: f64, ((a, b), trust)| most.max((a - b).abs() / trust))
-        };
-        change = change.max(moved(first.plan.u(0), later.plan.u(0)));
+        change = change.max(self.moved(first.plan.u(0), later.plan.u(0)));
         let steps = first.plan.steps();
-        if change <= SETTLED && self.stays((0..steps).map(|k| first.plan.u(k))) {
-            let beside = self.try_one_program(feedback, self.waves())?;
+        if look_beside && change <= SETTLED && self.stays((0..steps).map(|k| first.plan.u(k))) {
+            let beside = self.try_one_program(feedback, self.waves(), None)?;
             let [_, other] = &beside.plans[..] else { return Ok(None) };
-            change = (0..steps).fold(change, |most, k| most.max(moved(first.plan.u(k), other.plan.u(k))));
+            change = change.max(self.differ(&first.plan, &other.plan));
         }
         Ok(Some(change).filter(|c| c.is_finite()))
     }
+
+    /// Largest difference of two inputs, in units of what an input may change.
+    fn moved(&self, a: &[f64], b: &[f64]) -> f64 {
+        let inputs = a.iter().zip(b).zip(&self.ocp.input_trust);
+        inputs.fold(0.0, |most: f64, ((a, b), trust)| most.max((a - b).abs() / trust))
+    }
+
+    /// The same over two plans.
+    fn differ(&self, a: &Trajectory, b: &Trajectory) -> f64 {
+        (0..a.steps()).fold(0.0, |most: f64, k| most.max(self.moved(a.u(k), b.u(k))))
+    }
+}
+
+/// Whether a plan is one to follow: a hard bound that cannot be kept is said elsewhere.
+fn is_solved(solution: &Solution) -> bool {
+    matches!(solution.status, SolveStatus::Converged | SolveStatus::Infeasible { .. })
 }

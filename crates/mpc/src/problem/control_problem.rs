@@ -8,6 +8,7 @@ use super::method::{Method, MethodReason};
 use super::notes::Note;
 use super::schedule::{ReferenceUse, Schedule};
 use crate::controller::FailurePolicy;
+use crate::dynamics::SymbolicDynamics;
 use crate::error::MpcError;
 use crate::ocp::Ocp;
 use crate::qp::QpSettings;
@@ -91,6 +92,8 @@ pub struct ControlProblem {
     pub(crate) scenarios: Option<Arc<ScenarioTree>>,
     /// The values found for what was free.
     pub found: Option<FoundValues>,
+    /// The compiled model of a problem that has been started; whoever changes `system` or `live` starts anew.
+    pub(crate) compiled: Option<Box<SymbolicDynamics>>,
     /// Once it is raised, planning and running end with [`MpcError::Stopped`](crate::MpcError::Stopped).
     pub stop: StopFlag,
 }

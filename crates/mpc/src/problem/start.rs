@@ -3,6 +3,7 @@
 use super::control_problem::ControlProblem;
 use super::method::{Convergence, Feedback, Method};
 use super::rehearsal::Rehearsal;
+use super::verdict::floor;
 use crate::closed_loop::DelayCompensated;
 use crate::controller::{Controller, Remembering, Rounded, StepStatus};
 use crate::dynamics::SymbolicDynamics;
@@ -20,6 +21,9 @@ const MIN_STEPS: usize = 1;
 const WHOLE_STEPS: usize = 50;
 /// Share of the plan's margin that the loop keeps too: bounds hold at the samples, and a state curves beyond them in between.
 const LOOP_SHARE: f64 = 0.2;
+
+/// How many times as much as the guess at rest its roll-out may cost.
+const FAR_AWAY: f64 = 1e6;
 
 /// A controller at its start, with what its first plan told.
 pub(super) struct Prepared {
@@ -42,7 +46,11 @@ pub(crate) struct Started {
 }
 
 impl ControlProblem {
+    /// The compiled model, which is made once for a problem that is started.
     pub(super) fn dynamics(&self) -> Result<Box<SymbolicDynamics>, MpcError> {
+        if let Some(compiled) = &self.compiled {
+            return Ok(compiled.clone());
+        }
         let live: Vec<&str> = self.live.iter().map(String::as_str).collect();
         SymbolicDynamics::with_live_parameters(&self.system, &live).map(Box::new)
     }
@@ -76,11 +84,14 @@ impl ControlProblem {
         let ocp = self.ocp.tightened(self.method.margin());
         let mut sqp = Sqp::new(self.dynamics()?, ocp, self.sqp_settings())?;
         let x0 = self.initial_state();
-        let guess = sqp.guess(&x0, &self.guess)?;
-        let mut best = sqp.solve(&x0, &guess)?;
         // The roll-out of an unstable model ends far away: the guess at rest is another start.
+        let (rolled, at_rest) = (sqp.guess(&x0, &self.guess)?, self.start());
+        let limit = FAR_AWAY * (self.value(&at_rest).abs() + floor(self, self.ocp.steps));
+        let far = self.system.is_smooth() && !(self.value(&rolled) <= limit);
+        let (first, second) = if far { (at_rest, rolled) } else { (rolled, at_rest) };
+        let mut best = sqp.solve(&x0, &first)?;
         if best.status != SolveStatus::Converged && self.system.is_smooth() {
-            let other = sqp.solve(&x0, &self.start())?;
+            let other = sqp.solve(&x0, &second)?;
             self.keep_better(&mut best, other);
         }
         self.solve_again(&mut sqp, &mut best)?;
@@ -145,10 +156,11 @@ impl ControlProblem {
     /// The controller at its start, with delay compensation and estimator. Where the method is
     /// [`Method::Automatic`], it is chosen here.
     pub(crate) fn started(&self) -> Result<Started, MpcError> {
-        let (problem, Prepared { mut controller, mut plan, predicted }) = match (&self.scenarios, self.method) {
-            (Some(tree), _) => tree.started(self)?,
-            (None, Method::Automatic { convergence }) => self.choose_method(convergence)?,
-            (None, _) => (self.clone(), self.prepared()?),
+        let own = Self { compiled: Some(self.dynamics()?), ..self.clone() };
+        let (problem, Prepared { mut controller, mut plan, predicted }) = match (&own.scenarios, own.method) {
+            (Some(tree), _) => tree.started(&own)?,
+            (None, Method::Automatic { convergence }) => own.choose_method(convergence)?,
+            (None, _) => own.prepared().map(|prepared| (own, prepared))?,
         };
         let first = self.first_input();
         if self.has_finite_inputs() {
@@ -162,7 +174,7 @@ impl ControlProblem {
         }
         let delay = self.known_delay()?;
         let controller: Box<dyn Controller> = if delay > 0 {
-            Box::new(DelayCompensated::new(controller, self.dynamics()?, delay, &first)?)
+            Box::new(DelayCompensated::new(controller, problem.dynamics()?, delay, &first)?)
         } else {
             controller
         };
@@ -215,7 +227,8 @@ impl ControlProblem {
                 Ok(Prepared { controller: Box::new(rti), plan: None, predicted })
             }
             Method::Sqp { first, .. } => {
-                let (sqp, solution) = self.first_solution(first)?;
+                let mut sqp = self.solver()?;
+                let solution = self.first_solution(&mut sqp, first)?;
                 self.converged(sqp, solution)
             }
             Method::StickSlip { iterations } => self.on_exact_flow(self.stick_slip(iterations)?),
@@ -261,11 +274,15 @@ impl ControlProblem {
         Ok(Prepared { controller: Box::new(controller), plan: None, predicted })
     }
 
-    /// The first converged solution, and its solver. With smoothed friction, whole steps often find a better one through states
-    /// that a merit function forbids.
-    pub(super) fn first_solution(&self, whole_steps: Feedback) -> Result<(Sqp, Solution), MpcError> {
-        let mut sqp = Sqp::new(self.dynamics()?, self.ocp.clone(), self.sqp_settings())?;
-        let mut best = sqp.solve(&self.initial_state(), &self.start())?;
+    /// The solver of the problem.
+    pub(super) fn solver(&self) -> Result<Sqp, MpcError> {
+        Sqp::new(self.dynamics()?, self.ocp.clone(), self.sqp_settings())
+    }
+
+    /// The first converged solution. With smoothed friction, whole steps often find a better one through states that a merit function
+    /// forbids.
+    pub(super) fn first_solution(&self, sqp: &mut Sqp, whole_steps: Feedback) -> Result<Solution, MpcError> {
+        let mut best = sqp.solve_first(&self.initial_state(), &self.start())?;
         if !self.system.is_smooth() {
             let mut rti = self.receding(whole_steps, self.start())?;
             for _ in 0..WHOLE_STEPS {
@@ -274,8 +291,8 @@ impl ControlProblem {
             }
             self.keep_better(&mut best, sqp.solve(&self.initial_state(), rti.trajectory())?);
         }
-        self.solve_again(&mut sqp, &mut best)?;
-        Ok((sqp, best))
+        self.solve_again(sqp, &mut best)?;
+        Ok(best)
     }
 
     /// Solves from other starts where the plan is not the best one: from a simple input that costs less, and from waves where it

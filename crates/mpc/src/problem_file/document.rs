@@ -332,6 +332,7 @@ impl Reader<'_> {
             free: None,
             chance,
             scenarios: None,
+            compiled: None,
             found: None,
             system: system.clone(),
             plant,
