@@ -30,6 +30,8 @@ SOFTNESS = 'solref="0.004 1" solimp="0.95 0.99 0.001"'
 FRICTION_STIFFNESS = 10
 #: Radius (m) and rough number of the spheres of a footprint.
 SPHERE, SPHERES = 1e-3, 60
+#: Half sides of the plate that is shown, and height of a mark on it, in m.
+SHOWN, MARK = (0.3, 0.25), 5e-4
 #: Corners of the mesh of an ellipse.
 CORNERS = 64
 
@@ -74,10 +76,11 @@ class Plant:
     """An object at rest at a pose x, y (m), yaw (rad) on the level plate."""
 
     def __init__(
-        self, body: Body, mu: float, pose: tuple[float, float, float], contact: Contact = "solid", step: float = STEP
+        self, body: Body, mu: float, pose: tuple[float, float, float], contact: Contact = "solid", mark: Floats | None = None
     ) -> None:
-        self.body, self.step = body, step
-        self.model: Any = mujoco.MjModel.from_xml_string(_scene(body, mu, contact, step))
+        """`mark`: a pose that pictures show on the plate."""
+        self.body = body
+        self.model: Any = mujoco.MjModel.from_xml_string(_scene(body, mu, contact, mark))
         self.data: Any = mujoco.MjData(self.model)
         self.data.qpos[2:5] = pose[0], pose[1], body.thickness / 2
         self.data.qpos[5:9] = math.cos(pose[2] / 2), 0, 0, math.sin(pose[2] / 2)
@@ -111,13 +114,13 @@ class Plant:
 
     def advance(self, accelerations: tuple[float, float]) -> None:
         """One step of the engine with X'' (m/s²) and theta'' (rad/s²)."""
-        (x, v, theta, w), (a, alpha), h = self.plate, accelerations, self.step
+        (x, v, theta, w), (a, alpha), h = self.plate, accelerations, STEP
         self.follow((x + h * (v + h / 2 * a), v + h * a, theta + h * (w + h / 2 * alpha), w + h * alpha))
         self._note(0, 0, a, alpha)
 
     def follow(self, plate: tuple[float, float, float, float]) -> None:
         """One step of the engine, after which the plate has the positions and rates X, X', theta, theta'."""
-        data, h = self.data, self.step
+        data, h = self.data, STEP
         goal = np.array([plate[0], plate[2]])
         # The engine computes q += h (v += h a): with this a, its positions are the exact ones, and so are the object's while it sticks.
         rates = (goal - data.qpos[:2]) / h
@@ -183,8 +186,8 @@ def footprint(outline: Floats) -> Floats:
     return np.asarray(points @ gained.T)
 
 
-def _scene(body: Body, mu: float, contact: Contact, step: float) -> str:
-    half = body.thickness / 2
+def _scene(body: Body, mu: float, contact: Contact, mark: Floats | None) -> str:
+    half, nose = body.thickness / 2, body.outline[:, 0].max()
     corners = " ".join(f"{x} {y} {z}" for z in (-half, half) for x, y in body.outline)
     mesh = f'<mesh name="object" vertex="{corners}"/>' if "mesh" in body.geom else ""
     solid, spheres = "", ""
@@ -194,10 +197,15 @@ def _scene(body: Body, mu: float, contact: Contact, step: float) -> str:
             f'<geom type="sphere" size="{SPHERE}" pos="{x} {y} {SPHERE - half}" mass="0"/>'
             for x, y in footprint(body.outline)
         )
+    shown = ""
+    if mark is not None:
+        where = f'pos="{mark[0]} {mark[1]} {MARK - half}" euler="0 0 {math.degrees(mark[2])}"'
+        shown = f'<geom {body.geom} {where} contype="0" conaffinity="0" mass="0" rgba=".25 .7 .4 1"/>'
     return f"""<mujoco>
-      <option timestep="{step}" cone="elliptic" impratio="{FRICTION_STIFFNESS}"><flag multiccd="enable"/></option>
+      <option timestep="{STEP}" cone="elliptic" impratio="{FRICTION_STIFFNESS}"><flag multiccd="enable"/></option>
       <default><geom {SOFTNESS} friction="{mu} 0 0" condim="3"/></default>
       <asset>{mesh}
+        <texture type="skybox" builtin="flat" rgb1="1 1 1" rgb2="1 1 1" width="32" height="32"/>
         <texture name="checks" type="2d" builtin="checker" rgb1=".82 .84 .87" rgb2=".68 .71 .76" width="256" height="256"/>
         <material name="plate" texture="checks" texrepeat="10 10" texuniform="true"/>
       </asset>
@@ -206,10 +214,12 @@ def _scene(body: Body, mu: float, contact: Contact, step: float) -> str:
         <body name="plate">
           <joint type="slide" axis="1 0 0" armature="{PLATE}"/><joint type="hinge" axis="1 0 0" armature="{PLATE}"/>
           <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-          <geom type="box" size="1 1 0.05" pos="0 0 -0.05" material="plate"/>
+          <geom type="box" size="1 1 0.05" pos="0 0 -0.05" rgba="0 0 0 0"/>
+          <geom type="box" size="{SHOWN[0]} {SHOWN[1]} 0.01" pos="0 0 -0.01" contype="0" conaffinity="0" material="plate"/>{shown}
         </body>
         <body name="object"><freejoint/>
           <geom {body.geom} mass="{body.mass}" {solid} rgba=".8 .35 .15 1"/>{spheres}
+          <site type="box" size="{nose / 4} {nose / 16} 0.0005" pos="{nose / 2} 0 {half}" rgba=".2 .1 .05 1"/>
         </body>
       </worldbody>
     </mujoco>"""

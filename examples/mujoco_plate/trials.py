@@ -23,17 +23,10 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from plant import BOUNDS, STEP, Body, Contact, Plant
-
-from bracketry.plate import PlateController
+from loop import arrived, closed_loop, controller, error
+from plant import BOUNDS, Body, Contact, Plant
 
 RECORD = Path(__file__).resolve().parents[2] / "docs/records/plate_mujoco.md"
-PERIOD, BELIEVED = 0.02, 0.3
-NOISE, TOLERANCE = (5e-4, math.radians(0.5)), (2e-3, math.radians(2))
-#: Rates of a plate at rest, in m/s and rad/s.
-REST = 1e-6
-#: Seconds that a move lasts after the controller has finished, and at most.
-AFTER, LONGEST = 1.0, 30.0
 KINDS = ("disk", "ellipse", "rectangle", "polygon")
 FRICTION = ((0.15, 0.25), (0.25, 0.35), (0.35, 0.5))
 
@@ -96,37 +89,18 @@ def move(index: int, *, seed: int, contact: Contact, mu_deviation: float) -> Res
     kind = KINDS[index % len(KINDS)]
     body, mu = random_body(kind, draw), draw.uniform(0.15, 0.5)
     start, target = (draw.uniform([-0.1, -0.1, -math.pi], [0.1, 0.1, math.pi]) for _ in range(2))
-    plant = Plant(body, mu, tuple(start), contact)
-    controller = PlateController(
-        target, shape=body.shape, thickness=body.thickness, mass=body.mass, mu=BELIEVED, mu_deviation=mu_deviation,
-        period=PERIOD, delay=1, noise=NOISE, tolerance=TOLERANCE,
-    )  # fmt: skip
-    late, since, finished_at, gap = (0.0, 0.0), math.inf, math.inf, 0.0
-    walls, moves, resting = [], 0, 99
-    while plant.time < min(LONGEST, finished_at + AFTER):
-        clock = time.perf_counter()
-        step = controller.step(plant.measure(draw, NOISE))
+    plant, since, gap = Plant(body, mu, tuple(start), contact), math.inf, 0.0
+    walls, moves, resting, clock = [], 0, 99, time.perf_counter()
+    for step in closed_loop(plant, controller(body, target, mu_deviation), draw):
         walls.append(time.perf_counter() - clock)
-        acting, late = late, (step.displacement_acceleration, step.tilt_acceleration)
-        moving = max(abs(late[0]), abs(late[1])) > 0.1
+        since = min(since, plant.time) if arrived(plant, target) else math.inf
+        gap = max(gap, plant.gap)
+        moving = max(abs(step.displacement_acceleration), abs(step.tilt_acceleration)) > 0.1
         moves += moving and resting > 4
         resting = 0 if moving else resting + 1
-        for _ in range(round(PERIOD / STEP)):
-            plant.advance(acting)
-            error = plant.pose - target
-            error[2] = math.remainder(error[2], math.tau)
-            within = bool((abs(error[:2]) <= TOLERANCE[0]).all()) and abs(error[2]) <= TOLERANCE[1]
-            if not (within and abs(plant.plate[[1, 3]]).max() <= REST):
-                since = math.inf
-            elif since == math.inf:
-                since = plant.time
-        gap = max(gap, plant.gap)
-        if not step.finished:
-            finished_at = math.inf
-        elif finished_at == math.inf:
-            finished_at = plant.time
+        clock = time.perf_counter()
     return Result(
-        index, kind, body.thickness, mu, start.tolist(), target.tolist(), since, step.status, error.tolist(), step.mu,
+        index, kind, body.thickness, mu, start.tolist(), target.tolist(), since, step.status, error(plant, target).tolist(), step.mu,
         moves, plant.largest.tolist(), gap, walls[0], max(walls[1:]),
     )  # fmt: skip
 
