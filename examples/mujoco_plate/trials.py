@@ -184,11 +184,12 @@ def main() -> None:
             results[contact] = []
             for result in processes.map(run, indices):
                 results[contact].append(result)
-                print(json.dumps(asdict(result)), flush=True) if given.index else None
+                came = f"{result.time:.2f} s" if result.reached else result.status
+                print(f"{contact} {result.index}: {result.kind}, mu {result.mu:.3f}, {result.moves} moves, {came}", flush=True)
+                if given.json:
+                    every = {contact: [asdict(r) for r in some] for contact, some in results.items()}
+                    given.json.write_text(json.dumps(every, indent=1), encoding="utf-8")
         print(f"\n{contact}\n\n{table(results[contact])}", flush=True)
-    if given.json:
-        every = {contact: [asdict(r) for r in some] for contact, some in results.items()}
-        given.json.write_text(json.dumps(every, indent=1), encoding="utf-8")
     if given.record:
         command = f"python examples/mujoco_plate/trials.py --trials {given.trials} --seed {given.seed} --record"
         record({contact: f"`{command}`\n\n{table(some)}" for contact, some in results.items()})
