@@ -11,10 +11,11 @@ import argparse
 import math
 
 import numpy as np
-from plant import STEP, Body, Floats, Plant
+from plant import STEP, Body, Contact, Floats, Plant
 
 from bracketry import plate
 
+CONTACTS: tuple[Contact, ...] = ("footprint", "solid")
 DISK = Body.disk(0.12)
 #: Start x, y (m) and yaw, duration (s), frequency of the plate's motion (Hz).
 EXPERIMENTS = {1: ((0.3, 0.0, 0.0), 15.0, 2.0), 2: ((0.48, 0.0, 0.0), 6.0, 1.5), 3: ((0.3, -0.03, 0.0), 6.0, 3.0)}
@@ -41,10 +42,10 @@ def motion(experiment: int, t: float, amp: float) -> tuple[float, float]:
     return 0.0, amp * (1 - math.cos(6 * math.pi * t)) / 2 * rise
 
 
-def run(experiment: int, contact: str) -> tuple[Floats, Floats, float]:
+def run(experiment: int, contact: Contact) -> tuple[Floats, Floats, float]:
     """Times, poses, and the largest distance of the lower rim from the plate (m)."""
     start, seconds, frequency = EXPERIMENTS[experiment]
-    plant = Plant(DISK, 0.3, start, contact=contact)  # type: ignore[arg-type]
+    plant = Plant(DISK, 0.3, start, contact=contact)
     # Experiment 2 has the angular frequency 2 w = 6 pi in its first harmonic: 3 Hz.
     period = round(1 / (2 * frequency if experiment == 2 else frequency) / STEP)
     poses, amp, gap = [plant.pose], 0.0, 0.0
@@ -58,7 +59,7 @@ def run(experiment: int, contact: str) -> tuple[Floats, Floats, float]:
         plant.follow((displacement, 0.0, tilt, 0.0))
         poses.append(plant.pose)
         gap = max(gap, abs(plant.gap))
-    return STEP * np.arange(len(poses)), np.array(poses), gap
+    return np.arange(len(poses), dtype=np.float64) * STEP, np.array(poses), gap
 
 
 def arrival(t: Floats, values: Floats, start: float, target: float) -> float | None:
@@ -67,9 +68,9 @@ def arrival(t: Floats, values: Floats, start: float, target: float) -> float | N
     return float(t[covered.argmax()]) if covered.any() else None
 
 
-def creep(contact: str, degrees: float) -> float:
+def creep(contact: Contact, degrees: float) -> float:
     """How far a disk with mu = 0.3 moves in 10 s on the tilted plate, in m; it would rest up to 16.7 degrees."""
-    plant = Plant(DISK, 0.3, (0.0, 0.0, 0.0), contact=contact)  # type: ignore[arg-type]
+    plant = Plant(DISK, 0.3, (0.0, 0.0, 0.0), contact=contact)
     tilt, raised = math.radians(degrees), 0.5
     for k in range(round((10 + raised) / STEP)):
         s = min(1.0, (k + 1) * STEP / raised)
@@ -88,7 +89,7 @@ def main() -> None:
         start, seconds, _ = EXPERIMENTS[experiment]
         ours = plate.run(experiment, shape="disk:0.12", mu=0.3, start=start, seconds=seconds)
         rows = [("area contact of this package", ours.t, ours.states[:, :3], ours.largest_gap)]
-        rows += [(f"MuJoCo, {contact}", *run(experiment, contact)) for contact in ("footprint", "solid")]
+        rows += [(f"MuJoCo, {contact}", *run(experiment, contact)) for contact in CONTACTS]
         for name, t, poses, gap in rows:
             gained = poses[-1] - poses[0]
             column, target = {1: (2, math.pi / 2), 2: (0, 0.54), 3: (1, 0.0)}[experiment]
@@ -98,7 +99,7 @@ def main() -> None:
                 f"| {'–' if at is None else f'{at:.1f}'} | {1e3 * gap:.2f} |"
             )
     print()
-    for contact in ("footprint", "solid"):
+    for contact in CONTACTS:
         print(f"MuJoCo, {contact}: in 10 s the disk creeps", ", ".join(
             f"{1e6 * creep(contact, degrees):.1f} µm at {degrees}°" for degrees in (0, 5, 10)))
 

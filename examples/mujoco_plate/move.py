@@ -23,6 +23,7 @@ from plant import Body, Floats, Plant
 
 matplotlib.use("agg")
 import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
 
 BODY, FRICTION = Body.ellipse(0.15, 0.10), 0.25
 START, TARGET = (-0.03, -0.015, 0.0), np.array([0.03, 0.015, math.pi / 2])
@@ -30,7 +31,7 @@ START, TARGET = (-0.03, -0.015, 0.0), np.array([0.03, 0.015, math.pi / 2])
 SIZE, EVERY = (400, 260), 4
 
 
-def figure(t: Floats, poses: Floats, plates: Floats) -> plt.Figure:
+def figure(t: Floats, poses: Floats, plates: Floats) -> Figure:
     drawn, axes = plt.subplots(3, 1, figsize=(9, 6.5), sharex=True, layout="constrained")
     for i, (name, color) in enumerate((("x", "tab:blue"), ("y", "tab:orange"))):
         axes[0].plot(t, 1e3 * poses[:, i], color=color, label=f"object, {name}")

@@ -32,6 +32,8 @@ FRICTION_STIFFNESS = 10
 SPHERE, SPHERES = 1e-3, 60
 #: Half sides of the plate that is shown, and height of a mark on it, in m.
 SHOWN, MARK = (0.3, 0.25), 5e-4
+#: Geoms without contact.
+UNTOUCHED = 'contype="0" conaffinity="0"'
 #: Corners of the mesh of an ellipse.
 CORNERS = 64
 
@@ -152,7 +154,7 @@ class Plant:
 
 def _ellipse(a: float, b: float) -> Floats:
     angles = np.linspace(0, math.tau, CORNERS, endpoint=False)
-    return np.c_[a * np.cos(angles), b * np.sin(angles)]
+    return np.asarray(np.c_[a * np.cos(angles), b * np.sin(angles)])
 
 
 def _centroid(corners: Floats) -> Floats:
@@ -166,7 +168,7 @@ def _inside(outline: Floats, points: Floats, margin: float) -> Floats:
     edges = np.roll(outline, -1, axis=0) - outline
     normals = np.c_[-edges[:, 1], edges[:, 0]] / np.linalg.norm(edges, axis=1)[:, None]
     depth = np.einsum("kj,nkj->nk", normals, points[:, None, :] - outline[None, :, :])
-    return points[(depth >= margin).all(axis=1)]
+    return np.asarray(points[(depth >= margin).all(axis=1)])
 
 
 def footprint(outline: Floats) -> Floats:
@@ -187,20 +189,25 @@ def footprint(outline: Floats) -> Floats:
 
 
 def _scene(body: Body, mu: float, contact: Contact, mark: Floats | None) -> str:
-    half, nose = body.thickness / 2, body.outline[:, 0].max()
+    half = body.thickness / 2
     corners = " ".join(f"{x} {y} {z}" for z in (-half, half) for x, y in body.outline)
     mesh = f'<mesh name="object" vertex="{corners}"/>' if "mesh" in body.geom else ""
     solid, spheres = "", ""
     if contact == "footprint":
-        solid = 'contype="0" conaffinity="0"'
+        solid = UNTOUCHED
         spheres = "".join(
             f'<geom type="sphere" size="{SPHERE}" pos="{x} {y} {SPHERE - half}" mass="0"/>'
             for x, y in footprint(body.outline)
         )
-    shown = ""
+    # What only pictures need.
+    plate, nose = "", ""
     if mark is not None:
         where = f'pos="{mark[0]} {mark[1]} {MARK - half}" euler="0 0 {math.degrees(mark[2])}"'
-        shown = f'<geom {body.geom} {where} contype="0" conaffinity="0" mass="0" rgba=".25 .7 .4 1"/>'
+        plate = f"""
+          <geom {UNTOUCHED} type="box" size="{SHOWN[0]} {SHOWN[1]} 0.01" pos="0 0 -0.01" mass="0" material="plate"/>
+          <geom {UNTOUCHED} {body.geom} {where} mass="0" rgba=".25 .7 .4 1"/>"""
+        front = body.outline[:, 0].max()
+        nose = f'<site type="box" size="{front / 4} {front / 16} 0.0005" pos="{front / 2} 0 {half}" rgba=".2 .1 .05 1"/>'
     return f"""<mujoco>
       <option timestep="{STEP}" cone="elliptic" impratio="{FRICTION_STIFFNESS}"><flag multiccd="enable"/></option>
       <default><geom {SOFTNESS} friction="{mu} 0 0" condim="3"/></default>
@@ -214,12 +221,10 @@ def _scene(body: Body, mu: float, contact: Contact, mark: Floats | None) -> str:
         <body name="plate">
           <joint type="slide" axis="1 0 0" armature="{PLATE}"/><joint type="hinge" axis="1 0 0" armature="{PLATE}"/>
           <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-          <geom type="box" size="1 1 0.05" pos="0 0 -0.05" rgba="0 0 0 0"/>
-          <geom type="box" size="{SHOWN[0]} {SHOWN[1]} 0.01" pos="0 0 -0.01" contype="0" conaffinity="0" material="plate"/>{shown}
+          <geom type="box" size="1 1 0.05" pos="0 0 -0.05" rgba="0 0 0 0"/>{plate}
         </body>
         <body name="object"><freejoint/>
-          <geom {body.geom} mass="{body.mass}" {solid} rgba=".8 .35 .15 1"/>{spheres}
-          <site type="box" size="{nose / 4} {nose / 16} 0.0005" pos="{nose / 2} 0 {half}" rgba=".2 .1 .05 1"/>
+          <geom {body.geom} mass="{body.mass}" {solid} rgba=".8 .35 .15 1"/>{spheres}{nose}
         </body>
       </worldbody>
     </mujoco>"""

@@ -160,8 +160,9 @@ def record(tables: dict[str, str]) -> None:
     text = RECORD.read_text(encoding="utf-8")
     for name, content in tables.items():
         marks = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end -->)", re.DOTALL)
-        text, count = marks.subn(lambda m, content=content: f"{m[1]}\n{content}\n\n{m[2]}", text)
-        assert count == 1, name
+        found = marks.search(text)
+        assert found, name
+        text = f"{text[: found.start()]}{found[1]}\n{content}\n\n{found[2]}{text[found.end() :]}"
     RECORD.write_text(text, encoding="utf-8")
 
 
