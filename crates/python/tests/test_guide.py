@@ -33,6 +33,19 @@ def test_the_cart_pole_of_an_independent_engine_is_swung_up(monkeypatch, capsys)
     assert abs(names["plant"].qvel).max() < 0.2
 
 
+def test_a_disk_on_the_plate_of_an_independent_engine_is_brought_to_its_pose(capsys) -> None:
+    pytest.importorskip("mujoco")
+    text = (ROOT / "docs/plate.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert len(block.splitlines()) <= 40
+    names: dict = {}
+    exec(compile(block, "docs/plate.md", "exec"), names)
+    x, y, yaw = abs(names["pose"]() - names["target"])
+    assert names["step"].status == "arrived"
+    assert max(x, y) < 2e-3 and yaw < 0.035
+    assert abs(names["plant"].qpos[:2]).max() < 0.35 and abs(names["plant"].qvel).max() < 0.01
+
+
 def test_the_guide_runs(tmp_path, monkeypatch) -> None:
     pytest.importorskip("sympy")
     monkeypatch.chdir(tmp_path)
