@@ -188,7 +188,9 @@ impl ControlProblem {
         };
         for programs in [1, MORE_PROGRAMS] {
             if let (false, Some(plan)) = (trial.plans.is_empty(), converged) {
-                trial.plans.push(rated(plan.clone()).1);
+                // Where a model is unstable, a roll-out leaves even a converged plan.
+                let Rated { predicted, plan, .. } = rated(plan.clone()).1;
+                trial.plans.push(Rated { predicted, real: predicted, plan });
                 break;
             }
             for _ in 0..programs {
@@ -215,7 +217,11 @@ impl ControlProblem {
     /// converged: programs do not leave a guess that is stationary, but no minimum.
     fn change(&self, trial: &Trial, feedback: Feedback, look_beside: bool) -> Result<Option<f64>, MpcError> {
         let [first, later] = &trial.plans[..] else { return Ok(None) };
-        let differ = |a: f64, b: f64| (a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
+        // Roll-outs that end nowhere settle nothing.
+        let differ = |a: f64, b: f64| {
+            let share = (a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
+            if share.is_nan() { f64::INFINITY } else { share }
+        };
         let mut change = differ(first.predicted, first.real).max(differ(first.real, later.real));
         change = change.max(self.moved(first.plan.u(0), later.plan.u(0)));
         let steps = first.plan.steps();

@@ -103,22 +103,20 @@ impl Sqp {
                 continue;
             }
             let steps = solution.as_ref().map_or(0, |s| s.steps);
-            let accurate = solution.as_ref().is_some_and(|s| s.accurate);
             self.interior_point_steps += steps;
             last = number;
             let widest = if start == Start::Narrow { WIDEST[1] } else { WIDEST[0] };
             let programs = match solution {
-                Some(_) if accurate => CONFIRMING,
-                Some(_) => FOLLOWING,
+                Some(_) => CONFIRMING,
                 None if following && start == Start::Guess => following_programs.min(self.settings.filter_iterations),
                 None => self.settings.filter_iterations,
             };
-            let confirmed = !accurate || (self.confirming && !leads);
+            let confirmed = solution.is_none() || (self.confirming && !leads);
             let mut stop =
                 if confirmed { self.filter_method(&mut end, 0.0, (widest, programs), log)? } else { Stop::Converged };
             // Programs that do not confirm it are less accurate than it is.
-            self.interior_leads |= accurate && (leads || stop != Stop::Converged);
-            if let Some(solution) = solution.filter(|s| s.accurate && stop != Stop::Converged) {
+            self.interior_leads |= solution.is_some() && (leads || stop != Stop::Converged);
+            if let Some(solution) = solution.filter(|_| stop != Stop::Converged) {
                 self.qp.set_multipliers(&solution.multipliers, &solution.row_multipliers);
                 (end, stop) = (solution.trajectory, Stop::Converged);
             }

@@ -62,8 +62,6 @@ pub(crate) struct InteriorSolution {
     pub(crate) row_multipliers: Vec<f64>,
     /// Number of steps.
     pub(crate) steps: usize,
-    /// Whether it is as accurate as it was asked for; otherwise steps ceased to change an acceptable one.
-    pub(crate) accurate: bool,
 }
 
 /// The method at work.
@@ -122,7 +120,7 @@ impl<'a> InteriorPoint<'a> {
                 continue;
             }
             if error <= tolerance {
-                return Ok(Some(method.solution(steps, true)));
+                return Ok(Some(method.solution(steps)));
             }
             let change = (method.now.objective - objective).abs();
             objective = method.now.objective;
@@ -130,7 +128,7 @@ impl<'a> InteriorPoint<'a> {
             let near = error <= (ACCEPTABLE * tolerance).min(LARGEST_ACCEPTABLE);
             acceptable = if near && unchanged { acceptable + 1 } else { 0 };
             if acceptable == ACCEPTABLE_STEPS {
-                return Ok(Some(method.solution(steps, false)));
+                return Ok(Some(method.solution(steps)));
             }
             if !error.is_finite() {
                 return Ok(None);
@@ -341,7 +339,7 @@ impl<'a> InteriorPoint<'a> {
         (self.at, self.now) = (end, values);
     }
 
-    fn solution(self, steps: usize, accurate: bool) -> InteriorSolution {
+    fn solution(self, steps: usize) -> InteriorSolution {
         let factor = self.of.factor;
         let mut row_multipliers = vec![0.0; self.of.program.all_rows()];
         for (row, v) in self.of.program.rows.iter().zip(&self.at.v) {
@@ -350,6 +348,6 @@ impl<'a> InteriorPoint<'a> {
         let multipliers = self.at.y.iter().map(|y| y / factor).collect();
         let mut trajectory = self.at.z;
         trajectory.clamp_inputs(&self.of.problem.ocp.input_bounds);
-        InteriorSolution { trajectory, multipliers, row_multipliers, steps, accurate }
+        InteriorSolution { trajectory, multipliers, row_multipliers, steps }
     }
 }
