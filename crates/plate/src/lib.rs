@@ -40,7 +40,7 @@ pub use model::{
     Energy, FlatContact, GRAVITY, Terms, energy, first_principles, flat_contact, normal_load, published, reduced,
 };
 pub use motion::{Drive, ExpressionMotion, Harmonic, PeriodicMotion, PlateKinematics, PlateMotion};
-pub use object::{Object, Quadrature, Shape, ShapeError, Vertices};
+pub use object::{Bearing, Object, Quadrature, Shape, ShapeError, Vertices};
 pub use run::{
     Assumption, Comparison, Deviation, ExperimentKind, FrictionLaw, GivenOption, NumberOption, PlateExperiment,
     PlateModel, PlateOptions, PlateOutcome, PlateRow, PlateRun, PlateRunError, PlateSetup, PlateStop, SetupError,
