@@ -319,7 +319,8 @@ fn random_objects_on_random_plates_end_in_a_known_way() {
             2 => Shape::Rectangle { a, b },
             _ => Shape::polygon(&triangle).unwrap(),
         };
-        let object = Object { shape, height: 0.05 * random() * random(), mass: 10.0 * random() + 1e-3, ..Object::REFERENCE };
+        let object =
+            Object { shape, height: 0.05 * random() * random(), mass: 10.0 * random() + 1e-3, ..Object::REFERENCE };
         let mu = random();
         let law = match case % 5 {
             0 => Friction::Coulomb { mu },

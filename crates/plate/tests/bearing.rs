@@ -15,7 +15,7 @@ fn bearings() -> Vec<Bearing> {
         Bearing::Footprint,
         Bearing::Scaled(0.5),
         Bearing::Ring(1.0),
-        Bearing::Feet(vec![[0.08, 0.03], [-0.05, 0.06], [-0.06, -0.05]]),
+        Bearing::Feet(vec![[0.12, 0.03], [-0.06, 0.1], [-0.05, -0.09]]),
         Bearing::Map(vec![[0.07, 0.05, 1.0], [-0.08, 0.06, 2.0], [-0.07, -0.05, 1.5], [0.06, -0.06, 0.5]]),
     ]
 }
@@ -150,7 +150,11 @@ fn the_derivatives_of_the_optimizers_model_are_exact() {
         for column in 0..12 {
             let mut at = |step: f64| {
                 let (mut x, mut u, mut rates) = (STATE, INPUT, [0.0; 10]);
-                if column < 10 { x[column] += step } else { u[column - 10] += step }
+                if column < 10 {
+                    x[column] += step
+                } else {
+                    u[column - 10] += step
+                }
                 model.field(0.0, &x, &u, &mut rates);
                 rates
             };
@@ -171,12 +175,15 @@ fn an_object_tips_over_its_feet_not_over_its_rim() {
     let object = Object { bearing: feet, height: h, ..DISK };
     // Pulled along with the acceleration a it tips at a h = g half, well before the rim of the disk.
     for (share, tips) in [(0.99, false), (1.01, true)] {
-        let mut contact =
-            AreaContact::new(&object, &Friction::Coulomb { mu: 10.0 }, &AreaSettings::default()).unwrap();
+        let mut contact = AreaContact::new(&object, &Friction::Coulomb { mu: 10.0 }, &AreaSettings::default()).unwrap();
         let acceleration = share * 9.81 * half / h;
         let mut motion = |_| PlateKinematics { acceleration, ..PlateKinematics::default() };
         let outcome = contact.advance(&mut motion, 0.01).unwrap();
-        assert_eq!(matches!(outcome, AreaOutcome::Tipping { at, .. } if (at[0] + half).abs() < 1e-9), tips, "{outcome}");
+        assert_eq!(
+            matches!(outcome, AreaOutcome::Tipping { at, .. } if (at[0] + half).abs() < 1e-9),
+            tips,
+            "{outcome}"
+        );
     }
 }
 

@@ -120,7 +120,8 @@ impl Footprint {
 
     /// Loads of the pressure `max(0, a + b x + c y)` over the mean, coefficients for lengths in `size`.
     fn spread(&mut self, normal: f64, [a, b, c]: &[f64; 3]) {
-        for ((load, [x, y]), weight) in self.loads.iter_mut().zip(&self.patch.rule.points).zip(&self.patch.rule.weights) {
+        for ((load, [x, y]), weight) in self.loads.iter_mut().zip(&self.patch.rule.points).zip(&self.patch.rule.weights)
+        {
             *load = normal * weight * (a + (b * x + c * y) / self.patch.size).max(0.0);
         }
     }

@@ -48,6 +48,16 @@ impl MoveProblem {
         Ok(Self { object: object.clone(), template, contact, feedback })
     }
 
+    /// The same problem with the models of an object that differs a little. The constraint on its pressure stays.
+    pub(super) fn set_object(&mut self, object: &Object) -> Result<(), PlateError> {
+        if *object != self.object {
+            self.contact = RoundedContact::new(object, 0.3, POINTS)?;
+            self.feedback = RoundedContact::new(object, 0.3, FEEDBACK_POINTS)?;
+            self.object = object.clone();
+        }
+        Ok(())
+    }
+
     pub(super) fn object(&self) -> &Object {
         &self.object
     }
@@ -132,10 +142,7 @@ fn pressure(object: &Object, patch: &Patch, interval: f64) -> Vec<String> {
     let (y, vy) = if [dx, dy] == [0.0; 2] {
         ("y".to_owned(), "vy".to_owned())
     } else {
-        (
-            format!("(y + ({dx})*sin(phi) + ({dy})*cos(phi))"),
-            format!("(vy + w*(({dx})*cos(phi) - ({dy})*sin(phi)))"),
-        )
+        (format!("(y + ({dx})*sin(phi) + ({dy})*cos(phi))"), format!("(vy + w*(({dx})*cos(phi) - ({dy})*sin(phi)))"))
     };
     rates
         .iter()
@@ -146,7 +153,8 @@ fn pressure(object: &Object, patch: &Patch, interval: f64) -> Vec<String> {
             let across = format!("(thetadd*cos(phi) - 2*{rate}*w*sin(phi))");
             let combined = |(level, [p, q]): (f64, [f64; 2])| {
                 let terms = [(level, &mean), (p, &along), (q, &across)];
-                let terms: Vec<String> = terms.iter().filter(|t| t.0 != 0.0).map(|(c, e)| format!("({c})*{e}")).collect();
+                let terms: Vec<String> =
+                    terms.iter().filter(|t| t.0 != 0.0).map(|(c, e)| format!("({c})*{e}")).collect();
                 if terms.is_empty() { "0".to_owned() } else { format!("({})", terms.join(" + ")) }
             };
             let at = |point: [f64; 2]| patch.response(object, point);
@@ -167,7 +175,9 @@ fn pressure(object: &Object, patch: &Patch, interval: f64) -> Vec<String> {
                 // Of rectangles and polygons the rim is asked for with few points: it always has the corners.
                 shape => {
                     let corners = shape.rim(1).into_iter();
-                    corners.map(|[p, q]| format!("{}/{GRAVITY}", combined(at([x + patch.scale * p, y + patch.scale * q])))).collect()
+                    corners
+                        .map(|[p, q]| format!("{}/{GRAVITY}", combined(at([x + patch.scale * p, y + patch.scale * q]))))
+                        .collect()
                 }
             }
         })

@@ -79,6 +79,10 @@ impl Planner {
         &self.problem
     }
 
+    pub(super) fn problem_mut(&mut self) -> &mut MoveProblem {
+        &mut self.problem
+    }
+
     /// The best plan found from a state at rest to a pose; absent if no program could be solved at all.
     ///
     /// Oscillations of several frequencies are tried, then longer durations.

@@ -149,11 +149,8 @@ impl Patch {
         let (hull, scale, mut center) = object.bearing.hull(&object.shape, &rule.points)?;
         let as_mass = object.bearing == Bearing::Footprint;
         let from = object.center_of_mass;
-        let (mut mean, (xx, yy, xy)) = if as_mass {
-            ([0.0; 2], object.shape.second_moments_at(0.0))
-        } else {
-            moments(&rule)
-        };
+        let (mut mean, (xx, yy, xy)) =
+            if as_mass { ([0.0; 2], object.shape.second_moments_at(0.0)) } else { moments(&rule) };
         if from != [0.0; 2] {
             let shift = |p: &mut [f64; 2]| *p = [p[0] - from[0], p[1] - from[1]];
             rule.points.iter_mut().for_each(shift);

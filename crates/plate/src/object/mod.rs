@@ -6,8 +6,8 @@ mod prism;
 mod quadrature;
 mod shape;
 
-pub(crate) use bearing::Patch;
 pub use bearing::Bearing;
+pub(crate) use bearing::Patch;
 pub use polygon::{ShapeError, Vertices};
 pub use prism::Object;
 pub use quadrature::Quadrature;

@@ -25,7 +25,13 @@ pub struct Object {
 
 impl Object {
     /// The object of the logs and reference results: a disk of radius 0.12 m, 5 mm thick, 0.2 kg.
-    pub const REFERENCE: Object = Object { shape: Shape::REFERENCE_DISK, height: 0.0025, mass: 0.2, bearing: Bearing::Footprint, center_of_mass: [0.0; 2] };
+    pub const REFERENCE: Object = Object {
+        shape: Shape::REFERENCE_DISK,
+        height: 0.0025,
+        mass: 0.2,
+        bearing: Bearing::Footprint,
+        center_of_mass: [0.0; 2],
+    };
 
     /// Checks lengths and mass.
     ///
