@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout)]
 
 use anyhow::bail;
-use bracketry_plate::{Bearing, Object, PoseController, PoseSettings, Shape};
+use bracketry_plate::{Bearing, Object, PlateLimits, PoseController, PoseSettings, Shape};
 use bracketry_trials::{PoseRange, PushRange, Scenario, TrialReport, TrialSetup, TrialSummary, run_trials};
 use clap::Parser;
 use std::ops::ControlFlow;
@@ -86,7 +86,7 @@ fn scenario(case: &Case) -> Scenario {
         position_tolerance: 2e-3,
         angle_tolerance_deg: 2.0,
         duration: 60.0,
-        limits: Default::default(),
+        limits: PlateLimits::default(),
     }
 }
 

@@ -3,6 +3,7 @@
 mod area_loop_plant;
 mod interface;
 mod learned;
+mod leveling;
 mod limits;
 mod model_family;
 mod motion_estimator;

@@ -35,10 +35,10 @@ const STEPS: [[f64; 2]; OF_OBJECT] = [[0.03, 0.12], [0.06, 0.2], [5e-4, 3e-3], [
 /// Distance in steps at which simulations are made anew on the way, and how far they go at once.
 const STRAYED: f64 = 1.5;
 const STRIDE: f64 = 3.0;
-/// Samples that simulations last at least.
-const LAST: usize = 3;
+/// Samples of the record that new simulations catch up with while one is measured.
+const CATCH_UP: usize = 6;
 /// Rounds over the records at rest, and the change in steps that ends them.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 4;
 const SETTLED: f64 = 0.3;
 /// Moves whose records are kept, and samples at rest that are.
 const RUNS: usize = 4;
@@ -156,8 +156,8 @@ pub(super) struct MotionEstimator {
     prior: Filter,
     filter: Filter,
     family: ModelFamily,
-    /// Samples since the simulations were made.
-    age: usize,
+    /// Other simulations that are to take the place of these, and how many samples of the run they have seen.
+    next: Option<(ModelFamily, Filter, usize)>,
     run: Run,
     runs: Vec<Run>,
     /// Whether there are records that nothing has been learned from.
@@ -192,7 +192,7 @@ impl MotionEstimator {
             first,
             filter,
             family,
-            age: 0,
+            next: None,
             run,
             runs: Vec::new(),
             unlearned: false,
@@ -249,82 +249,72 @@ impl MotionEstimator {
 
     /// Moves on by a period of the plate's motion and takes in the pose that is measured then.
     pub(super) fn step(&mut self, plate: &PlateKinematics, acted: Command, pose: &[f64; 3]) -> Result<(), PlateError> {
-        self.advance(plate, acted)?;
-        self.filter.take(&self.family, pose, &self.noise, self.period);
+        let sample = Sample { plate: *plate, acted, pose: *pose };
+        filtered(&mut self.family, &mut self.filter, &sample, &self.noise, self.period)?;
         if self.at_rest() {
             self.run.resting += 1;
         } else {
             (self.run.moved, self.run.resting, self.unlearned) = (true, 0, true);
         }
         if self.run.resting <= RESTING {
-            self.run.samples.push(Sample { plate: *plate, acted, pose: *pose });
+            self.run.samples.push(sample);
         }
-        self.age += 1;
-        if self.age >= LAST && self.family.distance(&self.filter.parameters()) > STRAYED {
-            self.renew()?;
+        if self.next.is_some() {
+            self.catch_up()
+        } else if self.family.distance(&self.filter.parameters()) > STRAYED {
+            let mut family = self.centered()?;
+            family.place(self.run.start)?;
+            self.next = Some((family, self.prior.clone(), 0));
+            Ok(())
+        } else {
+            Ok(())
         }
-        Ok(())
     }
 
-    fn advance(&mut self, plate: &PlateKinematics, acted: Command) -> Result<(), PlateError> {
-        self.family.advance(plate, acted, self.period)?;
-        if !self.at_rest() {
-            self.filter.drift(self.period);
+    /// Filters a part of the record with the next simulations; once they have seen all of it, they take over.
+    fn catch_up(&mut self) -> Result<(), PlateError> {
+        let Some((mut family, mut filter, seen)) = self.next.take() else { return Ok(()) };
+        let all = self.run.samples.len();
+        let end = if self.at_rest() { all } else { all.min(seen + CATCH_UP) };
+        for sample in &self.run.samples[seen.min(end)..end] {
+            filtered(&mut family, &mut filter, sample, &self.noise, self.period)?;
         }
-        Ok(())
-    }
-
-    /// Makes the simulations anew about the estimate and filters the run again.
-    fn renew(&mut self) -> Result<(), PlateError> {
-        self.center()?;
-        self.filter = self.prior.clone();
-        let samples = std::mem::take(&mut self.run.samples);
-        let run = Run { samples, ..self.run };
-        self.again(&run)?;
-        self.run = run;
+        if end == all {
+            (self.family, self.filter) = (family, filter);
+        } else {
+            self.next = Some((family, filter, end));
+        }
         Ok(())
     }
 
     /// Simulations about the estimate, or as far toward it as they may go at once.
-    fn center(&mut self) -> Result<(), PlateError> {
+    fn centered(&self) -> Result<ModelFamily, PlateError> {
         let (mut parameters, distance) = (self.filter.parameters(), self.family.distance(&self.filter.parameters()));
         if distance > STRIDE {
             for (value, middle) in parameters.iter_mut().zip(*self.family.middle()) {
                 *value = middle + (*value - middle) * STRIDE / distance;
             }
         }
-        self.family = ModelFamily::new(&self.object, parameters, steps(&self.filter))?;
-        self.age = 0;
-        Ok(())
-    }
-
-    /// Filters a record.
-    fn again(&mut self, run: &Run) -> Result<(), PlateError> {
-        self.family.place(run.start)?;
-        self.filter.begin(run.variance);
-        for Sample { plate, acted, pose } in &run.samples {
-            self.advance(plate, *acted)?;
-            self.filter.take(&self.family, pose, &self.noise, self.period);
-        }
-        Ok(())
+        ModelFamily::new(&self.object, parameters, steps(&self.filter))
     }
 
     /// Filters all records with what was believed at first until the parameters stay.
     fn learn(&mut self) -> Result<(), PlateError> {
-        self.runs.push(self.run.clone());
-        let runs = std::mem::take(&mut self.runs);
+        self.next = None;
         for _ in 0..ROUNDS {
-            self.center()?;
+            self.family = self.centered()?;
             self.filter = self.first.clone();
-            for run in &runs {
-                self.again(run)?;
+            for run in self.runs.iter().chain([&self.run]) {
+                self.family.place(run.start)?;
+                self.filter.begin(run.variance);
+                for sample in &run.samples {
+                    filtered(&mut self.family, &mut self.filter, sample, &self.noise, self.period)?;
+                }
             }
             if self.family.distance(&self.filter.parameters()) < SETTLED {
                 break;
             }
         }
-        self.runs = runs;
-        self.runs.pop();
         self.unlearned = false;
         Ok(())
     }
@@ -351,7 +341,8 @@ impl MotionEstimator {
             let surplus = self.runs.len().saturating_sub(RUNS);
             self.runs.drain(..surplus);
         }
-        self.center()?;
+        self.next = None;
+        self.family = self.centered()?;
         self.family.place([x, y, phi])?;
         self.filter.begin(variance);
         for (i, change) in CHANGE.into_iter().enumerate() {
@@ -369,6 +360,22 @@ impl MotionEstimator {
     pub(super) fn forget_pose(&mut self) -> Result<(), PlateError> {
         self.begin([0, 1, 2].map(|i| (100.0 * DRIFT[i / 2]).powi(2)))
     }
+}
+
+/// Moves simulations and filter on by a sample.
+fn filtered(
+    family: &mut ModelFamily,
+    filter: &mut Filter,
+    sample: &Sample,
+    noise: &[f64; 3],
+    period: f64,
+) -> Result<(), PlateError> {
+    family.advance(&sample.plate, sample.acted, period)?;
+    if !family.at_rest() {
+        filter.drift(period);
+    }
+    filter.take(family, &sample.pose, noise, period);
+    Ok(())
 }
 
 /// Distances of simulations: a standard deviation, within limits.

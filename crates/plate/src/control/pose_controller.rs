@@ -2,6 +2,7 @@
 
 use super::interface::{Command, Measurement, PlateController};
 use super::learned::{Learned, validate};
+use super::leveling::leveling;
 use super::motion_estimator::MotionEstimator;
 use super::move_problem::MoveProblem;
 use super::planner::{Plan, Planner, cost};
@@ -24,6 +25,10 @@ const PLAYED_OUT: usize = 1;
 const LATE: f64 = 8.0;
 const EXTENSION: usize = 2;
 const MOST_EXTENSION: usize = 20;
+/// Errors of x and y (m) and of yaw (rad) at the end of a move that no program brings back, and replays in a row that have to
+/// show them for it to be broken off.
+const FAR: [f64; 3] = [0.06, 0.06, 1.0];
+const LOST: usize = 3;
 /// Most samples that the controller looks at the resting object before it believes the mean.
 const LOOKS: usize = 25;
 /// Standard deviations of the mean that a verdict has to be sure of.
@@ -48,6 +53,8 @@ enum Phase {
     Pause { plan: Plan, left: usize },
     /// A plan under way.
     Move(Box<Move>),
+    /// A move that is broken off: the plate levels.
+    Halt,
     /// Plate and object at rest; samples looked at.
     Look { samples: usize },
     /// Nothing to do but to watch: how many poses were measured since the last verdict, and their sum.
@@ -70,6 +77,8 @@ struct Move {
     extended: usize,
     /// Programs in a row whose end misses the target.
     late: usize,
+    /// Replays in a row that end far away.
+    lost: usize,
 }
 
 /// Plans moves from rest to rest, follows them with one quadratic program every second sample, and corrects what they missed
@@ -241,11 +250,22 @@ impl PoseController {
         Ok(())
     }
 
+    /// Commands that are under way to the plate or in the queue, with the times for which they act.
+    fn pending(&self) -> Vec<(Command, f64)> {
+        let lag = self.lag();
+        let under_way = (lag > 0.0).then_some((self.acted, lag));
+        under_way.into_iter().chain(self.queue.iter().map(|c| (*c, self.settings.period))).collect()
+    }
+
+    /// The plate at the time from which the next command acts.
+    fn expected_plate(&self) -> PlateKinematics {
+        self.pending().iter().fold(self.plate, |plate, (command, time)| command.applied_to(&plate).after(*time))
+    }
+
     /// The command that takes off a share of the plate's rates within a period, as far as the bounds allow.
     fn braking(&self, share: f64) -> Command {
         let (limits, period) = (self.settings.limits, self.settings.period);
-        let pending = std::iter::once((self.acted, self.lag())).chain(self.queue.iter().map(|c| (*c, period)));
-        let plate = pending.fold(self.plate, |plate, (command, time)| command.applied_to(&plate).after(time));
+        let plate = self.expected_plate();
         let braked = |rate: f64, limit: f64| {
             if rate.abs() <= STILL { 0.0 } else { (-share * rate / period).clamp(-limit, limit) }
         };
@@ -273,13 +293,11 @@ impl PoseController {
     fn predicted(&mut self) -> Result<[f64; 10], PlateError> {
         let mut state = self.estimator.as_ref().map_or([0.0; 6], MotionEstimator::state);
         let mut plate = self.plate;
-        let lag = self.lag();
-        if lag > 0.0 || !self.queue.is_empty() {
+        let pending = self.pending();
+        if !pending.is_empty() {
             let mut object = Replay::new(self.planner.problem().object(), self.report.mu)?;
             object.set_state(state)?;
-            let pending = (lag > 0.0).then_some((self.acted, lag));
-            let queue = self.queue.iter().map(|c| (*c, self.settings.period));
-            for (command, time) in pending.into_iter().chain(queue) {
+            for (command, time) in pending {
                 object.advance(&plate, command, time)?;
                 plate = command.applied_to(&plate).after(time);
             }
@@ -339,7 +357,14 @@ impl PoseController {
             if let Some(estimator) = &self.estimator {
                 self.planner.problem_mut().set_object(&estimator.object().0)?;
             }
-            ongoing.correction = self.planner.correction(&state?, self.aim, mu, &ongoing.trajectory, limit)?;
+            let (miss, correction) = self.planner.correction(&state?, self.aim, mu, &ongoing.trajectory, limit)?;
+            ongoing.correction = correction;
+            let far = miss.iter().zip(FAR).any(|(e, far)| !e.is_finite() || e.abs() > far);
+            ongoing.lost = if far { ongoing.lost + 1 } else { 0 };
+            if ongoing.lost >= LOST {
+                self.phase = Phase::Halt;
+                return Ok(command);
+            }
         }
         ongoing.half = false;
         self.phase = Phase::Move(ongoing);
@@ -368,13 +393,22 @@ impl PoseController {
         match std::mem::replace(&mut self.phase, HOLD) {
             Phase::Pause { plan, left: 0 } => {
                 let trajectory = plan.trajectory;
-                self.follow(Box::new(Move { trajectory, half: false, correction: None, extended: 0, late: 0 }))
+                self.follow(Box::new(Move { trajectory, half: false, correction: None, extended: 0, late: 0, lost: 0 }))
             }
             Phase::Pause { plan, left } => {
                 self.phase = Phase::Pause { plan, left: left - 1 };
                 Ok(self.braking(BRAKING))
             }
             Phase::Move(ongoing) => self.follow(ongoing),
+            Phase::Halt => {
+                let y = self.estimator.as_ref().map_or(0.0, |e| e.state()[1]);
+                if let Some(command) = leveling(&self.expected_plate(), y, &self.settings.limits, MARGIN) {
+                    self.phase = Phase::Halt;
+                    return Ok(command);
+                }
+                self.phase = Phase::Look { samples: 0 };
+                Ok(self.braking(BRAKING))
+            }
             phase => {
                 self.phase = phase;
                 Ok(self.braking(BRAKING))
