@@ -101,6 +101,7 @@ fn a_spin_stops_the_sooner_the_farther_out_the_pressure_stands() {
 fn without_friction_the_middle_circles_about_the_center_of_mass() {
     let object = Object { center_of_mass: [0.01, 0.02], ..DISK };
     let mut contact = AreaContact::new(&object, &Friction::Coulomb { mu: 0.0 }, &AreaSettings::default()).unwrap();
+    assert_eq!(contact.state(), [0.0; 6]);
     let w = 3.0;
     // The center of mass rests at (0.01, 0.02).
     contact.set_state([0.0, 0.0, 0.0, w * 0.02, -w * 0.01, w]).unwrap();

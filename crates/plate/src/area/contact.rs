@@ -63,7 +63,7 @@ impl AreaContact {
             settings: settings.clone(),
             mass: object.mass,
             t: 0.0,
-            position: [0.0; 3],
+            position: [object.center_of_mass[0], object.center_of_mass[1], 0.0],
             velocity: [0.0; 3],
             last: None,
             energy: EnergyBalance::default(),

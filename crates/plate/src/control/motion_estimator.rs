@@ -36,7 +36,7 @@ const STEPS: [[f64; 2]; OF_OBJECT] = [[0.03, 0.12], [0.06, 0.2], [5e-4, 3e-3], [
 const STRAYED: f64 = 1.5;
 const STRIDE: f64 = 3.0;
 /// Samples of the record that new simulations catch up with while one is measured.
-const CATCH_UP: usize = 6;
+const CATCH_UP: usize = 4;
 /// Rounds over the records at rest, and the change in steps that ends them.
 const ROUNDS: usize = 4;
 const SETTLED: f64 = 0.3;
@@ -384,4 +384,68 @@ fn steps(filter: &Filter) -> [f64; OF_OBJECT] {
         let deviation = filter.covariance[(3 + i, 3 + i)].max(0.0).sqrt();
         if deviation > 0.0 { deviation.clamp(STEPS[i][0], STEPS[i][1]) } else { 0.0 }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::oscillation::Oscillation;
+    use super::super::replay::Replay;
+    use super::*;
+    use crate::Shape;
+
+    const PERIOD: f64 = 0.02;
+
+    /// An estimator that has watched an object with the given parameters for 1.2 s on an oscillating plate.
+    fn watched(truth: Parameters) -> MotionEstimator {
+        let first = Object { shape: Shape::REFERENCE_ELLIPSE, ..Object::REFERENCE };
+        let (object, mu) = object_of(&first, &truth);
+        let mut plant = Replay::new(&object, mu).unwrap();
+        let start = [0.02, -0.05, 0.4];
+        plant.set_state([start[0], start[1], start[2], 0.0, 0.0, 0.0]).unwrap();
+        let mut estimator = MotionEstimator::new(&first, &PoseSettings::default(), start).unwrap();
+        let swing = Oscillation { frequency: 2.5, displacement: 0.03, tilt: 0.15, phase: 0.3 };
+        let mut plate = PlateKinematics::default();
+        for input in swing.inputs(60, PERIOD).into_iter().chain(std::iter::repeat_n(vec![0.0; 2], 20)) {
+            let command = Command { displacement_acceleration: input[0], tilt_acceleration: input[1] };
+            plant.advance(&plate, command, PERIOD).unwrap();
+            let [x, y, phi, ..] = plant.state();
+            estimator.step(&plate, command, &[x, y, phi]).unwrap();
+            plate = command.applied_to(&plate).after(PERIOD);
+            if input == [0.0; 2] {
+                plate = PlateKinematics { displacement: plate.displacement, ..PlateKinematics::default() };
+            }
+        }
+        estimator
+    }
+
+    #[test]
+    fn parameters_that_explain_the_motion_are_found() {
+        for truth in [[-1.6, 0.0, 0.0, 0.0, 0.0], [-1.0, -0.5, 0.0, 0.0, 0.0], [-1.2, 0.0, 4e-3, -5e-3, 0.0]] {
+            let mut estimator = watched(truth);
+            estimator.restart().unwrap();
+            let learned = estimator.learned();
+            assert!((learned.mu.value.ln() - truth[0]).abs() < 0.01, "{truth:?} {learned:?}");
+            assert!((learned.scale.value.ln() - truth[1]).abs() < 0.04, "{truth:?} {learned:?}");
+            assert!(learned.latency.value < 5e-4, "{truth:?} {learned:?}");
+            // The object hardly turns, which would show where its center of mass is; what is believed of it stays uncertain.
+            for (estimate, truth) in learned.center_of_mass.iter().zip(&truth[2..]) {
+                assert!((estimate.value - truth).abs() < 2.0 * estimate.deviation, "{truth:?} {learned:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_plate_at_rest_teaches_nothing() {
+        let first = Object { shape: Shape::REFERENCE_ELLIPSE, ..Object::REFERENCE };
+        let settings = PoseSettings::default();
+        let mut estimator = MotionEstimator::new(&first, &settings, [0.0; 3]).unwrap();
+        let before = estimator.learned();
+        for _ in 0..30 {
+            estimator.step(&PlateKinematics::default(), Command::default(), &[1e-4, -1e-4, 1e-3]).unwrap();
+        }
+        assert_eq!(estimator.learned(), before);
+        assert!((before.scale.deviation - settings.uncertainty.scale).abs() < 1e-12);
+        assert!(estimator.deviation()[0] < 0.2 * settings.noise[0]);
+    }
 }

@@ -27,7 +27,7 @@ const EXTENSION: usize = 2;
 const MOST_EXTENSION: usize = 20;
 /// Errors of x and y (m) and of yaw (rad) at the end of a move that no program brings back, and replays in a row that have to
 /// show them for it to be broken off.
-const FAR: [f64; 3] = [0.06, 0.06, 1.0];
+const FAR: [f64; 3] = [0.12, 0.12, 2.0];
 const LOST: usize = 3;
 /// Most samples that the controller looks at the resting object before it believes the mean.
 const LOOKS: usize = 25;

@@ -65,3 +65,29 @@ impl ServoLag {
         Estimate { value, deviation: 1.0 / information.sqrt() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_late_command_shows_its_delay_and_a_prompt_one_that_there_is_none() {
+        let (period, limits) = (0.02, PlateLimits::default());
+        for delay in [0.0, 0.008, 0.015] {
+            let mut lag = ServoLag::new();
+            let (mut plate, mut before) = (PlateKinematics::default(), Command::default());
+            assert_eq!(lag.estimate(period).value, 0.0);
+            for sample in 0..50 {
+                let phase = 0.4 * f64::from(sample);
+                let acted =
+                    Command { displacement_acceleration: 10.0 * phase.sin(), tilt_acceleration: 30.0 * phase.cos() };
+                let after = before.applied_to(&plate).after(delay);
+                let after = acted.applied_to(&after).after(period - delay);
+                lag.take([&plate, &after], [before, acted], period, &limits);
+                (plate, before) = (after, acted);
+            }
+            let Estimate { value, deviation } = lag.estimate(period);
+            assert!((value - delay).abs() < 3.0 * deviation.min(1e-4), "{value} ± {deviation} instead of {delay}");
+        }
+    }
+}
