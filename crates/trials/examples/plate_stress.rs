@@ -36,7 +36,8 @@ struct Case {
     center_of_mass: [f64; 2],
     servo_bandwidth: f64,
     latency: f64,
-    pushed: bool,
+    /// Earliest and latest time of a push in s.
+    pushed: Option<[f64; 2]>,
 }
 
 /// Friction that is believed in.
@@ -50,7 +51,7 @@ fn cases() -> Vec<Case> {
         center_of_mass: [0.0; 2],
         servo_bandwidth: f64::INFINITY,
         latency: 0.0,
-        pushed: false,
+        pushed: None,
     };
     let feet = [[0.09, 0.06], [-0.09, 0.06], [-0.09, -0.06], [0.09, -0.06]];
     let along = 5e-3 / 2f64.sqrt();
@@ -63,7 +64,9 @@ fn cases() -> Vec<Case> {
         Case { bearing: Bearing::Ring(1.0), ..plain("ring") },
         Case { bearing: Bearing::Feet(feet.to_vec()), ..plain("four feet") },
         Case { center_of_mass: [along, along], ..plain("mass off") },
-        Case { pushed: true, ..plain("pushed") },
+        Case { pushed: Some([0.3, 1.5]), ..plain("pushed on the way") },
+        // Long after it has arrived.
+        Case { pushed: Some([20.0, 21.0]), ..plain("pushed") },
         Case { servo_bandwidth: 20.0, ..plain("servo 20 Hz") },
         Case { servo_bandwidth: 50.0, ..plain("servo 50 Hz") },
         Case { latency: 0.02, ..plain("latency") },
@@ -81,8 +84,7 @@ fn scenario(case: &Case) -> Scenario {
         angle_noise_deg: 0.5,
         delay: 1,
         lost: 0.0,
-        // Long after it has arrived.
-        pushes: case.pushed.then_some(PushRange { count: 1, time: [20.0, 21.0], speed: [0.1, 0.4], spin: [0.0, 3.0] }),
+        pushes: case.pushed.map(|time| PushRange { count: 1, time, speed: [0.1, 0.4], spin: [0.0, 3.0] }),
         position_tolerance: 2e-3,
         angle_tolerance_deg: 2.0,
         duration: 60.0,

@@ -11,11 +11,13 @@ mod move_problem;
 mod oscillation;
 mod planner;
 mod pose_controller;
+mod pose_filter;
 mod reference_move;
 mod replay;
 mod rounded_contact;
 mod servo_lag;
 mod settings;
+mod way;
 
 pub use area_loop_plant::{AreaLoopPlant, RESOLUTION};
 pub use interface::{Command, Measurement, PlateController};

@@ -8,28 +8,13 @@
 
 use super::interface::Command;
 use super::learned::{
-    Estimate, LATENCY, Learned, OF_OBJECT, PARAMETERS, Parameters, bounded, first_belief, object_of, validate,
+    Estimate, LATENCY, Learned, OF_OBJECT, PARAMETERS, Parameters, first_belief, object_of, validate,
 };
 use super::model_family::ModelFamily;
+use super::pose_filter::{DRIFT, Filter, LEAST_NOISE, Vector};
 use super::settings::PoseSettings;
 use crate::{Object, PlateError, PlateKinematics};
-use nalgebra::{SMatrix, SVector};
 
-/// Offset and parameters.
-const STATES: usize = 3 + PARAMETERS;
-type Vector = SVector<f64, STATES>;
-type Matrix = SMatrix<f64, STATES, STATES>;
-
-/// Growth of the offset's standard deviation in the first second of motion (a random walk): m and rad.
-const DRIFT: [f64; 2] = [2e-3, 2e-2];
-/// The same of the coefficient's logarithm.
-const WANDER: f64 = 0.01;
-/// Innovations beyond this many standard deviations are taken for a push or an outlier.
-const GATE: f64 = 6.0;
-/// Those beyond this many count as if their noise were as much larger (Huber 1964).
-const ROBUST: f64 = 2.5;
-/// Least standard deviation of a measurement: m and rad.
-const LEAST_NOISE: [f64; 2] = [1e-6, 1e-5];
 /// Least and greatest distance of the simulations on either side.
 const STEPS: [[f64; 2]; OF_OBJECT] = [[0.03, 0.12], [0.06, 0.2], [5e-4, 3e-3], [5e-4, 3e-3]];
 /// Distance in steps at which simulations are made anew on the way, and how far they go at once.
@@ -40,6 +25,8 @@ const CATCH_UP: usize = 4;
 /// Rounds over the records at rest, and the change in steps that ends them.
 const ROUNDS: usize = 4;
 const SETTLED: f64 = 0.3;
+/// What a run may leave unexplained, in m and rad; beyond, something has pushed the object.
+const PUSHED: [f64; 2] = [0.015, 0.25];
 /// Moves whose records are kept, and samples at rest that are.
 const RUNS: usize = 4;
 const RESTING: usize = 40;
@@ -62,84 +49,15 @@ struct Run {
     variance: [f64; 3],
     samples: Vec<Sample>,
     moved: bool,
+    /// Whether something else than the plate has moved the object: then the record tells of nothing but its place.
+    disturbed: bool,
     resting: usize,
 }
 
-/// Offset and parameters with their covariance.
-#[derive(Debug, Clone)]
-struct Filter {
-    estimate: Vector,
-    covariance: Matrix,
-    surprises: usize,
-}
-
-impl Filter {
-    fn parameters(&self) -> Parameters {
-        std::array::from_fn(|i| self.estimate[3 + i])
-    }
-
-    /// Begins a run: the offset is that of its start.
-    fn begin(&mut self, variance: [f64; 3]) {
-        self.surprises = 0;
-        for (i, variance) in variance.into_iter().enumerate() {
-            self.estimate[i] = 0.0;
-            self.covariance.row_mut(i).fill(0.0);
-            self.covariance.column_mut(i).fill(0.0);
-            self.covariance[(i, i)] = variance;
-        }
-    }
-
-    /// What a period of motion adds to the uncertainty.
-    fn drift(&mut self, period: f64) {
-        for i in 0..3 {
-            self.covariance[(i, i)] += DRIFT[i / 2].powi(2) * period;
-        }
-        if self.covariance[(3, 3)] > 0.0 {
-            self.covariance[(3, 3)] += WANDER.powi(2) * period;
-        }
-    }
-
-    /// Takes in a measured pose, but for one that does not fit at all.
-    fn take(&mut self, family: &ModelFamily, pose: &[f64; 3], noise: &[f64; 3], period: f64) {
-        if pose.iter().any(|v| !v.is_finite()) {
-            return;
-        }
-        let before = self.estimate;
-        let seen = family.seen(&self.parameters(), period);
-        let rows: [Vector; 3] = std::array::from_fn(|i| {
-            let mut row = Vector::zeros();
-            row[i] = 1.0;
-            row.fixed_rows_mut::<PARAMETERS>(3).copy_from_slice(&seen.slopes[i]);
-            row
-        });
-        let predicted: [f64; 3] = std::array::from_fn(|i| seen.pose[i] + before[i]);
-        let variance = |filter: &Self, i: usize| rows[i].dot(&(filter.covariance * rows[i])) + noise[i].powi(2);
-        let surprising = (0..3)
-            .any(|i| (pose[i] - predicted[i]).abs() > GATE * variance(self, i).sqrt() + 20.0 * LEAST_NOISE[i / 2]);
-        self.surprises = if surprising { self.surprises + 1 } else { 0 };
-        if surprising {
-            if self.surprises < 3 {
-                return;
-            }
-            // Not an outlier: something has pushed the object, or the model is wrong.
-            for i in 0..3 {
-                self.covariance[(i, i)] += (10.0 * DRIFT[i / 2]).powi(2);
-            }
-        }
-        for i in 0..3 {
-            let row = rows[i];
-            let innovation = pose[i] - predicted[i] - row.dot(&(self.estimate - before));
-            let expected = variance(self, i);
-            let excess = (innovation.abs() / (ROBUST * expected.sqrt())).max(1.0);
-            let gain_of = self.covariance * row;
-            let gain = gain_of / (expected * excess);
-            self.estimate += gain * innovation;
-            self.covariance -= gain * gain_of.transpose();
-            self.covariance = 0.5 * (self.covariance + self.covariance.transpose());
-        }
-        let mut parameters = self.parameters();
-        bounded(&mut parameters);
-        self.estimate.fixed_rows_mut::<PARAMETERS>(3).copy_from_slice(&parameters);
+impl Run {
+    /// The object at rest at a pose.
+    fn at(start: [f64; 3], variance: [f64; 3]) -> Self {
+        Self { start, variance, samples: Vec::new(), moved: false, disturbed: false, resting: 0 }
     }
 }
 
@@ -171,7 +89,7 @@ impl MotionEstimator {
         validate(&uncertainty, settings.mu_deviation)?;
         let [position, yaw] = [0, 1].map(|i| settings.noise[i].max(LEAST_NOISE[i]));
         let noise = [position, position, yaw];
-        let mut first = Filter { estimate: Vector::zeros(), covariance: Matrix::zeros(), surprises: 0 };
+        let mut first = Filter::new();
         first.estimate.fixed_rows_mut::<PARAMETERS>(3).copy_from_slice(&first_belief(object, settings.mu));
         let (scale, center) = (uncertainty.scale, uncertainty.center_of_mass);
         let deviations = [settings.mu_deviation, scale, center, center, uncertainty.latency];
@@ -183,7 +101,7 @@ impl MotionEstimator {
         filter.begin(variance);
         let mut family = ModelFamily::new(object, first.parameters(), steps(&first))?;
         family.place(pose)?;
-        let run = Run { start: pose, variance, samples: Vec::new(), moved: false, resting: 0 };
+        let run = Run::at(pose, variance);
         Ok(Self {
             object: object.clone(),
             period: settings.period,
@@ -298,25 +216,59 @@ impl MotionEstimator {
         ModelFamily::new(&self.object, parameters, steps(&self.filter))
     }
 
-    /// Filters all records with what was believed at first until the parameters stay.
+    /// Learns from the records. A run whose end even the most likely parameters do not explain was disturbed: it is left out then.
     fn learn(&mut self) -> Result<(), PlateError> {
         self.next = None;
+        self.filter_all()?;
+        if (0..3).any(|i| self.filter.estimate[i].abs() > PUSHED[i / 2]) && self.run.moved && !self.run.disturbed {
+            self.run.disturbed = true;
+            self.filter = self.prior.clone();
+            self.family = ModelFamily::new(&self.object, self.prior.parameters(), steps(&self.prior))?;
+            self.filter_all()?;
+        }
+        self.unlearned = false;
+        Ok(())
+    }
+
+    /// Filters all records with what was believed at first until the parameters stay.
+    fn filter_all(&mut self) -> Result<(), PlateError> {
         for _ in 0..ROUNDS {
             self.family = self.centered()?;
             self.filter = self.first.clone();
             for run in self.runs.iter().chain([&self.run]) {
                 self.family.place(run.start)?;
+                let before = self.filter.covariance;
+                if run.disturbed {
+                    self.filter.covariance.fill(0.0);
+                }
                 self.filter.begin(run.variance);
                 for sample in &run.samples {
                     filtered(&mut self.family, &mut self.filter, sample, &self.noise, self.period)?;
+                }
+                if run.disturbed {
+                    let known = before.fixed_view::<PARAMETERS, PARAMETERS>(3, 3);
+                    self.filter.covariance.fixed_view_mut::<PARAMETERS, PARAMETERS>(3, 3).copy_from(&known);
                 }
             }
             if self.family.distance(&self.filter.parameters()) < SETTLED {
                 break;
             }
         }
-        self.unlearned = false;
         Ok(())
+    }
+
+    /// Forgets what was learned, but for the place of the object; false if nothing was.
+    pub(super) fn forget_learned(&mut self) -> Result<bool, PlateError> {
+        let known = !self.runs.is_empty();
+        self.runs.clear();
+        let state = self.state();
+        self.filter = self.first.clone();
+        self.filter.begin(self.run.variance);
+        self.prior = self.filter.clone();
+        self.run.start = [state[0], state[1], state[2]];
+        self.family = ModelFamily::new(&self.object, self.first.parameters(), steps(&self.first))?;
+        self.family.place(self.run.start)?;
+        Ok(known)
     }
 
     /// Learns from the records and begins a new run from the estimated pose, at rest. What the last run did not explain: the
@@ -325,7 +277,8 @@ impl MotionEstimator {
         if self.unlearned {
             self.learn()?;
         }
-        let unexplained = if self.run.moved { [0, 1, 2].map(|i| self.filter.estimate[i]) } else { [0.0; 3] };
+        let unexplained =
+            if self.run.moved && !self.run.disturbed { [0, 1, 2].map(|i| self.filter.estimate[i]) } else { [0.0; 3] };
         let variance = [0, 1, 2].map(|i| self.filter.covariance[(i, i)]);
         self.begin(variance)?;
         Ok(unexplained)
@@ -334,7 +287,7 @@ impl MotionEstimator {
     /// Files the record of the run and begins another where the object is estimated to be.
     fn begin(&mut self, variance: [f64; 3]) -> Result<(), PlateError> {
         let [x, y, phi, ..] = self.state();
-        let next = Run { start: [x, y, phi], variance, samples: Vec::new(), moved: false, resting: 0 };
+        let next = Run::at([x, y, phi], variance);
         let run = std::mem::replace(&mut self.run, next);
         if run.moved {
             self.runs.push(run);

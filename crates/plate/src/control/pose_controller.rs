@@ -9,10 +9,10 @@ use super::planner::{Plan, Planner, cost};
 use super::replay::Replay;
 use super::servo_lag::ServoLag;
 use super::settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
+use super::way::{nearest_turn, repetition};
 use crate::{Object, PlateError, PlateKinematics};
 use bracketry_mpc::{Rti, StepStatus, Trajectory};
 use std::collections::VecDeque;
-use std::f64::consts::{PI, TAU};
 use std::time::Instant;
 
 /// Share of the bounds that plans and feedback leave free.
@@ -41,8 +41,6 @@ const WATCHED: usize = 10;
 const STILL: f64 = 1e-7;
 /// Share of a rate that is left after a move which is taken off within a period: less than all of it, since a servo follows late.
 const BRAKING: f64 = 0.5;
-/// Distance in m at which a turn moves an object as far as a displacement does, to compare the two.
-const ARM: f64 = 0.1;
 /// Accelerations that do not move an object, m/s² and rad/s².
 const GENTLE: f64 = 0.05;
 
@@ -185,6 +183,12 @@ impl PoseController {
         let plan = self.planner.plan(&start, self.aim, mu)?;
         let best = plan.as_ref().map_or(error, |p| if cost(&p.miss) < cost(&error) { p.miss } else { error });
         let Some(plan) = plan.filter(|p| cost(&p.miss) < PROGRESS * cost(&error)) else {
+            // What was learned may be wrong.
+            if let Some(estimator) = &mut self.estimator
+                && estimator.forget_learned()?
+            {
+                return self.plan(pause);
+            }
             self.report.status = PoseStatus::Unreachable { miss: best };
             self.phase = HOLD;
             return Ok(());
@@ -422,13 +426,6 @@ fn move_problem(object: &Object, settings: &PoseSettings) -> Result<MoveProblem,
     MoveProblem::new(object, &settings.limits, settings.period * INTERVAL as f64, MARGIN)
 }
 
-/// How far a move repeats another: their common part as a share of the other, from 0 to 1.
-fn repetition(way: &[f64; 3], last: &[f64; 3]) -> f64 {
-    let product = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + ARM * ARM * a[2] * b[2];
-    let square = product(last, last);
-    if square > 0.0 { (product(way, last) / square).clamp(0.0, 1.0) } else { 0.0 }
-}
-
 /// The command of a trajectory's first interval.
 fn command_of(trajectory: &Trajectory) -> Command {
     let u = trajectory.u(0);
@@ -445,11 +442,6 @@ fn rest_of(trajectory: &Trajectory, more: usize) -> Result<Trajectory, PlateErro
         u.push(vec![0.0; 2]);
     }
     Ok(Trajectory::from_rows(&x, &u)?)
-}
-
-/// The angle that differs from `angle` by whole turns and is nearest to `to`.
-fn nearest_turn(angle: f64, to: f64) -> f64 {
-    to + (angle - to + PI).rem_euclid(TAU) - PI
 }
 
 impl PlateController for PoseController {
