@@ -152,9 +152,9 @@ fn the_derivatives_of_the_optimizers_model_are_exact() {
             let mut at = |step: f64| {
                 let (mut x, mut u, mut rates) = (STATE, INPUT, [0.0; 10]);
                 if column < 10 {
-                    x[column] += step
+                    x[column] += step;
                 } else {
-                    u[column - 10] += step
+                    u[column - 10] += step;
                 }
                 model.field(0.0, &x, &u, &mut rates);
                 rates
