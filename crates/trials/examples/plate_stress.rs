@@ -17,6 +17,9 @@ struct Arguments {
     /// Cases, all unless given.
     #[arg(long)]
     case: Vec<String>,
+    /// Number of the first trial.
+    #[arg(long, default_value_t = 0)]
+    first: usize,
     /// Seed of the series.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -127,7 +130,8 @@ fn main() -> anyhow::Result<()> {
             };
             Ok(PoseController::new(&believed, trial.target, &settings)?)
         };
-        let trials = scenario.trials(arguments.seed, arguments.trials);
+        let numbers = arguments.first..arguments.first + arguments.trials;
+        let trials: Vec<_> = numbers.map(|number| scenario.trial(arguments.seed, number)).collect();
         let reports = run_trials(&trials, &setup, make, |_| ControlFlow::Continue(()))?;
         print_row(case.name, &reports);
         for report in arguments.slow.iter().flat_map(|slow| reports.iter().filter(|r| r.time() > *slow)) {

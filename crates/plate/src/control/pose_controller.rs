@@ -109,6 +109,8 @@ pub struct PoseController {
     /// The command that acted last, and the one before it.
     acted: Command,
     before: Command,
+    /// Moves since the last arrival that were broken off: what one has taught lets the next go on longer.
+    broken_off: usize,
     /// Moves up to the last arrival.
     moves_before: usize,
 }
@@ -145,6 +147,7 @@ impl PoseController {
             queue: std::iter::repeat_n(Command::default(), settings.delay).collect(),
             acted: Command::default(),
             before: Command::default(),
+            broken_off: 0,
             moves_before: 0,
             settings: settings.clone(),
         })
@@ -218,7 +221,7 @@ impl PoseController {
         let over = samples >= LOOKS;
         if inside && (over || deviation[0] < 0.1 * position) || (over && near) {
             self.report.status = PoseStatus::Arrived;
-            self.moves_before = self.report.moves.len();
+            (self.moves_before, self.broken_off) = (self.report.moves.len(), 0);
             self.phase = HOLD;
             return Ok(());
         }
@@ -365,7 +368,8 @@ impl PoseController {
             ongoing.correction = correction;
             let far = miss.iter().zip(FAR).any(|(e, far)| !e.is_finite() || e.abs() > far);
             ongoing.lost = if far { ongoing.lost + 1 } else { 0 };
-            if ongoing.lost >= LOST {
+            if ongoing.lost >= LOST << self.broken_off.min(5) {
+                self.broken_off += 1;
                 self.phase = Phase::Halt;
                 return Ok(command);
             }
