@@ -17,7 +17,7 @@ const RUNS: usize = 21;
 
 /// The disk of MuJoCo's scene.
 fn disk() -> Object {
-    Object { shape: Shape::REFERENCE_DISK, height: 0.0025, mass: 0.2 }
+    Object { shape: Shape::REFERENCE_DISK, height: 0.0025, mass: 0.2, ..Object::REFERENCE }
 }
 
 /// Experiment 1 on a model: work and states every half second at each tolerance.

@@ -30,7 +30,7 @@ fn quarter(record: &AreaRecord) -> String {
 }
 
 fn main() -> Result<(), PlateError> {
-    let disk = |height| Object { shape: Shape::REFERENCE_DISK, height, mass: 0.2 };
+    let disk = |height| Object { shape: Shape::REFERENCE_DISK, height, mass: 0.2, ..Object::REFERENCE };
     let settings = AreaSettings::default();
     let orientation = Experiment::orientation();
 
@@ -68,7 +68,7 @@ fn main() -> Result<(), PlateError> {
     ];
     for (name, shape) in shapes {
         for mu in [0.2, 0.3, 0.5] {
-            let object = Object { shape: shape.clone(), height: 0.0, mass: 0.2 };
+            let object = Object { shape: shape.clone(), height: 0.0, mass: 0.2, ..Object::REFERENCE };
             let run = run(&orientation, &object, mu, &settings, 15.0)?;
             let record = &run.trajectory;
             println!(

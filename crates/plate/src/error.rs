@@ -27,6 +27,11 @@ pub enum PlateError {
         /// The definition.
         name: &'static str,
     },
+    /// A model that knows only objects on their whole footprint.
+    #[error(
+        "this model knows only objects that stand on their whole footprint about their center of mass; use the model `area`"
+    )]
+    UnevenBearing,
     /// Static friction below sliding friction.
     #[error("mu_static = {mu_static} is below mu = {mu}; give a static friction of at least the sliding friction")]
     StaticBelowSliding {

@@ -25,8 +25,9 @@ pub use body::{
     RigidState,
 };
 pub use control::{
-    AreaLoopPlant, Arrival, Command, Measurement, MoveError, MoveReport, PlateController, PlateLimits, PoseController,
-    PoseReport, PoseSettings, PoseStatus, RESOLUTION, RoundedContact, move_with, plate_move, target_of,
+    AreaLoopPlant, Arrival, Command, Estimate, Learned, Measurement, MoveError, MoveReport, PlateController,
+    PlateLimits, PoseController, PoseReport, PoseSettings, PoseStatus, RESOLUTION, RoundedContact, Uncertainty,
+    move_with, plate_move, target_of,
 };
 pub use driven::{AreaObject, Course, DrivenObject, ModelObject, STATES};
 pub use error::PlateError;
@@ -40,7 +41,7 @@ pub use model::{
     Energy, FlatContact, GRAVITY, Terms, energy, first_principles, flat_contact, normal_load, published, reduced,
 };
 pub use motion::{Drive, ExpressionMotion, Harmonic, PeriodicMotion, PlateKinematics, PlateMotion};
-pub use object::{Object, Quadrature, Shape, ShapeError, Vertices};
+pub use object::{Bearing, Object, Quadrature, Shape, ShapeError, Vertices};
 pub use run::{
     Assumption, Comparison, Deviation, ExperimentKind, FrictionLaw, GivenOption, NumberOption, PlateExperiment,
     PlateModel, PlateOptions, PlateOutcome, PlateRow, PlateRun, PlateRunError, PlateSetup, PlateStop, SetupError,

@@ -39,7 +39,7 @@ fn shaken(strength: f64) -> impl FnMut(f64) -> PlateKinematics + Copy {
 }
 
 fn flat(shape: Shape) -> Object {
-    Object { shape, height: 0.0, mass: 0.2 }
+    Object { shape, height: 0.0, mass: 0.2, ..Object::REFERENCE }
 }
 
 fn contact(object: &Object, mu: f64, settings: &AreaSettings, state: [f64; 6]) -> AreaContact {
@@ -172,7 +172,7 @@ fn an_incline_lets_go_at_the_angle_of_friction() {
 #[test]
 fn experiment_1_gives_the_reference_results() {
     let disk = |height| Object { height, ..Object::REFERENCE };
-    let ellipse = Object { height: 0.0, shape: Shape::REFERENCE_ELLIPSE, mass: 0.2 };
+    let ellipse = Object { height: 0.0, shape: Shape::REFERENCE_ELLIPSE, mass: 0.2, ..Object::REFERENCE };
     let orientation = Experiment::orientation();
     for (object, mu, time, yaw) in [
         (disk(0.0), 0.3, 12.0, 117.8),
@@ -191,7 +191,7 @@ fn experiment_1_gives_the_reference_results() {
     // At mu = 0.5 it sticks but for a moment of each period, in which the pressure is least where friction is needed.
     let stuck = experiment(&orientation, &disk(0.0), 0.5, 4e-3, 15.0);
     assert!(yaw_at(&stuck.trajectory, 15.0).abs() < 0.5);
-    let longer = Object { height: 0.0, shape: Shape::REFERENCE_ELLIPSE, mass: 0.2 };
+    let longer = Object { height: 0.0, shape: Shape::REFERENCE_ELLIPSE, mass: 0.2, ..Object::REFERENCE };
     let stuck = experiment(&orientation, &longer, 0.5, 4e-3, 15.0);
     assert_eq!(stuck.trajectory.state_at(15.0), [0.3, 0.0, 0.0, 0.0, 0.0, 0.0]);
 }

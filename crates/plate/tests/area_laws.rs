@@ -34,7 +34,7 @@ fn contact(object: &Object, friction: Friction, settings: &AreaSettings, state: 
 }
 
 fn flat(shape: Shape) -> Object {
-    Object { shape, height: 0.0, mass: 0.2 }
+    Object { shape, height: 0.0, mass: 0.2, ..Object::REFERENCE }
 }
 
 fn finish(contact: &mut AreaContact, mut motion: impl FnMut(f64) -> PlateKinematics, t_end: f64) -> AreaRecord {
@@ -160,7 +160,7 @@ fn pressure_carries_force_and_moments_and_never_pulls() {
 #[test]
 fn a_tall_object_tips_where_the_weight_leaves_its_base() {
     // tan θ = b/h on a plate that rises slowly; friction is enough.
-    let object = Object { shape: Shape::Rectangle { a: 0.1, b: 0.01 }, height: 0.05, mass: 2.0 };
+    let object = Object { shape: Shape::Rectangle { a: 0.1, b: 0.01 }, height: 0.05, mass: 2.0, ..Object::REFERENCE };
     let mut tall = contact(&object, Friction::Coulomb { mu: 1.0 }, &AreaSettings::default(), [0.0; 6]);
     let rate = 0.01;
     let mut rising = |t: f64| PlateKinematics { tilt: rate * t, tilt_rate: rate, ..PlateKinematics::default() };
@@ -178,7 +178,7 @@ fn a_tall_object_tips_where_the_weight_leaves_its_base() {
 #[test]
 fn an_object_that_the_plate_would_have_to_pull_lifts_off() {
     // g cos θ < h θ'²
-    let object = Object { shape: Shape::REFERENCE_DISK, height: 0.1, mass: 1.0 };
+    let object = Object { shape: Shape::REFERENCE_DISK, height: 0.1, mass: 1.0, ..Object::REFERENCE };
     let mut disk = contact(&object, Friction::Coulomb { mu: 0.0 }, &AreaSettings::default(), [0.0; 6]);
     let mut turning = |t: f64| PlateKinematics { tilt: 12.0 * t, tilt_rate: 12.0, ..PlateKinematics::default() };
     assert_eq!(disk.advance(&mut turning, 1.0).unwrap(), AreaOutcome::LiftOff { t: 0.0 });
@@ -186,7 +186,7 @@ fn an_object_that_the_plate_would_have_to_pull_lifts_off() {
 
 #[test]
 fn the_frame_does_not_matter() {
-    let object = Object { shape: Shape::Rectangle { a: 0.12, b: 0.07 }, height: 0.004, mass: 0.3 };
+    let object = Object { shape: Shape::Rectangle { a: 0.12, b: 0.07 }, height: 0.004, mass: 0.3, ..Object::REFERENCE };
     let start = [0.1, -0.05, 0.4, 0.2, -0.1, 1.0];
     let end = |start: [f64; 6], sign_x: f64, sign_tilt: f64| {
         let mut contact = contact(&object, Friction::Coulomb { mu: 0.25 }, &AreaSettings::default(), start);
@@ -252,7 +252,7 @@ fn energy_in_the_world(object: &Object, plate: &PlateKinematics, state: &[f64; 6
 fn energy_in_the_world_is_the_work_of_the_plate() {
     // Kinetic and potential energy from an inertial frame, the power of pressure and friction at the moving plate: this
     // tests every term of the equations. The powers are integrated over the steps by the trapezoidal rule.
-    let object = Object { shape: Shape::REFERENCE_ELLIPSE, height: 0.01, mass: 0.5 };
+    let object = Object { shape: Shape::REFERENCE_ELLIPSE, height: 0.01, mass: 0.5, ..Object::REFERENCE };
     let start = [0.1, -0.02, 0.4, 0.6, 0.3, 2.0];
     let error = |step: f64| {
         let settings = AreaSettings::default().with_step(step);
@@ -319,7 +319,8 @@ fn random_objects_on_random_plates_end_in_a_known_way() {
             2 => Shape::Rectangle { a, b },
             _ => Shape::polygon(&triangle).unwrap(),
         };
-        let object = Object { shape, height: 0.05 * random() * random(), mass: 10.0 * random() + 1e-3 };
+        let object =
+            Object { shape, height: 0.05 * random() * random(), mass: 10.0 * random() + 1e-3, ..Object::REFERENCE };
         let mu = random();
         let law = match case % 5 {
             0 => Friction::Coulomb { mu },

@@ -22,11 +22,11 @@ fn tilted(angle: f64) -> impl FnMut(f64) -> PlateKinematics + Clone {
 }
 
 fn block(a: f64, b: f64, height: f64) -> Object {
-    Object { shape: Shape::Rectangle { a, b }, height, mass: 0.3 }
+    Object { shape: Shape::Rectangle { a, b }, height, mass: 0.3, ..Object::REFERENCE }
 }
 
 fn coin() -> Object {
-    Object { shape: Shape::Disk { radius: 0.1 }, height: 0.01, mass: 0.2 }
+    Object { shape: Shape::Disk { radius: 0.1 }, height: 0.01, mass: 0.2, ..Object::REFERENCE }
 }
 
 fn impacts(events: &[BodyEvent]) -> Vec<(f64, f64)> {
@@ -83,6 +83,7 @@ fn impacts_never_make_energy() {
                 shape: Shape::Ellipse { a: 0.02 + 0.1 * random(), b: 0.02 + 0.1 * random() },
                 height: 0.001 + 0.1 * random(),
                 mass: 0.1 + random(),
+                ..Object::REFERENCE
             },
         };
         let settings = BodySettings { restitution: random(), ..BodySettings::default() };
@@ -242,7 +243,7 @@ fn shaken(t: f64) -> PlateKinematics {
 
 #[test]
 fn while_it_lies_flat_the_object_is_area_contact() {
-    let object = Object { shape: Shape::Ellipse { a: 0.1, b: 0.06 }, height: 0.01, mass: 0.2 };
+    let object = Object { shape: Shape::Ellipse { a: 0.1, b: 0.06 }, height: 0.01, mass: 0.2, ..Object::REFERENCE };
     let start = [0.1, 0.05, 0.3, 0.2, -0.1, 2.0];
     let mut whole = object_on_plate(&object, 0.3, 0.5);
     whole.set_flat_state(0.0, start).unwrap();
@@ -257,7 +258,7 @@ fn while_it_lies_flat_the_object_is_area_contact() {
 #[test]
 fn six_degrees_of_freedom_in_flat_contact_agree_with_three() {
     // The pressure and the friction of area contact are those of a rigid body whose contacts bear the load with least norm.
-    let object = Object { shape: Shape::Ellipse { a: 0.1, b: 0.06 }, height: 0.01, mass: 0.2 };
+    let object = Object { shape: Shape::Ellipse { a: 0.1, b: 0.06 }, height: 0.01, mass: 0.2, ..Object::REFERENCE };
     let start = [0.1, 0.05, 0.3, 0.2, -0.1, 2.0];
     let mut area = AreaContact::new(&object, &Friction::Coulomb { mu: 0.3 }, &AreaSettings::default()).unwrap();
     area.set_state(start).unwrap();
@@ -418,7 +419,7 @@ fn an_object_that_landed_on_a_tilted_plate_rests_for_a_minute_without_creep() {
 #[test]
 fn an_object_dropped_upside_down_lies_on_its_other_face() {
     let corners = [[-0.05, -0.04], [0.07, -0.04], [0.01, 0.06]];
-    let object = Object { shape: Shape::polygon(&corners).unwrap(), height: 0.01, mass: 0.1 };
+    let object = Object { shape: Shape::polygon(&corners).unwrap(), height: 0.01, mass: 0.1, ..Object::REFERENCE };
     let mut dropped = object_on_plate(&object, 0.4, 0.2);
     let mut state = RigidState::at_rest(0.03);
     state.orientation = UnitQuaternion::from_scaled_axis(Vector3::x() * std::f64::consts::PI);

@@ -1,10 +1,10 @@
 //! The pose controller of the vibrating plate, stepped from Python.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Mutex;
 
 use bracketry::plate::{
-    Command, Measurement, Object, PlateController as _, PlateError, PlateKinematics, PoseController, PoseSettings,
+    Command, Learned, Measurement, Object, PlateController as _, PlateError, PlateKinematics, PoseController, PoseSettings,
     PoseStatus, Shape,
 };
 use pyo3::prelude::*;
@@ -40,6 +40,8 @@ pub(crate) struct PlateStep {
     estimate: Option<[f64; 6]>,
     /// Friction coefficient that is believed in.
     mu: f64,
+    /// What has been learned, by name: value and standard deviation.
+    learned: BTreeMap<&'static str, (f64, f64)>,
 }
 
 #[pymethods]
@@ -84,6 +86,20 @@ impl PlateController {
     }
 }
 
+/// What has been learned by name.
+fn learned(learned: &Learned) -> BTreeMap<&'static str, (f64, f64)> {
+    let [x, y] = learned.center_of_mass;
+    let all = [
+        ("mu", learned.mu),
+        ("scale", learned.scale),
+        ("center_of_mass_x", x),
+        ("center_of_mass_y", y),
+        ("latency", learned.latency),
+        ("servo_lag", learned.servo_lag),
+    ];
+    all.into_iter().map(|(name, estimate)| (name, (estimate.value, estimate.deviation))).collect()
+}
+
 impl Stepped {
     fn step(&mut self, object: [f64; 3], plate: Option<[f64; 4]>) -> Result<PlateStep, PlateError> {
         if let Some([displacement, velocity, tilt, tilt_rate]) = plate {
@@ -108,6 +124,7 @@ impl Stepped {
             },
             estimate: self.controller.estimate(),
             mu: self.controller.report().mu,
+            learned: learned(&self.controller.report().learned),
         })
     }
 }

@@ -119,6 +119,27 @@ fn a_delayed_command_acts_one_period_later_and_is_foretold_by_the_measured_accel
 }
 
 #[test]
+fn a_servo_lags_by_its_time_constant_and_a_camera_by_its_latency() {
+    // Under a constant command u from rest: X' = u (t − T (1 − exp(−t/T))).
+    let (a, bandwidth) = (5.0, 20.0);
+    let lag = 1.0 / (std::f64::consts::TAU * bandwidth);
+    let mut script = Script::new(&[[a, 0.0]; 10]);
+    let slow = TrialSetup { servo_bandwidth: bandwidth, latency: 0.03, ..setup(&file().cases["nominal"], 0.2) };
+    let run = run_trial(&trial([0.0; 3], [0.0; 3]), &slow, &mut script).unwrap();
+    for s in &run.samples {
+        let gone = 1.0 - (-s.t / lag).exp();
+        let way = 0.5 * s.t * s.t - lag * s.t + lag * lag * gone;
+        assert!((s.plate.velocity - a * (s.t - lag * gone)).abs() < 1e-13);
+        assert!((s.plate.displacement - a * way).abs() < 1e-13);
+    }
+    let then = |t: f64| run.samples.iter().find(|s| (s.t - t).abs() < 1e-9).unwrap().object[0];
+    assert!(then(0.13) != then(0.1));
+    for (k, t) in [(0, 0.0), (1, 0.0), (5, 0.07), (8, 0.13)] {
+        assert!((script.seen[k].object[0] - then(t)).abs() < 1e-5, "{k}");
+    }
+}
+
+#[test]
 fn a_push_is_a_velocity_change_at_its_instant() {
     let mut pushed = trial([0.0; 3], [0.0; 3]);
     let push = |t, v| bracketry_trials::Push { t, velocity: [v, 0.0, 0.0] };

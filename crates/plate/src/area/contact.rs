@@ -15,14 +15,14 @@ const HALVINGS: usize = 30;
 
 /// A flat object on the moving plate with dry friction over its footprint, stepped in time implicitly.
 ///
-/// States `x, y, phi, vx, vy, w` in the plate frame. The pressure follows from the balance of normal force and moments
+/// States `x, y, phi, vx, vy, w` in the plate frame, those of the center of the shape. The pressure follows from the balance of normal force and moments
 /// ([`Footprint`]), the friction at every point from the pressure and maximum dissipation
 /// ([`bracketry_sim::FrictionSolver`]); what friction holds rests exactly.
 ///
 /// ```
 /// use bracketry_plate::{AreaContact, AreaSettings, Friction, Object, PlateKinematics, Shape};
 /// // A spinning disk on a level plate stops after 3 R w/(4 μ g).
-/// let object = Object { shape: Shape::Disk { radius: 0.12 }, height: 0.0, mass: 0.2 };
+/// let object = Object { shape: Shape::Disk { radius: 0.12 }, height: 0.0, ..Object::REFERENCE };
 /// let mut disk = AreaContact::new(&object, &Friction::Coulomb { mu: 0.3 }, &AreaSettings::default()).unwrap();
 /// disk.set_state([0.0, 0.0, 0.0, 0.0, 0.0, 10.0]).unwrap();
 /// let mut still = |_| PlateKinematics::default();
@@ -37,6 +37,7 @@ pub struct AreaContact {
     settings: AreaSettings,
     mass: f64,
     t: f64,
+    /// Position of the center of mass and yaw, and their rates.
     position: [f64; 3],
     velocity: [f64; 3],
     /// The last stage: guess of friction for the next, and what a sample tells.
@@ -62,7 +63,7 @@ impl AreaContact {
             settings: settings.clone(),
             mass: object.mass,
             t: 0.0,
-            position: [0.0; 3],
+            position: [object.center_of_mass[0], object.center_of_mass[1], 0.0],
             velocity: [0.0; 3],
             last: None,
             energy: EnergyBalance::default(),
@@ -77,7 +78,11 @@ impl AreaContact {
         if let Some(value) = state.iter().find(|x| !x.is_finite()) {
             return Err(PlateError::BadState { value: *value });
         }
-        let [x, y, phi, vx, vy, w] = state;
+        let [mut x, mut y, phi, mut vx, mut vy, w] = state;
+        if self.is_off_center() {
+            let [rx, ry] = self.equations.object().center_of_mass_at(phi);
+            (x, y, vx, vy) = (x + rx, y + ry, vx - w * ry, vy + w * rx);
+        }
         (self.position, self.velocity, self.last) = ([x, y, phi], [vx, vy, w], None);
         self.energy = EnergyBalance::start(self.kinetic_energy());
         Ok(())
@@ -98,7 +103,16 @@ impl AreaContact {
     /// The state `x, y, phi, vx, vy, w`.
     pub fn state(&self) -> [f64; 6] {
         let ([x, y, phi], [vx, vy, w]) = (self.position, self.velocity);
+        if self.is_off_center() {
+            let [rx, ry] = self.equations.object().center_of_mass_at(phi);
+            return [x - rx, y - ry, phi, vx + w * ry, vy - w * rx, w];
+        }
         [x, y, phi, vx, vy, w]
+    }
+
+    /// Whether the center of mass is not that of the shape.
+    fn is_off_center(&self) -> bool {
+        self.equations.object().center_of_mass != [0.0; 2]
     }
 
     /// The time in s.
@@ -213,7 +227,11 @@ impl AreaContact {
         match stage.support {
             Support::LiftOff if stage.normal <= 0.0 => AreaOutcome::LiftOff { t },
             Support::Tipping { rim_share, .. } => {
-                AreaOutcome::Tipping { t, at: stage.center.map(|c| c / rim_share), normal: self.mass * stage.normal }
+                let (object, [x, y]) = (self.equations.object(), self.equations.footprint().center());
+                let (s, c) = stage.position[2].sin_cos();
+                let (middle, offset) = ([c * x - s * y, s * x + c * y], object.center_of_mass_at(stage.position[2]));
+                let at = [0, 1].map(|i| offset[i] + middle[i] + (stage.center[i] - middle[i]) / rim_share);
+                AreaOutcome::Tipping { t, at, normal: self.mass * stage.normal }
             }
             _ => AreaOutcome::NotFinite { t },
         }
@@ -321,6 +339,11 @@ impl AreaContact {
             sample.support = stage.support;
             sample.slip = stage.slip;
             sample.acceleration = stage.acceleration(self.equations.inertia());
+            if self.is_off_center() {
+                let ([ax, ay, spin], w) = (sample.acceleration, stage.velocity[2]);
+                let [rx, ry] = self.equations.object().center_of_mass_at(stage.position[2]);
+                sample.acceleration = [ax + spin * ry + w * w * rx, ay - spin * rx + w * w * ry, spin];
+            }
         }
         sample
     }

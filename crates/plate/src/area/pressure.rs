@@ -1,11 +1,12 @@
 //! Pressure between a flat object and the plate.
 
-use crate::{Object, PlateError, Quadrature, Shape};
+use crate::object::Patch;
+use crate::{Object, PlateError};
 
 /// Most Newton steps for a pressure that does not pull.
 const STEPS: usize = 60;
 
-/// What the plate has to carry: normal force and its moments about the centroid, all per mass, in the object's own axes.
+/// What the plate has to carry: normal force and its moments about the center of mass, all per mass, in the object's own axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Normal force in N/kg.
@@ -29,64 +30,55 @@ pub enum Support {
     },
     /// The center of pressure is so near the rim that one point there carries everything.
     Edge {
-        /// The center of pressure, own axes, in m.
+        /// The center of pressure from the center of mass, own axes, in m.
         at: [f64; 2],
     },
     /// The center of pressure would lie outside: the object tips.
     Tipping {
-        /// Where it would have to be, own axes, in m.
+        /// Where it would have to be, from the center of mass, own axes, in m.
         at: [f64; 2],
-        /// Share of the way to the rim, at least 1; see [`Shape::rim_share`].
+        /// Share of the way to the rim, at least 1; see [`crate::Shape::rim_share`].
         rim_share: f64,
     },
     /// The plate would have to pull: the object lifts off.
     LiftOff,
 }
 
-/// The points of a footprint and the pressure on them.
+/// The points where an object presses on the plate and the pressure on them.
 ///
 /// The pressure of a load is affine, `p = a + b x + c y`, as a stiff object on a plate of uniform slight compliance presses;
 /// where that would pull, it is `p = max(0, a + b x + c y)` with the same force and moments.
 #[derive(Debug, Clone)]
 pub struct Footprint {
-    shape: Shape,
-    rule: Quadrature,
-    /// Inverse of the matrix of second moments, own axes: xx, xy, yy.
-    inverse: [f64; 3],
-    size: f64,
+    patch: Patch,
     loads: Vec<f64>,
     /// The last unilateral pressure over the mean, with lengths in `size`.
     last: [f64; 3],
 }
 
 impl Footprint {
-    /// The footprint of an object with about `points` points; see [`Shape::quadrature`].
+    /// The bearing of an object with about `points` points; see [`crate::Shape::quadrature`].
     ///
     /// # Errors
     /// [`PlateError`] for an object or a number of points without meaning.
     pub fn new(object: &Object, points: usize) -> Result<Self, PlateError> {
-        object.validate()?;
-        let rule = object.shape.quadrature(points)?;
-        let (xx, yy, xy) = object.shape.second_moments_at(0.0);
-        let determinant = xx * yy - xy * xy;
-        Ok(Self {
-            loads: vec![0.0; rule.points.len()],
-            inverse: [yy / determinant, -xy / determinant, xx / determinant],
-            size: (xx + yy).sqrt(),
-            shape: object.shape.clone(),
-            rule,
-            last: [1.0, 0.0, 0.0],
-        })
+        let patch = Patch::of(object, points)?;
+        Ok(Self { loads: vec![0.0; patch.rule.points.len()], patch, last: [1.0, 0.0, 0.0] })
     }
 
-    /// Points, own axes, in m.
+    /// Points from the center of mass, own axes, in m.
     pub fn points(&self) -> &[[f64; 2]] {
-        &self.rule.points
+        &self.patch.rule.points
+    }
+
+    /// The middle of the hull of the points from the center of mass, own axes, in m.
+    pub(super) fn center(&self) -> [f64; 2] {
+        self.patch.center
     }
 
     /// Shares of the points in the area.
     pub fn weights(&self) -> &[f64] {
-        &self.rule.weights
+        &self.patch.rule.weights
     }
 
     /// Normal force on each point, in N/kg, of the last load carried by points of the footprint; their sum is the force.
@@ -102,23 +94,24 @@ impl Footprint {
             return Support::LiftOff;
         }
         let at = load.moments.map(|m| m / n);
-        let [ixx, ixy, iyy] = self.inverse;
-        let slope = [ixx * at[0] + ixy * at[1], ixy * at[0] + iyy * at[1]];
-        let lowest = self.shape.support([-slope[0], -slope[1]]);
-        let least = 1.0 + slope[0] * lowest[0] + slope[1] * lowest[1];
+        let slope = self.patch.slope(at);
+        let middle = self.patch.middle(slope);
+        let lowest = self.patch.farthest([-slope[0], -slope[1]]);
+        let least = middle + slope[0] * lowest[0] + slope[1] * lowest[1];
+        let affine = [middle, slope[0] * self.patch.size, slope[1] * self.patch.size];
         if least >= 0.0 {
-            self.spread(n, &[1.0, slope[0] * self.size, slope[1] * self.size]);
+            self.spread(n, &affine);
             return Support::Full { least };
         }
-        let rim_share = self.shape.rim_share(at);
+        let rim_share = self.patch.rim_share(at);
         if rim_share >= 1.0 {
             self.loads.fill(0.0);
             return Support::Tipping { at, rim_share };
         }
-        if let Some(pressure) = self.unilateral(at, slope) {
+        if let Some(pressure) = self.unilateral(at, affine) {
             self.last = pressure;
             self.spread(n, &pressure);
-            let carrying = self.loads.iter().zip(&self.rule.weights).filter(|(load, _)| **load > 0.0);
+            let carrying = self.loads.iter().zip(&self.patch.rule.weights).filter(|(load, _)| **load > 0.0);
             return Support::Partial { share: carrying.map(|(_, weight)| weight).sum() };
         }
         self.loads.fill(0.0);
@@ -127,19 +120,20 @@ impl Footprint {
 
     /// Loads of the pressure `max(0, a + b x + c y)` over the mean, coefficients for lengths in `size`.
     fn spread(&mut self, normal: f64, [a, b, c]: &[f64; 3]) {
-        for ((load, [x, y]), weight) in self.loads.iter_mut().zip(&self.rule.points).zip(&self.rule.weights) {
-            *load = normal * weight * (a + (b * x + c * y) / self.size).max(0.0);
+        for ((load, [x, y]), weight) in self.loads.iter_mut().zip(&self.patch.rule.points).zip(&self.patch.rule.weights)
+        {
+            *load = normal * weight * (a + (b * x + c * y) / self.patch.size).max(0.0);
         }
     }
 
     /// Pressure `max(0, z · (1, x, y))` with mean 1 and center of pressure `at`: the minimum of the convex function
     /// `½ Σ w max(0, z · r)² − z · (1, at)`, by Newton's method. Absent if `at` lies outside the hull of the points.
-    fn unilateral(&self, at: [f64; 2], slope: [f64; 2]) -> Option<[f64; 3]> {
-        let target = [1.0, at[0] / self.size, at[1] / self.size];
+    fn unilateral(&self, at: [f64; 2], affine: [f64; 3]) -> Option<[f64; 3]> {
+        let target = [1.0, at[0] / self.patch.size, at[1] / self.patch.size];
         let evaluate = |z: &[f64; 3]| {
             let (mut value, mut gradient, mut hessian) = (0.0, target.map(|t| -t), [[0.0; 3]; 3]);
-            for ([x, y], weight) in self.rule.points.iter().zip(&self.rule.weights) {
-                let r = [1.0, x / self.size, y / self.size];
+            for ([x, y], weight) in self.patch.rule.points.iter().zip(&self.patch.rule.weights) {
+                let r = [1.0, x / self.patch.size, y / self.patch.size];
                 let pressure = z[0] + z[1] * r[1] + z[2] * r[2];
                 if pressure > 0.0 {
                     value += 0.5 * weight * pressure * pressure;
@@ -153,7 +147,6 @@ impl Footprint {
             }
             (value - z[0] * target[0] - z[1] * target[1] - z[2] * target[2], gradient, hessian)
         };
-        let affine = [1.0, slope[0] * self.size, slope[1] * self.size];
         let mut z = if evaluate(&self.last).0 < evaluate(&affine).0 { self.last } else { affine };
         let mut here = evaluate(&z);
         for _ in 0..STEPS {

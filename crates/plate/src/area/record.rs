@@ -15,7 +15,7 @@ pub struct AreaSample {
     pub acceleration: [f64; 3],
     /// Normal force in N.
     pub normal: f64,
-    /// Center of pressure from the centroid, plate axes, in m.
+    /// Center of pressure from the center of mass, plate axes, in m.
     pub center: [f64; 2],
     /// Friction on the object: force along x and y in N, torque in N m.
     pub friction: [f64; 3],

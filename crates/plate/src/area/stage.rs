@@ -51,7 +51,7 @@ pub(super) struct Stage {
     pub(super) drive: [f64; 3],
     /// Normal force in N/kg.
     pub(super) normal: f64,
-    /// Center of pressure from the centroid, plate axes, in m.
+    /// Center of pressure from the center of mass, plate axes, in m.
     pub(super) center: [f64; 2],
     pub(super) support: Support,
     pub(super) slip: Slip,
@@ -108,6 +108,10 @@ impl Equations {
         self.inertia
     }
 
+    pub(super) fn object(&self) -> &Object {
+        &self.object
+    }
+
     pub(super) fn footprint(&self) -> &Footprint {
         &self.footprint
     }
@@ -126,7 +130,7 @@ impl Equations {
     }
 
     /// What the plate has to carry, from the balance of normal force and of the moments about the axes in the plane of the
-    /// plate below the centroid, own axes:
+    /// plate below the center of mass, own axes:
     ///
     /// ```text
     /// N/m       = g cos θ + y θ'' + 2 y' θ' − h θ'²

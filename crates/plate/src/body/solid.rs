@@ -37,6 +37,7 @@ impl Solid {
     /// The prism of an object, with about `points` points on each face.
     pub(super) fn of(object: &Object, points: usize) -> Result<Self, PlateError> {
         object.validate()?;
+        object.stands_evenly()?;
         let outline = match &object.shape {
             Shape::Ellipse { a, b } => Outline::Ellipse { a: *a, b: *b },
             Shape::Disk { radius } => Outline::Ellipse { a: *radius, b: *radius },

@@ -2,6 +2,7 @@
 
 use super::limits::PlateLimits;
 use super::rounded_contact::RoundedContact;
+use crate::object::Patch;
 use crate::{GRAVITY, Object, PlateError, Shape};
 use bracketry_mpc::{
     Bounds, CostFunction, CostKind, MpcError, Ocp, PathConstraint, Softness, Substeps, TerminalTarget, VectorFunction,
@@ -42,8 +43,19 @@ impl MoveProblem {
         limits.validate()?;
         let contact = RoundedContact::new(object, 0.3, POINTS)?;
         let feedback = RoundedContact::new(object, 0.3, FEEDBACK_POINTS)?;
-        let template = template(object, limits, interval, margin)?;
+        let pressures = pressure(object, &Patch::of(object, POINTS)?, interval);
+        let template = template(&pressures, limits, interval, margin)?;
         Ok(Self { object: object.clone(), template, contact, feedback })
+    }
+
+    /// The same problem with the models of an object that differs a little. The constraint on its pressure stays.
+    pub(super) fn set_object(&mut self, object: &Object) -> Result<(), PlateError> {
+        if *object != self.object {
+            self.contact = RoundedContact::new(object, 0.3, POINTS)?;
+            self.feedback = RoundedContact::new(object, 0.3, FEEDBACK_POINTS)?;
+            self.object = object.clone();
+        }
+        Ok(())
     }
 
     pub(super) fn object(&self) -> &Object {
@@ -76,7 +88,7 @@ impl MoveProblem {
     }
 }
 
-fn template(object: &Object, limits: &PlateLimits, interval: f64, margin: f64) -> Result<Ocp, MpcError> {
+fn template(pressures: &[String], limits: &PlateLimits, interval: f64, margin: f64) -> Result<Ocp, MpcError> {
     let system = System::parse("plate_move", NAMES).map_err(|_| MpcError::Value {
         what: "the period of the plate's controller".into(),
         value: interval,
@@ -97,8 +109,8 @@ fn template(object: &Object, limits: &PlateLimits, interval: f64, margin: f64) -
     };
     ocp.state_bounds[6] = soft(limits.stroke, 5e4);
     ocp.state_bounds[8] = soft(limits.tilt, 1e4);
-    for (number, text) in pressure(object, interval).into_iter().enumerate() {
-        let function = VectorFunction::parse(&system, &[], &[&text])?;
+    for (number, text) in pressures.iter().enumerate() {
+        let function = VectorFunction::parse(&system, &[], &[text])?;
         let softness = Softness::Soft { linear: 1e3, quadratic: 1e3 };
         ocp.path_constraints.push(PathConstraint {
             name: format!("pressure {}", number + 1),
@@ -122,29 +134,51 @@ fn template(object: &Object, limits: &PlateLimits, interval: f64, margin: f64) -
     Ok(ocp)
 }
 
-/// The least pressure on the footprint in units of gravity at the beginning of an interval and, with the tilt's rate of its
-/// end, at the end: one expression for an ellipse, one for each corner of a polygon.
-fn pressure(object: &Object, interval: f64) -> Vec<String> {
+/// The least pressure on the bearing in units of gravity at the beginning of an interval and, with the tilt's rate of its
+/// end, at the end: one expression for an ellipse, one for each corner of a polygon. See [`Patch::response`].
+fn pressure(object: &Object, patch: &Patch, interval: f64) -> Vec<String> {
     let rates = ["thetad".to_owned(), format!("(thetad + {interval}*thetadd)")];
+    let [dx, dy] = object.center_of_mass;
+    let (y, vy) = if [dx, dy] == [0.0; 2] {
+        ("y".to_owned(), "vy".to_owned())
+    } else {
+        (format!("(y + ({dx})*sin(phi) + ({dy})*cos(phi))"), format!("(vy + w*(({dx})*cos(phi) - ({dy})*sin(phi)))"))
+    };
     rates
         .iter()
         .flat_map(|rate| {
-            let uniform = format!("{GRAVITY}*cos(theta) + y*thetadd + 2*vy*{rate} - {}*{rate}^2", object.height);
-            // The slope of the pressure along the object's own axes.
+            let mean = format!("({GRAVITY}*cos(theta) + {y}*thetadd + 2*{vy}*{rate} - {}*{rate}^2)", object.height);
+            // The rates of the pressure that inertia asks for along the object's own axes.
             let along = format!("(2*{rate}*w*cos(phi) + thetadd*sin(phi))");
             let across = format!("(thetadd*cos(phi) - 2*{rate}*w*sin(phi))");
-            let ellipse = |a: f64, b: f64| {
-                vec![format!("({uniform} - sqrt(({a}*{along})^2 + ({b}*{across})^2 + 1e-4))/{GRAVITY}")]
+            let combined = |(level, [p, q]): (f64, [f64; 2])| {
+                let terms = [(level, &mean), (p, &along), (q, &across)];
+                let terms: Vec<String> =
+                    terms.iter().filter(|t| t.0 != 0.0).map(|(c, e)| format!("({c})*{e}")).collect();
+                if terms.is_empty() { "0".to_owned() } else { format!("({})", terms.join(" + ")) }
             };
-            match &object.shape {
+            let at = |point: [f64; 2]| patch.response(object, point);
+            let [x, y] = patch.center;
+            let ellipse = |a: f64, b: f64| {
+                let middle = at([x, y]);
+                // How the pressure changes from the middle to the rim along an axis.
+                let change = |point: [f64; 2]| {
+                    let (level, [p, q]) = at(point);
+                    combined((level - middle.0, [p - middle.1[0], q - middle.1[1]]))
+                };
+                let (right, upper) = (change([x + patch.scale * a, y]), change([x, y + patch.scale * b]));
+                vec![format!("({} - sqrt({right}^2 + {upper}^2 + 1e-4))/{GRAVITY}", combined(middle))]
+            };
+            match &patch.hull {
                 Shape::Disk { radius } => ellipse(*radius, *radius),
                 Shape::Ellipse { a, b } => ellipse(*a, *b),
                 // Of rectangles and polygons the rim is asked for with few points: it always has the corners.
-                shape => shape
-                    .rim(1)
-                    .into_iter()
-                    .map(|[p, q]| format!("({uniform} + ({p})*{along} + ({q})*{across})/{GRAVITY}"))
-                    .collect(),
+                shape => {
+                    let corners = shape.rim(1).into_iter();
+                    corners
+                        .map(|[p, q]| format!("{}/{GRAVITY}", combined(at([x + patch.scale * p, y + patch.scale * q]))))
+                        .collect()
+                }
             }
         })
         .collect()

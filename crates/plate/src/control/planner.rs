@@ -79,6 +79,10 @@ impl Planner {
         &self.problem
     }
 
+    pub(super) fn problem_mut(&mut self) -> &mut MoveProblem {
+        &mut self.problem
+    }
+
     /// The best plan found from a state at rest to a pose; absent if no program could be solved at all.
     ///
     /// Oscillations of several frequencies are tried, then longer durations.
@@ -200,8 +204,8 @@ impl Planner {
         Self::solved(&mut sqp, start, trajectory)
     }
 
-    /// The program that brings a plan under way back to the target, prepared for a state near `state`; absent where exact
-    /// friction says that the plan arrives as it is.
+    /// The program that brings a plan under way back to the target, prepared for a state near `state`, and what the plan misses
+    /// as it is; no program where exact friction says that it arrives.
     pub(super) fn correction(
         &self,
         state: &[f64; 10],
@@ -209,10 +213,10 @@ impl Planner {
         mu: f64,
         trajectory: &Trajectory,
         time_limit: f64,
-    ) -> Result<Option<Rti>, PlateError> {
+    ) -> Result<([f64; 3], Option<Rti>), PlateError> {
         let miss = self.replayed(state, trajectory, mu, target)?;
         if cost(&miss) < 1.0 {
-            return Ok(None);
+            return Ok((miss, None));
         }
         let mut dynamics = self.problem.feedback_dynamics(mu);
         dynamics.set_smoothing(FEEDBACK_WIDTH);
@@ -230,7 +234,7 @@ impl Planner {
         };
         let mut rti = Rti::new(Box::new(dynamics), self.problem.ocp(trajectory.steps(), aim), predicted, settings)?;
         rti.prepare()?;
-        Ok(Some(rti))
+        Ok((miss, Some(rti)))
     }
 
     /// What the inputs of a trajectory miss with exact friction.

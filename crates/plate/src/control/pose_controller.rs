@@ -1,15 +1,18 @@
 //! Position and orientation of the object at the same time, from any start to any target.
 
-use super::friction_bank::FrictionBank;
 use super::interface::{Command, Measurement, PlateController};
+use super::learned::{Learned, validate};
+use super::leveling::leveling;
+use super::motion_estimator::MotionEstimator;
 use super::move_problem::MoveProblem;
 use super::planner::{Plan, Planner, cost};
 use super::replay::Replay;
+use super::servo_lag::ServoLag;
 use super::settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
+use super::way::{nearest_turn, repetition};
 use crate::{Object, PlateError, PlateKinematics};
 use bracketry_mpc::{Rti, StepStatus, Trajectory};
 use std::collections::VecDeque;
-use std::f64::consts::{PI, TAU};
 use std::time::Instant;
 
 /// Share of the bounds that plans and feedback leave free.
@@ -22,6 +25,10 @@ const PLAYED_OUT: usize = 1;
 const LATE: f64 = 8.0;
 const EXTENSION: usize = 2;
 const MOST_EXTENSION: usize = 20;
+/// Errors of x and y (m) and of yaw (rad) at the end of a move that no program brings back, and replays in a row that have to
+/// show them for it to be broken off.
+const FAR: [f64; 3] = [0.12, 0.12, 2.0];
+const LOST: usize = 3;
 /// Most samples that the controller looks at the resting object before it believes the mean.
 const LOOKS: usize = 25;
 /// Standard deviations of the mean that a verdict has to be sure of.
@@ -44,6 +51,8 @@ enum Phase {
     Pause { plan: Plan, left: usize },
     /// A plan under way.
     Move(Box<Move>),
+    /// A move that is broken off: the plate levels.
+    Halt,
     /// Plate and object at rest; samples looked at.
     Look { samples: usize },
     /// Nothing to do but to watch: how many poses were measured since the last verdict, and their sum.
@@ -66,6 +75,8 @@ struct Move {
     extended: usize,
     /// Programs in a row whose end misses the target.
     late: usize,
+    /// Replays in a row that end far away.
+    lost: usize,
 }
 
 /// Plans moves from rest to rest, follows them with one quadratic program every second sample, and corrects what they missed
@@ -82,14 +93,24 @@ struct Move {
 pub struct PoseController {
     settings: PoseSettings,
     target: [f64; 3],
+    /// Where the move under way is aimed: the target, shifted by what moves like it have missed.
+    aim: [f64; 3],
+    /// The displacement that the last move was to make, x, y (m), yaw (rad).
+    last_way: [f64; 3],
     planner: Planner,
-    bank: Option<FrictionBank>,
+    estimator: Option<MotionEstimator>,
+    servo: ServoLag,
     phase: Phase,
     report: PoseReport,
     /// The plate at the last sample.
     plate: PlateKinematics,
     /// Commands that have been given and do not act yet.
     queue: VecDeque<Command>,
+    /// The command that acted last, and the one before it.
+    acted: Command,
+    before: Command,
+    /// Moves since the last arrival that were broken off: what one has taught lets the next go on longer.
+    broken_off: usize,
     /// Moves up to the last arrival.
     moves_before: usize,
 }
@@ -103,22 +124,30 @@ impl PoseController {
         if let Some(value) = target.iter().find(|v| !v.is_finite()) {
             return Err(PlateError::BadState { value: *value });
         }
-        let problem = MoveProblem::new(object, &settings.limits, settings.period * INTERVAL as f64, MARGIN)?;
+        validate(&settings.uncertainty, settings.mu_deviation)?;
+        let problem = move_problem(object, settings)?;
         Ok(Self {
             target,
+            aim: target,
+            last_way: [0.0; 3],
             planner: Planner::new(problem),
-            bank: None,
+            estimator: None,
+            servo: ServoLag::new(),
             phase: Phase::Start,
             report: PoseReport {
                 status: PoseStatus::Working,
                 moves: Vec::new(),
                 mu: settings.mu,
+                learned: Learned::default(),
                 lost: 0,
                 unsolved: 0,
                 sample_seconds: Vec::new(),
             },
             plate: PlateKinematics::default(),
             queue: std::iter::repeat_n(Command::default(), settings.delay).collect(),
+            acted: Command::default(),
+            before: Command::default(),
+            broken_off: 0,
             moves_before: 0,
             settings: settings.clone(),
         })
@@ -131,14 +160,18 @@ impl PoseController {
 
     /// The estimated state of the object `x, y, phi, vx, vy, w`; absent before the first measurement.
     pub fn estimate(&self) -> Option<[f64; 6]> {
-        self.bank.as_ref().map(FrictionBank::state)
+        self.estimator.as_ref().map(MotionEstimator::state)
     }
 
     /// Plans from the estimated pose, at rest; where no plan makes progress, gives up.
     fn plan(&mut self, pause: usize) -> Result<(), PlateError> {
-        let Some(bank) = &mut self.bank else { return Ok(()) };
-        bank.restart()?;
-        let (state, mu) = (bank.state(), bank.mu());
+        let Some(estimator) = &mut self.estimator else { return Ok(()) };
+        let unexplained = estimator.restart()?;
+        let (state, (object, mu)) = (estimator.state(), estimator.object());
+        if object != *self.planner.problem().object() {
+            self.planner = Planner::new(move_problem(&object, &self.settings)?);
+        }
+        self.tell();
         let error: [f64; 3] = std::array::from_fn(|i| state[i] - self.target[i]);
         if self.report.moves.len() - self.moves_before >= self.settings.moves {
             self.report.status = PoseStatus::MovesUsedUp { miss: error };
@@ -146,9 +179,19 @@ impl PoseController {
             return Ok(());
         }
         let start = [state[0], state[1], state[2], 0.0, 0.0, 0.0, self.plate.displacement, 0.0, self.plate.tilt, 0.0];
-        let plan = self.planner.plan(&start, self.target, mu)?;
+        let way = error.map(|e| -e);
+        let repeated = repetition(&way, &self.last_way);
+        self.aim = std::array::from_fn(|i| self.target[i] - repeated * unexplained[i]);
+        self.last_way = way;
+        let plan = self.planner.plan(&start, self.aim, mu)?;
         let best = plan.as_ref().map_or(error, |p| if cost(&p.miss) < cost(&error) { p.miss } else { error });
         let Some(plan) = plan.filter(|p| cost(&p.miss) < PROGRESS * cost(&error)) else {
+            // What was learned may be wrong.
+            if let Some(estimator) = &mut self.estimator
+                && estimator.forget_learned()?
+            {
+                return self.plan(pause);
+            }
             self.report.status = PoseStatus::Unreachable { miss: best };
             self.phase = HOLD;
             return Ok(());
@@ -167,8 +210,8 @@ impl PoseController {
 
     /// The verdict on an object at rest: arrived, to be corrected, or to be looked at longer.
     fn look(&mut self, samples: usize) -> Result<(), PlateError> {
-        let Some(bank) = &self.bank else { return Ok(()) };
-        let (state, deviation) = (bank.state(), bank.deviation());
+        let Some(estimator) = &self.estimator else { return Ok(()) };
+        let (state, deviation) = (estimator.state(), estimator.deviation());
         let [position, yaw] = self.settings.tolerance;
         let tolerance = [position, position, yaw];
         let error: [f64; 3] = std::array::from_fn(|i| (state[i] - self.target[i]).abs());
@@ -178,7 +221,7 @@ impl PoseController {
         let over = samples >= LOOKS;
         if inside && (over || deviation[0] < 0.1 * position) || (over && near) {
             self.report.status = PoseStatus::Arrived;
-            self.moves_before = self.report.moves.len();
+            (self.moves_before, self.broken_off) = (self.report.moves.len(), 0);
             self.phase = HOLD;
             return Ok(());
         }
@@ -199,24 +242,37 @@ impl PoseController {
     }
 
     /// Watches an object that has arrived, and sets out again if it is no longer there.
-    fn watch(&mut self, measured: &[f64; 3], seen: usize, sum: [f64; 3]) {
+    fn watch(&mut self, measured: &[f64; 3], seen: usize, sum: [f64; 3]) -> Result<(), PlateError> {
         if measured.iter().any(|v| !v.is_finite()) {
-            return;
+            return Ok(());
         }
         let (seen, sum) = (seen + 1, std::array::from_fn(|i| sum[i] + measured[i]));
         self.phase = if seen < WATCHED { Phase::Hold { seen, sum } } else { HOLD };
         let away = seen == WATCHED && self.is_measured_away(sum.map(|s| s / seen as f64), seen);
-        if away && let Some(bank) = &mut self.bank {
-            bank.forget_pose();
+        if away && let Some(estimator) = &mut self.estimator {
+            estimator.forget_pose()?;
             self.report.status = PoseStatus::Working;
             self.phase = Phase::Look { samples: 0 };
         }
+        Ok(())
+    }
+
+    /// Commands that are under way to the plate or in the queue, with the times for which they act.
+    fn pending(&self) -> Vec<(Command, f64)> {
+        let lag = self.lag();
+        let under_way = (lag > 0.0).then_some((self.acted, lag));
+        under_way.into_iter().chain(self.queue.iter().map(|c| (*c, self.settings.period))).collect()
+    }
+
+    /// The plate at the time from which the next command acts.
+    fn expected_plate(&self) -> PlateKinematics {
+        self.pending().iter().fold(self.plate, |plate, (command, time)| command.applied_to(&plate).after(*time))
     }
 
     /// The command that takes off a share of the plate's rates within a period, as far as the bounds allow.
     fn braking(&self, share: f64) -> Command {
         let (limits, period) = (self.settings.limits, self.settings.period);
-        let plate = self.queue.iter().fold(self.plate, |plate, command| command.applied_to(&plate).after(period));
+        let plate = self.expected_plate();
         let braked = |rate: f64, limit: f64| {
             if rate.abs() <= STILL { 0.0 } else { (-share * rate / period).clamp(-limit, limit) }
         };
@@ -226,16 +282,31 @@ impl PoseController {
         }
     }
 
-    /// The state at the time from which the next command acts, after those in the queue.
+    /// Time in s by which the plate follows commands late.
+    fn lag(&self) -> f64 {
+        self.report.learned.servo_lag.value
+    }
+
+    /// Puts down what is known now.
+    fn tell(&mut self) {
+        if let Some(estimator) = &self.estimator {
+            let servo_lag = self.servo.estimate(self.settings.period);
+            self.report.learned = Learned { servo_lag, ..estimator.learned() };
+            self.report.mu = self.report.learned.mu.value;
+        }
+    }
+
+    /// The state at the time from which the next command acts, after those that are under way to the plate and in the queue.
     fn predicted(&mut self) -> Result<[f64; 10], PlateError> {
-        let mut state = self.bank.as_ref().map_or([0.0; 6], FrictionBank::state);
+        let mut state = self.estimator.as_ref().map_or([0.0; 6], MotionEstimator::state);
         let mut plate = self.plate;
-        if !self.queue.is_empty() {
+        let pending = self.pending();
+        if !pending.is_empty() {
             let mut object = Replay::new(self.planner.problem().object(), self.report.mu)?;
             object.set_state(state)?;
-            for &command in &self.queue {
-                object.advance(&plate, command, self.settings.period)?;
-                plate = command.applied_to(&plate).after(self.settings.period);
+            for (command, time) in pending {
+                object.advance(&plate, command, time)?;
+                plate = command.applied_to(&plate).after(time);
             }
             state = object.state();
         }
@@ -290,7 +361,18 @@ impl PoseController {
             let state = self.predicted();
             self.queue.pop_back();
             let (mu, limit) = (self.report.mu, self.settings.time_limit);
-            ongoing.correction = self.planner.correction(&state?, self.target, mu, &ongoing.trajectory, limit)?;
+            if let Some(estimator) = &self.estimator {
+                self.planner.problem_mut().set_object(&estimator.object().0)?;
+            }
+            let (miss, correction) = self.planner.correction(&state?, self.aim, mu, &ongoing.trajectory, limit)?;
+            ongoing.correction = correction;
+            let far = miss.iter().zip(FAR).any(|(e, far)| !e.is_finite() || e.abs() > far);
+            ongoing.lost = if far { ongoing.lost + 1 } else { 0 };
+            if ongoing.lost >= LOST << self.broken_off.min(5) {
+                self.broken_off += 1;
+                self.phase = Phase::Halt;
+                return Ok(command);
+            }
         }
         ongoing.half = false;
         self.phase = Phase::Move(ongoing);
@@ -306,11 +388,12 @@ impl PoseController {
             }
         }
         if let (&Phase::Hold { seen, sum }, PoseStatus::Arrived) = (&self.phase, self.report.status) {
-            self.watch(measured, seen, sum);
+            self.watch(measured, seen, sum)?;
         }
         if let Phase::Look { samples } = self.phase {
             let gentle = |c: &Command| c.displacement_acceleration.abs() < GENTLE && c.tilt_acceleration.abs() < GENTLE;
-            let resting = self.bank.as_ref().is_some_and(FrictionBank::at_rest) && self.queue.iter().all(gentle);
+            let resting =
+                self.estimator.as_ref().is_some_and(MotionEstimator::at_rest) && self.queue.iter().all(gentle);
             if resting {
                 self.look(samples)?;
             }
@@ -318,19 +401,33 @@ impl PoseController {
         match std::mem::replace(&mut self.phase, HOLD) {
             Phase::Pause { plan, left: 0 } => {
                 let trajectory = plan.trajectory;
-                self.follow(Box::new(Move { trajectory, half: false, correction: None, extended: 0, late: 0 }))
+                self.follow(Box::new(Move { trajectory, half: false, correction: None, extended: 0, late: 0, lost: 0 }))
             }
             Phase::Pause { plan, left } => {
                 self.phase = Phase::Pause { plan, left: left - 1 };
                 Ok(self.braking(BRAKING))
             }
             Phase::Move(ongoing) => self.follow(ongoing),
+            Phase::Halt => {
+                let y = self.estimator.as_ref().map_or(0.0, |e| e.state()[1]);
+                if let Some(command) = leveling(&self.expected_plate(), y, &self.settings.limits, MARGIN) {
+                    self.phase = Phase::Halt;
+                    return Ok(command);
+                }
+                self.phase = Phase::Look { samples: 0 };
+                Ok(self.braking(BRAKING))
+            }
             phase => {
                 self.phase = phase;
                 Ok(self.braking(BRAKING))
             }
         }
     }
+}
+
+/// The problem of moves with an object.
+fn move_problem(object: &Object, settings: &PoseSettings) -> Result<MoveProblem, PlateError> {
+    MoveProblem::new(object, &settings.limits, settings.period * INTERVAL as f64, MARGIN)
 }
 
 /// The command of a trajectory's first interval.
@@ -351,11 +448,6 @@ fn rest_of(trajectory: &Trajectory, more: usize) -> Result<Trajectory, PlateErro
     Ok(Trajectory::from_rows(&x, &u)?)
 }
 
-/// The angle that differs from `angle` by whole turns and is nearest to `to`.
-fn nearest_turn(angle: f64, to: f64) -> f64 {
-    to + (angle - to + PI).rem_euclid(TAU) - PI
-}
-
 impl PlateController for PoseController {
     fn period(&self) -> f64 {
         self.settings.period
@@ -366,25 +458,32 @@ impl PlateController for PoseController {
         let seen = measurement.object.iter().all(|v| v.is_finite());
         self.report.lost += usize::from(!seen);
         let period = self.settings.period;
-        if let Some(bank) = &mut self.bank {
+        if let Some(estimator) = &mut self.estimator {
             // What the plate really did since the last sample.
             let acted = Command {
                 displacement_acceleration: (measurement.plate.velocity - self.plate.velocity) / period,
                 tilt_acceleration: (measurement.plate.tilt_rate - self.plate.tilt_rate) / period,
             };
-            bank.advance(&self.plate, acted, period)?;
-            bank.update(&measurement.object);
-            self.report.mu = bank.mu();
+            estimator.step(&self.plate, acted, &measurement.object)?;
+            self.servo.take(
+                [&self.plate, &measurement.plate],
+                [self.before, self.acted],
+                period,
+                &self.settings.limits,
+            );
+            self.tell();
         } else if seen {
             self.target[2] = nearest_turn(self.target[2], measurement.object[2]);
             let object = self.planner.problem().object();
-            self.bank = Some(FrictionBank::new(object, &self.settings, measurement.object)?);
+            self.estimator = Some(MotionEstimator::new(object, &self.settings, measurement.object)?);
+            self.tell();
         }
         self.plate = measurement.plate;
         let moving = matches!(self.phase, Phase::Move(_));
-        let command = if self.bank.is_some() { self.decide(&measurement.object)? } else { Command::default() };
+        let command = if self.estimator.is_some() { self.decide(&measurement.object)? } else { Command::default() };
         self.queue.push_back(command);
-        self.queue.pop_front();
+        self.before = self.acted;
+        self.acted = self.queue.pop_front().unwrap_or(command);
         if moving {
             self.report.sample_seconds.push(clock.elapsed().as_secs_f64());
         }

@@ -1,5 +1,6 @@
 //! The area contact with rounded friction, as differential equations for an optimizer.
 
+use crate::object::Patch;
 use crate::{GRAVITY, Object, PlateError};
 use bracketry_mpc::{Dynamics, MpcError, Trajectory};
 
@@ -29,18 +30,34 @@ const TILT_ACCELERATION: usize = 11;
 /// x'' = −X'' + Σ w_i fx_i
 /// y'' = −g sin θ + y θ'² + h θ'' + Σ w_i fy_i
 /// I φ'' = Sxy θ'² + Σ w_i (x̃_i fy_i − ỹ_i fx_i)
-/// f_i = −μ p_i v_i/√(v_i² + ε²),   p_i = g cos θ + (y + ỹ_i) θ'' + 2 θ'(y' + φ' x̃_i) − h θ'²
+/// f_i = −μ p_i v_i/√(v_i² + ε²)
+/// p_i = α_i (g cos θ + y θ'' + 2 θ' y' − h θ'²) + β_iy θ'' + 2 θ' φ' β_ix
 /// ```
 ///
-/// The whole footprint is taken to carry; the moment of friction about the center of mass (of the order `μ h/R`) is left out.
+/// These are the equations of the center of mass. On the whole footprint `α_i = 1` and `β_i = (x̃_i, ỹ_i)`; another
+/// [`crate::Bearing`] has others, so that force and moments are the same. Where the center of mass is not that of the shape, states are
+/// those of the center of the shape all the same. All points are taken to carry; the moment of friction about the center of mass
+/// (of the order `μ h/R`) is left out.
 #[derive(Debug, Clone)]
 pub struct RoundedContact {
-    points: Vec<[f64; 3]>,
+    points: Vec<ModelPoint>,
     moments: (f64, f64),
+    /// Angle of the principal axes in rad.
+    principal: f64,
+    center_of_mass: [f64; 2],
     height: f64,
     mu: f64,
     width: f64,
     pattern: Vec<(usize, usize)>,
+}
+
+/// A contact point: from the center of mass (m), its share, and what inertia makes of its pressure.
+#[derive(Debug, Clone, Copy)]
+struct ModelPoint {
+    at: [f64; 2],
+    share: f64,
+    level: f64,
+    slope: [f64; 2],
 }
 
 /// A value with its derivatives with respect to states and inputs.
@@ -63,19 +80,31 @@ impl RoundedContact {
     /// # Errors
     /// [`PlateError`] if the object or the coefficient has no meaning.
     pub fn new(object: &Object, mu: f64, points: usize) -> Result<Self, PlateError> {
-        object.validate()?;
         if !(mu.is_finite() && mu >= 0.0) {
             return Err(PlateError::NegativeNumber { name: "mu", value: mu });
         }
-        let rule = object.shape.quadrature(points)?;
-        let points = rule.points.iter().zip(&rule.weights).map(|(p, w)| [p[0], p[1], *w]).collect();
+        let patch = Patch::of(object, points)?;
+        let point = |(at, share): (&[f64; 2], &f64)| {
+            let (level, slope) = patch.response(object, *at);
+            ModelPoint { at: *at, share: *share, level, slope }
+        };
+        let points = patch.rule.points.iter().zip(&patch.rule.weights).map(point).collect();
         let mut pattern: Vec<(usize, usize)> = [(0, VX), (1, VY), (2, W), (6, 7), (7, 10), (8, 9), (9, 11)].into();
         pattern.push((VX, 10));
         for row in [VX, VY, W] {
             pattern.extend(FRICTION_VARIABLES.map(|column| (row, column)));
         }
         pattern.sort_unstable();
-        Ok(Self { points, moments: object.shape.second_moments(), height: object.height, mu, width: 0.01, pattern })
+        Ok(Self {
+            points,
+            moments: object.shape.second_moments(),
+            principal: object.shape.principal_angle(),
+            center_of_mass: object.center_of_mass,
+            height: object.height,
+            mu,
+            width: 0.01,
+            pattern,
+        })
     }
 
     /// The same equations with another friction coefficient.
@@ -124,8 +153,47 @@ impl RoundedContact {
         }
     }
 
-    /// The three accelerations; with slopes if `slopes`.
+    /// The three accelerations of the center of the shape; with slopes if `slopes`.
+    ///
+    /// With `ρ` from the center of the shape to that of the mass, the center of mass moves with `v + φ' k × ρ`, and the center of
+    /// the shape is accelerated by `a − φ'' k × ρ + φ'² ρ`.
     fn accelerations(&self, x: &[f64], u: &[f64], slopes: bool) -> [Row; 3] {
+        if self.center_of_mass == [0.0; 2] {
+            return self.accelerations_of_mass(x, u, slopes);
+        }
+        let ((s, c), [dx, dy], w) = (x[PHI].sin_cos(), self.center_of_mass, x[W]);
+        let (rx, ry) = (c * dx - s * dy, s * dx + c * dy);
+        let mut of_mass: [f64; CONTROL_STATES] = std::array::from_fn(|i| x[i]);
+        of_mass[0] += rx;
+        of_mass[Y] += ry;
+        of_mass[VX] -= w * ry;
+        of_mass[VY] += w * rx;
+        let mut rows = self.accelerations_of_mass(&of_mass, u, slopes);
+        if slopes {
+            for row in &mut rows {
+                let (y, vx, vy) = (row.slope[Y], row.slope[VX], row.slope[VY]);
+                row.slope[PHI] += y * rx - w * (vx * rx + vy * ry);
+                row.slope[W] += vy * rx - vx * ry;
+            }
+        }
+        let spin = rows[2];
+        rows[0].value += spin.value * ry + w * w * rx;
+        rows[1].value += w * w * ry - spin.value * rx;
+        for (column, slope) in spin.slope.into_iter().enumerate() {
+            rows[0].slope[column] += slope * ry;
+            rows[1].slope[column] -= slope * rx;
+        }
+        if slopes {
+            rows[0].slope[PHI] += spin.value * rx - w * w * ry;
+            rows[1].slope[PHI] += w * w * rx + spin.value * ry;
+            rows[0].slope[W] += 2.0 * w * rx;
+            rows[1].slope[W] += 2.0 * w * ry;
+        }
+        rows
+    }
+
+    /// The same for the state and the accelerations of the center of mass.
+    fn accelerations_of_mass(&self, x: &[f64], u: &[f64], slopes: bool) -> [Row; 3] {
         let (h, g) = (self.height, GRAVITY);
         let (y, phi, vx, vy, w) = (x[1], x[2], x[3], x[4], x[5]);
         let (tilt, rate, turning) = (x[8], x[9], u[1]);
@@ -133,7 +201,8 @@ impl RoundedContact {
         let (s, c) = phi.sin_cos();
         let (sa, sb) = self.moments;
         let inertia = sa + sb;
-        let (sxy, slope_sxy) = (c * s * (sa - sb), (c * c - s * s) * (sa - sb));
+        let (ps, pc) = if self.principal == 0.0 { (s, c) } else { (phi + self.principal).sin_cos() };
+        let (sxy, slope_sxy) = (pc * ps * (sa - sb), (pc * pc - ps * ps) * (sa - sb));
         let mut rows = [Row::ZERO; 3];
         rows[0].value = -u[0];
         rows[1].value = -g * st + y * rate * rate + h * turning;
@@ -149,13 +218,14 @@ impl RoundedContact {
         }
         let uniform = g * ct - h * rate * rate + 2.0 * rate * vy + y * turning;
         let square = self.width * self.width;
-        for &[a, b, weight] in &self.points {
+        for &ModelPoint { at: [a, b], share, level, slope: [ba, bb] } in &self.points {
             let (px, py) = (c * a - s * b, s * a + c * b);
+            let (bx, by) = (c * ba - s * bb, s * ba + c * bb);
             let (ux, uy) = (vx - w * py, vy + w * px);
-            let pressure = uniform + py * turning + 2.0 * rate * w * px;
+            let pressure = level * uniform + by * turning + 2.0 * rate * w * bx;
             let inverse = 1.0 / (ux * ux + uy * uy + square).sqrt();
             let (ex, ey) = (ux * inverse, uy * inverse);
-            let scale = -self.mu * weight;
+            let scale = -self.mu * share;
             let (fx, fy) = (scale * pressure * ex, scale * pressure * ey);
             rows[0].value += fx;
             rows[1].value += fy;
@@ -172,14 +242,14 @@ impl RoundedContact {
                 rows[1].slope[column] += dfy;
                 rows[2].slope[column] += (px * dfy - py * dfx) / inertia;
             };
-            add(Y, turning, 0.0, 0.0);
-            add(PHI, px * turning - 2.0 * rate * w * py, -w * px, -w * py);
+            add(Y, level * turning, 0.0, 0.0);
+            add(PHI, bx * turning - 2.0 * rate * w * by, -w * px, -w * py);
             add(VX, 0.0, 1.0, 0.0);
-            add(VY, 2.0 * rate, 0.0, 1.0);
-            add(W, 2.0 * rate * px, -py, px);
-            add(TILT, -g * st, 0.0, 0.0);
-            add(TILT_RATE, 2.0 * (vy + w * px) - 2.0 * h * rate, 0.0, 0.0);
-            add(TILT_ACCELERATION, y + py, 0.0, 0.0);
+            add(VY, level * 2.0 * rate, 0.0, 1.0);
+            add(W, 2.0 * rate * bx, -py, px);
+            add(TILT, -level * g * st, 0.0, 0.0);
+            add(TILT_RATE, 2.0 * (level * vy + w * bx) - 2.0 * level * h * rate, 0.0, 0.0);
+            add(TILT_ACCELERATION, level * y + by, 0.0, 0.0);
             // The lever arm turns with the object: d(x̃ fy − ỹ fx)/dφ has −ỹ fy − x̃ fx.
             rows[2].slope[PHI] += (-py * fy - px * fx) / inertia;
         }

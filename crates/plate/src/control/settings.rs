@@ -1,5 +1,6 @@
 //! Settings of the pose controller and what it tells about its work.
 
+use super::learned::{Learned, Uncertainty};
 use super::limits::PlateLimits;
 
 /// Settings of [`super::PoseController`].
@@ -15,6 +16,8 @@ pub struct PoseSettings {
     pub mu: f64,
     /// Standard deviation of what is not known of it, as a share of it; 0 if it is exact.
     pub mu_deviation: f64,
+    /// What else is not known and can be learned.
+    pub uncertainty: Uncertainty,
     /// Standard deviations of the noise of the measured pose: position in m, yaw in rad; 0 without noise.
     pub noise: [f64; 2],
     /// What counts as arrived: greatest error of x and y in m, and of yaw in rad.
@@ -30,7 +33,7 @@ pub struct PoseSettings {
 }
 
 impl Default for PoseSettings {
-    /// 20 ms, one sample of delay, μ = 0.3 within 12 %, noise of 0.5 mm and 0.5°, tolerance 2 mm and 2°, 10 samples for
+    /// 20 ms, one sample of delay, μ = 0.3 within 30 %, noise of 0.5 mm and 0.5°, tolerance 2 mm and 2°, 10 samples for
     /// planning, 8 moves.
     fn default() -> Self {
         Self {
@@ -38,7 +41,8 @@ impl Default for PoseSettings {
             delay: 1,
             limits: PlateLimits::default(),
             mu: 0.3,
-            mu_deviation: 0.12,
+            mu_deviation: 0.3,
+            uncertainty: Uncertainty::default(),
             noise: [5e-4, 0.5f64.to_radians()],
             tolerance: [2e-3, 2f64.to_radians()],
             planning_samples: 10,
@@ -93,6 +97,8 @@ pub struct PoseReport {
     pub moves: Vec<MoveReport>,
     /// The friction coefficient believed in now.
     pub mu: f64,
+    /// What has been learned, with standard deviations.
+    pub learned: Learned,
     /// Samples without a measurement.
     pub lost: usize,
     /// Programs that were not solved, so that the plan went on unchanged.

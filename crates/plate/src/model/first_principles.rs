@@ -71,6 +71,7 @@ pub fn first_principles(object: &Object, friction: &Friction, terms: Terms) -> R
 /// A model file with the second moments and the height of the object and the terms that are factors.
 pub(super) fn with_terms(file: &str, text: &str, object: &Object, terms: Terms) -> Result<System, PlateError> {
     object.validate()?;
+    object.stands_evenly()?;
     let angle = object.shape.principal_angle();
     if angle != 0.0 {
         return Err(PlateError::TurnedAxes { angle });

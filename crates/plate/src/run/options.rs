@@ -294,6 +294,7 @@ impl PlateOptions {
                 shape: self.shape.clone().unwrap_or(Shape::REFERENCE_DISK),
                 height: 0.5 * self.thickness.unwrap_or(0.005),
                 mass: self.mass.unwrap_or(0.2),
+                ..Object::REFERENCE
             },
             friction,
             start,

@@ -132,7 +132,7 @@ fn simulate(rng: &mut StdRng, impossible: bool, duration: f64) -> Result<(Object
     let shape = shape(rng)?;
     let size = shape.second_moments().0.max(shape.second_moments().1).sqrt();
     let height = if rng.random_bool(0.1) { 0.0 } else { size * magnitude(rng, -2.0, 0.7) };
-    let mut object = Object { shape, height, mass: magnitude(rng, -3.0, 2.0) };
+    let mut object = Object { shape, height, mass: magnitude(rng, -3.0, 2.0), ..Object::REFERENCE };
     let mut friction = friction(rng);
     let mut settings = BodySettings {
         restitution: if rng.random_bool(0.2) { 0.0 } else { rng.random_range(0.0..1.0) },

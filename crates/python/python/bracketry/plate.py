@@ -282,7 +282,7 @@ class PlateController:
         thickness: float | None = None,
         mass: float | None = None,
         mu: float | None = None,
-        mu_deviation: float = 0.12,
+        mu_deviation: float = 0.3,
         period: float = 0.02,
         delay: int = 1,
         noise: Sequence[float] = (5e-4, 0.0087),
@@ -315,8 +315,10 @@ class PlateController:
         -------
         PlateStep
             ``displacement_acceleration`` (m/s²), ``tilt_acceleration`` (rad/s²), ``finished``, ``status`` (working, arrived,
-            unreachable or moves_used_up), ``estimate`` of the object's state, and ``mu``, the friction coefficient believed in. The first
-            step plans, which takes about a second.
+            unreachable or moves_used_up), ``estimate`` of the object's state, ``mu``, the friction coefficient believed in, and
+            ``learned`` by name with standard deviations: ``mu``, ``scale`` of the bearing (how far out the pressure stands),
+            ``center_of_mass_x`` and ``center_of_mass_y`` (m), ``latency`` of the camera (s), ``servo_lag`` (s). The first step plans,
+            which takes about a second.
         """
         return self._native.step(_several(pose, 3, "pose"), None if plate is None else _several(plate, 4, "plate"))
 

@@ -1,6 +1,6 @@
 //! One trial: a controller against the area-contact plant.
 
-use super::criterion::{TrialSample, at_rest, pose_error, time_to_target};
+use super::criterion::{REST, TrialSample, at_rest, pose_error, time_to_target};
 use super::scenario::Trial;
 use super::{Scenario, Tolerance};
 use crate::TrialError;
@@ -11,6 +11,7 @@ use bracketry_plate::{
 };
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
+use std::f64::consts::TAU;
 use std::time::Instant;
 
 /// What the trials of a series have in common.
@@ -29,10 +30,16 @@ pub struct TrialSetup {
     /// How long a trial goes on in s once nothing moves any more: the controller has finished, plate and object rest, no push
     /// is to come.
     pub dwell: f64,
+    /// Bandwidth in Hz of the plate's servo: its accelerations follow the commands with a first-order lag. Infinite for a plate that
+    /// does what it is told.
+    pub servo_bandwidth: f64,
+    /// Age of a measured pose in s when the controller gets it, which it is not told.
+    pub latency: f64,
 }
 
 impl TrialSetup {
-    /// The setup of a scenario with an object: plant as by default (1 ms, 48 points), half a second of rest at the end.
+    /// The setup of a scenario with an object: plant as by default (1 ms, 48 points), half a second of rest at the end, a plate that
+    /// does what it is told, and a camera without latency.
     pub fn new(object: &Object, scenario: &Scenario) -> Self {
         Self {
             object: object.clone(),
@@ -41,6 +48,8 @@ impl TrialSetup {
             tolerance: scenario.tolerance(),
             duration: scenario.duration,
             dwell: 0.5,
+            servo_bandwidth: f64::INFINITY,
+            latency: 0.0,
         }
     }
 }
@@ -177,7 +186,8 @@ pub struct TrialRun {
     pub utilization: Utilization,
 }
 
-/// Runs a trial on the area-contact plant, the plate's motion integrated exactly from the commands.
+/// Runs a trial on the area-contact plant, the plate's motion integrated exactly from the commands or, with a
+/// servo, from their lagged values.
 ///
 /// # Errors
 /// [`TrialError`] if trial or setup have no meaning. What goes wrong in the trial is its outcome.
@@ -212,6 +222,46 @@ pub fn run_trial<C: PlateController + ?Sized>(
     Ok(TrialRun { samples, controls, outcome, final_error, utilization })
 }
 
+/// The servo of the plate: `T a' = u − a` for the commanded accelerations `u`, `T = 1/(2π bandwidth)`.
+#[derive(Debug, Clone, Copy)]
+struct Servo {
+    time_constant: f64,
+    /// The accelerations that it has reached: `X''` in m/s², `θ''` in rad/s².
+    acceleration: [f64; 2],
+}
+
+impl Servo {
+    fn new(bandwidth: f64) -> Self {
+        Self { time_constant: 1.0 / (TAU * bandwidth), acceleration: [0.0; 2] }
+    }
+
+    /// Whether what is left of its acceleration moves nothing.
+    fn at_rest(&self) -> bool {
+        self.time_constant == 0.0 || self.acceleration.iter().all(|a| a.abs() * self.time_constant <= REST)
+    }
+
+    /// The plate after a time, from a motion whose accelerations are the commanded ones.
+    fn after(&self, plate: &PlateKinematics, time: f64) -> PlateKinematics {
+        let mut end = plate.after(time);
+        if self.time_constant == 0.0 {
+            return end;
+        }
+        let left = (-time / self.time_constant).exp();
+        let add = |[rate, position, acceleration]: [&mut f64; 3], reached: f64| {
+            let lag = reached - *acceleration;
+            // Integrals of `lag · exp(−t/T)`.
+            let gained = lag * self.time_constant * (1.0 - left);
+            *position += self.time_constant * (lag * time - gained);
+            *rate += gained;
+            *acceleration += lag * left;
+        };
+        let PlateKinematics { displacement, velocity, acceleration, tilt, tilt_rate, tilt_acceleration } = &mut end;
+        add([velocity, displacement, acceleration], self.acceleration[0]);
+        add([tilt_rate, tilt, tilt_acceleration], self.acceleration[1]);
+        end
+    }
+}
+
 /// A trial under way.
 struct Simulation<'a> {
     trial: &'a Trial,
@@ -221,6 +271,8 @@ struct Simulation<'a> {
     random: Random,
     /// Motion of the plate now, the accelerations those of the last command that acted.
     plate: PlateKinematics,
+    /// Accelerations of the plate: those of the command, or what its servo makes of them.
+    servo: Servo,
     /// Commands that do not act yet.
     pending: VecDeque<Command>,
     /// Number of the sampling instant.
@@ -251,6 +303,7 @@ impl<'a> Simulation<'a> {
             period,
             random: Random::new(trial.seed),
             plate,
+            servo: Servo::new(setup.servo_bandwidth),
             pending: std::iter::repeat_n(Command::default(), trial.delay).collect(),
             sample: 0,
             pushed: 0,
@@ -282,7 +335,8 @@ impl<'a> Simulation<'a> {
         }
         self.pending.push_back(command);
         let mut acting = self.pending.pop_front().unwrap_or(command);
-        if controller.finished() && at_rest(&self.plate) {
+        if controller.finished() && at_rest(&self.plate) && self.servo.at_rest() {
+            self.servo.acceleration = [0.0; 2];
             (self.plate.velocity, self.plate.tilt_rate, acting) = (0.0, 0.0, Command::default());
             self.pending.iter_mut().for_each(|command| *command = acting);
         }
@@ -299,14 +353,16 @@ impl<'a> Simulation<'a> {
 
     /// Simulates from the sampling instant `t` to `end`, the accelerations held.
     fn advance(&mut self, t: f64, end: f64) -> Result<Option<TrialOutcome>, TrialError> {
-        let from = self.plate;
-        let mut motion = move |at: f64| from.after(at - t);
+        let (from, servo) = (self.plate, self.servo);
+        let after = move |time: f64| servo.after(&from, time);
+        let mut motion = move |at: f64| after(at - t);
         let mut rest = self.contact.state()[3..] == [0.0; 3];
         loop {
             let push = self.trial.pushes.get(self.pushed).filter(|push| push.t < end);
             let to = push.map_or(end, |push| push.t.max(self.contact.time()));
-            let still =
-                rest && from == PlateKinematics { displacement: from.displacement, ..PlateKinematics::default() };
+            let still = rest
+                && servo.at_rest()
+                && from == PlateKinematics { displacement: from.displacement, ..PlateKinematics::default() };
             if still && push.is_none() {
                 // Nothing moves on a level plate at rest: no steps are needed.
                 self.contact.set_time(to)?;
@@ -314,7 +370,7 @@ impl<'a> Simulation<'a> {
             } else {
                 let samples = &mut self.samples;
                 let outcome = self.contact.advance_with(&mut motion, to, |step| {
-                    samples.push(TrialSample { t: step.t, object: step.state, plate: from.after(step.t - t) });
+                    samples.push(TrialSample { t: step.t, object: step.state, plate: after(step.t - t) });
                 })?;
                 match outcome {
                     AreaOutcome::Finished => {}
@@ -332,17 +388,33 @@ impl<'a> Simulation<'a> {
             self.pushed += 1;
             rest = false;
         }
-        self.plate = from.after(end - t);
+        self.plate = after(end - t);
+        self.servo.acceleration = [self.plate.acceleration, self.plate.tilt_acceleration];
         Ok(None)
     }
 
     /// The measured pose. A lost one draws its noise as well, so that the others stay the same.
     fn measure(&mut self) -> [f64; 3] {
-        let state = self.contact.state();
+        let state = self.seen();
         let trial = self.trial;
         let noise = [trial.position_noise, trial.position_noise, trial.angle_noise];
         let measured = std::array::from_fn(|i| state[i] + noise[i] * self.random.normal());
         if self.random.happens(trial.lost) { [f64::NAN; 3] } else { measured }
+    }
+
+    /// The state that the camera tells of: the one of a latency ago.
+    fn seen(&self) -> [f64; 6] {
+        let at = self.contact.time() - self.setup.latency;
+        let later = self.samples.partition_point(|sample| sample.t < at);
+        match (later.checked_sub(1).and_then(|i| self.samples.get(i)), self.samples.get(later)) {
+            _ if self.setup.latency == 0.0 => self.contact.state(),
+            (Some(a), Some(b)) => {
+                let share = (at - a.t) / (b.t - a.t);
+                std::array::from_fn(|i| a.object[i] + share * (b.object[i] - a.object[i]))
+            }
+            (None, Some(first)) => first.object,
+            (_, None) => self.contact.state(),
+        }
     }
 
     fn over(&self) -> bool {
