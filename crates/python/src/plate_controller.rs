@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Mutex;
 
 use bracketry::plate::{
-    Command, Learned, Measurement, Object, PlateController as _, PlateError, PlateKinematics, PoseController, PoseSettings,
-    PoseStatus, Shape,
+    Command, Learned, Measurement, Object, PlateController as _, PlateError, PlateKinematics, PoseController,
+    PoseSettings, PoseStatus, Shape,
 };
 use pyo3::prelude::*;
 

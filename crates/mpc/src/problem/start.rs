@@ -87,7 +87,8 @@ impl ControlProblem {
         // The roll-out of an unstable model ends far away: the guess at rest is another start.
         let (rolled, at_rest) = (sqp.guess(&x0, &self.guess)?, self.start());
         let limit = FAR_AWAY * (self.value(&at_rest).abs() + floor(self, self.ocp.steps));
-        let far = self.system.is_smooth() && !(self.value(&rolled) <= limit);
+        let cost = self.value(&rolled);
+        let far = self.system.is_smooth() && (cost.is_nan() || cost > limit);
         let (first, second) = if far { (at_rest, rolled) } else { (rolled, at_rest) };
         let mut best = sqp.solve(&x0, &first)?;
         if best.status != SolveStatus::Converged && self.system.is_smooth() {

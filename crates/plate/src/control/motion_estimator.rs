@@ -18,7 +18,7 @@ use crate::{Object, PlateError, PlateKinematics};
 /// Least and greatest distance of the simulations on either side.
 const STEPS: [[f64; 2]; OF_OBJECT] = [[0.03, 0.12], [0.06, 0.2], [5e-4, 3e-3], [5e-4, 3e-3]];
 /// Distance in steps at which simulations are made anew on the way, and how far they go at once.
-const STRAYED: f64 = 1.5;
+const DISTANT: f64 = 1.5;
 const STRIDE: f64 = 3.0;
 /// Samples of the record that new simulations catch up with while one is measured.
 const CATCH_UP: usize = 4;
@@ -179,7 +179,7 @@ impl MotionEstimator {
         }
         if self.next.is_some() {
             self.catch_up()
-        } else if self.family.distance(&self.filter.parameters()) > STRAYED {
+        } else if self.family.distance(&self.filter.parameters()) > DISTANT {
             let mut family = self.centered()?;
             family.place(self.run.start)?;
             self.next = Some((family, self.prior.clone(), 0));
