@@ -214,7 +214,7 @@ impl ControlProblem {
 
     /// How much the plan of the first program differs from the other one, as a share of the cost of its inputs or of what an input
     /// may change; none where a program fails. A plan that stays at the guess is looked at from beside it, too, unless the other is
-    /// converged: programs do not leave a guess that is stationary, but no minimum.
+    /// converged: programs do not leave a guess that is stationary, but no minimum. There is none for smooth equations then.
     fn change(&self, trial: &Trial, feedback: Feedback, look_beside: bool) -> Result<Option<f64>, MpcError> {
         let [first, later] = &trial.plans[..] else { return Ok(None) };
         // Roll-outs that end nowhere settle nothing.
@@ -226,6 +226,10 @@ impl ControlProblem {
         change = change.max(self.moved(first.plan.u(0), later.plan.u(0)));
         let steps = first.plan.steps();
         if look_beside && change <= SETTLED && self.stays((0..steps).map(|k| first.plan.u(k))) {
+            if self.system.is_smooth() {
+                // Programs leave negative curvature out and may come back to a maximum; converged plans from waves do not.
+                return Ok(None);
+            }
             let beside = self.try_one_program(feedback, self.waves(), None)?;
             let [_, other] = &beside.plans[..] else { return Ok(None) };
             change = change.max(self.differ(&first.plan, &other.plan));
