@@ -325,7 +325,8 @@ impl PoseController {
                 rti.feedback(&state)?.status,
                 StepStatus::Solved | StepStatus::Inaccurate | StepStatus::Infeasible
             );
-            if solved && rti.trajectory().is_finite() {
+            // Bounds are soft to the program, which a state far from all plans may leave no other way.
+            if solved && rti.trajectory().is_finite() && self.settings.limits.keep(rti.trajectory()) {
                 ongoing.trajectory = rti.trajectory().clone();
                 let end = ongoing.trajectory.x(ongoing.trajectory.steps());
                 let miss = std::array::from_fn(|i| end[i] - rti.ocp().targets[i].value);
