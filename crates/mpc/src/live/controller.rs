@@ -100,7 +100,8 @@ impl LiveController {
         let given = (problem.method, problem.method_reason.clone());
         let awaits_start = !problem.has_run && problem.estimation.is_none();
         let started = problem.started()?;
-        let problem = started.problem;
+        // What is handed out may be changed and started anew: it is compiled again.
+        let problem = ControlProblem { compiled: None, ..started.problem };
         let inputs = problem.ocp.inputs();
         let nothing = vec![f64::NAN; problem.measured().len()];
         Ok(Self {
