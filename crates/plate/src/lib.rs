@@ -25,9 +25,9 @@ pub use body::{
     RigidState,
 };
 pub use control::{
-    AreaLoopPlant, Arrival, Command, Estimate, Learned, Measurement, MoveError, MoveReport, PlateController,
-    PlateLimits, PoseController, PoseReport, PoseSettings, PoseStatus, RESOLUTION, RoundedContact, Uncertainty,
-    move_with, plate_move, target_of,
+    AreaLoopPlant, Arrival, Command, Estimate, Learned, Measurement, MoveError, MovePlanner, MoveReport, PlannedMove,
+    PlanningBudget, PlateController, PlateLimits, PoseController, PoseReport, PoseSettings, PoseStatus, RESOLUTION,
+    RoundedContact, Uncertainty, move_with, plate_move, target_of,
 };
 pub use driven::{AreaObject, Course, DrivenObject, ModelObject, STATES};
 pub use error::PlateError;

@@ -1,4 +1,4 @@
-//! Plans of moves from rest to rest.
+//! Plans of moves from rest to rest of a given duration.
 
 use super::interface::Command;
 use super::move_problem::MoveProblem;
@@ -6,7 +6,6 @@ use super::oscillation::Oscillation;
 use super::replay::Replay;
 use crate::{PlateError, PlateKinematics};
 use bracketry_mpc::{Dynamics, QpSettings, Rti, RtiSettings, Sqp, SqpSettings, Trajectory};
-use std::time::Instant;
 
 /// Width of rounded friction in m/s at which plans end.
 const WIDTH: f64 = 0.005;
@@ -16,23 +15,6 @@ const FEEDBACK_WIDTH: f64 = 0.01;
 const GOOD: [f64; 3] = [3e-4, 3e-4, 0.005];
 /// Times a plan's aim is shifted by what its replay misses.
 const AIMS: usize = 2;
-/// Shortest and longest duration of a move in s.
-const SHORTEST: f64 = 0.5;
-const LONGEST: f64 = 4.0;
-/// Durations tried for one move.
-const DURATIONS: usize = 3;
-/// Oscillations that the search starts from.
-const SWINGS: [Oscillation; 3] = [
-    Oscillation { frequency: 2.5, displacement: 0.03, tilt: 0.1, phase: 0.0 },
-    Oscillation { frequency: 2.0, displacement: 0.04, tilt: 0.12, phase: 0.0 },
-    Oscillation { frequency: 3.2, displacement: 0.02, tilt: 0.08, phase: 0.0 },
-];
-
-/// Duration in s at which the search for a move by x, y (m) and yaw (rad) begins.
-fn expected_duration([x, y, yaw]: [f64; 3]) -> f64 {
-    (0.4 + yaw.abs() / 1.4 + 3.0 * x.abs().max(y.abs())).clamp(SHORTEST, LONGEST)
-}
-
 fn qp_settings() -> QpSettings {
     QpSettings { tolerance: 1e-6, ..QpSettings::default() }
 }
@@ -42,14 +24,26 @@ fn qp_settings() -> QpSettings {
 pub(super) struct Plan {
     /// States and inputs from sample to sample.
     pub(super) trajectory: Trajectory,
+    /// Where it shall end.
+    pub(super) target: [f64; 3],
     /// Where the optimizer aims, so that exact friction ends at the target.
     pub(super) aim: [f64; 3],
     /// What is missing at the end of the replay.
     pub(super) miss: [f64; 3],
     /// Quadratic programs solved.
     pub(super) programs: usize,
-    /// Wall time in s.
-    pub(super) seconds: f64,
+}
+
+impl Plan {
+    /// Whether it has fewer intervals.
+    pub(super) fn is_shorter(&self, other: &Self) -> bool {
+        self.trajectory.steps() < other.trajectory.steps()
+    }
+
+    /// Whether the replay with exact friction ends at the target.
+    pub(super) fn is_good(&self) -> bool {
+        cost(&self.miss) < 1.0
+    }
 }
 
 /// Cost of a miss: the largest of its errors, each in units of what is good enough.
@@ -83,56 +77,15 @@ impl Planner {
         &mut self.problem
     }
 
-    /// The best plan found from a state at rest to a pose; absent if no program could be solved at all.
-    ///
-    /// Oscillations of several frequencies are tried, then longer durations.
-    pub(super) fn plan(&self, start: &[f64; 10], target: [f64; 3], mu: f64) -> Result<Option<Plan>, PlateError> {
-        let clock = Instant::now();
-        let delta: [f64; 3] = std::array::from_fn(|i| target[i] - start[i]);
-        let mut duration = expected_duration(delta);
-        let dt = self.problem.interval();
-        let (mut best, mut programs): (Option<Attempt>, usize) = (None, 0);
-        'search: for _ in 0..DURATIONS {
-            let mut least = f64::INFINITY;
-            for swing in SWINGS {
-                let attempt = self.attempt(start, target, mu, (duration / dt).ceil() as usize, swing)?;
-                programs += attempt.programs;
-                let found = cost(&attempt.miss);
-                least = least.min(found);
-                if best.as_ref().is_none_or(|b| found < cost(&b.miss)) {
-                    best = Some(attempt);
-                }
-                if found < 1.0 {
-                    break 'search;
-                }
-            }
-            duration = (duration * if least > 30.0 { 1.35 } else { 1.15 }).min(LONGEST);
-        }
-        let Some(best) = best else {
-            return Ok(None);
-        };
-        let mut plan = self.aimed(start, target, mu, best)?;
-        plan.programs += programs;
-        plan.seconds = clock.elapsed().as_secs_f64();
-        Ok(Some(plan))
-    }
-
-    /// Solves for a number of intervals from an oscillation.
-    fn attempt(
+    /// A plan of so many intervals, solved from an oscillation.
+    pub(super) fn plan(
         &self,
         start: &[f64; 10],
         target: [f64; 3],
         mu: f64,
         steps: usize,
-        swing: Oscillation,
-    ) -> Result<Attempt, PlateError> {
-        let dt = self.problem.interval();
-        let duration = steps as f64 * dt;
-        let oscillation = Oscillation {
-            frequency: (swing.frequency * duration).round().max(1.0) / duration,
-            tilt: swing.tilt.copysign(target[2] - start[2]),
-            ..swing
-        };
+        swing: &Oscillation,
+    ) -> Result<Plan, PlateError> {
         let settings = SqpSettings {
             max_iterations: 15,
             tolerance: 1e-4,
@@ -145,8 +98,9 @@ impl Planner {
         };
         let ocp = self.problem.ocp(steps, target);
         let mut sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp, settings)?;
-        let guess = sqp.guess(start, &oscillation.inputs(steps, dt))?;
-        Self::solved(&mut sqp, start, &guess)
+        let guess = sqp.guess(start, &swing.inputs(steps, self.problem.interval()))?;
+        let attempt = Self::solved(&mut sqp, start, &guess)?;
+        self.aimed(start, target, mu, attempt)
     }
 
     fn solved(sqp: &mut Sqp, start: &[f64; 10], guess: &Trajectory) -> Result<Attempt, PlateError> {
@@ -159,7 +113,7 @@ impl Planner {
     /// Shifts the aim until the replay with exact friction ends at the target.
     fn aimed(&self, start: &[f64; 10], target: [f64; 3], mu: f64, first: Attempt) -> Result<Plan, PlateError> {
         let miss = self.replayed(start, &first.trajectory, mu, target)?;
-        let mut best = Plan { trajectory: first.trajectory, aim: target, miss, programs: 0, seconds: 0.0 };
+        let mut best = Plan { trajectory: first.trajectory, target, aim: target, miss, programs: first.programs };
         // What the optimizer misses by itself no shift of the aim brings back.
         if cost(&first.miss) > 3.0 {
             return Ok(best);
@@ -179,6 +133,25 @@ impl Planner {
             }
         }
         Ok(best)
+    }
+
+    /// A plan of so many intervals, solved from one of fewer or more.
+    pub(super) fn replan(&self, start: &[f64; 10], mu: f64, steps: usize, plan: &Plan) -> Result<Plan, PlateError> {
+        let settings = SqpSettings {
+            max_iterations: 15,
+            tolerance: 1e-4,
+            smoothing: vec![0.01, WIDTH],
+            continuation_iterations: 10,
+            filter_iterations: 0,
+            qp: qp_settings(),
+            proximal: 0.2,
+            ..SqpSettings::default()
+        };
+        let ocp = self.problem.ocp(steps, plan.target);
+        let mut sqp = Sqp::new(Box::new(self.problem.dynamics(mu)), ocp, settings)?;
+        let guess = rescaled(&plan.trajectory, steps, self.problem.interval())?;
+        let attempt = Self::solved(&mut sqp, start, &guess)?;
+        self.aimed(start, plan.target, mu, attempt)
     }
 
     /// Solves on from a trajectory, at the narrowest width.
@@ -268,4 +241,20 @@ impl Planner {
         let state = object.state();
         Ok(std::array::from_fn(|i| if object.ended() { f64::INFINITY } else { state[i] - target[i] }))
     }
+}
+
+/// The way of a trajectory in another number of intervals: what moves, moves faster or slower.
+fn rescaled(trajectory: &Trajectory, steps: usize, interval: f64) -> Result<Trajectory, PlateError> {
+    let ratio = trajectory.steps() as f64 / steps as f64;
+    let interpolated = |k: usize| -> Vec<f64> {
+        let place = (k as f64 * ratio).min(trajectory.steps() as f64);
+        let before = (place as usize).min(trajectory.steps() - 1);
+        let (a, b, part) = (trajectory.x(before), trajectory.x(before + 1), place - before as f64);
+        let rate = |i: usize| if matches!(i, 0..3 | 6 | 8) { 1.0 } else { ratio };
+        (0..a.len()).map(|i| rate(i) * (a[i] + part * (b[i] - a[i]))).collect()
+    };
+    let x: Vec<Vec<f64>> = (0..=steps).map(interpolated).collect();
+    let u: Vec<Vec<f64>> =
+        x.windows(2).map(|pair| [7, 9].map(|i| (pair[1][i] - pair[0][i]) / interval).to_vec()).collect();
+    Ok(Trajectory::from_rows(&x, &u)?)
 }

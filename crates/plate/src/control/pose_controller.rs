@@ -9,6 +9,7 @@ use super::planner::{Plan, Planner, cost};
 use super::replay::Replay;
 use super::servo_lag::ServoLag;
 use super::settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
+use super::shortest::Search;
 use super::way::{nearest_turn, repetition};
 use crate::{Object, PlateError, PlateKinematics};
 use bracketry_mpc::{Rti, StepStatus, Trajectory};
@@ -183,7 +184,10 @@ impl PoseController {
         let repeated = repetition(&way, &self.last_way);
         self.aim = std::array::from_fn(|i| self.target[i] - repeated * unexplained[i]);
         self.last_way = way;
-        let plan = self.planner.plan(&start, self.aim, mu)?;
+        let clock = Instant::now();
+        let budget =
+            if self.report.moves.is_empty() { self.settings.first_plan } else { self.settings.correction_plan };
+        let plan = Search { planner: &self.planner, start, target: self.aim, mu, budget }.run()?;
         let best = plan.as_ref().map_or(error, |p| if cost(&p.miss) < cost(&error) { p.miss } else { error });
         let Some(plan) = plan.filter(|p| cost(&p.miss) < PROGRESS * cost(&error)) else {
             // What was learned may be wrong.
@@ -196,11 +200,16 @@ impl PoseController {
             self.phase = HOLD;
             return Ok(());
         };
+        // The way round that is shorter.
+        let turns = plan.target[2] - self.aim[2];
+        self.target[2] += turns;
+        self.aim[2] += turns;
+        self.last_way[2] += turns;
         self.report.moves.push(MoveReport {
             duration: (plan.trajectory.steps() * INTERVAL) as f64 * self.settings.period,
             extended: 0,
             programs: plan.programs,
-            seconds: plan.seconds,
+            seconds: clock.elapsed().as_secs_f64(),
             miss: plan.miss,
             mu,
         });

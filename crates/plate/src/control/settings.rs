@@ -2,6 +2,7 @@
 
 use super::learned::{Learned, Uncertainty};
 use super::limits::PlateLimits;
+use super::shortest::PlanningBudget;
 
 /// Settings of [`super::PoseController`].
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +26,10 @@ pub struct PoseSettings {
     /// Samples that pass, with the plate at rest, between the decision to correct and the first motion: the time that
     /// planning may take.
     pub planning_samples: usize,
+    /// What the first plan may take: it is made at rest, before anything moves.
+    pub first_plan: PlanningBudget,
+    /// What the plan of a correction may take, which is made within the samples for planning.
+    pub correction_plan: PlanningBudget,
     /// Time in s after which the program of a sample is given up and the plan goes on unchanged. Infinite at first, so that
     /// simulated runs do not depend on the machine; at most the period where the plate is real.
     pub time_limit: f64,
@@ -46,6 +51,8 @@ impl Default for PoseSettings {
             noise: [5e-4, 0.5f64.to_radians()],
             tolerance: [2e-3, 2f64.to_radians()],
             planning_samples: 10,
+            first_plan: PlanningBudget { programs: 500, seconds: f64::INFINITY },
+            correction_plan: PlanningBudget { programs: 120, seconds: f64::INFINITY },
             time_limit: f64::INFINITY,
             moves: 8,
         }

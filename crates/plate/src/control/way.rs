@@ -17,9 +17,35 @@ pub(super) fn nearest_turn(angle: f64, to: f64) -> f64 {
     to + (angle - to + PI).rem_euclid(TAU) - PI
 }
 
+/// Turns in rad beyond which the way round the other side may be the shorter one.
+const FAR_ROUND: f64 = 2.2;
+
+/// The pose with its yaw as near as whole turns bring it, and where that is far, the one that is reached the other way round.
+pub(super) fn ways_round(yaw: f64, [x, y, target]: [f64; 3]) -> Vec<[f64; 3]> {
+    let near = nearest_turn(target, yaw);
+    let mut ways = vec![[x, y, near]];
+    if (near - yaw).abs() > FAR_ROUND {
+        ways.push([x, y, near - TAU.copysign(near - yaw)]);
+    }
+    ways
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_far_turn_has_two_ways_round_and_they_end_alike() {
+        for (yaw, target) in [(0.3, 3.0), (-2.0, 0.9), (7.0, 3.9)] {
+            let ways = ways_round(yaw, [0.1, 0.2, target]);
+            let turns: Vec<f64> = ways.iter().map(|way| way[2] - yaw).collect();
+            assert_eq!(turns.len(), 2);
+            assert!(turns[0] * turns[1] < 0.0 && turns[0].abs() <= PI);
+            assert!((turns[0] - turns[1]).abs() - TAU < 1e-12);
+            assert!(ways.iter().all(|way| ((way[2] - target) / TAU).fract().abs() < 1e-12 && way[..2] == [0.1, 0.2]));
+        }
+        assert_eq!(ways_round(0.0, [0.0, 0.0, 1.5]), [[0.0, 0.0, 1.5]]);
+    }
 
     #[test]
     fn the_same_way_is_repeated_wholly_half_of_it_by_half_and_the_way_back_not_at_all() {
