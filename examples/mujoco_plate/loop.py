@@ -19,7 +19,7 @@ REST = 1e-6
 AFTER, LONGEST = 1.0, 30.0
 
 
-def controller(body: Body, target: Floats, mu_deviation: float = 0.12) -> PlateController:
+def controller(body: Body, target: Floats, mu_deviation: float = 0.3) -> PlateController:
     return PlateController(
         target, shape=body.shape, thickness=body.thickness, mass=body.mass, mu=BELIEVED, mu_deviation=mu_deviation,
         period=PERIOD, delay=1, noise=NOISE, tolerance=TOLERANCE,

@@ -171,7 +171,7 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--seed", type=int, default=2026)
     parser.add_argument("--contact", choices=["solid", "footprint"], nargs="*", default=["solid", "footprint"])
-    parser.add_argument("--mu-deviation", type=float, default=0.12, help="as the controller is told")
+    parser.add_argument("--mu-deviation", type=float, default=0.3, help="as the controller is told")
     parser.add_argument("--index", type=int, nargs="*", help="these moves only")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--json", type=Path, help="every move, to this file")

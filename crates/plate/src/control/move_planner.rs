@@ -4,7 +4,7 @@ use super::limits::PlateLimits;
 use super::move_problem::MoveProblem;
 use super::planner::{Plan, Planner};
 use super::shortest::{PlanningBudget, Search};
-use crate::{Object, PlateError};
+use crate::{Friction, Object, PlateError};
 use std::time::Instant;
 
 /// Interval in s over which a plan's accelerations are constant.
@@ -44,6 +44,7 @@ impl MovePlanner {
     /// # Errors
     /// [`PlateError`] if one of them has no meaning.
     pub fn new(object: &Object, mu: f64, limits: &PlateLimits) -> Result<Self, PlateError> {
+        Friction::Coulomb { mu }.validate()?;
         Ok(Self { planner: Planner::new(MoveProblem::new(object, limits, INTERVAL, MARGIN)?), mu })
     }
 

@@ -15,8 +15,9 @@ const FEEDBACK_WIDTH: f64 = 0.01;
 const GOOD: [f64; 3] = [3e-4, 3e-4, 0.005];
 /// Times a plan's aim is shifted by what its replay misses.
 const AIMS: usize = 2;
+/// Looser than elsewhere: plans are as short and as exact with 1e-4 as with 1e-8, and found faster.
 fn qp_settings() -> QpSettings {
-    QpSettings { tolerance: 1e-6, ..QpSettings::default() }
+    QpSettings { tolerance: 1e-4, ..QpSettings::default() }
 }
 
 /// A move, proved by its replay with exact friction.
@@ -119,7 +120,8 @@ impl Planner {
             return Ok(best);
         }
         for _ in 0..AIMS {
-            if cost(&best.miss) < 1.0 {
+            // An object that tips or lifts off misses infinitely.
+            if best.is_good() || !cost(&best.miss).is_finite() {
                 break;
             }
             let aim: [f64; 3] = std::array::from_fn(|i| best.aim[i] - best.miss[i]);

@@ -45,6 +45,9 @@ const BRAKING: f64 = 0.5;
 /// Accelerations that do not move an object, m/s² and rad/s².
 const GENTLE: f64 = 0.05;
 
+/// Rates of a plate that is about to rest, m/s and rad/s.
+const SLOW: f64 = 0.02;
+
 enum Phase {
     /// Nothing has been measured yet.
     Start,
@@ -352,7 +355,7 @@ impl PoseController {
 
     /// The command of the second sample of an interval, and the program for the next interval.
     fn second_half(&mut self, mut ongoing: Box<Move>) -> Result<Command, PlateError> {
-        if ongoing.trajectory.steps() == 1 {
+        if ongoing.trajectory.steps() == 1 || is_over(&ongoing.trajectory) {
             self.phase = Phase::Look { samples: 0 };
             return Ok(self.braking(1.0));
         }
@@ -444,6 +447,13 @@ fn move_problem(object: &Object, settings: &PoseSettings) -> Result<MoveProblem,
 fn command_of(trajectory: &Trajectory) -> Command {
     let u = trajectory.u(0);
     Command { displacement_acceleration: u[0], tilt_acceleration: u[1] }
+}
+
+/// Whether all that is left of a trajectory is rest: intervals by which it was made longer and that no program has used.
+fn is_over(trajectory: &Trajectory) -> bool {
+    let gentle = |u: &[f64]| u.iter().all(|a| a.abs() < GENTLE);
+    let x = trajectory.x(0);
+    x[7].abs() < SLOW && x[9].abs() < SLOW && (0..trajectory.steps()).all(|k| gentle(trajectory.u(k)))
 }
 
 /// A trajectory without its first interval, and with intervals of rest at its end.

@@ -51,7 +51,7 @@ impl Default for PoseSettings {
             noise: [5e-4, 0.5f64.to_radians()],
             tolerance: [2e-3, 2f64.to_radians()],
             planning_samples: 10,
-            first_plan: PlanningBudget { programs: 500, seconds: f64::INFINITY },
+            first_plan: PlanningBudget { programs: 300, seconds: f64::INFINITY },
             correction_plan: PlanningBudget { programs: 120, seconds: f64::INFINITY },
             time_limit: f64::INFINITY,
             moves: 8,
