@@ -1,4 +1,4 @@
-//! Shortest moves and what their planning takes: the tables of `docs/records/plate_times.md`.
+//! Shortest moves and what their planning takes:
 //! `cargo run --release -p bracketry-plate --example plate_times [MOVES]`
 #![allow(clippy::print_stdout)]
 

@@ -72,10 +72,10 @@ impl MovePlanner {
             budget: *budget,
         };
         let plan = search.run()?;
-        Ok(plan.map(|plan| self.told(plan, clock.elapsed().as_secs_f64())))
+        Ok(plan.map(|plan| Self::told(&plan, clock.elapsed().as_secs_f64())))
     }
 
-    fn told(&self, plan: Plan, seconds: f64) -> PlannedMove {
+    fn told(plan: &Plan, seconds: f64) -> PlannedMove {
         let steps = plan.trajectory.steps();
         PlannedMove {
             duration: steps as f64 * INTERVAL,
