@@ -22,7 +22,8 @@ use clap::Parser;
 use std::path::PathBuf;
 
 /// Effects that leave the states of the model as they are.
-const EFFECTS: [&str; 5] = ["none", "tilt_about_x", "tilt_about_y", "friction", "anisotropic_friction"];
+const EFFECTS: [&str; 6] =
+    ["none", "tilt_about_x", "tilt_about_y", "friction", "anisotropic_friction", "pressure_radius"];
 
 #[derive(Parser)]
 struct Options {

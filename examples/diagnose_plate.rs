@@ -157,6 +157,7 @@ fn cause(effect: &PlateMismatch) -> Option<Cause> {
         PlateMismatch::CenterOfMass(_) => Some(Cause::ComOffset),
         PlateMismatch::SensorDelay(_) => Some(Cause::SensorDelay),
         PlateMismatch::AnisotropicFriction(_) => Some(Cause::AnisotropicFriction),
+        PlateMismatch::PressureRadius(_) => Some(Cause::PressureRadius),
     }
 }
 

@@ -17,6 +17,7 @@ pub enum Cause {
     QuadraticDrag,
     FrictionAsymmetry,
     AnisotropicFriction,
+    PressureRadius,
     ConstantBias,
     Tilt,
     LinearStiffness,
@@ -129,6 +130,17 @@ pub enum Change {
         states: Vec<String>,
         /// Pairs: what is replaced, by what.
         pairs: Vec<(String, String)>,
+    },
+    /// Rates count for more or less in the limit surface of a contact, whose friction has components `rate/sqrt(square)`: each rate
+    /// is replaced by its length times itself, and the friction follows by the principle of greatest dissipation. Several such effects
+    /// on one surface multiply.
+    Stretch {
+        /// What stands under the root.
+        square: String,
+        /// Names of the rates of the slip.
+        slips: Vec<String>,
+        /// Names of rates, of the slip or of a spin, with the expressions of their lengths.
+        lengths: Vec<(String, String)>,
     },
     /// What is measured of a body in the plane is the motion of a point p off its center of mass c, which the equations are
     /// about: `p = c + R(angle) d`, `p' = c' + spin z × R(angle) d`; the two coefficients are d, in axes of the body.

@@ -67,7 +67,7 @@ impl ExtendedModel {
                 Change::TrackedPoint { position, angle, .. } => {
                     extended.add_tracked_point(effect, position, angle, &fit.values)?;
                 }
-                Change::Terms(_) | Change::Substitution { .. } => {}
+                Change::Terms(_) | Change::Substitution { .. } | Change::Stretch { .. } => {}
             }
         }
         extended.time_as_state();

@@ -225,6 +225,32 @@ fn disk_by_hand(k: &str, q: &str, factor: &str) -> System {
 }
 
 #[test]
+fn pressure_at_another_radius_is_the_limit_surface_written_by_hand() {
+    for factor in ["", "*one"] {
+        let given = disk_by_hand("1", "1", factor);
+        let effects = candidates(&given, &[], &LibrarySettings::default()).unwrap();
+        let effect = effects.iter().find(|c| c.cause == Cause::PressureRadius).unwrap();
+        let [q] = effect.coefficients.as_slice() else { panic!("{effect:?}") };
+        assert_eq!((q.name.as_str(), effect.equation.as_str()), ("pressure_radius_w", "w"));
+        let mut extended = given.clone();
+        effect.apply(&mut extended).unwrap();
+        for radius in ["1.4", "0.5"] {
+            let by_hand = disk_by_hand("1", radius, factor);
+            let relative = radius.parse::<f64>().unwrap() - 1.0;
+            for seed in 0..20 {
+                let new = values(&extended, &[(&q.name, relative)], seed);
+                for (new, expected) in new.iter().zip(values(&by_hand, &[], seed)) {
+                    assert!((new - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{factor}: {new} {expected}");
+                }
+            }
+        }
+    }
+    // A model without friction against the spin has no pressure at a radius.
+    let published = candidates(&model("plate_published"), &[], &LibrarySettings::default()).unwrap();
+    assert!(published.iter().all(|c| c.cause != Cause::PressureRadius));
+}
+
+#[test]
 fn anisotropic_friction_of_a_footprint_is_the_limit_surface_written_by_hand() {
     for factor in ["", "*one"] {
         let given = disk_by_hand("1", "1", factor);

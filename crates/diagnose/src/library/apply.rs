@@ -5,6 +5,7 @@ use bracketry_system::{Parameter, System};
 
 use super::names::{ModelNames, state_index, symbols};
 use super::replace::replace_all;
+use super::stretch::{merged, stretched};
 use crate::effect::{Change, Coefficient, Effect};
 use crate::error::DiagnoseError;
 
@@ -17,9 +18,10 @@ use crate::error::DiagnoseError;
 pub(crate) fn apply_all(effects: &[Effect], system: &mut System) -> Result<(), DiagnoseError> {
     let turn = |effect: &Effect| match effect.change {
         Change::Terms(_) => 0,
-        Change::Substitution { .. } => 1,
+        Change::Substitution { .. } | Change::Stretch { .. } => 1,
         Change::TrackedPoint { .. } | Change::Path { .. } => 2,
     };
+    let effects = merged(effects);
     for effect in (0..3).flat_map(|now| effects.iter().filter(move |e| turn(e) == now)) {
         effect.apply(system)?;
         for (c, value) in effect.coefficients.iter().filter_map(|c| Some((c, decimal(c.settled()?)?))) {
@@ -95,20 +97,35 @@ fn change_equations(change: &Change, system: &mut System, names: &mut ModelNames
             } else {
                 states.iter().map(|s| state_index(system, s)).collect::<Result<_, _>>()?
             };
-            let old: Vec<Expr> = rows.iter().map(|&r| system.dynamics[r]).collect();
-            let new = replace_all(&mut system.pool, &old, &replaced);
-            if old == new {
+            if !replace(system, &rows, &replaced) {
                 let text = pairs.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(", ");
                 return Err(DiagnoseError::NothingReplaced { text });
             }
-            for (row, e) in rows.into_iter().zip(new) {
-                system.dynamics[row] = e;
+        }
+        Change::Stretch { square, slips, lengths } => {
+            let pairs = stretched(&mut system.pool, names, square, slips, lengths)?;
+            let rows: Vec<usize> = (0..system.states.len()).collect();
+            if !replace(system, &rows, &pairs) {
+                return Err(DiagnoseError::NothingReplaced { text: format!("1/sqrt({square})") });
             }
-            drop_lost_static_levels(system);
         }
         Change::Path { .. } | Change::TrackedPoint { .. } => {}
     }
     Ok(())
+}
+
+/// Replaces expressions in some equations; whether any has changed.
+fn replace(system: &mut System, rows: &[usize], pairs: &[(Expr, Expr)]) -> bool {
+    let old: Vec<Expr> = rows.iter().map(|&r| system.dynamics[r]).collect();
+    let new = replace_all(&mut system.pool, &old, pairs);
+    if old == new {
+        return false;
+    }
+    for (&row, e) in rows.iter().zip(new) {
+        system.dynamics[row] = e;
+    }
+    drop_lost_static_levels(system);
+    true
 }
 
 /// The decimal that a model file would show, not the binary fraction behind it; `None` if `x` is not finite.

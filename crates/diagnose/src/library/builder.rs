@@ -1,11 +1,12 @@
 //! Putting effects together: names, texts, typical sizes, and what the model has already.
 
-use bracketry_symbolic::{Expr, Notation, Symbol};
+use bracketry_symbolic::{Expr, Notation, Pool, Symbol};
 use bracketry_system::System;
 use rustc_hash::FxHashSet;
 
 use super::names::{ModelNames, symbols};
 use super::probe::Probe;
+use super::stretch::stretched;
 use super::structure::{Structure, pairs};
 use crate::effect::{Cause, Change, Coefficient, Effect, Path, Role};
 use crate::error::DiagnoseError;
@@ -178,11 +179,40 @@ impl Builder {
         if let Some((a, b)) = pairs.first() {
             let pool = &mut self.system.pool;
             let (old, new) = (names.read(pool, a)?, names.read(pool, b)?);
-            let [old, new] = [old, new].map(|e| names.notation(pool, e));
-            let notation = Notation::Row(vec![old, Notation::Sign('→'), new]);
-            term = Formula::new(format!("{a} -> {}", bare(b)), notation);
+            term = replacement(&names, pool, [old, new], [a, bare(b)]);
         }
         let change = Change::Substitution { states: Vec::new(), pairs };
+        self.finish(Effect { cause, equation: on, term, coefficients, change }, equation)
+    }
+
+    /// Adds an effect on the limit surface of a contact whose friction has components over the root of `square`: rates, by index, are as
+    /// many times as long as `lengths` say; see [`Change::Stretch`].
+    pub(crate) fn stretch(
+        &mut self,
+        cause: Cause,
+        equation: usize,
+        square: Expr,
+        lengths: &[(usize, String)],
+        coefficients: Vec<Coefficient>,
+    ) -> Result<(), DiagnoseError> {
+        let slips: Vec<usize> =
+            self.structure.translations().filter(|c| c.friction.is_some()).map(|c| c.rate).collect();
+        let slips: Vec<String> = slips.into_iter().map(|rate| self.state(rate)).collect();
+        let lengths: Vec<(String, String)> =
+            lengths.iter().map(|(rate, length)| (self.state(*rate), length.clone())).collect();
+        let (on, square) = (self.state(equation), self.text(square));
+        let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
+        let pool = &mut self.system.pool;
+        let component = names.read(pool, &format!("{on}/sqrt({square})"))?;
+        let pairs = stretched(pool, &mut names, &square, &slips, &lengths)?;
+        let term = pairs.iter().find(|pair| pair.0 == component).map_or_else(
+            || Formula::from(""),
+            |&(old, new)| {
+                let texts = [old, new].map(|e| pool.text(e));
+                replacement(&names, pool, [old, new], texts.each_ref().map(String::as_str))
+            },
+        );
+        let change = Change::Stretch { square, slips, lengths };
         self.finish(Effect { cause, equation: on, term, coefficients, change }, equation)
     }
 
@@ -269,6 +299,12 @@ fn product(law: &str, entry: &str) -> String {
             None => format!("{law}*{entry}"),
         },
     }
+}
+
+/// That one expression is replaced by another, for the reader.
+fn replacement(names: &ModelNames, pool: &Pool, pair: [Expr; 2], texts: [&str; 2]) -> Formula {
+    let [old, new] = pair.map(|e| names.notation(pool, e));
+    Formula::new(texts.join(" -> "), Notation::Row(vec![old, Notation::Sign('→'), new]))
 }
 
 /// A text without the parentheses around all of it.

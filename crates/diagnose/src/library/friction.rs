@@ -1,10 +1,8 @@
 //! Friction and drag against the rates of coordinates.
 
 use bracketry_symbolic::{Expr, Func};
-use rustc_hash::FxHashMap;
 
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
-use super::names::ModelNames;
 use super::structure::{Coordinate, Kind, is_constant};
 use super::terms::slope;
 use crate::effect::{Cause, Coefficient};
@@ -36,6 +34,7 @@ impl Builder {
             self.asymmetry(c)?;
         }
         self.coupling()?;
+        self.pressure_radius()?;
         self.anisotropy()
     }
 
@@ -275,17 +274,9 @@ impl Builder {
         k: &str,
         coefficient: Coefficient,
     ) -> Result<(), DiagnoseError> {
-        let v = self.state(c.rate);
         let mut coefficients = vec![coefficient];
         let mut lengths = vec![(c.rate, format!("(1 + {k})"))];
-        let mut factors = vec![(c.rate, format!("(1 + {k})^2*"))];
-        // A product of a spin and a slip over one root means the direction of the slip: these come first.
-        factors.extend(self.structure.translations().filter(|t| t.rate != c.rate).map(|t| (t.rate, String::new())));
-        let angles = self.structure.coordinates.iter().filter(|c| c.kind == Kind::Angle).map(|c| c.rate);
-        for spin in angles.collect::<Vec<_>>() {
-            if !self.system.pool.depends_on(square, self.system.states[spin]) {
-                continue;
-            }
+        for spin in self.spins_within(square) {
             let w = self.state(spin);
             let q = self.name("anisotropy_spin", &w);
             let about = format!(
@@ -293,25 +284,31 @@ impl Builder {
             );
             coefficients.push(Coefficient { min: -1.0, ..amplitude(q.clone(), "1", about) });
             lengths.push((spin, format!("(1 + {q})")));
-            factors.push((spin, format!("(1 + {q})^2*")));
         }
-        let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
-        let mut longer = FxHashMap::default();
-        for (rate, length) in lengths {
-            let state = self.state(rate);
-            let image = names.read(&mut self.system.pool, &format!("{length}*{state}"))?;
-            longer.insert(self.system.pool.sym(self.system.states[rate]), image);
+        self.stretch(Cause::AnisotropicFriction, c.rate, square, &lengths, coefficients)
+    }
+
+    /// The rates of angles under a root.
+    fn spins_within(&self, square: Expr) -> Vec<usize> {
+        let angles = self.structure.coordinates.iter().filter(|c| c.kind == Kind::Angle).map(|c| c.rate);
+        angles.filter(|&spin| self.system.pool.depends_on(square, self.system.states[spin])).collect()
+    }
+
+    /// Pressure farther out or in than the model has it, as under a body that stands on its rim: where the root of the contact's
+    /// friction holds a spin w, as `sqrt(vx^2 + vy^2 + S w^2)`, the second moment S of the pressure is (1 + q)² times as large.
+    /// The inertia of the body stays.
+    fn pressure_radius(&mut self) -> Result<(), DiagnoseError> {
+        let Some(square) = self.structure.translations().find_map(|c| c.friction.as_ref()?.square) else {
+            return Ok(());
+        };
+        for spin in self.spins_within(square) {
+            let w = self.state(spin);
+            let q = self.name("pressure_radius", &w);
+            let about = "radius of gyration of the pressure over that of the model, minus 1".to_owned();
+            let coefficient = Coefficient { min: -1.0, ..amplitude(q.clone(), "1", about) };
+            let lengths = [(spin, format!("(1 + {q})"))];
+            self.stretch(Cause::PressureRadius, spin, square, &lengths, vec![coefficient])?;
         }
-        let stretched = self.system.pool.substitute(square, &longer);
-        let (old, new) = (self.text(square), self.text(stretched));
-        let mut pairs: Vec<(String, String)> = factors
-            .into_iter()
-            .map(|(rate, factor)| {
-                let rate = self.state(rate);
-                (format!("{rate}/sqrt({old})"), format!("{factor}{rate}/sqrt({new})"))
-            })
-            .collect();
-        pairs.push((format!("1/sqrt({old})"), format!("1/sqrt({new})")));
-        self.substitution(Cause::AnisotropicFriction, c.rate, v, pairs, coefficients)
+        Ok(())
     }
 }

@@ -15,6 +15,7 @@ mod probe;
 mod reference;
 mod replace;
 mod separate;
+mod stretch;
 mod structure;
 mod terms;
 

@@ -60,7 +60,11 @@ fn family(cause: Cause) -> Family {
         Cause::InputDelay | Cause::ActuatorLag | Cause::SensorDelay => Family::Timing,
         Cause::InputGain | Cause::ParameterError | Cause::SensorBias => Family::Scale,
         Cause::InertialCoupling | Cause::JointCoupling => Family::Coupling,
-        Cause::FrictionCoupling | Cause::AnisotropicFriction | Cause::YawFriction | Cause::ComOffset => Family::Contact,
+        Cause::FrictionCoupling
+        | Cause::AnisotropicFriction
+        | Cause::PressureRadius
+        | Cause::YawFriction
+        | Cause::ComOffset => Family::Contact,
         Cause::PeriodicDisturbance | Cause::LiftOff | Cause::Backlash | Cause::UnknownTerm => Family::Other,
     }
 }
@@ -123,7 +127,8 @@ fn special(a: &Effect, b: &Effect, system: &System) -> Option<String> {
     use Cause::{
         ActuatorLag, AnisotropicFriction, Backlash, ComOffset, ConstantBias, CoulombFriction, CubicStiffness,
         FrictionAsymmetry, FrictionCoupling, InertialCoupling, InputDelay, InputGain, JointCoupling, LinearStiffness,
-        ParameterError, PeriodicDisturbance, SensorBias, SensorDelay, Tilt, ViscousFriction, YawFriction,
+        ParameterError, PeriodicDisturbance, PressureRadius, SensorBias, SensorDelay, Tilt, ViscousFriction,
+        YawFriction,
     };
     let q = position(a, system);
     Some(match (a.cause, b.cause) {
@@ -160,13 +165,19 @@ fn special(a: &Effect, b: &Effect, system: &System) -> Option<String> {
         (FrictionCoupling, AnisotropicFriction) => {
             "slide in straight lines along each axis and at 45 degrees between them: coupled friction has the same level in all directions".to_owned()
         }
+        (PressureRadius, AnisotropicFriction | FrictionCoupling) => {
+            "spin the body without sliding, then slide it without spin along each axis: where the pressure stands shows in the first only".to_owned()
+        }
+        (YawFriction | ViscousFriction, PressureRadius) => {
+            "let the body spin out without sliding, from a fast and from a slow spin: friction of the pressure at a radius is the same at all spins".to_owned()
+        }
         (YawFriction, FrictionCoupling) => {
             "spin the body without sliding, then slide it without spin along a slanted line: friction of the spin acts in the first only, coupling of the axes in the second only".to_owned()
         }
-        (AnisotropicFriction | YawFriction | FrictionCoupling, ComOffset) => {
+        (AnisotropicFriction | PressureRadius | YawFriction | FrictionCoupling, ComOffset) => {
             "repeat with the body turned by 90 and 180 degrees: what comes from its center of mass turns with the body".to_owned()
         }
-        (InertialCoupling, YawFriction | FrictionCoupling) | (AnisotropicFriction, InertialCoupling) => {
+        (InertialCoupling, YawFriction | FrictionCoupling) | (AnisotropicFriction | PressureRadius, InertialCoupling) => {
             "repeat the same motion at half the frequency: inertial forces fall to a quarter, dry friction stays".to_owned()
         }
         (InertialCoupling, JointCoupling) => {
@@ -247,7 +258,7 @@ fn isolating(e: &Effect, system: &System) -> String {
         Cause::PeriodicDisturbance => format!("move {q} slowly at two constant speeds"),
         Cause::InertialCoupling => "repeat the motion at half the frequency".to_owned(),
         Cause::JointCoupling => format!("move the other joints with {v} held"),
-        Cause::YawFriction => "spin the body without sliding".to_owned(),
+        Cause::YawFriction | Cause::PressureRadius => "spin the body without sliding".to_owned(),
         Cause::FrictionCoupling | Cause::AnisotropicFriction => {
             "slide in straight lines in several directions".to_owned()
         }

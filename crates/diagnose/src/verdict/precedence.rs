@@ -19,6 +19,7 @@ pub(crate) fn surprise(effect: &Effect, measured: usize) -> f64 {
         | Cause::YawFriction
         | Cause::InputDelay
         | Cause::FrictionCoupling
+        | Cause::PressureRadius
         | Cause::InertialCoupling
         | Cause::JointCoupling
         | Cause::ComOffset => 0.5,

@@ -2,7 +2,7 @@
 
 use super::recording::RecordingSettings;
 use crate::random::{Random, seed_of};
-use bracketry_plate::{AreaContact, AreaLoopPlant, Friction, PlateError, PlateKinematics};
+use bracketry_plate::{AreaContact, AreaLoopPlant, Bearing, Friction, Object, PlateError, PlateKinematics};
 use serde::{Deserialize, Serialize};
 
 /// What is otherwise in the real plant than its user believes.
@@ -25,11 +25,14 @@ pub enum PlateMismatch {
     SensorDelay(f64),
     /// Friction across the axis of the plate over that along it, with the believed geometric mean.
     AnisotropicFriction(f64),
+    /// The radius of gyration of the pressure over that of the footprint: below 1 the object presses on the inner part of its
+    /// footprint, above 1 on a ring within it. Exact for a disk.
+    PressureRadius(f64),
 }
 
 impl PlateMismatch {
     /// Names of the kinds, as [`PlateMismatch::draw_kind`] takes them.
-    pub const KINDS: [&'static str; 8] = [
+    pub const KINDS: [&'static str; 9] = [
         "none",
         "tilt_about_x",
         "tilt_about_y",
@@ -38,10 +41,12 @@ impl PlateMismatch {
         "centre_of_mass",
         "sensor_delay",
         "anisotropic_friction",
+        "pressure_radius",
     ];
 
     /// A mismatch of a random kind, nothing being one of them, of random direction or sign: 0.5° of tilt, 10 % of friction,
-    /// 20 ms of lag, 5 mm of the center of mass, 15 ms of delay, 20 % between the axes.
+    /// 20 ms of lag, 5 mm of the center of mass, 15 ms of delay, 20 % between the axes, 15 % of the
+    /// radius of the pressure.
     pub fn draw(seed: u64) -> Self {
         let kind = Random::new(seed).below(Self::KINDS.len());
         Self::of_kind(kind, seed)
@@ -66,7 +71,8 @@ impl PlateMismatch {
                 Self::CenterOfMass([0.005 * cos, 0.005 * sin])
             }
             6 => Self::SensorDelay(0.015),
-            _ => Self::AnisotropicFriction(1.2f64.powf(sign)),
+            7 => Self::AnisotropicFriction(1.2f64.powf(sign)),
+            _ => Self::PressureRadius(1.0 - sign * 0.15),
         }
     }
 
@@ -87,7 +93,12 @@ impl PlateMismatch {
         if let Self::TiltAboutY(angle) = *self {
             area.gravity *= angle.cos();
         }
-        AreaContact::new(&settings.object, &friction, &area)
+        let bearing = match *self {
+            Self::PressureRadius(ratio) if ratio > 1.0 => Bearing::Ring(ratio / 2f64.sqrt()),
+            Self::PressureRadius(ratio) => Bearing::Scaled(ratio),
+            _ => settings.object.bearing.clone(),
+        };
+        AreaContact::new(&Object { bearing, ..settings.object.clone() }, &friction, &area)
     }
 
     /// The object as it truly is as the plant of a control loop.
@@ -123,6 +134,7 @@ impl PlateMismatch {
             Self::CenterOfMass(_) => 5,
             Self::SensorDelay(_) => 6,
             Self::AnisotropicFriction(_) => 7,
+            Self::PressureRadius(_) => 8,
         };
         Self::KINDS[place]
     }
