@@ -43,7 +43,8 @@ pub use model::{
 pub use motion::{Drive, ExpressionMotion, Harmonic, PeriodicMotion, PlateKinematics, PlateMotion};
 pub use object::{Bearing, Object, Quadrature, Shape, ShapeError, Vertices};
 pub use run::{
-    Assumption, Comparison, Deviation, ExperimentKind, FrictionLaw, GivenOption, NumberOption, PlateExperiment,
-    PlateModel, PlateOptions, PlateOutcome, PlateRow, PlateRun, PlateRunError, PlateSetup, PlateStop, SetupError,
-    TextOption,
+    Assumption, Comparison, Dependence, Deviation, ErrorsAtStart, ExperimentKind, FrictionLaw, GivenOption,
+    NumberOption, OppositeSigns, PeriodStart, PlateExperiment, PlateModel, PlateOptions, PlateOutcome, PlateRow,
+    PlateRun, PlateRunError, PlateSetup, PlateStop, PoseDeviations, ScaledInput, SetupError, SignComparison,
+    SignSource, SignStatus, TextOption,
 };

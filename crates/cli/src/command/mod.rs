@@ -130,7 +130,11 @@ enum Command {
     Diagnose(Box<diagnose::DiagnoseArgs>),
     /// Run an experiment on the vibrating plate with a chosen model, optionally compared with a log
     #[command(after_help = examples(&plate::EXAMPLES), after_long_help = guide(&plate::EXAMPLES, &[
-        EXIT_CODES, ("Units", "SI and radians; ω in units of π"),
+        ("Exit codes",
+            "0  the target is reached\n\
+             1  it is not reached, the run ended early, or the comparison with a log is undecided: where chance decides on a \
+             sign of the amplitude, only the time before counts\n2  bad input; the message names the place and the remedy"),
+        ("Units", "SI and radians; ω in units of π"),
     ]))]
     Plate(Box<plate::PlateArgs>),
     /// Stiffness of a robot: identify it from measurements, compensate the deformation

@@ -1,6 +1,6 @@
 //! The three published open-loop experiments, with the amplitude held over each period.
 
-use crate::{Drive, ExpressionMotion, PlateError, STATES};
+use crate::{Drive, ExpressionMotion, PlateError, PlateMotion, STATES};
 use bracketry_sim::Inputs;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -166,6 +166,20 @@ impl Experiment {
     /// [`PlateError::Motion`] if an expression cannot be read.
     pub fn motion(&self, start: f64) -> Result<ExpressionMotion, PlateError> {
         self.drive(start).motion()
+    }
+
+    /// Whether the amplitude is that of the displacement, not of the tilt alone.
+    ///
+    /// # Errors
+    /// [`PlateError::Motion`] if an expression cannot be read.
+    pub(crate) fn scales_displacement(&self) -> Result<bool, PlateError> {
+        let mut motion = self.motion(0.0)?;
+        // A formula with the amplitude as a factor vanishes at single times only; these are no part of a period.
+        let mut at = |amplitude: f64| {
+            motion.set("A", amplitude);
+            [0.31, 0.77].map(|part| motion.at(part * self.period).displacement)
+        };
+        Ok(at(0.0) != at(1.0))
     }
 
     /// Amplitude for the error `e = q − q_desired`.

@@ -6,3 +6,4 @@ mod spline;
 
 pub use logged_motion::{Jump, LoggedMotion};
 pub use plate_log::{PlateColumns, PlateLog};
+pub(crate) use spline::noise;

@@ -149,7 +149,7 @@ impl Spline {
 }
 
 /// Standard deviation of independent noise that explains the sixth differences of `values`, by their median.
-fn noise(values: &[f64]) -> f64 {
+pub(crate) fn noise(values: &[f64]) -> f64 {
     const BINOMIAL: [f64; WINDOW] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
     let difference = |w: &[f64]| w.iter().zip(BINOMIAL).map(|(v, c)| v * c).sum::<f64>().abs();
     let mut differences: Vec<f64> = values.windows(WINDOW).map(difference).collect();

@@ -10,6 +10,7 @@ use super::result::PlateStop;
 use super::setup::{PlateModel, PlateSetup};
 use crate::{Drive, LoggedMotion};
 
+#[derive(Clone)]
 pub(super) struct Equations {
     model: PlateModel,
     system: System,
@@ -102,6 +103,10 @@ impl ObjectModel for Equations {
         state[0] += x;
         state[3] += vx;
         Ok(self.stepper.set_state(self.stepper.time(), &state)?)
+    }
+
+    fn fork(&self) -> Box<dyn ObjectModel> {
+        Box::new(self.clone())
     }
 
     fn touch(&mut self) -> Touch {

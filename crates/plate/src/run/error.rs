@@ -26,6 +26,15 @@ pub enum PlateRunError {
         /// The model.
         model: PlateModel,
     },
+    /// An object that does not press evenly, on a model that does not know such objects.
+    #[error(
+        "the model `{}` knows only objects that press with their whole footprint about their center of mass; omit --bearing and \
+         --center-of-mass or use --model area", model.name()
+    )]
+    EvenBearingOnly {
+        /// The model.
+        model: PlateModel,
+    },
     /// The log does not cover the time.
     #[error(
         "the log `{log}` has the plate's motion from {from} s to {to} s, the run needs it until {until} s; shorten --seconds"

@@ -4,8 +4,10 @@ use std::ops::ControlFlow;
 
 use super::comparison::Comparison;
 use super::error::PlateRunError;
+use super::pose_deviations::PoseDeviations;
 use super::result::{Assumption, PlateRun};
 use super::setup::PlateSetup;
+use super::sign_comparison::SignComparison;
 use crate::PlateLog;
 
 /// One experiment on the plate: what was run, what it gave, and how that agrees with a log.
@@ -21,6 +23,8 @@ pub struct PlateExperiment {
     pub driven_by_log: bool,
     /// How far the run is from the log.
     pub comparison: Option<Comparison>,
+    /// The same with the signs that the amplitude has in the log, where the run's own are others.
+    pub with_signs_of_log: Option<PlateRun>,
 }
 
 /// How an experiment ended.
@@ -46,14 +50,19 @@ impl PlateExperiment {
         setup: PlateSetup,
         log: Option<PlateLog>,
         driven_by_log: bool,
-        watch: impl FnMut(f64) -> ControlFlow<()>,
+        mut watch: impl FnMut(f64) -> ControlFlow<()>,
     ) -> Result<Self, PlateRunError> {
-        let run = setup.run(log.as_ref().filter(|_| driven_by_log), watch)?;
-        let comparison = log.as_ref().and_then(|log| Comparison::new(&run.rows, log));
-        if let (Some(log), None) = (&log, &comparison) {
+        let run = setup.run(log.as_ref().filter(|_| driven_by_log), &mut watch)?;
+        let mut ran = Self { setup, run, log, driven_by_log, comparison: None, with_signs_of_log: None };
+        let Some(log) = &ran.log else { return Ok(ran) };
+        let Some(whole) = PoseDeviations::new(&ran.run.rows, log, ..) else {
             return Err(PlateRunError::NoCommonTime { log: log.name.clone() });
-        }
-        Ok(Self { setup, run, log, driven_by_log, comparison })
+        };
+        let signs = if driven_by_log { None } else { SignComparison::new(&ran.setup, &ran.run, log, watch)? };
+        let (signs, with_signs_of_log) = signs.map_or((None, None), |(signs, run)| (Some(signs), run));
+        ran.comparison = Some(Comparison { log: log.name.clone(), whole, signs });
+        ran.with_signs_of_log = with_signs_of_log;
+        Ok(ran)
     }
 
     /// How it ended.

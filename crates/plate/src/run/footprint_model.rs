@@ -21,6 +21,7 @@ const STICKS: f64 = 1e-9;
 const MOST_CHANGES: usize = 1000;
 
 /// An object with friction over its whole footprint.
+#[derive(Clone)]
 pub(super) struct FootprintModel {
     contact: AreaContact,
     motion: ImposedMotion,
@@ -34,6 +35,7 @@ pub(super) struct FootprintModel {
     body: Option<Body>,
 }
 
+#[derive(Clone)]
 struct Body {
     on_plate: BodyOnPlate,
     height: f64,
@@ -186,6 +188,10 @@ impl ObjectModel for FootprintModel {
         state[0] += x;
         state[3] += vx;
         self.set_flat(self.contact.time(), state)
+    }
+
+    fn fork(&self) -> Box<dyn ObjectModel> {
+        Box::new(self.clone())
     }
 
     fn flat(&self) -> bool {

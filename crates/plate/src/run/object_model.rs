@@ -32,6 +32,8 @@ pub(super) trait ObjectModel {
     /// Shifts the object along the plate's x axis and changes its rate.
     fn shift(&mut self, x: f64, vx: f64) -> Result<(), PlateRunError>;
     fn touch(&mut self) -> Touch;
+    /// The same object as it is now, to go another way.
+    fn fork(&self) -> Box<dyn ObjectModel>;
     /// Whether the object lies flat on the plate.
     fn flat(&self) -> bool {
         true

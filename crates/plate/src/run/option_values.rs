@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::option_text::{Problem, number, numbers, problem};
+use super::point_table::rows;
 use super::setup::PlateModel;
 use crate::{AmplitudeStep, Friction, Shape};
 
@@ -9,13 +11,6 @@ use crate::{AmplitudeStep, Friction, Shape};
 const MAX_SAMPLE: f64 = 0.02;
 /// Longest step of area contact, in seconds.
 const MAX_STEP: f64 = 0.01;
-
-/// A message and what to do.
-pub(super) type Problem = (String, String);
-
-pub(super) fn problem(message: impl Into<String>, remedy: impl Into<String>) -> Problem {
-    (message.into(), remedy.into())
-}
 
 /// Which of the published experiments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,53 +153,13 @@ pub(super) fn shape(text: &str) -> Result<Shape, Problem> {
 
 /// A polygon from a table with columns x and y, or two columns without names, in meters.
 fn polygon(path: &Path) -> Result<Shape, Problem> {
-    let place = path.display();
     let remedy = "give a table with a row x,y in meters for each vertex, in order around the outline";
-    let text = std::fs::read_to_string(path).map_err(|e| problem(format!("{place} cannot be read: {e}"), remedy))?;
-    let mut vertices = Vec::new();
-    let mut named = false;
-    for (k, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let fields: Vec<&str> = line.split([',', ';', '\t']).map(str::trim).collect();
-        if vertices.is_empty() && !named && fields == ["x", "y"] {
-            named = true;
-            continue;
-        }
-        let at = |what: String| problem(format!("{place}, line {}: {what}", k + 1), remedy);
-        let &[x, y] = fields.as_slice() else {
-            return Err(at(format!("`{line}` has {} entries, not 2", fields.len())));
-        };
-        vertices.push([number(x).map_err(|p| at(p.0))?, number(y).map_err(|p| at(p.0))?]);
-    }
+    let mut vertices = rows(path, ["x", "y"], remedy)?;
     // An outline that is closed by repeating its first vertex.
     if vertices.len() > 3 && vertices.first() == vertices.last() {
         vertices.pop();
     }
-    Shape::polygon(&vertices).map_err(|e| problem(format!("{place}: {e}"), remedy))
-}
-
-/// Numbers separated by commas; none for an empty text.
-fn numbers(text: &str) -> Result<Vec<f64>, Problem> {
-    if text.trim().is_empty() {
-        return Ok(Vec::new());
-    }
-    text.split(',').map(number).collect()
-}
-
-/// A finite number; with `deg` in degrees.
-fn number(text: &str) -> Result<f64, Problem> {
-    let text = text.trim();
-    let (digits, factor) = match text.strip_suffix("deg").or(text.strip_suffix('°')) {
-        Some(degrees) => (degrees.trim(), std::f64::consts::PI / 180.0),
-        None => (text, 1.0),
-    };
-    match digits.parse::<f64>() {
-        Ok(v) if v.is_finite() => Ok(v * factor),
-        _ => Err(problem(format!("`{text}` is not a finite number"), "write a decimal number such as 0.12")),
-    }
+    Shape::polygon(&vertices).map_err(|e| problem(format!("{}: {e}", path.display()), remedy))
 }
 
 pub(super) fn restitution(value: f64) -> Result<f64, Problem> {

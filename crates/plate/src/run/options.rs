@@ -4,9 +4,11 @@ use std::path::Path;
 
 use bracketry_files::{Document, FileError};
 
-use super::option_values::{self as values, ExperimentKind, FrictionLaw, Problem, problem};
+use super::bearing_option as bearings;
+use super::option_text::{Problem, problem};
+use super::option_values::{self as values, ExperimentKind, FrictionLaw};
 use super::setup::{PlateModel, PlateSetup};
-use crate::{AmplitudeStep, Coordinate, Experiment, Friction, Object, PlateLog, Shape};
+use crate::{AmplitudeStep, Bearing, Coordinate, Experiment, Friction, Object, PlateLog, Shape};
 
 /// Most rows of a result.
 const MAX_ROWS: f64 = 2e6;
@@ -28,6 +30,10 @@ pub struct PlateOptions {
     pub thickness: Option<f64>,
     /// Mass in kg.
     pub mass: Option<f64>,
+    /// Where the object presses on the plate.
+    pub bearing: Option<Bearing>,
+    /// The center of mass from the center of the shape in meters.
+    pub center_of_mass: Option<[f64; 2]>,
     /// Friction coefficient of sliding.
     pub mu: Option<f64>,
     /// What the law of friction has beside the coefficient of sliding.
@@ -46,6 +52,8 @@ pub struct PlateOptions {
     pub jumps: Option<AmplitudeStep>,
     /// Seconds between the rows of the result.
     pub sample: Option<f64>,
+    /// Standard deviation of the noise of the log in the coordinate that the experiment moves, in m or rad.
+    pub noise: Option<f64>,
 }
 
 /// Defines options whose values are of one kind, with their names.
@@ -92,6 +100,8 @@ option_names! {
         Restitution = "restitution",
         /// Time between rows, s.
         Sample = "sample",
+        /// Standard deviation of a log's noise, m or rad.
+        Noise = "noise",
     }
 }
 
@@ -110,6 +120,10 @@ option_names! {
         Jumps = "jumps",
         /// `coulomb`, `static:MU_S`, `stribeck:MU_S,V`, `anisotropic:MU_Y` or `viscous:C`.
         Friction = "friction",
+        /// `footprint`, `scaled:F`, `ring:S`, `feet:x,y;x,y;…` or `map:FILE.csv`, in meters.
+        Bearing = "bearing",
+        /// `x,y` in meters.
+        CenterOfMass = "center_of_mass",
     }
 }
 
@@ -152,7 +166,7 @@ pub enum SetupError {
 
 /// An error at an option of the command line.
 fn at_option(name: &str, (message, remedy): Problem) -> SetupError {
-    SetupError::Value { place: format!("--{name}"), message, remedy }
+    SetupError::Value { place: format!("--{}", name.replace('_', "-")), message, remedy }
 }
 
 impl PlateOptions {
@@ -187,6 +201,7 @@ impl PlateOptions {
             NumberOption::Dt => self.dt = Some(values::step(v)?),
             NumberOption::Restitution => self.restitution = Some(values::restitution(v)?),
             NumberOption::Sample => self.sample = Some(values::sample(v)?),
+            NumberOption::Noise => self.noise = Some(values::not_negative(name, v, "m or rad")?),
         }
         Ok(())
     }
@@ -199,6 +214,8 @@ impl PlateOptions {
             TextOption::Start => self.start = Some(values::start(text)?),
             TextOption::Jumps => self.jumps = Some(values::amplitude_step(text)?),
             TextOption::Friction => self.friction = Some(values::friction(text)?),
+            TextOption::Bearing => self.bearing = Some(bearings::bearing(text)?),
+            TextOption::CenterOfMass => self.center_of_mass = Some(bearings::center_of_mass(text)?),
         }
         Ok(())
     }
@@ -227,7 +244,7 @@ impl PlateOptions {
                 option == TextOption::Experiment && table.get(name).is_some_and(|v| v.get_ref().as_integer().is_some());
             let text =
                 if number { doc.number(&table, name)?.map(|v| v.to_string()) } else { doc.string(&table, name)? };
-            let text = text.map(|text| if option == TextOption::Shape { beside(folder, text) } else { text });
+            let text = text.map(|text| beside(folder, text));
             given.extend(text.map(|text| GivenOption::Text(option, text)));
         }
         let mut options = Self::default();
@@ -252,6 +269,8 @@ impl PlateOptions {
             shape: self.shape.or(others.shape),
             thickness: self.thickness.or(others.thickness),
             mass: self.mass.or(others.mass),
+            bearing: self.bearing.or(others.bearing),
+            center_of_mass: self.center_of_mass.or(others.center_of_mass),
             mu: self.mu.or(others.mu),
             friction: self.friction.or(others.friction),
             start: self.start.or(others.start),
@@ -261,6 +280,7 @@ impl PlateOptions {
             restitution: self.restitution.or(others.restitution),
             jumps: self.jumps.or(others.jumps),
             sample: self.sample.or(others.sample),
+            noise: self.noise.or(others.noise),
         }
     }
 
@@ -287,24 +307,36 @@ impl PlateOptions {
             let message = format!("more than {MAX_ROWS:.0} rows would be written");
             return Err(at_option("seconds", problem(message, "enlarge --sample")));
         }
+        let points = self.points.unwrap_or(48);
         Ok(PlateSetup {
             experiment,
             model: self.model.unwrap_or(PlateModel::Area),
-            object: Object {
-                shape: self.shape.clone().unwrap_or(Shape::REFERENCE_DISK),
-                height: 0.5 * self.thickness.unwrap_or(0.005),
-                mass: self.mass.unwrap_or(0.2),
-                ..Object::REFERENCE
-            },
+            object: self.object(points)?,
             friction,
             start,
             from,
             seconds,
-            points: self.points.unwrap_or(48),
+            points,
             dt,
             restitution: self.restitution.unwrap_or(0.0),
             sample,
+            noise: self.noise,
         })
+    }
+
+    fn object(&self, points: usize) -> Result<Object, SetupError> {
+        let object = Object {
+            shape: self.shape.clone().unwrap_or(Shape::REFERENCE_DISK),
+            height: 0.5 * self.thickness.unwrap_or(0.005),
+            mass: self.mass.unwrap_or(0.2),
+            bearing: self.bearing.clone().unwrap_or_default(),
+            center_of_mass: self.center_of_mass.unwrap_or_default(),
+        };
+        if self.bearing.is_some() {
+            bearings::check_bearing(&object, points).map_err(|p| at_option(TextOption::Bearing.name(), p))?;
+        }
+        bearings::check_center_of_mass(&object).map_err(|p| at_option(TextOption::CenterOfMass.name(), p))?;
+        Ok(object)
     }
 
     fn experiment(&self) -> Experiment {
@@ -322,11 +354,13 @@ impl PlateOptions {
     }
 }
 
-/// The shape of a scenario file; the file of a polygon lies beside the scenario.
+/// A text of a scenario file; the file that it names lies beside the scenario.
 fn beside(folder: Option<&Path>, text: String) -> String {
-    match (text.strip_prefix("polygon:"), folder) {
-        (Some(file), Some(folder)) if Path::new(file).is_relative() => {
-            format!("polygon:{}", folder.join(file).display())
+    let named =
+        ["polygon", "map"].into_iter().find_map(|kind| Some((kind, text.strip_prefix(kind)?.strip_prefix(':')?)));
+    match (named, folder) {
+        (Some((kind, file)), Some(folder)) if Path::new(file).is_relative() => {
+            format!("{kind}:{}", folder.join(file).display())
         }
         _ => text,
     }

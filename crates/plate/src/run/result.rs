@@ -2,6 +2,7 @@
 
 use bracketry_sim::StopReason;
 
+use super::period_start::PeriodStart;
 use crate::{AmplitudeStep, AreaOutcome, Jump, PlateKinematics};
 
 /// Object and plate at one time.
@@ -91,6 +92,8 @@ pub enum Assumption {
 pub struct PlateRun {
     /// Rows at equal times, the start included.
     pub rows: Vec<PlateRow>,
+    /// The starts of the periods of an experiment with an amplitude law.
+    pub starts: Vec<PeriodStart>,
     /// First time after the start at which 98 % of the distance was covered, in seconds.
     pub reached: Option<f64>,
     /// Why it ended early, if it did.

@@ -61,6 +61,8 @@ pub struct PlateSetup {
     pub restitution: f64,
     /// Time between two rows of the result, in seconds.
     pub sample: f64,
+    /// Standard deviation of the noise of a log in the coordinate that the experiment moves (m, rad), if it is known.
+    pub noise: Option<f64>,
 }
 
 impl PlateSetup {

@@ -98,9 +98,16 @@ fn overlay(ran: &PlateExperiment, log: &PlateLog) -> TimeSeries {
         let (t, v): (Vec<f64>, Vec<f64>) = kept.into_iter().unzip();
         let panel = Panel::new(label)
             .series(Series::new("log", t, v).role(Role::Measured))
-            .series(series(ran.setup.model.name(), rows, |r| scale * r.state[k]).color(Color::BLUE).dash(Dash::Dashed))
-            .rounding(ROUNDING)
-            .height(170.0);
+            .series(series(ran.setup.model.name(), rows, |r| scale * r.state[k]).color(Color::BLUE).dash(Dash::Dashed));
+        let panel = match &ran.with_signs_of_log {
+            Some(other) => panel.series(
+                series("with the signs of the log", &other.rows, |r| scale * r.state[k])
+                    .color(Color::GREEN)
+                    .dash(Dash::Dotted),
+            ),
+            None => panel,
+        };
+        let panel = panel.rounding(ROUNDING).height(170.0);
         targeted(ran, panel, k, scale)
     };
     TimeSeries::new()

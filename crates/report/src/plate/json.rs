@@ -1,6 +1,6 @@
 //! A run on the plate as JSON.
 
-use bracketry_plate::{Friction, PlateExperiment, PlateOutcome, Shape};
+use bracketry_plate::{Bearing, Comparison, Friction, PlateExperiment, PlateOutcome, Shape};
 use serde_json::{Value, json};
 
 use super::text::{assumption, stopped};
@@ -18,6 +18,8 @@ pub fn json(ran: &PlateExperiment) -> Value {
         "shape": shape(&setup.object.shape),
         "thickness": 2.0 * setup.object.height,
         "mass": setup.object.mass,
+        "bearing": bearing(&setup.object.bearing),
+        "center_of_mass": setup.object.center_of_mass,
         "friction": friction(&setup.friction),
         "start": pose(setup.start),
         "seconds": setup.seconds,
@@ -48,8 +50,17 @@ pub fn json(ran: &PlateExperiment) -> Value {
         "energy_closure": run.energy_closure,
         "wall_seconds": run.wall_seconds,
         "times_real_time": (last.t - first.t) / run.wall_seconds.max(1e-9),
-        "comparison": ran.comparison,
+        "comparison": ran.comparison.as_ref().map(comparison),
     })
+}
+
+fn comparison(comparison: &Comparison) -> Value {
+    let mut value = json!(comparison);
+    value["status"] = json!(if comparison.is_undecided() { "undecided" } else { "compared" });
+    if let Some(signs) = &comparison.signs {
+        value["signs"]["status"] = json!(signs.status());
+    }
+    value
 }
 
 fn pose([x, y, phi]: [f64; 3]) -> Value {
@@ -62,6 +73,16 @@ fn shape(shape: &Shape) -> Value {
         Shape::Ellipse { a, b } => json!({"kind": "ellipse", "semi_axes": [a, b]}),
         Shape::Rectangle { a, b } => json!({"kind": "rectangle", "sides": [2.0 * a, 2.0 * b]}),
         Shape::Polygon { .. } => json!({"kind": "polygon", "vertices": shape.rim(0), "area": shape.area()}),
+    }
+}
+
+fn bearing(bearing: &Bearing) -> Value {
+    match bearing {
+        Bearing::Footprint => json!({"kind": "footprint"}),
+        Bearing::Scaled(scale) => json!({"kind": "scaled", "scale": scale}),
+        Bearing::Ring(scale) => json!({"kind": "ring", "scale": scale}),
+        Bearing::Feet(points) => json!({"kind": "feet", "points": points}),
+        Bearing::Map(points) => json!({"kind": "map", "points": points}),
     }
 }
 

@@ -1,5 +1,6 @@
 //! A run on the vibrating plate as text, JSON, table and figures.
 
+mod comparison;
 mod figures;
 mod json;
 mod table;

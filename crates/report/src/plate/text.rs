@@ -3,10 +3,12 @@
 use std::fmt::{self, Write as _};
 
 use bracketry_plate::{
-    AmplitudeStep, AreaOutcome, Assumption, Comparison, Friction, PlateExperiment, PlateModel, PlateOutcome, PlateRun,
+    AmplitudeStep, AreaOutcome, Assumption, Bearing, Friction, PlateExperiment, PlateModel, PlateOutcome, PlateRun,
     PlateSetup, PlateStop, Shape,
 };
 use bracketry_system::counted;
+
+use super::comparison::write_comparison;
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
@@ -17,7 +19,7 @@ pub fn text(ran: &PlateExperiment) -> String {
     let _ = setup(&mut out, ran);
     let _ = result(&mut out, ran);
     let _ = contact(&mut out, &ran.run);
-    let _ = ran.comparison.as_ref().map_or(Ok(()), |c| comparison(&mut out, c));
+    let _ = ran.comparison.as_ref().map_or(Ok(()), |c| write_comparison(&mut out, c));
     out
 }
 
@@ -28,6 +30,10 @@ fn setup(out: &mut String, ran: &PlateExperiment) -> fmt::Result {
     writeln!(out, "Experiment {name}, model {model}, plate driven by the {motion}")?;
     let object = &setup.object;
     writeln!(out, "  object      {}; {} m thick, {} kg", shape(&object.shape), 2.0 * object.height, object.mass)?;
+    if object.bearing != Bearing::Footprint || object.center_of_mass != [0.0; 2] {
+        let [x, y] = object.center_of_mass.map(round);
+        writeln!(out, "  bearing     {}; center of mass at {x}, {y} m", bearing(&object.bearing))?;
+    }
     writeln!(out, "  friction    {}", friction(&setup.friction))?;
     let [x, y, phi] = setup.start;
     writeln!(out, "  start       x {} m, y {} m, φ {:.2}°", round(x), round(y), phi * DEGREES)?;
@@ -95,21 +101,6 @@ fn contact(out: &mut String, run: &PlateRun) -> fmt::Result {
     writeln!(out, "  speed       {:.3} s, {factor} times real time", run.wall_seconds)
 }
 
-fn comparison(out: &mut String, c: &Comparison) -> fmt::Result {
-    writeln!(out, "  compared    with {} from {} to {} s, {} rows (run − log):", c.log, c.from, c.to, c.rows)?;
-    let percent = c.phi_percent.map_or(String::new(), |p| format!(" ({p:+.2} % of the rotation)"));
-    for (name, unit, d, note) in
-        [("x", "mm", &c.x_mm, ""), ("y", "mm", &c.y_mm, ""), ("φ", "°", &c.phi_deg, percent.as_str())]
-    {
-        writeln!(
-            out,
-            "    {name}  rms {:.3} {unit}, largest {:+.3} {unit}, at the end {:+.3} {unit}{note}",
-            d.rms, d.largest, d.at_end
-        )?;
-    }
-    Ok(())
-}
-
 /// What is assumed, in a sentence.
 pub(super) fn assumption(assumption: Assumption) -> &'static str {
     match assumption {
@@ -154,6 +145,16 @@ fn departed(outcome: &AreaOutcome) -> String {
         AreaOutcome::LiftOff { t } => format!("lifts off at t = {t:.6} s: the plate would have to pull"),
         AreaOutcome::Tipping { t, .. } => format!("tips at t = {t:.6} s: the center of pressure reaches the rim"),
         AreaOutcome::Finished | AreaOutcome::NotFinite { .. } => outcome.to_string(),
+    }
+}
+
+fn bearing(bearing: &Bearing) -> String {
+    match bearing {
+        Bearing::Footprint => "the whole footprint".to_owned(),
+        Bearing::Scaled(scale) => format!("the footprint scaled by {scale}"),
+        Bearing::Ring(scale) => format!("a ring, the rim scaled by {scale}"),
+        Bearing::Feet(points) => counted(points.len(), "foot", "feet"),
+        Bearing::Map(points) => format!("a map of {}", counted(points.len(), "point", "points")),
     }
 }
 

@@ -5,7 +5,9 @@ mod files;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use bracketry::plate::{GivenOption, NumberOption, PlateExperiment, PlateLog, PlateOptions, PlateOutcome, TextOption};
+use bracketry::plate::{
+    Comparison, GivenOption, NumberOption, PlateExperiment, PlateLog, PlateOptions, PlateOutcome, TextOption,
+};
 use bracketry::report::plate;
 use clap::{Args, ValueEnum};
 
@@ -56,6 +58,14 @@ pub(crate) struct PlateArgs {
     /// Mass of the object in kg [default: 0.2]
     #[arg(long, value_name = "KG", allow_negative_numbers = true)]
     mass: Option<f64>,
+    /// Where the object presses on the plate: footprint, scaled:F (the footprint scaled about its center), ring:S (the rim
+    /// scaled), feet:x,y;x,y;… or map:FILE.csv (rows x,y,weight); meters from the center of the shape; model area only
+    /// [default: footprint]
+    #[arg(long)]
+    bearing: Option<String>,
+    /// Center of mass from the center of the shape in meters; model area only [default: 0,0]
+    #[arg(long, allow_hyphen_values = true, value_name = "X,Y")]
+    center_of_mass: Option<String>,
     /// Friction coefficient of sliding [default: 0.3]
     #[arg(long, allow_negative_numbers = true)]
     mu: Option<f64>,
@@ -87,6 +97,10 @@ pub(crate) struct PlateArgs {
     /// Compare with a log: CSV with columns t, x_plate, y_plate, phi_plate (SI, radians)
     #[arg(long, value_name = "LOG.csv")]
     compare: Option<PathBuf>,
+    /// Standard deviation of the noise of the log in the coordinate that the experiment moves, in meters or radians
+    /// [default: estimated from the log]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    noise: Option<f64>,
     /// What moves the plate
     #[arg(long, value_enum, default_value = "formula")]
     motion: MotionArg,
@@ -122,6 +136,7 @@ impl PlateArgs {
             (NumberOption::Dt, self.dt),
             (NumberOption::Restitution, self.restitution),
             (NumberOption::Sample, self.sample),
+            (NumberOption::Noise, self.noise),
         ];
         let texts = [
             (TextOption::Experiment, number.or(self.experiment.as_ref())),
@@ -130,6 +145,8 @@ impl PlateArgs {
             (TextOption::Start, self.start.as_ref()),
             (TextOption::Jumps, self.jumps.as_ref()),
             (TextOption::Friction, self.friction.as_ref()),
+            (TextOption::Bearing, self.bearing.as_ref()),
+            (TextOption::CenterOfMass, self.center_of_mass.as_ref()),
         ];
         let numbers = numbers.into_iter().filter_map(|(option, v)| Some(GivenOption::Number(option, v?)));
         let texts = texts.into_iter().filter_map(|(option, text)| Some(GivenOption::Text(option, text?.clone())));
@@ -148,6 +165,9 @@ pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outco
     let log = args.compare.as_deref().map(PlateLog::read).transpose()?;
     if args.motion == MotionArg::Log && log.is_none() {
         anyhow::bail!("--motion log: there is no log; name one with --compare LOG.csv");
+    }
+    if args.noise.is_some() && log.is_none() {
+        anyhow::bail!("--noise: there is no log; name one with --compare LOG.csv");
     }
     if args.gif && output.out.is_none() {
         anyhow::bail!("--gif: there is no folder for the GIF; name one with --out DIR");
@@ -176,5 +196,6 @@ pub(crate) fn run(args: &PlateArgs, output: &OutputArgs) -> anyhow::Result<Outco
             None => line("(--out DIR writes trajectory and plots, with --gif an animation)")?,
         }
     }
-    Ok(if ran.outcome() == PlateOutcome::Reached { Outcome::Done } else { Outcome::Negative })
+    let undecided = ran.comparison.as_ref().is_some_and(Comparison::is_undecided);
+    Ok(if ran.outcome() == PlateOutcome::Reached && !undecided { Outcome::Done } else { Outcome::Negative })
 }

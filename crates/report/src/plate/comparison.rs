@@ -1,0 +1,118 @@
+//! How a run agrees with a log, in words.
+
+use std::fmt::{self, Write as _};
+
+use bracketry_plate::{
+    Comparison, Coordinate, ErrorsAtStart, OppositeSigns, PoseDeviations, ScaledInput, SignComparison, SignSource,
+};
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Differences between two runs (mm, degrees) below this are not worth a word.
+const SMALLEST: f64 = 0.005;
+
+/// The paragraph on a comparison.
+pub(super) fn write_comparison(out: &mut String, c: &Comparison) -> fmt::Result {
+    let whole = &c.whole;
+    let (from, to) = (whole.from, whole.to);
+    writeln!(out, "  compared    with {} from {from} to {to} s, {} rows (run − log):", c.log, whole.rows)?;
+    let percent = whole.phi_percent.map_or(String::new(), |p| format!(" ({p:+.2} % of the rotation)"));
+    for (name, unit, d, note) in
+        [("x", "mm", &whole.x_mm, ""), ("y", "mm", &whole.y_mm, ""), ("φ", "°", &whole.phi_deg, percent.as_str())]
+    {
+        writeln!(
+            out,
+            "    {name}  rms {:.3} {unit}, largest {:+.3} {unit}, at the end {:+.3} {unit}{note}",
+            d.rms, d.largest, d.at_end
+        )?;
+    }
+    c.signs.as_ref().map_or(Ok(()), |s| signs(out, s))
+}
+
+fn signs(out: &mut String, s: &SignComparison) -> fmt::Result {
+    let (unit, scale) = if s.coordinate == Coordinate::Phi { ("°", DEGREES) } else { ("mm", 1e3) };
+    let size = |value: f64| format!("{} {unit}", three_digits(scale * value));
+    let input = match s.input {
+        ScaledInput::X => "X",
+        ScaledInput::Theta => "θ",
+    };
+    let name = match s.coordinate {
+        Coordinate::X => "x",
+        Coordinate::Y => "y",
+        Coordinate::Phi => "φ",
+    };
+    let errors = |e: &ErrorsAtStart| format!("{} in the run, {} in the log", size(e.run_error), size(e.log_error));
+    if let Some(first) = s.close.first() {
+        writeln!(
+            out,
+            "  signs       at {} of {} starts of periods, first at {:.3} s, the sign of the amplitude of {input} hangs on an error in {name} \
+             that is less than the noise or than the difference between run and log ({}); both took the same sign",
+            s.close.len(),
+            s.starts,
+            first.t,
+            errors(first)
+        )?;
+    }
+    let Some(o) = &s.opposite else { return Ok(()) };
+    let verdict = if o.is_chance() { "undecided from" } else { "opposite from" };
+    writeln!(
+        out,
+        "  signs       {verdict} t = {:.3} s on: the error in {name}, on which the sign of the amplitude of {input} hangs, is {} \
+         (noise {} {}), and {}, so that the plates move to opposite sides",
+        o.errors.t,
+        errors(&o.errors),
+        if s.noise_given { "given as" } else { "estimated as" },
+        size(s.noise),
+        source(o.sign_of_log),
+    )?;
+    let explained = if o.is_chance() { "is within" } else { "exceeds" };
+    writeln!(
+        out,
+        "    the difference of both errors {explained} the {} that noise and the deviation before explain: {}",
+        size(o.explained),
+        if o.is_chance() {
+            "chance decides, and only the comparison before this time counts"
+        } else {
+            "the model moves the object otherwise"
+        }
+    )?;
+    writeln!(out, "    what depends on it                 {}", depending(o))?;
+    let mut line = |label: &str, d: Option<&PoseDeviations>| match d {
+        Some(d) => writeln!(
+            out,
+            "    {label:<34} x rms {:.3} mm, y rms {:.3} mm, φ rms {:.3}°",
+            d.x_mm.rms, d.y_mm.rms, d.phi_deg.rms
+        ),
+        None => writeln!(out, "    {label:<34} no common time"),
+    };
+    line("before", o.before.as_ref())?;
+    line("after", o.after.as_ref())?;
+    line("after, with the signs of the log", o.after_with_signs_of_log.as_ref())?;
+    let given: Vec<String> = o.given_signs.iter().map(|t| format!("{t:.3}")).collect();
+    writeln!(out, "    where that run was given the sign  {} s", given.join(", "))
+}
+
+fn source(sign: SignSource) -> &'static str {
+    match sign {
+        SignSource::Run => "the log does not tell its sign",
+        SignSource::LoggedPlate => "the motion of the plate in the log has the other sign",
+        SignSource::LoggedError => "the error of the log has the other sign",
+        SignSource::LoggedMotion => "the object in the log moves as with the other sign",
+    }
+}
+
+/// The coordinates in which runs with either sign differ.
+fn depending(o: &OppositeSigns) -> String {
+    let d = &o.depending;
+    let parts: Vec<String> = [("x", " mm", d.x_mm), ("y", " mm", d.y_mm), ("φ", "°", d.phi_deg)]
+        .into_iter()
+        .filter(|(_, _, d)| d.rms >= SMALLEST)
+        .map(|(name, unit, d)| format!("{name} by {:.3}{unit} rms, up to {:.3}{unit}", d.rms, d.largest.abs()))
+        .collect();
+    if parts.is_empty() { "nothing: both signs give the same motion".to_owned() } else { parts.join("; ") }
+}
+
+/// With its sign.
+fn three_digits(v: f64) -> String {
+    let rounded: f64 = format!("{v:.2e}").parse().unwrap_or(v);
+    format!("{rounded:+}")
+}
