@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use std::ops::ControlFlow;
+use std::sync::LazyLock;
 
 use bracketry_plate::{
     ExperimentKind, FrictionLaw, PlateColumns, PlateExperiment, PlateLog, PlateOptions, PlateRun, PlateSetup, Shape,
@@ -20,20 +21,20 @@ fn setup(experiment: ExperimentKind, rng: &mut StdRng) -> PlateSetup {
         _ => Shape::Rectangle { a, b },
     };
     let start = match experiment {
-        ExperimentKind::TranslationX => [0.48, rng.random_range(-0.02..0.02), rng.random_range(-1.5..1.5)],
-        _ => [0.3, -0.03, rng.random_range(-1.5..1.5)],
+        ExperimentKind::TranslationX => [0.53, rng.random_range(-0.02..0.02), rng.random_range(-1.5..1.5)],
+        _ => [0.3, -0.01, rng.random_range(-1.5..1.5)],
     };
     let options = PlateOptions {
         experiment: Some(experiment),
         omega: Some(3),
         shape: Some(shape),
-        mu: Some(rng.random_range(0.2..0.32)),
+        mu: Some(rng.random_range(0.15..0.3)),
         friction: Some(FrictionLaw::Coulomb),
         start: Some(start),
-        seconds: Some(3.0),
-        points: Some(16),
-        dt: Some(2e-3),
-        sample: Some(2e-3),
+        seconds: Some(2.0),
+        points: Some(12),
+        dt: Some(4e-3),
+        sample: Some(4e-3),
         ..PlateOptions::default()
     };
     options.setup(None).unwrap()
@@ -92,30 +93,32 @@ fn compared(setup: &PlateSetup, log: PlateLog) -> (PlateExperiment, SignComparis
     (ran, signs)
 }
 
-/// Random set-ups with a start of a period that decides, four of each experiment.
-fn deciding() -> Vec<([PlateSetup; 2], usize, StdRng)> {
+/// Random set-ups with a start of a period that decides, two of each experiment.
+static DECIDING: LazyLock<Vec<([PlateSetup; 2], usize)>> = LazyLock::new(|| {
     let mut found = Vec::new();
     for experiment in [ExperimentKind::TranslationX, ExperimentKind::TranslationY] {
-        let some = (0..).filter_map(|seed| {
+        let some = (0..20).filter_map(|seed| {
             let mut rng = StdRng::seed_from_u64(seed);
-            let (pair, at) = on_either_side(&setup(experiment, &mut rng))?;
-            Some((pair, at, rng))
+            on_either_side(&setup(experiment, &mut rng))
         });
-        found.extend(some.take(4));
+        let before = found.len();
+        found.extend(some.take(2));
+        assert_eq!(found.len() - before, 2, "too few seeds decide");
     }
     found
-}
+});
 
 #[test]
 fn a_sign_that_noise_decides_is_undecided_from_its_start_on_and_imposed_for_the_log() {
-    for (pair, at, mut rng) in deciding() {
-        let [one, other] = &pair;
+    let mut rng = StdRng::seed_from_u64(7);
+    for (pair, at) in DECIDING.iter() {
+        let [one, other] = pair;
         for (noise, plate) in [(0.0, false), (3e-4, false), (3e-4, true)] {
             let (ran, signs) = compared(one, logged(&run(other), noise, plate, &mut rng));
             let said = format!("noise {noise}, plate {plate}: {signs:#?}");
             assert_eq!(signs.status(), SignStatus::Undecided, "{said}");
             let opposite = signs.opposite.as_ref().unwrap();
-            assert!((opposite.errors.t - at as f64 * one.experiment.period).abs() < 1e-9, "{at}, {said}");
+            assert!((opposite.errors.t - *at as f64 * one.experiment.period).abs() < 1e-9, "{at}, {said}");
             let source = match (noise > 0.0, plate) {
                 (_, true) => SignSource::LoggedPlate,
                 (true, false) => SignSource::LoggedMotion,
@@ -138,12 +141,13 @@ fn a_sign_that_noise_decides_is_undecided_from_its_start_on_and_imposed_for_the_
 
 #[test]
 fn a_sign_within_the_noise_that_both_took_is_close_and_not_undecided() {
-    for (pair, at, mut rng) in deciding() {
+    let mut rng = StdRng::seed_from_u64(7);
+    for (pair, at) in DECIDING.iter() {
         let one = &pair[0];
         for plate in [false, true] {
             let (ran, signs) = compared(one, logged(&run(one), 3e-4, plate, &mut rng));
             assert_eq!(signs.status(), SignStatus::Agreed, "{signs:#?}");
-            let t = at as f64 * one.experiment.period;
+            let t = *at as f64 * one.experiment.period;
             assert!(signs.close.iter().any(|c| (c.t - t).abs() < 1e-9), "{t}: {signs:#?}");
             assert!(!ran.comparison.unwrap().is_undecided());
         }
@@ -181,7 +185,7 @@ fn signs_that_differ_by_more_than_the_deviation_before_contradict() {
     assert_eq!(signs.status(), SignStatus::Contradicted, "{signs:#?}");
     let opposite = signs.opposite.unwrap();
     assert!((opposite.errors.t - one.experiment.period).abs() < 1e-9);
-    assert!(opposite.errors.run_error < -0.01 && opposite.errors.log_error > 0.01);
+    assert!(opposite.errors.run_error < -0.004 && opposite.errors.log_error > 0.004);
     assert!(!ran.comparison.unwrap().is_undecided());
 }
 
