@@ -29,8 +29,10 @@ pub(super) fn write_comparison(out: &mut String, c: &Comparison) -> fmt::Result 
 }
 
 fn signs(out: &mut String, s: &SignComparison) -> fmt::Result {
-    let (unit, scale) = if s.coordinate == Coordinate::Phi { ("°", DEGREES) } else { ("mm", 1e3) };
-    let size = |value: f64| format!("{} {unit}", three_digits(scale * value));
+    let (unit, scale) = if s.coordinate == Coordinate::Phi { ("°", DEGREES) } else { (" mm", 1e3) };
+    let size = |value: f64| format!("{}{unit}", three_digits(scale * value));
+    let signed = |value: f64| format!("{:+}{unit}", three_digits(scale * value));
+    let errors = |e: &ErrorsAtStart| format!("{} in the run, {} in the log", signed(e.run_error), signed(e.log_error));
     let input = match s.input {
         ScaledInput::X => "X",
         ScaledInput::Theta => "θ",
@@ -40,63 +42,50 @@ fn signs(out: &mut String, s: &SignComparison) -> fmt::Result {
         Coordinate::Y => "y",
         Coordinate::Phi => "φ",
     };
-    let errors = |e: &ErrorsAtStart| format!("{} in the run, {} in the log", size(e.run_error), size(e.log_error));
+    let given = if s.noise_given { "given" } else { "estimated" };
+    let noise = format!("noise of the log {} ({given})", size(s.noise));
     if let Some(first) = s.close.first() {
-        writeln!(
-            out,
-            "  signs       at {} of {} starts of periods, first at {:.3} s, the sign of the amplitude of {input} hangs on an error in {name} \
-             that is less than the noise or than the difference between run and log ({}); both took the same sign",
-            s.close.len(),
-            s.starts,
-            first.t,
-            errors(first)
-        )?;
+        let count = format!("{} of {} starts of periods", s.close.len(), s.starts);
+        writeln!(out, "  signs       the same at {count} where noise or the difference of run and log could decide,")?;
+        writeln!(out, "    first at t = {:.3} s: error in {name} {}; {noise}", first.t, errors(first))?;
     }
     let Some(o) = &s.opposite else { return Ok(()) };
-    let verdict = if o.is_chance() { "undecided from" } else { "opposite from" };
+    let verdict = if o.is_chance() { "undecided" } else { "contradicted" };
     writeln!(
         out,
-        "  signs       {verdict} t = {:.3} s on: the error in {name}, on which the sign of the amplitude of {input} hangs, is {} \
-         (noise {} {}), and {}, so that the plates move to opposite sides",
-        o.errors.t,
-        errors(&o.errors),
-        if s.noise_given { "given as" } else { "estimated as" },
-        size(s.noise),
-        source(o.sign_of_log),
+        "  signs       {verdict} from t = {:.3} s on: opposite signs of the amplitude of {input}",
+        o.errors.t
     )?;
-    let explained = if o.is_chance() { "is within" } else { "exceeds" };
-    writeln!(
-        out,
-        "    the difference of both errors {explained} the {} that noise and the deviation before explain: {}",
-        size(o.explained),
-        if o.is_chance() {
-            "chance decides, and only the comparison before this time counts"
-        } else {
-            "the model moves the object otherwise"
-        }
-    )?;
-    writeln!(out, "    what depends on it                 {}", depending(o))?;
+    writeln!(out, "    error in {name} then: {}; {noise}", errors(&o.errors))?;
+    writeln!(out, "    {}", source(o.sign_of_log))?;
+    let explained = format!("than the {} that noise and the deviation before explain", size(o.explained));
+    if o.is_chance() {
+        writeln!(out, "    the errors differ by less {explained}: only the comparison before this time counts")?;
+    } else {
+        writeln!(out, "    the errors differ by more {explained}: the model moves the object otherwise")?;
+    }
     let mut line = |label: &str, d: Option<&PoseDeviations>| match d {
         Some(d) => writeln!(
             out,
-            "    {label:<34} x rms {:.3} mm, y rms {:.3} mm, φ rms {:.3}°",
+            "    {label:<32} x rms {:.3} mm, y rms {:.3} mm, φ rms {:.3}°",
             d.x_mm.rms, d.y_mm.rms, d.phi_deg.rms
         ),
-        None => writeln!(out, "    {label:<34} no common time"),
+        None => writeln!(out, "    {label:<32} no common time"),
     };
     line("before", o.before.as_ref())?;
     line("after", o.after.as_ref())?;
     line("after, with the signs of the log", o.after_with_signs_of_log.as_ref())?;
-    let given: Vec<String> = o.given_signs.iter().map(|t| format!("{t:.3}")).collect();
-    writeln!(out, "    where that run was given the sign  {} s", given.join(", "))
+    let times: Vec<String> = o.given_signs.iter().map(|t| format!("{t:.3}")).collect();
+    writeln!(out, "    {:<32} {} s", "signs of the log given at", times.join(", "))?;
+    writeln!(out, "    {:<32} {}", "what depends on the sign", depending(o))
 }
 
 fn source(sign: SignSource) -> &'static str {
     match sign {
         SignSource::Run => "the log does not tell its sign",
-        SignSource::LoggedPlate => "the motion of the plate in the log has the other sign",
-        SignSource::LoggedError => "the error of the log has the other sign",
-        SignSource::LoggedMotion => "the object in the log moves as with the other sign",
+        SignSource::LoggedPlate => "the sign of the log is that of the motion of its plate",
+        SignSource::LoggedError => "the sign of the log is that of its error",
+        SignSource::LoggedMotion => "the sign of the log is the one with which the object would move as in the log",
     }
 }
 
@@ -111,8 +100,7 @@ fn depending(o: &OppositeSigns) -> String {
     if parts.is_empty() { "nothing: both signs give the same motion".to_owned() } else { parts.join("; ") }
 }
 
-/// With its sign.
-fn three_digits(v: f64) -> String {
-    let rounded: f64 = format!("{v:.2e}").parse().unwrap_or(v);
-    format!("{rounded:+}")
+/// A number with three significant digits.
+fn three_digits(v: f64) -> f64 {
+    format!("{v:.2e}").parse().unwrap_or(v)
 }
