@@ -72,7 +72,10 @@ fn bearings_without_meaning_are_refused_with_place_and_remedy() {
         (&["--bearing", "scaled:0"], "--bearing: the scale 0 is not positive; give a number greater than zero"),
         (&["--bearing", "ring:"], "--bearing: `` is not a finite number"),
         (&["--bearing", "feet:0,0;0.1"], "--bearing: `0.1` has 1 numbers, not 2; give a point as x,y in meters"),
-        (&["--bearing", "feet:0,0;0.1,0"], "--bearing: the bearing cannot carry the object: a polygon needs at least 3"),
+        (
+            &["--bearing", "feet:0,0;0.1,0"],
+            "--bearing: the bearing cannot carry the object: a polygon needs at least 3",
+        ),
         (&["--bearing", "feet:0,0;0.05,0;0.1,0"], "give at least three points that do not lie on one line"),
         (&["--bearing", "feet:100,0;-50,80;-50,-80"], "--bearing: the point 100,0 lies beyond the outline"),
         (&["--bearing", "map:/nowhere.csv"], "/nowhere.csv cannot be read"),
@@ -80,7 +83,10 @@ fn bearings_without_meaning_are_refused_with_place_and_remedy() {
         (&["--bearing", &weightless], "weightless.csv: the weight 0 at 0.1,0 is not positive; give a table"),
         (&["--bearing", &narrow], "narrow.csv, line 1: `0,0` has 2 entries, not 3"),
         (&["--center-of-mass", "0.1"], "--center-of-mass: `0.1` has 1 numbers, not 2"),
-        (&["--center-of-mass", "-5,0"], "--center-of-mass: the center of mass -5,0 lies beyond the outline of the object"),
+        (
+            &["--center-of-mass", "-5,0"],
+            "--center-of-mass: the center of mass -5,0 lies beyond the outline of the object",
+        ),
         (&["--bearing", "ring:1", "--model", "reduced"], "use --model area"),
     ];
     for (options, part) in cases {

@@ -220,6 +220,8 @@ fn positions_agree_with_an_independent_engine_within_three_millimeters() {
         for motion in ["formula", "log"] {
             let Some(c) = compared(experiment, name, motion) else { return };
             assert!(number(&c, "/x_mm/rms") < 3.0 && number(&c, "/y_mm/rms") < 3.0, "{name}, {motion}: {c}");
+            // Signs are compared where the run decides on them, and none is mirrored.
+            assert_eq!((c["signs"].is_null(), c["status"].as_str()), (motion == "log", Some("compared")), "{c}");
         }
     }
 }

@@ -49,11 +49,11 @@ pub(crate) fn run_plate(
     let (answer, ran) = watched(py, move |stop| {
         let scenario = scenario.map_or(Ok(PlateOptions::default()), |path| PlateOptions::read(&path)).map_err(named)?;
         let log = log.map(|log| read(&log)).transpose()?;
-        let options = options(numbers, texts)?.or(scenario);
-        let mut setup = options.setup(log.as_ref()).map_err(named)?;
+        let mut options = options(numbers, texts)?.or(scenario);
         if let Some(vertices) = polygon {
-            setup.object.shape = Shape::polygon(&vertices).map_err(|e| Failure::from(e).about("shape"))?;
+            options.shape = Some(Shape::polygon(&vertices).map_err(|e| Failure::from(e).about("shape"))?);
         }
+        let setup = options.setup(log.as_ref()).map_err(named)?;
         let watch = |_| if stop.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         let ran = Arc::new(PlateExperiment::new(setup, log, driven_by_log, watch).map_err(named)?);
         let (motion, plan_view) = (Arc::clone(&ran), Arc::clone(&ran));

@@ -60,6 +60,31 @@ def test_a_run_is_its_own_log(tmp_path) -> None:
     assert driven.comparison is not None and driven.comparison.phi_deg.rms < 0.5
 
 
+def test_a_bearing_on_the_rim_turns_less_and_is_that_of_the_command_line(command, timeless) -> None:
+    corners = [[-0.1, -0.05], [0.1, -0.05], [0.1, 0.05], [-0.1, 0.05]]
+    feet = "feet:0.1,0;-0.1,0.05;-0.1,-0.05"
+    whole = plate.run(1, shape=corners, seconds=1.5, dt=0.002)
+    rim = plate.run(1, shape=corners, seconds=1.5, dt=0.002, bearing=feet, center_of_mass=[-0.01, 0.0])
+    assert abs(rim.final["phi"]) < abs(whole.final["phi"])
+    box = plate.run(1, shape="rectangle:0.2x0.1", seconds=0.5, bearing="ring:1", center_of_mass=(-0.01, 0.0))
+    options = ["--shape", "rectangle:0.2x0.1", "--seconds", 0.5, "--bearing", "ring:1", "--center-of-mass", "-0.01,0"]
+    assert timeless(box.json) == timeless(command("plate", 1, *options))
+
+
+def test_a_mirrored_log_is_undecided() -> None:
+    run = plate.run(3, model="published", seconds=4.0)
+    log = {name: np.array(run[name]) for name in ("t", "x_plate", "y_plate", "phi_plate")}
+    starts = np.flatnonzero(np.diff(run.amplitude)) + 1
+    first = starts[np.argmin(np.abs(log["y_plate"][starts]))]
+    least = abs(float(log["y_plate"][first]))
+    log["y_plate"][first:] *= -1
+    compared = plate.run(3, model="published", compare=log, noise=3 * least).comparison
+    assert compared is not None and compared.signs is not None and compared.status == "undecided"
+    assert compared.signs["opposite"]["t"] <= log["t"][first] + 1e-9
+    same = plate.run(3, model="published", compare=run).comparison
+    assert same is not None and same.signs is not None and (same.status, same.signs["opposite"]) == ("compared", None)
+
+
 def test_a_run_is_pickled() -> None:
     run = plate.run(2, model="published", seconds=0.2)
     copy = pickle.loads(pickle.dumps(run))
@@ -84,6 +109,11 @@ def test_a_run_is_pickled() -> None:
         ({"friction": "magic"}, "not a friction law"),
         ({"start": [0.1]}, "start has the shape"),
         ({"start": [0.1, float("inf")]}, "not a finite number"),
+        ({"bearing": "rim"}, "^bearing: `rim` is not a bearing"),
+        ({"bearing": "ring:1", "model": "reduced"}, "model area"),
+        ({"center_of_mass": [0.1]}, "center_of_mass has the shape"),
+        ({"center_of_mass": [9.0, 0.0]}, "beyond the outline"),
+        ({"noise": 1e-3}, "^noise: there is no log"),
         ({"motion": "log"}, "there is no log"),
         ({"motion": "magic"}, "motion is"),
         ({"compare": {"t": [0.0, 1.0]}}, "x_plate"),

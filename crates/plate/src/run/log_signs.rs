@@ -140,7 +140,9 @@ impl LocalFit {
                 value -= part * known_value;
             }
             let length = column.iter().map(|c| c * c).sum::<f64>().sqrt();
-            column.iter_mut().for_each(|c| *c /= length);
+            for c in &mut column {
+                *c /= length;
+            }
             basis.push((column, value / length));
         }
         let weights = (0..times.len()).map(|k| basis.iter().map(|(column, value)| column[k] * value).sum()).collect();

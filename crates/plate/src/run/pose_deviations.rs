@@ -56,7 +56,7 @@ impl PoseDeviations {
         let poses: Vec<[f64; 3]> = common.iter().map(|k| pose_at(rows, log.t[*k])).collect();
         let deviation = |i: usize| {
             let differences = common.iter().zip(&poses).map(|(k, p)| UNITS[i] * (p[i] - columns[i][*k]));
-            Deviation::of(differences.collect())
+            Deviation::of(&differences.collect::<Vec<f64>>())
         };
         let rotation = log.phi[to] - log.phi[from];
         let gained = poses[poses.len() - 1][2] - poses[0][2];
@@ -78,7 +78,7 @@ impl PoseDeviations {
 }
 
 impl Deviation {
-    pub(super) fn of(differences: Vec<f64>) -> Self {
+    pub(super) fn of(differences: &[f64]) -> Self {
         let squares: f64 = differences.iter().map(|d| d * d).sum();
         Self {
             rms: (squares / differences.len().max(1) as f64).sqrt(),

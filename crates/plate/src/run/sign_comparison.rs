@@ -207,7 +207,10 @@ impl Dependence {
     /// Between runs with the same times, from `t` on.
     fn new(t: f64, run: &[PlateRow], other: &[PlateRow]) -> Self {
         let pairs = || run.iter().zip(other).filter(|(row, _)| row.t > t);
-        let along = |k: usize| Deviation::of(pairs().map(|(a, b)| UNITS[k] * (a.state[k] - b.state[k])).collect());
+        let along = |k: usize| {
+            let differences: Vec<f64> = pairs().map(|(a, b)| UNITS[k] * (a.state[k] - b.state[k])).collect();
+            Deviation::of(&differences)
+        };
         Self { x_mm: along(0), y_mm: along(1), phi_deg: along(2) }
     }
 }

@@ -53,6 +53,10 @@ class Comparison:
     phi_deg: Deviation
     #: Difference of the yaw gained at the end in percent of the log's; None where the log hardly turns.
     phi_percent: float | None = None
+    #: "undecided" where chance decided on a sign of the amplitude: only the time before it counts.
+    status: Literal["compared", "undecided"] = "compared"
+    #: The signs of the amplitude in run and log, as in the JSON of the command line (SI, rad); None without an amplitude law.
+    signs: dict[str, Any] | None = field(repr=False, default=None)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -132,6 +136,8 @@ def run(
     shape: str | ArrayLike | None = None,
     thickness: float | None = None,
     mass: float | None = None,
+    bearing: str | None = None,
+    center_of_mass: Sequence[float] | Floats | None = None,
     mu: float | None = None,
     friction: str | None = None,
     start: Sequence[float] | Floats | None = None,
@@ -144,6 +150,7 @@ def run(
     sample: float | None = None,
     compare: Table | None = None,
     motion: Literal["formula", "log"] = "formula",
+    noise: float | None = None,
 ) -> PlateRun:
     """Runs an experiment on the vibrating plate.
 
@@ -159,6 +166,11 @@ def run(
         polygon in order around the outline, shape (k, 2). A disk of 0.12 m if left out.
     thickness, mass
         Of the object, in m (0.005) and kg (0.2).
+    bearing
+        Where the object presses: "footprint", "scaled:F", "ring:S", "feet:x,y;x,y;…" or "map:FILE.csv" (rows x, y, weight), in meters
+        from the center of the shape. Model "area" only.
+    center_of_mass
+        x, y from the center of the shape in m (0, 0). Model "area" only.
     mu
         Friction coefficient of sliding (0.3).
     friction
@@ -183,6 +195,8 @@ def run(
         A log with the columns ``t, x_plate, y_plate, phi_plate`` (SI, rad): a CSV file, a mapping of arrays, a DataFrame, another run.
     motion
         "log" moves the plate by the columns ``plate_X, plate_theta`` of the log.
+    noise
+        Standard deviation of the log in the coordinate that the experiment moves (m or rad), estimated from it if left out.
 
     Returns
     -------
@@ -197,6 +211,8 @@ def run(
         raise BracketryError(f'motion is {motion!r}; it can be "formula" or "log"')
     if motion == "log" and compare is None:
         raise BracketryError('motion="log": there is no log; give one as `compare`')
+    if noise is not None and compare is None:
+        raise BracketryError("noise: there is no log; give one as `compare`")
     chosen, scenario = _experiment(experiment)
     polygon = None if shape is None or isinstance(shape, str) else _vertices(shape)
     numbers = {
@@ -209,12 +225,15 @@ def run(
         "dt": dt,
         "restitution": restitution,
         "sample": sample,
+        "noise": noise,
     }
     texts = {
         "experiment": chosen,
         "model": model,
         "shape": shape if isinstance(shape, str) else None,
         "friction": friction,
+        "bearing": bearing,
+        "center_of_mass": None if center_of_mass is None else _point(center_of_mass),
         "start": None if start is None else _start(start),
         "jumps": jumps,
     }
@@ -346,6 +365,13 @@ def _start(start: Sequence[float] | Floats) -> str:
     values = real_array(start, "start")
     if values.shape not in ((2,), (3,)):
         raise BracketryError(f"start has the shape {values.shape}; give x, y (m) and the yaw (rad)")
+    return ",".join(map(repr, values.tolist()))
+
+
+def _point(center_of_mass: Sequence[float] | Floats) -> str:
+    values = real_array(center_of_mass, "center_of_mass")
+    if values.shape != (2,):
+        raise BracketryError(f"center_of_mass has the shape {values.shape}; give x and y (m)")
     return ",".join(map(repr, values.tolist()))
 
 
