@@ -153,7 +153,7 @@ fn friction_at_a_contact_acts_through_the_inertia() {
     // A bar on a rough floor that touches it at a distance from its center: the force acts on the center and the spin.
     let text = r#"
         states = ["phi", "vx", "vy", "w"]
-        parameters = { f = 2, m = 1.5, J = 0.2, r = 0.4 }
+        parameters = { f = 2, m = { value = 1.5, min = 0.1 }, J = { value = 0.2, min = 0.01 }, r = 0.4 }
         [definitions]
         sx = "vx - r*w*sin(phi)"
         sy = "vy + r*w*cos(phi)"
@@ -165,8 +165,64 @@ fn friction_at_a_contact_acts_through_the_inertia() {
         w = "-f*r*(cos(phi)*sy - sin(phi)*sx)/s/J"
     "#;
     assert_eq!(parse(text).set_valued_form().unit_vectors.len(), 1);
-    // The same force the other way is a motor.
-    assert!(parse(&text.replace("-f*", "f*")).is_smooth());
+    // The same force the other way is a motor, if f cannot be negative.
+    let motor = text.replace("-f*", "f*");
+    assert!(!parse(&motor).is_smooth());
+    assert!(parse(&motor.replace("f = 2", "f = { value = 2, min = 0 }")).is_smooth());
+    assert!(parse(&text.replace("f = 2", "f = { value = -2, max = 0 }")).is_smooth());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// A fit, a sweep, or an edit changes values; it must not change what an equation means.
+    #[test]
+    fn what_a_quotient_is_does_not_depend_on_the_values_of_parameters(
+        values in prop::collection::vec(prop_oneof![Just(0.0), -3.0..3.0f64], 4), way in 0..7usize, drag: bool,
+    ) {
+        let s = "sqrt(a^2 + b^2)";
+        let law = |d: &str, other: &str| match way {
+            0 => format!("-c*{d}/{s}"),
+            1 => format!("c*{d}/{s}"),
+            2 => format!("-m*((1 - c)*sign({d}) + c*{d}/{s})"),
+            3 => format!("-(c - k)*{d}/{s}"),
+            4 => format!("-m*(9.81 - k*u)*c*{d}/{s}"),
+            5 => format!("-c*{d}/{s} - c*k*m*{d}"),
+            _ => format!("-c*unit({d}, {other})"),
+        };
+        let more = if drag { " - 0.2*a" } else { "" };
+        let text = |v: &[f64]| format!(
+            "states = [\"a\", \"b\"]\ninputs = [\"u\"]\nparameters = {{ c = {:?}, m = {:?}, k = {:?}, j = {:?} }}\n\
+             [dynamics]\na = \"u{more} + {}\"\nb = \"j + {}\"\n", v[0], v[1], v[2], v[3], law("a", "b"), law("b", "a")
+        );
+        let form = parse(&text(&values)).set_valued_form();
+        prop_assert_eq!(form.unit_vectors.len(), 1, "{}", text(&values));
+        prop_assert!(form.singular.is_empty());
+    }
+
+    /// The direction of a spring acts on velocities, whatever stiffness and length are.
+    #[test]
+    fn no_values_of_parameters_make_a_spring_friction(values in prop::collection::vec(prop_oneof![Just(0.0), -3.0..3.0f64], 3)) {
+        let text = format!(
+            "states = [\"x\", \"y\", \"vx\", \"vy\"]\nparameters = {{ k = {:?}, l = {:?}, c = {:?} }}\n\
+             definitions = {{ r = \"sqrt(x^2 + y^2)\" }}\n[dynamics]\nx = \"vx\"\ny = \"vy\"\n\
+             vx = \"-k*(r - l)*x/r - c*vx\"\nvy = \"-k*(r - l)*y/r - c*vy\"\n", values[0], values[1], values[2]
+        );
+        prop_assert!(parse(&text).is_smooth());
+    }
+}
+
+#[test]
+fn a_range_decides_which_signs_are_looked_at() {
+    let of = |c: &str| {
+        let text = format!(
+            "states = [\"vx\", \"vy\"]\nparameters = {{ c = {c} }}\n[dynamics]\n\
+             vx = \"c*vx/sqrt(vx^2 + vy^2)\"\nvy = \"c*vy/sqrt(vx^2 + vy^2)\"\n"
+        );
+        !parse(&text).is_smooth()
+    };
+    assert!(of("1") && of("0") && of("{ value = 1, min = -1 }") && of("{ value = 0, min = -0.1, max = 5 }"));
+    assert!(!of("{ value = 1, min = 0 }") && !of("{ value = 0, min = 0, max = 2 }"));
 }
 
 #[test]
