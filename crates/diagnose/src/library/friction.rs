@@ -172,7 +172,6 @@ impl Builder {
         let w = self.state(c.rate);
         let slips: Vec<String> =
             self.structure.translations().filter(|t| t.has_dry_friction).map(|t| self.state(t.rate)).collect();
-        let square = slips.iter().map(|v| format!("{v}^2")).collect::<Vec<_>>().join(" + ");
         let (dry, units, per) = match self.changing_level() {
             Some(level) => (vec![(c.rate, level)], ["1", "1/m"], ", per friction of the contact against its slip"),
             None => (c.force.clone(), ["m/s^2", "rad/s^2"], ""),
@@ -190,7 +189,7 @@ impl Builder {
             "spin times this length is the slip speed at which spinning and sliding contribute equally to the friction";
         // Far above this radius the law is Coulomb's, which is a candidate of its own.
         let length = shape(l.clone(), log_grid(0.01 * radius, radius, 5), "m", about);
-        let law = format!("-{k}*{w}/sqrt({square} + {l}^2*{w}^2)");
+        let law = format!("-{k}/{l}*unit({l}*{w}, {})", slips.join(", "));
         self.along(Cause::YawFriction, c.rate, &dry, &law, vec![coefficient, length])?;
 
         let k = self.name("spin_viscous", &w);
@@ -214,14 +213,14 @@ impl Builder {
             return Ok(());
         }
         let names: Vec<String> = axes.iter().map(|a| self.state(a.0)).collect();
-        let square = names.iter().map(|v| format!("{v}^2")).collect::<Vec<_>>().join(" + ");
         let k = self.name("coupling", &names.join("_"));
         let pairs = axes
             .iter()
             .zip(&names)
             .map(|(&(_, direction), v)| {
                 let old = self.text(direction);
-                let new = format!("(1 - {k})*{old} + {k}*{v}/sqrt({square})");
+                let others = names.iter().filter(|o| *o != v).map(|o| format!(", {o}")).collect::<String>();
+                let new = format!("(1 - {k})*{old} + {k}*unit({v}{others})");
                 (old, new)
             })
             .collect();
