@@ -35,14 +35,15 @@ impl<S: Switched> Filippov<S> {
     pub(crate) fn new(system: S) -> Self {
         let surfaces = Surfaces::new(&system);
         let (n, k, switches) = (system.dim(), surfaces.sigma.len(), system.switches());
+        let ratios: Vec<f64> = (0..switches).map(|i| system.static_ratio(i).max(1.0)).collect();
         Self {
             modes: vec![Mode::Sticking; switches],
             departing: vec![false; switches],
             s: vec![1.0; k],
-            ratios: (0..switches).map(|i| system.static_ratio(i).max(1.0)).collect(),
             aimed: Vec::new(),
             held: vec![false; switches],
-            forces: Forces::new(n, k),
+            forces: Forces::new(n, &surfaces.parts, &ratios),
+            ratios,
             surfaces,
             system,
         }

@@ -6,6 +6,7 @@ mod filippov;
 mod forces;
 mod modes;
 mod resolution;
+mod sharing;
 mod surfaces;
 mod zero_set;
 
