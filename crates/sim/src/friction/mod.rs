@@ -1,6 +1,7 @@
 //! Set-valued switches: their modes, the forces that hold what sticks, and which modes follow when some vanish together.
 
 mod departure;
+mod dependence;
 mod elimination;
 mod filippov;
 mod forces;

@@ -59,6 +59,11 @@ impl Surfaces {
         &self.gradient[i * self.n..(i + 1) * self.n]
     }
 
+    /// `∂σ_i/∂t`.
+    pub(crate) fn partial_t(&self, i: usize) -> f64 {
+        self.partial_t[i]
+    }
+
     /// `σ̇_i` for the velocity `dx`.
     pub(crate) fn rate(&self, i: usize, dx: &[f64]) -> f64 {
         self.gradient(i).iter().zip(dx).fold(self.partial_t[i], |sum, (g, v)| sum + g * v)

@@ -1,5 +1,6 @@
 //! The switches whose functions vanish together.
 
+use super::dependence::Span;
 use super::filippov::Filippov;
 use super::modes::Mode;
 use crate::Switched;
@@ -56,6 +57,7 @@ impl ZeroSet {
                 _ => field.modes[i] = field.mode_of(i, false),
             }
         }
+        self.complete(field, x, atol);
         true
     }
 
@@ -95,6 +97,35 @@ impl ZeroSet {
                         self.push(i, if passes { sliding.opposite() } else { sliding }, false);
                     }
                 }
+            }
+        }
+        self.complete(field, x, atol);
+    }
+
+    /// Takes in what vanishes with the others because it depends on them. Its own rounding does not tell: a unit vector has
+    /// arrived well before its components are that small.
+    fn complete<S: Switched>(&mut self, field: &Filippov<S>, x: &[f64], atol: f64) {
+        if self.entries.is_empty() || self.entries.len() == field.modes.len() {
+            return;
+        }
+        let surfaces = &field.surfaces;
+        let mut span: Option<Span> = None;
+        for (i, &mode) in field.modes.iter().enumerate() {
+            if self.entries.iter().any(|entry| entry.switch == i)
+                || !field.system.sticks(i)
+                || surfaces.size(i) > surfaces.arrival_size(i, x, atol)
+            {
+                continue;
+            }
+            let span = span.get_or_insert_with(|| {
+                let mut span = Span::default();
+                for c in self.entries.iter().flat_map(|entry| surfaces.parts[entry.switch].clone()) {
+                    span.add(surfaces, c);
+                }
+                span
+            });
+            if span.contains_switch(surfaces, i) {
+                self.push(i, mode, false);
             }
         }
     }
