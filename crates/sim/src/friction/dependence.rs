@@ -1,6 +1,7 @@
 //! Switching functions that depend on each other: what `vx = 0` and `vy = 0` say of `|(vx, vy)|`.
 
 use super::surfaces::{Surfaces, divide, norm};
+use nalgebra::{DMatrix, SymmetricEigen};
 
 /// What is left of a gradient of unit length across the others that means a direction of its own.
 const INDEPENDENT: f64 = 1e-8;
@@ -55,5 +56,26 @@ impl Span {
     /// Whether the rates of all components of a switch follow from those in the span.
     pub(crate) fn contains_switch(&mut self, surfaces: &Surfaces, switch: usize) -> bool {
         surfaces.parts[switch].clone().all(|c| self.contains(surfaces, c))
+    }
+
+    /// Takes off the direction `s` of a unit vector what it cannot have while everything in the span stays: `vy = 0` leaves only
+    /// `vx` to `(vx, vy)`. Where its rate vanishes, the rate does not tell.
+    pub(crate) fn confine(&mut self, surfaces: &Surfaces, switch: usize, s: &mut [f64]) {
+        let mut rows = Vec::new();
+        let mut size = 0.0f64;
+        for c in surfaces.parts[switch].clone() {
+            let row = norm(surfaces.gradient(c)).hypot(surfaces.partial_t(c));
+            size = size.max(row);
+            self.contains(surfaces, c);
+            rows.extend(self.rest.iter().map(|r| r * row));
+        }
+        let rows = DMatrix::from_row_slice(s.len(), self.rest.len(), &rows);
+        let free = SymmetricEigen::new(&rows * rows.transpose());
+        for (square, normal) in free.eigenvalues.iter().zip(free.eigenvectors.column_iter()) {
+            if *square <= (INDEPENDENT * size).powi(2) {
+                let along: f64 = normal.iter().zip(&*s).map(|(n, s)| n * s).sum();
+                s.iter_mut().zip(normal.iter()).for_each(|(s, n)| *s -= along * n);
+            }
+        }
     }
 }

@@ -6,6 +6,7 @@ mod elimination;
 mod filippov;
 mod forces;
 mod modes;
+mod relaxation;
 mod resolution;
 mod sharing;
 mod surfaces;
