@@ -33,6 +33,8 @@ pub(crate) struct At<'a, S> {
 pub(crate) struct Forces {
     /// The components that stick, in order.
     pub(crate) sticking: Vec<usize>,
+    /// Whether they have turned out not to determine each other.
+    pub(crate) redundant: bool,
     /// Row sums of `|∂σ̇_K/∂s_K|`.
     influence: Vec<f64>,
     /// Inverse of `∂σ̇_K/∂s_K`; absent until it is needed.
@@ -60,6 +62,7 @@ impl Forces {
         let row = || vec![0.0; k];
         Self {
             sticking: Vec::with_capacity(k),
+            redundant: false,
             influence: row(),
             inverse: None,
             singular: None,
@@ -80,6 +83,7 @@ impl Forces {
     pub(crate) fn hold(&mut self, components: impl Iterator<Item = usize> + Clone) {
         if !self.sticking.iter().copied().eq(components.clone()) {
             self.sticking = components.collect();
+            self.redundant = false;
             self.forget();
         }
     }
@@ -144,6 +148,7 @@ impl Forces {
             if is_idle(&self.matrix, m, a) {
                 // A component that moves nothing takes no part of what the others may resist.
                 self.delta[a] = -s[j];
+                self.redundant = true;
             }
             s[j] += self.delta[a];
             for (d, v) in dx.iter_mut().zip(&self.by_sign[j * n..(j + 1) * n]) {
@@ -157,6 +162,7 @@ impl Forces {
     #[cold]
     fn share_affine<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) -> bool {
         let (m, n) = (self.sticking.len(), dx.len());
+        self.redundant = true;
         for (a, &i) in self.sticking.iter().enumerate() {
             self.residual[a] = -at.surfaces.rate(i, dx);
             for (b, &j) in self.sticking.iter().enumerate() {
@@ -294,6 +300,7 @@ impl Forces {
             self.inverse = jacobian.clone().try_inverse().filter(|inverse| inverse.amax() * size < 1e12);
             if self.inverse.is_none() {
                 self.singular = Some(jacobian);
+                self.redundant = true;
             }
         }
     }

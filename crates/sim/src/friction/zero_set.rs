@@ -113,7 +113,7 @@ impl ZeroSet {
         for (i, &mode) in field.modes.iter().enumerate() {
             if self.entries.iter().any(|entry| entry.switch == i)
                 || !field.system.sticks(i)
-                || surfaces.size(i) > surfaces.arrival_size(i, x, atol)
+                || !surfaces.may_follow(i, x, atol)
             {
                 continue;
             }
