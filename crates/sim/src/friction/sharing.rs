@@ -10,12 +10,15 @@
 //! alternative); then all bounds are widened by the factor that just lets one in.
 
 use super::surfaces::{divide, norm};
+use nalgebra::DMatrix;
 use std::ops::Range;
 
 /// What is left of a row of unit length, of which the others explain the rest, that means a row of its own.
 const INDEPENDENT: f64 = 1e-10;
 /// Most Newton steps. On the boundary of what can be held the iterates grow by half each.
 const STEPS: usize = 80;
+/// Multipliers above which the curvature along them needs care.
+const STEEP: f64 = 100.0;
 /// Balance of forces, relative to the sum of all.
 const BALANCE: f64 = 1e-14;
 /// How precisely the factor of the bounds is known: a part of its excess over 1.
@@ -162,12 +165,14 @@ impl Sharing {
                 return Bounds::TooNarrow(self.least_factor(equations));
             }
             self.differentiate(equations, factor);
-            if self.gradient[..r].iter().all(|g| g.abs() <= BALANCE * total) || !self.newton_step() {
+            if self.gradient[..r].iter().all(|g| g.abs() <= BALANCE * total)
+                || !(self.newton_step(equations) || self.graded_step(equations, factor))
+            {
                 return Bounds::Hold;
             }
             let slope = dot(&self.gradient[..r], &self.direction[..r]);
             let value = self.value(equations, factor);
-            let slack = 4.0 * f64::EPSILON * (value.abs() + total);
+            let slack = 4.0 * f64::EPSILON * (factor * self.resistance() + total);
             self.trial[..r].copy_from_slice(&self.y[..r]);
             let mut length = 1.0;
             loop {
@@ -235,13 +240,14 @@ impl Sharing {
         }
     }
 
-    /// The direction of Newton's method, by Cholesky's factorization; false where there is none.
-    fn newton_step(&mut self) -> bool {
+    /// The direction of Newton's method, by Cholesky's factorization; false where that is not precise.
+    fn newton_step(&mut self, equations: &Equations<'_>) -> bool {
         let r = self.rank;
-        let trace: f64 = (0..r).map(|a| self.hessian[a * r + a]).sum();
+        if self.z[..equations.m].iter().any(|z| z.abs() > STEEP) {
+            return false;
+        }
         let l = &mut self.hessian;
         for a in 0..r {
-            l[a * r + a] += 1e-15 * trace;
             for b in 0..=a {
                 let known: f64 = (0..b).map(|c| l[a * r + c] * l[b * r + c]).sum();
                 let rest = l[a * r + b] - known;
@@ -264,6 +270,43 @@ impl Sharing {
             d[a] = (d[a] - known) / l[a * r + a];
         }
         d[..r].iter().all(|v| v.is_finite())
+    }
+
+    /// The same near the boundary, where the curvature along `z` is too small for sums: by the factorization of the root of the Hessian, whose
+    /// rows are graded (Cox, Higham, *Stability of Householder QR factorization for weighted least squares problems*, 1998).
+    #[cold]
+    fn graded_step(&mut self, equations: &Equations<'_>, factor: f64) -> bool {
+        let (r, m) = (self.rank, equations.m);
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        for group in &self.groups {
+            let z = &self.z[group.part.clone()];
+            let (size, root) = (norm(z), (1.0 + square(z)).sqrt());
+            let scale = (factor * group.bound / (root * group.weight)).sqrt();
+            let part = |a: usize| &equations.rows[a * m..(a + 1) * m][group.part.clone()];
+            // Across z the curvature is 1/root, along it 1/root³.
+            let unit: Vec<f64> = z.iter().map(|z| if size > 0.0 { z / size } else { 0.0 }).collect();
+            let along: Vec<f64> = (0..r).map(|a| dot(part(a), &unit)).collect();
+            rows.push(along.iter().map(|q| scale / root * q).collect());
+            if z.len() > 1 || size == 0.0 {
+                for (c, unit) in unit.iter().enumerate() {
+                    rows.push((0..r).map(|a| scale * (part(a)[c] - unit * along[a])).collect());
+                }
+            }
+        }
+        rows.sort_by(|p, q| norm(q).total_cmp(&norm(p)));
+        rows.resize(rows.len().max(r), vec![0.0; r]);
+        let graded = DMatrix::from_fn(rows.len(), r, |row, a| rows[row][a]).col_piv_qr();
+        let mut step = -DMatrix::from_column_slice(r, 1, &self.gradient[..r]).transpose();
+        graded.p().permute_columns(&mut step);
+        let mut step = step.transpose();
+        let triangle = graded.r();
+        if !(triangle.tr_solve_upper_triangular_mut(&mut step) && triangle.solve_upper_triangular_mut(&mut step)) {
+            return false;
+        }
+        let mut step = step.transpose();
+        graded.p().inv_permute_columns(&mut step);
+        self.direction[..r].copy_from_slice(step.as_slice());
+        step.iter().all(|v| v.is_finite())
     }
 
     /// `s_i = factor r_i z_i/√(1 + |z_i|²)`.
