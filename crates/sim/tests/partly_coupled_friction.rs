@@ -3,7 +3,9 @@
 
 mod time_stepping;
 
-use bracketry_sim::{Balance, Inputs, Mode, Model, Settings, Simulation, simulate};
+use bracketry_sim::{
+    Balance, Closures, Coupled, Inputs, Mode, Model, Path, Settings, Simulation, Stepper, Tangent, simulate,
+};
 use bracketry_system::System;
 use proptest::prelude::*;
 use time_stepping::{Term, rest_of_step};
@@ -155,6 +157,84 @@ fn a_sum_of_axes_and_plane_breaks_loose_at_its_own_boundary() {
             let events = run.trajectory.mode_changes();
             assert!(events.len() == 3 && events.iter().all(|e| (e.t - 1.0).abs() < 1e-9), "{c} {point:?} {events:?}");
         }
+    }
+}
+
+/// The mass on springs: `(1 − c) sign + c unit` of friction 1, and springs that remember where it stuck.
+const ON_SPRINGS: &str = r#"
+    states = ["x", "y", "vx", "vy"]
+    inputs = ["a", "b"]
+    [dynamics]
+    x = "vx"
+    y = "vy"
+    vx = "a - x - 0.6*sign(vx) - 0.4*unit(vx, vy)"
+    vy = "b - y - 0.6*sign(vy) - 0.4*unit(vy, vx)"
+"#;
+
+#[test]
+fn sensitivities_pass_through_rest() {
+    let system = System::parse("springs.toml", ON_SPRINGS).unwrap();
+    let inputs = Inputs::new().expression("a", "1.6*sin(t)").expression("b", "0.8*cos(2*t)");
+    let x0 = [0.1, -0.2, 0.5, 0.3];
+    let model = Model::differentiable(&system, &inputs, &[]).unwrap();
+    // Steps short enough for the midpoint rule of the linear maps.
+    let settings = Settings::default().with_max_step(1e-3);
+    let mut stepper = Stepper::new(model, 0.0, &x0, &settings).unwrap();
+    stepper.follow(Path::default());
+    let mut rested = false;
+    for i in 1..=120 {
+        assert!(stepper.advance(0.05 * f64::from(i)).is_finished());
+        rested |= stepper.modes().iter().all(|&mode| mode == Mode::Sticking);
+    }
+    assert!(rested);
+    let (path, mut tangent) = (stepper.take_path(), Tangent::default());
+    assert!(stepper.system_mut().tangent(&path, &mut tangent));
+    let mut change: Vec<f64> = (0..16).map(|i| f64::from(u8::from(i % 5 == 0))).collect();
+    for piece in 0..tangent.len() {
+        tangent.propagate(piece, &mut change, &[], &mut Vec::new());
+    }
+    let end = |j: usize, step: f64| {
+        let mut x = x0;
+        x[j] += step;
+        run(&system, &inputs, &x, 6.0).trajectory.final_state().to_vec()
+    };
+    for j in 0..4 {
+        let (above, below) = (end(j, 1e-5), end(j, -1e-5));
+        for i in 0..4 {
+            let difference = (above[i] - below[i]) / 2e-5;
+            assert!((change[4 * j + i] - difference).abs() < 1e-3, "{i} {j} {} {difference}", change[4 * j + i]);
+        }
+    }
+}
+
+#[test]
+fn forces_found_by_iteration_are_shared_alike() {
+    let drive = Drive { axes: [[2.0, 3.0, 1.0, 7.0, 0.3], [1.5, 5.0, 1.5, 2.0, -0.2]] };
+    let at_once = run(&plane(1.6, 0.4), &drive.inputs(), &[0.4, -0.3], 4.0);
+    // Closures do not tell that their field is affine in the signs.
+    let block = Closures {
+        dim: 2,
+        switches: 4,
+        rhs: move |t: f64, _x: &[f64], s: &[f64], dx: &mut [f64]| {
+            let a = drive.mean(t, 0.0);
+            (0..2).for_each(|i| dx[i] = a[i] - 1.6 * (0.4 * s[i] + 0.6 * s[2 + i]));
+        },
+        switching: |_t, x: &[f64], sigma: &mut [f64]| sigma.copy_from_slice(&[x[0], x[1], x[0], x[1]]),
+        gradient: |_t, _x: &[f64], g: &mut [f64], _dt: &mut [f64]| {
+            g.copy_from_slice(&[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0]);
+        },
+    };
+    // The plane first, then the axes.
+    let block = Coupled::new(block, vec![2, 1, 1]);
+    let iterated = simulate(block, 0.0, &[0.4, -0.3], 4.0, &Settings::default()).unwrap();
+    assert!(at_once.outcome.is_finished() && iterated.outcome.is_finished(), "{:?}", iterated.outcome);
+    let (a, b) = (at_once.trajectory.mode_changes(), iterated.trajectory.mode_changes());
+    assert!(a.len() > 10 && a.len() == b.len(), "{} {}", a.len(), b.len());
+    for (a, b) in a.iter().zip(b) {
+        assert!((a.t - b.t).abs() < 1e-8, "{a:?} {b:?}");
+    }
+    for (a, b) in at_once.trajectory.final_state().iter().zip(iterated.trajectory.final_state()) {
+        assert!((a - b).abs() < 1e-8, "{a} {b}");
     }
 }
 
