@@ -428,7 +428,7 @@ impl<S: Switched> Stepper<S> {
 
     /// The sticking signs have no solution at the current point: the modes cannot be kept, others are sought.
     fn change_unsolvable(&mut self) -> Result<(), StopReason> {
-        self.zero.of_unsolvable(&self.field);
+        self.zero.of_unsolvable(&mut self.field, (self.step.t, &self.step.x));
         let before = self.field.modes.clone();
         self.guard.failed.push(before.clone());
         self.count_event()?;

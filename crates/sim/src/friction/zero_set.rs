@@ -130,11 +130,13 @@ impl ZeroSet {
         }
     }
 
-    /// Where the present modes have no solution: what sticks, and what is leaving.
-    pub(crate) fn of_unsolvable<S: Switched>(&mut self, field: &Filippov<S>) {
+    /// Where the present modes have no solution at `(t, x)`: what sticks, what is leaving, and what has not left zero at all.
+    pub(crate) fn of_unsolvable<S: Switched>(&mut self, field: &mut Filippov<S>, (t, x): (f64, &[f64])) {
         self.entries.clear();
+        field.surfaces.evaluate(&mut field.system, t, x);
         for (i, mode) in field.modes.iter().enumerate() {
-            if *mode == Mode::Sticking || *mode == Mode::Sliding && field.departing[i] {
+            let stays = field.surfaces.size(i) == 0.0 && field.system.sticks(i);
+            if *mode == Mode::Sticking || *mode == Mode::Sliding && field.departing[i] || stays {
                 self.push(i, field.sliding_mode(i), false);
             }
         }
