@@ -396,9 +396,7 @@ impl<S: Switched> Stepper<S> {
     fn arrive(&mut self, switch: usize, after: f64) -> Result<(), StopReason> {
         if after > self.step.shortest() {
             let Self { field, step, settings, .. } = self;
-            let near = |&i: &usize| field.surfaces.size(i) <= field.surfaces.arrival_size(i, &step.x, settings.atol);
-            let near: Vec<usize> = field.in_mode(Mode::Sliding).filter(near).collect();
-            field.hold_directions(near);
+            field.hold_directions(field.arriving_with(switch, &step.x, settings.atol));
             step.implicit = false;
             let solved = self.reaches(after);
             self.field.release_directions();
@@ -430,7 +428,7 @@ impl<S: Switched> Stepper<S> {
 
     /// The sticking signs have no solution at the current point: the modes cannot be kept, others are sought.
     fn change_unsolvable(&mut self) -> Result<(), StopReason> {
-        self.zero.of_unsolvable(&self.field);
+        self.zero.of_unsolvable(&mut self.field, (self.step.t, &self.step.x));
         let before = self.field.modes.clone();
         self.guard.failed.push(before.clone());
         self.count_event()?;

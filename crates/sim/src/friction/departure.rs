@@ -1,9 +1,12 @@
 //! The directions in which unit vectors leave σ = 0: `s` such that `σ̇(s) = λ s` with `|s| = 1`, `λ ≥ 0`.
 //!
 //! These are the fixed points of `s ↦ (κ s + σ̇(s))/|κ s + σ̇(s)|`, which dry friction, being dissipative, makes a contraction
-//! for `κ` as large as its influence; Newton's method on the sphere ends the iteration.
+//! for `κ` as large as its influence; Newton's method on the sphere ends the iteration. Where that does not converge, as where a
+//! direction merely follows a σ that hardly grows, the directions are turned one after the other ([`relax`]) and are refined again.
 
+use super::dependence::Span;
 use super::filippov::Filippov;
+use super::relaxation::relax;
 use super::surfaces::{divide, norm};
 use crate::Switched;
 use nalgebra::{DMatrix, DVector};
@@ -14,6 +17,8 @@ const FIXED_POINT: usize = 30;
 const NEWTON: usize = 20;
 /// `σ̇` across `s`, relative to the influence of `s`, at which the direction is known.
 const RESIDUAL: f64 = 1e-14;
+/// The same where the iterations end, at the rounding of forces far above that influence.
+const LAST_RESIDUAL: f64 = 1e-10;
 
 /// The unit vectors that leave.
 struct Departure<'a> {
@@ -53,6 +58,7 @@ pub(crate) fn depart<S: Switched>(
     let rows = parts.map(row).collect();
     let departure = Departure { switches: leaving, components, rows };
     departure.start(field);
+    departure.confine(field, (t, x));
     if !field.evaluate((t, x), dx) {
         return false;
     }
@@ -63,41 +69,81 @@ pub(crate) fn depart<S: Switched>(
     let Some(jacobian) = field.influence((t, x), &departure.components, dx) else {
         return false;
     };
-    let size = jacobian.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let mut flipped: Vec<usize> = Vec::new();
-    for iteration in 0..FIXED_POINT + NEWTON {
-        if !field.evaluate((t, x), dx) {
-            return false;
-        }
-        field.surfaces.differentiate(&mut field.system, t, x);
-        let Some(now) = departure.rates(field, dx) else {
-            return false;
-        };
-        let known = RESIDUAL * size + 1e-15 * now.all.amax();
-        if now.residual <= known {
-            // The direction opposite to σ̇ is a fixed point too where `s` has no influence on its own σ̇: flip it, once.
-            let backwards = |i: &usize| !flipped.contains(i) && field.radial_rate(*i, dx) < -known;
-            let backwards: Vec<usize> = leaving.iter().copied().filter(backwards).collect();
-            if backwards.is_empty() {
-                return true;
-            }
-            for &i in &backwards {
-                field.s[field.surfaces.parts[i].clone()].iter_mut().for_each(|s| *s = -*s);
-            }
-            flipped.extend(backwards);
-            continue;
-        }
-        // Close to the solution: Newton's step within the sphere.
-        let newton = now.residual < 1e-2 * size || iteration >= FIXED_POINT;
-        let step = if newton { departure.step_on_sphere(field, &jacobian, &now, size) } else { None };
-        if !departure.turn(field, step.as_ref(), &now.all, size) {
-            return false;
-        }
+    if departure.converge(field, (t, x), (&jacobian, 0.0), dx) {
+        return true;
     }
-    false
+    departure.start(field);
+    if !field.evaluate((t, x), dx) {
+        return false;
+    }
+    field.surfaces.differentiate(&mut field.system, t, x);
+    let Some(now) = departure.rates(field, dx) else {
+        return false;
+    };
+    let mut s = DVector::from_iterator(now.all.len(), departure.components.iter().map(|&c| field.s[c]));
+    relax(&mut s, now.all, &jacobian, &departure.rows);
+    departure.components.iter().zip(s.iter()).for_each(|(&c, &s)| field.s[c] = s);
+    departure.converge(field, (t, x), (&jacobian, LAST_RESIDUAL), dx)
 }
 
 impl Departure<'_> {
+    /// Refines the directions from where they are, for their influence on σ̇; false if they do not converge, at last to the residual
+    /// `accepted`.
+    fn converge<S: Switched>(
+        &self,
+        field: &mut Filippov<S>,
+        (t, x): (f64, &[f64]),
+        (jacobian, accepted): (&DMatrix<f64>, f64),
+        dx: &mut [f64],
+    ) -> bool {
+        let size = jacobian.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let mut flipped: Vec<usize> = Vec::new();
+        for iteration in 0..FIXED_POINT + NEWTON {
+            if !field.evaluate((t, x), dx) {
+                return false;
+            }
+            field.surfaces.differentiate(&mut field.system, t, x);
+            let Some(now) = self.rates(field, dx) else {
+                return false;
+            };
+            let known = RESIDUAL * size + 1e-15 * now.all.amax();
+            if now.residual <= known {
+                // The direction opposite to σ̇ is a fixed point too where `s` has little influence on its own σ̇: flip it, once.
+                let backwards = |(a, i): &(usize, usize)| {
+                    let rate = field.radial_rate(*i, dx);
+                    !flipped.contains(i) && rate < -known && self.own_influence(field, *a, jacobian) > rate
+                };
+                let switches = self.switches.iter().copied().enumerate();
+                let backwards: Vec<usize> = switches.filter(backwards).map(|(_, i)| i).collect();
+                if backwards.is_empty() {
+                    return true;
+                }
+                for &i in &backwards {
+                    field.s[field.surfaces.parts[i].clone()].iter_mut().for_each(|s| *s = -*s);
+                }
+                flipped.extend(backwards);
+                continue;
+            }
+            if iteration + 1 == FIXED_POINT + NEWTON {
+                return now.residual <= accepted * size;
+            }
+            // Close to the solution: Newton's step within the sphere.
+            let newton = now.residual < 1e-2 * size || iteration >= FIXED_POINT;
+            let step = if newton { self.step_on_sphere(field, jacobian, &now, size) } else { None };
+            if !self.turn(field, step.as_ref(), &now.all, size) {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// The influence `sᵀ J s` of a direction on its own radial rate.
+    fn own_influence<S: Switched>(&self, field: &Filippov<S>, at: usize, jacobian: &DMatrix<f64>) -> f64 {
+        let rows = &self.rows[at];
+        let s = |a: usize| field.s[self.components[a]];
+        rows.clone().map(|a| rows.clone().map(|b| s(a) * jacobian[(a, b)] * s(b)).sum::<f64>()).sum()
+    }
+
     /// Starts from directions within the unit ball.
     fn start<S: Switched>(&self, field: &mut Filippov<S>) {
         if self.components.iter().any(|&c| !field.s[c].is_finite()) {
@@ -107,6 +153,22 @@ impl Departure<'_> {
             let s = &mut field.s[field.surfaces.parts[i].clone()];
             let size = norm(s).max(1.0);
             divide(s, size);
+        }
+    }
+
+    /// Keeps the directions to what the sticking switches leave free.
+    fn confine<S: Switched>(&self, field: &mut Filippov<S>, (t, x): (f64, &[f64])) {
+        if field.forces.sticking.is_empty() {
+            return;
+        }
+        field.surfaces.differentiate(&mut field.system, t, x);
+        let mut span = Span::default();
+        for &c in &field.forces.sticking {
+            span.add(&field.surfaces, c);
+        }
+        for &i in self.switches {
+            let part = field.surfaces.parts[i].clone();
+            span.confine(&field.surfaces, i, &mut field.s[part]);
         }
     }
 

@@ -2,6 +2,7 @@
 //!
 //! What slides has the sign ±1 or the direction `σ/|σ|`; what sticks has the `s_K` that solves `σ̇_K = 0` ([`Forces`]).
 
+use super::dependence::Span;
 use super::forces::{At, Forces};
 use super::modes::Mode;
 use super::surfaces::{Surfaces, divide, norm};
@@ -35,14 +36,15 @@ impl<S: Switched> Filippov<S> {
     pub(crate) fn new(system: S) -> Self {
         let surfaces = Surfaces::new(&system);
         let (n, k, switches) = (system.dim(), surfaces.sigma.len(), system.switches());
+        let ratios: Vec<f64> = (0..switches).map(|i| system.static_ratio(i).max(1.0)).collect();
         Self {
             modes: vec![Mode::Sticking; switches],
             departing: vec![false; switches],
             s: vec![1.0; k],
-            ratios: (0..switches).map(|i| system.static_ratio(i).max(1.0)).collect(),
             aimed: Vec::new(),
             held: vec![false; switches],
-            forces: Forces::new(n, k),
+            forces: Forces::new(n, &surfaces.parts, &ratios),
+            ratios,
             surfaces,
             system,
         }
@@ -114,6 +116,19 @@ impl<S: Switched> Filippov<S> {
         for (i, held) in self.held.iter_mut().enumerate() {
             *held = self.departing[i] && self.modes[i] == Mode::Sliding;
         }
+    }
+
+    /// The sliding unit vectors that are at zero where `switch` arrives there, by the last σ and gradients: those that are near, and those
+    /// that depend on it.
+    pub(crate) fn arriving_with(&self, switch: usize, x: &[f64], atol: f64) -> Vec<usize> {
+        let surfaces = &self.surfaces;
+        let mut span = Span::default();
+        surfaces.parts[switch].clone().for_each(|c| _ = span.add(surfaces, c));
+        let mut arrives = |i: usize| {
+            surfaces.size(i) <= surfaces.arrival_size(i, x, atol)
+                || surfaces.may_follow(i, x, atol) && span.contains_switch(surfaces, i)
+        };
+        self.in_mode(Mode::Sliding).filter(|&i| arrives(i)).collect()
     }
 
     /// Keeps the directions of some unit vectors, which otherwise follow σ.
@@ -232,17 +247,26 @@ impl<S: Switched> Filippov<S> {
 
     /// Moves `x` by the least change to `σ_K(t, x) = 0`, so that what sticks does not creep.
     pub(crate) fn project(&mut self, t: f64, x: &mut [f64]) {
-        let sticking = &self.forces.sticking;
-        let m = sticking.len();
-        if m == 0 {
+        if self.forces.sticking.is_empty() {
             return;
         }
         for _ in 0..3 {
             self.surfaces.evaluate(&mut self.system, t, x);
-            if sticking.iter().all(|&i| self.surfaces.sigma[i] == 0.0) {
+            if self.forces.sticking.iter().all(|&i| self.surfaces.sigma[i] == 0.0) {
                 return;
             }
             self.surfaces.differentiate(&mut self.system, t, x);
+            let independent;
+            let sticking = if self.forces.redundant {
+                // Those that depend on others vanish with them.
+                let mut span = Span::default();
+                let add = |&c: &usize| span.add(&self.surfaces, c);
+                independent = self.forces.sticking.iter().copied().filter(add).collect::<Vec<usize>>();
+                &independent
+            } else {
+                &self.forces.sticking
+            };
+            let m = sticking.len();
             let row = |a: usize| self.surfaces.gradient(sticking[a]);
             let dot = |a: usize, b: usize| -> f64 { row(a).iter().zip(row(b)).map(|(p, q)| p * q).sum() };
             let sigma = |a: usize| self.surfaces.sigma[sticking[a]];

@@ -2,12 +2,14 @@
 //!
 //! `σ̇_i = ∂σ_i/∂t + ∇σ_i · f(t, x, s)`. In every mechanical system with dry friction `f` is affine in `s`: one evaluation and
 //! one small linear solve. For others, Broyden's update keeps the inverse Jacobian of Newton's method from one evaluation to
-//! the next.
+//! the next. Where the sticking switches do not determine each other, they share the forces ([`Sharing`]).
 
 use super::elimination::{eliminate, is_idle};
+use super::sharing::Sharing;
 use super::surfaces::Surfaces;
 use crate::Switched;
 use nalgebra::DMatrix;
+use std::ops::Range;
 
 /// Residual of `σ̇_i = 0`, relative to the influence of the signs on it.
 const RESIDUAL: f64 = 1e-14;
@@ -15,6 +17,8 @@ const RESIDUAL: f64 = 1e-14;
 const ROUNDING: f64 = 4e-15;
 /// Pivots below this part of the largest entry mean redundant switches.
 const SINGULAR: f64 = 1e-10;
+/// Redundant switches may contradict each other by this part of the terms of their `σ̇`: rounding.
+const CONTRADICTION: f64 = 1e-9;
 
 /// A system at a point, with the gradients of its switching functions there.
 pub(crate) struct At<'a, S> {
@@ -29,10 +33,15 @@ pub(crate) struct At<'a, S> {
 pub(crate) struct Forces {
     /// The components that stick, in order.
     pub(crate) sticking: Vec<usize>,
+    /// Whether they have turned out not to determine each other.
+    pub(crate) redundant: bool,
     /// Row sums of `|∂σ̇_K/∂s_K|`.
     influence: Vec<f64>,
     /// Inverse of `∂σ̇_K/∂s_K`; absent until it is needed.
     inverse: Option<DMatrix<f64>>,
+    /// `∂σ̇_K/∂s_K` itself where it has no inverse.
+    singular: Option<DMatrix<f64>>,
+    sharing: Sharing,
     residual: Vec<f64>,
     previous: Vec<f64>,
     delta: Vec<f64>,
@@ -47,13 +56,17 @@ pub(crate) struct Forces {
 }
 
 impl Forces {
-    /// For `n` states and `k` components of switches.
-    pub(crate) fn new(n: usize, k: usize) -> Self {
+    /// For `n` states and switches with these components, whose arguments may become as large as `bounds`.
+    pub(crate) fn new(n: usize, parts: &[Range<usize>], bounds: &[f64]) -> Self {
+        let k = parts.last().map_or(0, |part| part.end);
         let row = || vec![0.0; k];
         Self {
             sticking: Vec::with_capacity(k),
+            redundant: false,
             influence: row(),
             inverse: None,
+            singular: None,
+            sharing: Sharing::new(parts, bounds),
             residual: row(),
             previous: row(),
             delta: row(),
@@ -70,13 +83,15 @@ impl Forces {
     pub(crate) fn hold(&mut self, components: impl Iterator<Item = usize> + Clone) {
         if !self.sticking.iter().copied().eq(components.clone()) {
             self.sticking = components.collect();
-            self.inverse = None;
+            self.redundant = false;
+            self.forget();
         }
     }
 
     /// Forgets the Jacobian, which may not be finite.
     pub(crate) fn forget(&mut self) {
         self.inverse = None;
+        self.singular = None;
     }
 
     /// Largest influence of the sticking signs on their `σ̇`.
@@ -89,7 +104,7 @@ impl Forces {
         if self.solve_affine(at, s, dx) {
             return true;
         }
-        if self.inverse.is_none() {
+        if self.inverse.is_none() && self.singular.is_none() {
             self.differentiate(at, s, dx);
         }
         for attempt in 0..2 {
@@ -127,18 +142,55 @@ impl Forces {
             self.delta[a] = -at.surfaces.rate(i, dx);
         }
         if !eliminate(&mut self.matrix[..m * m], &mut self.delta[..m], m, SINGULAR * size) {
-            return false;
+            return self.share_affine(at, s, dx);
         }
         for (a, &j) in self.sticking.iter().enumerate() {
             if is_idle(&self.matrix, m, a) {
                 // A component that moves nothing takes no part of what the others may resist.
                 self.delta[a] = -s[j];
+                self.redundant = true;
             }
             s[j] += self.delta[a];
             for (d, v) in dx.iter_mut().zip(&self.by_sign[j * n..(j + 1) * n]) {
                 *d += self.delta[a] * v;
             }
         }
+        true
+    }
+
+    /// As [`Forces::solve_affine`], after it has written `∂f/∂s`, where the sticking signs do not determine each other.
+    #[cold]
+    fn share_affine<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) -> bool {
+        let (m, n) = (self.sticking.len(), dx.len());
+        self.redundant = true;
+        for (a, &i) in self.sticking.iter().enumerate() {
+            self.residual[a] = -at.surfaces.rate(i, dx);
+            for (b, &j) in self.sticking.iter().enumerate() {
+                let column = &self.by_sign[j * n..(j + 1) * n];
+                let entry: f64 = at.surfaces.gradient(i).iter().zip(column).map(|(g, v)| g * v).sum();
+                self.matrix[a * m + b] = entry;
+                self.residual[a] += entry * s[j];
+            }
+        }
+        let (matrix, right) = (&mut self.matrix[..m * m], &mut self.residual[..m]);
+        if !self.sharing.solve(&self.sticking, matrix, right, &mut self.delta[..m]) {
+            return false;
+        }
+        self.velocity.copy_from_slice(dx);
+        for (a, &j) in self.sticking.iter().enumerate() {
+            let change = self.delta[a] - s[j];
+            for (d, v) in self.velocity.iter_mut().zip(&self.by_sign[j * n..(j + 1) * n]) {
+                *d += change * v;
+            }
+        }
+        for (a, &i) in self.sticking.iter().enumerate() {
+            let terms = at.surfaces.rate_scale(i, &self.velocity) + self.influence[a];
+            if at.surfaces.rate(i, &self.velocity).abs() > CONTRADICTION * terms {
+                return false;
+            }
+        }
+        dx.copy_from_slice(&self.velocity);
+        self.sticking.iter().zip(&self.delta).for_each(|(&j, &shared)| s[j] = shared);
         true
     }
 
@@ -160,6 +212,21 @@ impl Forces {
             }
             if !self.residual[..m].iter().all(|r| r.is_finite()) {
                 return false;
+            }
+            if let Some(jacobian) = &self.singular {
+                for a in 0..m {
+                    self.row[a] = -self.residual[a];
+                    for (b, &j) in self.sticking.iter().enumerate() {
+                        self.matrix[a * m + b] = jacobian[(a, b)];
+                        self.row[a] += jacobian[(a, b)] * s[j];
+                    }
+                }
+                let (matrix, right) = (&mut self.matrix[..m * m], &mut self.row[..m]);
+                if !self.sharing.solve(&self.sticking, matrix, right, &mut self.delta[..m]) {
+                    return false;
+                }
+                self.sticking.iter().zip(&self.delta).for_each(|(&j, &shared)| s[j] = shared);
+                continue;
             }
             if iteration > 0 {
                 self.broyden();
@@ -205,8 +272,8 @@ impl Forces {
         }
     }
 
-    /// The Jacobian `∂σ̇_K/∂s_K` by differences of unit length (exact where `f` is affine in `s`), and its
-    /// (pseudo-)inverse: redundant switching functions share their force.
+    /// The Jacobian `∂σ̇_K/∂s_K` by differences of unit length (exact where `f` is affine in `s`), and its inverse if it has one:
+    /// redundant switching functions share their force.
     fn differentiate<S: Switched>(&mut self, at: &mut At<'_, S>, s: &mut [f64], dx: &mut [f64]) {
         let m = self.sticking.len();
         at.system.rhs(at.t, at.x, s, dx);
@@ -227,17 +294,14 @@ impl Forces {
         for a in 0..m {
             self.influence[a] = jacobian.row(a).iter().map(|v: &f64| v.abs()).sum();
         }
-        self.inverse = None;
+        self.forget();
         if jacobian.iter().all(|v| v.is_finite()) {
             let size = jacobian.amax();
-            self.inverse = match jacobian.clone().try_inverse() {
-                Some(inverse) if inverse.amax() * size < 1e12 => Some(inverse),
-                _ => {
-                    // Signs without influence are arbitrary: take the smallest.
-                    self.sticking.iter().for_each(|&i| s[i] = 0.0);
-                    jacobian.pseudo_inverse(1e-12 * size).ok()
-                }
-            };
+            self.inverse = jacobian.clone().try_inverse().filter(|inverse| inverse.amax() * size < 1e12);
+            if self.inverse.is_none() {
+                self.singular = Some(jacobian);
+                self.redundant = true;
+            }
         }
     }
 }

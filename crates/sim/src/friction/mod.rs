@@ -1,11 +1,14 @@
 //! Set-valued switches: their modes, the forces that hold what sticks, and which modes follow when some vanish together.
 
 mod departure;
+mod dependence;
 mod elimination;
 mod filippov;
 mod forces;
 mod modes;
+mod relaxation;
 mod resolution;
+mod sharing;
 mod surfaces;
 mod zero_set;
 

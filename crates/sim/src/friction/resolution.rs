@@ -1,6 +1,7 @@
 //! The next modes of the switching functions that vanish together.
 
 use super::departure::depart;
+use super::dependence::Span;
 use super::filippov::Filippov;
 use super::modes::Mode;
 use super::zero_set::ZeroSet;
@@ -10,8 +11,9 @@ use crate::outcome::StopReason;
 /// Finds consistent modes for the zero set at `(t, x)`; the other modes stay.
 ///
 /// All `3^|Z|` combinations are tried, those with most sticking switches first, then those which agree with the
-/// direction of motion; first with switches that truly leave (`σ̇ ≠ 0`), then with those which leave tangentially. Modes in
-/// `failed` have been tried at this instant and could not be kept. Of more than `limit` switches an active set is sought.
+/// direction of motion; first with switches that truly leave (`σ̇ ≠ 0`), then with those which leave tangentially. Where the
+/// functions of the set depend on each other, a switch sticks if what sticks leaves its function no freedom. Modes in `failed`
+/// have been tried at this instant and could not be kept. Of more than `limit` switches an active set is sought.
 pub(crate) fn resolve<S: Switched>(
     field: &mut Filippov<S>,
     point: (f64, &[f64]),
@@ -25,8 +27,9 @@ pub(crate) fn resolve<S: Switched>(
         return Ok(());
     }
     let mut dx = vec![0.0; point.1.len()];
+    let mut dependence = Dependence::of(field, point, zero);
     if z > limit {
-        return active_set(field, point, zero, limit, &mut dx);
+        return active_set(field, point, (zero, &mut dependence), limit, &mut dx);
     }
     let mut order: Vec<(u32, u32, u32)> = (0..3u32.pow(z as u32))
         .map(|code| {
@@ -55,7 +58,7 @@ pub(crate) fn resolve<S: Switched>(
                 remaining /= 3;
             }
             allowed &= !failed.contains(&field.modes);
-            if allowed && is_consistent(field, point, zero, strict, &mut dx) {
+            if allowed && dependence.permits(field, point, zero) && is_consistent(field, point, zero, strict, &mut dx) {
                 return Ok(());
             }
         }
@@ -63,12 +66,49 @@ pub(crate) fn resolve<S: Switched>(
     Err(StopReason::NoConsistentMode { switches: zero.switches() })
 }
 
+/// What switches that depend on each other may do together: the rates of those that stick determine those of others.
+struct Dependence {
+    /// Whether any do.
+    exists: bool,
+    span: Span,
+}
+
+impl Dependence {
+    fn of<S: Switched>(field: &mut Filippov<S>, (t, x): (f64, &[f64]), zero: &ZeroSet) -> Self {
+        let mut span = Span::default();
+        if zero.entries.len() == 1 {
+            return Self { exists: false, span };
+        }
+        field.surfaces.differentiate(&mut field.system, t, x);
+        let surfaces = &field.surfaces;
+        let mut components = zero.entries.iter().flat_map(|entry| surfaces.parts[entry.switch].clone());
+        let exists = !components.all(|c| span.add(surfaces, c));
+        Self { exists, span }
+    }
+
+    /// Whether everything that stays on its surface, because of what sticks, sticks itself.
+    fn permits<S: Switched>(&mut self, field: &mut Filippov<S>, (t, x): (f64, &[f64]), zero: &ZeroSet) -> bool {
+        if !self.exists {
+            return true;
+        }
+        field.surfaces.differentiate(&mut field.system, t, x);
+        let surfaces = &field.surfaces;
+        self.span.clear();
+        let switches = || zero.entries.iter().map(|entry| entry.switch);
+        for i in switches().filter(|&i| field.modes[i] == Mode::Sticking) {
+            surfaces.parts[i].clone().for_each(|c| _ = self.span.add(surfaces, c));
+        }
+        let mut sliding = switches().filter(|&i| field.modes[i] != Mode::Sticking && field.system.sticks(i));
+        !sliding.any(|i| self.span.contains_switch(surfaces, i))
+    }
+}
+
 /// For zero sets too large to enumerate: starts with all sticking, lets go what needs more than the full sign, and
 /// holds what would slide against its own direction.
 fn active_set<S: Switched>(
     field: &mut Filippov<S>,
     point: (f64, &[f64]),
-    zero: &ZeroSet,
+    (zero, dependence): (&ZeroSet, &mut Dependence),
     limit: usize,
     dx: &mut [f64],
 ) -> Result<(), StopReason> {
@@ -78,7 +118,7 @@ fn active_set<S: Switched>(
         field.modes[entry.switch] = if slides { entry.preferred } else { Mode::Sticking };
     }
     for _ in 0..=2 * z {
-        if is_consistent(field, point, zero, false, dx) {
+        if is_consistent(field, point, zero, false, dx) && dependence.permits(field, point, zero) {
             return Ok(());
         }
         let mut changed = false;

@@ -8,6 +8,8 @@ use std::ops::Range;
 pub(crate) const NEGLIGIBLE: f64 = 1e-4;
 /// Size of σ, in units of the absolute tolerance, below which a direction has no meaning.
 const ARRIVAL: f64 = 10.0;
+/// How many times that size the σ of a switch may have that vanishes because those of others do: it is bounded by theirs.
+const FOLLOWING: f64 = 100.0;
 
 /// Switching functions and gradients of a system with `n` states, by component (`k` of all switches).
 #[derive(Debug, Clone)]
@@ -59,6 +61,11 @@ impl Surfaces {
         &self.gradient[i * self.n..(i + 1) * self.n]
     }
 
+    /// `∂σ_i/∂t`.
+    pub(crate) fn partial_t(&self, i: usize) -> f64 {
+        self.partial_t[i]
+    }
+
     /// `σ̇_i` for the velocity `dx`.
     pub(crate) fn rate(&self, i: usize, dx: &[f64]) -> f64 {
         self.gradient(i).iter().zip(dx).fold(self.partial_t[i], |sum, (g, v)| sum + g * v)
@@ -99,6 +106,11 @@ impl Surfaces {
     /// Size of σ below which a unit vector that shrinks has arrived at zero.
     pub(crate) fn arrival_size(&self, switch: usize, x: &[f64], atol: f64) -> f64 {
         4.0 * self.rounding(switch, x) + self.largest(switch, |c| self.spread(c, ARRIVAL * atol))
+    }
+
+    /// Whether the σ of a switch has arrived at zero if those on which it depends have.
+    pub(crate) fn may_follow(&self, switch: usize, x: &[f64], atol: f64) -> bool {
+        self.size(switch) <= FOLLOWING * self.arrival_size(switch, x, atol)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The switches whose functions vanish together.
 
+use super::dependence::Span;
 use super::filippov::Filippov;
 use super::modes::Mode;
 use crate::Switched;
@@ -56,6 +57,7 @@ impl ZeroSet {
                 _ => field.modes[i] = field.mode_of(i, false),
             }
         }
+        self.complete(field, x, atol);
         true
     }
 
@@ -97,13 +99,44 @@ impl ZeroSet {
                 }
             }
         }
+        self.complete(field, x, atol);
     }
 
-    /// Where the present modes have no solution: what sticks, and what is leaving.
-    pub(crate) fn of_unsolvable<S: Switched>(&mut self, field: &Filippov<S>) {
+    /// Takes in what vanishes with the others because it depends on them. Its own rounding does not tell: a unit vector has
+    /// arrived well before its components are that small.
+    fn complete<S: Switched>(&mut self, field: &Filippov<S>, x: &[f64], atol: f64) {
+        if self.entries.is_empty() || self.entries.len() == field.modes.len() {
+            return;
+        }
+        let surfaces = &field.surfaces;
+        let mut span: Option<Span> = None;
+        for (i, &mode) in field.modes.iter().enumerate() {
+            if self.entries.iter().any(|entry| entry.switch == i)
+                || !field.system.sticks(i)
+                || !surfaces.may_follow(i, x, atol)
+            {
+                continue;
+            }
+            let span = span.get_or_insert_with(|| {
+                let mut span = Span::default();
+                for c in self.entries.iter().flat_map(|entry| surfaces.parts[entry.switch].clone()) {
+                    span.add(surfaces, c);
+                }
+                span
+            });
+            if span.contains_switch(surfaces, i) {
+                self.push(i, mode, false);
+            }
+        }
+    }
+
+    /// Where the present modes have no solution at `(t, x)`: what sticks, what is leaving, and what has not left zero at all.
+    pub(crate) fn of_unsolvable<S: Switched>(&mut self, field: &mut Filippov<S>, (t, x): (f64, &[f64])) {
         self.entries.clear();
+        field.surfaces.evaluate(&mut field.system, t, x);
         for (i, mode) in field.modes.iter().enumerate() {
-            if *mode == Mode::Sticking || *mode == Mode::Sliding && field.departing[i] {
+            let stays = field.surfaces.size(i) == 0.0 && field.system.sticks(i);
+            if *mode == Mode::Sticking || *mode == Mode::Sliding && field.departing[i] || stays {
                 self.push(i, field.sliding_mode(i), false);
             }
         }

@@ -8,10 +8,13 @@ use super::saltation::Saltation;
 use crate::Switched;
 use crate::friction::{Mode, Surfaces, eliminate, norm};
 use crate::model::Model;
+use nalgebra::DMatrix;
 use std::ops::Range;
 
 /// Pivots below this part of the largest entry are none.
 const SINGULAR: f64 = 1e-12;
+/// Components that depend on each other may contradict each other by this part of their gradients: rounding.
+const CONTRADICTION: f64 = 1e-9;
 
 /// The linear maps along a [`Path`], with `n` states: `X ← T X + R b` by piece, where `b` is a change of the field.
 #[derive(Debug, Clone, Default)]
@@ -301,8 +304,18 @@ impl Maps {
             right[a * n..(a + 1) * n].copy_from_slice(row);
         }
         let size = matrix.iter().fold(0.0f64, |size, v| size.max(v.abs()));
+        let all = DMatrix::from_row_slice(m, m, &matrix);
         if !eliminate(&mut matrix, &mut right, m, SINGULAR * size) {
-            return false;
+            // Where the components depend on each other, so do their rows, and every solution has the same forces.
+            let rows = DMatrix::from_fn(m, n, |a, j| self.surfaces.gradient(sticking[a])[j]);
+            let Ok(inverse) = all.clone().pseudo_inverse(SINGULAR * size) else {
+                return false;
+            };
+            let shared = inverse * &rows;
+            if (all * &shared - &rows).amax() > CONTRADICTION * rows.amax() {
+                return false;
+            }
+            right.copy_from_slice(shared.transpose().as_slice());
         }
         for j in 0..n {
             for i in 0..n {
