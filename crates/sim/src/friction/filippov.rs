@@ -281,6 +281,10 @@ impl<S: Switched> Filippov<S> {
             }
             let gram = DMatrix::from_fn(m, m, dot);
             let size = gram.amax();
+            // The decomposition does not end where anything is not a number.
+            if gram.iter().any(|v| !v.is_finite()) {
+                return;
+            }
             let Ok(inverse) = gram.pseudo_inverse(1e-12 * size) else {
                 return;
             };
