@@ -61,6 +61,7 @@ impl ExtendedModel {
     /// [`DiagnoseError`] for an effect that does not fit the model.
     pub fn new(system: &System, fit: &Fit, width: f64) -> Result<Self, DiagnoseError> {
         let mut extended = Self { system: equations(system, &fit.effects, &fit.values)?, notes: Vec::new() };
+        extended.system.mark_dry_friction();
         for effect in &fit.effects {
             match &effect.change {
                 Change::Path { path, signals } => extended.add_path(effect, *path, signals, &fit.values)?,

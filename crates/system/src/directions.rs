@@ -39,8 +39,9 @@ impl System {
         Directions { rewritten, roots, singular, continuous }
     }
 
-    /// Marks the unit vectors that are dry friction, so that they stay what they are when the equations are changed.
-    pub(crate) fn mark_dry_friction(&mut self) {
+    /// Marks the unit vectors that are dry friction, so that they stay what they are when the equations are changed, as where a
+    /// parameter becomes a state. A model that was read or built has them marked; do it before changing one in another way.
+    pub fn mark_dry_friction(&mut self) {
         let rows = self.rows();
         for root in self.directions(&rows).roots {
             self.pool.set_directed(root.square, Directed::Found);

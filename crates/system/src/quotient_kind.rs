@@ -100,7 +100,7 @@ impl System {
         let fixed = |(low, high): (f64, f64)| Domain { low, high, constant: None };
         let of = |s: &Symbol| {
             if let Some(i) = self.states.iter().position(|x| x == s) {
-                return fixed(around(point.as_ref().map_or(0.0, |p| p.0[i])));
+                return fixed(around(point.as_ref().and_then(|p| p.0.get(i).copied()).unwrap_or(0.0)));
             }
             if let Some(p) = self.parameters.iter().find(|p| p.symbol == *s) {
                 return Domain::of_parameter(p.value.to_f64().value(), end(&p.min), end(&p.max));
@@ -113,7 +113,7 @@ impl System {
                     () => Domain::of_parameter(1.0, None, None),
                 };
             };
-            let value = point.as_ref().map_or(0.0, |p| p.1[j]);
+            let value = point.as_ref().and_then(|p| p.1.get(j).copied()).unwrap_or(0.0);
             let range = self.input_ranges.iter().find(|r| r.input == *s);
             fixed(match range.map(|r| (end(&r.min), end(&r.max))) {
                 Some((Some(min), Some(max))) => (min, max),

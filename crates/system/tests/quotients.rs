@@ -277,6 +277,36 @@ fn friction_stays_friction_when_its_coefficient_becomes_a_state() {
     assert_eq!(system.set_valued_form().unit_vectors.len(), 1);
 }
 
+#[test]
+fn equations_that_were_exchanged_keep_their_friction_when_a_coefficient_becomes_a_state() {
+    let text = "states = ['vx', 'vy']\nparameters = { f = 3 }\ndynamics = { vx = '-f*vx', vy = '-f*vy' }\npoint = { vx = 0.1 }\n";
+    let vectors = |marked: bool| {
+        let mut system = parse(text);
+        let [f, x, y] = ["f", "vx", "vy"].map(|name| system.pool.var(name));
+        let squares = [system.pool.powi(x, 2), system.pool.powi(y, 2)];
+        let square = system.pool.sum(squares.to_vec());
+        let size = system.pool.sqrt(square);
+        system.dynamics = [x, y]
+            .map(|v| {
+                let force = system.pool.mul(f, v);
+                let force = system.pool.neg(force);
+                system.pool.div(force, size)
+            })
+            .to_vec();
+        if marked {
+            system.mark_dry_friction();
+        }
+        let f = system.parameters.remove(0).symbol;
+        system.states.push(f);
+        let zero = system.pool.int(0);
+        system.dynamics.push(zero);
+        system.set_valued_form().unit_vectors.len()
+    };
+    assert_eq!(vectors(true), 1);
+    // Unmarked, a state of any sign is no friction; its point has fewer entries than the system has states.
+    assert_eq!(vectors(false), 0);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 

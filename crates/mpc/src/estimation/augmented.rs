@@ -117,6 +117,8 @@ impl Equations {
     fn of(problem: &EstimationProblem) -> Result<Self, MpcError> {
         problem.check()?;
         let mut system = problem.system.clone();
+        // A coefficient that becomes a state may have any sign there; friction stays friction.
+        system.mark_dry_friction();
         let mut start = problem.initial.clone();
         let mut start_std = problem.initial_std.clone();
         let mut walks = problem.process_noise.clone();
