@@ -187,3 +187,14 @@ fn misuse_is_named() {
     assert!(filter.correct(&[0.0, 0.0]).is_err());
     assert!(filter.update(&[f64::NAN], &[0.0]).is_err());
 }
+
+#[test]
+fn a_flow_without_a_derivative_says_nothing_of_observability_and_ends() {
+    // The slope of the root has no value at 0.
+    let text = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'sqrt(x) + v', v = 'u' }";
+    let system = System::parse("steep.toml", text).unwrap();
+    let mut problem = EstimationProblem::new(&system, 0.1, &[0.0, 0.0]);
+    problem.outputs = vec![MeasuredOutput::new("v", 1e-3)];
+    assert!(problem.check_observability(&[0.0, 0.0], &[0.0]).is_ok());
+    assert!(problem.check_observability(&[1.0, 0.0], &[0.0]).is_err(), "v alone does not tell of x");
+}

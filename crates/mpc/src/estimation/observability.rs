@@ -3,12 +3,14 @@
 use super::augmented::Augmented;
 use super::problem::{DisturbanceChannel, EstimationProblem};
 use crate::error::{MpcError, check_length};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SVD};
 
 /// Singular values below this fraction of the largest count as zero.
 const RANK: f64 = 1e-9;
 /// Share in an unobservable direction from which a quantity is named.
 const SHARE: f64 = 1e-3;
+/// Iterations of a singular value decomposition.
+const MOST_ITERATIONS: usize = 10_000;
 
 impl EstimationProblem {
     /// Checks that states, parameters and disturbances can all be told from the measured outputs near the state `x` with the
@@ -16,7 +18,8 @@ impl EstimationProblem {
     /// units of its initial standard deviation, where it has one. With dry friction choose a state that slides.
     ///
     /// # Errors
-    /// [`MpcError::NotObservable`] names what cannot be told, or cannot be told apart from one another.
+    /// [`MpcError::NotObservable`] names what cannot be told, or cannot be told apart from one another. Where the linearized flow is not
+    /// finite, or grows beyond all numbers, nothing can be said, and there is no error.
     ///
     /// ```
     /// use bracketry_mpc::{Disturbance, DisturbanceChannel, EstimationProblem, MeasuredOutput};
@@ -55,7 +58,11 @@ impl EstimationProblem {
             }
             c = &c * &f;
         }
-        let svd = matrix.svd(false, true);
+        // The decomposition does not end where anything is not a number.
+        if matrix.iter().any(|v| !v.is_finite()) {
+            return Ok(());
+        }
+        let Some(svd) = SVD::try_new(matrix, false, true, f64::EPSILON, MOST_ITERATIONS) else { return Ok(()) };
         let largest = svd.singular_values.max();
         let Some(directions) = svd.v_t else { return Ok(()) };
         let mut unseen = vec![false; n];

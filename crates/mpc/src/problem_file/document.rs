@@ -147,7 +147,7 @@ impl Source {
             problem.free = Some(Arc::new(FreeValues::new(extended, &free.names(), end_time, with_found)));
         }
         problem.found = found.cloned();
-        if let Some(e) = problem.estimation.as_ref().filter(|e| e.hands_over()) {
+        if let Some(e) = problem.estimation.take_if(|e| e.hands_over()) {
             if let Some(v) = table.get("uncertainty") {
                 let message = "uncertainty cannot be combined with an estimator that updates the model";
                 let remedy = "remove `parameters` and `disturbances` of [estimation], or [uncertainty]";
@@ -157,7 +157,7 @@ impl Source {
                 let message = "time-varying parameters cannot be combined with an estimator that updates parameters";
                 return Err(doc.missing(message, "make one of them constant").into());
             }
-            (problem.live, problem.system) = (e.problem.live_parameters(), e.problem.controller_model()?);
+            problem.set_estimation(e)?;
         }
         let checked = problem.ocp.check(problem.system.states.len(), problem.system.inputs.len());
         checked.map_err(|e| doc.missing(e.to_string(), "change the value that it names"))?;
