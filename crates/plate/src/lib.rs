@@ -27,7 +27,7 @@ pub use body::{
 pub use control::{
     AreaLoopPlant, Arrival, Command, Estimate, Learned, Measurement, MoveError, MovePlanner, MoveReport, PlannedMove,
     PlanningBudget, PlateController, PlateLimits, PoseController, PoseReport, PoseSettings, PoseStatus, RESOLUTION,
-    RoundedContact, Uncertainty, move_with, plate_move, target_of,
+    RoundedContact, Uncertainty, move_with, plate_move, target_of, with_duration,
 };
 pub use driven::{AreaObject, Course, DrivenObject, ModelObject, STATES};
 pub use error::PlateError;

@@ -27,7 +27,7 @@ pub use learned::{Estimate, Learned, Uncertainty};
 pub use limits::PlateLimits;
 pub use move_planner::{MovePlanner, PlannedMove};
 pub use pose_controller::PoseController;
-pub use reference_move::{Arrival, MoveError, move_with, plate_move, target_of};
+pub use reference_move::{Arrival, MoveError, move_with, plate_move, target_of, with_duration};
 pub use rounded_contact::RoundedContact;
 pub use settings::{MoveReport, PoseReport, PoseSettings, PoseStatus};
 pub use shortest::PlanningBudget;

@@ -6,6 +6,7 @@ use bracketry_system::System;
 use serde::Serialize;
 
 use super::area_loop_plant::RESOLUTION;
+use super::oscillation::Oscillation;
 use crate::{PlateError, Shape, published};
 
 /// Tolerances of arrival: 2 mm, 2°, 2 °/s for the object; the plate within 1 mm and 0.1° of its middle and slower than
@@ -14,6 +15,11 @@ const NEAR: f64 = 2e-3;
 const NEAR_DEG: f64 = 2.0;
 const PLATE_REST: f64 = 1e-3;
 const PLATE_REST_DEG: f64 = 0.1;
+
+/// The oscillation of the file's guess: Hz, m, deg.
+const GUESS_FREQUENCY: f64 = 3.0;
+const GUESS_DISPLACEMENT: f64 = 0.03;
+const GUESS_TILT_DEG: f64 = 8.0;
 
 /// A constraint of the move on top of those in the file. The equations know neither lift-off nor tipping, and other models than the
 /// published one go where these happen: the load that the friction law contains is kept above three tenths of the weight.
@@ -47,6 +53,23 @@ pub fn move_with(model: &System) -> Result<ControlProblem, MoveError> {
     let text =
         include_str!("../../models/plate_move.toml").replacen("\n[target]", &format!("{IN_CONTACT}\n[target]"), 1);
     Ok(ControlProblem::parse("plate_move.toml", &text, |_| Ok(model.clone()))?)
+}
+
+/// Gives a move another duration, `steps` sampling periods, and as a guess a plain oscillation of about `frequency` Hz.
+pub fn with_duration(problem: &mut ControlProblem, steps: usize, frequency: f64) {
+    let duration = steps as f64 * problem.ocp.dt;
+    let frequency = (frequency * duration).round().max(1.0) / duration;
+    // Accelerations of this size stay within the bounds.
+    let slower = (GUESS_FREQUENCY / frequency).powi(2);
+    let guess = Oscillation {
+        frequency,
+        displacement: GUESS_DISPLACEMENT * slower,
+        tilt: GUESS_TILT_DEG.to_radians() * slower,
+        phase: 0.0,
+    };
+    problem.guess = guess.inputs(steps, problem.ocp.dt);
+    problem.ocp.steps = steps;
+    problem.samples = steps;
 }
 
 /// What a move achieved, from the recording of the plant. States are those of the affine plate:
