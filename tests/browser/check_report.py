@@ -2,7 +2,7 @@
 """Looks at the main job's report in a real headless browser.
 
     pip install playwright                              # the driver; a browser comes with the system or playwright install chromium
-    python tests/browser/check_report.py out/report.html --screenshot out/report_page.png
+    python tests/browser/check_report.py out/demo/report.html --screenshot page.png
 
 The browser is that of the environment variable BROWSER_PATH, else chromium, chromium-browser, google-chrome or firefox of the
 PATH, else playwright's own. Exit code 0: the report is whole; 1: something is wrong with it; 3: no browser, nothing was looked at.
@@ -85,7 +85,7 @@ def complaints(page_path, screenshot):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("page", type=pathlib.Path, nargs="?", default=pathlib.Path("out/report.html"))
+    parser.add_argument("page", type=pathlib.Path, nargs="?", default=pathlib.Path("out/demo/report.html"))
     parser.add_argument("--screenshot", help="PNG of the whole page")
     options = parser.parse_args()
     try:

@@ -17,7 +17,8 @@ use bracketry::report::parameters::{
 use bracketry::system::System;
 use clap::{Args, ValueEnum};
 
-use super::output::{figure, folder, json, line, print, spinner, write};
+use super::output::{figure, folder, json, line, print, write};
+use super::progress::spinner;
 use super::{Outcome, OutputArgs};
 
 /// Shown by the help.

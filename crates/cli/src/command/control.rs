@@ -8,7 +8,8 @@ use bracketry::report::control as printed;
 use clap::Args;
 
 use super::live::{Limits, serve, wait_until_closed};
-use super::output::{csv, figure, folder, json, line, print, spinner, write};
+use super::output::{csv, figure, folder, json, line, print, write};
+use super::progress::spinner;
 use super::style::warning;
 use super::{Outcome, OutputArgs};
 

@@ -13,7 +13,8 @@ use bracketry::system::System;
 use clap::Args;
 
 use super::file_kind::{FileKind, Given};
-use super::output::{figure, folder, json, line, print, spinner, write};
+use super::output::{figure, folder, json, line, print, write};
+use super::progress::spinner;
 use super::simulate::HoldArg;
 use super::{Outcome, OutputArgs};
 

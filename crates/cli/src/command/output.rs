@@ -3,12 +3,10 @@
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use anyhow::Context;
 use bracketry::plot::{Drawing, PlotError};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::style::warning;
@@ -42,16 +40,6 @@ pub(crate) fn print(text: &str) -> anyhow::Result<()> {
 /// [`print`] with a line break at the end.
 pub(crate) fn line(text: &str) -> anyhow::Result<()> {
     print(&format!("{text}\n"))
-}
-
-/// A turning mark on standard error while work goes on; nothing is drawn where that is no terminal.
-pub(crate) fn spinner(message: &str) -> ProgressBar {
-    let bar = ProgressBar::new_spinner().with_message(message.to_owned());
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} [{elapsed}]") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(Duration::from_millis(100));
-    bar
 }
 
 /// Saves a figure as SVG and PNG; says whether there is one. One that cannot be drawn (numbers too large for an axis) is said to be

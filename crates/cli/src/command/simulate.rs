@@ -9,7 +9,8 @@ use bracketry::system::{Accepted, System};
 use clap::{Args, ValueEnum};
 
 use super::file_kind::{FileKind, Given};
-use super::output::{csv, figure, folder, json, line, print, spinner};
+use super::output::{csv, figure, folder, json, line, print};
+use super::progress::spinner;
 use super::{Outcome, OutputArgs};
 
 /// How samples continue.

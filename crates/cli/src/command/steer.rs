@@ -12,7 +12,8 @@ use bracketry::steer::{SteerMethod, SteerOptions, SteerStatus, Steering, own_inp
 use bracketry::system::System;
 use clap::{Args, ValueEnum};
 
-use super::output::{csv, figure, folder, json, line, print, spinner, write};
+use super::output::{csv, figure, folder, json, line, print, write};
+use super::progress::spinner;
 use super::{Outcome, OutputArgs};
 
 /// Shown by the help.

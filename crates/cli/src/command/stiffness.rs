@@ -13,7 +13,8 @@ use serde::Serialize;
 
 use super::file_kind::{FileKind, Given};
 use super::help::{EXIT_CODES, guide};
-use super::output::{csv, figure, folder, json, line, print, spinner, write};
+use super::output::{csv, figure, folder, json, line, print, write};
+use super::progress::spinner;
 use super::style::warning;
 use super::{Outcome, OutputArgs};
 

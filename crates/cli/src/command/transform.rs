@@ -9,7 +9,8 @@ use bracketry::report::forms::{part_text, transformation_json, transformation_mo
 use bracketry::system::System;
 use clap::Args;
 
-use super::output::{folder, json, print, spinner, write};
+use super::output::{folder, json, print, write};
+use super::progress::spinner;
 use super::{Outcome, OutputArgs};
 
 /// Shown by the help.

@@ -3,6 +3,7 @@
 
 mod figures;
 mod logs;
+mod loop_conditions;
 mod on_equations;
 mod on_plant;
 mod page;
@@ -11,9 +12,10 @@ mod story;
 mod summary;
 mod tell;
 mod text;
+mod truth;
 
 pub use logs::record_logs;
 pub use on_equations::MoveOnEquations;
 pub use on_plant::MoveOnPlant;
-pub use settings::{StoryError, StoryEvent, StorySettings};
+pub use settings::{Finding, StoryError, StoryEvent, StorySettings};
 pub use story::{Story, StoryAnimation};

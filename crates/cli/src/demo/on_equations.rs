@@ -4,6 +4,7 @@ use bracketry::mpc::{ControlProblem, SolveTimes, Timings};
 use bracketry::plate::{AmplitudeStep, Arrival, Experiment, Shape, TwoStep, plate_move, published, two_step};
 use bracketry::sim::Settings;
 
+use super::loop_conditions::{measured, programs_of, set_shortest};
 use super::settings::{StoryError, StoryEvent, StorySettings};
 use bracketry::mpc::{Controlled, control};
 
@@ -15,6 +16,10 @@ const STAGE_LIMIT: f64 = 30.0;
 pub struct MoveOnEquations {
     /// The object.
     pub shape: Shape,
+    /// Shortest duration (s) in which a plan arrives; absent if none was found.
+    pub shortest_s: Option<f64>,
+    /// Quadratic programs of the search for the shortest move, the plan, and the loop.
+    pub programs: usize,
     /// What was to be done.
     pub problem: ControlProblem,
     /// The closed loop.
@@ -33,14 +38,18 @@ impl MoveOnEquations {
         watch: &mut dyn FnMut(StoryEvent<'_>),
     ) -> Result<Self, StoryError> {
         let mut problem = plate_move(shape, settings.plant.mu)?;
+        watch(StoryEvent::Working(2, "the shortest move"));
+        let shortest = set_shortest(&mut problem)?;
+        measured(&mut problem, &["mu".to_owned()], &settings.plant, settings.seed)?;
         // Afterwards everything has to stay where it is.
         problem.samples += settings.rest_samples;
-        watch(StoryEvent::Working("plan, then closed loop on exact stick–slip friction"));
+        watch(StoryEvent::Working(2, "plan, then closed loop on exact stick–slip friction"));
         let together = control(&problem)?;
-        watch(StoryEvent::Working("the published two-step method on the same plant"));
+        watch(StoryEvent::Working(2, "the published two-step method on the same plant"));
         let two = published_method(shape, settings.plant.mu, &problem)?;
         let arrival = Arrival::of(&problem, &together.recording.trajectory);
-        Ok(Self { shape: shape.clone(), problem, together, arrival, two })
+        let programs = shortest.programs + programs_of(&together.run);
+        Ok(Self { shape: shape.clone(), shortest_s: shortest.seconds, programs, problem, together, arrival, two })
     }
 
     /// When the last stage of the published method was stopped (s), if every stage met its target.

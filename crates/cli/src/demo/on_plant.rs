@@ -5,15 +5,22 @@ use bracketry::plate::{AreaOutcome, Arrival, move_with};
 use bracketry::system::System;
 use serde::{Serialize, Serializer};
 
+use super::loop_conditions::{measured, programs_of, set_shortest};
 use super::settings::{StoryError, StorySettings};
 use bracketry_trials::PlateMismatch;
 
-/// The reference move on the plant with contact over the whole footprint, planned and corrected with some model of it. The
-/// controller measures the state of the plant exactly.
+/// The reference move on the plant with contact over the whole footprint, planned and corrected with some model of it, in a time
+/// that is little longer than the shortest. The controller sees what a camera measures, one sample late.
 #[derive(Clone, Serialize)]
 pub struct MoveOnPlant {
     /// The controller's model, in a few words.
     pub model: String,
+    /// Shortest duration (s) in which a plan of this model arrives, and that of the move; the first is absent if none was found.
+    pub shortest_s: Option<f64>,
+    /// Duration of the move (s): the shortest and a reserve for feedback.
+    pub duration_s: f64,
+    /// Quadratic programs of the search for the shortest move, the plan, and the loop.
+    pub programs: usize,
     /// What was to be done.
     #[serde(skip)]
     pub problem: ControlProblem,
@@ -39,12 +46,16 @@ pub struct MoveOnPlant {
 }
 
 impl MoveOnPlant {
-    /// Plans the move with `model`, plays the plan without looking, and closes the loop.
+    /// Plans the move with `model`, plays the plan without looking, and closes the loop. The estimator corrects the parameters that
+    /// are named in `adjusted`.
     ///
     /// # Errors
     /// [`StoryError`] if the model cannot be controlled. An object that tips or lifts off is a result.
-    pub fn run(name: &str, model: &System, settings: &StorySettings) -> Result<Self, StoryError> {
+    pub fn run(name: &str, model: &System, adjusted: &[String], settings: &StorySettings) -> Result<Self, StoryError> {
         let mut problem = move_with(model)?;
+        let shortest = set_shortest(&mut problem)?;
+        let duration_s = problem.ocp.steps as f64 * problem.ocp.dt;
+        measured(&mut problem, adjusted, &settings.plant, settings.seed)?;
         problem.samples += settings.rest_samples;
         let plant = || PlateMismatch::None.loop_plant(&settings.plant);
         let mut looped = plant()?;
@@ -67,9 +78,13 @@ impl MoveOnPlant {
             let end = states.last().map_or(problem.x0.as_slice(), |x| x.as_slice());
             Arrival::of_states(&problem, states, end)
         };
+        let programs = shortest.programs + programs_of(&run);
         let (arrival, plan_arrival) = (measured(&closed_loop), measured(&plan_alone));
         Ok(Self {
             model: name.to_owned(),
+            shortest_s: shortest.seconds,
+            programs,
+            duration_s,
             problem,
             run,
             closed_loop,

@@ -10,9 +10,10 @@ use bracketry::report::html::{self, equations, escaped, heading, paragraph, tabl
 const OPENINGS: [&str; 6] = [
     "The published model of the vibrating plate, as printed: an object on a plate that shakes along x and tilts about the \
      same axis. It is not affine in its two inputs; Lie brackets of its affine form determine what the inputs reach.",
-    "A model-predictive controller plans the move of position and orientation together and corrects it every 20 ms. Its plant here \
-     is the published model's own equations, with set-valued dry friction: sliding and sticking are located as events.",
-    "The true plant is the contact of the whole footprint: each point of it carries its share of the load and slides or sticks in \
+    "A model-predictive controller plans the move of position and orientation together, in little more than the shortest time, and \
+     corrects it every 20 ms. It sees what a camera measures, one sample late. Its plant here is the published model's own equations, \
+     with set-valued dry friction: sliding and sticking are located as events.",
+    "The true plant is a simulation of contact over the whole footprint: each point of it carries its share of the load and slides or sticks in \
      its own direction. The controller still predicts with the published model.",
     "A laboratory would record this run and a few more experiments: logs at 200 Hz of the commanded motion and the \
      measured pose, with noise. The diagnosis sees these columns and the published model, nothing else. The last log is \
@@ -24,7 +25,8 @@ const OPENINGS: [&str; 6] = [
 impl Story {
     /// The story as an HTML page with figures, tables, formulas and these animations; it needs no network and no other file.
     pub fn page(&self, animations: &[StoryAnimation]) -> String {
-        let mut body = heading(1, "The vibrating plate: from published equations to a controller that works");
+        let mut body = heading(1, self.title());
+        body += &paragraph(text::OPENING.trim_end());
         let _ = writeln!(body, "<p class=\"verdict\">{}</p>", escaped(&self.verdict()));
         body += &paragraph("On the true plant, with either model as the controller's prediction:");
         body += &self.table();
@@ -52,7 +54,7 @@ impl Story {
                 body += &html::figures(&figures[k]);
             }
         }
-        html::page("The vibrating plate", &body)
+        html::page(self.title(), &body)
     }
 
     fn first(&self) -> String {

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::story::Story;
+use super::truth::is_in_plant;
 
 impl Story {
     /// The figures of all chapters as one JSON object. Lengths in m, angles in deg, times in s unless a name says otherwise.
@@ -22,6 +23,7 @@ impl Story {
             "real_time_factor": own.real_time_factor(),
             "step_split_ms": {"linearise": linearize, "qp": qp, "rest": rest},
             "sampling_period_ms": report.period_ms,
+            "shortest_s": own.shortest_s,
             "move_s": own.problem.ocp.steps as f64 * own.problem.ocp.dt,
             "simulated_s": own.together.recording.trajectory.end(),
             "status": report.status,
@@ -29,10 +31,17 @@ impl Story {
                              "thetad_deg_s": plate[3].to_degrees()},
             "bound_excess": {"stroke_m": arrival.stroke_excess_m, "tilt_deg": arrival.tilt_excess_deg},
             "plan": report.plan,
+            "effort": {"programs": {"on_equations": own.programs, "published_model": self.as_published.programs,
+                "extended_model": self.extended.as_ref().map(|m| m.programs)}},
             "two_step": {"x_m": x, "y_m": y, "phi_deg": phi, "spin_deg_s": own.two.remaining_spin.to_degrees(),
                          "stages": own.two.stages.iter().map(|s| json!({"name": s.name, "from_s": s.from,
                              "to_s": s.to, "met": s.met})).collect::<Vec<_>>()},
             "true_plant": {"published_model": self.as_published, "extended_model": self.extended},
+            "succeeded": self.succeeded(),
+            "causes": self.diagnosis.report.causes.iter().map(|c| json!({"name": c.name, "equation": c.equation,
+                "parameters": c.parameters.iter().map(|(name, v)| json!({"name": name, "value": v.value,
+                    "interval": v.interval})).collect::<Vec<_>>(),
+                "in_plant": is_in_plant(c)})).collect::<Vec<_>>(),
             "diagnosis": self.diagnosis,
             "gain": self.gain().into_iter().map(|(horizon_s, times_smaller)| json!({"horizon_s": horizon_s,
                 "times_smaller": times_smaller})).collect::<Vec<_>>(),

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use bracketry::diagnose::diagnose;
+use bracketry::diagnose::{Report, Role, diagnose};
 use bracketry::lie::Options;
 use bracketry::lie::analyze;
 use bracketry::plate::{Object, published};
@@ -11,7 +11,7 @@ use bracketry::report::{Diagnosis, diagnosis_text};
 use super::logs::{self, record_logs};
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;
-use super::settings::{StoryError, StoryEvent, StorySettings};
+use super::settings::{Finding, StoryError, StoryEvent, StorySettings};
 use super::story::Story;
 use super::text;
 
@@ -26,35 +26,41 @@ impl Story {
         let Object { shape, .. } = &settings.plant.object;
         let model = published(shape, settings.plant.mu)?;
 
+        watch(StoryEvent::Told(text::OPENING));
         watch(StoryEvent::Told(text::FIRST));
-        watch(StoryEvent::Working("brackets and ranks"));
+        watch(StoryEvent::Working(1, "brackets and ranks"));
         let analysis = analyze(&model, &Options::default())?;
         watch(StoryEvent::Told(&bracketry::report::analysis::text(&analysis)));
+        watch(StoryEvent::Found(Finding::Analysis(&analysis)));
 
         watch(StoryEvent::Told(text::SECOND));
         let on_equations = MoveOnEquations::run(shape, settings, watch)?;
         watch(StoryEvent::Told(&on_equations.to_string()));
+        watch(StoryEvent::Found(Finding::OnEquations(&on_equations)));
 
         watch(StoryEvent::Told(text::THIRD));
-        watch(StoryEvent::Working("the same controller on the area-contact plant"));
-        let as_published = MoveOnPlant::run("published model", &model, settings)?;
+        watch(StoryEvent::Working(3, "the same controller on the area-contact plant"));
+        let as_published = MoveOnPlant::run("published model", &model, &["mu".to_owned()], settings)?;
         watch(StoryEvent::Told(&as_published.to_string()));
+        watch(StoryEvent::Found(Finding::AsPublished(&as_published)));
 
         watch(StoryEvent::Told(text::FOURTH));
-        watch(StoryEvent::Working("identification runs on the plant"));
+        watch(StoryEvent::Working(4, "identification runs on the plant"));
         let logs = record_logs(&as_published, settings)?;
         watch(StoryEvent::Told(&text::of_logs(&logs)));
+        watch(StoryEvent::Found(Finding::Logs(&logs)));
         let (mut records, audits) = logs::records(&logs, &model)?;
         let held_out: Vec<_> = records.pop().into_iter().collect();
         let mut progress =
-            |stage: bracketry::diagnose::Stage| watch(StoryEvent::Working(&format!("diagnosis: {stage}")));
+            |stage: bracketry::diagnose::Stage| watch(StoryEvent::Working(4, &format!("diagnosis: {stage}")));
         let mut report = diagnose(&model, &records, &held_out, &settings.diagnosis, &mut progress)?;
         report.data = audits;
         watch(StoryEvent::Told(&diagnosis_text(&report)));
+        let diagnosis = Diagnosis::new(&model, report);
+        watch(StoryEvent::Found(Finding::Diagnosis(&diagnosis)));
 
         watch(StoryEvent::Told(text::FIFTH));
-        watch(StoryEvent::Working("what the extended model changes"));
-        let diagnosis = Diagnosis::new(&model, report);
+        watch(StoryEvent::Working(5, "what the extended model changes"));
         let extended_model = diagnosis.report.evidence.model.as_ref().map(|m| &m.system);
         let extended_analysis = extended_model.and_then(|m| analyze(m, &Options::default()).ok());
         watch(StoryEvent::Told(&text::of_ranks(&diagnosis)));
@@ -63,8 +69,10 @@ impl Story {
         let extended = match extended_model {
             None => None,
             Some(model) => {
-                watch(StoryEvent::Working("the extended model in control of the area-contact plant"));
-                Some(MoveOnPlant::run("extended model", model, settings)?)
+                watch(StoryEvent::Working(6, "the extended model in control of the area-contact plant"));
+                let moved = MoveOnPlant::run("extended model", model, &adjusted(&diagnosis.report), settings)?;
+                watch(StoryEvent::Found(Finding::Extended(&moved)));
+                Some(moved)
             }
         };
         let mut story = Self {
@@ -82,4 +90,12 @@ impl Story {
         watch(StoryEvent::Told(&story.ending()));
         Ok(story)
     }
+}
+
+/// Parameters of the extended model that a loop may correct: the friction coefficient and the amplitudes of the causes. Shapes, as
+/// a radius under a root, are not told by so short a run.
+fn adjusted(report: &Report) -> Vec<String> {
+    let effects = report.evidence.extended.as_ref().map_or(&[][..], |fit| &fit.effects);
+    let amplitudes = effects.iter().flat_map(|e| &e.coefficients).filter(|c| c.role == Role::Amplitude);
+    std::iter::once("mu".to_owned()).chain(amplitudes.map(|c| c.name.clone())).collect()
 }

@@ -10,6 +10,13 @@ use super::on_plant::MoveOnPlant;
 use super::story::Story;
 use bracketry::report::Diagnosis;
 
+/// What is simulated, and what the equations are taken from.
+pub(super) const OPENING: &str = "\
+The published model is that of M. Momeni Kelageri, Training and Research Activities Report, First Year, XXIX Cycle,
+PhD in Information Technology and Electrical Engineering, Università degli Studi di Napoli Federico II, 2015, chapter 3.
+There is no plate in a laboratory here: the true plant is a simulation of contact over the whole footprint of the object,
+and the logs are recorded from it, with the noise of a camera.
+";
 pub(super) const FIRST: &str = "1. From the published equations to what the inputs reach\n";
 pub(super) const SECOND: &str = "2. Position and orientation together, on the published equations\n";
 pub(super) const THIRD: &str = "3. The same controller on the true plant\n";
@@ -36,6 +43,7 @@ impl fmt::Display for MoveOnEquations {
         if let Some(p) = &report.plan {
             writeln!(f, "plan: {} after {} quadratic programs in {:.2} s\n", p.status, p.programs, p.seconds)?;
         }
+        writeln!(f, "{}", duration(self.shortest_s, self.problem.ocp.steps as f64 * self.problem.ocp.dt))?;
         writeln!(f, "Final errors on the same plant with exact set-valued friction:\n")?;
         for r in rows {
             writeln!(f, "  {:<16} {:>16} {:>16}", r[0], r[1], r[2])?;
@@ -112,7 +120,14 @@ impl fmt::Display for MoveOnPlant {
             "  samples: {} solved, {} inaccurate, {} infeasible, {} fallback, {} at rest after the plan",
             c.solved, c.inaccurate, c.infeasible, c.fallback, c.played_out
         )?;
-        writeln!(f, "  The controller receives the exact state of the plant at every sample.")?;
+        writeln!(f, "  {}", duration(self.shortest_s, self.duration_s))?;
+        writeln!(
+            f,
+            "  The controller receives the pose from a camera with noise of {:.1} mm and {:.1}°, one sample late. A moving-horizon\n  \
+             estimator finds the rates.",
+            1e3 * self.problem.conditions.noise[0],
+            self.problem.conditions.noise[2].to_degrees()
+        )?;
         for (what, stopped) in [("closed loop", &self.stopped), ("plan alone", &self.plan_stopped)] {
             if let Some(reason) = stopped.as_ref().map(ended) {
                 writeln!(f, "  The {what} ends early: {reason}. Its errors are those at that time.")?;
@@ -124,6 +139,16 @@ impl fmt::Display for MoveOnPlant {
                 writeln!(f, "  Not reached: the object does not come to rest within ± 2 mm and ± 2° of its target.")
             }
         }
+    }
+}
+
+/// How long a move takes, in words.
+fn duration(shortest: Option<f64>, duration: f64) -> String {
+    match shortest {
+        Some(shortest) => format!(
+            "The shortest plan that arrives takes {shortest:.2} s. The move takes {duration:.2} s, which leaves a reserve for feedback."
+        ),
+        None => format!("No shorter plan arrives. The move takes {duration:.2} s."),
     }
 }
 
@@ -176,6 +201,22 @@ impl Story {
         self.on_equations.arrival.settled_s.is_some()
             && !self.as_published.reached()
             && self.extended.as_ref().is_some_and(MoveOnPlant::reached)
+    }
+
+    /// The outcome as a title.
+    pub(super) fn title(&self) -> &'static str {
+        match (self.as_published.reached(), &self.extended) {
+            (false, Some(moved)) if moved.reached() => {
+                "The vibrating plate: from published equations that miss the plant to a controller that reaches its target"
+            }
+            (true, _) => "The vibrating plate: the published equations reach the target on the plant too",
+            (false, Some(_)) => {
+                "The vibrating plate: neither the published nor the extended equations reach the target"
+            }
+            (false, None) => {
+                "The vibrating plate: the published equations miss the plant, and the diagnosis names no cause"
+            }
+        }
     }
 
     /// The outcome in two sentences.

@@ -12,7 +12,8 @@ use bracketry::report::plate;
 use clap::{Args, ValueEnum};
 
 use super::file_kind::{FileKind, Given};
-use super::output::{folder, json, line, print, spinner};
+use super::output::{folder, json, line, print};
+use super::progress::spinner;
 use super::{Outcome, OutputArgs};
 
 /// Shown by the help.

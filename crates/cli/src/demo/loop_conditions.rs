@@ -1,0 +1,131 @@
+//! How the loops of the story are closed: what the camera and the plate's encoders tell, one sample late, and in how short a time.
+
+use bracketry::mpc::{
+    ControlProblem, ControlRun, EstimatedParameter, Estimation, EstimationProblem, EstimatorKind, MeasuredOutput,
+    MovingHorizonSettings, MpcError, SolveStatus,
+};
+use bracketry::plate::with_duration;
+use bracketry_trials::RecordingSettings;
+
+/// Samples between a measurement and the input that answers it.
+const DELAY: usize = 1;
+/// Standard deviations that the encoders of the plate are taken to have: m, m/s, rad, rad/s.
+const ENCODERS: [(&str, f64); 4] = [("X", 1e-6), ("Xd", 1e-5), ("theta", 1e-6), ("thetad", 1e-5)];
+/// Intensity of what the equations of vx, vy (m/s per √s) and w (rad/s per √s) leave out.
+const UNMODELED: [f64; 3] = [0.02, 0.02, 0.3];
+/// The same for the states that are integrals or measured exactly.
+const EXACT: f64 = 1e-5;
+/// Standard deviations of where the object lies at the start (m, rad), and of its rates (m/s, rad/s).
+const START: [f64; 6] = [1e-3, 1e-3, 5e-3, 1e-3, 1e-3, 1e-3];
+/// Share of its value by which a parameter that was fitted may be off.
+const UNCERTAIN: f64 = 0.03;
+/// Intervals that the estimator looks back on.
+const PAST: usize = 40;
+
+/// Durations of plans: the shortest that is tried (s), the steps of the search in sampling periods, and the longest (s).
+const SHORTEST: f64 = 0.8;
+const STRIDES: [usize; 2] = [8, 2];
+const LONGEST: f64 = 2.4;
+/// Frequencies of the guesses (Hz).
+const FREQUENCIES: [f64; 2] = [3.0, 2.0];
+/// Share of its tolerance by which a plan may miss a target.
+const PLANNED: f64 = 0.05;
+/// What feedback needs on top of the shortest duration.
+const RESERVE: f64 = 0.3;
+
+/// Lets a loop see what a laboratory does: the pose from a camera, with noise, and the motion of the plate. A moving-horizon
+/// estimator finds the rates, and corrects the parameters that are named.
+///
+/// # Errors
+/// If the model is not one of the plate.
+pub(super) fn measured(
+    problem: &mut ControlProblem,
+    adjusted: &[String],
+    settings: &RecordingSettings,
+    seed: u64,
+) -> Result<(), MpcError> {
+    let pose = [settings.position_noise, settings.position_noise, settings.angle_noise];
+    let names = problem.system.state_names();
+    let mut estimation = EstimationProblem::new(&problem.system, problem.ocp.dt, &problem.x0);
+    estimation.integrator = problem.ocp.integrator;
+    estimation.substeps = problem.ocp.substeps;
+    estimation.process_noise.fill(EXACT);
+    estimation.process_noise[3..6].copy_from_slice(&UNMODELED);
+    estimation.initial_std[..6].copy_from_slice(&START);
+    let camera = names.iter().zip(pose).map(|(name, std)| MeasuredOutput::new(name, std));
+    estimation.outputs = camera.chain(ENCODERS.iter().map(|(name, std)| MeasuredOutput::new(*name, *std))).collect();
+    for name in adjusted {
+        let known = problem.system.parameters.iter().find(|p| problem.system.symbol_name(p.symbol) == name);
+        let size = known.map_or(0.0, |p| p.value.to_f64().value().abs());
+        if size > 0.0 {
+            estimation.parameters.push(EstimatedParameter::new(name, UNCERTAIN * size));
+        }
+    }
+    problem.conditions.noise = pose.iter().copied().chain([0.0; 4]).collect();
+    problem.conditions.seed = seed;
+    problem.conditions.delay = DELAY;
+    problem.conditions.compensate_delay = true;
+    problem.set_estimation(Estimation {
+        kind: EstimatorKind::MovingHorizon,
+        names: estimation.outputs.iter().map(|o| o.expression.clone()).collect(),
+        problem: estimation,
+        settings: MovingHorizonSettings { horizon: PAST, ..MovingHorizonSettings::default() },
+    })
+}
+
+/// The shortest move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shortest {
+    /// Its duration (s); absent if no plan arrives.
+    pub(super) seconds: Option<f64>,
+    /// Quadratic programs of the search.
+    pub(super) programs: usize,
+}
+
+/// Gives a move the shortest duration in which a plan arrives, and a reserve for feedback. Without one that arrives, the move keeps
+/// its duration.
+///
+/// # Errors
+/// If the pieces of the problem do not fit together.
+pub(super) fn set_shortest(problem: &mut ControlProblem) -> Result<Shortest, MpcError> {
+    let mut programs = 0;
+    let intervals = |seconds: f64| (seconds / problem.ocp.dt).round() as usize;
+    let (mut late, mut early) = (None, intervals(SHORTEST));
+    let longest = intervals(LONGEST);
+    for stride in STRIDES {
+        let end = late.map_or(longest, |(steps, _)| steps - 1);
+        for steps in (early..=end).step_by(stride) {
+            if let Some(frequency) = arrives(problem, steps, &mut programs)? {
+                late = Some((steps, frequency));
+                break;
+            }
+            early = steps + 1;
+        }
+    }
+    let Some((steps, frequency)) = late else { return Ok(Shortest { seconds: None, programs }) };
+    let seconds = Some(steps as f64 * problem.ocp.dt);
+    with_duration(problem, ((1.0 + RESERVE) * steps as f64).ceil() as usize, frequency);
+    Ok(Shortest { seconds, programs })
+}
+
+/// The frequency of a guess from which a plan of so many sampling periods arrives.
+fn arrives(problem: &ControlProblem, steps: usize, programs: &mut usize) -> Result<Option<f64>, MpcError> {
+    for frequency in FREQUENCIES {
+        let mut trial = problem.clone();
+        with_duration(&mut trial, steps, frequency);
+        let plan = trial.plan()?;
+        *programs += plan.iterations.len();
+        let end = plan.trajectory.x(plan.trajectory.steps());
+        let near = trial.ocp.targets.iter().all(|t| (end[t.state] - t.value).abs() * t.linear <= PLANNED);
+        if plan.status == SolveStatus::Converged && near {
+            return Ok(Some(frequency));
+        }
+    }
+    Ok(None)
+}
+
+/// Quadratic programs of the plan and of the samples that had one.
+pub(super) fn programs_of(run: &ControlRun) -> usize {
+    let counts = &run.report.status;
+    run.report.plan.as_ref().map_or(0, |p| p.programs) + counts.solved + counts.inaccurate + counts.infeasible
+}
