@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""Runs the main job with many seeds and writes the table of docs/records/main_job.md.
+
+usage: seeds.py [--seeds 1-20] [--command target/release/bracketry] [--record]
+
+Without --record the table is printed only. Each seed draws other excitations and other noise of the camera.
+"""
+
+import argparse
+import json
+import pathlib
+import resource
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+RECORD = ROOT / "docs/records/main_job.md"
+BEGIN, END = "<!-- seeds: begin -->", "<!-- seeds: end -->"
+sys.path.insert(0, str(ROOT / ".ci"))
+from main_job import problems  # noqa: E402
+from records import stamp  # noqa: E402
+
+
+def run(command: str, seed: int | None, folder: pathlib.Path) -> dict:
+    """The result of one seed, with its times and memory."""
+    out = folder / f"seed_{seed}"
+    arguments = [command, "demo", "--json", "--out", str(out)] + ([] if seed is None else ["--seed", str(seed)])
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    # The peak of one child, not of all.
+    script = ("import resource, subprocess, sys; r = subprocess.run(sys.argv[1:]).returncode; "
+              "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=sys.stderr); sys.exit(r)")
+    done = subprocess.run([sys.executable, "-c", script, *arguments], capture_output=True, text=True)
+    after, elapsed = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic() - start
+    if not done.stdout:
+        raise SystemExit(f"seed {seed}: {done.stderr}")
+    result = json.loads(done.stdout)
+    result["processor_s"] = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    result["elapsed_s"] = elapsed
+    result["peak_mb"] = int(done.stderr.split()[-1]) / 1024
+    return result
+
+
+def row(seed: object, result: dict) -> list[str]:
+    moved = result["true_plant"]["extended_model"]
+    failed = problems(result, {})
+    if moved is None:
+        return [str(seed), "no cause"] + ["–"] * 9
+    a = moved["arrival"]
+    names = [c["parameters"][0]["name"] + ("" if c["in_plant"] else " (not in the plant)") for c in result["causes"]]
+    gains = " / ".join(f"{g['times_smaller']:.1f}" for g in result["gain"])
+    settled = "–" if a["settled_s"] is None else f"{a['settled_s']:.2f}"
+    return [
+        str(seed), "no" if failed else "yes", f"{1e3 * a['x_m']:+.2f}", f"{1e3 * a['y_m']:+.2f}", f"{a['phi_deg']:+.2f}", settled,
+        gains, f"{result['processor_s']:.0f}", f"{result['elapsed_s']:.0f}", f"{result['peak_mb']:.0f}", ", ".join(names),
+    ]
+
+
+def table(header: list[str], rows: list[list[str]]) -> list[str]:
+    return [f"| {' | '.join(header)} |", "|" + "---|" * len(header), *(f"| {' | '.join(r)} |" for r in rows)]
+
+
+def number(value: float | None, form: str, unit: str) -> str:
+    return "–" if value is None else f"{value:{form}}{unit}"
+
+
+def chapters(result: dict) -> list[str]:
+    """The figures of the chapters with the default seed."""
+    error, two = result["target_error"], result["two_step"]
+    published, extended = (result["true_plant"][name] for name in ["published_model", "extended_model"])
+    shortest, move = result["shortest_s"], result["move_s"]
+    lines = [
+        "On the published equations (chapter 2), the shortest plan that arrives takes "
+        f"{number(shortest, '.2f', ' s')}, and the move {move:.2f} s:", "",
+    ]
+    lines += table(["", "together (MPC)", "two steps"], [
+        ["time to target", number(result["time_s"], ".2f", " s"), number(result["two_step_time_s"], ".2f", " s")],
+        ["error in x", number(1e3 * error["x_m"], "+.2f", " mm"), number(1e3 * two["x_m"], "+.2f", " mm")],
+        ["error in y", number(1e3 * error["y_m"], "+.2f", " mm"), number(1e3 * two["y_m"], "+.2f", " mm")],
+        ["error in yaw", number(error["phi_deg"], "+.2f", "°"), number(two["phi_deg"], "+.0f", "°")],
+        ["remaining spin", number(result["spin_deg_s"], "+.2f", " °/s"), number(two["spin_deg_s"], "+.0f", " °/s")],
+    ])
+    lines += ["", "On the plant with contact over the whole footprint (chapters 3 and 6):", ""]
+
+    def both(name: str, scale: float, form: str, unit: str, loop: str) -> list[str]:
+        return [number(None if m is None else scale * m[loop][name], form, unit) for m in [published, extended]]
+
+    def time(name: str) -> list[str]:
+        return [number(None if m is None else m[name], ".2f", " s") for m in [published, extended]]
+
+    rows = [["shortest plan that arrives", *time("shortest_s")], ["duration of the move", *time("duration_s")]]
+    for what, loop in [("closed loop", "arrival"), ("plan alone", "plan_arrival")]:
+        rows.append([f"{what}, x", *both("x_m", 1e3, "+.2f", " mm", loop)])
+        rows.append([f"{what}, y", *both("y_m", 1e3, "+.2f", " mm", loop)])
+        rows.append([f"{what}, yaw", *both("phi_deg", 1, "+.2f", "°", loop)])
+    settled = [None if m is None else m["arrival"]["settled_s"] for m in [published, extended]]
+    rows.append(["within ±2 mm, ±2° from", *("never" if s is None else f"{s:.2f} s" for s in settled)])
+    lines += table(["errors at the end", "published model", "extended model"], rows)
+    lines += ["", "Causes that the diagnosis names (chapter 4):", ""]
+
+    def values(cause: dict) -> str:
+        of = [f"`{p['name']}` {p['value']:.4g}" + ("" if not p["interval"] or p["interval"][0] == p["interval"][1] else
+              f" ({p['interval'][0]:.3g} to {p['interval'][1]:.3g})") for p in cause["parameters"]]
+        return ", ".join(of)
+
+    lines += table(["cause", "in", "value (95 % interval)", "in the plant"], [
+        [f"`{c['name']}`", c["equation"], values(c), "yes" if c["in_plant"] else "no"] for c in result["causes"]])
+    gain = result["diagnosis"]["gain"]
+    lines += ["", "Prediction error on the held-out multisine, relative to the standard deviation of the measurement:", ""]
+    lines += table(["horizon", "published model", "refitted", "extended", "published over extended"], [
+        [f"{h:g} s", f"{100 * g:.1f} %", f"{100 * b:.1f} %", f"{100 * a:.1f} %", f"{g / a:.1f}"]
+        for h, g, b, a in zip(gain["horizons_s"], gain["as_given"], gain["before"], gain["after"])])
+    return lines
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", default="1-20", help="first-last")
+    parser.add_argument("--command", default=str(ROOT / "target/release/bracketry"))
+    parser.add_argument("--record", action="store_true", help="write the table into the record")
+    arguments = parser.parse_args()
+    first, last = (int(part) for part in arguments.seeds.split("-"))
+    results = {}
+    folder = pathlib.Path(tempfile.mkdtemp())
+    try:
+        for seed in [None, *range(first, last + 1)]:
+            results[seed] = run(arguments.command, seed, folder)
+            print(" | ".join(row("default" if seed is None else seed, results[seed])), file=sys.stderr, flush=True)
+            shutil.rmtree(folder / f"seed_{seed}", ignore_errors=True)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    header = ["seed", "as promised", "x, mm", "y, mm", "yaw, °", "at rest from, s", "gain at .1 / .5 / 1 s", "processor, s",
+              "elapsed, s", "peak, MB", "causes, by parameter"]
+    lines = [f"| {' | '.join(header)} |", "|" + "---|" * len(header)]
+    lines += [f"| {' | '.join(row('default' if s is None else s, r))} |" for s, r in results.items()]
+    good = sum(not problems(r, {}) for r in results.values())
+
+    def median_and_most(name: str) -> str:
+        values = [r[name] for r in results.values()]
+        return f"{statistics.median(values):.0f} (most {max(values):.0f})"
+
+    text = "\n".join([
+        stamp("python3 benches/main_job/seeds.py --record"), "",
+        f"{good} of {len(results)} runs as promised. Processor time {median_and_most('processor_s')} s, elapsed "
+        f"{median_and_most('elapsed_s')} s, peak {median_and_most('peak_mb')} MB at the median.", "", *lines, "",
+        "### With the default seed", "", *chapters(results[None]),
+    ])
+    print(text)
+    if arguments.record:
+        record = RECORD.read_text()
+        before, after = record.split(BEGIN)[0], record.split(END)[1]
+        RECORD.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}")
+    return 0 if good == len(results) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
