@@ -11,8 +11,10 @@ use bracketry_trials::RecordingSettings;
 const DELAY: usize = 1;
 /// Standard deviations that the encoders of the plate are taken to have: m, m/s, rad, rad/s.
 const ENCODERS: [(&str, f64); 4] = [("X", 1e-6), ("Xd", 1e-5), ("theta", 1e-6), ("thetad", 1e-5)];
-/// Intensity of what the equations of vx, vy (m/s per √s) and w (rad/s per √s) leave out.
+/// Intensity of what the equations of vx, vy (m/s per √s) and w (rad/s per √s) leave out, and the share of it that rounded friction
+/// does on a plant that has the same equations.
 const UNMODELED: [f64; 3] = [0.02, 0.02, 0.3];
+const ROUNDED: f64 = 0.1;
 /// The same for the states that are integrals or measured exactly.
 const EXACT: f64 = 1e-5;
 /// Standard deviations of where the object lies at the start (m, rad), and of its rates (m/s, rad/s).
@@ -34,7 +36,8 @@ const PLANNED: f64 = 0.05;
 const RESERVE: f64 = 0.3;
 
 /// Lets a loop see what a laboratory does: the pose from a camera, with noise, and the motion of the plate. A moving-horizon
-/// estimator finds the rates, and corrects the parameters that are named.
+/// estimator finds the rates, and corrects the parameters that are named; where none is, it takes the equations for those of the
+/// plant.
 ///
 /// # Errors
 /// If the model is not one of the plate.
@@ -50,7 +53,8 @@ pub(super) fn measured(
     estimation.integrator = problem.ocp.integrator;
     estimation.substeps = problem.ocp.substeps;
     estimation.process_noise.fill(EXACT);
-    estimation.process_noise[3..6].copy_from_slice(&UNMODELED);
+    let share = if adjusted.is_empty() { ROUNDED } else { 1.0 };
+    estimation.process_noise[3..6].copy_from_slice(&UNMODELED.map(|v| share * v));
     estimation.initial_std[..6].copy_from_slice(&START);
     let camera = names.iter().zip(pose).map(|(name, std)| MeasuredOutput::new(name, std));
     estimation.outputs = camera.chain(ENCODERS.iter().map(|(name, std)| MeasuredOutput::new(*name, *std))).collect();

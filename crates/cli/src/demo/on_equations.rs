@@ -40,7 +40,7 @@ impl MoveOnEquations {
         let mut problem = plate_move(shape, settings.plant.mu)?;
         watch(StoryEvent::Working(2, "the shortest move"));
         let shortest = set_shortest(&mut problem)?;
-        measured(&mut problem, &["mu".to_owned()], &settings.plant, settings.seed)?;
+        measured(&mut problem, &[], &settings.plant, settings.seed)?;
         // Afterwards everything has to stay where it is.
         problem.samples += settings.rest_samples;
         watch(StoryEvent::Working(2, "plan, then closed loop on exact stick–slip friction"));
