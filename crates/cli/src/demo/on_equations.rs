@@ -5,7 +5,7 @@ use bracketry::plate::{AmplitudeStep, Arrival, Experiment, Shape, TwoStep, plate
 use bracketry::sim::Settings;
 
 use super::loop_conditions::{measured, programs_of, set_shortest};
-use super::settings::{StoryError, StoryEvent, StorySettings};
+use super::settings::{StoryError, StorySettings};
 use bracketry::mpc::{Controlled, control};
 
 /// Longest time of one stage of the two-step method (s).
@@ -35,17 +35,17 @@ impl MoveOnEquations {
     pub(super) fn run(
         shape: &Shape,
         settings: &StorySettings,
-        watch: &mut dyn FnMut(StoryEvent<'_>),
+        working: &mut dyn FnMut(&str),
     ) -> Result<Self, StoryError> {
         let mut problem = plate_move(shape, settings.plant.mu)?;
-        watch(StoryEvent::Working(2, "the shortest move"));
+        working("the shortest move");
         let shortest = set_shortest(&mut problem)?;
         measured(&mut problem, &[], &settings.plant, settings.seed)?;
         // Afterwards everything has to stay where it is.
         problem.samples += settings.rest_samples;
-        watch(StoryEvent::Working(2, "plan, then closed loop on exact stick–slip friction"));
+        working("plan, then closed loop on exact stick–slip friction");
         let together = control(&problem)?;
-        watch(StoryEvent::Working(2, "the published two-step method on the same plant"));
+        working("the published two-step method on the same plant");
         let two = published_method(shape, settings.plant.mu, &problem)?;
         let arrival = Arrival::of(&problem, &together.recording.trajectory);
         let programs = shortest.programs + programs_of(&together.run);

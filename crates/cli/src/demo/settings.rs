@@ -1,16 +1,12 @@
-//! How the story is told, what is heard of it, and what can go wrong.
+//! How the story is told, and what can go wrong.
 
 use bracketry::diagnose::{DiagnoseError, Settings};
-use bracketry::lie::{Analysis, AnalysisError};
+use bracketry::lie::AnalysisError;
 use bracketry::mpc::ControlError;
 use bracketry::mpc::MpcError;
 use bracketry::plate::{MoveError, PlateError};
 use bracketry::plot::PlotError;
-use bracketry::report::Diagnosis;
-use bracketry_trials::{RecordingSettings, SyntheticLog, TrialError};
-
-use super::on_equations::MoveOnEquations;
-use super::on_plant::MoveOnPlant;
+use bracketry_trials::{RecordingSettings, TrialError};
 
 /// How the story is told.
 #[derive(Clone, Debug)]
@@ -64,32 +60,4 @@ pub enum StoryError {
     /// A figure or animation cannot be drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),
-}
-
-/// What is going on while the story is told.
-#[derive(Clone, Copy)]
-pub enum StoryEvent<'a> {
-    /// Work that takes its time begins: chapter, from 1 on, and what is done.
-    Working(usize, &'a str),
-    /// A chapter, or a part of one, is done: its text.
-    Told(&'a str),
-    /// Data are complete.
-    Found(Finding<'a>),
-}
-
-/// What a chapter has found.
-#[derive(Clone, Copy)]
-pub enum Finding<'a> {
-    /// Chapter 1: what the inputs reach.
-    Analysis(&'a Analysis),
-    /// Chapter 2: the move on the published equations.
-    OnEquations(&'a MoveOnEquations),
-    /// Chapter 3: the move on the plant with the published model.
-    AsPublished(&'a MoveOnPlant),
-    /// Chapter 4: what was recorded.
-    Logs(&'a [SyntheticLog]),
-    /// Chapter 4: what is wrong.
-    Diagnosis(&'a Diagnosis),
-    /// Chapter 6: the move on the plant with the extended model.
-    Extended(&'a MoveOnPlant),
 }

@@ -8,10 +8,11 @@ use bracketry::lie::analyze;
 use bracketry::plate::{Object, published};
 use bracketry::report::{Diagnosis, diagnosis_text};
 
+use super::event::{Finding, StoryEvent};
 use super::logs::{self, record_logs};
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;
-use super::settings::{Finding, StoryError, StoryEvent, StorySettings};
+use super::settings::{StoryError, StorySettings};
 use super::story::Story;
 use super::text;
 
@@ -34,7 +35,7 @@ impl Story {
         watch(StoryEvent::Found(Finding::Analysis(&analysis)));
 
         watch(StoryEvent::Told(text::SECOND));
-        let on_equations = MoveOnEquations::run(shape, settings, watch)?;
+        let on_equations = MoveOnEquations::run(shape, settings, &mut |what| watch(StoryEvent::Working(2, what)))?;
         watch(StoryEvent::Told(&on_equations.to_string()));
         watch(StoryEvent::Found(Finding::OnEquations(&on_equations)));
 

@@ -103,6 +103,20 @@ impl ControlProblem {
     pub fn widths(&self) -> Vec<f64> {
         if self.smoothing.is_empty() { self.method.widths().to_vec() } else { self.smoothing.clone() }
     }
+
+    /// Lets an estimator make states of what is measured. Parameters and disturbances that it estimates are given to the controller's
+    /// model at every sample.
+    ///
+    /// # Errors
+    /// If the estimation problem does not fit the model.
+    pub fn set_estimation(&mut self, estimation: Estimation) -> Result<(), MpcError> {
+        if estimation.hands_over() {
+            self.live = estimation.problem.live_parameters();
+            self.system = estimation.problem.controller_model()?;
+        }
+        self.estimation = Some(estimation);
+        Ok(())
+    }
 }
 
 /// The problem with the values found put into its file.

@@ -1,6 +1,5 @@
 //! What is measured in a problem, and the estimator.
 
-use super::control_problem::ControlProblem;
 use crate::error::MpcError;
 use crate::estimation::{EstimationProblem, Estimator, ExtendedKalman, MovingHorizon, MovingHorizonSettings};
 use crate::ocp::VectorFunction;
@@ -52,21 +51,5 @@ impl Estimation {
     /// Whether anything but the state is estimated.
     pub(crate) fn hands_over(&self) -> bool {
         !self.problem.parameters.is_empty() || !self.problem.disturbances.is_empty()
-    }
-}
-
-impl ControlProblem {
-    /// Lets an estimator make states of what is measured. Parameters and disturbances that it estimates are given to the controller's
-    /// model at every sample.
-    ///
-    /// # Errors
-    /// If the estimation problem does not fit the model.
-    pub fn set_estimation(&mut self, estimation: Estimation) -> Result<(), MpcError> {
-        if estimation.hands_over() {
-            self.live = estimation.problem.live_parameters();
-            self.system = estimation.problem.controller_model()?;
-        }
-        self.estimation = Some(estimation);
-        Ok(())
     }
 }
