@@ -219,8 +219,9 @@ impl Builder {
             .zip(&names)
             .map(|(&(_, direction), v)| {
                 let old = self.text(direction);
-                let others = names.iter().filter(|o| *o != v).map(|o| format!(", {o}")).collect::<String>();
-                let new = format!("(1 - {k})*{old} + {k}*unit({v}{others})");
+                let mut along = vec![v.as_str()];
+                along.extend(names.iter().filter(|o| *o != v).map(String::as_str));
+                let new = format!("(1 - {k})*{old} + {k}*unit({})", along.join(", "));
                 (old, new)
             })
             .collect();
