@@ -23,6 +23,7 @@ use super::units::other_units;
 use super::unnamed::unnamed;
 use super::validation::mispredicted;
 use super::{periods, scale, write};
+use crate::effort::Counter;
 use crate::library::{candidates, dictionary};
 use crate::report::{Caveat, Fits, Note};
 use crate::settings::{SearchSettings, Settings};
@@ -50,7 +51,12 @@ pub fn diagnose(
         let name = "the number of causes that are named together (--max-causes)";
         return Err(DiagnoseError::Setting { name, value: 0.0, requirement: "at least 1" });
     }
-    examined(system, distinct(records, validate), true, settings, started, progress)
+    let counter = Counter::default();
+    let data = distinct(records, validate);
+    let mut report = examined(system, data, true, settings, &counter, progress)?;
+    report.effort = counter.effort();
+    report.seconds = started.elapsed().as_secs_f64();
+    Ok(report)
 }
 
 /// The diagnosis of records of which each is there once. Where inputs go on along straight `lines` between their samples and curves
@@ -60,7 +66,7 @@ fn examined(
     data: Distinct,
     lines: bool,
     settings: &Settings,
-    started: Instant,
+    counter: &Counter,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
     progress(Stage::Refit);
@@ -69,11 +75,11 @@ fn examined(
     // What another model suggests may be in the library already.
     let more = settings.candidates.iter().filter(|c| library.iter().all(|known| known.change != c.change));
     library.extend(more.cloned().collect::<Vec<_>>());
-    let first = Study::new(system, &records, &settings.study)?;
+    let first = Study::counted(system, &records, &settings.study, counter)?;
     first.check_window()?;
     first.check_time_scale()?;
     if still(&records, settings.verdict.alarm.motion_spread).1 {
-        return Ok(Report { notes, ..uninformative(system, &records, started) });
+        return Ok(Report { notes, ..uninformative(system, &records) });
     }
     let (shorter, weighed);
     let mut study = &first;
@@ -82,7 +88,7 @@ fn examined(
         progress(Stage::Refit);
         notes.extend(scale::notes(&records, &factors, settings.verdict.alarm.noise_off));
         (records, validate) = (rescaled(&records, &factors), rescaled(&validate, &factors));
-        weighed = Study::new(system, &records, &settings.study)?;
+        weighed = Study::counted(system, &records, &settings.study, counter)?;
         study = &weighed;
         attempt = Attempt::new(study, None, &library, settings, progress)?;
     }
@@ -100,7 +106,7 @@ fn examined(
     if lines && let Some((better, note)) = curved_where_better(system, search.study, &selection.chosen, settings)? {
         notes.push(note);
         let data = Distinct { records: better, validate: curved(system, &validate, &settings.verdict.signals), notes };
-        return examined(system, data, false, settings, started, progress);
+        return examined(system, data, false, settings, counter, progress);
     }
     let validate = validate.as_slice();
     let Selection { chosen, scatter, tests, screened } = selection;
@@ -122,7 +128,7 @@ fn examined(
     }
     let ending = if alarm < settings.significance { ending(&base, &chosen, refuted, settings) } else { Ending::Quiet };
     let findings = Findings { base, chosen, rivals, scatter, tests, alarm, ending };
-    let mut report = written(system, &mut search, &findings, validate, settings, started, progress)?;
+    let mut report = written(system, &mut search, &findings, validate, settings, progress)?;
     report.notes.extend(notes);
     // What failed since was not the model's fault.
     if system.pool.stop_flag().is_raised() {
@@ -212,10 +218,9 @@ fn written(
     findings: &Findings,
     validate: &[Record],
     settings: &Settings,
-    started: Instant,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
-    let mut report = write::report(system, search, findings, settings, started);
+    let mut report = write::report(system, search, findings, settings);
     if report.verdict != Verdict::NothingFound {
         let records = search.study.records();
         let Places { motion, regimes, over_time } = places(system, records, &findings.base.fit, settings)?;
@@ -230,7 +235,6 @@ fn written(
     report.complete(search.study, fits, validate, settings)?;
     report.withdraw_if_refuted();
     add_caveats(&mut report, system, search, findings, validate, settings)?;
-    report.seconds = started.elapsed().as_secs_f64();
     Ok(report)
 }
 

@@ -1,7 +1,5 @@
 //! The findings as a report.
 
-use std::time::Instant;
-
 use bracketry_sim::Hold;
 use bracketry_symbolic::{Named, Notation};
 use bracketry_system::System;
@@ -16,15 +14,9 @@ use crate::report::{
     Verdict,
 };
 use crate::settings::Settings;
-use crate::{Cause, Change, Effect, Estimate, Formula, Path, Role, separating_experiment};
+use crate::{Cause, Change, Effect, Effort, Estimate, Formula, Path, Role, separating_experiment};
 
-pub(super) fn report(
-    system: &System,
-    search: &mut Search<'_>,
-    findings: &Findings,
-    settings: &Settings,
-    started: Instant,
-) -> Report {
+pub(super) fn report(system: &System, search: &mut Search<'_>, findings: &Findings, settings: &Settings) -> Report {
     let parameters = refitted(system, findings);
     let mut causes = Vec::new();
     let named = !matches!(findings.ending, Ending::Unexplained(_) | Ending::Refuted(_));
@@ -68,7 +60,8 @@ pub(super) fn report(
         }),
         candidates: ranking(search, findings, settings),
         notes: limit(findings, settings).into_iter().collect(),
-        seconds: started.elapsed().as_secs_f64(),
+        effort: Effort::default(),
+        seconds: 0.0,
         data: Vec::new(),
         evidence: Evidence::default(),
         causes,
