@@ -13,6 +13,7 @@ use super::motion::{driven, still, uninformative};
 use super::noise::Scatter;
 use super::places::{Places, places};
 use super::proven::drop_unproven;
+use super::refused::{drop_refused, over_all_windows};
 use super::repeats::{Distinct, distinct};
 use super::rivals::rivals;
 use super::scale::{factors, rescaled};
@@ -111,8 +112,9 @@ fn examined(
     let validate = validate.as_slice();
     let Selection { chosen, scatter, tests, screened } = selection;
     let mut alarm = base.alarm.p_value.min(screened);
-    let chosen = Chosen { explanation: chosen, scatter, tests, rivals: Vec::new(), refuted: None };
-    let Chosen { explanation: mut chosen, scatter, tests, rivals, refuted } = if alarm < settings.significance {
+    let chosen = Chosen { explanation: chosen, scatter, tests, rivals: Vec::new(), refuted: None, refused: None };
+    let Chosen { explanation: mut chosen, scatter, tests, rivals, refuted, refused } = if alarm < settings.significance
+    {
         weigh(system, &mut search, &base, chosen, settings, progress)?
     } else {
         chosen
@@ -124,9 +126,13 @@ fn examined(
     if search.windows.len() < search.study.windows().len() {
         let every: Vec<usize> = (0..search.study.windows().len()).collect();
         base.fit = search.study.fit(&[], &every, Some(&base.fit))?;
-        chosen.fit = search.study.fit(&chosen.fit.effects, &every, Some(&chosen.fit))?;
+        chosen.fit = over_all_windows(&search, &chosen)?;
     }
-    let ending = if alarm < settings.significance { ending(&base, &chosen, refuted, settings) } else { Ending::Quiet };
+    let ending = if alarm < settings.significance {
+        ending(&base, &chosen, (refuted, refused), settings)
+    } else {
+        Ending::Quiet
+    };
     let findings = Findings { base, chosen, rivals, scatter, tests, alarm, ending };
     let mut report = written(system, &mut search, &findings, validate, settings, progress)?;
     report.notes.extend(notes);
@@ -146,6 +152,8 @@ struct Chosen {
     rivals: Vec<Rivals>,
     /// Share of the excess that was explained by what held-out data did not bear out, if nothing else is left.
     refuted: Option<f64>,
+    /// The same of causes that were significant and must not be named.
+    refused: Option<f64>,
 }
 
 /// Weighs an explanation after an alarm: terms without a name take its place where they say the same more simply, rivals the
@@ -187,7 +195,13 @@ fn weigh(
     }
     now.refuted = now.explanation.members.is_empty().then(|| share(base, &best));
     // Each round leaves fewer causes.
-    while drop_unproven(search, &mut now.explanation, &now.scatter, now.tests, settings) {
+    loop {
+        let before = now.explanation.clone();
+        let unproven = drop_unproven(search, &mut now.explanation, &now.scatter, now.tests, settings);
+        if !unproven && !drop_refused(search, &mut now.explanation, &now.scatter, settings)? {
+            break;
+        }
+        now.refused = (!unproven && now.explanation.members.is_empty()).then(|| share(base, &before));
         now.rivals = compare(search, &mut now.explanation)?;
     }
     Ok(now)
@@ -356,10 +370,18 @@ fn share(base: &Explanation, chosen: &Explanation) -> f64 {
 }
 
 /// How well an explanation does after an alarm; `refuted` is the share of one that held-out data did not bear out.
-fn ending(base: &Explanation, chosen: &Explanation, refuted: Option<f64>, settings: &Settings) -> Ending {
+fn ending(
+    base: &Explanation,
+    chosen: &Explanation,
+    (refuted, refused): (Option<f64>, Option<f64>),
+    settings: &Settings,
+) -> Ending {
     let share = share(base, chosen);
     if chosen.members.is_empty() {
-        if base.alarm.size < settings.verdict.search.near_noise {
+        // Something is there, however small: it was significant.
+        if let Some(share) = refused {
+            Ending::Unexplained(share)
+        } else if base.alarm.size < settings.verdict.search.near_noise {
             Ending::Correlated
         } else {
             refuted.map_or(Ending::Unexplained(0.0), Ending::Refuted)
