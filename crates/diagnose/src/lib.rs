@@ -4,6 +4,7 @@
 //! measurement and simulation is put against a library of [`Effect`]s, each a change of the model with parameters of its own.
 
 mod effect;
+mod effort;
 mod error;
 mod extend;
 mod formula;
@@ -20,6 +21,7 @@ mod verdict;
 
 pub use bracketry_sim::{Bandwidth, SmoothingSpline, smooth};
 pub use effect::{Cause, Change, Coefficient, Effect, Path, Role};
+pub use effort::Effort;
 pub use error::DiagnoseError;
 pub use extend::{ExtendedModel, OutsideDelay};
 pub use formula::Formula;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{
-    Candidate, Cause, Closeness, Evidence, Excess, Formula, Gain, NamedCause, Note, Outcome, Place, Reason,
+    Candidate, Cause, Closeness, Effort, Evidence, Excess, Formula, Gain, NamedCause, Note, Outcome, Place, Reason,
     RefittedParameter, Regime, Report, Rival, Value, Verdict,
 };
 use bracketry_report::{DiagnosisJson, diagnosis_text};
@@ -77,6 +77,7 @@ fn report() -> Report {
         data: Vec::new(),
         notes: vec![Note::OnlyParameters],
         seconds: 3.1,
+        effort: Effort::default(),
         evidence: Evidence::default(),
     }
 }

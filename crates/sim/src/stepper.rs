@@ -120,6 +120,7 @@ impl<S: Switched> Stepper<S> {
     fn guess_modes(&mut self) {
         self.segment_end = self.field.system.enter_segment(self.step.t);
         self.field.guess_modes(self.step.t, &self.step.x);
+        self.stiffness.forget();
         self.step.started = false;
         self.h = 0.0;
     }
@@ -223,7 +224,10 @@ impl<S: Switched> Stepper<S> {
         let (t, x) = (step.t, &mut step.x);
         resolve(field, (t, &*x), zero, &guard.failed, settings.max_zero_set)
             .map_err(|reason| if field.is_finite(t, x) { reason } else { StopReason::NonFinite })?;
-        self.stiffness.forget();
+        // A segment that goes on in the same modes is as stiff as the one before, nearly.
+        if field.modes != before {
+            self.stiffness.forget();
+        }
         field.departing.fill(false);
         for entry in &zero.entries {
             field.departing[entry.switch] = field.modes[entry.switch] != Mode::Sticking;

@@ -55,8 +55,8 @@ pub fn measure_gain(
     let (study, trials) = if validate.is_empty() {
         (study, folds(study, fitted, predictions))
     } else {
-        of_validation =
-            Study::new(study.system(), validate, &StudySettings { window: Some(window), ..settings.study.clone() })?;
+        let of = StudySettings { window: Some(window), ..settings.study.clone() };
+        of_validation = Study::counted(study.system(), validate, &of, study.counter())?;
         let trial = Trial {
             as_given: of_validation.nominal(),
             refitted: fitted.refitted.clone(),

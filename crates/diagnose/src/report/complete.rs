@@ -36,20 +36,10 @@ impl Report {
         let Fits { refitted, extended, width } = fits;
         let all: Vec<usize> = (0..study.windows().len()).collect();
         let at_extended = study.linearize(extended, &[], &all)?;
-        let vague = settings.study.priors.unidentified_share;
-        let hardly = hardly_told(extended, &at_extended, width, vague);
-        let mut alike = Vec::new();
-        if let Some(steps) = bootstrap(&at_extended, &extended.limited, settings.gain.resamples, settings.seed) {
-            for (j, (estimate, step)) in extended.values.iter().zip(steps).enumerate() {
-                // What the data do not tell keeps near the prior in every resample.
-                let Some([low, high]) = step.filter(|_| !hardly.contains(&j)) else { continue };
-                if high - low < settings.gain.narrowest_interval * 2.0 * NORMAL * estimate.widened(width) {
-                    alike.push(estimate.name.clone());
-                } else {
-                    let (min, max) = allowed(extended, &estimate.name);
-                    let interval = [low, high].map(|s| (estimate.value + s).max(min).min(max));
-                    self.set_interval(&estimate.name, interval);
-                }
+        let Intervals { of_values, hardly, alike } = intervals(extended, &at_extended, width, settings);
+        for (estimate, interval) in extended.values.iter().zip(of_values) {
+            if let Some(interval) = interval {
+                self.set_interval(&estimate.name, interval);
             }
         }
         self.note_limits(refitted, extended);
@@ -108,6 +98,36 @@ impl Report {
             value.interval = Some(interval);
         }
     }
+}
+
+/// The intervals of the values of a fit.
+pub(crate) struct Intervals {
+    /// One for each value that has one.
+    pub(crate) of_values: Vec<Option<[f64; 2]>>,
+    /// Places of values that the data hardly tell.
+    hardly: Vec<usize>,
+    /// Names of values that come out alike in all resamples, as where the sum of squares has a kink.
+    alike: Vec<String>,
+}
+
+/// The intervals of the values of a fit, by its linearized problem. `width` is the factor by which correlation within windows widens
+/// standard deviations.
+pub(crate) fn intervals(fit: &Fit, at: &Linearization, width: f64, settings: &Settings) -> Intervals {
+    let hardly = hardly_told(fit, at, width, settings.study.priors.unidentified_share);
+    let mut of_values = vec![None; fit.values.len()];
+    let mut alike = Vec::new();
+    let steps = bootstrap(at, &fit.limited, settings.gain.resamples, settings.seed).unwrap_or_default();
+    for (j, (estimate, step)) in fit.values.iter().zip(steps).enumerate() {
+        // What the data do not tell keeps near the prior in every resample.
+        let Some([low, high]) = step.filter(|_| !hardly.contains(&j)) else { continue };
+        if high - low < settings.gain.narrowest_interval * 2.0 * NORMAL * estimate.widened(width) {
+            alike.push(estimate.name.clone());
+        } else {
+            let (min, max) = allowed(fit, &estimate.name);
+            of_values[j] = Some([low, high].map(|s| (estimate.value + s).max(min).min(max)));
+        }
+    }
+    Intervals { of_values, hardly, alike }
 }
 
 /// Least and largest value that the mathematics allows a coefficient of an effect; all numbers for a parameter of the model.

@@ -10,6 +10,7 @@ use super::note::{Closeness, Flag, Note};
 use super::reason::Reason;
 use super::regime::Regime;
 use crate::effect::Cause;
+use crate::effort::Effort;
 use crate::extend::ExtendedModel;
 use crate::formula::Formula;
 use crate::gain::{Gain, HeldOut};
@@ -202,6 +203,8 @@ pub struct Report {
     pub data: Vec<Audit>,
     /// What else the reader should know.
     pub notes: Vec<Note>,
+    /// What it cost, in counts.
+    pub effort: Effort,
     /// Time that it took.
     pub seconds: f64,
     /// The fits behind the report, for files and figures.

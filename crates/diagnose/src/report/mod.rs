@@ -6,7 +6,7 @@ mod note;
 mod reason;
 mod regime;
 
-pub(crate) use complete::Fits;
+pub(crate) use complete::{Fits, intervals};
 pub use diagnosis::{
     Candidate, Evidence, Excess, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration, Rival, Value,
     Verdict,

@@ -151,6 +151,8 @@ pub enum Flag {
     ParameterAtLimit(String),
     /// A cause is smaller than what remains without a name, of which it may be the image.
     SmallerThanUnknown(Cause),
+    /// A small cause that the data do not tell from others of another kind.
+    OneOfSeveralKinds(Cause),
     /// A delay is half the sampling time.
     HalfSample {
         /// Whether the inputs were read as straight lines.

@@ -56,6 +56,8 @@ settings! {
 
     /// Iterations and simulations of a fit.
     SolverSettings {
+        /// Iterations before a fit may be given up for being too slow: the first ones may have to find out how far to go.
+        fewest_iterations: usize = 3,
         /// Relative decrease of the sum of squares that ends an iteration.
         settled_share: f64 = 1e-6,
         /// The same for initial states that the unknowns will move again.

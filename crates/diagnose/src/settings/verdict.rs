@@ -160,6 +160,10 @@ settings! {
         /// A named cause beside terms without a name keeps its name if it explains this share of what is there without it: else
         /// what the library lacks is larger, and the cause may be its image.
         uncertain_share: f64 = 0.5,
+        /// The smallest of several causes has no name if it removes less than this share of the model's excess, 7 % of it in
+        /// amplitude, and a cause of another name explains the data as well: hardly any law is more exact, so that it may be the
+        /// image of what another cause's law leaves, and a name would be a guess.
+        least_of_several_kinds: f64 = 5e-3,
         /// Stribeck friction within this many standard deviations of none at rest is no dry friction: one-sided 1 %.
         near_no_friction: f64 = 2.33,
         /// A run for validation whose residual is this many times that of the fit is reported.

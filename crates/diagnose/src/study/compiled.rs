@@ -3,6 +3,7 @@
 use super::tracked::TrackedPoint;
 use super::unknown::Unknown;
 use crate::effect::{Change, Effect, Path};
+use crate::effort::Counter;
 use crate::error::DiagnoseError;
 use crate::library::{TIME_INPUT, apply_all, input_index, unknown};
 use crate::record::{Record, Signal};
@@ -38,6 +39,8 @@ pub(super) struct Compiled {
     pub(super) differentiable: bool,
     /// That of the model's pool.
     pub(super) stop: StopFlag,
+    /// That of the study.
+    pub(super) counter: Counter,
     /// Those of the study.
     pub(super) settings: StudySettings,
 }
@@ -70,13 +73,15 @@ type Signals = Arc<Vec<Signal>>;
 /// Records, with derivatives of inputs that an effect may ask for beyond those that the model uses: made once, when asked for.
 pub(super) struct Sources {
     pub(super) records: Vec<Record>,
+    /// Counts what is done with them.
+    pub(super) counter: Counter,
     /// By input and order; none for an order that cannot be had.
     derived: Mutex<BTreeMap<(usize, u32), Option<Signals>>>,
 }
 
 impl Sources {
-    pub(super) fn new(records: &[Record]) -> Self {
-        Self { records: records.to_vec(), derived: Mutex::default() }
+    pub(super) fn new(records: &[Record], counter: &Counter) -> Self {
+        Self { records: records.to_vec(), counter: counter.clone(), derived: Mutex::default() }
     }
 
     /// A derivative of an input, for all records.
@@ -138,7 +143,9 @@ impl Compiled {
             };
             models.push(model);
         }
-        Ok(Self { models, unknowns, targets, driven, differentiable: by.is_none(), stop, settings: settings.clone() })
+        let counter = sources.counter.clone();
+        let (differentiable, settings) = (by.is_none(), settings.clone());
+        Ok(Self { models, unknowns, targets, driven, differentiable, stop, counter, settings })
     }
 }
 

@@ -4,6 +4,7 @@ use super::compiled::Compiled;
 use super::linearization::Normal;
 use super::normal::{Eliminated, Full, Point, States, full, residual, sensitivities, settle, simulate};
 use super::runner::{Failure, Runner};
+use super::step::Step;
 use super::unknown::{Range, Unknown};
 use crate::effect::Effect;
 use crate::settings::SolverSettings;
@@ -200,11 +201,18 @@ pub(super) struct Solution {
 /// model file stop at the end of their range. That is kept where the data tell the value and it lies inside the moved range, or
 /// where it has gone all the way toward zero (a term that is not there: `k` in `k h` where the law is another); else the
 /// parameters have no bounds to find, and stay at the end of the first range.
-pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], iterations: usize) -> Solution {
+///
+/// A fit that would not come down to `reach` in the iterations that are left, each as good as the last, ends there.
+pub(super) fn solve(
+    slots: &mut [Slot<'_>],
+    compiled: &Compiled,
+    start: &[f64],
+    (iterations, reach): (usize, f64),
+) -> Solution {
     let (unknowns, priors) = (&compiled.unknowns, &compiled.settings.priors);
     let mut ranges: Vec<Range> = unknowns.iter().zip(start).map(|(u, v)| u.first_range(*v, priors)).collect();
     let initial = start.iter().zip(&ranges).map(|(v, r)| r.bounded(*v)).collect();
-    let first = minimize(slots, compiled, initial, &ranges, iterations);
+    let first = minimize(slots, compiled, initial, &ranges, (iterations, reach));
     let stopped = |s: &Solution, ranges: &[Range]| -> Vec<usize> {
         (0..unknowns.len()).filter(|&j| unknowns[j].ends_on(ranges[j], s.theta[j])).collect()
     };
@@ -219,7 +227,7 @@ pub(super) fn solve(slots: &mut [Slot<'_>], compiled: &Compiled, start: &[f64], 
         for &j in &ends {
             ranges[j] = unknowns[j].range(theta[j], priors);
         }
-        let next = minimize(slots, compiled, theta, &ranges, iterations);
+        let next = minimize(slots, compiled, theta, &ranges, (iterations, reach));
         ends = stopped(&next, &ranges);
         moved.extend(&ends);
         let last = round == priors.range_moves;
@@ -244,7 +252,7 @@ fn minimize(
     compiled: &Compiled,
     start: Vec<f64>,
     ranges: &[Range],
-    iterations: usize,
+    (iterations, reach): (usize, f64),
 ) -> Solution {
     let (unknowns, solver) = (&compiled.unknowns, &compiled.settings.solver);
     let p = unknowns.len();
@@ -262,7 +270,7 @@ fn minimize(
         };
     }
     let mut normals = linearize(slots, compiled, &theta);
-    for _ in 0..iterations {
+    for iteration in 1..=iterations {
         let cost = slots.iter().map(Slot::cost).sum::<f64>() + penalty(unknowns, &theta);
         let settled = settled(slots, cost, solver);
         let mut found = None;
@@ -275,13 +283,11 @@ fn minimize(
                 }
                 break;
             }
-            if let Some((points, squares)) = step.simulate(slots) {
-                let next = squares + penalty(unknowns, &step.theta);
-                if next < cost {
-                    found = Some((step.theta, points, cost - next));
-                    lambda = (0.1 * lambda).max(solver.least_damping);
-                    break;
-                }
+            let own = penalty(unknowns, &step.theta);
+            if let Some((points, squares)) = step.simulate(slots, cost - own) {
+                found = Some((step.theta, points, cost - own - squares));
+                lambda = (0.1 * lambda).max(solver.least_damping);
+                break;
             }
             rejected = true;
             lambda *= 10.0;
@@ -301,6 +307,10 @@ fn minimize(
         normals = linearize(slots, compiled, &theta);
         if fall < settled {
             status = FitStatus::Converged;
+            break;
+        }
+        let left = (iterations - iteration) as f64;
+        if iteration >= solver.fewest_iterations && cost - fall - left * fall > reach {
             break;
         }
     }
@@ -344,114 +354,6 @@ fn linearize(slots: &mut [Slot<'_>], compiled: &Compiled, theta: &[f64]) -> Vec<
 /// The normal equations of the windows with their initial states eliminated.
 fn eliminate(slots: &[Slot<'_>], normals: &[Option<Full>]) -> Vec<Normal> {
     slots.iter().zip(normals).filter_map(|(slot, normal)| slot.normal(normal.as_ref()?)).collect()
-}
-
-/// A step of the unknowns and of the initial states.
-struct Step {
-    theta: Vec<f64>,
-    x0: Vec<Option<Vec<f64>>>,
-    /// By how much the cost falls if it is quadratic.
-    fall: f64,
-}
-
-impl Step {
-    fn new(
-        slots: &[Slot<'_>],
-        unknowns: &[Unknown],
-        theta: &[f64],
-        ranges: &[Range],
-        normals: &[Option<Full>],
-        lambda: f64,
-    ) -> Option<Self> {
-        let p = unknowns.len();
-        let mut gram = DMatrix::zeros(p, p);
-        let mut gradient = DVector::zeros(p);
-        let mut eliminated = Vec::with_capacity(slots.len());
-        let mut fall = 0.0;
-        for (slot, normal) in slots.iter().zip(normals) {
-            let (Some(full), Ok(point)) = (normal, &slot.state) else {
-                eliminated.push(None);
-                continue;
-            };
-            let e = Eliminated::new(full, &point.x0, &slot.states(), lambda)?;
-            gram += &e.gram;
-            gradient += &e.gradient;
-            fall += e.gain;
-            eliminated.push(Some((e, point)));
-        }
-        for (j, u) in unknowns.iter().enumerate() {
-            let weight = (u.scale / u.prior).powi(2);
-            gram[(j, j)] += weight + lambda * (gram[(j, j)] + weight);
-            gradient[j] += weight * (u.nominal - theta[j]) / u.scale;
-        }
-        let next = bounded_step(&gram, &gradient, unknowns, theta, ranges)?;
-        let step = DVector::from_iterator(p, (0..p).map(|j| (next[j] - theta[j]) / unknowns[j].scale));
-        fall += 2.0 * gradient.dot(&step) - step.dot(&(&gram * &step));
-        let x0 = slots
-            .iter()
-            .zip(&eliminated)
-            .map(|(slot, e)| {
-                e.as_ref().map(|(e, point)| {
-                    let own = e.step(&step);
-                    (0..own.len()).map(|i| point.x0[i] + own[i] * slot.scales[i]).collect()
-                })
-            })
-            .collect();
-        Some(Self { theta: next, x0, fall })
-    }
-
-    /// Where it leads and the cost of the windows; none if a window cannot be simulated there.
-    fn simulate(&self, slots: &mut [Slot<'_>]) -> Option<(Vec<Option<Point>>, f64)> {
-        let points: Vec<Option<Result<Point, Failure>>> = slots
-            .par_iter_mut()
-            .zip(&self.x0)
-            .map(|(slot, x0)| x0.as_ref().map(|x0| simulate(&mut slot.runner, &self.theta, x0)))
-            .collect();
-        let mut cost = 0.0;
-        let mut kept = Vec::with_capacity(points.len());
-        for (slot, point) in slots.iter().zip(points) {
-            let point = point.transpose().ok()?;
-            cost += point.as_ref().map_or(0.0, |p| p.square + slot.states().penalty(&p.x0));
-            kept.push(point);
-        }
-        Some((kept, cost))
-    }
-}
-
-/// The minimum of the quadratic model with what would leave its bounds kept on them.
-fn bounded_step(
-    gram: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-    unknowns: &[Unknown],
-    theta: &[f64],
-    ranges: &[Range],
-) -> Option<Vec<f64>> {
-    let p = unknowns.len();
-    let mut fixed: Vec<Option<f64>> = vec![None; p];
-    loop {
-        let free: Vec<usize> = (0..p).filter(|&j| fixed[j].is_none()).collect();
-        if free.is_empty() {
-            return Some((0..p).map(|j| fixed[j].unwrap_or(theta[j])).collect());
-        }
-        let mut next: Vec<f64> = (0..p).map(|j| fixed[j].unwrap_or(theta[j])).collect();
-        let reduced = gram.select_rows(&free).select_columns(&free);
-        let held = DVector::from_iterator(p, (0..p).map(|j| (next[j] - theta[j]) / unknowns[j].scale));
-        let rhs = (gradient - gram * held).select_rows(&free);
-        let step = Cholesky::new(reduced)?.solve(&rhs);
-        let mut hit = false;
-        for (k, &j) in free.iter().enumerate() {
-            let value = theta[j] + step[k] * unknowns[j].scale;
-            let bounded = ranges[j].bounded(value);
-            if bounded != value {
-                fixed[j] = Some(bounded);
-                hit = true;
-            }
-            next[j] = value;
-        }
-        if !hit {
-            return next.iter().all(|v| v.is_finite()).then_some(next);
-        }
-    }
 }
 
 /// Covariance in natural units.

@@ -2,14 +2,16 @@
 
 use super::compiled::{Compiled, Target};
 use super::fit::{Fit, Slot};
-use super::linearization::{Column, Linearization};
+use super::linearization::{Column, Linearization, Normal};
 use super::multiple_shooting::{Study, theta_of};
 use super::normal::{Point, difference, full, sensitivities, step_of};
 use super::runner::Runner;
 use crate::effect::{Change, Coefficient, Effect, Role};
 use crate::error::DiagnoseError;
-use nalgebra::DMatrix;
 use rayon::prelude::*;
+
+/// Windows that are linearized at once: enough to keep processors busy, few enough to hold the columns of all candidates in each.
+const AT_ONCE: usize = 8;
 
 /// Trials of one candidate: the values of all its coefficients.
 fn trials(effect: &Effect) -> Vec<Vec<f64>> {
@@ -62,8 +64,18 @@ fn secants(
     secants
 }
 
-/// Columns of a candidate in one window, each with why it could not be simulated.
-type Columns = Vec<Result<Vec<f64>, String>>;
+/// A column of a candidate in one window, or why it could not be simulated.
+type OfWindow = Result<Vec<f64>, String>;
+
+/// A candidate beside a fit, compiled.
+struct Tried {
+    compiled: Compiled,
+    secants: Vec<Secant>,
+    /// Number of its amplitudes.
+    amplitudes: usize,
+    /// Whether its model has derivatives by them.
+    propagated: bool,
+}
 
 impl Study {
     /// The normal equations of the fit's unknowns and of all amplitudes of the candidates, at the values of the fit, per window.
@@ -79,42 +91,44 @@ impl Study {
         candidates: &[Effect],
         windows: &[usize],
     ) -> Result<Linearization, DiagnoseError> {
+        let mut normals = Vec::new();
+        let mut result = self.linearize_each(fit, candidates, windows, |_, normal| normals.push(normal))?;
+        result.windows = normals;
+        Ok(result)
+    }
+
+    /// As [`Study::linearize`], with the windows given to `each` in their order, after the columns, and not kept: with hundreds of
+    /// columns they would take most of the memory.
+    pub(crate) fn linearize_each(
+        &self,
+        fit: &Fit,
+        candidates: &[Effect],
+        windows: &[usize],
+        mut each: impl FnMut(&[Column], Normal),
+    ) -> Result<Linearization, DiagnoseError> {
+        self.counter().linearization();
         let compiled = self.compiled(&fit.effects)?;
         let theta = theta_of(fit);
         let mut slots = self.slots(&compiled, windows, Some(fit))?;
         slots.par_iter_mut().for_each(|slot| slot.resume(&compiled, &theta));
         self.some_window(&slots)?;
-        let jacobians: Vec<Option<DMatrix<f64>>> = slots
-            .par_iter_mut()
-            .map(|slot| {
-                let point = slot.state.as_ref().ok()?;
-                let jacobian = sensitivities(&mut slot.runner, &compiled, &theta, point, &slot.scales, true).ok()?;
-                // For the candidates; finite differences may have left another trajectory behind.
-                slot.runner.map(&theta, &point.x0).ok()?;
-                Some(jacobian)
-            })
-            .collect();
         let trials: Vec<Vec<Vec<f64>>> = candidates.iter().map(trials).collect();
-        let work: Vec<(Vec<Secant>, Vec<Columns>)> = candidates
+        let sampling = slots.first().map_or(1e-3, |s| s.runner.sampling());
+        let tried: Vec<Tried> = candidates
             .par_iter()
             .enumerate()
-            .map(|(i, candidate)| self.candidate(fit, (i, candidate), &trials[i], &slots, &theta))
+            .map(|(i, candidate)| self.tried(fit, (i, candidate), &trials[i], sampling))
             .collect::<Result<_, _>>()?;
 
-        let mut columns = Vec::new();
+        let mut columns: Vec<Column> = (0..self.parameters.len()).map(Column::Parameter).collect();
         let mut scales: Vec<f64> = compiled.unknowns.iter().map(|u| u.scale).collect();
-        for i in 0..self.parameters.len() {
-            columns.push(Column::Parameter(i));
-        }
         for (effect, e) in fit.effects.iter().enumerate() {
             columns.extend((0..e.coefficients.len()).map(|coefficient| Column::Coefficient { effect, coefficient }));
         }
         let known = columns.len();
-        for secant in work.iter().flat_map(|(secants, _)| secants) {
+        for (effect, secant) in candidates.iter().zip(&tried).flat_map(|(e, t)| t.secants.iter().map(move |s| (e, s))) {
             columns.push(secant.column);
-            if let Column::Candidate { candidate, coefficient, .. } = secant.column {
-                scales.push(candidates[candidate].coefficients[coefficient].scale);
-            }
+            scales.push(effect.coefficients[secant.coefficient].scale);
         }
         let mut prior = vec![0.0; columns.len()];
         let mut pull = vec![0.0; columns.len()];
@@ -122,41 +136,29 @@ impl Study {
             prior[j] = (u.scale / u.prior).powi(2);
             pull[j] = (u.nominal - theta[j]) / u.scale;
         }
-        let mut result =
-            Linearization { columns, scales, prior, pull, trials, windows: Vec::new(), failures: Vec::new() };
-        for (place, (slot, jacobian)) in slots.iter().zip(&jacobians).enumerate() {
-            let (Ok(point), Some(known_jacobian)) = (&slot.state, jacobian) else { continue };
-            let n = slot.scales.len();
-            let mut all = known_jacobian.clone().resize_horizontally(n + result.columns.len(), 0.0);
-            let candidate_columns = work.iter().flat_map(|(_, columns)| &columns[place]);
-            for (k, column) in candidate_columns.enumerate() {
-                match column {
-                    Ok(values) => {
-                        all.column_mut(n + known + k).copy_from_slice(values);
-                        let scale = result.scales[known + k];
-                        all.column_mut(n + known + k).scale_mut(scale);
-                    }
-                    Err(reason) => {
-                        result.failures.push((result.columns[known + k], slot.index, reason.clone()));
-                    }
-                }
-            }
-            if let Some(normal) = slot.normal(&full(&slot.runner, point, &all)) {
-                result.windows.push(normal);
+        let mut failures = Vec::new();
+        for together in slots.chunks_mut(AT_ONCE) {
+            let of_chunk: Vec<Result<Option<InWindow>, DiagnoseError>> = together
+                .par_iter_mut()
+                .map(|slot| self.in_window(slot, &compiled, &theta, &tried, &scales[known..]))
+                .collect();
+            for of_window in of_chunk {
+                let Some(InWindow { normal, failed }) = of_window? else { continue };
+                failures.extend(failed.into_iter().map(|(k, reason)| (columns[known + k], normal.window, reason)));
+                each(&columns, normal);
             }
         }
-        Ok(result)
+        Ok(Linearization { columns, scales, prior, pull, trials, windows: Vec::new(), failures })
     }
 
-    /// The columns of one candidate in all windows.
-    fn candidate(
+    /// A candidate beside a fit.
+    fn tried(
         &self,
         fit: &Fit,
         (index, candidate): (usize, &Effect),
         trials: &[Vec<f64>],
-        slots: &[Slot<'_>],
-        theta: &[f64],
-    ) -> Result<(Vec<Secant>, Vec<Columns>), DiagnoseError> {
+        sampling: f64,
+    ) -> Result<Tried, DiagnoseError> {
         let effects: Vec<Effect> = fit.effects.iter().chain([candidate]).cloned().collect();
         let amplitudes: Vec<&Coefficient> =
             candidate.coefficients.iter().filter(|c| c.role == Role::Amplitude).collect();
@@ -172,40 +174,84 @@ impl Study {
             Some(by),
             &self.settings,
         )?;
-        let sampling = slots.first().map_or(1e-3, |s| s.runner.sampling());
-        let first = theta.len();
+        let first = fit.values.len();
         let secants = secants(index, candidate, trials, |coefficient, c| {
             step_of(&compiled.unknowns[first + coefficient], c.nominal, compiled.step(first + coefficient, sampling))
         });
-        let columns: Vec<Result<Columns, DiagnoseError>> = slots
-            .par_iter()
-            .map(|slot| {
-                let Ok(point) = &slot.state else { return Ok(Vec::new()) };
-                let records = &self.sources.records;
-                let noise = &self.noise[slot.runner.window.record];
-                let mut runner = Runner::new(records, &compiled, slot.runner.window, noise, slot.scales.len())?;
-                let mut columns = Columns::with_capacity(secants.len());
-                for of_trial in secants.chunk_by(|a, b| a.from == b.from) {
-                    let by_amplitudes =
-                        if propagated && of_trial.len() == names.len() && slot.runner.trajectory.is_mapped() {
-                            let values: Vec<f64> = theta.iter().chain(&of_trial[0].from).copied().collect();
-                            slot.runner.by_amplitudes(&mut runner, &values, names.len()).unwrap_or(None)
-                        } else {
-                            None
-                        };
-                    match by_amplitudes {
-                        Some(all) => columns.extend(all.into_iter().map(Ok)),
-                        None => columns.extend(of_trial.iter().map(|s| {
-                            by_samples(&slot.runner, &mut runner, &compiled, theta, s)
-                                .map_or_else(|| column(&mut runner, &compiled, theta, point, s), Ok)
-                        })),
-                    }
-                }
-                Ok(columns)
-            })
-            .collect();
-        Ok((secants, columns.into_iter().collect::<Result<_, _>>()?))
+        Ok(Tried { compiled, secants, amplitudes: names.len(), propagated })
     }
+
+    /// The normal equations of one window; none where it cannot be simulated.
+    fn in_window(
+        &self,
+        slot: &mut Slot<'_>,
+        compiled: &Compiled,
+        theta: &[f64],
+        tried: &[Tried],
+        scales: &[f64],
+    ) -> Result<Option<InWindow>, DiagnoseError> {
+        let Ok(point) = &slot.state else { return Ok(None) };
+        let known = sensitivities(&mut slot.runner, compiled, theta, point, &slot.scales, true);
+        // For the candidates; finite differences may have left another trajectory behind.
+        let (Ok(known), Ok(_)) = (known, slot.runner.map(theta, &point.x0)) else { return Ok(None) };
+        let first = known.ncols();
+        let mut all = known.resize_horizontally(first + scales.len(), 0.0);
+        let mut failed = Vec::new();
+        let mut place = 0;
+        for candidate in tried {
+            for column in self.columns(candidate, slot, point, theta)? {
+                match column {
+                    Ok(values) => {
+                        let mut out = all.column_mut(first + place);
+                        out.copy_from_slice(&values);
+                        out.scale_mut(scales[place]);
+                    }
+                    Err(reason) => failed.push((place, reason)),
+                }
+                place += 1;
+            }
+        }
+        let normal = slot.normal(&full(&slot.runner, point, &all));
+        Ok(normal.map(|normal| InWindow { normal, failed }))
+    }
+
+    /// The columns of one candidate in one window.
+    fn columns(
+        &self,
+        tried: &Tried,
+        slot: &Slot<'_>,
+        point: &Point,
+        theta: &[f64],
+    ) -> Result<Vec<OfWindow>, DiagnoseError> {
+        let Tried { compiled, secants, amplitudes, propagated } = tried;
+        let noise = &self.noise[slot.runner.window.record];
+        let records = &self.sources.records;
+        let mut runner = Runner::new(records, compiled, slot.runner.window, noise, slot.scales.len())?;
+        let mut columns = Vec::with_capacity(secants.len());
+        for of_trial in secants.chunk_by(|a, b| a.from == b.from) {
+            let mapped = *propagated && of_trial.len() == *amplitudes && slot.runner.trajectory.is_mapped();
+            let by_amplitudes = if mapped {
+                let values: Vec<f64> = theta.iter().chain(&of_trial[0].from).copied().collect();
+                slot.runner.by_amplitudes(&mut runner, &values, *amplitudes).unwrap_or(None)
+            } else {
+                None
+            };
+            match by_amplitudes {
+                Some(all) => columns.extend(all.into_iter().map(Ok)),
+                None => columns.extend(of_trial.iter().map(|s| {
+                    by_samples(&slot.runner, &mut runner, compiled, theta, s)
+                        .map_or_else(|| column(&mut runner, compiled, theta, point, s), Ok)
+                })),
+            }
+        }
+        Ok(columns)
+    }
+}
+
+/// The normal equations of a window, with the columns of candidates that could not be simulated, by place, and why.
+struct InWindow {
+    normal: Normal,
+    failed: Vec<(usize, String)>,
 }
 
 /// A secant of a delay or a lag of inputs in natural units, to first order in the change of the inputs; none of anything else, or

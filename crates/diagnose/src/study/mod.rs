@@ -15,6 +15,7 @@ mod predictor;
 mod runner;
 mod sensitivity;
 mod signal_path;
+mod step;
 mod time_scale;
 mod tracked;
 mod trajectory;

@@ -8,6 +8,7 @@ use super::runner::{Failure, Runner};
 use super::unknown::is_natural_constant;
 use super::window::{Window, WindowLength, cut, longest_window, stretches};
 use crate::effect::Effect;
+use crate::effort::Counter;
 use crate::error::DiagnoseError;
 use crate::record::Record;
 use crate::settings::StudySettings;
@@ -38,13 +39,23 @@ impl Study {
     /// # Errors
     /// [`DiagnoseError`] for no data, data of another model, or too few samples.
     pub fn new(system: &System, records: &[Record], settings: &StudySettings) -> Result<Self, DiagnoseError> {
+        Self::counted(system, records, settings, &Counter::default())
+    }
+
+    /// As [`Study::new`], with its effort counted beside that of others.
+    pub(crate) fn counted(
+        system: &System,
+        records: &[Record],
+        settings: &StudySettings,
+        counter: &Counter,
+    ) -> Result<Self, DiagnoseError> {
         check(system, records, settings)?;
         let guesses = records.iter().map(|r| Guess::new(system, r, settings.windows.fewest_samples)).collect();
         let noise = records.iter().map(|r| r.measured.iter().map(|m| m.noise).collect()).collect();
         let study = Self {
             parameters: refitted(system, &settings.fixed),
             system: system.clone(),
-            sources: Arc::new(Sources::new(records)),
+            sources: Arc::new(Sources::new(records, counter)),
             settings: settings.clone(),
             windows: Vec::new(),
             lengths: Vec::new(),
@@ -64,6 +75,11 @@ impl Study {
             return Err(self.too_short());
         }
         Ok(Self { windows, ..self.clone() })
+    }
+
+    /// What counts its effort.
+    pub(crate) fn counter(&self) -> &Counter {
+        &self.sources.counter
     }
 
     /// The windows.
@@ -97,7 +113,18 @@ impl Study {
     /// # Errors
     /// [`DiagnoseError`] for an effect that does not fit the model, or if no window can be simulated.
     pub fn fit(&self, effects: &[Effect], windows: &[usize], start: Option<&Fit>) -> Result<Fit, DiagnoseError> {
-        Ok(self.fit_with_normals(effects, windows, start)?.0)
+        Ok(self.fit_with_normals(effects, windows, start, f64::INFINITY)?.0)
+    }
+
+    /// As [`Study::fit`], ended early where its sum of squares will not come down to `reach`.
+    pub(crate) fn fit_toward(
+        &self,
+        effects: &[Effect],
+        windows: &[usize],
+        start: &Fit,
+        reach: f64,
+    ) -> Result<Fit, DiagnoseError> {
+        Ok(self.fit_with_normals(effects, windows, Some(start), reach)?.0)
     }
 
     /// As [`Study::fit`], with the normal equations at the solution and the weights of the priors, in scaled units.
@@ -106,7 +133,9 @@ impl Study {
         effects: &[Effect],
         windows: &[usize],
         start: Option<&Fit>,
+        reach: f64,
     ) -> Result<(Fit, Vec<Normal>, Vec<f64>), DiagnoseError> {
+        self.counter().fit();
         let compiled = self.compiled(effects)?;
         let theta: Vec<f64> = compiled
             .unknowns
@@ -118,7 +147,7 @@ impl Study {
         let share = if compiled.unknowns.is_empty() { solver.settled_share } else { solver.rough_share };
         settle_all(&mut slots, &compiled, &theta, share);
         self.some_window(&slots)?;
-        let solution = solve(&mut slots, &compiled, &theta, self.settings.iterations);
+        let solution = solve(&mut slots, &compiled, &theta, (self.settings.iterations, reach));
         self.some_window(&slots)?;
         let values = compiled
             .unknowns

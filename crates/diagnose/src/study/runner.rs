@@ -223,7 +223,9 @@ impl<'a> Runner<'a> {
         if self.compiled.differentiable {
             self.stepper.follow(std::mem::take(&mut self.trajectory.path));
         }
+        let before = self.stepper.statistics();
         let simulated = self.run(theta, x0, out);
+        self.compiled.counter.simulation(before, self.stepper.statistics());
         if self.compiled.differentiable {
             self.trajectory.path = self.stepper.take_path();
             self.trajectory.of = simulated.is_ok().then(|| (theta.to_vec(), x0.to_vec()));

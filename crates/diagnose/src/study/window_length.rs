@@ -51,7 +51,7 @@ fn choose(study: &Study, effects: &[Effect], start: Option<&Fit>) -> Result<(Stu
     for (i, &seconds) in lengths.iter().rev().enumerate() {
         let trial = study.with_windows(seconds)?;
         let all: Vec<usize> = (0..trial.windows.len()).collect();
-        let (fit, normals, prior) = match trial.fit_with_normals(effects, &all, start.as_ref()) {
+        let (fit, normals, prior) = match trial.fit_with_normals(effects, &all, start.as_ref(), f64::INFINITY) {
             Ok(all) => all,
             // Another length may do.
             Err(DiagnoseError::NoWindow { .. }) if i < last || !tried.is_empty() => continue,

@@ -28,7 +28,8 @@ pub(super) fn curved_where_better(
         return Ok(None);
     }
     let length = window_length(study);
-    let study = Study::new(system, &records, &StudySettings { window: length, ..settings.study.clone() })?;
+    let of = StudySettings { window: length, ..settings.study.clone() };
+    let study = Study::counted(system, &records, &of, study.counter())?;
     let windows: Vec<usize> = explanation.fit.windows.iter().map(|w| w.window).collect();
     let start = explanation.fit.without_windows();
     let Ok(fit) = study.fit(&explanation.fit.effects, &windows, Some(&start)) else { return Ok(None) };

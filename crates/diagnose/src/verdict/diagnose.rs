@@ -13,6 +13,7 @@ use super::motion::{driven, still, uninformative};
 use super::noise::Scatter;
 use super::places::{Places, places};
 use super::proven::drop_unproven;
+use super::refused::{drop_refused, over_all_windows};
 use super::repeats::{Distinct, distinct};
 use super::rivals::rivals;
 use super::scale::{factors, rescaled};
@@ -23,6 +24,7 @@ use super::units::other_units;
 use super::unnamed::unnamed;
 use super::validation::mispredicted;
 use super::{periods, scale, write};
+use crate::effort::Counter;
 use crate::library::{candidates, dictionary};
 use crate::report::{Caveat, Fits, Note};
 use crate::settings::{SearchSettings, Settings};
@@ -50,7 +52,12 @@ pub fn diagnose(
         let name = "the number of causes that are named together (--max-causes)";
         return Err(DiagnoseError::Setting { name, value: 0.0, requirement: "at least 1" });
     }
-    examined(system, distinct(records, validate), true, settings, started, progress)
+    let counter = Counter::default();
+    let data = distinct(records, validate);
+    let mut report = examined(system, data, true, settings, &counter, progress)?;
+    report.effort = counter.effort();
+    report.seconds = started.elapsed().as_secs_f64();
+    Ok(report)
 }
 
 /// The diagnosis of records of which each is there once. Where inputs go on along straight `lines` between their samples and curves
@@ -60,7 +67,7 @@ fn examined(
     data: Distinct,
     lines: bool,
     settings: &Settings,
-    started: Instant,
+    counter: &Counter,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
     progress(Stage::Refit);
@@ -69,11 +76,11 @@ fn examined(
     // What another model suggests may be in the library already.
     let more = settings.candidates.iter().filter(|c| library.iter().all(|known| known.change != c.change));
     library.extend(more.cloned().collect::<Vec<_>>());
-    let first = Study::new(system, &records, &settings.study)?;
+    let first = Study::counted(system, &records, &settings.study, counter)?;
     first.check_window()?;
     first.check_time_scale()?;
     if still(&records, settings.verdict.alarm.motion_spread).1 {
-        return Ok(Report { notes, ..uninformative(system, &records, started) });
+        return Ok(Report { notes, ..uninformative(system, &records) });
     }
     let (shorter, weighed);
     let mut study = &first;
@@ -82,7 +89,7 @@ fn examined(
         progress(Stage::Refit);
         notes.extend(scale::notes(&records, &factors, settings.verdict.alarm.noise_off));
         (records, validate) = (rescaled(&records, &factors), rescaled(&validate, &factors));
-        weighed = Study::new(system, &records, &settings.study)?;
+        weighed = Study::counted(system, &records, &settings.study, counter)?;
         study = &weighed;
         attempt = Attempt::new(study, None, &library, settings, progress)?;
     }
@@ -100,13 +107,14 @@ fn examined(
     if lines && let Some((better, note)) = curved_where_better(system, search.study, &selection.chosen, settings)? {
         notes.push(note);
         let data = Distinct { records: better, validate: curved(system, &validate, &settings.verdict.signals), notes };
-        return examined(system, data, false, settings, started, progress);
+        return examined(system, data, false, settings, counter, progress);
     }
     let validate = validate.as_slice();
     let Selection { chosen, scatter, tests, screened } = selection;
     let mut alarm = base.alarm.p_value.min(screened);
-    let chosen = Chosen { explanation: chosen, scatter, tests, rivals: Vec::new(), refuted: None };
-    let Chosen { explanation: mut chosen, scatter, tests, rivals, refuted } = if alarm < settings.significance {
+    let chosen = Chosen { explanation: chosen, scatter, tests, rivals: Vec::new(), refuted: None, refused: None };
+    let Chosen { explanation: mut chosen, scatter, tests, rivals, refuted, refused } = if alarm < settings.significance
+    {
         weigh(system, &mut search, &base, chosen, settings, progress)?
     } else {
         chosen
@@ -118,11 +126,15 @@ fn examined(
     if search.windows.len() < search.study.windows().len() {
         let every: Vec<usize> = (0..search.study.windows().len()).collect();
         base.fit = search.study.fit(&[], &every, Some(&base.fit))?;
-        chosen.fit = search.study.fit(&chosen.fit.effects, &every, Some(&chosen.fit))?;
+        chosen.fit = over_all_windows(&search, &chosen)?;
     }
-    let ending = if alarm < settings.significance { ending(&base, &chosen, refuted, settings) } else { Ending::Quiet };
+    let ending = if alarm < settings.significance {
+        ending(&base, &chosen, (refuted, refused), settings)
+    } else {
+        Ending::Quiet
+    };
     let findings = Findings { base, chosen, rivals, scatter, tests, alarm, ending };
-    let mut report = written(system, &mut search, &findings, validate, settings, started, progress)?;
+    let mut report = written(system, &mut search, &findings, validate, settings, progress)?;
     report.notes.extend(notes);
     // What failed since was not the model's fault.
     if system.pool.stop_flag().is_raised() {
@@ -140,6 +152,8 @@ struct Chosen {
     rivals: Vec<Rivals>,
     /// Share of the excess that was explained by what held-out data did not bear out, if nothing else is left.
     refuted: Option<f64>,
+    /// The same of causes that were significant and must not be named.
+    refused: Option<f64>,
 }
 
 /// Weighs an explanation after an alarm: terms without a name take its place where they say the same more simply, rivals the
@@ -181,7 +195,13 @@ fn weigh(
     }
     now.refuted = now.explanation.members.is_empty().then(|| share(base, &best));
     // Each round leaves fewer causes.
-    while drop_unproven(search, &mut now.explanation, &now.scatter, now.tests, settings) {
+    loop {
+        let before = now.explanation.clone();
+        let unproven = drop_unproven(search, &mut now.explanation, &now.scatter, now.tests, settings);
+        if !unproven && !drop_refused(search, &mut now.explanation, &now.scatter, settings)? {
+            break;
+        }
+        now.refused = (!unproven && now.explanation.members.is_empty()).then(|| share(base, &before));
         now.rivals = compare(search, &mut now.explanation)?;
     }
     Ok(now)
@@ -212,10 +232,9 @@ fn written(
     findings: &Findings,
     validate: &[Record],
     settings: &Settings,
-    started: Instant,
     progress: &mut dyn FnMut(Stage),
 ) -> Result<Report, DiagnoseError> {
-    let mut report = write::report(system, search, findings, settings, started);
+    let mut report = write::report(system, search, findings, settings);
     if report.verdict != Verdict::NothingFound {
         let records = search.study.records();
         let Places { motion, regimes, over_time } = places(system, records, &findings.base.fit, settings)?;
@@ -230,7 +249,6 @@ fn written(
     report.complete(search.study, fits, validate, settings)?;
     report.withdraw_if_refuted();
     add_caveats(&mut report, system, search, findings, validate, settings)?;
-    report.seconds = started.elapsed().as_secs_f64();
     Ok(report)
 }
 
@@ -352,10 +370,18 @@ fn share(base: &Explanation, chosen: &Explanation) -> f64 {
 }
 
 /// How well an explanation does after an alarm; `refuted` is the share of one that held-out data did not bear out.
-fn ending(base: &Explanation, chosen: &Explanation, refuted: Option<f64>, settings: &Settings) -> Ending {
+fn ending(
+    base: &Explanation,
+    chosen: &Explanation,
+    (refuted, refused): (Option<f64>, Option<f64>),
+    settings: &Settings,
+) -> Ending {
     let share = share(base, chosen);
     if chosen.members.is_empty() {
-        if base.alarm.size < settings.verdict.search.near_noise {
+        // Something is there, however small: it was significant.
+        if let Some(share) = refused {
+            Ending::Unexplained(share)
+        } else if base.alarm.size < settings.verdict.search.near_noise {
             Ending::Correlated
         } else {
             refuted.map_or(Ending::Unexplained(0.0), Ending::Refuted)

@@ -30,7 +30,8 @@ pub(super) fn other_hold(
     }
     let Some((records, hold)) = with_other_hold(system, search.study.records()) else { return Ok(None) };
     let length = window_length(search.study);
-    let study = Study::new(system, &records, &StudySettings { window: length, ..settings.study.clone() })?;
+    let of = StudySettings { window: length, ..settings.study.clone() };
+    let study = Study::counted(system, &records, &of, search.study.counter())?;
     let start = findings.base.fit.without_windows();
     let fit = study.fit(&[], &thinned(study.windows().len(), settings.verdict.search.most_windows), Some(&start))?;
     let alarm = Alarm::of(&fit.windows, system.states.len(), fit.values.len(), &settings.verdict.alarm);

@@ -14,6 +14,7 @@ mod places;
 mod precedence;
 mod proven;
 mod ranking;
+mod refused;
 mod repeats;
 mod rivals;
 mod scale;

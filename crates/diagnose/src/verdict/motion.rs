@@ -1,12 +1,10 @@
 //! Whether data hold any motion.
 
-use std::time::Instant;
-
 use bracketry_system::System;
 
 use crate::report::{Evidence, NoMotion, Outcome, Reason};
 use crate::statistics::quantile;
-use crate::{Measured, Record, Report, Verdict};
+use crate::{Effort, Measured, Record, Report, Verdict};
 
 /// Nine tenths of a normal variable lie within this many standard deviations around its mean, to both sides.
 const NINE_TENTHS: f64 = 1.645;
@@ -31,7 +29,7 @@ pub(super) fn driven(records: &[Record]) -> bool {
 }
 
 /// The report on records in which nothing moves: no fit, since it would only give the prior back, or what a dead sensor feigns.
-pub(super) fn uninformative(system: &System, records: &[Record], started: Instant) -> Report {
+pub(super) fn uninformative(system: &System, records: &[Record]) -> Report {
     let no_motion = match (records.iter().any(|r| !r.inputs.is_empty()), driven(records)) {
         (false, _) => NoMotion::NoInputs,
         (true, false) => NoMotion::StillInputs,
@@ -51,7 +49,8 @@ pub(super) fn uninformative(system: &System, records: &[Record], started: Instan
         excess: None,
         candidates: Vec::new(),
         notes: Vec::new(),
-        seconds: started.elapsed().as_secs_f64(),
+        effort: Effort::default(),
+        seconds: 0.0,
         data: Vec::new(),
         evidence: Evidence::default(),
     }

@@ -35,6 +35,7 @@ pub(super) fn drop_unproven(
     let mut dropped = false;
     loop {
         let mut least: Option<(f64, Explanation)> = None;
+        search.without_each(chosen);
         for member in chosen.members.clone() {
             let Some((gained, p_value, rest)) = worth(search, chosen, member, scatter, tests) else { continue };
             let times = if chosen.alarm.p_value < settings.significance { settings.verdict.naming.sure } else { 1.0 };

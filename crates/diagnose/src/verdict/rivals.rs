@@ -3,12 +3,12 @@
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
-use super::explanation::Explanation;
+use super::explanation::{Explanation, Promise};
 use super::findings::Rivals;
 use super::held_out::UnseenWindows;
 use super::noise::Scatter;
 use super::search::Search;
-use super::select::{add, merit};
+use super::select::{add_all, merit};
 use crate::DiagnoseError;
 use crate::settings::VerdictSettings;
 
@@ -40,12 +40,14 @@ pub(crate) fn rivals(
             search.singles(&linearized).iter().map(|p| (p.candidates[0], p.square)).collect();
         let structured = chosen.alarm.p_value < significance && chosen.alarm.size < limits.near_noise;
         let inexact = search.base().map_or(0.0, |b| limits.inexact * b.alarm.excess());
-        let mut all = Vec::new();
-        for member in chosen.members.clone() {
-            let Some(rest) = search.without(chosen, member) else {
-                all.push(Vec::new());
-                continue;
-            };
+        let mut all = vec![Vec::new(); chosen.members.len()];
+        // What is least sure of its place first: if another takes it, all comparisons of the other members begin anew.
+        for (turn, place) in by_certainty(search, chosen).into_iter().enumerate() {
+            let member = chosen.members[place];
+            if turn == 1 {
+                search.without_each(chosen);
+            }
+            let Some(rest) = search.without(chosen, member) else { continue };
             let found = of_one(search, chosen, &rest, member, scatter, among)?;
             let little = least_share * (rest.square() - chosen.square());
             let limit = chosen.square() + settings.margin * scatter.unit();
@@ -88,10 +90,18 @@ pub(crate) fn rivals(
                 swaps += 1;
                 continue 'retry;
             }
-            all.push(near);
+            all[place] = near;
         }
         return Ok(all);
     }
+}
+
+/// The places of the members, that of the least certain first: by the squares of amplitudes over standard deviations.
+fn by_certainty(search: &Search<'_>, explanation: &Explanation) -> Vec<usize> {
+    let certainty = |&place: &usize| explanation.expected_cost(&search.candidates[explanation.members[place]]);
+    let mut places: Vec<usize> = (0..explanation.members.len()).collect();
+    places.sort_by(|a, b| certainty(a).total_cmp(&certainty(b)));
+    places
 }
 
 /// Whether `full` takes away less than this share of the excess that `plain` leaves.
@@ -116,12 +126,11 @@ fn of_one(
     let told = if whole { exact } else { own.min(exact) };
     let settings = &search.settings.rivals;
     let needed = settings.underrated * told - settings.margin * scatter.unit();
-    let mut found = Vec::new();
+    let mut found = Rivals::new();
     let near = promises.iter().filter(|p| p.candidates != [member] && p.square >= needed);
-    for promise in near.take(settings.most_fits) {
-        if let Some(explanation) = add(search, rest, promise) {
-            found.push((promise.candidates[0], explanation));
-        }
+    let near: Vec<&Promise> = near.take(settings.most_fits).collect();
+    for (promise, explanation) in near.iter().zip(add_all(search, rest, near.iter().copied())) {
+        found.extend(explanation.map(|explanation| (promise.candidates[0], explanation)));
     }
     found.sort_by(|a, b| a.1.square().total_cmp(&b.1.square()));
     Ok(found)

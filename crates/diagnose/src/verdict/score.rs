@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::{Column, Linearization};
+use crate::{Column, Linearization, Normal};
 
 /// Share of a column's response that must be left after the refitted parameters have taken what they can: the square of the
 /// sine of its angle to them. Below, it is the rounding of finite differences.
@@ -44,54 +44,92 @@ pub(crate) struct Scores {
     pub(crate) gram: DMatrix<f64>,
     /// Sum over windows.
     pub(crate) gradient: DVector<f64>,
-    /// Per window.
-    windows: Vec<(DMatrix<f64>, DVector<f64>)>,
+    /// Per window: the diagonal of the matrix, and the gradient.
+    windows: Vec<(DVector<f64>, DVector<f64>)>,
     /// Whether the data can tell the column from the fitted ones.
     identifiable: Vec<bool>,
 }
 
-impl Scores {
-    pub(crate) fn new(linearization: &Linearization) -> Self {
-        let is_base = |c: &Column| !matches!(c, Column::Candidate { .. });
-        let all = &linearization.columns;
-        let base: Vec<usize> = (0..all.len()).filter(|&i| is_base(&all[i])).collect();
-        let columns: Vec<usize> = (0..all.len()).filter(|&i| !is_base(&all[i])).collect();
+/// The normal equations of windows, added up, with what is read of each window by itself.
+#[derive(Default)]
+pub(crate) struct Sums {
+    /// Places of the fitted columns and of those of candidates.
+    base: Vec<usize>,
+    columns: Vec<usize>,
+    gram: DMatrix<f64>,
+    windows: Vec<OfWindow>,
+}
+
+/// What is read of one window.
+struct OfWindow {
+    /// `G_BB`, `G_CB` and the diagonal of `G_CC`.
+    base: DMatrix<f64>,
+    cross: DMatrix<f64>,
+    own: DVector<f64>,
+    /// `g_B` and `g_C`.
+    base_gradient: DVector<f64>,
+    gradient: DVector<f64>,
+}
+
+impl Sums {
+    /// Adds a window.
+    pub(crate) fn add(&mut self, all: &[Column], normal: &Normal) {
+        if self.windows.is_empty() {
+            let is_candidate = |&i: &usize| matches!(all[i], Column::Candidate { .. });
+            (self.columns, self.base) = (0..all.len()).partition(is_candidate);
+            self.gram = DMatrix::zeros(all.len(), all.len());
+        }
+        let (base, columns) = (&self.base, &self.columns);
+        self.windows.push(OfWindow {
+            base: pick(&normal.gram, base, base),
+            cross: pick(&normal.gram, columns, base),
+            own: DVector::from_iterator(columns.len(), columns.iter().map(|&c| normal.gram[(c, c)])),
+            base_gradient: pick_vector(&normal.gradient, base),
+            gradient: pick_vector(&normal.gradient, columns),
+        });
+        self.gram += &normal.gram;
+    }
+
+    /// The scores, with the columns and priors of `linearization`.
+    pub(crate) fn scores(self, linearization: &Linearization) -> Scores {
+        let Self { base, columns, gram: all, windows } = self;
         let (nb, nc) = (base.len(), columns.len());
-        let mut gram_bb = DMatrix::zeros(nb, nb);
-        let mut gram_cb = DMatrix::zeros(nc, nb);
-        let mut own = DVector::zeros(nc);
-        for normal in &linearization.windows {
-            gram_bb += pick(&normal.gram, &base, &base);
-            gram_cb += pick(&normal.gram, &columns, &base);
-            own += DVector::from_iterator(nc, columns.iter().map(|&c| normal.gram[(c, c)]));
-        }
+        let cross = pick(&all, &columns, &base);
+        let mut of_base = pick(&all, &base, &base);
         for (i, &b) in base.iter().enumerate() {
-            gram_bb[(i, i)] += linearization.prior[b];
+            of_base[(i, i)] += linearization.prior[b];
         }
-        let follow = solve_all(&gram_bb, &gram_cb.transpose()).transpose();
-        let mut windows = Vec::with_capacity(linearization.windows.len());
-        let mut gram = DMatrix::zeros(nc, nc);
-        let mut gradient = DVector::zeros(nc);
-        for normal in &linearization.windows {
-            let bb = pick(&normal.gram, &base, &base);
-            let cb = pick(&normal.gram, &columns, &base);
-            let cross = &cb * follow.transpose();
-            let h =
-                pick(&normal.gram, &columns, &columns) - &cross - cross.transpose() + &follow * bb * follow.transpose();
-            let g_c = DVector::from_iterator(nc, columns.iter().map(|&c| normal.gradient[c]));
-            let g_b = DVector::from_iterator(nb, base.iter().map(|&b| normal.gradient[b]));
-            let g = g_c - &follow * g_b;
-            gram += &h;
-            gradient += &g;
-            windows.push((h, g));
-        }
-        let prior = DVector::from_iterator(nb, base.iter().map(|&b| linearization.prior[b]));
+        let follow = solve_all(&of_base, &cross.transpose()).transpose();
+        let back = &cross * follow.transpose();
+        let gram = pick(&all, &columns, &columns) - &back - back.transpose() + &follow * &of_base * follow.transpose();
         let pull = DVector::from_iterator(nb, base.iter().map(|&b| linearization.prior[b] * linearization.pull[b]));
-        gram += &follow * DMatrix::from_diagonal(&prior) * follow.transpose();
-        gradient -= &follow * pull;
-        let identifiable =
-            (0..nc).map(|c| own[c] > 0.0 && own[c].is_finite() && gram[(c, c)] > LEAST_ANGLE * own[c]).collect();
-        Self { groups: groups(all, &columns), columns, gram, gradient, windows, identifiable }
+        let mut gradient = -(&follow * pull);
+        let windows: Vec<_> = windows
+            .into_iter()
+            .map(|window| {
+                let own = window.gradient - &follow * window.base_gradient;
+                gradient += &own;
+                // The diagonal of H: A (A G_BB − 2 G_CB)ᵀ beside that of G_CC.
+                let moved = &follow * window.base - 2.0 * window.cross;
+                (window.own + DVector::from_fn(nc, |c, _| follow.row(c).dot(&moved.row(c))), own)
+            })
+            .collect();
+        let identifiable = (0..nc)
+            .map(|c| all[(columns[c], columns[c])])
+            .enumerate()
+            .map(|(c, own)| own > 0.0 && own.is_finite() && gram[(c, c)] > LEAST_ANGLE * own)
+            .collect();
+        Scores { groups: groups(&linearization.columns, &columns), columns, gram, gradient, windows, identifiable }
+    }
+}
+
+impl Scores {
+    /// Of windows that a linearization holds.
+    #[cfg(test)]
+    pub(crate) fn new(linearization: &Linearization) -> Self {
+        let mut sums = Sums::default();
+        linearization.windows.iter().for_each(|normal| sums.add(&linearization.columns, normal));
+        sums.scores(linearization)
     }
 
     /// Number of windows.
@@ -159,7 +197,7 @@ impl Scores {
         let mut sum = 0.0;
         for &c in &used {
             let step = self.gradient[c] / self.gram[(c, c)];
-            let scatter: f64 = self.windows.iter().map(|(h, g)| (g[c] - h[(c, c)] * step).powi(2)).sum();
+            let scatter: f64 = self.windows.iter().map(|(h, g)| (g[c] - h[c] * step).powi(2)).sum();
             sum += scatter / self.gram[(c, c)] * windows / (windows - 1.0);
         }
         let mut correlation_square = 0.0;

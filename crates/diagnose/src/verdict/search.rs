@@ -1,16 +1,17 @@
 //! Exact fits of sets of candidates, and which to make.
 
-use std::collections::HashMap;
-use std::rc::Rc;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 use super::alarm::Alarm;
 use super::explanation::{Explanation, Promise};
-use super::score::{Group, Scores};
+use super::score::{Group, Scores, Sums};
 use crate::settings::VerdictSettings;
 use crate::statistics::extremes;
-use crate::{Cause, Change, DiagnoseError, Effect, Estimate, Fit, Linearization, Path, Role, Study};
+use crate::{Cause, Change, Column, DiagnoseError, Effect, Estimate, Fit, Linearization, Normal, Path, Role, Study};
 
 /// What a pair of groups gains, the groups' places, and the step.
 type PairGain = (f64, usize, usize, DVector<f64>);
@@ -24,7 +25,18 @@ pub(crate) struct Search<'a> {
     /// Initial values per window.
     initial: usize,
     known: HashMap<Vec<usize>, Option<Explanation>>,
-    linearized: HashMap<Vec<usize>, Rc<Linearized>>,
+    /// From where sets were fitted: another fit from there would be the same.
+    started: HashSet<Start>,
+    linearized: HashMap<Vec<usize>, Arc<Linearized>>,
+}
+
+/// A set, and the values from which it was fitted, by their bits.
+type Start = (Vec<usize>, Vec<u64>);
+
+/// A set of candidates to be fitted, and the values from which those that are new start.
+pub(crate) struct Wanted {
+    pub(crate) members: Vec<usize>,
+    pub(crate) start: Vec<(String, f64)>,
 }
 
 /// The linearized problem around an explanation.
@@ -46,7 +58,16 @@ impl<'a> Search<'a> {
         settings: &'a VerdictSettings,
     ) -> Self {
         let initial = study.system().states.len();
-        Self { study, candidates, windows, settings, initial, known: HashMap::new(), linearized: HashMap::new() }
+        Self {
+            study,
+            candidates,
+            windows,
+            settings,
+            initial,
+            known: HashMap::new(),
+            started: HashSet::new(),
+            linearized: HashMap::new(),
+        }
     }
 
     /// Adds candidates; returns their places.
@@ -70,24 +91,53 @@ impl<'a> Search<'a> {
 
     /// The exact fit of `members`, started from `near` and the given values; `None` where it cannot be made.
     pub(crate) fn explain(&mut self, members: &[usize], near: &Fit, start: &[(String, f64)]) -> Option<Explanation> {
-        let mut key = members.to_vec();
-        key.sort_unstable();
-        if let Some(known) = self.known.get(&key) {
-            return known.clone();
+        let start = start.to_vec();
+        self.explain_all(near, &[Wanted { members: members.to_vec(), start }]).pop().flatten()
+    }
+
+    /// As [`Self::explain`] of several sets from one fit, side by side.
+    pub(crate) fn explain_all(&mut self, near: &Fit, attempts: &[Wanted]) -> Vec<Option<Explanation>> {
+        let mut new: Vec<(Vec<usize>, &Wanted)> = Vec::new();
+        for attempt in attempts {
+            let key = sorted(&attempt.members);
+            if !self.known.contains_key(&key) && new.iter().all(|(other, _)| *other != key) {
+                new.push((key, attempt));
+            }
         }
+        let this = &*self;
+        let found: Vec<Option<Explanation>> =
+            new.par_iter().map(|(_, attempt)| this.exact_fit(&attempt.members, near, &attempt.start)).collect();
+        for ((key, wanted), found) in new.into_iter().zip(found) {
+            if wanted.start.is_empty() {
+                self.started.insert((key.clone(), bits(near)));
+            }
+            self.known.insert(key, found);
+        }
+        attempts.iter().map(|attempt| self.known.get(&sorted(&attempt.members)).cloned().flatten()).collect()
+    }
+
+    /// The best exact fit of `members` from the given values, and from parameters back at their nominal values.
+    fn exact_fit(&self, members: &[usize], near: &Fit, start: &[(String, f64)]) -> Option<Explanation> {
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
         let initial = started(near.clone(), start);
         let refitted = returned(&initial, &effects, self.settings.search.far_parameter)
             .and_then(|b| self.study.fit(&effects, &self.windows, Some(&b)).ok());
-        let found = self
-            .fit_from(&effects, initial, near, start)
+        self.fit_from(&effects, initial, near, start)
             .into_iter()
             .chain(refitted)
             .map(|fit| self.judge(members.to_vec(), fit))
             .filter(|e| self.admissible(e))
-            .min_by(|a, b| a.square().total_cmp(&b.square()));
-        self.known.insert(key, found.clone());
-        found
+            .min_by(|a, b| a.square().total_cmp(&b.square()))
+    }
+
+    /// Fits the explanation without each of its members in turn, side by side, for [`Self::without`].
+    pub(crate) fn without_each(&mut self, explanation: &Explanation) {
+        let rest = |&member: &usize| Wanted {
+            members: explanation.members.iter().copied().filter(|&m| m != member).collect(),
+            start: Vec::new(),
+        };
+        let attempts: Vec<Wanted> = explanation.members.iter().map(rest).collect();
+        self.explain_all(&explanation.fit, &attempts);
     }
 
     /// The explanation without one of its members. Where that costs far more than the member's amplitude can, the fit without it
@@ -108,6 +158,10 @@ impl<'a> Search<'a> {
 
     /// The exact fit of `members` started from `initial`, or what is known of them already if that is better.
     pub(crate) fn refit(&mut self, mut members: Vec<usize>, initial: &Fit) -> Option<Explanation> {
+        let key = sorted(&members);
+        if !self.started.insert((key.clone(), bits(initial))) {
+            return self.known.get(&key).cloned().flatten();
+        }
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
         let fit = self.study.fit(&effects, &self.windows, Some(initial)).ok();
         let found = fit.map(|fit| self.judge(members.clone(), fit)).filter(|e| self.admissible(e));
@@ -131,7 +185,11 @@ impl<'a> Search<'a> {
     /// The fit of `effects` from `initial`. What has more coefficients than `near` can leave no larger residual: where it does, the
     /// values that were added (`start`) mislead, and the fit restarts with smaller amplitudes.
     fn fit_from(&self, effects: &[Effect], mut initial: Fit, near: &Fit, start: &[(String, f64)]) -> Option<Fit> {
-        let mut best = self.study.fit(effects, &self.windows, Some(&initial)).ok();
+        // Above the residual of `near` there is nothing to be found.
+        let reach =
+            if start.is_empty() || near.windows.len() < self.windows.len() { f64::INFINITY } else { near.square() };
+        let fit = |initial: &Fit| self.study.fit_toward(effects, &self.windows, initial, reach).ok();
+        let mut best = fit(&initial);
         for _ in 0..self.settings.search.most_returns {
             let astray = best.as_ref().is_none_or(|fit| fit.square() > near.square());
             if start.is_empty() || !astray {
@@ -143,7 +201,7 @@ impl<'a> Search<'a> {
                     e.value = c.nominal + self.settings.search.nearer * (e.value - c.nominal);
                 }
             }
-            let refitted = self.study.fit(effects, &self.windows, Some(&initial)).ok();
+            let refitted = fit(&initial);
             if refitted.as_ref().is_some_and(|a| best.as_ref().is_none_or(|b| a.square() < b.square())) {
                 best = refitted;
             }
@@ -179,8 +237,10 @@ impl<'a> Search<'a> {
         high - low
     }
 
-    fn judge(&self, members: Vec<usize>, fit: Fit) -> Explanation {
+    /// Judges a fit by its residuals, which are not kept: nothing reads them again.
+    fn judge(&self, members: Vec<usize>, mut fit: Fit) -> Explanation {
         let alarm = Alarm::of(&fit.windows, self.initial, fit.values.len(), &self.settings.alarm);
+        fit.windows.iter_mut().for_each(|window| window.residuals = Vec::new());
         let coefficients = members.iter().map(|&m| self.candidates[m].coefficients.len()).sum();
         let physical = members.iter().all(|&m| {
             self.candidates[m].coefficients.iter().all(|c| {
@@ -196,19 +256,31 @@ impl<'a> Search<'a> {
         &mut self,
         explanation: &Explanation,
         among: &[usize],
-    ) -> Result<Rc<Linearized>, DiagnoseError> {
+    ) -> Result<Arc<Linearized>, DiagnoseError> {
         let others: Vec<usize> = among.iter().copied().filter(|c| !explanation.members.contains(c)).collect();
         let mut key = explanation.members.clone();
         key.sort_unstable();
         if let Some(linearized) = self.linearized.get(&key).filter(|a| a.others == others) {
-            return Ok(Rc::clone(linearized));
+            return Ok(Arc::clone(linearized));
         }
-        let effects: Vec<Effect> = others.iter().map(|&c| self.candidates[c].clone()).collect();
-        let linearization = self.study.linearize(&explanation.fit, &effects, &self.windows)?;
-        let scores = Scores::new(&linearization);
-        let linearized = Rc::new(Linearized { linearization, scores, others });
-        self.linearized.insert(key, Rc::clone(&linearized));
+        let linearized = Arc::new(self.linearize(explanation, others, &self.windows)?);
+        self.linearized.insert(key, Arc::clone(&linearized));
         Ok(linearized)
+    }
+
+    /// The problem over some windows, which are added up one after the other.
+    fn linearize(
+        &self,
+        explanation: &Explanation,
+        others: Vec<usize>,
+        windows: &[usize],
+    ) -> Result<Linearized, DiagnoseError> {
+        let effects: Vec<Effect> = others.iter().map(|&c| self.candidates[c].clone()).collect();
+        let mut sums = Sums::default();
+        let add = |columns: &[Column], normal: Normal| sums.add(columns, &normal);
+        let linearization = self.study.linearize_each(&explanation.fit, &effects, windows, add)?;
+        let scores = sums.scores(&linearization);
+        Ok(Linearized { linearization, scores, others })
     }
 
     /// Those of `among` that promise most on a quarter of the windows, at most `count`.
@@ -222,10 +294,7 @@ impl<'a> Search<'a> {
             return Ok(among.to_vec());
         }
         let windows: Vec<usize> = self.windows.iter().copied().step_by(4).collect();
-        let effects: Vec<Effect> = among.iter().map(|&c| self.candidates[c].clone()).collect();
-        let linearization = self.study.linearize(&explanation.fit, &effects, &windows)?;
-        let scores = Scores::new(&linearization);
-        let linearized = Linearized { linearization, scores, others: among.to_vec() };
+        let linearized = self.linearize(explanation, among.to_vec(), &windows)?;
         Ok(self.singles(&linearized).iter().take(count).map(|p| p.candidates[0]).collect())
     }
 
@@ -308,6 +377,18 @@ impl<'a> Search<'a> {
             })
             .collect()
     }
+}
+
+/// The values of a fit, bit by bit.
+fn bits(fit: &Fit) -> Vec<u64> {
+    fit.values.iter().map(|e| e.value.to_bits()).collect()
+}
+
+/// The name under which a set is known.
+fn sorted(members: &[usize]) -> Vec<usize> {
+    let mut key = members.to_vec();
+    key.sort_unstable();
+    key
 }
 
 /// The fit with other values, or more of them, to start from.

@@ -3,7 +3,7 @@
 use super::explanation::{Explanation, Promise};
 use super::noise::Scatter;
 use super::precedence::surprise;
-use super::search::Search;
+use super::search::{Search, Wanted};
 use super::stage::Stage;
 use crate::DiagnoseError;
 use crate::settings::Settings;
@@ -90,30 +90,36 @@ fn attempts(
     let limits = &settings.verdict.selection;
     let mut tried = Vec::new();
     let top = promises.first().map_or(0.0, |p| p.square);
-    for promise in promises.iter().take_while(|p| p.square >= limits.near_best * top).take(limits.most_single_fits) {
-        tried.extend(add(search, current, promise));
-    }
+    let near = promises.iter().take_while(|p| p.square >= limits.near_best * top).take(limits.most_single_fits);
+    tried.extend(add_all(search, current, near).into_iter().flatten());
     tried.extend(search.with_sign_flips(current));
     let reached = tried.iter().min_by(|a, b| a.square().total_cmp(&b.square())).unwrap_or(current).clone();
     if room >= 2 {
         let linearized = search.linearized(current, among)?;
         let scatter = Scatter::of(&reached.alarm);
-        for promise in search.pairs(&linearized, limits.most_pair_fits) {
+        let mut pairs = search.pairs(&linearized, limits.most_pair_fits);
+        pairs.retain(|promise| {
             let more = promise.square - (current.square() - reached.square());
             let added = (current.coefficients + promise.coefficients).saturating_sub(reached.coefficients);
-            if more > 0.0 && scatter.p_value(more, added) * selection.tests.powi(2) < settings.significance {
-                tried.extend(add(search, current, &promise));
-            }
-        }
+            more > 0.0 && scatter.p_value(more, added) * selection.tests.powi(2) < settings.significance
+        });
+        tried.extend(add_all(search, current, &pairs).into_iter().flatten());
     }
     Ok(tried)
 }
 
-/// The exact fit of `current` with a promise added.
-pub(crate) fn add(search: &mut Search<'_>, current: &Explanation, promise: &Promise) -> Option<Explanation> {
-    let mut members = current.members.clone();
-    members.extend(&promise.candidates);
-    search.explain(&members, &current.fit, &promise.start)
+/// The exact fits of `current` with each promise added, side by side.
+pub(crate) fn add_all<'p>(
+    search: &mut Search<'_>,
+    current: &Explanation,
+    promises: impl IntoIterator<Item = &'p Promise>,
+) -> Vec<Option<Explanation>> {
+    let with = |promise: &Promise| Wanted {
+        members: current.members.iter().chain(&promise.candidates).copied().collect(),
+        start: promise.start.clone(),
+    };
+    let attempts: Vec<Wanted> = promises.into_iter().map(with).collect();
+    search.explain_all(&current.fit, &attempts)
 }
 
 /// The best of some explanations, with the scatter around it.
@@ -152,6 +158,7 @@ pub(crate) fn backwards(
 ) {
     while chosen.members.len() > 1 {
         let mut worst: Option<(f64, Explanation)> = None;
+        search.without_each(chosen);
         for &member in &chosen.members {
             let Some(without) = search.without(chosen, member) else { continue };
             let gained = without.square() - chosen.square();

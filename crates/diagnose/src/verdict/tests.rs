@@ -9,8 +9,9 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::alarm::Alarm;
 use super::noise::Scatter;
+use super::refused::may_be_nothing;
 use super::score::Scores;
-use super::write::{physical_name, withhold_uncertain};
+use super::write::{physical_name, withhold_guess, withhold_uncertain};
 use crate::report::NamedCause;
 use crate::settings::{AlarmSettings, NamingSettings};
 use crate::{Cause, Change, Coefficient, Column, Effect, Estimate, Linearization, Normal, Role, WindowFit};
@@ -157,10 +158,10 @@ fn what_stays_the_same_within_windows_is_seen_as_inflation() {
     assert!((2.5..6.5).contains(&inflation), "{inflation}");
 }
 
-#[test]
-fn friction_that_may_vanish_at_rest_loses_its_name() {
-    let coefficient = Coefficient {
-        name: "k".to_owned(),
+/// An effect with amplitudes of these names, each of a dissipation that vanishes at zero.
+fn dissipation(cause: Cause, names: &[&str]) -> Effect {
+    let coefficient = |name: &&str| Coefficient {
+        name: (*name).to_owned(),
         role: Role::Amplitude,
         nominal: 0.0,
         scale: 0.1,
@@ -173,13 +174,34 @@ fn friction_that_may_vanish_at_rest_loses_its_name() {
         unit: "N".to_owned(),
         about: String::new(),
     };
-    let effect = Effect {
-        cause: Cause::StribeckFriction,
+    Effect {
+        cause,
         equation: "v".to_owned(),
         term: "-k*exp(-abs(v))*sign(v)".into(),
-        coefficients: vec![coefficient],
+        coefficients: names.iter().map(coefficient).collect(),
         change: Change::Terms(Vec::new()),
-    };
+    }
+}
+
+#[test]
+fn an_effect_may_be_nothing_if_all_its_intervals_contain_zero() {
+    let mut random = StdRng::seed_from_u64(5);
+    let effect = dissipation(Cause::ViscousFriction, &["k", "l"]);
+    for _ in 0..200 {
+        let [k, l] = std::array::from_fn(|_| {
+            let (low, width) = (random.random_range(-1.0..1.0), random.random_range(0.0..1.0));
+            [low, low + width]
+        });
+        let interval = |name: &str| Some(if name == "k" { k } else { l });
+        assert_eq!(may_be_nothing(&effect, interval), [k, l].iter().all(|[a, b]| a * b <= 0.0), "{k:?} {l:?}");
+        // A value without an interval is not known to be nothing.
+        assert!(!may_be_nothing(&effect, |name| (name == "k").then_some(k)));
+    }
+}
+
+#[test]
+fn friction_that_may_vanish_at_rest_loses_its_name() {
+    let effect = dissipation(Cause::StribeckFriction, &["k"]);
     let name = |value, width| {
         let estimate = Estimate { name: "k".to_owned(), nominal: 0.0, value, std: 0.1 };
         physical_name(&effect, &[&estimate], width, NamingSettings::default().near_no_friction)
@@ -192,9 +214,9 @@ fn friction_that_may_vanish_at_rest_loses_its_name() {
     assert_eq!(name(-0.7, 1.5).0, Cause::UnknownTerm);
 }
 
-#[test]
-fn small_names_beside_large_unknowns_are_withheld() {
-    let cause = |name, share| NamedCause {
+/// A cause that explains this share of what is there without it.
+fn cause(name: Cause, share: f64) -> NamedCause {
+    NamedCause {
         name,
         equation: String::new(),
         term: "".into(),
@@ -205,7 +227,36 @@ fn small_names_beside_large_unknowns_are_withheld() {
         rivals: Vec::new(),
         share: Some(share),
         flags: Vec::new(),
-    };
+    }
+}
+
+#[test]
+fn the_smallest_cause_has_no_name_if_it_is_small_and_of_several_kinds() {
+    let mut random = StdRng::seed_from_u64(6);
+    for _ in 0..100 {
+        let count = random.random_range(1..6);
+        let gained: Vec<f64> = (0..count).map(|_| random.random_range(0.0..2.0)).collect();
+        let confusable: Vec<bool> = (0..count).map(|_| random.random_range(0.0..1.0) < 0.5).collect();
+        let smallest = (0..count).min_by(|&a, &b| gained[a].total_cmp(&gained[b])).unwrap();
+        let mut causes: Vec<NamedCause> = confusable
+            .iter()
+            .map(|&c| NamedCause {
+                confusable_with: vec![Cause::QuadraticDrag; usize::from(c)],
+                ..cause(Cause::Tilt, 0.5)
+            })
+            .collect();
+        withhold_guess(&mut causes, &gained.iter().copied().map(Some).collect::<Vec<_>>(), 1.0);
+        for (i, cause) in causes.iter().enumerate() {
+            let withheld = count > 1 && i == smallest && confusable[i] && gained[i] < 1.0;
+            assert_eq!(cause.name == Cause::UnknownTerm, withheld, "{i}: {gained:?} {confusable:?}");
+            // Its name stays among those that it may have.
+            assert_eq!(cause.confusable_with.contains(&Cause::Tilt), withheld);
+        }
+    }
+}
+
+#[test]
+fn small_names_beside_large_unknowns_are_withheld() {
     let names = |mut causes: Vec<NamedCause>| {
         withhold_uncertain(&mut causes, NamingSettings::default().uncertain_share);
         causes.into_iter().map(|c| (c.name, c.confusable_with)).collect::<Vec<_>>()

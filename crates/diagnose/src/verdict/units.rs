@@ -37,7 +37,8 @@ pub(super) fn other_units(
     }
     let of = StudySettings { window: window_length(search.study), ..settings.study.clone() };
     let records = search.study.records();
-    let plain = Study::new(system, records, &of)?;
+    let study = |records: &[Record]| Study::counted(system, records, &of, search.study.counter());
+    let plain = study(records)?;
     let count = plain.windows().len();
     let windows: Vec<usize> = (0..count).step_by(count.div_ceil(limits.windows).max(1)).collect();
     let states = system.states.len();
@@ -45,7 +46,7 @@ pub(super) fn other_units(
     let mut tried: Vec<(f64, Scaled, Rescaling)> = Vec::new();
     for scaled in scalable(&records[0]) {
         for rescaling in Rescaling::ALL {
-            let study = Study::new(system, &scale(system, records, &scaled, rescaling.factor()), &of)?;
+            let study = study(&scale(system, records, &scaled, rescaling.factor()))?;
             let fits = study.evaluate(&study.nominal(), &windows)?;
             if fits.iter().all(|w| w.count > 0) {
                 tried.push((fits.iter().map(|w| w.square).sum(), scaled.clone(), rescaling));
@@ -54,7 +55,7 @@ pub(super) fn other_units(
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     let Some((square, scaled, rescaling)) = tried.first() else { return Ok(None) };
-    let study = Study::new(system, &scale(system, records, scaled, rescaling.factor()), &of)?;
+    let study = study(&scale(system, records, scaled, rescaling.factor()))?;
     let Ok(fit) = study.fit(&[], &windows, None) else { return Ok(None) };
     let alarm = Alarm::of(&fit.windows, states, fit.values.len(), &settings.verdict.alarm);
     let excess = |alarm: &Alarm| (alarm.square - alarm.floor).max(0.0);

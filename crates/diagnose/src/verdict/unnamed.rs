@@ -3,7 +3,7 @@
 use super::explanation::Explanation;
 use super::noise::Scatter;
 use super::search::Search;
-use super::select::{add, leading, merit};
+use super::select::{add_all, leading, merit};
 use super::stage::Stage;
 use crate::DiagnoseError;
 use crate::settings::Settings;
@@ -37,23 +37,21 @@ pub(crate) fn unnamed(
     let top = promises.first().map_or(0.0, |p| p.square);
     let near = |i: usize, square: f64| i < limits.most_terms_beside || square >= limits.near_best_term * top;
     let best = promises.iter().enumerate().take_while(|(i, p)| near(*i, p.square));
-    for (_, promise) in best.take(limits.most_terms_alone) {
-        tried.extend(add(search, base, promise));
-    }
+    let best = best.take(limits.most_terms_alone).map(|(_, promise)| promise);
+    tried.extend(add_all(search, base, best).into_iter().flatten());
     let alone = tried.iter().map(Explanation::square).fold(base.square(), f64::min);
     if structured {
         let own = limits.least_share * base.alarm.excess();
         let worth = |e: &Explanation, less: f64| e.alarm.p_value >= settings.significance || e.square() < less - own;
         let pairs =
             if settings.max_causes < 2 { Vec::new() } else { search.pairs(&linearized, limits.most_term_pairs) };
-        for promise in pairs {
-            tried.extend(add(search, base, &promise).filter(|e| worth(e, alone)));
-        }
+        let pairs = add_all(search, base, &pairs);
+        tried.extend(pairs.into_iter().flatten().filter(|e| worth(e, alone)));
         if (1..settings.max_causes).contains(&chosen.members.len()) {
             let linearized = search.linearized(chosen, terms)?;
-            for promise in search.singles(&linearized).iter().take(limits.most_terms_beside) {
-                tried.extend(add(search, chosen, promise).filter(|e| worth(e, alone.min(chosen.square()))));
-            }
+            let singles = search.singles(&linearized);
+            let beside = add_all(search, chosen, singles.iter().take(limits.most_terms_beside));
+            tried.extend(beside.into_iter().flatten().filter(|e| worth(e, alone.min(chosen.square()))));
         }
     }
     tried.retain(|e| e.stopped(settings.verdict.search.vanished).next().is_none());

@@ -25,7 +25,7 @@ pub(super) fn mispredicted(
     let mut found = Vec::new();
     for record in validate {
         let length = StudySettings { window: window_length(like), ..settings.study.clone() };
-        let study = Study::new(system, std::slice::from_ref(record), &length)?;
+        let study = Study::counted(system, std::slice::from_ref(record), &length, like.counter())?;
         let windows = study.evaluate(&explanation.fit, &thinned(study.windows().len(), limits.search.most_windows))?;
         let alarm = Alarm::of(&windows, system.states.len(), 0, &limits.alarm);
         let large = limits.search.near_noise.max(limits.naming.much_more * explanation.alarm.size);

@@ -1,7 +1,5 @@
 //! The findings as a report.
 
-use std::time::Instant;
-
 use bracketry_sim::Hold;
 use bracketry_symbolic::{Named, Notation};
 use bracketry_system::System;
@@ -16,15 +14,9 @@ use crate::report::{
     Verdict,
 };
 use crate::settings::Settings;
-use crate::{Cause, Change, Effect, Estimate, Formula, Path, Role, separating_experiment};
+use crate::{Cause, Change, Effect, Effort, Estimate, Formula, Path, Role, separating_experiment};
 
-pub(super) fn report(
-    system: &System,
-    search: &mut Search<'_>,
-    findings: &Findings,
-    settings: &Settings,
-    started: Instant,
-) -> Report {
+pub(super) fn report(system: &System, search: &mut Search<'_>, findings: &Findings, settings: &Settings) -> Report {
     let parameters = refitted(system, findings);
     let mut causes = Vec::new();
     let named = !matches!(findings.ending, Ending::Unexplained(_) | Ending::Refuted(_));
@@ -44,6 +36,11 @@ pub(super) fn report(
         if causes.is_empty() || (errors.len() == 1 && room > 0) {
             causes.extend(errors.into_iter().take(room));
         }
+        let gained: Vec<Option<f64>> = (findings.chosen.members.iter())
+            .map(|&m| Some(search.without(&findings.chosen, m)?.square() - findings.chosen.square()))
+            .collect();
+        let least = settings.verdict.naming.least_of_several_kinds * findings.base.alarm.excess();
+        withhold_guess(&mut causes, &gained, least);
     }
     let verdict = match findings.ending {
         Ending::Unexplained(_) | Ending::Refuted(_) => Verdict::Unexplained,
@@ -68,7 +65,8 @@ pub(super) fn report(
         }),
         candidates: ranking(search, findings, settings),
         notes: limit(findings, settings).into_iter().collect(),
-        seconds: started.elapsed().as_secs_f64(),
+        effort: Effort::default(),
+        seconds: 0.0,
         data: Vec::new(),
         evidence: Evidence::default(),
         causes,
@@ -256,6 +254,22 @@ pub(super) fn withhold_uncertain(causes: &mut [NamedCause], uncertain: f64) {
             cause.confusable_with.insert(0, cause.name);
             cause.name = Cause::UnknownTerm;
         }
+    }
+}
+
+/// Takes its name from the cause that gains least, if that is less than `least` and the data do not tell it from another kind.
+/// Causes come in the order of what they `gained`; a single one keeps its name.
+pub(super) fn withhold_guess(causes: &mut [NamedCause], gained: &[Option<f64>], least: f64) {
+    if gained.len() < 2 {
+        return;
+    }
+    let known = gained.iter().zip(causes.iter_mut()).filter_map(|(gained, cause)| Some(((*gained)?, cause)));
+    let Some((gained, cause)) = known.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+    let guessed = cause.name != Cause::UnknownTerm && !cause.confusable_with.is_empty();
+    if guessed && gained < least {
+        cause.flags.push(Flag::OneOfSeveralKinds(cause.name));
+        cause.confusable_with.insert(0, cause.name);
+        cause.name = Cause::UnknownTerm;
     }
 }
 

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use bracketry_diagnose::{
-    Audit, Candidate, Cause, Excess, Gain, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration, Rival,
-    Value, Verdict,
+    Audit, Candidate, Cause, Effort, Excess, Gain, NamedCause, Place, RefittedParameter, Report, ResidualAcceleration,
+    Rival, Value, Verdict,
 };
 use bracketry_symbolic::Named;
 use serde::{Serialize, Serializer};
@@ -36,6 +36,7 @@ pub struct DiagnosisJson<'a> {
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     data: &'a [Audit],
     notes: Vec<String>,
+    effort: Effort,
     seconds: f64,
 }
 
@@ -92,6 +93,7 @@ impl<'a> DiagnosisJson<'a> {
             candidates: &report.candidates,
             data: &report.data,
             notes: report.notes.iter().map(note).collect(),
+            effort: report.effort,
             seconds: report.seconds,
         }
     }

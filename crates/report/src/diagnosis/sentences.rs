@@ -205,6 +205,9 @@ pub(super) fn flag(flag: &Flag) -> String {
         Flag::SmallerThanUnknown(cause) => {
             format!("smaller than what remains unnamed, of which {cause} may be the image")
         }
+        Flag::OneOfSeveralKinds(cause) => format!(
+            "the smallest of the causes, and {cause} explains it no better than causes of another kind: its name would be a guess"
+        ),
         Flag::HalfSample { lines } => {
             let remedy = if *lines {
                 "inputs that are held between samples look like this when they are read as straight lines; try --hold previous"

@@ -3,7 +3,7 @@
 use std::fmt::{self, Formatter};
 
 use bracketry_diagnose::{
-    Candidate, Gain, NamedCause, RefittedParameter, Report, measured, p_value, probability, significant,
+    Candidate, Effort, Gain, NamedCause, RefittedParameter, Report, measured, p_value, probability, significant,
 };
 
 use super::sentences::{closeness, flag as flag_text, note as note_text, reason, regime};
@@ -62,7 +62,9 @@ fn write_report(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     if let Some(path) = &report.extended_model {
         writeln!(f, "\nExtended model: {}", path.display())?;
     }
-    writeln!(f, "\n{} s", short(report.seconds))
+    let Effort { fits, linearizations, simulations, steps, rejected, .. } = report.effort;
+    write!(f, "\n{} s: {fits} fits, {linearizations} linearizations, ", short(report.seconds))?;
+    writeln!(f, "{simulations} simulations of windows in {steps} steps and {rejected} rejected ones")
 }
 
 fn write_cause(f: &mut Formatter<'_>, cause: &NamedCause) -> fmt::Result {

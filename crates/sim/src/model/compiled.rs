@@ -8,6 +8,7 @@ use super::tapes::{Derivatives, Tapes};
 use crate::Switched;
 use bracketry_symbolic::Tape;
 use bracketry_system::System;
+use std::sync::Arc;
 
 /// A compiled [`System`] with its inputs: a [`Switched`] system.
 ///
@@ -23,7 +24,8 @@ pub struct Model {
     driving: Driving,
     /// `t`, states, slots, signs.
     arguments: Vec<f64>,
-    tapes: Tapes,
+    /// Shared by clones.
+    tapes: Arc<Tapes>,
     affine_results: Vec<f64>,
     /// The gradients of the switching functions; where they have one value, it stands here.
     gradients: Vec<f64>,
@@ -103,7 +105,7 @@ impl Model {
             gradients: vec![0.0; tapes.gradients.n_outputs()],
             constant_gradients: tapes.gradients.code().is_empty()
                 && tapes.gradients.outputs().iter().all(|&r| r as usize >= tapes.gradients.n_inputs()),
-            tapes,
+            tapes: Arc::new(tapes),
             work: Vec::new(),
             impulses: driven.impulses,
         };

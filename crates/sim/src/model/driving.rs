@@ -1,6 +1,6 @@
 //! What gives the arguments of a model besides time and states their values: its slots.
 
-use super::inputs::{Hold, InputError, Samples};
+use super::inputs::{Hold, InputError, Line, Samples};
 
 /// Where the value of a slot comes from.
 #[derive(Debug, Clone, Copy)]
@@ -21,8 +21,9 @@ struct Table {
     delay: f64,
     /// Input and order of derivative that they give; no name for a held input that acts later than it is set.
     of: (String, u32),
-    /// The current interval.
+    /// The current interval, and its line.
     interval: usize,
+    line: Line,
     /// What was set last of a held input, until the simulation goes on.
     set: Option<f64>,
 }
@@ -57,7 +58,9 @@ impl Driving {
             self.moving.push((slot, table));
         }
         let of = (of.0.to_owned(), of.1);
-        self.tables.push(Table { samples: samples.delayed(delay), delay, of, interval: 0, set: None });
+        let samples = samples.delayed(delay);
+        let line = samples.line(0);
+        self.tables.push(Table { samples, delay, of, interval: 0, line, set: None });
         slot
     }
 
@@ -135,6 +138,7 @@ impl Driving {
         let fits = table.samples.hold == samples.hold;
         if fits {
             table.samples = samples.delayed(table.delay);
+            table.line = table.samples.line(table.interval);
         }
         fits
     }
@@ -158,7 +162,8 @@ impl Driving {
                 let from = if self.entered { t + table.delay } else { f64::NEG_INFINITY };
                 table.samples.go_on(t, from, value);
             }
-            table.interval = table.samples.interval(t);
+            table.interval = table.samples.interval_near(table.interval, t);
+            table.line = table.samples.line(table.interval);
             if let Some(next) = table.samples.times.get(table.interval) {
                 end = end.min(*next);
             }
@@ -172,8 +177,8 @@ impl Driving {
         for (slot, source) in slots.iter_mut().zip(&self.sources) {
             *slot = match *source {
                 Source::Held(value) => value,
-                Source::Value(table) => self.tables[table].samples.value(self.tables[table].interval, t),
-                Source::Slope(table) => self.tables[table].samples.slope(self.tables[table].interval),
+                Source::Value(table) => self.tables[table].line.at(t),
+                Source::Slope(table) => self.tables[table].line.slope(),
             };
         }
     }
@@ -181,7 +186,7 @@ impl Driving {
     /// Writes the slots that change within a segment.
     pub(super) fn follow(&self, t: f64, slots: &mut [f64]) {
         for &(slot, table) in &self.moving {
-            slots[slot] = self.tables[table].samples.value(self.tables[table].interval, t);
+            slots[slot] = self.tables[table].line.at(t);
         }
     }
 

@@ -110,17 +110,24 @@ impl Samples {
         self.times.partition_point(|&at| at <= t)
     }
 
+    /// As [`Samples::interval`], where `t` is probably in the interval `near` or the next one.
+    pub(crate) fn interval_near(&self, near: usize, t: f64) -> usize {
+        let holds = |i: usize| {
+            (i == 0 || self.times.get(i - 1).is_some_and(|from| *from <= t))
+                && self.times.get(i).is_none_or(|to| t < *to)
+        };
+        [near, near + 1].into_iter().find(|&i| i <= self.times.len() && holds(i)).unwrap_or_else(|| self.interval(t))
+    }
+
+    /// The formula of the given interval.
+    pub(crate) fn line(&self, interval: usize) -> Line {
+        let left = interval.saturating_sub(1).min(self.values.len() - 1);
+        Line { from: self.times[left], value: self.values[left], slope: self.slope(interval) }
+    }
+
     /// Value at `t` by the formula of the given interval.
     pub(crate) fn value(&self, interval: usize, t: f64) -> f64 {
-        let last = self.values.len() - 1;
-        if interval == 0 {
-            return self.values[0];
-        }
-        let left = interval - 1;
-        match self.hold {
-            Hold::Linear if left < last => self.values[left] + self.slope(interval) * (t - self.times[left]),
-            _ => self.values[left.min(last)],
-        }
+        self.line(interval).at(t)
     }
 
     /// Mean of the value and of the slope from one time to a later one.
@@ -144,6 +151,26 @@ impl Samples {
         }
         let (a, b) = (interval - 1, interval);
         (self.values[b] - self.values[a]) / (self.times[b] - self.times[a])
+    }
+}
+
+/// The value of samples over one interval.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Line {
+    from: f64,
+    value: f64,
+    slope: f64,
+}
+
+impl Line {
+    /// Value at `t`.
+    pub(crate) fn at(self, t: f64) -> f64 {
+        // What does not change may have begun at minus infinity.
+        if self.slope == 0.0 { self.value } else { self.value + self.slope * (t - self.from) }
+    }
+
+    pub(crate) fn slope(self) -> f64 {
+        self.slope
     }
 }
 
