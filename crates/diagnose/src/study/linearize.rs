@@ -5,8 +5,8 @@ use super::fit::{Fit, Slot};
 use super::linearization::{Column, Linearization, Normal};
 use super::multiple_shooting::{Study, theta_of};
 use super::normal::{Point, difference, full, sensitivities, step_of};
-use super::runner::Runner;
-use crate::effect::{Change, Coefficient, Effect, Role};
+use super::runner::{Late, Runner};
+use crate::effect::{Change, Coefficient, Effect, Path, Role};
 use crate::error::DiagnoseError;
 use rayon::prelude::*;
 
@@ -198,8 +198,9 @@ impl Study {
         let mut all = known.resize_horizontally(first + scales.len(), 0.0);
         let mut failed = Vec::new();
         let mut place = 0;
+        let mut late = Vec::new();
         for candidate in tried {
-            for column in self.columns(candidate, slot, point, theta)? {
+            for column in self.columns(candidate, slot, point, theta, &mut late)? {
                 match column {
                     Ok(values) => {
                         let mut out = all.column_mut(first + place);
@@ -222,6 +223,7 @@ impl Study {
         slot: &Slot<'_>,
         point: &Point,
         theta: &[f64],
+        late: &mut Vec<Late>,
     ) -> Result<Vec<OfWindow>, DiagnoseError> {
         let Tried { compiled, secants, amplitudes, propagated } = tried;
         let noise = &self.noise[slot.runner.window.record];
@@ -240,7 +242,7 @@ impl Study {
                 Some(all) => columns.extend(all.into_iter().map(Ok)),
                 None => columns.extend(of_trial.iter().map(|s| {
                     by_samples(&slot.runner, &mut runner, compiled, theta, s)
-                        .map_or_else(|| column(&mut runner, compiled, theta, point, s), Ok)
+                        .map_or_else(|| column(&mut runner, compiled, theta, point, s, late), Ok)
                 })),
             }
         }
@@ -284,6 +286,7 @@ fn column(
     theta: &[f64],
     point: &Point,
     secant: &Secant,
+    late: &mut Vec<Late>,
 ) -> Result<Vec<f64>, String> {
     let mut out = vec![0.0; runner.target.len()];
     let unknown = theta.len() + secant.coefficient;
@@ -294,6 +297,24 @@ fn column(
     let nominal = values[unknown];
     values[unknown] = secant.to;
     let mut moved = vec![0.0; runner.target.len()];
+    let delays = |target: &Target| matches!(target, Target::Column(Path::SensorDelay, _));
+    if let Target::Column(Path::SensorDelay, names) = &compiled.targets[unknown]
+        && !compiled.targets[..theta.len()].iter().any(delays)
+    {
+        // The delays of all columns have the same trajectory.
+        if late.iter().all(|l| l.delay != secant.to) {
+            late.push(runner.simulate_late(&values, &point.x0, secant.to).map_err(|f| f.to_string())?);
+        }
+        let both = late.iter().find(|l| l.delay == secant.to).ok_or_else(String::new)?;
+        let samples = runner.samples();
+        for (column, measured) in runner.record.measured.iter().enumerate() {
+            let range = column * samples..(column + 1) * samples;
+            let shown = if names.contains(&measured.name) { &both.late } else { &both.now };
+            moved[range.clone()].copy_from_slice(&shown[range]);
+        }
+        difference(&moved, &point.simulated, secant.to - nominal, &mut out);
+        return Ok(out);
+    }
     runner.simulate(&values, &point.x0, &mut moved).map_err(|f| f.to_string())?;
     difference(&moved, &point.simulated, secant.to - nominal, &mut out);
     Ok(out)

@@ -38,6 +38,13 @@ pub(super) struct Reading {
     pub(super) sample: usize,
 }
 
+/// What columns show on time and late by a delay, over their noise, column by column.
+pub(super) struct Late {
+    pub(super) delay: f64,
+    pub(super) now: Vec<f64>,
+    pub(super) late: Vec<f64>,
+}
+
 /// The paths of the signals, for some values of the unknowns.
 #[derive(Clone, Debug, PartialEq)]
 struct SignalPaths {
@@ -234,47 +241,98 @@ impl<'a> Runner<'a> {
     }
 
     fn run(&mut self, theta: &[f64], x0: &[f64], out: &mut [f64]) -> Result<(), Failure> {
-        self.set(theta)?;
+        let offsets = self.begin(theta, x0)?;
         let m = self.samples();
-        let start = self.start;
-        self.stepper.set_state(start, x0).map_err(|e| Failure { t: start, reason: e.to_string() })?;
-        let offsets: Vec<f64> = self.paths.iter().flat_map(|w| w.columns.iter().map(|c| c.1)).collect();
         let tracked = self.tracked();
-        let mut outputs: Option<(f64, Vec<f64>)> = None;
-        for reading in &self.schedule {
-            if reading.t > self.stepper.time()
-                && let Outcome::Stopped { reason, t, .. } = self.stepper.advance(reading.t)
-            {
-                return Err(Failure { t, reason: reason.to_string() });
-            }
+        let mut outputs = None;
+        for k in 0..self.schedule.len() {
+            let Reading { t, column, sample } = self.schedule[k];
+            self.reach(t)?;
             self.trajectory.marks.push(self.stepper.followed());
             if let Some((point, _)) = tracked {
                 let x = self.stepper.state();
                 self.trajectory.turns.push((x[point.angle], x[point.spin]));
             }
-            let value = match self.record.measured[reading.column].quantity {
-                Quantity::State(i) => {
-                    let x = self.stepper.state();
-                    let shift =
-                        tracked.map_or(0.0, |(point, d)| point.shift(i, (x[point.angle], x[point.spin]), d).value);
-                    x[i] + shift
-                }
-                Quantity::Output(i) => {
-                    if outputs.as_ref().is_none_or(|(t, _)| *t != reading.t) {
-                        let x = self.stepper.state().to_vec();
-                        outputs = Some((reading.t, self.stepper.system_mut().output_values(reading.t, &x)));
-                    }
-                    outputs.as_ref().map_or(f64::NAN, |(_, y)| y[i])
-                }
-            };
-            if !value.is_finite() {
-                return Err(Failure { t: reading.t, reason: "the simulated measurement is not finite".into() });
-            }
-            let at = reading.column * m + reading.sample;
-            out[at] =
-                if self.present[at] { (value + offsets[reading.column]) * self.weights[reading.column] } else { 0.0 };
+            let value = self.shown(t, column, &mut outputs)?;
+            let at = column * m + sample;
+            out[at] = if self.present[at] { (value + offsets[column]) * self.weights[column] } else { 0.0 };
         }
         Ok(())
+    }
+
+    /// What the columns would show if none were late, and if all were late by `delay`, both from `x0` at the window's start less
+    /// the delay, as the unknowns have it: one simulation for the delays of all columns.
+    pub(super) fn simulate_late(&mut self, theta: &[f64], x0: &[f64], delay: f64) -> Result<Late, Failure> {
+        self.trajectory.forget();
+        let before = self.stepper.statistics();
+        let simulated = self.run_late(theta, x0, delay);
+        self.compiled.counter.simulation(before, self.stepper.statistics());
+        simulated
+    }
+
+    fn run_late(&mut self, theta: &[f64], x0: &[f64], delay: f64) -> Result<Late, Failure> {
+        let offsets = self.begin(theta, x0)?;
+        let m = self.samples();
+        let times = &self.record.times[self.window.from..self.window.to];
+        let mut readings: Vec<(f64, usize, bool)> =
+            times.iter().enumerate().flat_map(|(sample, t)| [(t - delay, sample, true), (*t, sample, false)]).collect();
+        readings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let columns = vec![0.0; self.target.len()];
+        let mut both = Late { delay, now: columns.clone(), late: columns };
+        let mut outputs = None;
+        for (t, sample, late) in readings {
+            self.reach(t)?;
+            for (column, offset) in offsets.iter().enumerate() {
+                let value = self.shown(t, column, &mut outputs)?;
+                let at = column * m + sample;
+                if self.present[at] {
+                    let out = if late { &mut both.late } else { &mut both.now };
+                    out[at] = (value + offset) * self.weights[column];
+                }
+            }
+        }
+        Ok(both)
+    }
+
+    /// Goes to the start with an initial state; the offsets of the columns.
+    fn begin(&mut self, theta: &[f64], x0: &[f64]) -> Result<Vec<f64>, Failure> {
+        self.set(theta)?;
+        let start = self.start;
+        self.stepper.set_state(start, x0).map_err(|e| Failure { t: start, reason: e.to_string() })?;
+        Ok(self.paths.iter().flat_map(|w| w.columns.iter().map(|c| c.1)).collect())
+    }
+
+    /// Simulates until a time.
+    fn reach(&mut self, t: f64) -> Result<(), Failure> {
+        if t > self.stepper.time()
+            && let Outcome::Stopped { reason, t, .. } = self.stepper.advance(t)
+        {
+            return Err(Failure { t, reason: reason.to_string() });
+        }
+        Ok(())
+    }
+
+    /// What a column shows at the present time `t`; `outputs` are those computed last, with their time.
+    fn shown(&mut self, t: f64, column: usize, outputs: &mut Option<(f64, Vec<f64>)>) -> Result<f64, Failure> {
+        let value = match self.record.measured[column].quantity {
+            Quantity::State(i) => {
+                let x = self.stepper.state();
+                let shift =
+                    self.tracked().map_or(0.0, |(point, d)| point.shift(i, (x[point.angle], x[point.spin]), d).value);
+                x[i] + shift
+            }
+            Quantity::Output(i) => {
+                if outputs.as_ref().is_none_or(|(of, _)| *of != t) {
+                    let x = self.stepper.state().to_vec();
+                    *outputs = Some((t, self.stepper.system_mut().output_values(t, &x)));
+                }
+                outputs.as_ref().map_or(f64::NAN, |(_, y)| y[i])
+            }
+        };
+        if value.is_finite() {
+            return Ok(value);
+        }
+        Err(Failure { t, reason: "the simulated measurement is not finite".into() })
     }
 
     /// As [`Self::simulate`], and the number of steps that it took; `None` where it ended early.
