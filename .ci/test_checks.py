@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""The checks of the main job and of records fail where they should: outcome, causes, gain, effort, date."""
+
+import copy
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import records  # noqa: E402
+from main_job import problems  # noqa: E402
+
+ARRIVAL = {"x_m": 1e-3, "y_m": -1e-3, "phi_deg": 0.5, "spin_deg_s": 0.0, "settled_s": 1.4}
+GOOD = {
+    "succeeded": True,
+    "true_plant": {"published_model": {"arrival": {**ARRIVAL, "settled_s": None}}, "extended_model": {"arrival": ARRIVAL}},
+    "causes": [{"name": "yaw_friction", "equation": "w", "parameters": [{"name": "spin_w"}], "in_plant": True}],
+    "gain": [{"horizon_s": 0.1, "times_smaller": 12.0}],
+    "diagnosis": {"effort": {"fits": 60}},
+}
+
+
+class MainJob(unittest.TestCase):
+    def broken(self, change, budget=None):
+        result = copy.deepcopy(GOOD)
+        change(result)
+        return " ".join(problems(result, budget or {}))
+
+    def test_a_good_result_passes(self):
+        self.assertEqual(problems(GOOD, {"fits": 66}), [])
+
+    def test_a_missed_target_fails(self):
+        def miss(r):
+            r["true_plant"]["extended_model"]["arrival"].update(phi_deg=-91.8, settled_s=None)
+        self.assertIn("phi_deg", self.broken(miss))
+        self.assertIn("names no cause", self.broken(lambda r: r["true_plant"].update(extended_model=None)))
+
+    def test_a_slow_move_fails(self):
+        self.assertIn("2.4", self.broken(lambda r: r["true_plant"]["extended_model"]["arrival"].update(settled_s=2.4)))
+
+    def test_a_cause_that_the_plant_lacks_fails(self):
+        self.assertIn("lacks yaw_friction", self.broken(lambda r: r["causes"][0].update(in_plant=False)))
+
+    def test_a_small_gain_fails(self):
+        self.assertIn("gain 4.9", self.broken(lambda r: r["gain"][0].update(times_smaller=4.9)))
+
+    def test_effort_beyond_its_budget_fails(self):
+        self.assertIn("67 fits, budget 66", self.broken(lambda r: r["diagnosis"]["effort"].update(fits=67), {"fits": 66}))
+        self.assertIn("no count of steps", self.broken(lambda r: None, {"steps": 1}))
+
+
+class Records(unittest.TestCase):
+    def test_a_record_is_out_of_date_where_its_program_has_changed_since(self):
+        root = records.ROOT
+        with tempfile.TemporaryDirectory() as folder:
+            records.ROOT = pathlib.Path(folder)
+            try:
+                def git(*arguments):
+                    identity = ["-c", "user.name=check", "-c", "user.email=check@localhost"]
+                    subprocess.run(["git", *identity, *arguments], cwd=folder, check=True, capture_output=True)
+
+                def put(name, text):
+                    (records.ROOT / name).write_text(text)
+                    git("add", name)
+                    git("commit", "-m", name)
+
+                git("init")
+                put("program.rs", "1")
+                put("record.md", records.stamp("make"))
+                self.assertIsNone(records.out_of_date("record.md", ["program.rs"]))
+                put("other.rs", "1")
+                self.assertIsNone(records.out_of_date("record.md", ["program.rs"]))
+                put("program.rs", "2")
+                self.assertIn("since then", records.out_of_date("record.md", ["program.rs"]))
+                (records.ROOT / "record.md").write_text("no stamp")
+                self.assertIn("does not say", records.out_of_date("record.md", ["program.rs"]))
+            finally:
+                records.ROOT = root
+
+
+if __name__ == "__main__":
+    unittest.main()
