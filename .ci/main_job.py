@@ -44,7 +44,7 @@ def problems(result: dict, budget: dict) -> list[str]:
     if not result["succeeded"]:
         found.append("the story does not end as it should")
     for cause in result["causes"]:
-        if not cause["in_plant"]:
+        if cause["in_plant"] is False:
             parameters = ", ".join(p["name"] for p in cause["parameters"])
             found.append(f"the plant lacks {cause['name']} in {cause['equation']} ({parameters})")
     if not result["gain"]:

@@ -50,7 +50,7 @@ def row(seed: object, result: dict) -> list[str]:
     if moved is None:
         return [str(seed), "no cause"] + ["–"] * 9
     a = moved["arrival"]
-    names = [c["parameters"][0]["name"] + ("" if c["in_plant"] else " (not in the plant)") for c in result["causes"]]
+    names = [c["parameters"][0]["name"] + {True: "", False: " (not in the plant)", None: " (unnamed)"}[c["in_plant"]] for c in result["causes"]]
     gains = " / ".join(f"{g['times_smaller']:.1f}" for g in result["gain"])
     settled = "–" if a["settled_s"] is None else f"{a['settled_s']:.2f}"
     return [
@@ -107,7 +107,7 @@ def chapters(result: dict) -> list[str]:
         return ", ".join(of)
 
     lines += table(["cause", "in", "value (95 % interval)", "in the plant"], [
-        [f"`{c['name']}`", c["equation"], values(c), "yes" if c["in_plant"] else "no"] for c in result["causes"]])
+        [f"`{c['name']}`", c["equation"], values(c), {True: "yes", False: "no", None: "unnamed"}[c["in_plant"]]] for c in result["causes"]])
     gain = result["diagnosis"]["gain"]
     lines += ["", "Prediction error on the held-out multisine, relative to the standard deviation of the measurement:", ""]
     lines += table(["horizon", "published model", "refitted", "extended", "published over extended"], [

@@ -1,9 +1,9 @@
 //! What the simulated plant really has that the published equations leave out, so that a wrong name is seen.
 
-use bracketry::diagnose::NamedCause;
+use bracketry::diagnose::{Cause, NamedCause};
 
 /// Terms of contact over the whole footprint that the published equations lack, by the first of the parameters that the diagnosis
-/// gives them, whether it names them or not. In first principles (docs/plate.md) the load is `g cos θ + y θ'' + 2 y' θ' − h θ'²`.
+/// gives them. In first principles (docs/plate.md) the load is `g cos θ + y θ'' + 2 y' θ' − h θ'²`.
 const TERMS: [&str; 9] = [
     // Friction acts against the slip, in proportion to the load.
     "coupling_vx_vy",
@@ -19,7 +19,8 @@ const TERMS: [&str; 9] = [
     "spin_w",
 ];
 
-/// Whether the plant has what a diagnosis of the published equations finds.
-pub(super) fn is_in_plant(cause: &NamedCause) -> bool {
-    cause.parameters.first().is_some_and(|(first, _)| TERMS.contains(&first.as_str()))
+/// Whether the plant has what a diagnosis of the published equations names; none where it gives a term no name.
+pub(super) fn is_in_plant(cause: &NamedCause) -> Option<bool> {
+    let first = cause.parameters.first().map(|(first, _)| first.as_str());
+    (cause.name != Cause::UnknownTerm).then(|| first.is_some_and(|first| TERMS.contains(&first)))
 }
