@@ -219,7 +219,7 @@ impl Builder {
             .zip(&names)
             .map(|(&(_, direction), v)| {
                 let old = self.text(direction);
-                let others = names.iter().filter(|o| *o != v).map(|o| format!(", {o}")).collect::<String>();
+                let others = names.iter().filter(|o| *o != v).fold(String::new(), |all, o| all + ", " + o);
                 let new = format!("(1 - {k})*{old} + {k}*unit({v}{others})");
                 (old, new)
             })
