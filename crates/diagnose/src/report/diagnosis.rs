@@ -214,9 +214,9 @@ pub struct Report {
 /// What files and figures are made from.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
-    /// The fit of the given model's parameters.
+    /// The fit of the given model's parameters; residuals are not kept.
     pub refitted: Option<Fit>,
-    /// The fit with the causes.
+    /// The fit with the causes; residuals are not kept.
     pub extended: Option<Fit>,
     /// The extended model.
     pub model: Option<ExtendedModel>,

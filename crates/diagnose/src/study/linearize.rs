@@ -5,7 +5,7 @@ use super::fit::{Fit, Slot};
 use super::linearization::{Column, Linearization, Normal};
 use super::multiple_shooting::{Study, theta_of};
 use super::normal::{Point, difference, full, sensitivities, step_of};
-use super::runner::{Late, Runner};
+use super::runner::{Delayed, Runner};
 use crate::effect::{Change, Coefficient, Effect, Path, Role};
 use crate::error::DiagnoseError;
 use rayon::prelude::*;
@@ -223,7 +223,7 @@ impl Study {
         slot: &Slot<'_>,
         point: &Point,
         theta: &[f64],
-        late: &mut Vec<Late>,
+        late: &mut Vec<Delayed>,
     ) -> Result<Vec<OfWindow>, DiagnoseError> {
         let Tried { compiled, secants, amplitudes, propagated } = tried;
         let noise = &self.noise[slot.runner.window.record];
@@ -286,7 +286,7 @@ fn column(
     theta: &[f64],
     point: &Point,
     secant: &Secant,
-    late: &mut Vec<Late>,
+    late: &mut Vec<Delayed>,
 ) -> Result<Vec<f64>, String> {
     let mut out = vec![0.0; runner.target.len()];
     let unknown = theta.len() + secant.coefficient;

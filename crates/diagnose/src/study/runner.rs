@@ -39,7 +39,7 @@ pub(super) struct Reading {
 }
 
 /// What columns show on time and late by a delay, over their noise, column by column.
-pub(super) struct Late {
+pub(super) struct Delayed {
     pub(super) delay: f64,
     pub(super) now: Vec<f64>,
     pub(super) late: Vec<f64>,
@@ -262,7 +262,7 @@ impl<'a> Runner<'a> {
 
     /// What the columns would show if none were late, and if all were late by `delay`, both from `x0` at the window's start less
     /// the delay, as the unknowns have it: one simulation for the delays of all columns.
-    pub(super) fn simulate_late(&mut self, theta: &[f64], x0: &[f64], delay: f64) -> Result<Late, Failure> {
+    pub(super) fn simulate_late(&mut self, theta: &[f64], x0: &[f64], delay: f64) -> Result<Delayed, Failure> {
         self.trajectory.forget();
         let before = self.stepper.statistics();
         let simulated = self.run_late(theta, x0, delay);
@@ -270,7 +270,7 @@ impl<'a> Runner<'a> {
         simulated
     }
 
-    fn run_late(&mut self, theta: &[f64], x0: &[f64], delay: f64) -> Result<Late, Failure> {
+    fn run_late(&mut self, theta: &[f64], x0: &[f64], delay: f64) -> Result<Delayed, Failure> {
         let offsets = self.begin(theta, x0)?;
         let m = self.samples();
         let times = &self.record.times[self.window.from..self.window.to];
@@ -278,7 +278,7 @@ impl<'a> Runner<'a> {
             times.iter().enumerate().flat_map(|(sample, t)| [(t - delay, sample, true), (*t, sample, false)]).collect();
         readings.sort_by(|a, b| a.0.total_cmp(&b.0));
         let columns = vec![0.0; self.target.len()];
-        let mut both = Late { delay, now: columns.clone(), late: columns };
+        let mut both = Delayed { delay, now: columns.clone(), late: columns };
         let mut outputs = None;
         for (t, sample, late) in readings {
             self.reach(t)?;
