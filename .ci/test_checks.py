@@ -68,12 +68,15 @@ class Records(unittest.TestCase):
 
                 git("init")
                 put("program.rs", "1")
-                put("record.md", records.stamp("make"))
+                put("record.md", records.stamp("make", ["program.rs"]))
                 self.assertIsNone(records.out_of_date("record.md", ["program.rs"]))
                 put("other.rs", "1")
                 self.assertIsNone(records.out_of_date("record.md", ["program.rs"]))
                 put("program.rs", "2")
                 self.assertIn("since then", records.out_of_date("record.md", ["program.rs"]))
+                # The same programs in a history that has been written anew.
+                put("program.rs", "1")
+                self.assertIsNone(records.out_of_date("record.md", ["program.rs"]))
                 (records.ROOT / "record.md").write_text("no stamp")
                 self.assertIn("does not say", records.out_of_date("record.md", ["program.rs"]))
             finally:

@@ -22,7 +22,7 @@ RECORD = ROOT / "docs/records/main_job.md"
 BEGIN, END = "<!-- seeds: begin -->", "<!-- seeds: end -->"
 sys.path.insert(0, str(ROOT / ".ci"))
 from main_job import problems  # noqa: E402
-from records import stamp  # noqa: E402
+from records import RECORDS, stamp  # noqa: E402
 
 
 def run(command: str, seed: int | None, folder: pathlib.Path) -> dict:
@@ -143,7 +143,7 @@ def main() -> int:
         return f"{statistics.median(values):.0f} (most {max(values):.0f})"
 
     text = "\n".join([
-        stamp("python3 benches/main_job/seeds.py --record"), "",
+        stamp("python3 benches/main_job/seeds.py --record", RECORDS["docs/records/main_job.md"][0]), "",
         f"{good} of {len(results)} runs as promised. Processor time {median_and_most('processor_s')} s, elapsed "
         f"{median_and_most('elapsed_s')} s, peak {median_and_most('peak_mb')} MB at the median.", "", *lines, "",
         "### With the default seed", "", *chapters(results[None]),
