@@ -19,6 +19,7 @@ GOOD = {
     "causes": [{"name": "yaw_friction", "equation": "w", "parameters": [{"name": "spin_w"}], "in_plant": True}],
     "gain": [{"horizon_s": 0.1, "times_smaller": 12.0}],
     "diagnosis": {"effort": {"fits": 60}},
+    "effort": {"programs": {"extended_model": 600}},
 }
 
 
@@ -29,7 +30,7 @@ class MainJob(unittest.TestCase):
         return " ".join(problems(result, budget or {}))
 
     def test_a_good_result_passes(self):
-        self.assertEqual(problems(GOOD, {"fits": 66}), [])
+        self.assertEqual(problems(GOOD, {"diagnosis": {"fits": 66}, "programs": {"extended_model": 660}}), [])
 
     def test_a_missed_target_fails(self):
         def miss(r):
@@ -47,8 +48,11 @@ class MainJob(unittest.TestCase):
         self.assertIn("gain 4.9", self.broken(lambda r: r["gain"][0].update(times_smaller=4.9)))
 
     def test_effort_beyond_its_budget_fails(self):
-        self.assertIn("67 fits, budget 66", self.broken(lambda r: r["diagnosis"]["effort"].update(fits=67), {"fits": 66}))
-        self.assertIn("no count of steps", self.broken(lambda r: None, {"steps": 1}))
+        more = self.broken(lambda r: r["diagnosis"]["effort"].update(fits=67), {"diagnosis": {"fits": 66}})
+        self.assertIn("67 fits (diagnosis), budget 66", more)
+        more = self.broken(lambda r: r["effort"]["programs"].update(extended_model=661), {"programs": {"extended_model": 660}})
+        self.assertIn("661 extended_model (programs), budget 660", more)
+        self.assertIn("None steps", self.broken(lambda r: None, {"diagnosis": {"steps": 1}}))
 
 
 class Records(unittest.TestCase):
