@@ -9,7 +9,8 @@ use std::process::{Command, Output};
 
 use common::{bracketry, code, file, json, scratch, text, within};
 
-const COMMANDS: [&str; 16] = [
+const COMMANDS: [&str; 17] = [
+    "demo",
     "new",
     "analyze",
     "affinize",
@@ -103,7 +104,7 @@ fn manual_pages_exist_for_every_command() {
     let page = fs::read_to_string(dir.join("bracketry-stiffness-identify.1")).unwrap();
     assert_eq!(text(&bracketry(&["man", "stiffness", "identify"]).stdout), page);
     let o = bracketry(&["man", "analyse"]);
-    assert!(code(&o) == 2 && text(&o.stderr).contains("there are new, analyze, affinize"), "{}", text(&o.stderr));
+    assert!(code(&o) == 2 && text(&o.stderr).contains("there are demo, new, analyze, affinize"), "{}", text(&o.stderr));
 }
 
 /// The same numbers whenever the test runs: sums of twelve uniform ones, of a linear congruential generator.
