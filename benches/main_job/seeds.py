@@ -9,13 +9,13 @@ Without --record the table is printed only. Each seed draws other excitations an
 import argparse
 import json
 import pathlib
-import resource
 import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 RECORD = ROOT / "docs/records/main_job.md"
@@ -29,18 +29,19 @@ def run(command: str, seed: int | None, folder: pathlib.Path) -> dict:
     """The result of one seed, with its times and memory."""
     out = folder / f"seed_{seed}"
     arguments = [command, "demo", "--json", "--out", str(out)] + ([] if seed is None else ["--seed", str(seed)])
-    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    # The peak of one child, not of all.
+    start = time.monotonic()
+    # Processor time and peak of this child alone.
     script = ("import resource, subprocess, sys; r = subprocess.run(sys.argv[1:]).returncode; "
-              "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=sys.stderr); sys.exit(r)")
+              "u = resource.getrusage(resource.RUSAGE_CHILDREN); "
+              "print(u.ru_utime + u.ru_stime, u.ru_maxrss, file=sys.stderr); sys.exit(r)")
     done = subprocess.run([sys.executable, "-c", script, *arguments], capture_output=True, text=True)
-    after, elapsed = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic() - start
     if not done.stdout:
         raise SystemExit(f"seed {seed}: {done.stderr}")
     result = json.loads(done.stdout)
-    result["processor_s"] = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    result["elapsed_s"] = elapsed
-    result["peak_mb"] = int(done.stderr.split()[-1]) / 1024
+    processor, peak = done.stderr.split()[-2:]
+    result.update(processor_s=float(processor), elapsed_s=time.monotonic() - start, peak_mb=int(peak) / 1024)
+    shutil.rmtree(out, ignore_errors=True)
+    print(" | ".join(row("default" if seed is None else seed, result)), file=sys.stderr, flush=True)
     return result
 
 
@@ -120,16 +121,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", default="1-20", help="first-last")
     parser.add_argument("--command", default=str(ROOT / "target/release/bracketry"))
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time; more than one lengthen each other")
     parser.add_argument("--record", action="store_true", help="write the table into the record")
     arguments = parser.parse_args()
     first, last = (int(part) for part in arguments.seeds.split("-"))
-    results = {}
     folder = pathlib.Path(tempfile.mkdtemp())
     try:
-        for seed in [None, *range(first, last + 1)]:
-            results[seed] = run(arguments.command, seed, folder)
-            print(" | ".join(row("default" if seed is None else seed, results[seed])), file=sys.stderr, flush=True)
-            shutil.rmtree(folder / f"seed_{seed}", ignore_errors=True)
+        seeds = [None, *range(first, last + 1)]
+        with ThreadPoolExecutor(arguments.jobs) as pool:
+            results = dict(zip(seeds, pool.map(lambda seed: run(arguments.command, seed, folder), seeds)))
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     header = ["seed", "as promised", "x, mm", "y, mm", "yaw, °", "at rest from, s", "gain at .1 / .5 / 1 s", "processor, s",
@@ -144,7 +144,7 @@ def main() -> int:
 
     text = "\n".join([
         stamp("python3 benches/main_job/seeds.py --record", RECORDS["docs/records/main_job.md"][0]), "",
-        f"{good} of {len(results)} runs as promised. Processor time {median_and_most('processor_s')} s, elapsed "
+        f"{good} of {len(results)} runs as promised, {arguments.jobs} at a time. Processor time {median_and_most('processor_s')} s, elapsed "
         f"{median_and_most('elapsed_s')} s, peak {median_and_most('peak_mb')} MB at the median.", "", *lines, "",
         "### With the default seed", "", *chapters(results[None]),
     ])
