@@ -1,11 +1,12 @@
 //! Sensitivities of a fitted model by candidates.
 
 use super::compiled::{Compiled, Target};
-use super::fit::{Fit, Slot};
+use super::fit::Fit;
 use super::linearization::{Column, Linearization, Normal};
 use super::multiple_shooting::{Study, theta_of};
 use super::normal::{Point, difference, full, sensitivities, step_of};
 use super::runner::{Delayed, Runner};
+use super::slot::Slot;
 use crate::effect::{Change, Coefficient, Effect, Path, Role};
 use crate::error::DiagnoseError;
 use rayon::prelude::*;

@@ -15,6 +15,7 @@ mod predictor;
 mod runner;
 mod sensitivity;
 mod signal_path;
+mod slot;
 mod step;
 mod time_scale;
 mod tracked;
@@ -23,10 +24,11 @@ mod unknown;
 mod window;
 mod window_length;
 
-pub use fit::{Estimate, Fit, FitStatus, WindowFit};
+pub use fit::{Estimate, Fit, FitStatus};
 pub use linearization::{Column, Linearization, Normal};
 pub use multiple_shooting::Study;
 pub use predictor::Predictor;
+pub use slot::WindowFit;
 pub use window::{Window, WindowLength};
 
 pub(crate) use signal_path::lagged;

@@ -1,10 +1,11 @@
 //! Fits by multiple shooting: records cut into windows, the model fitted to them.
 
 use super::compiled::{Compiled, Sources};
-use super::fit::{Estimate, Fit, Slot, WindowFit, solve};
+use super::fit::{Estimate, Fit, solve};
 use super::initial::Guess;
 use super::linearization::Normal;
 use super::runner::{Failure, Runner};
+use super::slot::{Slot, WindowFit};
 use super::unknown::is_natural_constant;
 use super::window::{Window, WindowLength, cut, longest_window, stretches};
 use crate::effect::Effect;

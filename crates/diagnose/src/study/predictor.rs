@@ -1,9 +1,10 @@
 //! Predictions of a fitted model over any stretch of a record.
 
 use super::compiled::Compiled;
-use super::fit::{Estimate, Fit, FitStatus, Slot};
+use super::fit::{Estimate, Fit, FitStatus};
 use super::multiple_shooting::{Study, theta_of};
 use super::runner::{Failure, Runner};
+use super::slot::Slot;
 use super::unknown::Unknown;
 use super::window::Window;
 use crate::error::DiagnoseError;

@@ -1,8 +1,8 @@
 //! A step of a fit: of the unknowns that all windows share, and of the initial state of each.
 
-use super::fit::Slot;
 use super::normal::{Eliminated, Full, Point, simulate};
 use super::runner::Failure;
+use super::slot::Slot;
 use super::unknown::{Range, Unknown};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;

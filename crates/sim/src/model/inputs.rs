@@ -165,7 +165,7 @@ pub(crate) struct Line {
 impl Line {
     /// Value at `t`.
     pub(crate) fn at(self, t: f64) -> f64 {
-        // What does not change may have begun at minus infinity.
+        // What does not change may have started at minus infinity.
         if self.slope == 0.0 { self.value } else { self.value + self.slope * (t - self.from) }
     }
 
