@@ -18,7 +18,7 @@ RECORDS = {
     "docs/records/main_job.md": (
         ["crates/symbolic/src", "crates/system/src", "crates/sim/src", "crates/mpc/src", "crates/diagnose/src", "crates/plate/src",
          "crates/trials/src", "crates/cli/src/demo", "models/plate_move.toml", "benches/main_job"],
-        "cargo build --release && python3 benches/main_job/seeds.py --record",
+        "cargo build --release && python3 benches/main_job/seeds.py --record; --confirm instead where results stay as they are",
     ),
 }
 STAMP = re.compile(r"Made at commit ([0-9a-f]{7,40}) on (\d{4}-\d{2}-\d{2}) by `[^`]+`, programs ([0-9a-f]{16})")
