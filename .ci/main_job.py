@@ -53,10 +53,11 @@ def problems(result: dict, budget: dict) -> list[str]:
         if not gain["times_smaller"] >= LEAST_GAIN:
             found.append(f"gain {gain['times_smaller']:.1f} at {gain['horizon_s']} s, less than {LEAST_GAIN}")
     counts = {"diagnosis": result["diagnosis"].get("effort", {}), "programs": result["effort"]["programs"]}
-    for part, most in ((part, most) for part, limits in budget.items() for most in limits.items()):
-        counted = counts[part].get(most[0])
-        if counted is None or counted > most[1]:
-            found.append(f"effort: {counted} {most[0]} ({part}), budget {most[1]}")
+    for part, limits in budget.items():
+        for name, most in limits.items():
+            counted = counts[part].get(name)
+            if counted is None or counted > most:
+                found.append(f"effort: {counted} {name} ({part}), budget {most}")
     return found
 
 

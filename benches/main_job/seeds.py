@@ -164,8 +164,7 @@ def main() -> int:
         shutil.rmtree(folder, ignore_errors=True)
     header = ["seed", "as promised", "x, mm", "y, mm", "yaw, °", "at rest from, s", "gain at .1 / .5 / 1 s", "processor, s",
               "elapsed, s", "peak, MB", "causes, by parameter"]
-    lines = [f"| {' | '.join(header)} |", "|" + "---|" * len(header)]
-    lines += [f"| {' | '.join(row('default' if s is None else s, r))} |" for s, r in results.items()]
+    lines = table(header, [row("default" if s is None else s, r) for s, r in results.items()])
     good = sum(not problems(r, {}) for r in results.values())
 
     def median_and_most(name: str) -> str:
