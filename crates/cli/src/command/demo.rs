@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use bracketry_cli::demo::{Finding, MoveOnEquations, MoveOnPlant, Story, StoryEvent, StorySettings};
 use clap::Args;
+use rayon::prelude::*;
 
 use super::output::{self, csv, figure, json, write};
 use super::own_folder::OwnFolder;
@@ -63,9 +64,9 @@ pub(crate) fn run(args: &DemoArgs, options: &OutputArgs) -> anyhow::Result<Outco
     for film in &animations {
         std::fs::write(out.join(format!("{}.gif", film.name)), &film.gif)?;
     }
-    for f in story.figures() {
+    story.figures().into_par_iter().for_each(|f| {
         figure(f.drawing, &out.join(f.name));
-    }
+    });
     let summary = json(&story.summary())?;
     write(&out.join("main.json"), &summary)?;
     progress.finish_and_clear();
@@ -115,8 +116,8 @@ impl Written<'_> {
                     write(&out.join(format!("log_{name}.csv")), &log.csv())?;
                 }
             }
-            Finding::Diagnosis(diagnosis) => {
-                if let Some(model) = &diagnosis.report.evidence.model {
+            Finding::Diagnosis(report) => {
+                if let Some(model) = &report.evidence.model {
                     write(&out.join("extended.toml"), &model.to_toml()?)?;
                 }
             }

@@ -1,7 +1,7 @@
 //! What is heard of the story while it is told.
 
+use bracketry::diagnose::Report;
 use bracketry::lie::Analysis;
-use bracketry::report::Diagnosis;
 use bracketry_trials::SyntheticLog;
 
 use super::on_equations::MoveOnEquations;
@@ -30,7 +30,7 @@ pub enum Finding<'a> {
     /// Chapter 4: what was recorded.
     Logs(&'a [SyntheticLog]),
     /// Chapter 4: what is wrong.
-    Diagnosis(&'a Diagnosis),
+    Diagnosis(&'a Report),
     /// Chapter 6: the move on the plant with the extended model.
     Extended(&'a MoveOnPlant),
 }

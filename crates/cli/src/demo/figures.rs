@@ -6,6 +6,7 @@ use bracketry::plot::{
     TimeSeries, Trajectory,
 };
 use bracketry::report::plate::outline;
+use rayon::prelude::*;
 
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;
@@ -264,7 +265,7 @@ impl Story {
             moves.push(("extended", 6, "On the true plant, with the extended model", animation));
         }
         moves
-            .into_iter()
+            .into_par_iter()
             .map(|(name, chapter, title, animation)| {
                 let gif = animation.title(title).gif()?;
                 Ok(StoryAnimation { name, chapter, title, gif })

@@ -3,6 +3,7 @@
 use bracketry::diagnose::{Audit, DiagnoseError, Record, RecordSettings};
 use bracketry::plate::{AreaOutcome, Experiment, PlateKinematics, RESOLUTION};
 use bracketry::system::System;
+use rayon::prelude::*;
 
 use super::on_plant::MoveOnPlant;
 use super::settings::StorySettings;
@@ -14,34 +15,42 @@ const START: [f64; 6] = [0.3, 0.0, 0.0, 0.0, 0.0, 0.0];
 const START_Y: f64 = -0.03;
 const LONGEST_THIRD: f64 = 5.0;
 
-/// The log of the move itself, of a multisine, of experiments 1 and 3, and, last, of a second multisine to measure the gain on.
+/// The logs of a multisine, of experiments 1 and 3, and, last, of a second multisine to measure the gain on, made side by side.
 ///
 /// # Errors
 /// [`TrialError`] for settings without meaning, or where no multisine keeps the object on the plate.
-pub fn record_logs(moved: &MoveOnPlant, settings: &StorySettings) -> Result<Vec<SyntheticLog>, TrialError> {
+pub fn identification_runs(settings: &StorySettings) -> Result<Vec<SyntheticLog>, TrialError> {
     let (plant, seconds, seed) = (&settings.plant, settings.seconds, settings.seed);
-    // Noise of each log, and the multisine of the held-out one, are drawn apart.
-    let (noise, other) = (|k: u64| seed.wrapping_mul(4).wrapping_add(k), !seed);
     let run = |experiment: &Experiment, start: [f64; 6], seconds: f64, noise: u64| {
         synthetic_log(experiment, start, seconds, &PlateMismatch::None, plant, noise)
     };
+    // The multisine of the held-out log is drawn apart.
+    let excited = |seed: u64, noise: u64| run(&multisine(START, seconds, plant, seed)?, START, seconds, noise);
     let third = [START[0], START_Y, 0.0, 0.0, 0.0, 0.0];
-    let mut logs = vec![
-        of_move(moved, settings, noise(0)),
-        run(&multisine(START, seconds, plant, seed)?, START, seconds, noise(1))?,
-        run(&Experiment::orientation(), START, seconds, noise(2))?,
-        run(&Experiment::translation_y(), third, seconds.min(LONGEST_THIRD), noise(3))?,
-        run(&multisine(START, seconds, plant, other)?, START, seconds, other)?,
+    let runs: [(&str, &(dyn Fn() -> Result<SyntheticLog, TrialError> + Sync)); 4] = [
+        ("multisine", &|| excited(seed, noise_of(seed, 1))),
+        ("experiment 1", &|| run(&Experiment::orientation(), START, seconds, noise_of(seed, 2))),
+        ("experiment 3", &|| {
+            run(&Experiment::translation_y(), third, seconds.min(LONGEST_THIRD), noise_of(seed, 3))
+        }),
+        ("multisine, held out", &|| excited(!seed, !seed)),
     ];
-    let names = ["closed loop", "multisine", "experiment 1", "experiment 3", "multisine, held out"];
-    for (log, name) in logs.iter_mut().zip(names) {
-        name.clone_into(&mut log.log.name);
-    }
-    Ok(logs)
+    runs.par_iter()
+        .map(|(name, record)| {
+            let mut log = record()?;
+            (*name).clone_into(&mut log.log.name);
+            Ok(log)
+        })
+        .collect()
+}
+
+/// Noise is drawn apart for each log.
+fn noise_of(seed: u64, log: u64) -> u64 {
+    seed.wrapping_mul(4).wrapping_add(log)
 }
 
 /// The closed loop as the camera saw it.
-fn of_move(moved: &MoveOnPlant, settings: &StorySettings, seed: u64) -> SyntheticLog {
+pub fn log_of_move(moved: &MoveOnPlant, settings: &StorySettings) -> SyntheticLog {
     let every = (1.0 / (settings.plant.rate * RESOLUTION)).round().max(1.0) as usize;
     let inputs = &moved.run.closed_loop;
     let rows = moved.closed_loop.iter().enumerate().step_by(every).map(|(k, x)| {
@@ -59,7 +68,7 @@ fn of_move(moved: &MoveOnPlant, settings: &StorySettings, seed: u64) -> Syntheti
         (t, [x[0], x[1], x[2]], plate)
     });
     let outcome = moved.stopped.unwrap_or(AreaOutcome::Finished);
-    SyntheticLog::measured("closed loop", rows, outcome, &settings.plant, seed)
+    SyntheticLog::measured("closed loop", rows, outcome, &settings.plant, noise_of(settings.seed, 0))
 }
 
 /// The logs as records of the model's diagnosis, with what was noticed about them.

@@ -1,10 +1,9 @@
-//! How the loops of the story are closed: what the camera and the plate's encoders tell, one sample late, and in how short a time.
+//! How the loops of the story are closed: what the camera and the plate's encoders tell, one sample late.
 
 use bracketry::mpc::{
     ControlProblem, ControlRun, EstimatedParameter, Estimation, EstimationProblem, EstimatorKind, MeasuredOutput,
-    MovingHorizonSettings, MpcError, SolveStatus,
+    MovingHorizonSettings, MpcError,
 };
-use bracketry::plate::with_duration;
 use bracketry_trials::RecordingSettings;
 
 /// Samples between a measurement and the input that answers it.
@@ -23,17 +22,6 @@ const START: [f64; 6] = [1e-3, 1e-3, 5e-3, 1e-3, 1e-3, 1e-3];
 const UNCERTAIN: f64 = 0.03;
 /// Intervals that the estimator looks back on.
 const PAST: usize = 40;
-
-/// Durations of plans: the shortest that is tried (s), the steps of the search in sampling periods, and the longest (s).
-const SHORTEST: f64 = 0.8;
-const STRIDES: [usize; 2] = [8, 2];
-const LONGEST: f64 = 2.4;
-/// Frequencies of the guesses (Hz).
-const FREQUENCIES: [f64; 2] = [3.0, 2.0];
-/// Share of its tolerance by which a plan may miss a target.
-const PLANNED: f64 = 0.05;
-/// What feedback needs on top of the shortest duration.
-const RESERVE: f64 = 0.3;
 
 /// Lets a loop see what a laboratory does: the pose from a camera, with noise, and the motion of the plate. A moving-horizon
 /// estimator finds the rates, and corrects the parameters that are named; where none is, it takes the equations for those of the
@@ -75,57 +63,6 @@ pub(super) fn measured(
         problem: estimation,
         settings: MovingHorizonSettings { horizon: PAST, ..MovingHorizonSettings::default() },
     })
-}
-
-/// The shortest move.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Shortest {
-    /// Its duration (s); absent if no plan arrives.
-    pub(super) seconds: Option<f64>,
-    /// Quadratic programs of the search.
-    pub(super) programs: usize,
-}
-
-/// Gives a move the shortest duration in which a plan arrives, and a reserve for feedback. Without one that arrives, the move keeps
-/// its duration.
-///
-/// # Errors
-/// If the pieces of the problem do not fit together.
-pub(super) fn set_shortest(problem: &mut ControlProblem) -> Result<Shortest, MpcError> {
-    let mut programs = 0;
-    let intervals = |seconds: f64| (seconds / problem.ocp.dt).round() as usize;
-    let (mut late, mut early) = (None, intervals(SHORTEST));
-    let longest = intervals(LONGEST);
-    for stride in STRIDES {
-        let end = late.map_or(longest, |(steps, _)| steps - 1);
-        for steps in (early..=end).step_by(stride) {
-            if let Some(frequency) = arrives(problem, steps, &mut programs)? {
-                late = Some((steps, frequency));
-                break;
-            }
-            early = steps + 1;
-        }
-    }
-    let Some((steps, frequency)) = late else { return Ok(Shortest { seconds: None, programs }) };
-    let seconds = Some(steps as f64 * problem.ocp.dt);
-    with_duration(problem, ((1.0 + RESERVE) * steps as f64).ceil() as usize, frequency);
-    Ok(Shortest { seconds, programs })
-}
-
-/// The frequency of a guess from which a plan of so many sampling periods arrives.
-fn arrives(problem: &ControlProblem, steps: usize, programs: &mut usize) -> Result<Option<f64>, MpcError> {
-    for frequency in FREQUENCIES {
-        let mut trial = problem.clone();
-        with_duration(&mut trial, steps, frequency);
-        let plan = trial.plan()?;
-        *programs += plan.iterations.len();
-        let end = plan.trajectory.x(plan.trajectory.steps());
-        let near = trial.ocp.targets.iter().all(|t| (end[t.state] - t.value).abs() * t.linear <= PLANNED);
-        if plan.status == SolveStatus::Converged && near {
-            return Ok(Some(frequency));
-        }
-    }
-    Ok(None)
 }
 
 /// Quadratic programs of the plan and of the samples that had one.

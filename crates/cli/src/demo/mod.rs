@@ -9,6 +9,7 @@ mod on_equations;
 mod on_plant;
 mod page;
 mod settings;
+mod shortest;
 mod story;
 mod summary;
 mod tell;
@@ -16,7 +17,7 @@ mod text;
 mod truth;
 
 pub use event::{Finding, StoryEvent};
-pub use logs::record_logs;
+pub use logs::{identification_runs, log_of_move};
 pub use on_equations::MoveOnEquations;
 pub use on_plant::MoveOnPlant;
 pub use settings::{StoryError, StorySettings};

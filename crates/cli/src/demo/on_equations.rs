@@ -4,8 +4,9 @@ use bracketry::mpc::{ControlProblem, SolveTimes, Timings};
 use bracketry::plate::{AmplitudeStep, Arrival, Experiment, Shape, TwoStep, plate_move, published, two_step};
 use bracketry::sim::Settings;
 
-use super::loop_conditions::{measured, programs_of, set_shortest};
+use super::loop_conditions::{measured, programs_of};
 use super::settings::{StoryError, StorySettings};
+use super::shortest::Shortest;
 use bracketry::mpc::{Controlled, control};
 
 /// Longest time of one stage of the two-step method (s).
@@ -16,10 +17,10 @@ const STAGE_LIMIT: f64 = 30.0;
 pub struct MoveOnEquations {
     /// The object.
     pub shape: Shape,
-    /// Shortest duration (s) in which a plan arrives; absent if none was found.
-    pub shortest_s: Option<f64>,
     /// Quadratic programs of the search for the shortest move, the plan, and the loop.
     pub programs: usize,
+    /// The search for the shortest move.
+    pub(super) shortest: Shortest,
     /// What was to be done.
     pub problem: ControlProblem,
     /// The closed loop.
@@ -39,7 +40,8 @@ impl MoveOnEquations {
     ) -> Result<Self, StoryError> {
         let mut problem = plate_move(shape, settings.plant.mu)?;
         working("the shortest move");
-        let shortest = set_shortest(&mut problem)?;
+        let shortest = Shortest::of(&problem)?;
+        shortest.set(&mut problem);
         measured(&mut problem, &[], &settings.plant, settings.seed)?;
         // Afterwards everything has to stay where it is.
         problem.samples += settings.rest_samples;
@@ -49,7 +51,12 @@ impl MoveOnEquations {
         let two = published_method(shape, settings.plant.mu, &problem)?;
         let arrival = Arrival::of(&problem, &together.recording.trajectory);
         let programs = shortest.programs + programs_of(&together.run);
-        Ok(Self { shape: shape.clone(), shortest_s: shortest.seconds, programs, problem, together, arrival, two })
+        Ok(Self { shape: shape.clone(), programs, shortest, problem, together, arrival, two })
+    }
+
+    /// Shortest duration (s) in which a plan arrives; absent if none was found.
+    pub fn shortest_s(&self) -> Option<f64> {
+        self.shortest.seconds()
     }
 
     /// When the last stage of the published method was stopped (s), if every stage met its target.

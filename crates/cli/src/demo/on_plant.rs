@@ -5,8 +5,9 @@ use bracketry::plate::{AreaOutcome, Arrival, move_with};
 use bracketry::system::System;
 use serde::{Serialize, Serializer};
 
-use super::loop_conditions::{measured, programs_of, set_shortest};
+use super::loop_conditions::{measured, programs_of};
 use super::settings::{StoryError, StorySettings};
+use super::shortest::Shortest;
 use bracketry_trials::PlateMismatch;
 
 /// The reference move on the plant with contact over the whole footprint, planned and corrected with some model of it, in a time
@@ -19,7 +20,7 @@ pub struct MoveOnPlant {
     pub shortest_s: Option<f64>,
     /// Duration of the move (s): the shortest and a reserve for feedback.
     pub duration_s: f64,
-    /// Quadratic programs of the search for the shortest move, the plan, and the loop.
+    /// Quadratic programs of the plan, the loop, and the search for the shortest move unless that was made before.
     pub programs: usize,
     /// What was to be done.
     #[serde(skip)]
@@ -52,8 +53,21 @@ impl MoveOnPlant {
     /// # Errors
     /// [`StoryError`] if the model cannot be controlled. An object that tips or lifts off is a result.
     pub fn run(name: &str, model: &System, adjusted: &[String], settings: &StorySettings) -> Result<Self, StoryError> {
-        let mut problem = move_with(model)?;
-        let shortest = set_shortest(&mut problem)?;
+        let problem = move_with(model)?;
+        let shortest = Shortest::of(&problem)?;
+        let moved = Self::within(name, problem, &shortest, adjusted, settings)?;
+        Ok(Self { programs: shortest.programs + moved.programs, ..moved })
+    }
+
+    /// The move of a problem in a time that is little longer than the shortest, which was searched before.
+    pub(super) fn within(
+        name: &str,
+        mut problem: ControlProblem,
+        shortest: &Shortest,
+        adjusted: &[String],
+        settings: &StorySettings,
+    ) -> Result<Self, StoryError> {
+        shortest.set(&mut problem);
         let duration_s = problem.ocp.steps as f64 * problem.ocp.dt;
         measured(&mut problem, adjusted, &settings.plant, settings.seed)?;
         problem.samples += settings.rest_samples;
@@ -78,11 +92,11 @@ impl MoveOnPlant {
             let end = states.last().map_or(problem.x0.as_slice(), |x| x.as_slice());
             Arrival::of_states(&problem, states, end)
         };
-        let programs = shortest.programs + programs_of(&run);
+        let programs = programs_of(&run);
         let (arrival, plan_arrival) = (measured(&closed_loop), measured(&plan_alone));
         Ok(Self {
             model: name.to_owned(),
-            shortest_s: shortest.seconds,
+            shortest_s: shortest.seconds(),
             programs,
             duration_s,
             problem,

@@ -36,7 +36,7 @@ impl Story {
             verbatim(&self.on_equations.to_string()),
             verbatim(&self.as_published.to_string()),
             verbatim(&text::of_logs(&self.logs)) + &self.diagnosis.section(&figures[3], 3),
-            verbatim(&text::of_ranks(&self.diagnosis)),
+            verbatim(&text::of_ranks(self.diagnosis.ranks.as_ref(), self.diagnosis.report.evidence.model.is_some())),
             self.extended.as_ref().map_or_else(
                 || paragraph("There is no extended model."),
                 |moved| verbatim(&moved.to_string()) + &self.table(),

@@ -23,7 +23,7 @@ impl Story {
             "real_time_factor": own.real_time_factor(),
             "step_split_ms": {"linearise": linearize, "qp": qp, "rest": rest},
             "sampling_period_ms": report.period_ms,
-            "shortest_s": own.shortest_s,
+            "shortest_s": own.shortest_s(),
             "move_s": own.problem.ocp.steps as f64 * own.problem.ocp.dt,
             "simulated_s": own.together.recording.trajectory.end(),
             "status": report.status,

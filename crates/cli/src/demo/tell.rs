@@ -1,15 +1,16 @@
 //! The chapters of the story, computed one after the other.
 
+use std::thread;
 use std::time::Instant;
 
 use bracketry::diagnose::{Report, Role, diagnose};
-use bracketry::lie::Options;
-use bracketry::lie::analyze;
-use bracketry::plate::{Object, published};
-use bracketry::report::{Diagnosis, diagnosis_text};
+use bracketry::lie::{Analysis, Options, analyze};
+use bracketry::plate::{Object, Shape, move_with, published};
+use bracketry::report::{Diagnosis, RankChange, diagnosis_text};
+use bracketry::system::System;
 
 use super::event::{Finding, StoryEvent};
-use super::logs::{self, record_logs};
+use super::logs::{self, identification_runs, log_of_move};
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;
 use super::settings::{StoryError, StorySettings};
@@ -17,7 +18,7 @@ use super::story::Story;
 use super::text;
 
 impl Story {
-    /// Computes all chapters; `watch` hears of each as it is done.
+    /// Computes all chapters; `watch` hears of each as it is done. What does not hang on the chapter before runs beside it.
     ///
     /// # Errors
     /// [`StoryError`] if a chapter cannot be computed. A controller that misses its target, or a diagnosis that finds nothing, is a
@@ -28,26 +29,15 @@ impl Story {
         let model = published(shape, settings.plant.mu)?;
 
         watch(StoryEvent::Told(text::OPENING));
-        watch(StoryEvent::Told(text::FIRST));
-        watch(StoryEvent::Working(1, "brackets and ranks"));
-        let analysis = analyze(&model, &Options::default())?;
-        watch(StoryEvent::Told(&bracketry::report::analysis::text(&analysis)));
-        watch(StoryEvent::Found(Finding::Analysis(&analysis)));
-
-        watch(StoryEvent::Told(text::SECOND));
-        let on_equations = MoveOnEquations::run(shape, settings, &mut |what| watch(StoryEvent::Working(2, what)))?;
-        watch(StoryEvent::Told(&on_equations.to_string()));
-        watch(StoryEvent::Found(Finding::OnEquations(&on_equations)));
-
-        watch(StoryEvent::Told(text::THIRD));
-        watch(StoryEvent::Working(3, "the same controller on the area-contact plant"));
-        let as_published = MoveOnPlant::run("published model", &model, &["mu".to_owned()], settings)?;
-        watch(StoryEvent::Told(&as_published.to_string()));
-        watch(StoryEvent::Found(Finding::AsPublished(&as_published)));
-
-        watch(StoryEvent::Told(text::FOURTH));
-        watch(StoryEvent::Working(4, "identification runs on the plant"));
-        let logs = record_logs(&as_published, settings)?;
+        let (analysis, on_equations, as_published, logs) = thread::scope(|beside| {
+            let runs = beside.spawn(|| identification_runs(settings));
+            let (analysis, on_equations, as_published) = on_published(&model, shape, settings, watch)?;
+            watch(StoryEvent::Told(text::FOURTH));
+            watch(StoryEvent::Working(4, "identification runs on the plant"));
+            let mut logs = vec![log_of_move(&as_published, settings)];
+            logs.extend(joined(runs)?);
+            Ok::<_, StoryError>((analysis, on_equations, as_published, logs))
+        })?;
         watch(StoryEvent::Told(&text::of_logs(&logs)));
         watch(StoryEvent::Found(Finding::Logs(&logs)));
         let (mut records, audits) = logs::records(&logs, &model)?;
@@ -57,32 +47,33 @@ impl Story {
         let mut report = diagnose(&model, &records, &held_out, &settings.diagnosis, &mut progress)?;
         report.data = audits;
         watch(StoryEvent::Told(&diagnosis_text(&report)));
-        let diagnosis = Diagnosis::new(&model, report);
-        watch(StoryEvent::Found(Finding::Diagnosis(&diagnosis)));
+        watch(StoryEvent::Found(Finding::Diagnosis(&report)));
 
         watch(StoryEvent::Told(text::FIFTH));
         watch(StoryEvent::Working(5, "what the extended model changes"));
-        let extended_model = diagnosis.report.evidence.model.as_ref().map(|m| &m.system);
-        let extended_analysis = extended_model.and_then(|m| analyze(m, &Options::default()).ok());
-        watch(StoryEvent::Told(&text::of_ranks(&diagnosis)));
-
-        watch(StoryEvent::Told(text::SIXTH));
-        let extended = match extended_model {
-            None => None,
-            Some(model) => {
-                watch(StoryEvent::Working(6, "the extended model in control of the area-contact plant"));
-                let moved = MoveOnPlant::run("extended model", model, &adjusted(&diagnosis.report), settings)?;
-                watch(StoryEvent::Found(Finding::Extended(&moved)));
-                Some(moved)
-            }
-        };
+        let extended_model = report.evidence.model.as_ref().map(|m| &m.system);
+        let adjusted = adjusted(&report);
+        let (ranks, extended_analysis, extended) = thread::scope(|beside| {
+            let moved = extended_model
+                .map(|model| beside.spawn(|| MoveOnPlant::run("extended model", model, &adjusted, settings)));
+            let extended_analysis = extended_model.and_then(|m| analyze(m, &Options::default()).ok());
+            let ranks = extended_analysis.as_ref().and_then(|extended| RankChange::between(&analysis, extended));
+            watch(StoryEvent::Told(&text::of_ranks(ranks.as_ref(), extended_model.is_some())));
+            watch(StoryEvent::Told(text::SIXTH));
+            watch(StoryEvent::Working(6, "the extended model in control of the area-contact plant"));
+            let moved = moved.map(joined).transpose()?;
+            Ok::<_, StoryError>((ranks, extended_analysis, moved))
+        })?;
+        if let Some(moved) = &extended {
+            watch(StoryEvent::Found(Finding::Extended(moved)));
+        }
         let mut story = Self {
             published: model,
             analysis,
             on_equations,
             as_published,
             logs,
-            diagnosis,
+            diagnosis: Diagnosis { report, ranks },
             extended_analysis,
             extended,
             seconds: 0.0,
@@ -91,6 +82,39 @@ impl Story {
         watch(StoryEvent::Told(&story.ending()));
         Ok(story)
     }
+}
+
+/// Chapters 1 to 3: the published model analyzed, in control of its own equations, and in control of the area-contact plant.
+fn on_published(
+    model: &System,
+    shape: &Shape,
+    settings: &StorySettings,
+    watch: &mut dyn FnMut(StoryEvent<'_>),
+) -> Result<(Analysis, MoveOnEquations, MoveOnPlant), StoryError> {
+    watch(StoryEvent::Told(text::FIRST));
+    watch(StoryEvent::Working(1, "brackets and ranks"));
+    let analysis = analyze(model, &Options::default())?;
+    watch(StoryEvent::Told(&bracketry::report::analysis::text(&analysis)));
+    watch(StoryEvent::Found(Finding::Analysis(&analysis)));
+
+    watch(StoryEvent::Told(text::SECOND));
+    let on_equations = MoveOnEquations::run(shape, settings, &mut |what| watch(StoryEvent::Working(2, what)))?;
+    watch(StoryEvent::Told(&on_equations.to_string()));
+    watch(StoryEvent::Found(Finding::OnEquations(&on_equations)));
+
+    watch(StoryEvent::Told(text::THIRD));
+    watch(StoryEvent::Working(3, "the same controller on the area-contact plant"));
+    let shortest = &on_equations.shortest;
+    let adjusted = ["mu".to_owned()];
+    let as_published = MoveOnPlant::within("published model", move_with(model)?, shortest, &adjusted, settings)?;
+    watch(StoryEvent::Told(&as_published.to_string()));
+    watch(StoryEvent::Found(Finding::AsPublished(&as_published)));
+    Ok((analysis, on_equations, as_published))
+}
+
+/// What a thread has computed; its panic goes on here.
+fn joined<T, E>(thread: thread::ScopedJoinHandle<'_, Result<T, E>>) -> Result<T, E> {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// Parameters of the extended model that a loop may correct: the friction coefficient and the amplitudes of the causes. Shapes, as

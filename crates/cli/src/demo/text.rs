@@ -8,7 +8,7 @@ use bracketry_trials::SyntheticLog;
 use super::on_equations::MoveOnEquations;
 use super::on_plant::MoveOnPlant;
 use super::story::Story;
-use bracketry::report::Diagnosis;
+use bracketry::report::RankChange;
 
 /// What is simulated, and what the equations are taken from.
 pub(super) const OPENING: &str = "\
@@ -43,7 +43,7 @@ impl fmt::Display for MoveOnEquations {
         if let Some(p) = &report.plan {
             writeln!(f, "plan: {} after {} quadratic programs in {:.2} s\n", p.status, p.programs, p.seconds)?;
         }
-        writeln!(f, "{}", duration(self.shortest_s, self.problem.ocp.steps as f64 * self.problem.ocp.dt))?;
+        writeln!(f, "{}", duration(self.shortest_s(), self.problem.ocp.steps as f64 * self.problem.ocp.dt))?;
         writeln!(f, "Final errors on the same plant with exact set-valued friction:\n")?;
         for r in rows {
             writeln!(f, "  {:<16} {:>16} {:>16}", r[0], r[1], r[2])?;
@@ -172,9 +172,9 @@ pub(super) fn of_logs(logs: &[SyntheticLog]) -> String {
 }
 
 /// What the extended model reaches.
-pub(super) fn of_ranks(diagnosis: &Diagnosis) -> String {
-    match (&diagnosis.ranks, &diagnosis.report.evidence.model) {
-        (Some(ranks), _) => {
+pub(super) fn of_ranks(ranks: Option<&RankChange>, extended: bool) -> String {
+    match ranks {
+        Some(ranks) => {
             let (before, after) = (&ranks.before, &ranks.after);
             format!(
                 "{ranks}\nAs long as no friction direction changes, the inputs of the published model reach a set of dimension {} of {}\n\
@@ -182,8 +182,8 @@ pub(super) fn of_ranks(diagnosis: &Diagnosis) -> String {
                 before.least_in_a_mode, before.states, after.least_in_a_mode, after.states
             )
         }
-        (None, Some(_)) => "One of the two models cannot be analyzed.\n".to_owned(),
-        (None, None) => "Nothing was found, so there is no extended model.\n".to_owned(),
+        None if extended => "One of the two models cannot be analyzed.\n".to_owned(),
+        None => "Nothing was found, so there is no extended model.\n".to_owned(),
     }
 }
 

@@ -120,7 +120,8 @@ impl<'a> Search<'a> {
     fn exact_fit(&self, members: &[usize], near: &Fit, start: &[(String, f64)]) -> Option<Explanation> {
         let effects: Vec<Effect> = members.iter().map(|&m| self.candidates[m].clone()).collect();
         let initial = started(near.clone(), start);
-        let refitted = returned(&initial, &effects, self.settings.search.far_parameter)
+        let parameters = self.study.parameters().len();
+        let refitted = returned(&initial, parameters, &effects, self.settings.search.far_parameter)
             .and_then(|b| self.study.fit(&effects, &self.windows, Some(&b)).ok());
         self.fit_from(&effects, initial, near, start)
             .into_iter()
@@ -402,12 +403,14 @@ pub(crate) fn started(mut near: Fit, start: &[(String, f64)]) -> Fit {
     near
 }
 
-/// The fit with parameters back at their nominal values that another explanation has driven away from them by more than the share `far`; `None` if there are
-/// none. From where they went (a radius that vanishes) there may be no slope back.
-fn returned(initial: &Fit, effects: &[Effect], far: f64) -> Option<Fit> {
+/// The fit with those of its first values, the parameters, back at their nominal values that another explanation has driven away from
+/// them by more than the share `far`; `None` if there are none. From where they went (a radius that vanishes) there may be no slope
+/// back.
+fn returned(initial: &Fit, parameters: usize, effects: &[Effect], far: f64) -> Option<Fit> {
     let mut back = initial.clone();
     let own = |name: &str| effects.iter().flat_map(|e| &e.coefficients).all(|c| c.name != name);
-    let moved = back.values.iter_mut().filter(|e| own(&e.name) && (e.value - e.nominal).abs() > far * e.nominal.abs());
+    let parameters = back.values.iter_mut().take(parameters);
+    let moved = parameters.filter(|e| own(&e.name) && (e.value - e.nominal).abs() > far * e.nominal.abs());
     let moved = moved.map(|e| e.value = e.nominal).count();
     (moved > 0).then_some(back)
 }

@@ -33,7 +33,7 @@ impl Diagnosis {
     /// Adds to a report on `system` what the extended model changes in what the inputs reach.
     pub fn new(system: &System, report: Report) -> Self {
         let extended = report.evidence.model.as_ref();
-        let ranks = extended.and_then(|extended| RankChange::between(system, &extended.system));
+        let ranks = extended.and_then(|extended| RankChange::of_systems(system, &extended.system));
         Self { report, ranks }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use bracketry_lie::{Answer, Dimensions, Options, analyze};
+use bracketry_lie::{Analysis, Answer, Dimensions, Options, analyze};
 use bracketry_system::System;
 use serde::Serialize;
 
@@ -29,9 +29,8 @@ pub struct RankChange {
 }
 
 impl Ranks {
-    /// Analyses a model; `None` where it has no affine form or no brackets can be formed.
-    fn of(system: &System) -> Option<Self> {
-        let analysis = analyze(system, &Options::default()).ok()?;
+    /// Those of an analysis; none where no dimension was found.
+    fn of(analysis: &Analysis) -> Option<Self> {
         let report = &analysis.report;
         let all: &Dimensions =
             report.switched.as_ref().map(|s| &s.dimensions).or_else(|| report.modes.first().map(|m| &m.dimensions))?;
@@ -48,9 +47,15 @@ impl Ranks {
 }
 
 impl RankChange {
-    /// Analyzes both models; `None` if one of them cannot be analyzed.
-    pub(super) fn between(given: &System, extended: &System) -> Option<Self> {
+    /// What the analyses of both models say; none where one of them found no dimension.
+    pub fn between(given: &Analysis, extended: &Analysis) -> Option<Self> {
         Some(Self { before: Ranks::of(given)?, after: Ranks::of(extended)? })
+    }
+
+    /// Analyzes both models; none if one of them cannot be analyzed.
+    pub(super) fn of_systems(given: &System, extended: &System) -> Option<Self> {
+        let analyzed = |system| analyze(system, &Options::default()).ok();
+        Self::between(&analyzed(given)?, &analyzed(extended)?)
     }
 }
 
