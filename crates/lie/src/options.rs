@@ -24,6 +24,9 @@ pub struct Options {
     pub one_sided: Vec<(String, Side)>,
     /// The values that inputs take, by name, for local controllability; all others take all real numbers.
     pub ranges: Vec<(String, InputValues)>,
+    /// Whether flat outputs are searched for, which takes most of the time of a large model; without, the report says nothing of
+    /// flatness.
+    pub flatness: bool,
     /// Wall-clock time after which what is undecided is unknown; `None` for no limit.
     pub time_limit: Option<Duration>,
 }
@@ -37,6 +40,7 @@ impl Default for Options {
             determined: Vec::new(),
             one_sided: Vec::new(),
             ranges: Vec::new(),
+            flatness: true,
             time_limit: Some(TIME_LIMIT),
         }
     }

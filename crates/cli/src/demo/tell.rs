@@ -56,7 +56,8 @@ impl Story {
         let (ranks, extended_analysis, extended) = thread::scope(|beside| {
             let moved = extended_model
                 .map(|model| beside.spawn(|| MoveOnPlant::run("extended model", model, &adjusted, settings)));
-            let extended_analysis = extended_model.and_then(|m| analyze(m, &Options::default()).ok());
+            let dimensions = Options { flatness: false, ..Options::default() };
+            let extended_analysis = extended_model.and_then(|m| analyze(m, &dimensions).ok());
             let ranks = extended_analysis.as_ref().and_then(|extended| RankChange::between(&analysis, extended));
             watch(StoryEvent::Told(&text::of_ranks(ranks.as_ref(), extended_model.is_some())));
             watch(StoryEvent::Told(text::SIXTH));

@@ -125,7 +125,8 @@ pub(super) fn difference(a: &[f64], b: &[f64], step: f64, out: &mut [f64]) {
 /// The normal equations of a window.
 pub(super) fn full(runner: &Runner<'_>, point: &Point, jacobian: &DMatrix<f64>) -> Full {
     let residual = residual(runner, point);
-    Full { gram: jacobian.tr_mul(jacobian), gradient: jacobian.tr_mul(&residual), square: point.square }
+    // The product of matrices works by blocks, `tr_mul` column by column.
+    Full { gram: jacobian.transpose() * jacobian, gradient: jacobian.tr_mul(&residual), square: point.square }
 }
 
 /// Measured − simulated, over the noise.

@@ -67,7 +67,8 @@ pub fn analyze_affine(system: &System, options: &Options) -> Result<Report, Erro
     let (mut control, mut degree) = (ControlReport::default(), None);
     if smooth {
         let strong = reach[0].strong.as_ref().ok().map(Closure::dimension);
-        (control, degree) = control_report(&mut system, &modes[0].fields, &flags[0], strong, first, &mut evidence);
+        let parts = (first, options.flatness);
+        (control, degree) = control_report(&mut system, &modes[0].fields, &flags[0], strong, parts, &mut evidence);
     } else {
         for (mode, report) in modes.iter().zip(&mut mode_reports) {
             report.brackets = brackets::components(pool, &mode.fields, &words);

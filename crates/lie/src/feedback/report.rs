@@ -68,7 +68,7 @@ pub(crate) fn control_report(
     fields: &VectorFields,
     flag: &Result<LinearizationFlag, Undecided>,
     strong_dimension: Option<usize>,
-    first: usize,
+    (first, examine_flatness): (usize, bool),
     evidence: &mut Evidence,
 ) -> (ControlReport, Option<RelativeDegree>) {
     if fields.controls.is_empty() {
@@ -90,7 +90,8 @@ pub(crate) fn control_report(
         _ => None,
     };
     let dynamic_extension = extension.as_ref().map(|e| extension_report(system, e));
-    let flatness = Some(flatness_report(system, fields, flag, strong_dimension, extension.as_ref(), first, evidence));
+    let flatness = examine_flatness
+        .then(|| flatness_report(system, fields, flag, strong_dimension, extension.as_ref(), first, evidence));
     (ControlReport { input_output, feedback_linearization, dynamic_extension, flatness }, degree)
 }
 

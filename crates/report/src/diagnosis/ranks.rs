@@ -54,7 +54,8 @@ impl RankChange {
 
     /// Analyzes both models; none if one of them cannot be analyzed.
     pub(super) fn of_systems(given: &System, extended: &System) -> Option<Self> {
-        let analyzed = |system| analyze(system, &Options::default()).ok();
+        // The dimensions alone are compared.
+        let analyzed = |system| analyze(system, &Options { flatness: false, ..Options::default() }).ok();
         Self::between(&analyzed(given)?, &analyzed(extended)?)
     }
 }
