@@ -44,11 +44,7 @@ pub(crate) struct Sharing {
     groups: Vec<Group>,
     /// Rank of the equations; their rows come first, orthonormal.
     rank: usize,
-    /// Multipliers: where the search for the center stands. It starts from those of the solution before, which is near while the same
-    /// components stick; any start leads to the same center.
     y: Vec<f64>,
-    /// What stuck when `y` was found.
-    stuck: Vec<usize>,
     trial: Vec<f64>,
     z: Vec<f64>,
     gradient: Vec<f64>,
@@ -82,7 +78,6 @@ impl Sharing {
             groups: Vec::with_capacity(parts.len()),
             rank: 0,
             y: row(),
-            stuck: Vec::with_capacity(k),
             trial: row(),
             z: row(),
             gradient: row(),
@@ -104,10 +99,6 @@ impl Sharing {
         let equations = Equations { rows: &matrix[..r * m], right: &right[..r], m };
         if r < m {
             self.group(sticking, &equations);
-            if self.stuck != sticking || self.y.iter().any(|y| !y.is_finite()) {
-                sticking.clone_into(&mut self.stuck);
-                self.y.fill(0.0);
-            }
             self.widen(&equations, s);
         } else {
             s.fill(0.0);
@@ -140,6 +131,7 @@ impl Sharing {
     /// The center within the bounds, or within the bounds times a factor that exceeds the least one by part of its excess over 1.
     fn widen(&mut self, equations: &Equations<'_>, s: &mut [f64]) {
         let (mut low, mut high, mut factor) = (1.0f64, f64::INFINITY, 1.0f64);
+        self.y.fill(0.0);
         // Each pass narrows the interval of the factor to less than 3/4.
         for _ in 0..120 {
             match self.center(equations, factor) {
