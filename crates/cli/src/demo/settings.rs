@@ -25,11 +25,10 @@ pub struct StorySettings {
 
 impl Default for StorySettings {
     /// The reference disk with friction 0.3; logs of 8 s at 200 Hz with noise of 0.5 mm and 0.3°; up to six causes from windows of
-    /// 0.5 s, every other of them kept apart to confirm what the search finds in the rest; 0.6 s of rest.
+    /// 0.5 s; 0.6 s of rest.
     fn default() -> Self {
         let mut diagnosis = Settings { max_causes: 6, ..Settings::default() };
         diagnosis.study.window = Some(0.5);
-        diagnosis.verdict.search.most_windows = 24;
         Self { plant: RecordingSettings::default(), seconds: 8.0, seed: 1_000_003, rest_samples: 30, diagnosis }
     }
 }
