@@ -34,6 +34,15 @@ fn equations(rates: &[(String, Function)]) -> Vec<String> {
 }
 
 #[test]
+fn without_the_search_for_flat_outputs_the_dimensions_are_the_same() {
+    let unicycle = driftless(&["x", "y", "th"], &["v", "w"], &["v*cos(th)", "v*sin(th)", "w"]);
+    let whole = analyze_affine(&unicycle, &Options::default()).unwrap();
+    let dimensions = analyze_affine(&unicycle, &Options { flatness: false, ..Options::default() }).unwrap();
+    assert!(whole.control.flatness.is_some() && dimensions.control.flatness.is_none());
+    assert_eq!(dimensions.modes, whole.modes);
+}
+
+#[test]
 fn unicycle() {
     let s = system(&["x", "y", "th"], &["v", "w"], &[], &["v*cos(th)", "v*sin(th)", "w"], &["x", "y"], None);
     let report = analyze_affine(&s, &Options::default()).unwrap().control;

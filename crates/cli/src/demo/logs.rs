@@ -27,18 +27,18 @@ pub fn identification_runs(settings: &StorySettings) -> Result<Vec<SyntheticLog>
     // The multisine of the held-out log is drawn apart.
     let excited = |seed: u64, noise: u64| run(&multisine(START, seconds, plant, seed)?, START, seconds, noise);
     let third = [START[0], START_Y, 0.0, 0.0, 0.0, 0.0];
-    let runs: [(&str, &(dyn Fn() -> Result<SyntheticLog, TrialError> + Sync)); 4] = [
-        ("multisine", &|| excited(seed, noise_of(seed, 1))),
-        ("experiment 1", &|| run(&Experiment::orientation(), START, seconds, noise_of(seed, 2))),
-        ("experiment 3", &|| {
-            run(&Experiment::translation_y(), third, seconds.min(LONGEST_THIRD), noise_of(seed, 3))
-        }),
-        ("multisine, held out", &|| excited(!seed, !seed)),
-    ];
-    runs.par_iter()
-        .map(|(name, record)| {
-            let mut log = record()?;
-            (*name).clone_into(&mut log.log.name);
+    ["multisine", "experiment 1", "experiment 3", "multisine, held out"]
+        .into_par_iter()
+        .map(|name| {
+            let mut log = match name {
+                "multisine" => excited(seed, noise_of(seed, 1))?,
+                "experiment 1" => run(&Experiment::orientation(), START, seconds, noise_of(seed, 2))?,
+                "experiment 3" => {
+                    run(&Experiment::translation_y(), third, seconds.min(LONGEST_THIRD), noise_of(seed, 3))?
+                }
+                _ => excited(!seed, !seed)?,
+            };
+            name.clone_into(&mut log.log.name);
             Ok(log)
         })
         .collect()
