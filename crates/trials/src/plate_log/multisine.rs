@@ -4,7 +4,7 @@ use super::mismatch::PlateMismatch;
 use super::recording::RecordingSettings;
 use crate::TrialError;
 use crate::random::{Random, seed_of};
-use bracketry_plate::{AmplitudeStep, AreaSettings, Coordinate, Experiment, ExpressionMotion, PlateMotion};
+use bracketry_plate::{AmplitudeStep, Coordinate, Experiment, ExpressionMotion, PlateError, PlateMotion};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
@@ -40,7 +40,11 @@ pub fn multisine(
     settings: &RecordingSettings,
     seed: u64,
 ) -> Result<Experiment, TrialError> {
+    if !(duration.is_finite() && duration > 0.0) {
+        return Err(PlateError::BadNumber { name: "duration", value: duration }.into());
+    }
     let area = settings.area.clone().with_step(4e-3).with_points(16);
+    let coarse = RecordingSettings { area, ..settings.clone() };
     for index in 0..TRIES {
         let mut random = Random::new(seed_of(seed, index));
         let smaller = index.saturating_sub(FULL_TRIES) as f64 / (TRIES - FULL_TRIES - 1) as f64;
@@ -58,7 +62,7 @@ pub fn multisine(
             law: None,
             step: AmplitudeStep::Smooth,
         };
-        if stays(&experiment, start, duration, settings, &area)? {
+        if stays(&experiment, start, duration, &coarse)? {
             return Ok(experiment);
         }
     }
@@ -72,10 +76,8 @@ fn stays(
     start: [f64; 6],
     duration: f64,
     settings: &RecordingSettings,
-    area: &AreaSettings,
 ) -> Result<bool, TrialError> {
-    let settings = RecordingSettings { area: area.clone(), ..settings.clone() };
-    let mut contact = PlateMismatch::None.contact(&settings)?;
+    let mut contact = PlateMismatch::None.contact(settings)?;
     contact.set_state(start)?;
     let mut plate = experiment.motion(0.0)?;
     let pieces = (duration / PIECE).ceil().max(1.0);
