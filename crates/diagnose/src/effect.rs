@@ -133,7 +133,7 @@ pub enum Change {
     },
     /// Rates count for more or less in the limit surface of a contact, whose friction has components `rate/sqrt(square)`: each rate
     /// is replaced by its length times itself, and the friction follows by the principle of greatest dissipation. Several such effects
-    /// on one surface multiply.
+    /// on one surface multiply. Where there are no lengths, a contact whose friction has no such root is left as it is.
     Stretch {
         /// What stands under the root.
         square: String,
@@ -141,7 +141,11 @@ pub enum Change {
         slips: Vec<String>,
         /// Names of rates, of the slip or of a spin, with the expressions of their lengths.
         lengths: Vec<(String, String)>,
+        /// Names of spins that are not under the root and take part in the slip, with the expressions of their lengths.
+        spins: Vec<(String, String)>,
     },
+    /// Several changes of the equations with the same coefficients.
+    Several(Vec<Change>),
     /// What is measured of a body in the plane is the motion of a point p off its center of mass c, which the equations are
     /// about: `p = c + R(angle) d`, `p' = c' + spin z × R(angle) d`; the two coefficients are d, in axes of the body.
     TrackedPoint {

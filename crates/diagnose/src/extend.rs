@@ -68,7 +68,7 @@ impl ExtendedModel {
                 Change::TrackedPoint { position, angle, .. } => {
                     extended.add_tracked_point(effect, position, angle, &fit.values)?;
                 }
-                Change::Terms(_) | Change::Substitution { .. } | Change::Stretch { .. } => {}
+                Change::Terms(_) | Change::Substitution { .. } | Change::Stretch { .. } | Change::Several(_) => {}
             }
         }
         extended.time_as_state();

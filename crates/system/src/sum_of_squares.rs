@@ -1,12 +1,13 @@
 //! Sums of squares with positive coefficients, as they stand under the root of a size |σ|.
 
-use bracketry_symbolic::{Expr, Func, Node, Rational};
+use bracketry_symbolic::{Directed, Expr, Func, Node, Rational};
 
 use crate::unit_vector::{Component, Factor, Rewriter, half, sum_terms};
 
 impl Rewriter<'_> {
     /// The components of a sum of squares with positive coefficients; none if it is no such sum, or cannot vanish.
     pub(crate) fn components(&mut self, square: Expr) -> Option<Vec<Component>> {
+        let may_vanish = self.system.pool.directed(square) == Some(Directed::Written);
         let mut components: Vec<Component> = Vec::new();
         let mut stack = vec![(square, Vec::<Factor>::new())];
         while let Some((e, outer)) = stack.pop() {
@@ -38,7 +39,7 @@ impl Rewriter<'_> {
                 }
                 return None;
             }
-            components.push(self.component(&factors, &squares)?);
+            components.push(self.component(&factors, &squares, may_vanish)?);
         }
         Some(components)
     }
@@ -61,7 +62,7 @@ impl Rewriter<'_> {
     }
 
     /// One term of the sum, from its factors, of which `squares` are squares that move.
-    fn component(&mut self, factors: &[Factor], squares: &[Factor]) -> Option<Component> {
+    fn component(&mut self, factors: &[Factor], squares: &[Factor], may_vanish: bool) -> Option<Component> {
         let pool = &mut self.system.pool;
         let mut base = pool.int(1);
         for f in squares {
@@ -71,7 +72,8 @@ impl Rewriter<'_> {
         for f in factors {
             if f.exponent == Rational::from(2u8) {
                 if self.is_constant(f.base) {
-                    let value = self.system.value(f.base).filter(|v| *v != 0.0)?;
+                    // What is written as a direction stays one where a parameter in it vanishes: a fit may start there.
+                    let value = self.system.value(f.base).filter(|v| *v != 0.0 || may_vanish)?;
                     let size = if value < 0.0 { self.system.pool.neg(f.base) } else { f.base };
                     scale = self.system.pool.mul(scale, size);
                 }

@@ -14,9 +14,9 @@ const TERMS: [&str; 9] = [
     // y θ'² and h θ'' in y''.
     "inertia_y_theta_squared_vy",
     "inertia_theta_acceleration_vy",
-    // The printed torque has the other sign; friction of the footprint against the spin.
+    // The printed torque has the other sign; friction of the footprint against the spin, which takes part in the slip.
     "scale_w",
-    "spin_w",
+    "spin_radius_w",
 ];
 
 /// Whether the plant has what a diagnosis of the published equations names; none where it gives a term no name.

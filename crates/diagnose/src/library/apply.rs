@@ -10,7 +10,7 @@ use crate::effect::{Change, Coefficient, Effect};
 use crate::error::DiagnoseError;
 
 /// Makes the changes of several effects in a model: terms first, then substitutions, so that these act on what others
-/// add as well (friction that is coupled over the axes is so in every term). Coefficients
+/// add as well (friction that is coupled over the axes is so in every term), then what changes the roots that these bring. Coefficients
 /// that have one value only become numbers: what they replace is gone.
 ///
 /// # Errors
@@ -18,11 +18,12 @@ use crate::error::DiagnoseError;
 pub(crate) fn apply_all(effects: &[Effect], system: &mut System) -> Result<(), DiagnoseError> {
     let turn = |effect: &Effect| match effect.change {
         Change::Terms(_) => 0,
-        Change::Substitution { .. } | Change::Stretch { .. } => 1,
-        Change::TrackedPoint { .. } | Change::Path { .. } => 2,
+        Change::Substitution { .. } => 1,
+        Change::Stretch { .. } | Change::Several(_) => 2,
+        Change::TrackedPoint { .. } | Change::Path { .. } => 3,
     };
-    let effects = merged(effects);
-    for effect in (0..3).flat_map(|now| effects.iter().filter(move |e| turn(e) == now)) {
+    let effects = merged(&parted(effects));
+    for effect in (0..4).flat_map(|now| effects.iter().filter(move |e| turn(e) == now)) {
         effect.apply(system)?;
         for (c, value) in effect.coefficients.iter().filter_map(|c| Some((c, decimal(c.settled()?)?))) {
             let symbol = system.pool.symbol(&c.name);
@@ -34,6 +35,23 @@ pub(crate) fn apply_all(effects: &[Effect], system: &mut System) -> Result<(), D
         }
     }
     Ok(())
+}
+
+/// The effects with each of several changes apart; the first of them brings the coefficients.
+fn parted(effects: &[Effect]) -> Vec<Effect> {
+    let mut parted = Vec::with_capacity(effects.len());
+    for effect in effects {
+        let Change::Several(changes) = &effect.change else {
+            parted.push(effect.clone());
+            continue;
+        };
+        let mut coefficients = effect.coefficients.clone();
+        for change in changes {
+            let coefficients = std::mem::take(&mut coefficients);
+            parted.push(Effect { change: change.clone(), coefficients, ..effect.clone() });
+        }
+    }
+    parted
 }
 
 impl Effect {
@@ -102,11 +120,16 @@ fn change_equations(change: &Change, system: &mut System, names: &mut ModelNames
                 return Err(DiagnoseError::NothingReplaced { text });
             }
         }
-        Change::Stretch { square, slips, lengths } => {
-            let pairs = stretched(&mut system.pool, names, square, slips, lengths)?;
+        Change::Stretch { square, slips, lengths, spins } => {
+            let pairs = stretched(&mut system.pool, names, square, slips, lengths, spins)?;
             let rows: Vec<usize> = (0..system.states.len()).collect();
-            if !replace(system, &rows, &pairs) {
+            if !replace(system, &rows, &pairs) && !lengths.is_empty() {
                 return Err(DiagnoseError::NothingReplaced { text: format!("1/sqrt({square})") });
+            }
+        }
+        Change::Several(changes) => {
+            for change in changes {
+                change_equations(change, system, names)?;
             }
         }
         Change::Path { .. } | Change::TrackedPoint { .. } => {}

@@ -204,7 +204,7 @@ impl Builder {
         let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
         let pool = &mut self.system.pool;
         let component = names.read(pool, &format!("{on}/sqrt({square})"))?;
-        let pairs = stretched(pool, &mut names, &square, &slips, &lengths)?;
+        let pairs = stretched(pool, &mut names, &square, &slips, &lengths, &[])?;
         let term = pairs.iter().find(|pair| pair.0 == component).map_or_else(
             || Formula::from(""),
             |&(old, new)| {
@@ -212,7 +212,7 @@ impl Builder {
                 replacement(&names, pool, [old, new], texts.each_ref().map(String::as_str))
             },
         );
-        let change = Change::Stretch { square, slips, lengths };
+        let change = Change::Stretch { square, slips, lengths, spins: Vec::new() };
         self.finish(Effect { cause, equation: on, term, coefficients, change }, equation)
     }
 
@@ -235,7 +235,9 @@ impl Builder {
         let columns = columns(&mut extended, &effect);
         if let [column] = &columns.iter().flatten().collect::<Vec<_>>()[..] {
             let values = self.fixed.values(&mut extended, column);
-            let nothing = values.iter().flatten().all(|v| v.abs() < 1e-12);
+            // What has trials need not have a slope where it vanishes.
+            let nothing = values.iter().flatten().all(|v| v.abs() < 1e-12)
+                && effect.coefficients.iter().all(|c| c.role == Role::Shape || c.trials.is_empty());
             if nothing || self.is_parameter(&mut extended, &values) || self.is_known(effect.cause, &values) {
                 return Ok(());
             }
@@ -251,7 +253,8 @@ impl Builder {
             let own = if sizes[row] > 0.0 { sizes[row] } else { sizes.iter().copied().fold(0.0, f64::max) };
             let size = self.settings.typical_share * typical / own;
             let room = (c.max - c.nominal).max(c.nominal - c.min);
-            c.scale = if size.is_finite() && size > 0.0 { size.min(room) } else { room.min(1.0) };
+            let tried = c.trials.get(c.trials.len() / 2).map_or(1.0, |trial| (trial - c.nominal).abs());
+            c.scale = if size.is_finite() && size > 0.0 { size.min(room) } else { room.min(tried) };
         }
         self.effects.push(effect);
         Ok(())

@@ -5,7 +5,7 @@ use bracketry_symbolic::{Expr, Func};
 use super::builder::{Builder, amplitude, dissipation, log_grid, shape};
 use super::structure::{Coordinate, Kind, is_constant};
 use super::terms::slope;
-use crate::effect::{Cause, Coefficient};
+use crate::effect::{Cause, Change, Coefficient};
 use crate::error::DiagnoseError;
 
 impl Builder {
@@ -172,25 +172,25 @@ impl Builder {
         let w = self.state(c.rate);
         let slips: Vec<String> =
             self.structure.translations().filter(|t| t.has_dry_friction).map(|t| self.state(t.rate)).collect();
-        let (dry, units, per) = match self.changing_level() {
-            Some(level) => (vec![(c.rate, level)], ["1", "1/m"], ", per friction of the contact against its slip"),
-            None => (c.force.clone(), ["m/s^2", "rad/s^2"], ""),
+        let (dry, unit, per) = match self.changing_level() {
+            Some(level) => (vec![(c.rate, level)], "1/m", ", per friction of the contact against its slip"),
+            None => (c.force.clone(), "rad/s^2", ""),
         };
 
-        let k = self.name("spin", &w);
         let l = self.name("spin_radius", &w);
+        let rho = self.name("spin_gyration", &w);
         let slip = slips.iter().filter_map(|v| self.data.extent(v)).fold(0.0, f64::max);
         let spin = self.data.extent(&w).unwrap_or(1.0);
         let radius = if slip > 0.0 { slip / spin } else { 0.1 };
-        // The level where the body only spins is this over the radius: two numbers that data of a sliding body hardly tell apart.
-        let about = format!("dry friction of the contact against {w}/slip, the spin over the speed of the slip{per}");
-        let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), units[0], about) };
         let about =
             "spin times this length is the slip speed at which spinning and sliding contribute equally to the friction";
-        // Far above this radius the law is Coulomb's, which is a candidate of its own.
-        let length = shape(l.clone(), log_grid(0.01 * radius, radius, 5), "m", about);
-        let law = format!("-{k}/{l}*unit({l}*{w}, {})", slips.join(", "));
-        self.along(Cause::YawFriction, c.rate, &dry, &law, vec![coefficient, length])?;
+        let trials = log_grid(0.02 * radius, 0.05 * radius, 2);
+        let length = Coefficient { min: 0.0, trials, ..dissipation(l.clone(), "m", about) };
+        let about = "radius of gyration of the body about the axis of the spin";
+        let gyration = shape(rho.clone(), log_grid(0.05 * radius, 0.1 * radius, 2), "m", about);
+        let law = format!("-{l}/{rho}^2*unit({l}*{w}, {})", slips.join(", "));
+        self.along(Cause::YawFriction, c.rate, &dry, &law, vec![length, gyration])?;
+        self.share_slip(&w, &l);
 
         let k = self.name("spin_viscous", &w);
         let coefficient = dissipation(k.clone(), c.unit(0, 1), format!("viscous friction against the spin {w}"));
@@ -198,8 +198,25 @@ impl Builder {
 
         let k = self.name("spin_coulomb", &w);
         let about = format!("Coulomb friction against the spin {w}{per}");
-        let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), units[1], about) };
+        let coefficient = Coefficient { min: 0.0, ..dissipation(k.clone(), unit, about) };
         self.along(Cause::YawFriction, c.rate, &dry, &format!("-{k}*sign({w})"), vec![coefficient])
+    }
+
+    /// The effect added last also lets the spin take part in the slip of the contact, whose friction then has components over the root of
+    /// `vx² + vy² + l² w²`, an ellipsoidal limit surface (Goyal, Ruina, Papadopoulos 1991): a body that spins slides more easily.
+    fn share_slip(&mut self, w: &str, length: &str) {
+        let sliding: Vec<Coordinate> =
+            self.structure.translations().filter(|c| c.has_dry_friction).cloned().collect();
+        let slips: Vec<String> = sliding.iter().map(|c| self.state(c.rate)).collect();
+        let square = match sliding.first().and_then(|c| c.friction.as_ref()?.square) {
+            Some(square) => self.text(square),
+            None => slips.iter().map(|v| format!("{v}^2")).collect::<Vec<_>>().join(" + "),
+        };
+        let spins = vec![(w.to_owned(), length.to_owned())];
+        if let Some(effect) = self.effects.last_mut().filter(|e| e.cause == Cause::YawFriction) {
+            let shared = Change::Stretch { square, slips, lengths: Vec::new(), spins };
+            effect.change = Change::Several(vec![effect.change.clone(), shared]);
+        }
     }
 
     /// Per-axis dry friction becomes friction against the direction of the slip.

@@ -67,7 +67,7 @@ fn with_roots_as_written(pool: &mut Pool, roots: &[Expr], directions: &[Directio
 }
 
 /// `S` of `1/√S`.
-fn under_inverse_root(pool: &Pool, e: Expr) -> Option<Expr> {
+pub(super) fn under_inverse_root(pool: &Pool, e: Expr) -> Option<Expr> {
     match pool.node(e) {
         Node::Pow(base, k) => pool.number(k).is_some_and(|k| k.to_f64().value() == -0.5).then_some(base),
         _ => None,

@@ -4,12 +4,16 @@ use bracketry_symbolic::{Expr, Pool};
 use rustc_hash::FxHashMap;
 
 use super::names::ModelNames;
+use super::replace::under_inverse_root;
+use super::terms::factors as factors_of;
 use crate::effect::{Change, Effect};
 use crate::error::DiagnoseError;
 
 /// What stands for the components of the unit vector over the root of `square`, `rate/√S`, where each rate is `length` times as
 /// long: with D the diagonal matrix of the lengths, the friction acts along `D² v/|D v|`, so that dissipation is greatest among all
 /// forces within the ellipsoid (Moreau's principle).
+///
+/// The `spins`, each as many times as long as its length, come under the root.
 ///
 /// The components of the `slips` come before those of other rates, and those with a length before those without: a product of a
 /// spin and a slip over one root means the direction of the slip.
@@ -22,6 +26,7 @@ pub(super) fn stretched(
     square: &str,
     slips: &[String],
     lengths: &[(String, String)],
+    spins: &[(String, String)],
 ) -> Result<Vec<(Expr, Expr)>, DiagnoseError> {
     let square = names.read(pool, square)?;
     let mut longer = FxHashMap::default();
@@ -37,7 +42,25 @@ pub(super) fn stretched(
         }
         factors.push((rate, length.map(|length| pool.powi(length, 2))));
     }
-    let stretched = pool.substitute(square, &longer);
+    let mut stretched = pool.substitute(square, &longer);
+    for (rate, length) in spins {
+        let [rate, length] = [names.read(pool, rate)?, names.read(pool, length)?];
+        let own = pool.mul(length, rate);
+        let own = pool.powi(own, 2);
+        stretched = pool.add(stretched, own);
+    }
+    for (rate, length) in spins {
+        // Written as under the root of the spin's own friction, so that both are one.
+        let component = names.read(pool, &format!("unit({length}*{rate}, {})", slips.join(", ")))?;
+        let base = factors_of(pool, component).into_iter().find_map(|f| under_inverse_root(pool, f));
+        if let Some(base) = base {
+            let difference = pool.sub(base, stretched);
+            let difference = pool.expand(difference);
+            if pool.is_zero(difference) {
+                stretched = base;
+            }
+        }
+    }
     let [old, new] = [square, stretched].map(|e| {
         let root = pool.sqrt(e);
         pool.powi(root, -1)
@@ -56,19 +79,22 @@ pub(super) fn stretched(
 pub(super) fn merged(effects: &[Effect]) -> Vec<Effect> {
     let mut merged: Vec<Effect> = Vec::with_capacity(effects.len());
     for effect in effects {
-        let Change::Stretch { square, lengths, .. } = &effect.change else {
+        let Change::Stretch { square, lengths, spins, .. } = &effect.change else {
             merged.push(effect.clone());
             continue;
         };
         let same = merged.iter_mut().find_map(|other| match &mut other.change {
-            Change::Stretch { square: s, lengths, .. } if s == square => Some((lengths, &mut other.coefficients)),
+            Change::Stretch { square: s, lengths, spins, .. } if s == square => {
+                Some((lengths, spins, &mut other.coefficients))
+            }
             _ => None,
         });
-        let Some((present, coefficients)) = same else {
+        let Some((present, present_spins, coefficients)) = same else {
             merged.push(effect.clone());
             continue;
         };
         coefficients.extend(effect.coefficients.iter().cloned());
+        present_spins.extend(spins.iter().cloned());
         for (rate, length) in lengths {
             match present.iter_mut().find(|(r, _)| r == rate) {
                 Some((_, l)) => *l = format!("{l}*{length}"),
