@@ -141,10 +141,9 @@ impl Builder {
         law: &str,
         coefficients: Vec<Coefficient>,
     ) -> Result<(), DiagnoseError> {
-        let mut names = ModelNames::new(&mut self.system).with_coefficients(&mut self.system.pool, &coefficients);
-        let read = names.read(&mut self.system.pool, law)?;
-        let terms = direction.iter().map(|&(row, entry)| (row, self.system.pool.mul(read, entry))).collect::<Vec<_>>();
-        let terms = terms.into_iter().map(|(row, e)| (row, self.text(e))).collect();
+        // As the law writes them: the text of the product would have roots where the law means the direction of friction.
+        let terms =
+            direction.iter().map(|&(row, entry)| (row, format!("({})*({})", bare(law), self.text(entry)))).collect();
         self.terms(cause, equation, term, terms, coefficients)
     }
 
