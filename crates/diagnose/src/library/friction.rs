@@ -167,7 +167,8 @@ impl Builder {
     }
 
     /// Friction of a sliding contact against the spin: shared with the slip, which makes it an ellipsoidal limit surface, viscous,
-    /// or Coulomb's. Dry friction is in proportion to the load.
+    /// or Coulomb's. Dry friction is in proportion to the load. Trials of the radii are shares of the length at which slip and spin of the
+    /// data are as fast: a body that is moved slips faster than its parts turn.
     fn yaw_friction(&mut self, c: &Coordinate) -> Result<(), DiagnoseError> {
         let w = self.state(c.rate);
         let slips: Vec<String> =
@@ -183,7 +184,7 @@ impl Builder {
         let spin = self.data.extent(&w).unwrap_or(1.0);
         let radius = if slip > 0.0 { slip / spin } else { 0.1 };
         let about =
-            "spin times this length is the slip speed at which spinning and sliding contribute equally to the friction";
+            "length of the spin in the slip: friction acts against the slip and this length times the spin together";
         let trials = log_grid(0.02 * radius, 0.05 * radius, 2);
         let length = Coefficient { min: 0.0, trials, ..dissipation(l.clone(), "m", about) };
         let about = "radius of gyration of the body about the axis of the spin";
@@ -205,8 +206,7 @@ impl Builder {
     /// The effect added last also lets the spin take part in the slip of the contact, whose friction then has components over the root of
     /// `vx² + vy² + l² w²`, an ellipsoidal limit surface (Goyal, Ruina, Papadopoulos 1991): a body that spins slides more easily.
     fn share_slip(&mut self, w: &str, length: &str) {
-        let sliding: Vec<Coordinate> =
-            self.structure.translations().filter(|c| c.has_dry_friction).cloned().collect();
+        let sliding: Vec<Coordinate> = self.structure.translations().filter(|c| c.has_dry_friction).cloned().collect();
         let slips: Vec<String> = sliding.iter().map(|c| self.state(c.rate)).collect();
         let square = match sliding.first().and_then(|c| c.friction.as_ref()?.square) {
             Some(square) => self.text(square),

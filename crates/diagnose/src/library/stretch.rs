@@ -1,6 +1,6 @@
 //! Rates that count for more or less in the limit surface of a contact.
 
-use bracketry_symbolic::{Expr, Pool};
+use bracketry_symbolic::{Directed, Expr, Pool};
 use rustc_hash::FxHashMap;
 
 use super::names::ModelNames;
@@ -13,7 +13,8 @@ use crate::error::DiagnoseError;
 /// long: with D the diagonal matrix of the lengths, the friction acts along `D² v/|D v|`, so that dissipation is greatest among all
 /// forces within the ellipsoid (Moreau's principle).
 ///
-/// The `spins`, each as many times as long as its length, come under the root.
+/// The `spins`, each as many times as long as its length, come under the root, and this stands for the root of their own friction,
+/// `unit(length*spin, slips)`.
 ///
 /// The components of the `slips` come before those of other rates, and those with a length before those without: a product of a
 /// spin and a slip over one root means the direction of the slip.
@@ -43,35 +44,30 @@ pub(super) fn stretched(
         factors.push((rate, length.map(|length| pool.powi(length, 2))));
     }
     let mut stretched = pool.substitute(square, &longer);
+    let mut replaced = vec![square];
     for (rate, length) in spins {
+        let component = names.read(pool, &format!("unit({length}*{rate}, {})", slips.join(", ")))?;
+        // The root of the spin's own friction becomes the same.
+        replaced.extend(factors_of(pool, component).into_iter().find_map(|f| under_inverse_root(pool, f)));
         let [rate, length] = [names.read(pool, rate)?, names.read(pool, length)?];
         let own = pool.mul(length, rate);
         let own = pool.powi(own, 2);
         stretched = pool.add(stretched, own);
+        pool.set_directed(stretched, Directed::Written);
     }
-    for (rate, length) in spins {
-        // Written as under the root of the spin's own friction, so that both are one.
-        let component = names.read(pool, &format!("unit({length}*{rate}, {})", slips.join(", ")))?;
-        let base = factors_of(pool, component).into_iter().find_map(|f| under_inverse_root(pool, f));
-        if let Some(base) = base {
-            let difference = pool.sub(base, stretched);
-            let difference = pool.expand(difference);
-            if pool.is_zero(difference) {
-                stretched = base;
-            }
-        }
-    }
-    let [old, new] = [square, stretched].map(|e| {
+    let mut inverse_root = |e| {
         let root = pool.sqrt(e);
         pool.powi(root, -1)
-    });
+    };
+    let new = inverse_root(stretched);
+    let roots: Vec<Expr> = replaced.into_iter().map(&mut inverse_root).collect();
     let mut pairs: Vec<(Expr, Expr)> = Vec::new();
     for (rate, factor) in factors {
         let image = pool.mul(rate, new);
         let image = factor.map_or(image, |factor| pool.mul(factor, image));
-        pairs.push((pool.mul(rate, old), image));
+        pairs.push((pool.mul(rate, roots[0]), image));
     }
-    pairs.push((old, new));
+    pairs.extend(roots.into_iter().map(|root| (root, new)));
     Ok(pairs)
 }
 
