@@ -1,6 +1,8 @@
-//! What an analysis leaves behind: nothing.
+//! What an analysis leaves behind: nothing. A program of its own, because it measures the memory of the whole process.
 #![allow(clippy::unwrap_used)]
 
+#[path = "main/common/mod.rs"]
+#[allow(dead_code)]
 mod common;
 
 use bracketry_lie::{Evidence, Options, analyze_affine};

@@ -1,0 +1,73 @@
+//! Zero dynamics with eigenvalues on the imaginary axis, whose stability is known by construction.
+
+use crate::common::system;
+use bracketry_lie::{Answer, MinimumPhaseReason, Options, ZeroDynamicsReport, analyze_affine};
+
+/// The system y' = u with z' = F(z) + y beside it: the zero dynamics of y are z' = F(z).
+fn zero_dynamics(states: &[&str], equations: &[&str]) -> ZeroDynamicsReport {
+    let mut names = vec!["y"];
+    names.extend(states);
+    let mut rhs = vec!["u".to_owned()];
+    rhs.extend(equations.iter().map(|e| format!("{e} + y")));
+    let rhs: Vec<&str> = rhs.iter().map(String::as_str).collect();
+    let s = system(&names, &["u"], &[], &rhs, &["y"], Some(&[]));
+    let report = analyze_affine(&s, &Options::default()).unwrap().control.input_output.unwrap();
+    report.zero_dynamics.unwrap().known().unwrap().clone()
+}
+
+fn holds(states: &[&str], equations: &[&str]) -> Option<bool> {
+    match zero_dynamics(states, equations).minimum_phase {
+        Answer::Known(holds) => Some(holds),
+        Answer::Unknown(_) => None,
+    }
+}
+
+#[test]
+fn cubic_damping_decides_by_its_sign() {
+    for (sign, expected) in [("-", true), ("+", false)] {
+        let cubic = |z: &str| format!("{sign} {z}^3");
+        let oscillator = [format!("z2 {}", cubic("z1")), format!("-z1 {}", cubic("z2"))];
+        let half_damped = ["z2".to_owned(), format!("-4*z1 {}", cubic("z2"))];
+        let spring = ["z2".to_owned(), format!("-z1^3 {sign} z2")];
+        let alone = [format!("z2 {sign} z1^3*(2 - z2)"), format!("-z1 {sign} z2^5")];
+        for equations in [&oscillator, &half_damped, &spring] {
+            let equations: Vec<&str> = equations.iter().map(String::as_str).collect();
+            let found = holds(&["z1", "z2"], &equations);
+            // An eigenvalue 1 is unstable in any case.
+            assert_eq!(found, Some(expected), "{equations:?}");
+        }
+        // Whatever is not seen must not be wrong.
+        let equations: Vec<&str> = alone.iter().map(String::as_str).collect();
+        assert_ne!(holds(&["z1", "z2"], &equations), Some(!expected));
+    }
+    assert_eq!(holds(&["a", "b", "c"], &["-a^3 + b", "-a - b^3", "-2*c^3"]), Some(true));
+}
+
+#[test]
+fn conservative_motion_is_only_stable() {
+    // A mass that depends on the position, in coordinates that do not preserve volume.
+    let z = zero_dynamics(&["q", "v"], &["v", "-q*(1 + v^2)/(1 + q^2)"]);
+    assert_eq!(z.minimum_phase, Answer::Known(false), "{z:?}");
+    let reason = z.minimum_phase_reason.unwrap();
+    assert!(matches!(reason, MinimumPhaseReason::Conserved { stable: true, .. }), "{reason}");
+    // Rotation with a speed that depends on the state, of which z1² + 3 z2² is conserved.
+    let z = zero_dynamics(&["a", "b"], &["3*b*(1 + a)", "-a*(1 + a)"]);
+    let reason = z.minimum_phase_reason.unwrap();
+    assert!(matches!(reason, MinimumPhaseReason::Conserved { stable: true, .. }), "{reason}");
+    assert!(reason.to_string().contains("only stable"), "{reason}");
+}
+
+/// z' = c z^k + … in coordinates that a decaying state is mixed with: (z, w) → (z + w, w + z²).
+#[test]
+fn one_zero_eigenvalue_by_the_center_manifold() {
+    assert_eq!(holds(&["a", "b"], &["a*b", "-b - a^2"]), Some(true));
+    assert_eq!(holds(&["a", "b"], &["a*b", "-b + a^2"]), Some(false));
+    assert_eq!(holds(&["a", "b"], &["a*b - a^3", "-b + a^2/2"]), Some(true));
+    assert_eq!(holds(&["a", "b"], &["a*b - a^3/3", "-b + a^2/2"]), Some(false));
+    assert_eq!(holds(&["a", "b"], &["a^2 + b", "-b"]), Some(false));
+    // sin and its cubic term.
+    assert_eq!(holds(&["a", "b"], &["sin(a) - a + b^2", "-b"]), Some(true));
+    assert_eq!(holds(&["a", "b"], &["a - sin(a) + b^2", "-b"]), Some(false));
+    // A line of equilibria: not asymptotically stable, or open, but never yes.
+    assert_ne!(holds(&["a", "b"], &["a*b", "-b"]), Some(true));
+}

@@ -1,0 +1,122 @@
+//! Linear systems around a point: exact matrices, poles, zeros, ranks, Gramians, and gains.
+
+use bracketry_lie::{LinearAnalysis, LinearizeError, LinearizeOptions, NoGain, NotLinearizable, linearize};
+use bracketry_system::System;
+use nalgebra::DMatrix;
+use std::fmt::Write as _;
+
+fn analyzed(text: &str) -> LinearAnalysis {
+    linearize(&System::parse("m", text).unwrap(), &LinearizeOptions::default()).unwrap()
+}
+
+#[test]
+fn entries_are_formulas_of_the_parameters() {
+    let text = "states = ['th', 'w']\ninputs = ['u']\nparameters = { g = 9.81, l = 0.5 }\n\
+        dynamics = { th = 'w', w = 'u/l^2 - g/l*sin(th)' }\noutputs = { y = 'th' }\npoint = { th = 'pi' }";
+    let r = analyzed(text);
+    assert_eq!(r.system.a.formulas[1][0].text(), "g/l");
+    assert!((r.system.a.values[(1, 0)] - 19.62).abs() < 1e-12 && (r.system.b.values[(1, 0)] - 4.0).abs() < 1e-12);
+    assert!(r.exact && r.half_planes == Some([1, 0, 1]));
+    assert_eq!((r.controllability.rank, r.observability.rank, r.controllability.exact), (2, 2, true));
+    assert!(r.gramians.as_ref().unwrap().horizon.is_some());
+    assert!(r.regulator.as_ref().unwrap().residual < 1e-12 && r.estimator.as_ref().unwrap().residual < 1e-12);
+}
+
+#[test]
+fn a_stable_system_has_gramians_for_all_time() {
+    // 1/(s + a): W = 1/(2a).
+    let r = analyzed("states = ['x']\ninputs = ['u']\ndynamics = { x = 'u - 4*x' }\noutputs = { y = 'x' }");
+    let g = r.gramians.unwrap();
+    assert!(g.horizon.is_none() && (g.controllability[(0, 0)] - 0.125).abs() < 1e-15);
+    assert_eq!(r.zeros, Some(vec![]));
+}
+
+#[test]
+fn unreachable_modes_are_seen_and_have_distance_zero() {
+    let r = analyzed("states = ['x', 'y']\ninputs = ['u']\ndynamics = { x = 'u - x', y = 'y' }");
+    assert_eq!(r.controllability.rank, 1);
+    assert!(r.distance_to_uncontrollable.unwrap().upper < 1e-9);
+    assert_eq!(r.regulator, Err(NoGain::NoStabilizingSolution));
+    assert!(r.system.states_are_outputs && r.system.outputs == ["x", "y"]);
+}
+
+#[test]
+fn where_the_equations_are_not_smooth_there_is_none() {
+    let at = |f: &str, x: &str| {
+        let text = format!("states = ['x']\ninputs = ['u']\ndynamics = {{ x = '{f}' }}\npoint = {{ x = {x} }}");
+        linearize(&System::parse("m", &text).unwrap(), &LinearizeOptions::default())
+    };
+    for f in ["u - sign(x)", "u + abs(x)", "u + max(x, 0)"] {
+        let error = at(f, "0").unwrap_err();
+        assert!(matches!(error, LinearizeError::NotLinearizable(NotLinearizable::NotSmooth { .. })), "{f}: {error}");
+        assert!(at(f, "-1").is_ok(), "{f}");
+    }
+    // x |x| has the derivative 2 |x|.
+    assert_eq!(at("u - x*abs(x)", "0").unwrap().system.a.values[(0, 0)], 0.0);
+    assert!((at("u - x*abs(x)", "-3").unwrap().system.a.values[(0, 0)] + 6.0).abs() < 1e-15);
+    assert!(matches!(
+        at("u + sqrt(x)", "0").unwrap_err(),
+        LinearizeError::NotLinearizable(NotLinearizable::NotFinite { .. })
+    ));
+}
+
+/// Systems by construction: diagonal poles and known uncontrollable modes behind a rational change of coordinates.
+#[test]
+fn ranks_and_poles_survive_changes_of_coordinates() {
+    let mut state = 11u64;
+    let mut random = |n: u64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) % n) as i64
+    };
+    for case in 0..30 {
+        let n = 2 + random(4) as usize;
+        let poles: Vec<i64> = (0..n).map(|i| -(i as i64) - 1 + 3 * random(2)).collect();
+        let reached: Vec<bool> = (0..n).map(|_| random(3) > 0).collect();
+        // Lower triangular T with unit diagonal, z = T x: x' = T⁻¹ (Λ T x + b u).
+        let t = DMatrix::from_fn(n, n, |i, j| match i.cmp(&j) {
+            std::cmp::Ordering::Equal => 1.0,
+            std::cmp::Ordering::Greater => random(3) as f64 - 1.0,
+            std::cmp::Ordering::Less => 0.0,
+        });
+        let inverse = t.clone().try_inverse().unwrap();
+        let lambda = DMatrix::from_fn(n, n, |i, j| if i == j { poles[i] as f64 } else { 0.0 });
+        let a = &inverse * lambda * &t;
+        let b = &inverse * DMatrix::from_fn(n, 1, |i, _| f64::from(u8::from(reached[i])));
+        let mut text = format!(
+            "states = [{}]\ninputs = ['u']\n[dynamics]\n",
+            (0..n).map(|i| format!("'x{i}'")).collect::<Vec<_>>().join(",")
+        );
+        for i in 0..n {
+            let terms: Vec<String> = (0..n).map(|j| format!("({})*x{j}", a[(i, j)].round())).collect();
+            let _ = writeln!(text, "x{i} = '{} + ({})*u'", terms.join(" + "), b[(i, 0)].round());
+        }
+        let r = analyzed(&text);
+        let mut distinct: Vec<i64> = poles.iter().zip(&reached).filter(|(_, r)| **r).map(|(p, _)| *p).collect();
+        distinct.sort_unstable();
+        distinct.dedup();
+        assert_eq!(r.controllability.rank, distinct.len(), "{case}: {text}");
+        let unstable = poles.iter().filter(|p| **p > 0).count();
+        assert_eq!(r.half_planes.unwrap()[2], unstable, "{case}: {text}");
+        let stabilizable = poles.iter().all(|p| *p < 0 || distinct.contains(p))
+            && poles.iter().enumerate().all(|(i, p)| *p < 0 || poles.iter().skip(i + 1).all(|q| q != p));
+        assert_eq!(r.regulator.is_ok(), stabilizable, "{case}: {text} {:?}", r.regulator);
+        let d = r.distance_to_uncontrollable.unwrap();
+        assert!(d.lower <= d.upper && (distinct.len() == n || d.upper < 1e-6), "{case}: {d:?}");
+    }
+}
+
+/// Weights of inputs and measurement noises are positive, those of states and process noises not negative.
+#[test]
+fn weights_that_give_no_cost_are_refused() {
+    let text = "states = ['x', 'v']\ninputs = ['u']\ndynamics = { x = 'v', v = 'u' }\noutputs = { y = 'x' }";
+    let with = |change: fn(&mut LinearizeOptions)| {
+        let mut options = LinearizeOptions::default();
+        change(&mut options);
+        linearize(&System::parse("m", text).unwrap(), &options)
+    };
+    assert!(matches!(with(|o| o.input_weights = vec![0.0]), Err(LinearizeError::Weight { positive: true, .. })));
+    assert!(matches!(with(|o| o.input_weights = vec![f64::NAN]), Err(LinearizeError::Weight { .. })));
+    assert!(matches!(with(|o| o.state_weights = vec![1.0, -1.0]), Err(LinearizeError::Weight { positive: false, .. })));
+    assert!(matches!(with(|o| o.measurement_noise = vec![-1.0]), Err(LinearizeError::Weight { .. })));
+    assert!(with(|o| o.state_weights = vec![1.0, 0.0]).unwrap().regulator.is_ok());
+}

@@ -1,0 +1,121 @@
+//! Operating points: found, confirmed exactly where they are simple constants, and honest where there are none.
+
+use bracketry_lie::{LinearModel, Rest, Trim, TrimNote, TrimOptions, TrimStatus, trim};
+use bracketry_system::{System, point};
+use std::fmt::Write as _;
+
+fn searched(text: &str, fixed: &[(&str, &str)], free: &[&str], moving: &[&str]) -> Trim {
+    let mut system = System::parse("m", text).unwrap();
+    let mut options = TrimOptions { starts: 24, seed: 1, ..TrimOptions::default() };
+    for (name, value) in fixed {
+        let k = system.state_index(name);
+        let at = point(&mut system, &format!("{name}={value}")).unwrap();
+        let value = k.map_or_else(|| at.inputs[system.input_index(name).unwrap()], |k| at.states[k]);
+        options.fixed.push(((*name).to_owned(), value));
+    }
+    options.free = free.iter().map(|s| (*s).to_owned()).collect();
+    options.moving = moving.iter().map(|s| (*s).to_owned()).collect();
+    trim(&system, &options).unwrap()
+}
+
+fn exact(t: &Trim, name: &str) -> String {
+    let all = t.states.iter().chain(&t.inputs);
+    all.filter(|v| v.name == name).find_map(|v| v.exact.as_ref().map(bracketry_lie::Function::text)).unwrap()
+}
+
+const PENDULUM: &str = "states = ['th', 'w']\ninputs = ['u']\nparameters = { g = 9.81 }\n\
+    dynamics = { th = 'w', w = 'u - g*sin(th)' }\n";
+
+#[test]
+fn equilibria_are_confirmed_exactly() {
+    let t = searched(PENDULUM, &[("th", "1")], &["u"], &[]);
+    assert_eq!((t.status, t.exact), (TrimStatus::Found, true), "{t:?}");
+    assert_eq!((exact(&t, "u").as_str(), exact(&t, "w").as_str()), ("9.81*sin(1)", "0"));
+    assert!((t.inputs[0].value - 9.81 * 1f64.sin()).abs() < 1e-14 && t.residual < 1e-12);
+    // Multiples of π, square roots, and fractions.
+    let t = searched(&format!("{PENDULUM}[point]\nth = 3\n"), &[], &[], &[]);
+    assert_eq!((exact(&t, "th").as_str(), t.exact), ("pi", true), "{t:?}");
+    let t =
+        searched("states = ['x', 'y']\ndynamics = { x = 'x^2 - 2', y = '3*y - 1' }\n[point]\nx = -1\n", &[], &[], &[]);
+    assert_eq!((exact(&t, "x").as_str(), exact(&t, "y").as_str()), ("-sqrt(2)", "1/3"), "{t:?}");
+    assert_eq!(t.others.len(), 1);
+}
+
+#[test]
+fn a_point_within_rounding_is_taken_for_the_equilibrium() {
+    let t = searched(&format!("{PENDULUM}[point]\nth = 3.1415927\n"), &[], &[], &[]);
+    assert!(t.notes.iter().any(|n| matches!(n, TrimNote::WithinRounding { .. })), "{t:?}");
+    let mut system = System::parse("m", &format!("{PENDULUM}[point]\nth = 3.14159265358979\n")).unwrap();
+    assert!(matches!(LinearModel::new(&system).unwrap().rest, Rest::WithinRounding { .. }));
+    system.point = Some(point(&mut system, "th=pi").unwrap());
+    assert_eq!(LinearModel::new(&system).unwrap().rest, Rest::Equilibrium);
+    system.point = Some(point(&mut system, "th=1").unwrap());
+    assert!(matches!(LinearModel::new(&system).unwrap().rest, Rest::Moving { .. }));
+}
+
+#[test]
+fn of_a_set_of_solutions_the_nearest_is_given() {
+    // x² + y² = 25 with the point (6, 8): (3, 4).
+    let text = "states = ['x', 'y']\ndynamics = { x = 'x^2 + y^2 - 25', y = '0' }\n[point]\nx = 6\ny = 8\n";
+    let t = searched(text, &[], &[], &[]);
+    assert!(t.notes.contains(&TrimNote::Underdetermined { dimensions: 1 }), "{t:?}");
+    assert!((t.states[0].value - 3.0).abs() < 1e-6 && (t.states[1].value - 4.0).abs() < 1e-6, "{t:?}");
+}
+
+#[test]
+fn a_vehicle_at_constant_speed_is_an_operating_point() {
+    let text = "states = ['p', 'v']\ninputs = ['u']\n[dynamics]\np = 'v'\nv = 'u - v^2/2'\n";
+    let t = searched(text, &[("v", "3")], &["u"], &["p"]);
+    assert_eq!((t.status, exact(&t, "u").as_str()), (TrimStatus::Found, "4.5"));
+    assert!((t.derivatives[0].1 - 3.0).abs() < 1e-12);
+    // At rest alone it cannot move.
+    let t = searched(text, &[("v", "3")], &["u"], &[]);
+    assert_eq!(t.status, TrimStatus::NotFound);
+    assert!((t.residual - 3.0).abs() < 1e-9);
+}
+
+#[test]
+fn ranges_are_respected_or_said_to_be_violated() {
+    let text = "states = ['x']\ninputs = ['u']\n[ranges]\nu = { min = 0, max = 2 }\n[dynamics]\nx = 'u^2 - x'\n";
+    let t = searched(text, &[("x", "4")], &["u"], &[]);
+    assert_eq!((t.status, exact(&t, "u").as_str()), (TrimStatus::Found, "2"), "{t:?}");
+    let t = searched(text, &[("x", "9")], &["u"], &[]);
+    assert_eq!(t.status, TrimStatus::OutOfRange);
+    assert!(t.notes.iter().any(|n| matches!(n, TrimNote::OutOfRange { .. })));
+}
+
+#[test]
+fn without_a_solution_the_best_residual_is_given() {
+    let t = searched("states = ['x']\ndynamics = { x = 'x^2 + 1' }\n", &[], &[], &[]);
+    assert_eq!((t.status, t.exact), (TrimStatus::NotFound, false));
+    assert!((t.residual - 1.0).abs() < 1e-6, "{t:?}");
+}
+
+/// Random triangular systems with a known equilibrium, hidden by a change of the equations.
+#[test]
+fn known_equilibria_are_found() {
+    let mut state = 7u64;
+    let mut random = |n: u64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % n
+    };
+    for case in 0..40 {
+        let n = 2 + random(4) as usize;
+        let root: Vec<i64> = (0..n).map(|_| random(7) as i64 - 3).collect();
+        let mut equations = Vec::new();
+        for i in 0..n {
+            let mut e = format!("(x{i} - ({})) + (x{i} - ({}))^3", root[i], root[i]);
+            for (j, r) in root.iter().enumerate().take(i) {
+                let _ = write!(e, " + {}*(x{j}^2 - {})", random(3), r * r);
+            }
+            equations.push(format!("x{i} = '{e}'"));
+        }
+        let names: Vec<String> = (0..n).map(|i| format!("'x{i}'")).collect();
+        let t =
+            searched(&format!("states = [{}]\n[dynamics]\n{}\n", names.join(","), equations.join("\n")), &[], &[], &[]);
+        assert_eq!((t.status, t.exact), (TrimStatus::Found, true), "{case}: {equations:?} {t:?}");
+        for (v, r) in t.states.iter().zip(&root) {
+            assert!((v.value - *r as f64).abs() < 1e-9, "{case}: {t:?}");
+        }
+    }
+}
