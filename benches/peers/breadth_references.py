@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """References of problems with rates of inputs, intervals of different lengths, and a free end time, by CasADi with IPOPT on the
-same discretization (RK4, 2 steps per interval, inputs held). `cargo test -p bracketry-mpc --test breadth` compares.
+same discretization (RK4, 2 steps per interval, inputs held). `cargo test -p bracketry-mpc --test main breadth::` compares.
 
     python benches/peers/breadth_references.py
 """

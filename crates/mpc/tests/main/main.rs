@@ -1,0 +1,40 @@
+//! The tests of this crate: one program, a module for each topic.
+#![allow(clippy::unwrap_used)]
+
+mod advanced_step;
+mod affine_ranges;
+mod breadth;
+mod cart_pole;
+mod chance;
+mod common;
+mod constraints;
+mod convergence;
+mod discrete_time;
+mod estimation;
+mod exact_hessian;
+mod faults;
+mod finite_inputs;
+mod free_values;
+mod friction;
+mod globalisation;
+mod grids;
+mod implicit;
+mod input_rates;
+mod known_problems;
+mod known_systems;
+mod linear;
+mod live;
+mod method_choice;
+mod moving_horizon;
+mod offset_free;
+mod plate;
+mod problem_file;
+mod problem_keys;
+mod problem_mistakes;
+mod random_loops;
+mod riccati;
+mod scenarios;
+mod stop_flag;
+mod tables;
+mod verdicts;
+mod violations;
