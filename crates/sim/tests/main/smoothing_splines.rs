@@ -1,5 +1,4 @@
 //! Smoothing splines against the filter they are, and against motions known exactly.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::TAU;
 

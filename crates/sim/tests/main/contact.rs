@@ -1,5 +1,4 @@
 //! Steps of dry contact: mechanics that is known, certificates, and Clarabel as an independent solver.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{ContactError, ContactStep, FrictionPoints, FrictionSolver, Slip};
 use clarabel::algebra::CscMatrix;

@@ -1,5 +1,4 @@
 //! Dry friction with known answers: times of stopping and breaking loose, sticking forces, no creep.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{Closures, Mode, Settings, Simulation, Switched, simulate};
 

@@ -1,6 +1,5 @@
 //! Where a system is affine in its signs, those that stick are solved for in one evaluation; the motion is the same as by
 //! iteration.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{Inputs, Model, Settings, Simulation, Switched, simulate};
 use bracketry_system::System;

@@ -1,5 +1,4 @@
 //! Random coupled friction: every run ends where it should, with finite numbers, and agrees with finer runs.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{Balance, Inputs, Model, Settings, simulate};
 use bracketry_system::System;

@@ -1,5 +1,4 @@
 //! Set-valued signs beyond plain friction: sliding-mode control, loads that vanish, redundant and late switches.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{Closures, Inputs, Mode, Model, Outcome, Settings, Simulation, StopReason, simulate};
 use bracketry_system::System;

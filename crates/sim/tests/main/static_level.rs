@@ -1,5 +1,4 @@
 //! A static level of dry friction above the sliding level.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{InputError, Inputs, Mode, Model, Settings, Simulation, simulate};
 use bracketry_system::System;

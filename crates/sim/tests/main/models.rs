@@ -1,5 +1,4 @@
 //! Compiled models against closures and closed forms; inputs by expression, by samples, held.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{
     Closures, ExactPlant, Hold, InputError, Inputs, Mode, Model, Outcome, Samples, Settings, Simulation, Stepper,

@@ -1,5 +1,4 @@
 //! Inputs that act later than they are commanded, against the same without delay.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{ExactPlant, Hold, InputError, Inputs, Model, Samples, Settings, Stepper, simulate};
 use bracketry_system::System;

@@ -1,19 +1,16 @@
 //! Friction between that of the axes and that of the plane, `(1 − c) sign(v) + c v/|v|`: switches that depend on each other.
-#![allow(clippy::unwrap_used)]
 
-mod time_stepping;
-
+use crate::time_stepping::{Term, rest_of_step};
 use bracketry_sim::{
     Balance, Closures, Coupled, Inputs, Mode, Model, Path, Settings, Simulation, Stepper, Tangent, simulate,
 };
 use bracketry_system::System;
 use proptest::prelude::*;
-use time_stepping::{Term, rest_of_step};
 
 /// The published disk, with part `c` of its friction coupled over the plane, and `spin` in its last equation.
 fn disk(c: f64, spin: &str) -> System {
     let mixture = |axis: &str, other: &str| format!("((1 - {c})*sign({axis}) + {c}*unit({axis}, {other}))");
-    let text = include_str!("../../../models/plate_published_disk.toml")
+    let text = include_str!("../../../../models/plate_published_disk.toml")
         .replace("der(theta,2)/I\"", &format!("der(theta,2)/I{spin}\""))
         .replace("sign(vx)", &mixture("vx", "vy"))
         .replace("sign(vy)", &mixture("vy", "vx"));

@@ -1,5 +1,4 @@
 //! Order, agreement with an independent integrator, and honest ends where a solution ends.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{Closures, Mode, Outcome, Settings, SimError, Stepper, StopReason, Switched, simulate};
 use proptest::prelude::*;

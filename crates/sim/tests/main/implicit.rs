@@ -1,5 +1,4 @@
 //! Models with algebraic variables of index 1: against closed forms, and where the equations have no solution.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{
     AlgebraicRoot, Breakdown, Closures, NoRootReason, Outcome, Scenario, ScenarioRun, Settings, simulate,

@@ -1,5 +1,4 @@
 //! Models that are discrete in time: the iteration by hand, and what a scenario of one may say.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{Hold, InputError, Inputs, Model, Outcome, Samples, Scenario, Settings};
 use bracketry_system::{Accepted, System};

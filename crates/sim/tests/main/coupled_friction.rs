@@ -1,5 +1,4 @@
 //! Dry friction on a plane, coupled over its directions: stops, turns, breaks loose as mechanics says.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{Inputs, Mode, Model, Settings, Simulation, simulate};
 use bracketry_system::System;

@@ -1,5 +1,4 @@
 //! Orders of convergence, also across events.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{Inputs, Model, Settings, simulate};
 use bracketry_system::System;

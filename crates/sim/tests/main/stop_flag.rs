@@ -1,5 +1,4 @@
 //! A simulation ends where it is once its flag is raised.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{Inputs, Model, Outcome, Settings, StopReason, simulate};
 use bracketry_system::System;

@@ -1,5 +1,4 @@
 //! Energy balance and invariants along trajectories with stick and slip.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_sim::{Account, Balance, InputError, Inputs, Model, Settings, simulate};
 use bracketry_system::System;
