@@ -1,5 +1,4 @@
 //! Random expressions: verdicts against floating-point values, and ranks of random products.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_symbolic::{Bindings, Expr, Func, Node, Pool, Tape, ZeroTest};
 use rand::rngs::StdRng;

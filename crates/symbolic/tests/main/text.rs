@@ -1,10 +1,7 @@
 //! Printing and parsing are inverse: what is printed reads back as the same expression.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{Kind, cases, generator, point, random, value_and_size};
 use bracketry_symbolic::{Bindings, Pool};
-use common::{Kind, cases, generator, point, random, value_and_size};
 use proptest::prelude::*;
 
 proptest! {

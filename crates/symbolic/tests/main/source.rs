@@ -1,14 +1,12 @@
 //! Emitted Rust, C and Python, compiled and run, give what the tape gives.
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
-
-mod common;
+#![allow(clippy::print_stderr)]
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::Command;
 
+use crate::common::{Kind, generator, point, random};
 use bracketry_symbolic::{CompileError, Expr, Language, Pool, Symbol, Tape};
-use common::{Kind, generator, point, random};
 
 /// Functions with their arguments and results, and points at which to compare.
 struct Suite {
@@ -21,7 +19,7 @@ fn suite() -> Suite {
     let mut p = Pool::new();
     let mut rng = generator(11);
     let mut functions = Vec::new();
-    let xyz = common::NAMES.map(|n| p.symbol(n)).to_vec();
+    let xyz = crate::common::NAMES.map(|n| p.symbol(n)).to_vec();
     for _ in 0..60 {
         let outputs = (0..3).map(|_| random(&mut p, &mut rng, 4, Kind::Any)).collect();
         functions.push((xyz.clone(), outputs));

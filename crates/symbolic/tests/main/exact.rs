@@ -1,13 +1,7 @@
 //! What the exact tests must say about identities, near-identities and traps.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::test;
 use bracketry_symbolic::{Bindings, Pool, Rational, Undecided, ZeroTest};
-
-fn test(text: &str) -> ZeroTest {
-    let mut p = Pool::new();
-    let e = p.parse(text).unwrap();
-    p.zero_test(e, &Bindings::new())
-}
 
 fn all_zero(texts: &[&str]) {
     for t in texts {

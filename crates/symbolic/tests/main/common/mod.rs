@@ -1,7 +1,6 @@
 //! Random expressions for the property tests.
-#![allow(dead_code, clippy::unwrap_used)]
 
-use bracketry_symbolic::{Expr, Func, Func2, Node, Pool, Tape};
+use bracketry_symbolic::{Bindings, Expr, Func, Func2, Node, Pool, Tape, ZeroTest};
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -111,4 +110,11 @@ impl Kind {
         };
         if p.reachable(&[e]).iter().any(switches) { Kind::Any } else { Kind::Smooth }
     }
+}
+
+/// Whether an expression, given as text, is zero.
+pub(crate) fn test(text: &str) -> ZeroTest {
+    let mut p = Pool::new();
+    let e = p.parse(text).unwrap();
+    p.zero_test(e, &Bindings::new())
 }

@@ -1,10 +1,7 @@
 //! Expressions stored and read again.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{Kind, cases, generator, random};
 use bracketry_symbolic::{Bindings, Entry, ExprTable, Pool, TableError};
-use common::{Kind, cases, generator, random};
 use proptest::prelude::*;
 
 fn stored(table: &ExprTable) -> ExprTable {

@@ -1,5 +1,4 @@
 //! What collecting keeps and what it frees.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_symbolic::{Expr, Pool};
 

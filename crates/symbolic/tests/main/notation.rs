@@ -1,10 +1,7 @@
 //! Formulas: composed by hand, and set in MathML.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{Kind, cases, generator, random};
 use bracketry_symbolic::{Fence, Joint, Notation, Pool, Relation};
-use common::{Kind, cases, generator, random};
 use proptest::prelude::*;
 
 /// Without the element around it.

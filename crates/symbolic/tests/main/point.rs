@@ -1,10 +1,7 @@
 //! Hessians, values at points and Taylor polynomials.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{Kind, NAMES, cases, generator, point, random, value_and_size, values};
 use bracketry_symbolic::{Bindings, Expr, PointError, Pool, Symbol};
-use common::{Kind, NAMES, cases, generator, point, random, value_and_size, values};
 use proptest::prelude::*;
 use rand::RngExt;
 

@@ -1,5 +1,4 @@
 //! Simplification and expansion as statements of algebra.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_symbolic::{Expr, Func, Func2, Pool, Tape};
 use proptest::prelude::*;

@@ -1,10 +1,7 @@
 //! Normal forms: identities become visible, values stay.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{Kind, cases, generator, point, random, value_and_size};
 use bracketry_symbolic::{Bindings, Expr, Pool};
-use common::{Kind, cases, generator, point, random, value_and_size};
 use proptest::prelude::*;
 
 type Form = fn(&mut Pool, Expr) -> Expr;

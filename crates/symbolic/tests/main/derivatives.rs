@@ -1,10 +1,7 @@
 //! Derivatives against finite differences and dual numbers, and the rules they obey.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{Kind, NAMES, cases, generator, point, random, value_and_size, values};
 use bracketry_symbolic::{Bindings, Expr, Func, Func2, Node, Pool, Symbol};
-use common::{Kind, NAMES, cases, generator, point, random, value_and_size, values};
 use proptest::prelude::*;
 use rustc_hash::FxHashMap;
 

@@ -2,7 +2,6 @@
 //!
 //! A family holds equations `left = right`. For each of them the difference is called zero and the matrix
 //! [[left, right], [1, 1]] has rank 1; for the near misses the difference is not zero and the rank is 2.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_symbolic::{Bindings, Pool, Undecided, ZeroTest};
 

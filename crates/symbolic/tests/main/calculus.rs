@@ -1,5 +1,4 @@
 //! Derivatives, printing and evaluation as statements of mathematics.
-#![allow(clippy::unwrap_used)]
 
 use approx::assert_relative_eq;
 use bracketry_symbolic::{Pool, Tape};

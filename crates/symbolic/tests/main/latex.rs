@@ -1,5 +1,4 @@
 //! LaTeX as it is written by hand.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_symbolic::Pool;
 

@@ -1,10 +1,7 @@
 //! Coefficients that are multiples of the primes of the exact tests, or differ from a small number by one.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{cases, generator, test};
 use bracketry_symbolic::{Bindings, Expr, Pool, Residue, SECOND_PRIME, THIRD_PRIME, Undecided, ZeroTest};
-use common::{cases, generator};
 use proptest::prelude::*;
 use rand::RngExt;
 
@@ -22,12 +19,6 @@ fn mistaken() -> Vec<String> {
     list.push(format!("({}*{})", PRIMES[0], PRIMES[1]));
     list.push(format!("({}/{})", PRIMES[1], PRIMES[0]));
     list
-}
-
-fn test(text: &str) -> ZeroTest {
-    let mut p = Pool::new();
-    let e = p.parse(text).unwrap();
-    p.zero_test(e, &Bindings::new())
 }
 
 #[test]

@@ -1,0 +1,19 @@
+//! The tests of this crate: one program, a module for each topic.
+#![allow(clippy::unwrap_used)]
+
+mod calculus;
+mod canonical;
+mod collect;
+mod common;
+mod derivatives;
+mod exact;
+mod exact_random;
+mod forms;
+mod latex;
+mod notation;
+mod point;
+mod primes;
+mod source;
+mod table;
+mod text;
+mod traps;
