@@ -1,5 +1,4 @@
 //! Delays of inputs in model files, and what becomes of them when a model is made affine.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_system::System;
 

@@ -1,5 +1,4 @@
 //! Systems built by calls are those of model files, and so is what is refused.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_system::{Builder, ModelError, System};
 

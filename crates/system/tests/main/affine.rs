@@ -1,5 +1,4 @@
 //! Affine forms: what is affine is recognized, what is not is made so with the least change, and the result is the same system.
-#![allow(clippy::unwrap_used)]
 
 use approx::assert_relative_eq;
 use bracketry_system::{AffineForm, Method, System};

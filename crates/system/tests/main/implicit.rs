@@ -1,5 +1,4 @@
 //! Mass matrices and algebraic equations: what they are solved for is the ordinary system, and what cannot be solved is told.
-#![allow(clippy::unwrap_used)]
 
 use approx::assert_relative_eq;
 use bracketry_system::{Accepted, Eliminated, System};

@@ -1,5 +1,4 @@
 //! The table `[static]` of model files.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_system::{FileError, System};
 

@@ -1,5 +1,4 @@
 //! Model files: what they say is what is computed, and what is wrong is named with its place.
-#![allow(clippy::unwrap_used)]
 
 use approx::assert_relative_eq;
 use bracketry_symbolic::Bindings;

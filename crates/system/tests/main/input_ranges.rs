@@ -1,5 +1,4 @@
 //! New inputs take the images of the ranges of the old ones: no more, and no less.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_system::symbolic::Tape;
 use bracketry_system::{Affinization, AtPoint, Range, RangeNote, System};

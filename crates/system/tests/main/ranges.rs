@@ -1,5 +1,4 @@
 //! Ranges of new inputs are exact: every bound is approached, none is crossed, and what is not established is unknown.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_system::AtPoint::{AtLower, AtUpper, Interior};
 use bracketry_system::{Candidate, Method, NewInput, Range, System};

@@ -1,6 +1,5 @@
 //! The models of the repository: their formulas are those that were stored, and compiling them leaves no trace.
 //! `BRACKETRY_WRITE_STORED=1` stores them anew.
-#![allow(clippy::unwrap_used)]
 
 use std::fmt::Write as _;
 use std::path::PathBuf;

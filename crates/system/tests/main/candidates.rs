@@ -1,5 +1,4 @@
 //! Every candidate for an affine form is the original system in other variables, and the one that is taken adds the fewest states.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,4 @@
 //! Unit vectors σ/|σ| in equations: found however they are written, left alone where they are none, rounded when smoothed.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_system::System;
 use bracketry_system::symbolic::Symbol;

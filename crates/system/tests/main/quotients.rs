@@ -1,5 +1,4 @@
 //! Quotients over a root of squares: springs and drag are smooth, exactly what is written; friction is set-valued.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_system::System;
 use bracketry_system::symbolic::Symbol;

@@ -1,0 +1,15 @@
+//! The tests of this crate: one program, a module for each topic.
+#![allow(clippy::unwrap_used)]
+
+mod affine;
+mod builder;
+mod candidates;
+mod formulas;
+mod implicit;
+mod input_delays;
+mod input_ranges;
+mod model_files;
+mod quotients;
+mod ranges;
+mod static_levels;
+mod unit_vectors;
