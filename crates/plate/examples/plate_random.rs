@@ -6,7 +6,7 @@
 //! impossible, which must be refused.
 #![allow(clippy::print_stdout)]
 
-#[path = "../tests/common/random_object.rs"]
+#[path = "../tests/main/random_object.rs"]
 mod random_object;
 
 use random_object::{Outcome, run};

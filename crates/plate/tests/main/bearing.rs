@@ -1,5 +1,4 @@
 //! Objects that do not press on the plate with their whole footprint, or whose mass is off their middle.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_mpc::Dynamics;
 use bracketry_plate::{

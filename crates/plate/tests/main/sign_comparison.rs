@@ -1,6 +1,5 @@
 //! Runs beside logs where the sign of an amplitude hangs on next to nothing: logs of objects with random shape and friction, started so
 //! that an error passes zero at the start of a period.
-#![allow(clippy::unwrap_used)]
 
 use std::ops::ControlFlow;
 use std::sync::LazyLock;

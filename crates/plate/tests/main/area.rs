@@ -3,7 +3,7 @@
 //!
 //! The logs are read from the folder that `BRACKETRY_SHARED` names (default `../shared` seen from the workspace root);
 //! where it is absent, the comparison with them passes as not made and says so.
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::print_stderr)]
 
 use bracketry_plate::{
     AreaContact, AreaEvent, AreaObject, AreaOutcome, AreaRecord, AreaSettings, Course, DrivenObject, Experiment,

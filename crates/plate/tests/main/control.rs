@@ -1,5 +1,4 @@
 //! The pose controller on the object with exact friction over its footprint.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
     AreaContact, AreaSettings, Command, Friction, Measurement, Object, PlateController, PlateKinematics, PlateLimits,

@@ -1,8 +1,4 @@
 //! The rigid body on the plate against closed-form answers of mechanics.
-#![allow(clippy::unwrap_used)]
-
-#[path = "common/random_object.rs"]
-mod random_object;
 
 use bracketry_plate::{
     AreaContact, AreaSettings, BodyEvent, BodyEventKind, BodyOnPlate, BodySettings, BodyStop, Friction, Object,
@@ -470,7 +466,8 @@ fn states_and_settings_without_meaning_are_refused_with_the_reason() {
 
 #[test]
 fn random_objects_run_to_an_end_or_are_refused_with_the_reason() {
-    let outcomes: Vec<_> = (1..=300_u64).into_par_iter().map(|seed| (seed, random_object::run(seed, 0.1))).collect();
+    let outcomes: Vec<_> =
+        (1..=300_u64).into_par_iter().map(|seed| (seed, crate::random_object::run(seed, 0.1))).collect();
     for (seed, outcome) in &outcomes {
         assert_eq!(outcome.fault, None, "seed {seed}: {}", outcome.kind);
         assert_eq!(outcome.refused, outcome.impossible, "seed {seed}: {}", outcome.kind);

@@ -1,5 +1,4 @@
 //! The disk on its ellipsoidal limit surface (`models/plate_disk.toml`) against contact over the whole footprint.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
     AreaContact, AreaObject, AreaSettings, Course, DrivenObject, Experiment, Friction, ModelObject, Object, reduced,
@@ -35,7 +34,7 @@ fn apart(system: &System, experiment: &Experiment, duration: u32) -> [f64; 2] {
 
 #[test]
 fn the_disk_moves_as_its_footprint_does() {
-    let disk = System::parse("plate_disk.toml", include_str!("../../../models/plate_disk.toml")).unwrap();
+    let disk = System::parse("plate_disk.toml", include_str!("../../../../models/plate_disk.toml")).unwrap();
     let experiment = Experiment::orientation();
     let [way, turn] = apart(&disk, &experiment, 4);
     // A twentieth of 0.5 mm, a sixth of 0.3°: what a camera does not see in half a second.

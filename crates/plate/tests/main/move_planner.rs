@@ -1,5 +1,4 @@
 //! Moves planned beforehand, played on the object with exact friction.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
     AreaContact, AreaSettings, Command, Friction, MovePlanner, Object, PlannedMove, PlanningBudget, PlateKinematics,

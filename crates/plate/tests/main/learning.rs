@@ -1,5 +1,4 @@
 //! What the pose controller learns of an object, a camera, and a servo that are not as it believes.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
     AreaContact, AreaSettings, Bearing, Command, Estimate, Friction, Learned, Measurement, Object, PlateController,

@@ -1,5 +1,4 @@
 //! Mean velocities under periodic plate motions: symmetry, invariance, sticking.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
     Establishing, Harmonic, MeanVelocity, ModelObject, PeriodicMotion, Shape, mean_velocity, published, velocity_field,

@@ -1,5 +1,4 @@
 //! Shapes and what is computed of them.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{PlateError, Shape, ShapeError, published};
 

@@ -1,5 +1,4 @@
 //! Models from first principles: against the derivation, against each other, and against the reference results.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
     FlatContact, Friction, Object, Shape, Terms, first_principles, flat_contact, published, reduced,

@@ -1,5 +1,4 @@
 //! Lagrange's equations of a rigid body on the moving plate, derived by code, against the equations as they are stated.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{FlatContact, flat_contact};
 use bracketry_system::symbolic::{Bindings, Expr};

@@ -1,5 +1,4 @@
 //! Area contact: friction laws, pressure, tipping and lift-off, symmetries, balances, orders of convergence, bad input.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
     AreaContact, AreaEvent, AreaOutcome, AreaRecord, AreaSettings, Footprint, Friction, Load, Object, PlateError,

@@ -1,5 +1,4 @@
 //! The published experiments on the published model, against a reference written by hand and the reference figures.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{AmplitudeStep, Experiment, PlateError, Run, Shape, published, two_step};
 use bracketry_sim::{Mode, Settings, Stepper, Switched};
@@ -176,7 +175,7 @@ fn experiment_3_reaches_the_target_or_stalls_as_in_the_reference() {
 #[test]
 fn the_coriolis_term_of_the_load_gives_the_reference_peak_to_peak() {
     // The published load lacks 2 y' θ'; with it the limit cycle of experiment 3 has the 3.2 mm of the reference.
-    let text = include_str!("../../../models/plate_published.toml");
+    let text = include_str!("../../../../models/plate_published.toml");
     let load = "g*cos(theta) + y*der(theta,2)";
     assert!(text.contains(load));
     let system = System::parse("extended", &text.replace(load, &format!("{load} + 2*vy*der(theta)"))).unwrap();

@@ -1,5 +1,4 @@
 //! Sweeps: order, independence of the number of threads, errors as values, cancellation; the maps made of them.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
     Experiment, Limits, Map, ModelObject, PlateError, Shape, Summary, linspace, published, summarize, sweep,

@@ -2,7 +2,7 @@
 //!
 //! The log is read from the directory that `BRACKETRY_SHARED` names, by default `../shared` seen from the workspace root;
 //! where there is none, its test passes as ignored and says so.
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::print_stderr)]
 
 use bracketry_plate::{Energy, Experiment, Friction, Object, PlateError, Run, Shape, Terms};
 use bracketry_plate::{energy, first_principles, published, reduced};

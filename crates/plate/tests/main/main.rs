@@ -1,0 +1,20 @@
+//! The tests of this crate: one program, a module for each topic.
+#![allow(clippy::unwrap_used)]
+
+mod area;
+mod area_laws;
+mod bearing;
+mod body;
+mod control;
+mod derivation;
+mod disk;
+mod experiments;
+mod first_principles;
+mod learning;
+mod move_planner;
+mod random_object;
+mod reduced;
+mod shapes;
+mod sign_comparison;
+mod sweep;
+mod velocity_field;
