@@ -2,7 +2,7 @@
 //! `docs/records/stiffness_identification.md`: `cargo run --release --example stiffness_monte_carlo -- docs/figures`.
 #![allow(clippy::print_stdout)]
 
-#[path = "../crates/stiffness/tests/common/kr125.rs"]
+#[path = "../crates/stiffness/tests/main/common/kr125.rs"]
 mod table;
 
 use bracketry::plot::{Panel, Series, XyChart};

@@ -1,6 +1,6 @@
 //! What one step of the compensation costs: `cargo bench -p bracketry-stiffness --bench compensation`.
 
-#[path = "../tests/common/kr125.rs"]
+#[path = "../tests/main/common/kr125.rs"]
 mod table;
 
 use bracketry_stiffness::{CompensationSettings, Compensator, ForceSensor, JointSpring, Payload, Springs, Wrench};

@@ -1,14 +1,14 @@
 //! Data that say nothing, or something else than they seem to, are refused with the reason.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{
+    STIFFNESS, kr125, measured,
+    measured::{compared, compliance, linear_measurements, noise, noisy, robot_measurements},
+    pose, rng,
+};
 use bracketry_stiffness::{
     Advice, CartesianEstimator, IdentificationError, JointSpring, Measurement, MeasurementNoise, MeasurementSet,
     Method, Outliers, Place, PoseInformation, Robot, SpringFitSettings, Springs, fit_springs, identify_cartesian,
 };
-use common::measured::{compared, compliance, linear_measurements, noise, noisy, robot_measurements};
-use common::{STIFFNESS, kr125, measured, pose, rng};
 
 fn measurements() -> Vec<Measurement> {
     linear_measurements(&mut rng(1), &compliance(), 40)

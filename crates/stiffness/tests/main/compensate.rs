@@ -1,15 +1,11 @@
 //! The compensation, step by step.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{STIFFNESS, milling::robot, rng};
 use bracketry_stiffness::{
     CompensationError, CompensationSettings, Compensator, Deformation, Fault, FilterOrder, ForceSensor, JointSpring,
     Kinematics, Payload, Robot, Springs, Wrench, WrenchFilter, displaced, displacement_between, stability,
     wrench_adjoint,
 };
-use common::milling::robot;
-use common::{STIFFNESS, rng};
 use nalgebra::{Isometry3, Matrix6, UnitQuaternion, Vector3};
 use rand::{RngExt, rngs::StdRng};
 use std::f64::consts::{PI, TAU};

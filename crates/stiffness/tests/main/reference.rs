@@ -1,10 +1,7 @@
 //! A published robot: figures that were computed elsewhere.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{STIFFNESS, kr125, pose};
 use bracketry_stiffness::{Deformation, Kinematics, Robot, Springs, Wrench, geometric_stiffness, loaded_compliance};
-use common::{STIFFNESS, kr125, pose};
 
 fn robot_and_springs() -> (Robot, Springs) {
     (kr125(), Springs::linear(&STIFFNESS))

@@ -1,17 +1,17 @@
 //! Stiffnesses of one pose from noisy measurements.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{
+    STIFFNESS,
+    measured::{
+        NOISE, compared, compliance, linear_measurements, load, noise, noisy, random_pose, relative,
+        robot_measurements, set, spoil,
+    },
+    pose, rng,
+};
 use bracketry_stiffness::{
     Advice, CartesianEstimator, Found, Measurement, MeasurementNoise, MeasurementSet, Method, Outliers, Springs,
     compare, identify_cartesian,
 };
-use common::measured::{
-    NOISE, compared, compliance, linear_measurements, load, noise, noisy, random_pose, relative, robot_measurements,
-    set, spoil,
-};
-use common::{STIFFNESS, pose, rng};
 use nalgebra::{Matrix6, Vector6};
 use rand::RngExt;
 

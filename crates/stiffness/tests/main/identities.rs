@@ -1,5 +1,4 @@
 //! What holds for every robot: tried on random ones with turning and sliding joints.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_stiffness::{
     Deformation, Joint, JointKind, JointSpring, Kinematics, Robot, Springs, Twist, Wrench, displaced,

@@ -3,7 +3,7 @@
 use super::kr125::{STIFFNESS, kr125, pose};
 use bracketry_stiffness::{
     Comparison, Deformation, IdentificationError, Kinematics, Measurement, MeasurementNoise, MeasurementSet, Outliers,
-    Robot, SpringFitSettings, Springs, Wrench, compare, loaded_compliance,
+    SpringFitSettings, Springs, Wrench, compare, loaded_compliance,
 };
 use nalgebra::{Matrix6, Vector6};
 use rand::RngExt;

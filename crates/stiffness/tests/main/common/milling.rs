@@ -5,7 +5,7 @@ use rand::{RngExt, rngs::StdRng};
 use std::path::Path;
 
 /// The robot file that comes with the models.
-pub(crate) const KR125: &str = include_str!("../../../../models/kr125.toml");
+pub(crate) const KR125: &str = include_str!("../../../../../models/kr125.toml");
 
 /// KUKA KR 125 with a spindle.
 pub(crate) fn robot() -> Robot {

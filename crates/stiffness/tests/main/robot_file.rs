@@ -1,14 +1,11 @@
 //! Robot files: what they mean, and what is said about those that mean nothing.
-#![allow(clippy::unwrap_used, clippy::format_push_string)]
+#![allow(clippy::format_push_string)]
 
-mod common;
-
+use crate::common::{STIFFNESS, kr125, milling::KR125, rng};
 use bracketry_stiffness::{
     Deformation, DhParameters, FilterOrder, ForceSensor, JointKind, JointSpring, Robot, RobotFile, Springs,
     with_springs,
 };
-use common::milling::KR125;
-use common::{STIFFNESS, kr125, rng};
 use nalgebra::{Isometry3, Matrix6, Vector3, Vector6};
 use rand::RngExt;
 use std::path::Path;

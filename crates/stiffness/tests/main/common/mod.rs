@@ -1,5 +1,4 @@
 //! Robots, their measurements and a milled circle, as the tests set them up.
-#![allow(dead_code, unused_imports)]
 
 pub(crate) mod kr125;
 pub(crate) mod measured;

@@ -1,14 +1,14 @@
 //! Springs of the joints from measurements over many poses.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{
+    STIFFNESS, kr125, measured,
+    measured::{load, noise, random_pose, robot_measurements, set, spoil},
+    pose, rng,
+};
 use bracketry_stiffness::{
     DeformationModel, IdentificationError, Identified, JointSpring, Measurement, MeasurementSet, Outliers,
     PoseInformation, SpringFit, SpringFitSettings, Springs, Wrench, fit_springs,
 };
-use common::measured::{load, noise, random_pose, robot_measurements, set, spoil};
-use common::{STIFFNESS, kr125, measured, pose, rng};
 
 fn poses(seed: u64, count: usize) -> Vec<Vec<f64>> {
     let mut rng = rng(seed);

@@ -1,5 +1,4 @@
 //! What a sensor carries, from readings at rest.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_stiffness::{Payload, PayloadError, StaticReading, Wrench, identify_payload};
 use nalgebra::{UnitQuaternion, Vector3};

@@ -1,13 +1,13 @@
 //! A milled circle of radius 35 mm: what the compensation gains, and why less where joints have lost motion.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{
+    STIFFNESS,
+    milling::{START, circle, compensator, compensator_with, robot, wrong},
+    rng,
+};
 use bracketry_stiffness::{
     CircleRun, CompensationSettings, JointSpring, MillingCircle, ResidualSample, Robot, Springs, explain_residual,
 };
-use common::milling::{START, circle, compensator, compensator_with, robot, wrong};
-use common::{STIFFNESS, rng};
 use nalgebra::Vector3;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};

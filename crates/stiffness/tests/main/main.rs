@@ -1,0 +1,13 @@
+//! The tests of this crate: one program, a module for each topic.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+mod compensate;
+mod compensate_circle;
+mod identify_cartesian;
+mod identify_refusals;
+mod identify_springs;
+mod identities;
+mod payload;
+mod reference;
+mod robot_file;
