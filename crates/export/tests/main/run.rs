@@ -1,15 +1,13 @@
 //! Exported source, compiled and run, gives what the library computes.
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
-
-mod common;
+#![allow(clippy::print_stderr)]
 
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use crate::common::{Case, cases, compare, folder, python, run};
 use bracketry_export::{ExportOptions, Target, export};
 use bracketry_system::System;
-use common::{Case, cases, compare, folder, python, run};
 
 /// `{1.0, 2.0}` with an entry where C wants one.
 fn numbers(list: &[f64]) -> String {
@@ -81,7 +79,7 @@ fn c_computes_what_the_library_computes() {
 #[test]
 fn c_as_one_file_compiles_alone_and_as_cpp() {
     let dir = folder("c-single");
-    let made = common::random_system(7);
+    let made = crate::common::random_system(7);
     let made = export(&made, &ExportOptions::new(Target::C)).unwrap();
     fs::write(dir.join("model.c"), &made.single).unwrap();
     let strict = ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-c", "model.c", "-o", "model.o"];

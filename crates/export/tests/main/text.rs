@@ -1,7 +1,4 @@
 //! What stands in exported files, and what is refused.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use bracketry_export::{ExportNote, ExportOptions, KeptParameters, Target, export};
 use bracketry_symbolic::Tape;

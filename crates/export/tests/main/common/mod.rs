@@ -1,5 +1,5 @@
 //! Systems to be exported, and what the library itself computes of them.
-#![allow(clippy::unwrap_used, clippy::print_stderr, dead_code)]
+#![allow(clippy::print_stderr)]
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
