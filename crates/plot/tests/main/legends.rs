@@ -1,5 +1,4 @@
 //! What tells the parts of a figure apart: legends, marks, roles, and labels that do not lie over each other.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plot::{
     BarChart, Color, Dash, Drawing, Outline, Panel, PlanView, Pose, Role, Scene, Series, TileChart, TileGrid,

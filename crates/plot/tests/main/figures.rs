@@ -1,5 +1,4 @@
 //! What a reader finds in the figures, and what happens with awkward data.
-#![allow(clippy::unwrap_used)]
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -1,5 +1,4 @@
 //! What an animation shows, and what happens with awkward data.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plot::{Animation, Color, Outline, PlotError, Pose, Snapshot};
 

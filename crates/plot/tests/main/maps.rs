@@ -1,5 +1,4 @@
 //! What a reader finds in maps and vector fields, and what happens with awkward data.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plot::{Arrow, Color, ColorMap, Drawing, HeatMap, PlotError, RegimeMap, VectorField};
 
