@@ -1,5 +1,4 @@
 //! Closed loops as text.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_mpc::{ControlProblem, Controlled, control};
 use bracketry_system::System;

@@ -1,5 +1,4 @@
 //! The report as JSON and as text.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{
     Candidate, Cause, Closeness, Effort, Evidence, Excess, Formula, Gain, NamedCause, Note, Outcome, Place, Reason,

@@ -1,7 +1,6 @@
 //! The report says of which model it speaks, what it did not check, and nothing that it did not find.
-#![allow(clippy::unwrap_used)]
 
-#[path = "../../lie/tests/main/common/mod.rs"]
+#[path = "../../../lie/tests/main/common/mod.rs"]
 #[allow(dead_code)]
 mod common;
 

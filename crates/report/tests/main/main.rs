@@ -1,0 +1,7 @@
+//! The tests of this crate: one program, a module for each topic.
+#![allow(clippy::unwrap_used)]
+
+mod analysis;
+mod control;
+mod diagnosis;
+mod stiffness_text;
