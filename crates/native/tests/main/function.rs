@@ -1,5 +1,4 @@
 //! Choice of the evaluator, sharing between threads, and ownership of the code.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_native::{Backend, Function, Workspace};
 use bracketry_symbolic::{Pool, Tape};

@@ -1,7 +1,6 @@
 //! The Jacobian that the benchmark times is the same by all three means.
-#![allow(clippy::unwrap_used)]
 
-#[path = "../benches/model/mod.rs"]
+#[path = "../../benches/model/mod.rs"]
 mod model;
 
 use approx::assert_relative_eq;

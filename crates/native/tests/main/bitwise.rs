@@ -1,5 +1,4 @@
 //! Machine code, the tape and Rust's own arithmetic give the same bits.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_native::{Backend, Function, Workspace};
 use bracketry_symbolic::{Expr, Func, Func2, Pool, Tape};

@@ -1,0 +1,6 @@
+//! The tests of this crate: one program, a module for each topic.
+#![allow(clippy::unwrap_used)]
+
+mod bitwise;
+mod function;
+mod plate_jacobian;
