@@ -1,5 +1,5 @@
 //! The example in C, compiled and linked to both libraries, controls its plant.
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::print_stderr)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,5 +1,4 @@
 //! The header in the repository is that of the functions.
-#![allow(clippy::unwrap_used)]
 
 use std::fs;
 use std::path::Path;
@@ -23,7 +22,7 @@ fn the_header_is_current() {
         fs::write(&path, &made).unwrap();
     }
     let stored = fs::read_to_string(&path).unwrap_or_default();
-    assert!(made == stored, "write it anew: BRACKETRY_WRITE_STORED=1 cargo test -p bracketry-c --test header");
+    assert!(made == stored, "write it anew: BRACKETRY_WRITE_STORED=1 cargo test -p bracketry-c --test main header::");
     for function in ["new", "from_text", "free", "step", "prepare", "feedback", "reset", "set_reference", "predict"] {
         assert!(stored.contains(&format!("bracketry_controller_{function}(")), "{function}");
     }

@@ -1,5 +1,5 @@
 //! The functions as C calls them: the same inputs as from Rust, and codes for whatever is wrong.
-#![allow(clippy::unwrap_used, clippy::undocumented_unsafe_blocks, reason = "the arguments stand beside each call")]
+#![allow(clippy::undocumented_unsafe_blocks, reason = "the arguments stand beside each call")]
 
 use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
