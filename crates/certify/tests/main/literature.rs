@@ -1,5 +1,4 @@
 //! Systems of the literature with known answers.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_certify::{Certification, Claim, Conclusion, Find, Options, Reason, certify, with_feedback};
 use bracketry_system::System;

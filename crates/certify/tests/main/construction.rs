@@ -1,5 +1,4 @@
 //! Random systems whose answers are known by construction: they are proved, or unknown; wrong systems are never proved.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_certify::{Certification, Claim, Conclusion, Find, Flaw, Options, certify};
 use bracketry_system::System;
