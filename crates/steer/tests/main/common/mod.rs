@@ -1,5 +1,4 @@
 //! Models and checks of the tests.
-#![allow(clippy::unwrap_used, dead_code)]
 
 use bracketry_sim::{Model, Settings, simulate};
 use bracketry_steer::{SteerOptions, SteerStatus, Steering, steer};

@@ -1,11 +1,8 @@
 //! Steering by Philip Hall coordinates.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{Numbers, model, reached, system};
 use bracketry_steer::{Plan, SteerMethod, SteerOptions, SteerReason, SteerStatus, steer};
 use bracketry_system::System;
-use common::{Numbers, model, reached, system};
 
 fn by_brackets(from: &[f64], to: &[f64]) -> SteerOptions {
     SteerOptions { method: Some(SteerMethod::Nilpotent), ..SteerOptions::between(from, to) }

@@ -1,11 +1,8 @@
 //! Steering by flat outputs and by shooting, and what is bad input.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{Numbers, model, reached, system};
 use bracketry_steer::{SteerError, SteerMethod, SteerOptions, SteerReason, SteerStatus, steer};
 use bracketry_system::System;
-use common::{Numbers, model, reached, system};
 
 fn by(method: SteerMethod, from: &[f64], to: &[f64]) -> SteerOptions {
     SteerOptions { method: Some(method), ..SteerOptions::between(from, to) }

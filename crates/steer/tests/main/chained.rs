@@ -1,11 +1,8 @@
 //! Steering in the chained form.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::{Numbers, model, reached, system};
 use bracketry_steer::{Plan, SteerMethod, SteerNote, SteerOptions, SteerReason, SteerStatus, steer};
 use bracketry_system::System;
-use common::{Numbers, model, reached, system};
 
 #[test]
 fn a_unicycle_goes_to_random_poses() {
