@@ -1,5 +1,4 @@
 //! Trials: what they simulate, how the random ones are drawn, what counts as being at the target.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
     AreaContact, AreaObject, AreaSettings, Command, Establishing, Friction, Measurement, Object, PlateController,
@@ -44,7 +43,7 @@ impl PlateController for Script {
 }
 
 fn file() -> TrialFile {
-    TrialFile::parse(include_str!("../../../models/plate_trials.toml")).unwrap()
+    TrialFile::parse(include_str!("../../../../models/plate_trials.toml")).unwrap()
 }
 
 /// The disk with few contact points, over a short time.
@@ -235,7 +234,7 @@ fn trials_lie_in_the_ranges_of_their_scenario() {
 
 #[test]
 fn files_with_numbers_without_meaning_are_refused_by_name() {
-    let text = include_str!("../../../models/plate_trials.toml");
+    let text = include_str!("../../../../models/plate_trials.toml");
     let refused = |from: &str, to: &str| TrialFile::parse(&text.replacen(from, to, 1)).unwrap_err().to_string();
     assert!(refused("mu_factor = [0.8, 1.2]", "mu_factor = [1.2, 0.8]").starts_with("mu_factor = [1.2, 0.8]"));
     assert!(refused("lost = 0.1", "lost = 1.5").starts_with("lost = "));

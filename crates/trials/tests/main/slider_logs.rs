@@ -1,5 +1,4 @@
 //! Synthetic logs hold what they promise: equations, sizes, noise, and a truth that the log does not tell.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_system::System;
 use bracketry_trials::{Excitation, Hidden, Slider, SliderEffect, SliderLog, SliderSensors, SyntheticError};

@@ -1,5 +1,4 @@
 //! Logs with hidden effects: each effect against the mechanics it stands for, without noise; noise against its size.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_plate::{
     AmplitudeStep, AreaContact, AreaObject, AreaSettings, Coordinate, Course, DrivenObject, Experiment, Friction,
