@@ -6,7 +6,7 @@
 //! affine form was derived from other equations gives those too, in `NAME_original.toml`.
 #![allow(clippy::print_stdout)]
 
-#[path = "../tests/common/case_file.rs"]
+#[path = "../tests/main/common/case_file.rs"]
 mod case_file;
 
 use std::path::PathBuf;

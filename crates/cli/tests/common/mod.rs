@@ -1,12 +1,12 @@
 //! Running the command and reading what it says; known answers.
 #![allow(dead_code)]
 
-#[path = "../../../../tests/common/case_file.rs"]
+#[path = "../../../../tests/main/common/case_file.rs"]
 pub(crate) mod case_file;
-#[path = "../../../../tests/common/known_answers.rs"]
+#[path = "../../../../tests/main/common/known_answers.rs"]
 pub(crate) mod known_answers;
 pub(crate) mod robots;
-#[path = "../../../../tests/common/sessions.rs"]
+#[path = "../../../../tests/main/common/sessions.rs"]
 pub(crate) mod sessions;
 
 use std::fs;

@@ -1,10 +1,10 @@
 //! Systems with answers known from the literature, read from the shared folder.
 #![allow(clippy::print_stderr)]
 
-#[path = "../../../../tests/common/case_file.rs"]
+#[path = "../../../../tests/main/common/case_file.rs"]
 #[allow(dead_code)]
 mod case_file;
-#[path = "../../../../tests/common/known_answers.rs"]
+#[path = "../../../../tests/main/common/known_answers.rs"]
 mod known_answers;
 
 use std::collections::BTreeMap;

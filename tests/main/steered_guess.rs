@@ -1,6 +1,6 @@
 //! Problems whose plain start is stationary: they are solved from steered inputs, and from waves around the plain start.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::scratch;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -12,14 +12,6 @@ use bracketry::system::System;
 
 fn models() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("models")
-}
-
-/// An empty folder of the test.
-fn scratch(name: &str) -> PathBuf {
-    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&dir);
-    fs::create_dir_all(&dir).unwrap();
-    dir
 }
 
 /// Steers the model of a problem and writes inputs.csv beside it.

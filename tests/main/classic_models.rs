@@ -1,14 +1,10 @@
 //! The classic systems in `models/`: the verdicts of `analyze` against the literature, and the table in `docs/models.md`.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::fmt::Write as _;
 use std::sync::OnceLock;
 
+use crate::common::read;
 use bracketry::lie::Options;
-use bracketry::system::System;
-use common::model;
 use serde_json::Value;
 
 /// What the literature says of a system; `None` where it says nothing that `analyze` answers.
@@ -279,10 +275,6 @@ static SYSTEMS: [Known; 25] = [
     },
 ];
 
-fn read(file: &str) -> System {
-    System::read(model(&format!("{file}.toml"))).unwrap()
-}
-
 /// What `analyze` says of each system, worked out once.
 fn analyses() -> &'static [Value] {
     static ALL: OnceLock<Vec<Value>> = OnceLock::new();
@@ -426,5 +418,8 @@ fn the_table_of_models_is_what_analyze_says() {
         std::fs::write(&path, &fresh).unwrap();
     }
     let now = std::fs::read_to_string(&path).unwrap();
-    assert!(now == fresh, "docs/models.md is stale; BRACKETRY_WRITE_DOCS=1 cargo test --test classic_models writes it");
+    assert!(
+        now == fresh,
+        "docs/models.md is stale; BRACKETRY_WRITE_DOCS=1 cargo test -p bracketry --test main classic_models:: writes it"
+    );
 }

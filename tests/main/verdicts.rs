@@ -1,5 +1,4 @@
 //! Verdicts at a point that an affine form or a linearization alone would get wrong, and values that have none.
-#![allow(clippy::unwrap_used)]
 
 use bracketry::Analysis;
 use bracketry::lie::{Answer, PointReport, Verdict};

@@ -1,20 +1,16 @@
 //! The reference of model and scenario files: every file it shows is read, and it knows every key.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use crate::common::{scratch, sessions::blocks};
 use bracketry::Scenario;
 use bracketry::mpc::ControlProblem;
 use bracketry::sim::Outcome;
 use bracketry::system::{Accepted, System};
-use common::scratch;
-use common::sessions::blocks;
 
-const REFERENCE: &str = include_str!("../docs/model_files.md");
+const REFERENCE: &str = include_str!("../../docs/model_files.md");
 
 /// Writes the files that the reference shows, whose first line begins with their name, into a folder.
 fn write_files(dir: &Path) -> Vec<String> {

@@ -1,15 +1,8 @@
 //! The equations of the classic systems in `models/` against energy balances, constraints and laws they were not written from.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common::read;
 use bracketry::symbolic::{Bindings, Expr, Pool};
 use bracketry::system::System;
-use common::model;
-
-fn read(file: &str) -> System {
-    System::read(model(&format!("{file}.toml"))).unwrap()
-}
 
 /// d/dt of an expression along the model's equations, the inputs as symbols.
 fn rate(system: &mut System, e: Expr) -> Expr {

@@ -4,7 +4,7 @@
 //! Models are chains of carriages or of rotors on springs, with dampers, dry friction and gravity here and there, pushed at the
 //! first by a function of the input. `BRACKETRY_CHAIN_CASES` sets how many are drawn (default 2), `BRACKETRY_CHAIN_SEED` the
 //! first seed; with `--nocapture` the counts are printed.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+#![allow(clippy::print_stdout)]
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

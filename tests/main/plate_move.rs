@@ -1,6 +1,5 @@
 //! The main job's claim: x, y and yaw arrive together on exact set-valued friction, and an integrator that knows nothing
 //! of this project's simulator agrees.
-#![allow(clippy::unwrap_used)]
 
 use std::sync::OnceLock;
 

@@ -1,14 +1,13 @@
 //! Effects hidden in logs of an object on the vibrating plate: the diagnosis sees the columns of the log and nothing else.
 //!
 //! Fixed seeds and short logs; `cargo run --release --example diagnose_plate` draws as many effects as one likes.
-#![allow(clippy::unwrap_used)]
 
 use bracketry_diagnose::{Cause, Record, RecordSettings, Settings, Study, StudySettings, Verdict, diagnose};
 use bracketry_system::System;
 use bracketry_trials::{PlateMismatch, RecordingSettings, multisine, synthetic_log};
 
 fn disk() -> System {
-    System::parse("plate_disk.toml", include_str!("../models/plate_disk.toml")).unwrap()
+    System::parse("plate_disk.toml", include_str!("../../models/plate_disk.toml")).unwrap()
 }
 
 /// A multisine of a few seconds with an effect hidden in it.

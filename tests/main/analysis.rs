@@ -1,5 +1,4 @@
 //! What the report says of the plate, for both shapes.
-#![allow(clippy::unwrap_used)]
 
 use bracketry::Analysis;
 use bracketry::plate::{Shape, published};

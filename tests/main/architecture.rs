@@ -1,5 +1,4 @@
 //! Dependencies between crates point downward only, and users of the library build nothing of the command.
-#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;
 use std::fs;

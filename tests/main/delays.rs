@@ -1,5 +1,4 @@
 //! Delays of inputs, from the model file to the analysis and to the closed loop.
-#![allow(clippy::unwrap_used)]
 
 use bracketry::mpc::ControlProblem;
 use bracketry::system::System;
