@@ -1,0 +1,33 @@
+//! The tests of this crate: one program, a module for each topic.
+#![allow(clippy::unwrap_used)]
+
+mod affinize;
+mod cases;
+mod certify;
+mod command;
+mod common;
+mod compensate;
+mod control;
+mod demo;
+mod diagnose;
+mod diagnose_real;
+mod documents;
+mod export;
+mod front_door;
+mod getting_started;
+mod implicit_models;
+mod live;
+mod mistakes;
+mod operating_point;
+mod parameters;
+mod plate_bearing;
+mod plate_command;
+mod plate_comparison;
+mod report;
+mod simulate;
+mod steer;
+mod stiffness;
+mod stored_output;
+mod story;
+mod transform;
+mod tutorial;
