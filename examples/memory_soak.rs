@@ -1,6 +1,6 @@
 //! Does analyzing many systems in one process take ever more memory?
 //!
-//! `cargo run --release --example memory_soak [SYSTEMS] [STEM]` analyzes random systems, by default 1000, notes the
+//! `cargo run --release --example memory_soak --features measure [SYSTEMS] [STEM]` analyzes random systems, by default 1000, notes the
 //! resident memory after each (Linux), and writes STEM.csv, STEM.svg and STEM.png, by default docs/records/memory.
 #![allow(clippy::print_stdout)]
 

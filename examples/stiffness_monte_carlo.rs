@@ -1,5 +1,5 @@
 //! How well each estimator finds the stiffness of a KUKA KR 125 from noisy measurements; tables and a figure of
-//! `docs/records/stiffness_identification.md`: `cargo run --release --example stiffness_monte_carlo -- docs/figures`.
+//! `docs/records/stiffness_identification.md`: `cargo run --release --example stiffness_monte_carlo --features measure -- docs/figures`.
 #![allow(clippy::print_stdout)]
 
 #[path = "../crates/stiffness/tests/main/common/kr125.rs"]

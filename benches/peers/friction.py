@@ -7,7 +7,7 @@ Every sample solves the problem with the friction F s, -1 <= s <= 1, v = p - m, 
 their products are at most eps, for eps from 1e-1 to 1e-8, each solution the start of the next (Scholtes). Implicit Euler or
 Radau IIA collocation. The plant is integrated in closed form between events. The last line minimizes every sample on that
 closed-form flow (SciPy, L-BFGS-B): what this horizon can attain.
-Needs casadi, numpy and scipy. Compare with `cargo run --release -p bracketry-mpc --example friction_comparison spring-mass`.
+Needs casadi, numpy and scipy. Compare with `cargo run --release -p bracketry-mpc --example friction_comparison --features measure spring-mass`.
 """
 import time
 from math import atan2, cos, exp, pi, sin, sqrt

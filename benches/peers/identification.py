@@ -112,7 +112,7 @@ def score(hidden, named):
 
 def make(directory, options):
     """Logs into the directory, then their diagnosis."""
-    example = ["cargo", "run", "--release", "-p", "bracketry-diagnose", "--example", "hidden_effects", "--", *options]
+    example = ["cargo", "run", "--release", "-p", "bracketry-trials", "--example", "hidden_effects", "--features", "measure", "--", *options]
     subprocess.run([*example, "--export", str(directory)], check=True, cwd=ROOT)
     if not (directory / "diagnose.md").exists():
         run = subprocess.run([*example, "--json", str(directory / "diagnose.json")], check=True, cwd=ROOT, stdout=subprocess.PIPE)

@@ -6,7 +6,7 @@
 draws start states of ten problems, states the same discretized problem (multiple shooting, Runge-Kutta of order 4, inputs constant
 over an interval) to `first_plan`, an example of bracketry-mpc, and to CasADi with IPOPT, and compares costs: a start counts as found
 where the cost is within 1 % of the better of the two. Both start from the same guess: the initial state at every grid point and
-constant inputs. Build the example with `cargo build --release -p bracketry-mpc --example first_plan`. Needs casadi and numpy.
+constant inputs. Build the example with `cargo build --release -p bracketry-mpc --example first_plan --features measure`. Needs casadi and numpy.
 """
 import argparse
 import pathlib

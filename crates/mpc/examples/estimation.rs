@@ -1,6 +1,6 @@
 //! How well friction and velocities are known from positions, and how long an update takes.
 //!
-//! `cargo run --release -p bracketry-mpc --example estimation`
+//! `cargo run --release -p bracketry-mpc --example estimation --features measure`
 #![allow(clippy::print_stdout)]
 
 use bracketry_mpc::{

@@ -1,6 +1,6 @@
 //! Solves the first sample of problem files from their guess, and prints cost, programs and time.
 //!
-//! `cargo run --release -p bracketry-mpc --example first_plan -- [--hessian gauss-newton|exact|automatic] [--log] FILE…`
+//! `cargo run --release -p bracketry-mpc --example first_plan --features measure -- [--hessian gauss-newton|exact|automatic] [--log] FILE…`
 #![allow(clippy::print_stdout)]
 
 use bracketry_mpc::{ControlProblem, Hessian, Sqp, SqpSettings, SymbolicDynamics, Trajectory};

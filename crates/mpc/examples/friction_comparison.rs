@@ -1,6 +1,6 @@
 //! Ways to control through dry friction, each judged on the exact stick–slip plant.
 //!
-//! `cargo run --release -p bracketry-mpc --example friction_comparison`
+//! `cargo run --release -p bracketry-mpc --example friction_comparison --features measure`
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use bracketry_mpc::{

@@ -1,4 +1,4 @@
-//! Memory and counts of long closed loops: `cargo run --release -p bracketry-mpc --example million_steps [STEPS]`.
+//! Memory and counts of long closed loops: `cargo run --release -p bracketry-mpc --example million_steps --features measure [STEPS]`.
 //!
 //! A mass pushed at random for STEPS (a million) samples without faults; then the cart-pole and the mass with dry friction on
 //! its exact plant for a fiftieth of them each, with every kind of fault at random. The resident memory is noted twenty times

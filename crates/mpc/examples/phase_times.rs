@@ -1,4 +1,4 @@
-//! Times of the phases of a control step: `cargo run --release -p bracketry-mpc --example phase_times`.
+//! Times of the phases of a control step: `cargo run --release -p bracketry-mpc --example phase_times --features measure`.
 //!
 //! The swing-up of the pendulum with every kind of preparation, then the move of the plate along its plan.
 #![allow(clippy::print_stdout)]

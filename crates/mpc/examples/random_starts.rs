@@ -1,6 +1,6 @@
 //! Counts programs and successes of the solution method over random starts of several problems.
 //!
-//! `cargo run --release -p bracketry-mpc --example random_starts [STARTS] [PROBLEM] [--exact]`
+//! `cargo run --release -p bracketry-mpc --example random_starts --features measure [STARTS] [PROBLEM] [--exact]`
 #![allow(clippy::print_stdout, clippy::format_push_string)]
 
 use bracketry_mpc::{

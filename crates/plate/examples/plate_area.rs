@@ -1,6 +1,6 @@
 //! Area contact on the published experiments, converged in time step and number of points.
 //!
-//! `cargo run --release -p bracketry-plate --example plate_area`
+//! `cargo run --release -p bracketry-plate --example plate_area --features measure`
 #![allow(clippy::print_stdout)]
 
 use bracketry_plate::{

@@ -1,5 +1,5 @@
 //! Runs the published experiments on the published model and prints the tables of `docs/records/plate_experiments.md`:
-//! `cargo run --release -p bracketry-plate --example plate_experiments`
+//! `cargo run --release -p bracketry-plate --example plate_experiments --features measure`
 #![allow(clippy::print_stdout)]
 
 use bracketry_plate::{AmplitudeStep, Experiment, PlateError, Run, Shape, published, two_step};

@@ -1,5 +1,5 @@
 //! Sweeps the published experiments over friction and frequency on several models and draws the maps of `docs/records/plate_terms.md`:
-//! `cargo run --release -p bracketry-plate --example plate_maps [FOLDER]`
+//! `cargo run --release -p bracketry-plate --example plate_maps --features measure [FOLDER]`
 #![allow(clippy::print_stdout, dead_code)]
 
 mod common;

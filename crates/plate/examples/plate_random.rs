@@ -1,5 +1,5 @@
 //! Simulates random objects on random plates, in parallel, and counts what became of them:
-//! `cargo run --release -p bracketry-plate --example plate_random -- 10000 1`
+//! `cargo run --release -p bracketry-plate --example plate_random --features measure -- 10000 1`
 //!
 //! The arguments are the number of objects and the first seed. Each object is simulated for 0.25 s: any shape, size,
 //! thickness, mass, friction law, restitution and plate motion, at rest, sliding or thrown; one in ten at absurd speeds, some

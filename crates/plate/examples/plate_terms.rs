@@ -1,6 +1,6 @@
 //! Which term of the equations matters when: each is switched off in turn in the published experiments, over friction and
 //! frequency. Prints the tables and draws the figures of `docs/records/plate_terms.md`:
-//! `cargo run --release -p bracketry-plate --example plate_terms [FOLDER]`
+//! `cargo run --release -p bracketry-plate --example plate_terms --features measure [FOLDER]`
 #![allow(clippy::print_stdout, dead_code)]
 
 mod common;

@@ -1,5 +1,5 @@
 //! Shortest moves and what their planning takes:
-//! `cargo run --release -p bracketry-plate --example plate_times [MOVES]`
+//! `cargo run --release -p bracketry-plate --example plate_times --features measure [MOVES]`
 #![allow(clippy::print_stdout)]
 
 use bracketry_plate::{MovePlanner, Object, PlannedMove, PlanningBudget, PlateLimits, Shape};

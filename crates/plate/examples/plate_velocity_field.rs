@@ -1,5 +1,5 @@
 //! Draws cycle-averaged velocity fields of periodic plate motions for `docs/records/plate_terms.md`:
-//! `cargo run --release -p bracketry-plate --example plate_velocity_field [FOLDER]`
+//! `cargo run --release -p bracketry-plate --example plate_velocity_field --features measure [FOLDER]`
 #![allow(clippy::print_stdout, dead_code)]
 
 mod common;

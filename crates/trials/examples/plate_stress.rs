@@ -1,5 +1,5 @@
 //! Runs the pose controller on objects, plates and cameras that are not as it believes:
-//! `cargo run --release -p bracketry-trials --example plate_stress -- --trials 100`
+//! `cargo run --release -p bracketry-trials --example plate_stress --features measure -- --trials 100`
 #![allow(clippy::print_stdout)]
 
 use anyhow::bail;

@@ -5,7 +5,7 @@
 //! model file.
 //!
 //! ```text
-//! cargo run --release -p bracketry-lie --example known_answers -- --count 5000 --threads 2
+//! cargo run --release -p bracketry-lie --example known_answers --features measure -- --count 5000 --threads 2
 //! ```
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 

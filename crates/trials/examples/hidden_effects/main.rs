@@ -1,5 +1,5 @@
 //! Hides effects in logs of a slider, diagnoses them and counts what was named:
-//! `cargo run --release -p bracketry-trials --example hidden_effects -- --runs 200 --seed 1 --measured xv --size 0.1 --effect any`
+//! `cargo run --release -p bracketry-trials --example hidden_effects --features measure -- --runs 200 --seed 1 --measured xv --size 0.1 --effect any`
 //!
 //! `--help` lists the options; `--export DIR` writes the logs, models and truths for other programs instead.
 #![allow(clippy::print_stdout, clippy::print_stderr)]

@@ -1,5 +1,5 @@
 //! Runs random trials of the plate's controllers on the area-contact plant and draws the figures of `docs/records/plate_control.md`:
-//! `cargo run --release -p bracketry-trials --example plate_control -- --trials 200 --case robust`
+//! `cargo run --release -p bracketry-trials --example plate_control --features measure -- --trials 200 --case robust`
 #![allow(clippy::print_stdout)]
 
 mod figures;

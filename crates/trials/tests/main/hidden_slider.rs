@@ -1,6 +1,6 @@
 //! An effect chosen at random is hidden in the log of a slider, and the diagnosis must name it from the CSV alone.
 //!
-//! Seeds are fixed here; `cargo run --release -p bracketry-trials --example hidden_effects` takes any, and many more.
+//! Seeds are fixed here; `cargo run --release -p bracketry-trials --example hidden_effects --features measure` takes any, and many more.
 
 use bracketry_diagnose::Settings;
 use bracketry_trials::{Choice, Score, SliderSensors, SliderTrial};
